@@ -1,0 +1,85 @@
+"""A trajectory: what every engine returns and every analysis reads, dimensionless and in float64."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lammps_inputs import Problem
+
+Floats = NDArray[np.float64]
+
+BLOCK_BYTES = 32 << 20
+"""Working size of one block when a long trajectory is read piece by piece."""
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """Consecutive frames of a run, or all of them.
+
+    Attributes:
+        problem: what was computed; ``problem.scale`` turns the numbers below into the scene's units.
+        time: [frame], in units of T.
+        displacement: [frame, chain, bead] along the chain, in units of L; 0 at the start.
+        velocity: [frame, chain, bead], in units of V.
+    """
+
+    problem: Problem
+    time: Floats
+    displacement: Floats
+    velocity: Floats
+
+    @property
+    def beads(self) -> NDArray[np.int64]:
+        """Numbers of the beads along the last axis, counted from 1."""
+        return self.problem.recorded_beads
+
+    @property
+    def frames(self) -> int:
+        """Number of frames."""
+        return len(self.time)
+
+    def __getitem__(self, frames: slice) -> "Trajectory":
+        """The same trajectory, some frames of it."""
+        return replace(
+            self, time=self.time[frames], displacement=self.displacement[frames], velocity=self.velocity[frames]
+        )
+
+    def bead(self, number: int) -> int:
+        """Position of a bead (counted from 1) along the last axis.
+
+        Raises:
+            ValueError: the bead was not recorded.
+        """
+        found = np.flatnonzero(self.beads == number)
+        if len(found) == 0:
+            raise ValueError(f"bead {number} was not recorded")
+        return int(found[0])
+
+
+def joined(blocks: Iterable[Trajectory]) -> Trajectory:
+    """One trajectory of consecutive blocks.
+
+    Raises:
+        ValueError: there is no block.
+    """
+    parts = list(blocks)
+    if not parts:
+        raise ValueError("no frame to join")
+    if len(parts) == 1:
+        return parts[0]
+    return Trajectory(
+        parts[0].problem,
+        np.concatenate([part.time for part in parts]),
+        np.concatenate([part.displacement for part in parts]),
+        np.concatenate([part.velocity for part in parts]),
+    )
+
+
+def blocks(trajectory: Trajectory) -> Iterator[Trajectory]:
+    """A trajectory in memory as blocks of bounded size, like one that is read from a file."""
+    frame_bytes = 16 * max(1, trajectory.displacement[:1].size)
+    size = max(1, BLOCK_BYTES // frame_bytes)
+    for start in range(0, trajectory.frames, size):
+        yield trajectory[start : start + size]

@@ -1,0 +1,172 @@
+"""LAMMPS input for a scene: ``in.chains`` and ``data.chains``, rendered in memory and written once.
+
+The deck is the equation of motion and nothing else: what the scene does not name leaves no line. It runs with a stock
+``lmp`` (GRANULAR and, for coupled chains, MOLECULE) from the 29Sep2021 release on, serial or with MPI, without Python.
+
+How the equation becomes LAMMPS:
+
+- dimensionless at V = 1, which are LAMMPS's default units; large or small kicks never reach its floating point;
+- beads sit at multiples of a power of two, so touching is exact;
+- neighbours never change on a line, so the neighbour list is built once and no bead is ever moved between ranks;
+- a spring joins beads of one row, so ranks divide the rows, never a row.
+"""
+
+import io
+from pathlib import Path
+
+import numpy as np
+
+from lammps_inputs import contact, coupling, strict_yaml
+from lammps_inputs.numbers import text
+from lammps_inputs.problem import Problem
+from lammps_inputs.scene import Scene
+from lammps_inputs.units import sphere_density
+
+DECK = "in.chains"
+DATA = "data.chains"
+DUMP = "chains.dump.bin"
+LOG = "log.lammps"
+SCENE = "scene.yaml"
+COLUMNS = ("id", "x", "vx")
+
+
+def render(scene: Scene) -> dict[str, str]:
+    """File name -> text of everything LAMMPS needs, and the scene itself.
+
+    Raises:
+        ValueError: the scene ends at a bead, not at a time (see `Scene.problem`).
+    """
+    problem = scene.problem()
+    return {
+        SCENE: strict_yaml.dump(scene.resolved().plain()),
+        DECK: render_deck(problem),
+        DATA: render_data(problem),
+    }
+
+
+def write(scene: Scene, directory: Path) -> None:
+    """Write the deck of a scene into an existing directory."""
+    for name, content in render(scene).items():
+        (directory / name).write_text(content, encoding="utf-8", newline="\n")
+
+
+def render_deck(problem: Problem) -> str:
+    """The text of ``in.chains``."""
+    recorded = "all" if problem.recorded is None else "recorded"
+    sections = [
+        _title(problem),
+        _variables(problem),
+        [
+            "processors * 1 1                 # ranks divide the rows, so no row is cut",
+            "newton off                       # bit for bit the same on any number of ranks",
+            f"atom_style {'hybrid sphere bond' if problem.coupled else 'sphere'}",
+            "boundary s f f                   # a bead thrown back is kept; no periodic images",
+            "atom_modify sort 0 0",
+            "comm_modify vel yes",
+            f"neighbor {text(_skin(problem))} bin",
+            "neigh_modify once yes            # on a line, neighbours stay neighbours",
+            f"read_data {DATA}",
+            "set group all mass 1.0           # exact; the data file's density is within rounding",
+        ],
+        [
+            "# contacts: force = overlap^1.5, no friction, no loss (LAMMPS reports no energy for this style)",
+            *contact.pair_lines(problem.diameter),
+        ],
+    ]
+    if problem.coupled:
+        sections.append(
+            [
+                "# springs between chains: r0 = 0 makes them linear along the chain at any lateral distance",
+                *coupling.bond_lines(),
+            ]
+        )
+    motion = ["fix motion all nve"]
+    if problem.coupled:
+        motion.append("fix line all setforce NULL 0 0   # beads move along their chain only")
+    sections.append(motion)
+    sections.append(
+        [
+            f"set atom {_atom(problem, chain, bead)} vx ${{kick{number}}}"
+            for number, (chain, bead, _) in enumerate(problem.kicks, 1)
+        ]
+    )
+    output = [] if problem.recorded is None else ["group recorded type 2"]
+    output += [
+        f"dump frames {recorded} custom ${{every}} {DUMP} {' '.join(COLUMNS)}",
+        "dump_modify frames flush yes     # whole frames survive a kill",
+        "thermo_style custom step",
+        "thermo_modify lost error",
+        "thermo ${thermo}",
+    ]
+    sections.append(output)
+    sections.append(["timestep ${timestep}", "run ${steps}"])
+    return "\n\n".join("\n".join(lines) for lines in sections) + "\n"
+
+
+def _title(problem: Problem) -> list[str]:
+    parts = [f"{problem.chains} chain{'s' * (problem.chains > 1)} of {problem.beads} beads"]
+    if problem.gap:
+        parts.append(f"gap {problem.gap:.6g}")
+    if problem.coupled:
+        parts.append(f"coupling {problem.kappa:.6g}")
+    return [
+        f"# {problem.name}: {', '.join(parts)}; dimensionless at V = 1",
+        f"# lmp -in {DECK}     or: mpirun -np 4 lmp -in {DECK}     or: lmp -in {DECK} -var timestep 0.005 -var steps ...",
+    ]
+
+
+def _variables(problem: Problem) -> list[str]:
+    kicks = [
+        f"variable kick{number} index {text(velocity)}   # bead {bead} of chain {chain}"
+        for number, (chain, bead, velocity) in enumerate(problem.kicks, 1)
+    ]
+    return [
+        "# change these here, or with -var NAME VALUE",
+        f"variable timestep index {text(problem.timestep)}",
+        f"variable steps index {problem.steps}",
+        f"variable every index {problem.steps_per_frame}   # steps from frame to frame",
+        f"variable thermo index {max(1, problem.steps // 20)}   # steps from line to line of the log",
+        *([f"variable kappa index {text(problem.kappa)}"] if problem.coupled else []),
+        *kicks,
+    ]
+
+
+def _atom(problem: Problem, chain: int, bead: int) -> int:
+    return (chain - 1) * problem.beads + bead
+
+
+def _skin(problem: Problem) -> float:
+    """Neighbour distance beyond contact that takes in the next bead of the chain and nothing else."""
+    return problem.gap + problem.diameter / 2.0
+
+
+def render_data(problem: Problem) -> str:
+    """The text of ``data.chains``; atom number = (chain - 1) * beads + bead, and type 2 marks recorded beads.
+
+    Columns of an atom: ``id type diameter density x y z``, and ``id type x y z diameter density molecule`` with springs.
+    """
+    chains, beads, spacing = problem.chains, problem.beads, problem.spacing
+    types = 1 if problem.recorded is None else 2
+    out = io.StringIO()
+    out.write(f"granchain: {problem.name}\n\n{chains * beads} atoms\n{types} atom types\n")
+    if problem.coupled:
+        out.write(f"{(chains - 1) * beads} bonds\n1 bond types\n")
+    side = text(2.0 * spacing)
+    out.write(f"\n0 {text((beads + 1) * spacing)} xlo xhi\n")
+    out.write(f"-{side} {text(2.0 * spacing * chains)} ylo yhi\n-{side} {side} zlo zhi\n")
+    kind = np.ones(beads, dtype=int)
+    if problem.recorded is not None:
+        kind[problem.recorded_beads - 1] = 2
+    size = f"{text(problem.diameter)} {text(sphere_density(problem.diameter))}"
+    rows = [(str(t), text(x)) for t, x in zip(kind, np.arange(1, beads + 1) * spacing, strict=True)]
+    out.write(f"\nAtoms # {'hybrid' if problem.coupled else 'sphere'}\n\n")
+    for chain in range(chains):
+        first, y = chain * beads + 1, text(2.0 * spacing * chain)
+        if problem.coupled:
+            out.writelines(f"{first + i} {t} {x} {y} 0 {size} {chain + 1}\n" for i, (t, x) in enumerate(rows))
+        else:
+            out.writelines(f"{first + i} {t} {size} {x} {y} 0\n" for i, (t, x) in enumerate(rows))
+    if problem.coupled:
+        out.write("\nBonds\n\n")
+        out.writelines(f"{atom} 1 {atom} {atom + beads}\n" for atom in range(1, (chains - 1) * beads + 1))
+    return out.getvalue()

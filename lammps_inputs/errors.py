@@ -1,0 +1,8 @@
+"""The one exception for what a user typed wrongly."""
+
+
+class InputError(ValueError):
+    """A scene, file or option that cannot be used; its text is one line that tells what to do (exit code 2)."""
+
+    def __init__(self, message: str) -> None:
+        super().__init__(" ".join(message.split()))

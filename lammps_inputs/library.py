@@ -1,0 +1,149 @@
+"""Scenes from files and the paper's scenes by name; a user's mistake becomes one line that names file and key."""
+
+import difflib
+import importlib.resources
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from lammps_inputs import strict_yaml
+from lammps_inputs.errors import InputError
+from lammps_inputs.scene import Scene
+
+
+def installed() -> dict[str, Path]:
+    """Name -> file of the scenes that come with the package."""
+    folder = Path(str(importlib.resources.files("lammps_inputs") / "scenes"))
+    return {path.stem: path for path in sorted(folder.glob("*.yaml"))}
+
+
+def find(name_or_path: str) -> Scene:
+    """A scene by the name of an installed one, or from a user's YAML file.
+
+    Raises:
+        InputError: no such scene or file, or the file is not a scene.
+    """
+    scenes = installed()
+    if name_or_path in scenes:
+        return load(scenes[name_or_path])
+    path = Path(name_or_path)
+    try:
+        exists = path.exists()
+    except (OSError, ValueError):
+        exists = False
+    if not exists and path.suffix not in (".yaml", ".yml"):
+        raise InputError(
+            f"{name_or_path!r}: neither a file nor an installed scene{_suggestion(name_or_path, scenes)}; "
+            "`granchain scenes` lists them"
+        )
+    return load(path)
+
+
+def load(path: Path) -> Scene:
+    """The scene in a YAML file.
+
+    Raises:
+        InputError: naming the file, the key, what was given and what would be right.
+    """
+    return from_plain(strict_yaml.load(path), str(path))
+
+
+def from_plain(data: dict[str, Any], source: str) -> Scene:
+    """A scene from nested plain data; ``source`` names it in messages.
+
+    Raises:
+        InputError: as `load`.
+    """
+    try:
+        return Scene.model_validate(data)
+    except ValidationError as error:
+        raise InputError(f"{source}: {describe(error, Scene)}") from None
+
+
+def describe(error: ValidationError, model: type[BaseModel]) -> str:
+    """The first of pydantic's complaints as one line: key, what was found, what would be right."""
+    details = error.errors(include_url=False)
+    unknown = [detail for detail in details if detail["type"] == "extra_forbidden"]
+    first = (unknown or details)[0]
+    more = f" (and {len(details) - 1} more)" if len(details) > 1 and not first["loc"][:1] == ("output",) else ""
+    return _line(first, model) + more
+
+
+def _line(detail: ErrorDetails, model: type[BaseModel]) -> str:
+    kind = detail["type"]
+    path = [part for part in detail["loc"] if part not in _BRANCHES]
+    key = _key(path)
+    given = _short(detail["input"])
+    context = detail.get("ctx", {})
+    if kind == "extra_forbidden":
+        known = _fields_at(model, path[:-1])
+        return f"{key}: unknown key{_suggestion(str(path[-1]), known)}; known here: {', '.join(known)}"
+    if kind == "missing":
+        return f"{key}: is missing"
+    if kind == "value_error":
+        return f"{key}: {context['error']} ({given} given)" if key else str(context["error"])
+    if kind == "string_pattern_mismatch":
+        allowed = "letters, digits, `.`, `_`, `-`, at most 64" if key == "name" else "one line of printable text"
+        return f"{key}: {given} given; {allowed}"
+    if kind == "literal_error" and key == "output.beads":
+        return f"{key}: should be `all` or a list of bead numbers, {given} given"
+    message = _PLAIN.get(kind, detail["msg"].removeprefix("Input "))
+    return f"{key}: {message}, {given} given"
+
+
+_BRANCHES = ("literal['all']", "tuple[constrained-int, ...]")
+
+_PLAIN = {
+    "int_type": "should be a whole number",
+    "int_from_float": "should be a whole number",
+    "float_type": "should be a number",
+    "string_type": "should be text",
+    "tuple_type": "should be a list",
+    "finite_number": "should be a finite number",
+    "model_type": "should hold `key: value` pairs",
+    "model_attributes_type": "should hold `key: value` pairs",
+}
+
+
+def _key(path: list[int | str]) -> str:
+    key = ""
+    for position, part in enumerate(path):
+        if isinstance(part, int):
+            following = position + 1 < len(path)
+            key += "" if key == "kick" and part == 0 and following else f"[{part + 1}]"
+        else:
+            key += f".{part}" if key else part
+    return key
+
+
+def _short(value: Any) -> str:
+    try:
+        text = repr(value)
+    except ValueError:  # an integer too long to print
+        text = "a huge number"
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def _fields_at(model: type[BaseModel], path: list[int | str]) -> list[str]:
+    for part in path:
+        if isinstance(part, int):
+            continue
+        model = _model_in(model.model_fields[part].annotation) or model
+    return list(model.model_fields)
+
+
+def _model_in(annotation: Any) -> type[BaseModel] | None:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    for argument in getattr(annotation, "__args__", ()):
+        found = _model_in(argument)
+        if found is not None:
+            return found
+    return None
+
+
+def _suggestion(word: str, known: Any) -> str:
+    close = difflib.get_close_matches(word, list(known), n=1)
+    return f" (did you mean `{close[0]}`?)" if close else ""

@@ -1,0 +1,14 @@
+"""Small helpers for exact and readable numbers."""
+
+import math
+
+
+def power_of_two_at_least(value: float) -> float:
+    """The smallest power of two that is not below a positive value."""
+    mantissa, exponent = math.frexp(value)
+    return math.ldexp(1.0, exponent - 1 if mantissa == 0.5 else exponent)
+
+
+def text(value: float) -> str:
+    """The shortest text that reads back as exactly this number, without a trailing ``.0``."""
+    return repr(float(value)).removesuffix(".0")

@@ -1,0 +1,222 @@
+"""A scene: what a user asks for, validated and frozen, from YAML or Python. What it leaves out does not exist.
+
+No default depends on anything but the scene, and `Scene.resolved` fills every one of them in.
+"""
+
+import math
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+
+from lammps_inputs.problem import Problem
+from lammps_inputs.timestep import default_timestep
+from lammps_inputs.units import Scale, hertz_constant, make_scale, sphere_mass
+
+DEFAULT_EVERY = 0.1
+"""Dimensionless time between frames: 19 frames in the full width at half maximum of a solitary wave of amplitude 1."""
+
+MAX_STEPS = 10**12
+
+Positive = Annotated[float, Field(gt=0, le=1e30)]
+Count = Annotated[int, Field(ge=1, le=2**31 - 1)]
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+
+class Coupling(_Part):
+    """Linear springs between neighbouring chains."""
+
+    model: Literal["linear"] = "linear"
+    stiffness: Annotated[float, Field(ge=0, le=1e30)]
+    """The paper's epsilon * alpha (kappa); N/m with a material."""
+
+
+class Kick(_Part):
+    """An initial velocity of one bead, towards higher bead numbers when positive."""
+
+    chain: Count = 1
+    bead: Count = 1
+    velocity: Annotated[float, Field(ge=-1e30, le=1e30)]
+
+    @field_validator("velocity")
+    @classmethod
+    def _moves(cls, value: float) -> float:
+        if abs(value) < 1e-30:
+            raise ValueError("a kick needs a velocity (at least 1e-30)")
+        return value
+
+
+class Material(_Part):
+    """Elastic spheres in SI units; with it every other number of the scene is in SI."""
+
+    radius: Positive
+    density: Positive
+    youngs_modulus: Positive
+    poisson_ratio: Annotated[float, Field(gt=-1, le=0.5)]
+
+
+class Output(_Part):
+    """What is recorded, and how often."""
+
+    every: Positive | None = None
+    """Time between frames."""
+    beads: Literal["all"] | tuple[Count, ...] = "all"
+    """Recorded beads of every chain."""
+
+    @field_validator("beads", mode="before")
+    @classmethod
+    def _from_list(cls, value: Any) -> Any:
+        return tuple(value) if isinstance(value, list) else value
+
+    @field_validator("beads")
+    @classmethod
+    def _ascending(cls, value: Any) -> Any:
+        if value == "all":
+            return value
+        if not value:
+            raise ValueError("name at least one bead, or `all`")
+        if len(set(value)) < len(value):
+            raise ValueError("a bead is named twice")
+        return tuple(sorted(value))
+
+
+class Scene(_Part):
+    """Identical chains of touching or gapped beads on parallel lines, hit at the start."""
+
+    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$")]
+    description: Annotated[str, Field(max_length=200, pattern=r"^[^\x00-\x1f\x7f]*$")] = ""
+    chains: Annotated[int, Field(ge=1, le=10**6)] = 1
+    beads: Annotated[int, Field(ge=2, le=10**8)]
+    gap: Annotated[float, Field(ge=0, le=1e30)] = 0.0
+    coupling: Coupling | None = None
+    kick: tuple[Kick, ...]
+    material: Material | None = None
+    duration: Positive | None = None
+    until_bead: Count | None = None
+    timestep: Positive | None = None
+    output: Output = Output()
+
+    @field_validator("kick", mode="before")
+    @classmethod
+    def _one_or_several(cls, value: Any) -> Any:
+        return tuple(value) if isinstance(value, list | tuple) else (value,)
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        if self.chains * self.beads > 2**31 - 1:
+            raise ValueError(f"beads: {self.chains} x {self.beads} beads are more than LAMMPS numbers (2147483647)")
+        if not self.kick:
+            raise ValueError("kick: at least one bead must be hit")
+        for number, kick in enumerate(self.kick):
+            key = "kick" if len(self.kick) == 1 else f"kick[{number + 1}]"
+            if kick.chain > self.chains:
+                raise ValueError(f"{key}.chain: {kick.chain} is outside the array (chains 1 to {self.chains})")
+            if kick.bead > self.beads:
+                raise ValueError(f"{key}.bead: {kick.bead} is outside the array (beads 1 to {self.beads})")
+        if len({(kick.chain, kick.bead) for kick in self.kick}) < len(self.kick):
+            raise ValueError("kick: one bead is hit twice; add the velocities up")
+        if (self.duration is None) == (self.until_bead is None):
+            given = "neither is given" if self.duration is None else "both are given"
+            raise ValueError(f"duration: give either duration or until_bead ({given})")
+        if self.until_bead is not None and self.until_bead > self.beads:
+            raise ValueError(f"until_bead: {self.until_bead} is outside the array (beads 1 to {self.beads})")
+        if self.output.beads != "all" and self.output.beads[-1] > self.beads:
+            raise ValueError(f"output.beads: {self.output.beads[-1]} is outside the array (beads 1 to {self.beads})")
+        self._check_numbers()
+        return self
+
+    def _check_numbers(self) -> None:
+        """Refuse scenes whose dimensionless numbers overflow, or whose times do not fit together."""
+        scale = self.scale
+        reduced = (scale.length, scale.time, scale.mass, self.kappa, self.gap / scale.length)
+        if not all(map(math.isfinite, reduced)) or min(scale.length, scale.time, scale.mass) <= 0.0:
+            raise ValueError("kick: these units overflow when made dimensionless; check the material and velocities")
+        if self.kappa > 1e12:
+            raise ValueError(
+                f"coupling.stiffness: {self.kappa:.3g} in dimensionless units, so stiff that the rows are rigid; "
+                "at most 1e12"
+            )
+        every, steps = self._cadence()
+        if self.timestep is not None and abs(steps * self.timestep / every - 1.0) > 1e-9:
+            raise ValueError(
+                f"timestep: {self.timestep:g} does not divide output.every = {every:g} evenly; "
+                f"try {every / math.ceil(every / self.timestep):.12g}"
+            )
+        if self.duration is not None:
+            frames = self.duration / every
+            if not frames * steps <= MAX_STEPS:
+                raise ValueError(f"duration: needs {frames * steps:.3g} time steps; at most {MAX_STEPS:.0e}")
+
+    @property
+    def scale(self) -> Scale:
+        """What one dimensionless unit is worth in this scene's units."""
+        velocity = max(abs(kick.velocity) for kick in self.kick)
+        if self.material is None:
+            return make_scale(1.0, 1.0, velocity, si=False)
+        ball = self.material
+        return make_scale(
+            sphere_mass(ball.radius, ball.density),
+            hertz_constant(ball.radius, ball.youngs_modulus, ball.poisson_ratio),
+            velocity,
+            si=True,
+        )
+
+    @property
+    def kappa(self) -> float:
+        """Dimensionless coupling, 0 without springs."""
+        return 0.0 if self.coupling is None else self.coupling.stiffness / self.scale.stiffness
+
+    def _cadence(self) -> tuple[float, int]:
+        """Time between frames in the scene's units, and time steps in it."""
+        scale = self.scale
+        every = DEFAULT_EVERY * scale.time if self.output.every is None else self.output.every
+        step = self.timestep
+        if step is None:
+            energy = 0.5 * sum((kick.velocity / scale.velocity) ** 2 for kick in self.kick)
+            step = default_timestep(energy, self.kappa, self.chains) * scale.time
+        return every, max(1, math.ceil(every / step * (1.0 - 1e-9)))
+
+    def resolved(self) -> "Scene":
+        """The same scene with every default written out; resolving twice changes nothing."""
+        every, steps = self._cadence()
+        output = self.output.model_copy(update={"every": every})
+        return self.model_copy(update={"output": output, "timestep": every / steps})
+
+    def problem(self) -> Problem:
+        """The dimensionless problem at V = 1.
+
+        Raises:
+            ValueError: the scene ends at a bead, not at a time; `workflow.ending.with_duration` finds the time.
+        """
+        if self.duration is None:
+            raise ValueError("this scene ends at a bead; workflow.ending.with_duration(scene) finds its duration")
+        scale = self.scale
+        every, steps = self._cadence()
+        return Problem(
+            name=self.name,
+            chains=self.chains,
+            beads=self.beads,
+            kicks=tuple((kick.chain, kick.bead, kick.velocity / scale.velocity) for kick in self.kick),
+            kappa=self.kappa if self.chains > 1 else 0.0,
+            gap=self.gap / scale.length,
+            timestep=every / scale.time / steps,
+            steps_per_frame=steps,
+            frames=max(1, math.ceil(self.duration / every * (1.0 - 1e-9))),
+            recorded=None if self.output.beads == "all" else self.output.beads,
+            scale=scale,
+        )
+
+    def plain(self) -> dict[str, Any]:
+        """Nested plain data for YAML, without what the scene does not name."""
+        return dict(_named(self.model_dump(mode="json", exclude_none=True)))
+
+
+def _named(data: dict[str, Any]) -> Iterator[tuple[str, Any]]:
+    for key, value in data.items():
+        if key == "kick" and len(value) == 1:
+            yield key, value[0]
+        elif not (key == "description" and value == "") and not (key == "gap" and value == 0.0):
+            yield key, value

@@ -1,0 +1,103 @@
+"""YAML as engineers read it: one mapping, no duplicate keys, ``1e-5`` is a number, ``1:30`` and ``yes`` are text.
+
+Nothing here knows what a scene is.
+"""
+
+import re
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from lammps_inputs.errors import InputError
+
+MAX_BYTES = 1 << 20
+
+
+class _Loader(yaml.SafeLoader):
+    """A safe loader that refuses duplicate keys, anchors and aliases."""
+
+    yaml_implicit_resolvers: dict[Any, Any] = {}  # noqa: RUF012  PyYAML's own attribute
+
+    def compose_node(self, parent: Any, index: Any) -> Any:
+        if self.check_event(yaml.events.AliasEvent):
+            raise yaml.YAMLError("anchors and aliases are not read here; write the value out")
+        return super().compose_node(parent, index)
+
+    def construct_mapping(self, node: Any, deep: bool = False) -> dict[Any, Any]:
+        seen = set()
+        for key_node, _ in node.value:
+            key = key_node.value
+            if not isinstance(key, str):
+                raise yaml.YAMLError("keys are plain words")
+            if key in seen:
+                raise yaml.YAMLError(f"key {key!r} is given twice")
+            seen.add(key)
+        return super().construct_mapping(node, deep)
+
+
+for _tag, _pattern, _first in (
+    ("bool", r"true|false|True|False", "tfTF"),
+    ("int", r"[-+]?(?:0|[1-9][0-9]*)", "-+0123456789"),
+    ("float", r"[-+]?(?:[0-9]+\.[0-9]*|\.[0-9]+|[0-9]+(?=[eE]))(?:[eE][-+]?[0-9]+)?", "-+.0123456789"),
+    ("float", r"[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN)", "-+."),
+    ("null", r"~|null|Null|NULL|", ["~", "n", "N", ""]),
+):
+    _Loader.add_implicit_resolver(f"tag:yaml.org,2002:{_tag}", re.compile(f"^(?:{_pattern})$"), list(_first))
+
+
+def parse(text: str, source: str) -> dict[str, Any]:
+    """The mapping that a YAML text holds.
+
+    Args:
+        text: the YAML text.
+        source: what to call the text in messages, usually the file's path.
+
+    Raises:
+        InputError: not YAML, empty, not a mapping, a key given twice, or nested beyond reason.
+    """
+    try:
+        data = yaml.load(text, Loader=_Loader)  # noqa: S506  a subclass of SafeLoader
+    except yaml.MarkedYAMLError as error:
+        line = "" if error.problem_mark is None else f"line {error.problem_mark.line + 1}: "
+        raise InputError(f"{source}: {line}{error.problem or error.context}") from None
+    except yaml.YAMLError as error:
+        raise InputError(f"{source}: {error}") from None
+    except RecursionError:
+        raise InputError(f"{source}: nested too deeply to be a scene") from None
+    except ValueError as error:  # e.g. an integer of five thousand digits
+        raise InputError(f"{source}: {error}") from None
+    if data is None:
+        raise InputError(f"{source}: is empty; `granchain show two-chains` prints a scene to start from")
+    if not isinstance(data, dict):
+        raise InputError(f"{source}: holds a {type(data).__name__}, not `key: value` lines")
+    return data
+
+
+def load(path: Path) -> dict[str, Any]:
+    """Read one mapping from a file of at most 1 MiB.
+
+    Raises:
+        InputError: the file is missing, unreadable, not text, or does not parse.
+    """
+    try:
+        with path.open("rb") as file:
+            raw = file.read(MAX_BYTES + 1)
+    except IsADirectoryError:
+        raise InputError(f"{path}: is a directory, not a file") from None
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file") from None
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path}: cannot be read ({getattr(error, 'strerror', None) or error})") from None
+    if len(raw) > MAX_BYTES:
+        raise InputError(f"{path}: larger than 1 MiB, so hardly a scene")
+    try:
+        text = raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: is not a text file (UTF-8)") from None
+    return parse(text, str(path))
+
+
+def dump(data: dict[str, Any]) -> str:
+    """YAML text of nested plain data, in the order given; numbers round-trip exactly."""
+    return yaml.safe_dump(data, sort_keys=False, default_flow_style=None, width=1000, allow_unicode=True)

@@ -1,0 +1,91 @@
+"""The scales that turn a scene's own units into the dimensionless problem at V = 1, and back.
+
+With mass m, contact constant A (force = A overlap**1.5) and fastest kick V::
+
+    length  L = (m V**2 / A)**0.4      time  T = L / V
+
+so that x = L x^, t = T t^, and a spring k becomes kappa = k T**2 / m. Reduced units are the case m = A = 1, where
+kappa = k V**-0.4. The scaling is exact (Starosvetsky, Hasan & Vakakis: the array has no other scale).
+"""
+
+import math
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Scale:
+    """What one dimensionless unit is worth in the scene's units (SI with a material, else reduced units)."""
+
+    mass: float
+    length: float
+    velocity: float
+    si: bool
+
+    @property
+    def time(self) -> float:
+        """Unit of time, ``length / velocity``."""
+        return self.length / self.velocity
+
+    @property
+    def stiffness(self) -> float:
+        """Unit of a linear spring, ``mass / time**2``."""
+        return self.mass / self.time**2
+
+    @property
+    def force(self) -> float:
+        """Unit of force, ``mass * length / time**2``."""
+        return self.mass * self.velocity / self.time
+
+    @property
+    def momentum(self) -> float:
+        """Unit of momentum."""
+        return self.mass * self.velocity
+
+    @property
+    def energy(self) -> float:
+        """Unit of energy."""
+        return self.mass * self.velocity**2
+
+    def symbol(self, quantity: str) -> str:
+        """The unit's symbol for plots and tables: ``m/s`` or ``-``."""
+        return _SI[quantity] if self.si else "-"
+
+
+_SI = {
+    "mass": "kg",
+    "length": "m",
+    "velocity": "m/s",
+    "time": "s",
+    "stiffness": "N/m",
+    "force": "N",
+    "momentum": "kg m/s",
+    "energy": "J",
+    "speed": "beads/s",
+}
+
+
+def make_scale(mass: float, contact_constant: float, velocity: float, *, si: bool) -> Scale:
+    """Scale of a chain of beads of this mass whose fastest bead starts with this velocity (> 0).
+
+    Args:
+        mass: bead mass (kg, or 1).
+        contact_constant: A in ``force = A overlap**1.5`` (N/m^1.5, or 1).
+        velocity: largest kick velocity (m/s, or reduced).
+        si: whether the three are in SI units.
+    """
+    return Scale(mass, (mass * velocity**2 / contact_constant) ** 0.4, velocity, si)
+
+
+def sphere_mass(radius: float, density: float) -> float:
+    """Mass of a solid sphere (kg) of a radius (m) and density (kg/m3)."""
+    return 4.0 / 3.0 * math.pi * radius**3 * density
+
+
+def sphere_density(diameter: float) -> float:
+    """Density that gives a sphere of this diameter the mass 1."""
+    return 6.0 / (math.pi * diameter**3)
+
+
+def hertz_constant(radius: float, youngs_modulus: float, poisson_ratio: float) -> float:
+    """A = E sqrt(2 R) / (3 (1 - nu**2)) for two equal spheres (N/m^1.5; Hertz 1882, eq. 1 of the paper)."""
+    return youngs_modulus * math.sqrt(2.0 * radius) / (3.0 * (1.0 - poisson_ratio**2))
