@@ -36,7 +36,7 @@ def largest_overlap(total_energy: float) -> float:
 def bead_diameter(total_energy: float) -> float:
     """Diameter for LAMMPS: a power of two, so that touching is exact, and never small enough for second neighbours
     to meet or for one overlap to reach half of it.
-    """  # noqa: D400
+    """
     two_contacts = 2.0 * largest_overlap(total_energy / 2.0)
     return power_of_two_at_least(max(4.0, 2.0 * largest_overlap(total_energy), two_contacts))
 

@@ -111,7 +111,7 @@ def _title(problem: Problem) -> list[str]:
         parts.append(f"coupling {problem.kappa:.6g}")
     return [
         f"# {problem.name}: {', '.join(parts)}; dimensionless at V = 1",
-        f"# lmp -in {DECK}     or: mpirun -np 4 lmp -in {DECK}     or: lmp -in {DECK} -var timestep 0.005 -var steps ...",
+        f"# lmp -in {DECK}     or: mpirun -np 4 lmp -in {DECK}     or: lmp -in {DECK} -var steps 1000",
     ]
 
 
@@ -125,7 +125,7 @@ def _variables(problem: Problem) -> list[str]:
         f"variable timestep index {text(problem.timestep)}",
         f"variable steps index {problem.steps}",
         f"variable every index {problem.steps_per_frame}   # steps from frame to frame",
-        f"variable thermo index {max(1, problem.steps // 20)}   # steps from line to line of the log",
+        f"variable thermo index {min(max(1, problem.steps // 20), 2**31 - 1)}   # steps from line to line of the log",
         *([f"variable kappa index {text(problem.kappa)}"] if problem.coupled else []),
         *kicks,
     ]
@@ -143,7 +143,7 @@ def _skin(problem: Problem) -> float:
 def render_data(problem: Problem) -> str:
     """The text of ``data.chains``; atom number = (chain - 1) * beads + bead, and type 2 marks recorded beads.
 
-    Columns of an atom: ``id type diameter density x y z``, and ``id type x y z diameter density molecule`` with springs.
+    Columns of an atom: ``id type diameter density x y z``, and ``id type x y z diameter density molecule`` coupled.
     """
     chains, beads, spacing = problem.chains, problem.beads, problem.spacing
     types = 1 if problem.recorded is None else 2

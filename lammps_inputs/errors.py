@@ -5,4 +5,5 @@ class InputError(ValueError):
     """A scene, file or option that cannot be used; its text is one line that tells what to do (exit code 2)."""
 
     def __init__(self, message: str) -> None:
-        super().__init__(" ".join(message.split()))
+        one_line = " ".join(message.split())
+        super().__init__("".join(c if c.isprintable() else ascii(c)[1:-1] for c in one_line))  # no terminal controls

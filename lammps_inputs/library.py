@@ -67,7 +67,7 @@ def describe(error: ValidationError, model: type[BaseModel]) -> str:
     details = error.errors(include_url=False)
     unknown = [detail for detail in details if detail["type"] == "extra_forbidden"]
     first = (unknown or details)[0]
-    more = f" (and {len(details) - 1} more)" if len(details) > 1 and not first["loc"][:1] == ("output",) else ""
+    more = f" (and {len(details) - 1} more)" if len(details) > 1 and first["loc"][:1] != ("output",) else ""
     return _line(first, model) + more
 
 
@@ -114,7 +114,8 @@ def _key(path: list[int | str]) -> str:
             following = position + 1 < len(path)
             key += "" if key == "kick" and part == 0 and following else f"[{part + 1}]"
         else:
-            key += f".{part}" if key else part
+            word = part if 0 < len(part) <= 60 else _short(part)
+            key += f".{word}" if key else word
     return key
 
 

@@ -18,6 +18,12 @@ DEFAULT_EVERY = 0.1
 
 MAX_STEPS = 10**12
 
+MAX_STEPS_PER_FRAME = 10**8
+"""Well within the 32-bit integers of LAMMPS's dump command."""
+
+MAX_LENGTH = 1e9
+"""Dimensionless; positions up to here resolve overlaps of order 1 to 1e-7."""
+
 Positive = Annotated[float, Field(gt=0, le=1e30)]
 Count = Annotated[int, Field(ge=1, le=2**31 - 1)]
 
@@ -130,16 +136,29 @@ class Scene(_Part):
 
     def _check_numbers(self) -> None:
         """Refuse scenes whose dimensionless numbers overflow, or whose times do not fit together."""
-        scale = self.scale
-        reduced = (scale.length, scale.time, scale.mass, self.kappa, self.gap / scale.length)
-        if not all(map(math.isfinite, reduced)) or min(scale.length, scale.time, scale.mass) <= 0.0:
+        try:
+            scale = self.scale
+            units = (scale.length, scale.time, scale.mass)
+        except (ZeroDivisionError, OverflowError):
+            units = (math.nan,)
+        if not all(1e-30 <= unit <= 1e30 for unit in units):
             raise ValueError("kick: these units overflow when made dimensionless; check the material and velocities")
+        if self.gap / scale.length * self.beads > MAX_LENGTH:
+            raise ValueError(
+                f"gap: {self.gap / scale.length:.3g} in dimensionless units, so wide that positions lose their digits; "
+                f"at most {MAX_LENGTH / self.beads:.3g} for {self.beads} beads"
+            )
         if self.kappa > 1e12:
             raise ValueError(
                 f"coupling.stiffness: {self.kappa:.3g} in dimensionless units, so stiff that the rows are rigid; "
                 "at most 1e12"
             )
         every, steps = self._cadence()
+        if steps > MAX_STEPS_PER_FRAME:
+            raise ValueError(
+                f"output.every: {every:g} is more than {MAX_STEPS_PER_FRAME:.0e} time steps; "
+                "record more often or take longer steps"
+            )
         if self.timestep is not None and abs(steps * self.timestep / every - 1.0) > 1e-9:
             raise ValueError(
                 f"timestep: {self.timestep:g} does not divide output.every = {every:g} evenly; "
@@ -177,7 +196,7 @@ class Scene(_Part):
         if step is None:
             energy = 0.5 * sum((kick.velocity / scale.velocity) ** 2 for kick in self.kick)
             step = default_timestep(energy, self.kappa, self.chains) * scale.time
-        return every, max(1, math.ceil(every / step * (1.0 - 1e-9)))
+        return every, max(1, math.ceil(min(every / step, 2.0 * MAX_STEPS_PER_FRAME) * (1.0 - 1e-9)))
 
     def resolved(self) -> "Scene":
         """The same scene with every default written out; resolving twice changes nothing."""

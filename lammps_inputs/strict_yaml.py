@@ -1,5 +1,7 @@
 """YAML as engineers read it: one mapping, no duplicate keys, ``1e-5`` is a number, ``1:30`` and ``yes`` are text.
 
+No tags, anchors or aliases either, so what is read is dictionaries, lists, text, numbers, truth values and null.
+
 Nothing here knows what a scene is.
 """
 
@@ -15,25 +17,36 @@ MAX_BYTES = 1 << 20
 
 
 class _Loader(yaml.SafeLoader):
-    """A safe loader that refuses duplicate keys, anchors and aliases."""
+    """A safe loader that refuses duplicate keys, keys that are not text, tags, anchors and aliases."""
 
     yaml_implicit_resolvers: dict[Any, Any] = {}  # noqa: RUF012  PyYAML's own attribute
 
     def compose_node(self, parent: Any, index: Any) -> Any:
-        if self.check_event(yaml.events.AliasEvent):
-            raise yaml.YAMLError("anchors and aliases are not read here; write the value out")
+        event = self.peek_event()
+        if getattr(event, "anchor", None) is not None:
+            raise _refusal("anchors and aliases are not read here; write the value out", event)
+        if getattr(event, "tag", None) is not None:
+            raise _refusal("tags (`!...`) are not read here; write the plain value", event)
         return super().compose_node(parent, index)
 
     def construct_mapping(self, node: Any, deep: bool = False) -> dict[Any, Any]:
         seen = set()
         for key_node, _ in node.value:
             key = key_node.value
-            if not isinstance(key, str):
-                raise yaml.YAMLError("keys are plain words")
+            if key_node.tag != "tag:yaml.org,2002:str" or not key.isprintable():
+                raise _refusal("keys are plain words", key_node)
             if key in seen:
-                raise yaml.YAMLError(f"key {key!r} is given twice")
+                raise _refusal(f"key {key!r} is given twice", key_node)
             seen.add(key)
         return super().construct_mapping(node, deep)
+
+
+def _refusal(problem: str, where: Any) -> yaml.MarkedYAMLError:
+    return yaml.MarkedYAMLError(problem=problem, problem_mark=where.start_mark)
+
+
+class _Dumper(yaml.SafeDumper):
+    """A safe dumper that quotes text which `_Loader` would take for a number, such as ``1e5``."""
 
 
 for _tag, _pattern, _first in (
@@ -43,7 +56,8 @@ for _tag, _pattern, _first in (
     ("float", r"[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN)", "-+."),
     ("null", r"~|null|Null|NULL|", ["~", "n", "N", ""]),
 ):
-    _Loader.add_implicit_resolver(f"tag:yaml.org,2002:{_tag}", re.compile(f"^(?:{_pattern})$"), list(_first))
+    for _class in (_Loader, _Dumper):
+        _class.add_implicit_resolver(f"tag:yaml.org,2002:{_tag}", re.compile(f"^(?:{_pattern})$"), list(_first))
 
 
 def parse(text: str, source: str) -> dict[str, Any]:
@@ -57,16 +71,17 @@ def parse(text: str, source: str) -> dict[str, Any]:
         InputError: not YAML, empty, not a mapping, a key given twice, or nested beyond reason.
     """
     try:
-        data = yaml.load(text, Loader=_Loader)  # noqa: S506  a subclass of SafeLoader
+        data = yaml.load(text, Loader=_Loader)
     except yaml.MarkedYAMLError as error:
         line = "" if error.problem_mark is None else f"line {error.problem_mark.line + 1}: "
-        raise InputError(f"{source}: {line}{error.problem or error.context}") from None
+        what = ", ".join(part for part in (error.context, error.problem) if part)
+        raise InputError(f"{source}: {line}{what}") from None
     except yaml.YAMLError as error:
         raise InputError(f"{source}: {error}") from None
     except RecursionError:
         raise InputError(f"{source}: nested too deeply to be a scene") from None
-    except ValueError as error:  # e.g. an integer of five thousand digits
-        raise InputError(f"{source}: {error}") from None
+    except (ValueError, OverflowError):
+        raise InputError(f"{source}: holds a number too long to read, or a character that does not exist") from None
     if data is None:
         raise InputError(f"{source}: is empty; `granchain show two-chains` prints a scene to start from")
     if not isinstance(data, dict):
@@ -100,4 +115,4 @@ def load(path: Path) -> dict[str, Any]:
 
 def dump(data: dict[str, Any]) -> str:
     """YAML text of nested plain data, in the order given; numbers round-trip exactly."""
-    return yaml.safe_dump(data, sort_keys=False, default_flow_style=None, width=1000, allow_unicode=True)
+    return yaml.dump(data, Dumper=_Dumper, sort_keys=False, default_flow_style=None, width=1000, allow_unicode=True)

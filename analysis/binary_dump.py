@@ -1,0 +1,507 @@
+"""LAMMPS binary dumps (``dump ... custom FILE.bin id x vx``): read, streamed as a trajectory, and written.
+
+Pure numpy. `BinaryDump` knows the file format and no physics; `blocks` and `Writer` know which atom is which bead.
+Numbers are float64 as LAMMPS computed them. Memory does not grow with the file.
+
+One frame in the file (little endian, nothing is padded; revision 2, written by LAMMPS since 2021):
+
+| bytes         | type           | what                                                               |
+|---------------|----------------|--------------------------------------------------------------------|
+| 8 + 10        | int64, char    | -10, ``DUMPCUSTOM``                                                |
+| 4 + 4         | int32          | 1 (byte order), 2 (revision)                                       |
+| 8 + 8         | int64          | step, number of atoms                                              |
+| 4 + 24        | int32          | triclinic or not, kinds of the 6 boundaries                        |
+| 48 or 72      | float64        | box: xlo xhi ylo yhi zlo zhi, and xy xz yz when triclinic          |
+| 4             | int32          | number of columns                                                  |
+| 4 + n         | int32, char    | length and name of the units (in the first frame only, if at all)  |
+| 1 or 1 + 8    | int8, float64  | whether a time follows, the time                                   |
+| 4 + n         | int32, char    | length and names of the columns                                    |
+| 4             | int32          | number of chunks, one per MPI rank                                 |
+| 4 + 8n, each  | int32, float64 | n, and the rows of the chunk, in no order: atoms are placed by id  |
+"""
+
+import struct
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from io import FileIO
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis import trajectory
+from analysis.trajectory import Floats, Trajectory
+from lammps_inputs import InputError, Problem
+
+Bytes = NDArray[np.uint8]
+
+_MAGIC = struct.pack("<q10s", -10, b"DUMPCUSTOM")
+_STEP = len(_MAGIC) + 8
+_BOX = _STEP + 8 + 8 + 4 + 24
+_PROBE_BYTES = 512
+_READ_BYTES = 1 << 20  # read at once: stays in the processor's cache while it is sorted
+_MAX_NAMES, _MAX_RANKS = 1 << 16, 1 << 22
+
+
+class CutDumpWarning(UserWarning):
+    """A dump ends within a frame (the run was killed, or still writes); its whole frames are used."""
+
+
+class NoFrameError(InputError):
+    """A dump without one whole frame."""
+
+
+@dataclass(frozen=True)
+class _Layout:
+    """Where things are in a frame; two frames of one layout differ in step, box, time and rows only."""
+
+    atoms: int
+    columns: tuple[str, ...]
+    tilts: int
+    time_at: int | None
+    header: int
+    chunks: int
+
+    @property
+    def size(self) -> int:
+        """Bytes of a frame, header included."""
+        return self.header + 4 * self.chunks + 8 * self.atoms * len(self.columns)
+
+    @property
+    def fixed(self) -> NDArray[np.bool_]:
+        """Which bytes of the header are the same in all frames of this layout."""
+        mask = np.ones(self.header, dtype=bool)
+        mask[_STEP : _STEP + 8] = False
+        mask[_BOX : _BOX + 8 * (6 + self.tilts)] = False
+        if self.time_at is not None:
+            mask[self.time_at : self.time_at + 8] = False
+        return mask
+
+
+def _parse(raw: bytes) -> _Layout:
+    """Layout of the frame that begins with these bytes.
+
+    Raises:
+        ValueError: not the header of a frame; the text says why.
+        struct.error: the bytes end within the header, and are right as far as they go.
+    """
+    at = 0
+
+    def take(fields: str) -> tuple[int, ...]:
+        nonlocal at
+        values = struct.unpack_from(f"<{fields}", raw, at)
+        at += struct.calcsize(f"<{fields}")
+        return values
+
+    def take_text(limit: int, what: str) -> str:
+        nonlocal at
+        (length,) = take("i")
+        if not 0 <= length <= limit:
+            raise ValueError(f"{length} bytes of {what}")
+        (text,) = struct.unpack_from(f"<{length}s", raw, at)
+        at += length
+        return str(text, "ascii", "replace")
+
+    if not (raw.startswith(_MAGIC) or _MAGIC.startswith(raw)):
+        raise ValueError(_kind_of(raw))
+    at = len(_MAGIC)
+    order, revision = take("2i")
+    if order != 1 or revision != 2:
+        raise ValueError(f"byte order {order} and revision {revision} of the format; 1 and 2 are read here")
+    _, atoms = take("2q")
+    if atoms < 1:
+        raise ValueError(f"{atoms} atoms")
+    triclinic, *boundary = take("7i")
+    if triclinic not in (0, 1) or not all(0 <= kind <= 3 for kind in boundary):
+        raise ValueError(f"box of kind {triclinic}, boundaries {boundary}")
+    tilts = 3 * triclinic
+    take(f"{6 + tilts}d")
+    (columns,) = take("i")
+    take_text(_MAX_NAMES, "units")
+    (timed,) = take("b")
+    if timed not in (0, 1):
+        raise ValueError(f"time flag {timed}")
+    time_at = at if timed else None
+    at += 8 * timed
+    names = tuple(take_text(_MAX_NAMES, "column names").split())
+    if len(names) != columns or "id" not in names:
+        raise ValueError(f"{columns} columns with the names {' '.join(names)[:80]!r}; `id` must be among them")
+    (chunks,) = take("i")
+    if not 1 <= chunks <= _MAX_RANKS:
+        raise ValueError(f"{chunks} chunks")
+    return _Layout(atoms, names, tilts, time_at, at, chunks)
+
+
+def _kind_of(raw: bytes) -> str:
+    """What a file that does not begin like our dumps probably is."""
+    if raw.startswith(b"ITEM:"):
+        return "it is a text dump; MDAnalysis reads those with format='LAMMPSDUMP'"
+    if raw.startswith(struct.pack("<q8s", -8, b"DUMPATOM")):
+        return "it is a dump of style atom; use `dump ... custom FILE.bin id x vx`"
+    if raw.startswith(_MAGIC[7::-1]):
+        return "it was written on a big-endian machine"
+    if len(raw) >= _BOX - 26:
+        step, atoms, triclinic, *boundary = struct.unpack_from("<2q7i", raw)
+        if step >= 0 < atoms and triclinic in (0, 1) and all(0 <= kind <= 3 for kind in boundary) and any(raw[:44]):
+            return "if it is one, LAMMPS before 2021 wrote it, without names of columns"
+    return "it begins differently"
+
+
+class BinaryDump:
+    """One file of whole frames, each with the same atoms; nothing is kept open and nothing but the index in memory.
+
+    Attributes:
+        path: the file.
+        steps: [frame], time step numbers, int64.
+        times: [frame], as LAMMPS wrote them with ``dump_modify time yes``, else None.
+        box: [frame, axis, end], lower and upper bounds.
+        tilt: [frame, 3] (xy, xz, yz), or None for an orthogonal box.
+        columns: names of the columns, such as ``("id", "x", "vx")``.
+        ids: [atom], ascending; the order of atoms in everything that is read.
+        cut: whether the file ends within a frame, which is left out.
+    """
+
+    def __init__(self, path: Path | str) -> None:
+        """Index the frames of a file.
+
+        Raises:
+            NoFrameError: the file is empty, or ends within its first frame.
+            InputError: the file is missing, is no binary dump with ids, or is damaged; the text names it and says why.
+
+        Warns:
+            CutDumpWarning: the file ends within a frame, which is left out.
+        """
+        self.path = Path(path)
+        with self._open() as file:
+            self._index(file, file.seek(0, 2))
+        ids = np.sort(self._frames(np.array([0]), ("id",), None)[0, 0])
+        if not (np.all(np.diff(ids) > 0) and np.all(ids == np.floor(ids)) and ids[0] >= 1 and ids[-1] < 2**53):
+            raise self._damaged(0, "the ids of its atoms are not different whole numbers")
+        self.ids: NDArray[np.int64] = ids.astype(np.int64)
+        if self.cut:
+            warnings.warn(
+                CutDumpWarning(f"{path}: ends within a frame; the {self.n_frames} whole frames before it are read"),
+                stacklevel=2,
+            )
+
+    @property
+    def n_atoms(self) -> int:
+        """Number of atoms in each frame."""
+        return self._layouts[0].atoms
+
+    @property
+    def n_frames(self) -> int:
+        """Number of whole frames."""
+        return len(self.steps)
+
+    def read(
+        self, start: int | None = None, stop: int | None = None, step: int | None = None, columns: Sequence[str] = ()
+    ) -> Floats:
+        """Frames of a slice (as of a Python list), the atoms of each in ascending order of id.
+
+        Args:
+            start: first frame.
+            stop: frame before which to stop.
+            step: every how many frames.
+            columns: names of the columns to keep; all of them by default.
+
+        Returns:
+            [frame, column, atom].
+
+        Raises:
+            InputError: a column is not there, or a frame is damaged or holds other atoms than the first frame.
+        """
+        names = tuple(columns) or self.columns
+        missing = [name for name in names if name not in self.columns]
+        if missing:
+            raise InputError(f"{self.path}: has no column {missing[0]!r}; it has {' '.join(self.columns)}")
+        return self._frames(np.arange(self.n_frames)[start:stop:step], names, self.ids)
+
+    @contextmanager
+    def _open(self) -> Iterator[FileIO]:
+        try:
+            with self.path.open("rb", buffering=0) as file:
+                yield file
+        except FileNotFoundError:
+            raise InputError(f"{self.path}: no such file") from None
+        except IsADirectoryError:
+            raise InputError(f"{self.path}: is a directory, not a file") from None
+        except OSError as error:
+            raise InputError(f"{self.path}: cannot be read ({error.strerror or error})") from None
+
+    def _index(self, file: FileIO, end: int) -> None:
+        """Find the frames: the headers of frames of one layout stand at equal distances and are checked together."""
+        layouts: dict[_Layout, int] = {}
+        kinds, offsets, steps, boxes, times = [], [], [], [], []
+        offset = frames = 0
+        while offset < end:
+            raw = _bytes_at(file, offset, _PROBE_BYTES)
+            try:
+                try:
+                    layout = _parse(raw)
+                except struct.error:  # long names, or the end of the file
+                    raw = _bytes_at(file, offset, 2 * _MAX_NAMES + _PROBE_BYTES)
+                    layout = _parse(raw)
+            except struct.error:
+                break
+            except ValueError as error:
+                if frames == 0:
+                    raise InputError(f"{self.path}: is not a LAMMPS binary dump of style custom: {error}") from None
+                raise self._damaged(frames, str(error), offset) from None
+            known = next(iter(layouts), layout)
+            if (layout.atoms, layout.columns, layout.tilts) != (known.atoms, known.columns, known.tilts):
+                raise self._damaged(frames, "another number of atoms, other columns or another box", offset)
+            template, fixed = np.frombuffer(raw, np.uint8, layout.header), layout.fixed
+            batch, before = 1, frames
+            while whole := min(batch, (end - offset) // layout.size):
+                places = range(offset, offset + whole * layout.size, layout.size)
+                joined = b"".join([_bytes_at(file, place, layout.header) for place in places])
+                if len(joined) < whole * layout.header:
+                    raise InputError(f"{self.path}: changed while it was read")
+                headers = np.frombuffer(joined, np.uint8).reshape(whole, layout.header)
+                alike = (headers[:, fixed] == template[fixed]).all(axis=1)
+                count = whole if alike.all() else int(np.argmin(alike))
+                headers = headers[:count]
+                kinds.append(np.full(count, layouts.setdefault(layout, len(layouts))))
+                offsets.append(np.arange(count) * layout.size + offset)
+                steps.append(_field(headers, _STEP, "<i8", 1)[:, 0])
+                boxes.append(_field(headers, _BOX, "<f8", 6 + layout.tilts))
+                if layout.time_at is not None:
+                    times.append(_field(headers, layout.time_at, "<f8", 1)[:, 0])
+                offset += count * layout.size
+                frames += count
+                if count < whole:
+                    break
+                batch = min(2 * batch, 1 << 14)
+            if frames == before:  # it does not fit into what is left of the file
+                break
+        if frames == 0:
+            raise NoFrameError(f"{self.path}: " + ("ends within its first frame" if end else "is an empty file"))
+        self.cut = offset < end
+        self._layouts = list(layouts)
+        self._kinds: NDArray[np.int64] = np.concatenate(kinds)
+        self._offsets: NDArray[np.int64] = np.concatenate(offsets)
+        self.columns = self._layouts[0].columns
+        self.steps: NDArray[np.int64] = np.concatenate(steps)
+        box: Floats = np.concatenate(boxes)
+        self.box: Floats = box[:, :6].reshape(-1, 3, 2)
+        self.tilt: Floats | None = box[:, 6:] if self._layouts[0].tilts else None
+        timed = all(layout.time_at is not None for layout in self._layouts)
+        self.times: Floats | None = np.concatenate(times) if timed else None
+
+    def _frames(self, frames: NDArray[np.int64], names: tuple[str, ...], ids: NDArray[np.int64] | None) -> Floats:
+        """[frame, column, atom] of some frames by number; atoms as they stand in the file if no ids are given."""
+        picked = [self.columns.index(name) for name in names]
+        out = np.empty((len(frames), len(picked), self.n_atoms))
+        done = 0
+        with self._open() as file:
+            while done < len(frames):
+                kind = self._kinds[frames[done]]
+                layout = self._layouts[kind]
+                block = frames[done : done + max(1, _READ_BYTES // layout.size)]
+                other = np.flatnonzero(self._kinds[block] != kind)
+                block = block[: other[0]] if len(other) else block
+                rows = self._rows(self._raw(file, block, layout), layout, block)
+                target = out[done : done + len(block)]
+                order = None if ids is None else self._order(rows[:, :, self.columns.index("id")], ids, block)
+                for row, column in enumerate(picked):
+                    values = rows[:, :, column]
+                    if order is None:
+                        target[:, row] = values
+                    elif order.ndim == 1:
+                        target[:, row] = values[:, order]
+                    else:
+                        target[:, row] = np.take_along_axis(values, order, axis=1)
+                done += len(block)
+        return out
+
+    def _raw(self, file: FileIO, frames: NDArray[np.int64], layout: _Layout) -> Bytes:
+        """[frame, byte] of frames of one layout."""
+        raw = np.empty((len(frames), layout.size), dtype=np.uint8)
+        offsets = self._offsets[frames]
+        together = bool(np.all(np.diff(offsets) == layout.size))
+        whole = True
+        for offset, part in [(offsets[0], raw)] if together else zip(offsets, raw, strict=True):
+            file.seek(int(offset))
+            whole = whole and _read_into(file, part.reshape(-1))
+        if not (whole and np.array_equal(_field(raw, _STEP, "<i8", 1)[:, 0], self.steps[frames])):
+            raise InputError(f"{self.path}: changed while it was read")
+        return raw
+
+    def _rows(self, raw: Bytes, layout: _Layout, frames: NDArray[np.int64]) -> Floats:
+        """[frame, atom, column] as they stand in the file."""
+        pieces = []
+        at = layout.header
+        for _ in range(layout.chunks):
+            counts = _field(raw, at, "<i4", 1)
+            count = int(counts[0, 0])
+            if (counts != count).any():  # ranks exchanged atoms: frame by frame
+                each = [self._rows(raw[i : i + 1], layout, frames[i : i + 1]) for i in range(len(raw))]
+                return np.concatenate(each)
+            at += 4 + 8 * count
+            if count < 0 or at > layout.size:
+                break
+            pieces.append(raw[:, at - 8 * count : at])
+        if at != layout.size or len(pieces) != layout.chunks:
+            raise self._damaged(int(frames[0]), "its chunks do not add up to its atoms")
+        together = np.concatenate(pieces, axis=1)
+        return together.view("<f8").reshape(len(raw), layout.atoms, len(layout.columns))
+
+    def _order(self, found: Floats, ids: NDArray[np.int64], frames: NDArray[np.int64]) -> NDArray[np.int64] | None:
+        """Where each atom stands: [atom] if in all frames alike, [frame, atom] if not, None if already in order."""
+        alike = bool((found == found[0]).all())
+        if alike and np.array_equal(found[0], ids):
+            return None
+        order = np.argsort(found[:1] if alike else found, axis=1, kind="stable")
+        right = (np.take_along_axis(found[: len(order)], order, axis=1) == ids).all(axis=1)
+        if not right.all():
+            raise self._damaged(int(frames[np.argmin(right)]), "its atoms are not those of the first frame")
+        return order[0] if alike else order
+
+    def _damaged(self, frame: int, reason: str, offset: int | None = None) -> InputError:
+        at = int(self._offsets[frame]) if offset is None else offset
+        repair = f"; `head -c {at}` saves the frames before it" if frame else ""
+        return InputError(f"{self.path}: frame {frame} (byte {at}) is damaged: {reason}{repair}")
+
+
+def _bytes_at(file: FileIO, offset: int, count: int) -> bytes:
+    file.seek(offset)
+    return file.read(count)
+
+
+def _read_into(file: FileIO, buffer: Bytes) -> bool:
+    """Fill a buffer from an unbuffered file, which may return less than asked; whether it was filled."""
+    view = buffer.data
+    while len(view):
+        count = file.readinto(view)
+        if not count:
+            return False
+        view = view[count:]
+    return True
+
+
+def _field(raw: Bytes, at: int, kind: str, count: int) -> NDArray[Any]:
+    """[frame, count] of numbers at one place of every frame, copied since they are not aligned."""
+    width = np.dtype(kind).itemsize * count
+    return np.ascontiguousarray(raw[:, at : at + width]).view(kind)
+
+
+def rest_positions(problem: Problem) -> Floats:
+    """[recorded bead] where LAMMPS has the beads at the start, to the last bit."""
+    return np.asarray(problem.recorded_beads * problem.spacing, dtype=np.float64)
+
+
+def atom_ids(problem: Problem) -> NDArray[np.int64]:
+    """[chain, recorded bead] numbers of the recorded atoms: (chain - 1) * beads + bead."""
+    return np.arange(problem.chains)[:, np.newaxis] * problem.beads + problem.recorded_beads
+
+
+def blocks(paths: Sequence[Path], problem: Problem) -> Iterator[Trajectory]:
+    """One or more dumps of a run, in order, as blocks of about `trajectory.BLOCK_BYTES`.
+
+    A step that several files hold (the run was continued) comes from the first of them. A file without a whole frame is
+    passed over if another has one.
+
+    Raises:
+        InputError: a file is no binary dump or damaged, holds other atoms than the problem, or its steps go back.
+
+    Warns:
+        CutDumpWarning: a file ends within a frame, which is left out.
+    """
+    shape = atom_ids(problem).shape
+    ids = atom_ids(problem).ravel()
+    rest = np.tile(rest_positions(problem), problem.chains)
+    size = max(1, trajectory.BLOCK_BYTES // (16 * len(ids)))
+    last = -1
+    empty: NoFrameError | None = None
+    for path in paths:
+        try:
+            dump = BinaryDump(path)
+        except NoFrameError as error:
+            empty = error
+            continue
+        if not np.array_equal(dump.ids, ids):
+            recorded = "all" if problem.recorded is None else f"{len(problem.recorded)} recorded"
+            raise InputError(
+                f"{path}: its {dump.n_atoms} atoms are not the {len(ids)} of {problem.name} "
+                f"({problem.chains} chains, {recorded} of {problem.beads} beads)"
+            )
+        if not np.all(np.diff(dump.steps) > 0):
+            raise InputError(f"{path}: its steps go back, so it is not one run")
+        first = int(np.searchsorted(dump.steps, last, side="right"))
+        for start in range(first, dump.n_frames, size):
+            values = dump.read(start, start + size, columns=("x", "vx"))
+            values[:, 0] -= rest
+            steps = dump.steps[start : start + size]
+            yield Trajectory(
+                problem,
+                steps / problem.steps_per_frame * problem.every,
+                values[:, 0].reshape(-1, *shape),
+                values[:, 1].reshape(-1, *shape),
+            )
+        last = max(last, int(dump.steps[-1]))
+    if empty is not None:
+        if last < 0:
+            raise empty
+        warnings.warn(CutDumpWarning(f"{empty}; it is passed over"), stacklevel=2)
+
+
+class Writer:
+    """Writes a binary dump as LAMMPS does for ``id x vx``; each frame is on its way to the disk when `append` returns.
+
+    Use it in a ``with`` statement, or `close` it.
+    """
+
+    def __init__(self, path: Path | str, problem: Problem) -> None:
+        """Begin a dump of the recorded beads; an existing file is replaced."""
+        self._rest = rest_positions(problem)
+        ids = atom_ids(problem)
+        self._rows = np.empty((*ids.shape, 3), dtype="<f8")
+        self._rows[:, :, 0] = ids
+        width = 2.0 * problem.spacing
+        self._lateral = (-width, width * problem.chains, -width, width)
+        self._file = Path(path).open("wb")  # noqa: SIM115  closed by `close`
+
+    def append(self, step: int, displacement: Floats, velocity: Floats) -> None:
+        """Write one frame.
+
+        Args:
+            step: number of the time step.
+            displacement: [chain, recorded bead].
+            velocity: [chain, recorded bead].
+
+        Raises:
+            ValueError: an array has another shape.
+        """
+        rows = self._rows
+        for values in (displacement, velocity):
+            if values.shape != rows.shape[:2]:
+                raise ValueError(f"array of shape {values.shape}; [chain, recorded bead] is {rows.shape[:2]}")
+        rows[:, :, 1] = self._rest + displacement
+        rows[:, :, 2] = velocity
+        x = rows[:, :, 1]
+        names = b"id x vx"
+        atoms = x.size
+        header = struct.pack(
+            f"<2i2q7i6d2ibi{len(names)}s2i",
+            *(1, 2, step, atoms),
+            *(0, 2, 2, 1, 1, 1, 1),  # orthogonal; boundary s f f
+            *(x.min(), x.max(), *self._lateral),
+            *(3, 0, 0, len(names), names),
+            *(1, rows.size),
+        )
+        self._file.write(_MAGIC + header + rows.tobytes())
+        self._file.flush()
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()

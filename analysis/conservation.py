@@ -1,0 +1,42 @@
+"""How well a run conserves energy and momentum, from its trajectory (LAMMPS reports neither for these chains)."""
+
+import numpy as np
+
+from analysis import motion
+from analysis.trajectory import Trajectory
+
+
+class Conservation:
+    """Largest deviation of energy and momentum from the kicks', over the frames seen so far.
+
+    Attributes:
+        energy_drift: relative to the energy of the kicks; NaN where not all beads are recorded.
+        momentum_drift: relative to the sum of the kicks' absolute momenta; NaN likewise.
+        frames: number of frames seen.
+        last_time: time of the last of them, in units of T.
+        front: foremost bead (largest number) seen moving faster than 1e-3 of V.
+    """
+
+    def __init__(self) -> None:
+        self.energy_drift = 0.0
+        self.momentum_drift = 0.0
+        self.frames = 0
+        self.last_time = 0.0
+        self.front = 0
+
+    def add(self, block: Trajectory) -> None:
+        """Take more frames into account."""
+        problem = block.problem
+        self.frames += block.frames
+        self.last_time = float(block.time[-1])
+        moving = np.flatnonzero(np.any(np.abs(block.velocity) > 1e-3, axis=(0, 1)))
+        if len(moving):
+            self.front = max(self.front, int(block.beads[moving[-1]]))
+        if problem.recorded is not None:
+            self.energy_drift = self.momentum_drift = float("nan")
+            return
+        energy = motion.energy(problem, block.displacement, block.velocity)
+        momentum = motion.momentum(block.velocity)
+        kicked = sum(abs(velocity) for _, _, velocity in problem.kicks)
+        self.energy_drift = max(self.energy_drift, float(np.max(np.abs(energy / problem.energy - 1.0))))
+        self.momentum_drift = max(self.momentum_drift, float(np.max(np.abs(momentum - problem.momentum))) / kicked)

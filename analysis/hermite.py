@@ -1,0 +1,60 @@
+"""Polynomials through values and derivatives at equally spaced frames, for many series at once."""
+
+import functools
+import math
+
+import numpy as np
+
+from analysis.trajectory import Floats
+
+
+@functools.lru_cache
+def _coefficients_from_data(nodes: tuple[int, ...], derivatives: int) -> Floats:
+    """Inverse of the confluent Vandermonde matrix; data are ordered by node, then by derivative."""
+    size = len(nodes) * derivatives
+    rows = [
+        [math.perm(power, order) * float(node) ** (power - order) if power >= order else 0.0 for power in range(size)]
+        for node in nodes
+        for order in range(derivatives)
+    ]
+    return np.asarray(np.linalg.inv(np.array(rows)))
+
+
+def coefficients(nodes: tuple[int, ...], data: Floats, spacing: float) -> Floats:
+    """Polynomials of ``t / spacing`` with given values and derivatives at t = node * spacing.
+
+    Args:
+        nodes: frames relative to the one where t = 0.
+        data: [node, derivative, ...]: value, first derivative, ... (any trailing shape).
+        spacing: time between frames.
+
+    Returns:
+        [power, ...], ascending.
+    """
+    count, derivatives = data.shape[:2]
+    scaled = data * (spacing ** np.arange(derivatives)).reshape((1, derivatives) + (1,) * (data.ndim - 2))
+    flat = scaled.reshape((count * derivatives, *data.shape[2:]))
+    return np.asarray(np.tensordot(_coefficients_from_data(nodes, derivatives), flat, axes=1))
+
+
+def derivative(polynomials: Floats) -> Floats:
+    """Coefficients of the derivative with respect to ``t / spacing``."""
+    powers = np.arange(1, len(polynomials)).reshape((-1,) + (1,) * (polynomials.ndim - 1))
+    return polynomials[1:] * powers
+
+
+def value(polynomials: Floats, s: Floats) -> Floats:
+    """Values at s = t / spacing, of the trailing shape."""
+    result = np.zeros_like(s)
+    for coefficient in polynomials[::-1]:
+        result = result * s + coefficient
+    return result
+
+
+def falling_zero(polynomials: Floats, low: Floats, high: Floats) -> Floats:
+    """Where each polynomial falls through zero between low and high (positive at low, not so at high), by bisection."""
+    for _ in range(50):
+        middle = 0.5 * (low + high)
+        above = value(polynomials, middle) > 0.0
+        low, high = np.where(above, middle, low), np.where(above, high, middle)
+    return 0.5 * (low + high)

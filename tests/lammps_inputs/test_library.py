@@ -1,0 +1,132 @@
+import pytest
+from bad_scenes import BAD_SCENES, assert_one_line, scene_text
+from hypothesis import given
+from hypothesis import strategies as st
+from strategies import VALUES, YAML_LIKE
+
+from lammps_inputs import InputError, Scene, find, library, load, strict_yaml
+
+PAPER = ["one-chain", "three-chains", "two-chains", "two-chains-steel", "two-chains-strong"]
+
+
+@pytest.mark.parametrize("case", BAD_SCENES, ids=lambda case: case.kind)
+def test_a_bad_scene_is_one_line_that_names_file_and_key_and_helps(case, tmp_path):
+    if not case.possible:
+        pytest.skip("not possible for this user or on this system (root reads every file)")
+    path = case.place(tmp_path)
+    with pytest.raises(InputError) as caught:
+        find(str(path))
+    assert_one_line(caught.value, f"{path}: {case.key}")
+    assert case.says in str(caught.value)
+
+
+def test_the_mistakes_are_of_more_than_thirty_kinds():
+    assert len({case.kind for case in BAD_SCENES}) == len(BAD_SCENES) > 30
+
+
+def test_the_scene_that_the_mistakes_are_made_in_is_good():
+    assert library.from_plain(strict_yaml.parse(scene_text(), "here"), "here").beads == 10
+
+
+def scene_or_one_line(data):
+    try:
+        scene = library.from_plain(data, "here")
+    except InputError as error:
+        assert_one_line(error, "here: ")
+    else:
+        assert isinstance(scene, Scene)
+
+
+@given(YAML_LIKE | st.text())
+def test_any_text_gives_a_scene_or_one_line(text):
+    try:
+        data = strict_yaml.parse(text, "here")
+    except InputError:
+        return
+    scene_or_one_line(data)
+
+
+@given(st.text(max_size=12) | st.sampled_from(list(Scene.model_fields)), VALUES)
+def test_any_value_of_any_key_gives_a_scene_or_one_line(key, value):
+    scene_or_one_line({"name": "a", "beads": 9, "kick": {"velocity": 1.0}, "duration": 5.0, key: value})
+
+
+@given(
+    st.sampled_from(["kick", "coupling", "material", "output"]),
+    st.sampled_from(["chain", "bead", "velocity", "model", "stiffness", "radius", "density", "every", "beads", "x"]),
+    VALUES,
+)
+def test_any_value_within_a_part_gives_a_scene_or_one_line(part, key, value):
+    scene_or_one_line({"name": "a", "beads": 9, "kick": {"velocity": 1.0}, "duration": 5.0, part: {key: value}})
+
+
+@given(st.lists(st.floats(0.0, 1e30, exclude_min=True), min_size=7, max_size=7))
+def test_any_positive_numbers_give_a_scene_or_one_line(numbers):
+    radius, density, modulus, velocity, duration, every, stiffness = numbers
+    scene_or_one_line(
+        {
+            "name": "a",
+            "beads": 9,
+            "chains": 2,
+            "material": {"radius": radius, "density": density, "youngs_modulus": modulus, "poisson_ratio": 0.3},
+            "kick": {"velocity": velocity},
+            "coupling": {"stiffness": stiffness},
+            "duration": duration,
+            "output": {"every": every},
+        }
+    )
+
+
+def test_the_scenes_of_the_paper_are_installed():
+    assert sorted(library.installed()) == PAPER
+
+
+@pytest.mark.parametrize("name", PAPER)
+def test_an_installed_scene_has_its_own_name_and_says_what_it_is(name):
+    scene = find(name)
+    assert scene.name == name
+    assert scene.description
+
+
+@pytest.mark.parametrize(
+    ("name", "chains", "kappa"), [("two-chains", 2, 0.1), ("two-chains-strong", 2, 0.5), ("three-chains", 3, 0.1)]
+)
+def test_the_scenes_of_the_figures_have_the_numbers_of_the_paper(name, chains, kappa):
+    scene = find(name)
+    assert (scene.chains, scene.kappa, scene.kick[0].velocity) == (chains, kappa, 1.0)
+    assert scene.beads >= 120
+
+
+def test_the_steel_scene_is_the_two_chain_scene_in_si():
+    steel, reduced = find("two-chains-steel"), find("two-chains")
+    assert steel.scale.si
+    assert steel.kappa == pytest.approx(reduced.kappa, rel=2e-3)  # 2.41e6 N/m has three digits
+    assert steel.problem().duration == pytest.approx(192, rel=0.03)
+
+
+def test_a_misspelt_name_gets_a_suggestion():
+    with pytest.raises(InputError, match=r"'two-chain'.*did you mean `two-chains`.*granchain scenes"):
+        find("two-chain")
+
+
+@pytest.mark.parametrize("name", ["", "a\nb", "a\0b", "../..", "\x1b[31m", "nowhere/two-chains.yaml"])
+def test_a_name_that_is_nothing_is_one_line(name):
+    with pytest.raises(InputError) as caught:
+        find(name)
+    assert_one_line(caught.value, "")
+
+
+@pytest.mark.parametrize("file", ["mine.yaml", "mine.yml", "mine", "two-chains.yaml"])
+def test_a_file_of_the_user_works_under_any_name(file, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / file).write_text(scene_text(name="mine"))
+    assert find(file) == load(tmp_path / file)
+    assert find(file).name == "mine"
+
+
+def test_one_kick_and_a_list_of_one_kick_are_the_same():
+    one, several = (
+        library.from_plain(strict_yaml.parse(scene_text(kick=kick), "here"), "here")
+        for kick in ("{velocity: 1}", "[{velocity: 1}]")
+    )
+    assert one == several

@@ -1,0 +1,160 @@
+import math
+import re
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pydantic import ValidationError
+from strategies import scenes
+
+from lammps_inputs import Coupling, InputError, Kick, Output, Scene, find, library, strict_yaml
+
+ALLOWED = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}", re.ASCII)
+
+
+def scene(**changes):
+    return Scene(**{"name": "a", "beads": 9, "kick": (Kick(velocity=1.0),), "duration": 5.0, **changes})
+
+
+def through_yaml(scene):
+    return library.from_plain(strict_yaml.parse(strict_yaml.dump(scene.plain()), "here"), "here")
+
+
+@given(scenes())
+def test_resolving_twice_changes_nothing(scene):
+    assert scene.resolved().resolved() == scene.resolved()
+
+
+@given(scenes(ends=False))
+def test_resolving_does_not_change_the_problem(scene):
+    assert scene.resolved().problem() == scene.problem()
+
+
+@given(scenes())
+def test_a_resolved_scene_has_no_default_left(scene):
+    resolved = scene.resolved()
+    assert resolved.timestep is not None
+    assert resolved.output.every is not None
+
+
+@given(scenes())
+def test_a_scene_comes_back_from_yaml_exactly(scene):
+    assert through_yaml(scene) == scene
+
+
+@given(scenes())
+def test_a_resolved_scene_comes_back_from_yaml_exactly(scene):
+    assert through_yaml(scene.resolved()) == scene.resolved()
+
+
+@pytest.mark.parametrize("name", ["1e5", "12E3", "1.5", "7", "true", "null", "yes", "no", "0x1", "a.b", "2020-01-01"])
+def test_a_name_that_looks_like_something_else_comes_back_as_a_name(name):
+    assert through_yaml(scene(name=name)).name == name
+
+
+@given(scenes(ends=False))
+def test_the_fastest_kick_is_1_in_the_problem(scene):
+    assert max(abs(velocity) for _, _, velocity in scene.problem().kicks) == 1.0
+
+
+@given(scenes(ends=False))
+def test_every_number_of_the_problem_is_finite_and_no_time_is_cut_off(scene):
+    problem = scene.problem()
+    assert all(map(math.isfinite, (problem.timestep, problem.kappa, problem.gap, problem.energy, problem.duration)))
+    assert problem.duration * scene.scale.time >= scene.duration * (1 - 1e-8)
+    assert problem.frames >= 1
+
+
+@given(st.text(max_size=70) | st.from_regex(ALLOWED), st.sampled_from(["", "/", "$", "\n", "'", "..", " ", "{", "é"]))
+def test_a_name_is_letters_digits_dot_underscore_and_hyphen_or_refused(name, extra):
+    try:
+        accepted = scene(name=name + extra).name
+    except ValidationError:
+        assert not ALLOWED.fullmatch(name + extra)
+    else:
+        assert ALLOWED.fullmatch(accepted)
+
+
+@given(st.text(max_size=210))
+def test_a_description_is_one_line_or_refused(description):
+    try:
+        accepted = scene(description=description).description
+    except ValidationError:
+        assert len(description) > 200 or re.search(r"[\x00-\x1f\x7f]", description)
+    else:
+        assert "\n" not in accepted
+
+
+@pytest.mark.parametrize(("part", "value"), [("beads", 3), ("kick", ()), ("output", None)])
+def test_a_scene_cannot_be_changed(part, value):
+    with pytest.raises(ValidationError, match="frozen"):
+        setattr(scene(), part, value)
+
+
+def test_a_part_of_a_scene_cannot_be_changed():
+    with pytest.raises(ValidationError, match="frozen"):
+        scene().kick[0].velocity = 2.0
+
+
+def test_what_a_scene_does_not_name_is_not_in_its_yaml():
+    assert set(scene().plain()) == {"name", "chains", "beads", "kick", "duration", "output"}
+
+
+def test_recorded_beads_are_in_ascending_order():
+    assert Output(beads=(7, 3)).beads == (3, 7)
+
+
+def test_springs_between_the_chains_of_one_chain_are_none():
+    assert scene(coupling=Coupling(stiffness=0.1)).problem().kappa == 0.0
+
+
+def test_springs_of_no_stiffness_are_none():
+    assert not scene(chains=2, coupling=Coupling(stiffness=0.0)).problem().coupled
+
+
+def test_a_scene_that_ends_at_a_bead_has_no_problem_yet():
+    with pytest.raises(ValueError, match="ends at a bead"):
+        scene(duration=None, until_bead=9).problem()
+
+
+@pytest.mark.parametrize(("duration", "frames"), [(5.0, 50), (0.3, 3), (0.31, 4), (1e-9, 1)])
+def test_the_run_ends_with_the_first_frame_that_is_not_before_the_duration(duration, frames):
+    assert scene(duration=duration, output=Output(every=0.1)).problem().frames == frames
+
+
+@pytest.mark.parametrize("every", [0.1, 0.05, 1.0, 0.123])
+def test_frames_are_as_far_apart_as_asked(every):
+    assert scene(output=Output(every=every)).problem().every == pytest.approx(every, rel=1e-15)
+
+
+@pytest.mark.parametrize("steps", [1, 7, 10**6, 99_999_999, 10**8])
+def test_a_time_step_that_divides_a_frame_is_taken_as_it_is(steps):
+    problem = scene(duration=1.0, timestep=1.0 / steps, output=Output(every=1.0)).problem()
+    assert problem.steps_per_frame == steps
+
+
+def test_the_suggested_time_step_is_accepted():
+    with pytest.raises(ValidationError) as caught:
+        scene(timestep=0.0123, output=Output(every=0.1))
+    suggested = float(re.search(r"try (\S+)", str(caught.value)).group(1))
+    assert scene(timestep=suggested, output=Output(every=0.1)).timestep == suggested
+
+
+def test_the_same_problem_in_si_and_in_reduced_units_differs_by_rounding_alone():
+    steel = find("two-chains-steel")
+    problem = steel.problem()
+    reduced = Scene(
+        name=steel.name,
+        chains=2,
+        beads=120,
+        coupling=Coupling(stiffness=problem.kappa),
+        kick=(Kick(velocity=1.0),),
+        duration=problem.duration,
+    ).problem()
+    assert reduced.steps == problem.steps
+    assert reduced.timestep == pytest.approx(problem.timestep, rel=1e-14)
+    assert reduced.kappa == pytest.approx(problem.kappa, rel=1e-14)
+
+
+def test_an_input_error_is_one_printable_line_whatever_it_is_given():
+    assert str(InputError("a\n  b\x1b\0\u2028c")) == "a b\\x1b\\x00 c"

@@ -1,0 +1,102 @@
+import pytest
+from bad_scenes import assert_one_line
+from hypothesis import example, given
+from hypothesis import strategies as st
+from strategies import YAML_LIKE
+
+from lammps_inputs import InputError, strict_yaml
+
+TEXT = st.text(st.characters(exclude_categories=["Cs"]), max_size=40)
+PLAIN = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False) | TEXT,
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.from_regex(r"[a-z_]+", fullmatch=True), inner),
+    max_leaves=8,
+)
+
+
+@pytest.mark.parametrize(
+    ("written", "value"),
+    [
+        ("1e5", 1e5),
+        ("1e-5", 1e-5),
+        ("1E+5", 1e5),
+        ("-2.5", -2.5),
+        (".5", 0.5),
+        ("5.", 5.0),
+        ("193e9", 193e9),
+        ("7", 7),
+        ("-7", -7),
+        ("true", True),
+        ("null", None),
+        ("", None),
+        ("yes", "yes"),
+        ("off", "off"),
+        ("1:30", "1:30"),
+        ("0x10", "0x10"),
+        ("010", "010"),
+        ("1_000", "1_000"),
+        ("2020-01-01", "2020-01-01"),
+        ("'1e5'", "1e5"),
+        ("e5", "e5"),
+    ],
+)
+def test_a_scalar_is_what_an_engineer_takes_it_for(written, value):
+    read = strict_yaml.parse(f"key: {written}", "here")["key"]
+    assert (type(read), read) == (type(value), value)
+
+
+@given(TEXT | YAML_LIKE)
+@example("a: !!bool x")
+@example('a: !!int ""')
+@example("!!map [[a, b]]")
+@example("a: !!timestamp x")
+@example('"\\UFFFFFFFF"')
+@example("{a: " * 5000)
+def test_any_text_gives_a_mapping_or_one_line(text):
+    try:
+        data = strict_yaml.parse(text, "here")
+    except InputError as error:
+        assert_one_line(error, "here: ")
+    else:
+        assert isinstance(data, dict)
+
+
+@given(st.dictionaries(st.from_regex(r"[a-z_]+", fullmatch=True), PLAIN, min_size=1))
+@example({"name": "1e5"})
+@example({"name": "12E3", "velocity": 1e16})
+def test_what_is_dumped_reads_back_exactly(data):
+    assert repr(strict_yaml.parse(strict_yaml.dump(data), "here")) == repr(data)
+
+
+@given(st.binary(max_size=200))
+def test_any_file_gives_a_mapping_or_one_line(tmp_path_factory, content):
+    path = tmp_path_factory.getbasetemp() / "any.yaml"
+    path.write_bytes(content)
+    try:
+        assert isinstance(strict_yaml.load(path), dict)
+    except InputError as error:
+        assert_one_line(error, f"{path}: ")
+
+
+def test_a_byte_order_mark_is_no_part_of_the_first_key(tmp_path):
+    path = tmp_path / "bom.yaml"
+    path.write_bytes(b"\xef\xbb\xbfname: a\n")
+    assert strict_yaml.load(path) == {"name": "a"}
+
+
+def test_windows_line_ends_are_line_ends():
+    assert strict_yaml.parse("name: a\r\nbeads: 2\r\n", "here") == {"name": "a", "beads": 2}
+
+
+def test_a_file_that_may_not_be_read_is_named_with_the_reason(tmp_path, monkeypatch):
+    def denied(*_args, **_kwargs):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr("pathlib.Path.open", denied)
+    with pytest.raises(InputError, match=r"mine\.yaml: cannot be read \(Permission denied\)"):
+        strict_yaml.load(tmp_path / "mine.yaml")
+
+
+def test_a_path_with_a_null_byte_is_an_input_error(tmp_path):
+    with pytest.raises(InputError, match="cannot be read"):
+        strict_yaml.load(tmp_path / "a\0b")

@@ -1,0 +1,88 @@
+"""PHYSICS.md, section 4."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lammps_inputs import Coupling, Kick, Material, Scene, units
+
+STEEL = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)
+BALL = units.make_scale(
+    units.sphere_mass(STEEL.radius, STEEL.density),
+    units.hertz_constant(STEEL.radius, STEEL.youngs_modulus, STEEL.poisson_ratio),
+    1.0,
+    si=True,
+)
+
+SPEEDS = st.floats(-12.0, 12.0).map(lambda exponent: 10.0**exponent)
+
+
+def half_a_digit(text):
+    """Half a unit of the last digit of a number as it is printed."""
+    mantissa, _, exponent = text.partition("e")
+    return 0.5 * 10.0 ** (int(exponent or 0) - len(mantissa.partition(".")[2]))
+
+
+@pytest.mark.parametrize(
+    ("quantity", "value", "printed"),
+    [
+        ("mass", BALL.mass, "3.614e-3"),
+        ("A", units.hertz_constant(4.76e-3, 193e9, 0.3), "6.898e9"),
+        ("length", BALL.length, "12.2e-6"),
+        ("time", BALL.time, "12.2e-6"),
+        ("wave speed", 0.8405088 * 2 * STEEL.radius / BALL.time, "654"),
+        ("peak force", (1.00866 * 0.6816315**0.8) ** 1.5 * BALL.force, "189"),
+        ("k of kappa = 0.1", 0.1 * BALL.stiffness, "2.41e6"),
+    ],
+)
+def test_the_steel_row_comes_out_to_its_last_digit(quantity, value, printed):
+    assert abs(value - float(printed)) <= half_a_digit(printed), quantity
+
+
+@given(SPEEDS)
+def test_reduced_units_scale_with_v_as_published(velocity):
+    scale = units.make_scale(1.0, 1.0, velocity, si=False)
+    assert scale.length == pytest.approx(velocity**0.8, rel=1e-14)
+    assert scale.time == pytest.approx(velocity**-0.2, rel=1e-14)
+
+
+@given(SPEEDS, st.floats(1e-6, 1e6))
+def test_kappa_is_the_spring_times_v_to_the_minus_0_4(velocity, stiffness):
+    scene = Scene(
+        name="a",
+        chains=2,
+        beads=2,
+        coupling=Coupling(stiffness=stiffness),
+        kick=(Kick(velocity=velocity),),
+        until_bead=2,
+    )
+    assert scene.kappa == pytest.approx(stiffness * velocity**-0.4, rel=1e-14)  # about 30 roundings of 2e-16 allowed
+
+
+@given(st.floats(1e-6, 1e6), st.floats(1e-6, 1e12), SPEEDS)
+def test_in_its_own_units_every_chain_has_the_equation_of_motion_of_v_equal_1(mass, constant, velocity):
+    scale = units.make_scale(mass, constant, velocity, si=True)
+    assert constant * scale.length**1.5 == pytest.approx(scale.force, rel=1e-13)
+    assert scale.mass * scale.length / scale.time**2 == pytest.approx(scale.force, rel=1e-13)
+    assert scale.stiffness * scale.length == pytest.approx(scale.force, rel=1e-13)
+    assert scale.force * scale.length == pytest.approx(scale.energy, rel=1e-13)
+    assert scale.force * scale.time == pytest.approx(scale.momentum, rel=1e-13)
+
+
+@pytest.mark.parametrize("diameter", [4.0, 8.0, 1024.0])
+def test_the_density_of_lammps_beads_gives_mass_1_to_rounding(diameter):
+    assert units.sphere_mass(diameter / 2, units.sphere_density(diameter)) == pytest.approx(1.0, rel=4e-16)
+
+
+def test_hertz_constant_is_that_of_johnson_for_equal_spheres():
+    """F = 4/3 E* sqrt(R*) overlap^1.5, with R* = R/2 and 1/E* = 2 (1 - nu^2)/E (Johnson 1985, eq. 4.22)."""
+    radius, modulus, ratio = 0.01, 2e11, 0.25
+    johnson = 4 / 3 * modulus / (2 * (1 - ratio**2)) * math.sqrt(radius / 2)
+    assert units.hertz_constant(radius, modulus, ratio) == pytest.approx(johnson, rel=1e-14)
+
+
+def test_a_reduced_quantity_has_no_unit_and_one_of_steel_has():
+    assert units.make_scale(1.0, 1.0, 1.0, si=False).symbol("velocity") == "-"
+    assert BALL.symbol("velocity") == "m/s"

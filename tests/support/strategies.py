@@ -1,0 +1,75 @@
+"""Hypothesis strategies: any scene that is accepted, and any text that somebody may type as one."""
+
+import math
+
+from hypothesis import strategies as st
+
+from lammps_inputs import Coupling, Kick, Material, Output, Scene
+
+NAMES = st.from_regex(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}", fullmatch=True)
+
+POSITIVE = st.floats(1e-6, 1e6)
+
+MATERIALS = st.builds(
+    Material,
+    radius=st.floats(1e-6, 1.0),
+    density=st.floats(10.0, 3e4),
+    youngs_modulus=st.floats(1e5, 1e12),
+    poisson_ratio=st.floats(-0.9, 0.5),
+)
+
+
+@st.composite
+def scenes(draw: st.DrawFn, *, chains: st.SearchStrategy[int] | None = None, ends: bool = True) -> Scene:
+    """Scenes that are accepted, from small to far out; with ``ends=False`` always with a duration."""
+    count = draw(chains or st.integers(1, 6))
+    beads = draw(st.integers(2, 40))
+    places = st.tuples(st.integers(1, count), st.integers(1, beads))
+    speed = draw(st.floats(1e-12, 1e12))
+    signs = st.sampled_from([-1.0, -0.37, 0.1, 1.0])
+    kicks = tuple(
+        Kick(chain=chain, bead=bead, velocity=speed * draw(signs))
+        for chain, bead in draw(st.lists(places, min_size=1, max_size=4, unique=True))
+    )
+    material = draw(st.none() | MATERIALS)
+    unit = Scene(name="unit", chains=count, beads=beads, kick=kicks, material=material, until_bead=1).scale
+    coupling = draw(st.none() | st.floats(0.0, 1e6).map(lambda kappa: Coupling(stiffness=kappa * unit.stiffness)))
+    every = draw(st.none() | st.floats(1e-3, 1e2).map(lambda time: time * unit.time))
+    timestep = None if every is None else draw(st.none() | st.integers(1, 10**6).map(lambda steps: every / steps))
+    recorded = draw(st.just("all") | st.lists(st.integers(1, beads), min_size=1, unique=True).map(tuple))
+    duration: float | None = draw(st.floats(1e-3, 1e3)) * unit.time
+    until_bead = None
+    if ends and draw(st.booleans()):
+        duration, until_bead = None, draw(st.integers(1, beads))
+    return Scene(
+        name=draw(NAMES),
+        description=draw(st.text(st.characters(exclude_categories=["Cc", "Cs"]), max_size=200)),
+        chains=count,
+        beads=beads,
+        gap=draw(st.just(0.0) | st.floats(0.0, 1e3)) * unit.length,
+        coupling=coupling,
+        kick=kicks,
+        material=material,
+        duration=duration,
+        until_bead=until_bead,
+        timestep=timestep,
+        output=Output(every=every, beads=recorded),
+    )
+
+
+_KEYS = [*Scene.model_fields, "velocity", "stiffness", "every"]
+
+_MARKS = ": |, |- |? |[|]|{|}|\n|\n  |\t|#|&a |*a|<<: |---\n|...\n|%YAML 1.1\n|'|\"|\\|>\n|~|=|!|\0|\ufeff|\x85|\u2028"
+_TAGS = "!!int |!!float |!!bool |!!null |!!str |!!map |!!seq |!!set |!!omap |!!pairs |!!binary |!!timestamp "
+_WORDS = '1|-1|0|1.0|1e5|-|.inf|.nan|1e999|true|yes|null|0x1|1:30|all|linear|\'\\ud800\'|"\\ud800"|"\\UFFFFFFFF"'
+_PIECES = [*_KEYS, *(f"{key}: " for key in _KEYS), *_MARKS.split("|"), *_TAGS.split("|"), *_WORDS.split("|")]
+
+YAML_LIKE = st.lists(st.sampled_from(_PIECES), max_size=30).map("".join)
+"""Text made of what YAML gives a meaning to."""
+
+VALUES = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text() | st.sampled_from([math.inf, 10**400]),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=9), inner, max_size=3),
+    max_leaves=6,
+)
+"""Any value that YAML can hold."""

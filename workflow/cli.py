@@ -1,0 +1,48 @@
+"""The command ``granchain``: parses, calls one command, and turns errors into one line and an exit code.
+
+Exit codes: 0 done, 1 a run or a check failed, 2 bad input.
+"""
+
+import argparse
+import importlib
+import sys
+from collections.abc import Sequence
+
+from lammps_inputs import InputError
+from workflow.errors import RunError
+
+COMMANDS = ("scenes", "show", "deck", "run", "analyze")
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit code."""
+    parser = argparse.ArgumentParser(
+        prog="granchain", description="Shock pulses in weakly coupled, uncompressed granular chains."
+    )
+    subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    for name in COMMANDS:
+        module = importlib.import_module(f"workflow.commands.{name}")
+        summary = (module.__doc__ or "").strip().splitlines()[0]
+        subparser = subparsers.add_parser(name, help=summary, description=summary)
+        module.add_arguments(subparser)
+        subparser.set_defaults(execute=module.execute)
+    arguments = parser.parse_args(argv)
+    try:
+        return int(arguments.execute(arguments))
+    except InputError as error:
+        return _say(error, 2)
+    except RunError as error:
+        return _say(error, 1)
+    except OSError as error:
+        return _say(error, 1)
+    except KeyboardInterrupt:
+        return _say("interrupted", 130)
+
+
+def _say(error: object, code: int) -> int:
+    print(f"granchain: {error}", file=sys.stderr)
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,81 @@
+"""Find the waves in a run and draw them."""
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+
+from lammps_inputs import InputError
+from workflow.analyse import Analysis, analyse, last_clear_bead
+from workflow.run_directory import RunDirectory
+from workflow.screen import print_table
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The directory and what to draw."""
+    parser.add_argument("directory", metavar="DIR", type=Path, help="a run directory, also from a cluster")
+    parser.add_argument("--beads", metavar="N,N,...", help="beads whose velocity over time is drawn")
+    parser.add_argument("--no-figures", action="store_true", help="write the tables only")
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    """Print a short table; write waves.csv, analysis.json and figures."""
+    found = analyse(
+        RunDirectory(arguments.directory), beads=_beads(arguments.beads), figures=not arguments.no_figures
+    )
+    _print(found)
+    names = ["waves.csv", "analysis.json", *(path.name for path in found.figures)]
+    print(f"{arguments.directory}: {', '.join(names)}")
+    return 0
+
+
+def _beads(text: str | None) -> tuple[int, ...] | None:
+    if text is None:
+        return None
+    try:
+        return tuple(int(part) for part in text.split(","))
+    except ValueError:
+        raise InputError(f"--beads: {text!r} given; bead numbers with commas between, such as 10,55,90") from None
+
+
+def _print(found: Analysis) -> None:
+    problem, waves, seen = found.problem, found.waves, found.conservation
+    scale = problem.scale
+    if not found.complete:
+        print(
+            f"incomplete: {seen.frames} of {problem.frames + 1} frames, to t = {seen.last_time * scale.time:.6g}; "
+            "what there is was analysed"
+        )
+    shown = [bead for bead in _rows(found) if len(waves.at(bead))]
+    unit = {name: f" ({scale.symbol(name)})" if scale.si else "" for name in ("time", "velocity", "speed")}
+    head = ["bead", "chain", f"arrival{unit['time']}", f"peak velocity{unit['velocity']}", f"speed{unit['speed']}"]
+    if scale.si:
+        head.append("peak velocity / V")
+    rows = []
+    for bead in shown:
+        at = waves.at(bead)
+        for k in range(min(len(at), 8)):
+            row = [
+                str(bead) if k == 0 else "",
+                str(at.chain[k]),
+                f"{at.arrival[k] * scale.time:.7g}",
+                f"{at.peak_velocity[k] * scale.velocity:.5g}",
+                f"{at.speed[k] / scale.time:.5g}",
+            ]
+            rows.append([*row, f"{at.peak_velocity[k]:.5f}"] if scale.si else row)
+        if len(at) > 8:
+            rows.append(["", f"... {len(at)}", "", "", ""])
+    print_table(f"{problem.name}: leading pulse", head, rows)
+    if np.isfinite(seen.energy_drift):
+        print(f"energy within {seen.energy_drift:.1e}, momentum within {seen.momentum_drift:.1e} of the kick's")
+
+
+def _rows(found: Analysis) -> list[int]:
+    """About six recorded beads, from early to the last that the pulse passed undisturbed."""
+    recorded = found.problem.recorded_beads
+    if len(found.waves) == 0:
+        return []
+    last = int(found.waves.bead[last_clear_bead(found.waves, found.problem)])
+    wanted = [2, 5, 10, 20, 55, 90, last] if last <= 200 else np.geomspace(5, last, 7).round().astype(int).tolist()
+    near = {int(recorded[np.argmin(np.abs(recorded - bead))]) for bead in wanted if bead <= last}
+    return sorted(near)

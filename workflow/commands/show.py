@@ -1,0 +1,27 @@
+"""Print a scene with every default written out."""
+
+import argparse
+
+from lammps_inputs import library, strict_yaml
+from lammps_inputs.numbers import text
+from workflow.ending import with_duration
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The scene."""
+    parser.add_argument("scene", metavar="SCENE", help="a YAML file, or the name of an installed scene")
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    """Print YAML that is a scene again; what follows from it stands in comments."""
+    scene = with_duration(library.find(arguments.scene)).resolved()
+    problem, scale = scene.problem(), scene.scale
+    print(strict_yaml.dump(scene.plain()), end="")
+    print(f"# {problem.steps} time steps, {problem.frames + 1} frames, {problem.chains * problem.beads} beads")
+    if scale.velocity != 1.0 or scale.si:
+        unit = [f" {scale.symbol(name)}" if scale.si else "" for name in ("length", "time", "velocity", "force")]
+        print("# computed at V = 1, in units of")
+        print(f"#   length {text(scale.length)}{unit[0]}, time {text(scale.time)}{unit[1]}")
+        print(f"#   velocity {text(scale.velocity)}{unit[2]}, force {text(scale.force)}{unit[3]}")
+        print(f"# where kappa = {text(problem.kappa)}, timestep = {text(problem.timestep)}")
+    return 0

@@ -1,0 +1,56 @@
+"""The duration of a scene that ends at a bead: found by the reference integrator before anything else runs."""
+
+import math
+
+import numpy as np
+
+from lammps_inputs import InputError, Scene
+from workflow.engines.reference import engine
+
+_AFTER = 3.0
+"""Time from the last chain's peak to the end, in units of T: the wave's velocity falls to nothing within it."""
+
+_SLOWEST = 10.0
+"""Give up when the pulse takes this many times as long as one that keeps the kick's full speed."""
+
+
+def with_duration(scene: Scene) -> Scene:
+    """The same scene with its duration written out.
+
+    ``until_bead: n`` ends shortly after the first pulse in every chain that moves has passed bead n: its velocity there
+    has risen above 1e-3 of V and fallen to less than half of its largest value.
+
+    Raises:
+        InputError: the pulse does not arrive within ten times the time that an undamped one takes.
+    """
+    if scene.until_bead is None:
+        return scene
+    # the reference integrates with the scene's own cadence, but records the one bead that matters
+    limit = _SLOWEST * (scene.until_bead + 10) * scene.scale.time
+    trial = scene.model_copy(
+        update={
+            "until_bead": None,
+            "duration": limit,
+            "timestep": None,
+            "output": scene.output.model_copy(update={"every": 0.1 * scene.scale.time, "beads": (scene.until_bead,)}),
+        }
+    )
+    problem = trial.problem()
+    coupled = problem.coupled
+    reached = np.zeros(problem.chains, dtype=bool)
+    reached[:] = not coupled
+    for chain, _, _ in problem.kicks:
+        reached[chain - 1] = False
+    largest = np.zeros(problem.chains)
+    for block in engine.blocks(problem, frames_per_block=64):
+        for time, velocity in zip(block.time, np.abs(block.velocity[:, :, 0]), strict=True):
+            largest = np.maximum(largest, velocity)
+            reached |= (largest > 1e-3) & (velocity < 0.5 * largest)
+            if reached.all():
+                every = scene.resolved().output.every or 0.0
+                duration = math.ceil((float(time) + _AFTER) * scene.scale.time / every) * every
+                return scene.model_copy(update={"until_bead": None, "duration": duration})
+    raise InputError(
+        f"until_bead: bead {scene.until_bead} is not passed in every chain by t = {limit:.4g} "
+        "(weakly coupled pulses decay); give a duration"
+    )

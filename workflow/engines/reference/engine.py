@@ -1,0 +1,91 @@
+"""The in-house reference: a splitting scheme of high order on the rows that can move. Independent of LAMMPS."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from analysis.trajectory import BLOCK_BYTES, Trajectory, joined
+from lammps_inputs import Problem
+from lammps_inputs.timestep import stability_bound
+from workflow.engines.reference.blanes_moan import BLANES_MOAN
+from workflow.engines.reference.scheme import Scheme
+
+STEPS_PER_BOUND = 16.0
+"""Steps of the default scheme in the stability bound of velocity Verlet; 0.05 for the paper's scenes."""
+
+
+def run(
+    problem: Problem, *, scheme: Scheme = BLANES_MOAN, steps_per_frame: int | None = None, window: int | None = None
+) -> Trajectory:
+    """The whole trajectory in memory; arguments as for `blocks`."""
+    return joined(blocks(problem, scheme=scheme, steps_per_frame=steps_per_frame, window=window))
+
+
+def default_steps_per_frame(problem: Problem) -> int:
+    """Steps between frames that leave an error of some 1e-6 of V or less."""
+    bound = stability_bound(problem.energy, problem.kappa, problem.chains)
+    return max(1, math.ceil(problem.every * STEPS_PER_BOUND / bound * (1.0 - 1e-9)))
+
+
+def blocks(
+    problem: Problem,
+    *,
+    scheme: Scheme = BLANES_MOAN,
+    steps_per_frame: int | None = None,
+    window: int | None = None,
+    frames_per_block: int | None = None,
+) -> Iterator[Trajectory]:
+    """Integrate a problem and yield its frames in consecutive blocks of bounded size, the start being frame 0.
+
+    Args:
+        problem: what to integrate.
+        scheme: how; its order and cost are in the scheme.
+        steps_per_frame: steps between frames; by default as many as `default_steps_per_frame` says.
+        window: integrate this many rows at most, letting go of those farthest behind; by default all.
+        frames_per_block: frames in one block, where the default of some 32 MB is too many.
+
+    Raises:
+        ValueError: a window that is too narrow, or not for this problem.
+    """
+    # numba takes a third of a second to import, which no command that computes nothing should pay for
+    from workflow.engines.reference.kernel import advance
+
+    steps = default_steps_per_frame(problem) if steps_per_frame is None else steps_per_frame
+    beads, chains = problem.beads, problem.chains
+    x = np.zeros((beads + 2, chains))
+    v = np.zeros((beads + 2, chains))
+    v[1:-1] = problem.initial_velocity().T
+    kicked = [bead for _, bead, _ in problem.kicks]
+    span = np.array([max(1, min(kicked) - 1), min(beads, max(kicked) + 1)])
+    if window is not None and window < span[1] - span[0] + 10:
+        raise ValueError(f"a window of {window} rows is too narrow; at least {span[1] - span[0] + 10}")
+    springs = (0, 0) if not problem.coupled else x.shape
+    to_left, to_right = np.zeros(springs), np.zeros(springs)
+    to_left[:, 1:], to_right[:, :-1] = problem.kappa, problem.kappa
+    recorded = problem.recorded_beads
+    yield Trajectory(
+        problem, np.zeros(1), x[recorded].T[np.newaxis].copy(), v[recorded].T[np.newaxis].copy()
+    )
+    size = frames_per_block or max(1, min(problem.frames, BLOCK_BYTES // (16 * chains * len(recorded))))
+    for first in range(1, problem.frames + 1, size):
+        frame = np.arange(first, min(first + size, problem.frames + 1))
+        shape = (len(frame), chains, len(recorded))
+        frames_x, frames_v = np.empty(shape), np.empty(shape)
+        advance(
+            x.reshape(-1),
+            v.reshape(-1),
+            span,
+            beads if window is None else window,
+            np.array(scheme.kicks),
+            np.array(scheme.drifts),
+            problem.every / steps,
+            steps,
+            to_left.reshape(-1),
+            to_right.reshape(-1),
+            problem.gap,
+            recorded,
+            frames_x,
+            frames_v,
+        )
+        yield Trajectory(problem, frame * problem.every, frames_x, frames_v)

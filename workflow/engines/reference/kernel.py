@@ -1,0 +1,145 @@
+"""The compiled loop of the reference integrator: kicks and drifts of the rows that can move.
+
+| paper                       | here                  | shape                         |
+|-----------------------------|-----------------------|-------------------------------|
+| x_i^(j)                     | ``x[i, j - 1]``       | [bead + 2, chain]             |
+| its first derivative        | ``v[i, j - 1]``       | [bead + 2, chain]             |
+| (x_{i-1} - x_i - D)+^1.5    | ``push[i, j - 1]``    | [bead + 2, chain]             |
+| epsilon * alpha             | ``to_left``, ``to_right`` | [bead + 2, chain], 0 where there is no chain |
+| D                           | ``gap``               | scalar                        |
+
+All dimensionless. Row i holds bead i of every chain; rows 0 and beads + 1 stay at zero. So any range of rows is one
+piece of memory, and each loop runs over it without branches and becomes vector instructions.
+"""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from lammps_inputs import contact
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+_force = njit(inline="always")(contact.force)
+
+
+@njit(cache=True)
+def _press(x: Floats, push: Floats, chains: int, first: int, last: int, gap: float) -> None:
+    """Contact force on each bead of rows first + 1 to last from the bead behind it."""
+    behind, ahead, force = x[first * chains : last * chains], x[(first + 1) * chains :], push[(first + 1) * chains :]
+    for k in range(behind.shape[0]):
+        force[k] = _force(behind[k] - ahead[k] - gap)
+
+
+@njit(cache=True)
+def _kick(v: Floats, push: Floats, factor: float, chains: int, first: int, last: int) -> None:
+    """``v += factor * contact forces`` in rows first to last, which nothing outside touches."""
+    moving, behind, ahead = v[first * chains : (last + 1) * chains], push[first * chains :], push[(first + 1) * chains :]
+    for k in range(moving.shape[0]):
+        moving[k] += factor * (behind[k] - ahead[k])
+
+
+@njit(cache=True)
+def _kick_and_pull(
+    v: Floats,
+    push: Floats,
+    x: Floats,
+    to_left: Floats,
+    to_right: Floats,
+    factor: float,
+    chains: int,
+    first: int,
+    last: int,
+) -> None:
+    """``v += factor * (contact and spring forces)`` in rows first to last."""
+    start = first * chains
+    moving, behind, ahead = v[start : (last + 1) * chains], push[start:], push[start + chains :]
+    left, here, right = x[start - 1 :], x[start:], x[start + 1 :]
+    left_spring, right_spring = to_left[start:], to_right[start:]
+    for k in range(moving.shape[0]):
+        springs = left_spring[k] * (left[k] - here[k]) + right_spring[k] * (right[k] - here[k])
+        moving[k] += factor * (behind[k] - ahead[k] + springs)
+
+
+@njit(cache=True)
+def _drift(x: Floats, v: Floats, factor: float, chains: int, first: int, last: int) -> None:
+    """``x += factor * v`` in rows first to last."""
+    moving, velocity = x[first * chains : (last + 1) * chains], v[first * chains :]
+    for k in range(moving.shape[0]):
+        moving[k] += factor * velocity[k]
+
+
+@njit(cache=True)
+def _displaced(x: Floats, chains: int, row: int) -> bool:
+    for k in range(row * chains, (row + 1) * chains):  # noqa: SIM110  numba compiles loops, not any()
+        if x[k] != 0.0:
+            return True
+    return False
+
+
+@njit(cache=True)
+def advance(
+    x: Floats,
+    v: Floats,
+    span: Integers,
+    window: int,
+    kicks: Floats,
+    drifts: Floats,
+    h: float,
+    steps_per_frame: int,
+    to_left: Floats,
+    to_right: Floats,
+    gap: float,
+    recorded: Integers,
+    frames_x: Floats,
+    frames_v: Floats,
+) -> None:
+    """Advance a state by ``len(frames_x)`` frames and record the chosen beads at each.
+
+    Only rows ``span[0]`` to ``span[1]`` are integrated. Beyond them nothing has moved: a row at rest feels no force
+    until the row beside it is displaced, and the span always holds one such row at each end, so the result is bit for
+    bit that of all rows. Rows more than ``window`` behind the last are let go and keep their last state.
+
+    Args:
+        x, v: state, flat; advanced in place.
+        span: first and last row that may move; advanced in place.
+        window: number of rows that are integrated at most.
+        kicks, drifts, h: the scheme and its step.
+        steps_per_frame: steps between two frames.
+        to_left, to_right: stiffness of the springs to the neighbouring chains, flat; empty without springs.
+        gap: clear distance between neighbouring beads.
+        recorded: beads to record, counted from 1.
+        frames_x, frames_v: filled, [frame, chain, bead].
+    """
+    beads, chains = x.shape[0] // frames_x.shape[1] - 2, frames_x.shape[1]
+    push = np.zeros_like(x)
+    coupled = to_left.shape[0] > 0
+    first, last = span[0], span[1]
+    stale = True
+    for frame in range(frames_x.shape[0]):
+        for _ in range(steps_per_frame):
+            for stage in range(kicks.shape[0]):
+                if kicks[stage] != 0.0:
+                    if stale:
+                        _press(x, push, chains, first, last, gap)
+                        stale = False
+                    if coupled:
+                        _kick_and_pull(v, push, x, to_left, to_right, kicks[stage] * h, chains, first, last)
+                    else:
+                        _kick(v, push, kicks[stage] * h, chains, first, last)
+                if stage < drifts.shape[0]:
+                    _drift(x, v, drifts[stage] * h, chains, first, last)
+                    stale = True
+                    if last < beads and _displaced(x, chains, last):
+                        last += 1
+                        if last - first >= window:
+                            first = last - window + 1
+                            push[first * chains : (first + 1) * chains] = 0.0
+                    if first > 1 and last - first + 1 < window and _displaced(x, chains, first):
+                        first -= 1
+        for j in range(chains):
+            for k in range(recorded.shape[0]):
+                frames_x[frame, j, k] = x[recorded[k] * chains + j]
+                frames_v[frame, j, k] = v[recorded[k] * chains + j]
+    span[0], span[1] = first, last

@@ -1,0 +1,8 @@
+"""Failures that are nobody's typing mistake."""
+
+
+class RunError(RuntimeError):
+    """A run that could not be finished or a result that is not right; its text is one line (exit code 1)."""
+
+    def __init__(self, message: str) -> None:
+        super().__init__(" ".join(message.split()))

@@ -1,0 +1,40 @@
+"""What the terminal shows: a progress bar, tables. Nothing is computed here."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+from lammps_inputs import Problem
+
+
+@contextmanager
+def progress_bar(name: str, problem: Problem) -> Iterator[Callable[[int, int], None]]:
+    """A bar of steps done, with the bead that the front has reached; on standard error, and only on a terminal."""
+    console = Console(stderr=True)
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("step {task.completed:.0f}/{task.total:.0f}  bead {task.fields[bead]}"),
+        TimeRemainingColumn(compact=True),
+    )
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task(name, total=problem.steps, bead=1)
+
+        def show(step: int, bead: int) -> None:
+            bar.update(task, completed=step, bead=bead)
+
+        yield show
+
+
+def print_table(title: str, head: list[str], rows: list[list[str]]) -> None:
+    """A table on standard output; numbers are right-aligned."""
+    table = Table(title=title, title_justify="left", box=None, pad_edge=False, header_style="bold")
+    for name in head:
+        table.add_column(name, justify="right")
+    for row in rows:
+        table.add_row(*row)
+    console = Console(width=None if Console().is_terminal else 120, highlight=False)
+    console.print(table)
