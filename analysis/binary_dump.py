@@ -32,8 +32,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis import trajectory
-from analysis.trajectory import Floats, Trajectory
+from analysis.trajectory import Floats, Trajectory, frames_per_block
 from lammps_inputs import InputError, Problem
 
 Bytes = NDArray[np.uint8]
@@ -399,10 +398,11 @@ def atom_ids(problem: Problem) -> NDArray[np.int64]:
     return np.arange(problem.chains)[:, np.newaxis] * problem.beads + problem.recorded_beads
 
 
-def blocks(paths: Sequence[Path], problem: Problem) -> Iterator[Trajectory]:
-    """One or more dumps of a run, in order, as blocks of about `trajectory.BLOCK_BYTES`.
+def blocks(paths: Sequence[Path], problem: Problem, stride: int = 1) -> Iterator[Trajectory]:
+    """One or more dumps of a run, in order, as blocks of `trajectory.frames_per_block` frames.
 
-    A step that several files hold (the run was continued) comes from the first of them. A file without a whole frame is
+    With a stride, frames in between are left unread. A step that several files hold (the run was continued) comes from
+    the first of them. A file without a whole frame is
     passed over if another has one.
 
     Raises:
@@ -414,8 +414,8 @@ def blocks(paths: Sequence[Path], problem: Problem) -> Iterator[Trajectory]:
     shape = atom_ids(problem).shape
     ids = atom_ids(problem).ravel()
     rest = np.tile(rest_positions(problem), problem.chains)
-    size = max(1, trajectory.BLOCK_BYTES // (16 * len(ids)))
-    last = -1
+    size = frames_per_block(problem)
+    last, seen = -1, 0
     empty: NoFrameError | None = None
     for path in paths:
         try:
@@ -431,11 +431,13 @@ def blocks(paths: Sequence[Path], problem: Problem) -> Iterator[Trajectory]:
             )
         if not np.all(np.diff(dump.steps) > 0):
             raise InputError(f"{path}: its steps go back, so it is not one run")
-        first = int(np.searchsorted(dump.steps, last, side="right"))
-        for start in range(first, dump.n_frames, size):
-            values = dump.read(start, start + size, columns=("x", "vx"))
+        new = int(np.searchsorted(dump.steps, last, side="right"))
+        first = new + (-seen) % stride
+        seen += dump.n_frames - new
+        for start in range(first, dump.n_frames, size * stride):
+            values = dump.read(start, start + size * stride, stride, columns=("x", "vx"))
             values[:, 0] -= rest
-            steps = dump.steps[start : start + size]
+            steps = dump.steps[start : start + size * stride : stride]
             yield Trajectory(
                 problem,
                 steps / problem.steps_per_frame * problem.every,

@@ -28,7 +28,9 @@ from analysis.binary_dump import BinaryDump
 from analysis.trajectory import Floats
 from lammps_inputs import InputError
 
-_AHEAD_BYTES = 1 << 22  # frames read ahead when they are asked for one after the other
+_AHEAD_BYTES = 1 << 17  # frames read ahead when they are asked for one after the other
+_POSITION = {"x": 0, "y": 1, "z": 2}
+_VELOCITY = {"vx": 0, "vy": 1, "vz": 2}
 
 
 class BinaryDumpReader(ReaderBase):  # type: ignore[misc]  # MDAnalysis has no types
@@ -74,6 +76,7 @@ class BinaryDumpReader(ReaderBase):  # type: ignore[misc]  # MDAnalysis has no t
             self._rest = self._rest_positions(rest)
         except InputError as error:  # a ValueError, whose text MDAnalysis would swallow in a list of files
             raise OSError(str(error)) from error
+        self._boxes = _boxes(self._dump)
         self.n_atoms = self._dump.n_atoms
         self._reopen()
         self._read_next_timestep()
@@ -137,32 +140,35 @@ class BinaryDumpReader(ReaderBase):  # type: ignore[misc]  # MDAnalysis has no t
 
     def _fill(self, frame: int, values: Floats) -> None:
         """Put a frame into the timestep; values are [column, atom]."""
-        ts = self.ts
+        ts, data = self.ts, self.ts.data
         ts.frame = frame
-        ts.data["step"] = int(self._dump.steps[frame])
-        ts.data["time"] = float(self._times[frame])
-        ts.data.update(zip(self._columns, values, strict=True))
-        for axis, name in enumerate("xyz"):
-            if name in self._columns:
-                ts.positions[:, axis] = ts.data[name]
-            if ts.has_velocities and f"v{name}" in self._columns:
-                ts.velocities[:, axis] = ts.data[f"v{name}"]
+        ts.dimensions = self._boxes[frame]
+        data["step"] = int(self._dump.steps[frame])
+        data["time"] = float(self._times[frame])
+        for name, column in zip(self._columns, values, strict=True):
+            data[name] = column
+            if name in _POSITION:
+                ts.positions[:, _POSITION[name]] = column
+            elif name in _VELOCITY and ts.has_velocities:
+                ts.velocities[:, _VELOCITY[name]] = column
         if ts.has_velocities:
-            ts.data["velocity"] = ts.data["vx"]
+            data["velocity"] = data["vx"]
         if self._rest is not None:
-            ts.data["displacement"] = ts.data["x"] - self._rest
-        ts.dimensions = self._dimensions(frame)
+            data["displacement"] = data["x"] - self._rest
 
-    def _dimensions(self, frame: int) -> Any:
-        """Lengths and angles of the box."""
-        low, high = self._dump.box[frame].T
-        if self._dump.tilt is None:
-            return [*(high - low), 90.0, 90.0, 90.0]
-        xy, xz, yz = self._dump.tilt[frame]
-        low = low - np.array([min(0.0, xy, xz, xy + xz), min(0.0, yz), 0.0])  # the dump has the bounding box
-        high = high - np.array([max(0.0, xy, xz, xy + xz), max(0.0, yz), 0.0])
-        x, y, z = high - low
-        return triclinic_box([x, 0.0, 0.0], [xy, y, 0.0], [xz, yz, z])
+
+def _boxes(dump: BinaryDump) -> Any:
+    """[frame, 6] lengths and angles of the box; a dump has the bounds of a sheared box, not its edges."""
+    low, high = dump.box[:, :, 0], dump.box[:, :, 1]
+    if dump.tilt is None:
+        return np.concatenate([high - low, np.full_like(low, 90.0)], axis=1, dtype=np.float32, casting="same_kind")
+    xy, xz, yz = dump.tilt.T
+    zero = np.zeros_like(xy)
+    x = high[:, 0] - low[:, 0] - np.ptp([zero, xy, xz, xy + xz], axis=0)
+    y = high[:, 1] - low[:, 1] - np.ptp([zero, yz], axis=0)
+    z = high[:, 2] - low[:, 2]
+    edges = np.array([[x, zero, zero], [xy, y, zero], [xz, yz, z]]).transpose(2, 0, 1)
+    return np.array([triclinic_box(*vectors) for vectors in edges])
 
 
 class ChainsParser(DATAParser):  # type: ignore[misc]

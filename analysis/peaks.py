@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 from analysis import hermite, motion
 from analysis.trajectory import Floats, Trajectory, joined
 
+Integers = NDArray[np.int64]
+
 THRESHOLD = 1e-3
 """Smallest maximum that counts as a pulse, in units of V."""
 
@@ -51,33 +53,69 @@ class PeakFinder:
 
     Args:
         threshold: smallest maximum that counts, in units of V.
+        first_only: whether only the first maximum of each bead is wanted, which is several times faster.
     """
 
-    def __init__(self, threshold: float = THRESHOLD) -> None:
+    def __init__(self, threshold: float = THRESHOLD, *, first_only: bool = False) -> None:
         self._threshold = threshold
-        self._found: list[Peaks] = []
+        self._found: list[_Brackets] = []
         self._carried: Trajectory | None = None
+        self._first_only = first_only
+        self._passed: NDArray[np.bool_] | None = None
 
     def add(self, block: Trajectory) -> None:
         """Take the next frames, evenly spaced in time with those before."""
         if self._carried is None:
-            self._found.append(_at_start(block, self._threshold))
-            self._carried = block
+            if block.frames > 1:
+                self._keep(block, *_at_start(block, self._threshold))
+            self._search(block, block.frames - 2)
+            self._carried = block[-3:]
+        elif self._carried.frames < 3 or block.frames < 3:
+            started = self._carried.frames == 1
+            edge = joined([self._carried, block])
+            if started:
+                self._keep(edge, *_at_start(edge, self._threshold))
+            self._search(edge, edge.frames - 2)
+            self._carried = edge[-3:]
         else:
-            self._carried = joined([self._carried, block])
-        self._found.append(_inside(self._carried, self._threshold, 1, self._carried.frames - 2))
-        self._carried = self._carried[-3:]
+            self._search(joined([self._carried, block[:3]]), 4)
+            self._search(block, block.frames - 2)
+            self._carried = block[-3:]
 
     def result(self) -> Peaks:
-        """The maxima of all frames so far.
+        """The maxima of all frames so far; no frame may be added afterwards.
 
         Raises:
             ValueError: there was no frame.
         """
         if self._carried is None:
             raise ValueError("no frames to analyse")
-        frames = self._carried.frames
-        return _sorted([*self._found, _inside(self._carried, self._threshold, frames - 2, frames - 1)])
+        self._search(self._carried, self._carried.frames - 1, low=self._carried.frames - 2)
+        return _refined(self._found)
+
+    def _search(self, block: Trajectory, high: int, low: int = 1) -> None:
+        """Maxima whose largest frame is one of ``low`` to ``high - 1``, all of which have a frame on either side."""
+        if not 1 <= low < high:
+            return
+        v = block.velocity
+        middle = v[low:high]
+        is_peak = (middle > self._threshold) & (v[low - 1 : high - 1] < middle) & (middle >= v[low + 1 : high + 1])
+        frame, chain, bead = (index.astype(np.int64) for index in np.nonzero(is_peak))
+        self._keep(block, frame + low, chain, bead)
+
+    def _keep(self, block: Trajectory, frame: Integers, chain: Integers, bead: Integers) -> None:
+        """Add the maxima whose largest frames are given, in the order of time."""
+        if self._first_only:
+            if self._passed is None:
+                self._passed = np.zeros(block.velocity.shape[1:], dtype=bool)
+            place = chain * block.velocity.shape[2] + bead
+            _, first = np.unique(place, return_index=True)
+            first = first[~self._passed.flat[place[first]]]
+            frame, chain, bead = frame[first], chain[first], bead[first]
+            self._passed[chain, bead] = True
+        if len(frame) == 0:
+            return
+        self._found.append(_bracketed(block, frame, chain, bead))
 
 
 def find_peaks(blocks: Iterable[Trajectory], threshold: float = THRESHOLD) -> Peaks:
@@ -88,69 +126,72 @@ def find_peaks(blocks: Iterable[Trajectory], threshold: float = THRESHOLD) -> Pe
     return finder.result()
 
 
-def _inside(block: Trajectory, threshold: float, low: int, high: int) -> Peaks:
-    """Maxima whose largest frame is one of ``low`` to ``high - 1``, all of which have a frame on either side."""
-    if not 1 <= low < high:
-        return _none()
-    v = block.velocity
-    middle = v[low:high]
-    is_peak = (middle > threshold) & (v[low - 1 : high - 1] < middle) & (middle >= v[low + 1 : high + 1])
-    frame, chain, bead = (index.astype(np.int64) for index in np.nonzero(is_peak))
-    frame += low
-    if len(frame) == 0:
-        return _none()
-    time, velocity = _refined(block, frame, chain, bead)
-    return Peaks(chain + 1, block.beads[bead], time, velocity)
+@dataclass(frozen=True)
+class _Brackets:
+    """Maxima between frames: a polynomial of velocity for each, and the piece of it where the maximum lies."""
+
+    chain: Integers
+    bead: Integers
+    origin: Floats
+    spacing: Floats
+    low: Floats
+    high: Floats
+    velocity: Floats
+    """[power, maximum] in s = (time - origin) / spacing."""
 
 
-def _refined(
-    block: Trajectory, frame: NDArray[np.int64], chain: NDArray[np.int64], bead: NDArray[np.int64]
-) -> tuple[Floats, Floats]:
-    """Time and height of the maxima whose largest frames are given."""
+def _bracketed(block: Trajectory, frame: Integers, chain: Integers, bead: Integers) -> _Brackets:
+    """Maxima whose largest frames are given. One at frame 0 stays there."""
     spacing = float(block.time[1] - block.time[0])
     x, v = block.displacement, block.velocity
-    if block.problem.recorded is None:
+    all_recorded = block.problem.recorded is None
+    if all_recorded:
         rising = motion.acceleration_and_rate(block, frame, chain, bead)[0] > 0.0
-        start = np.where(rising, frame, frame - 1)
+        start = np.maximum(np.where(rising, frame, frame - 1), 0)
         nodes: tuple[int, ...] = (0, 1)
         low, high = np.zeros(len(frame)), np.ones(len(frame))
     else:
         nodes = tuple(range(min(4, block.frames)))
         start = np.clip(frame - 1, 0, block.frames - len(nodes))
-        low = (frame - start - 1).astype(float)
+        low = np.maximum(frame - start - 1.0, 0.0)
         high = low + 2.0
     states = []
     for at in (start + node for node in nodes):
         state = [x[at, chain, bead], v[at, chain, bead]]
-        if block.problem.recorded is None:
+        if all_recorded:
             state += motion.acceleration_and_rate(block, at, chain, bead)
         states.append(state)
     data = np.array(states)
-    if block.problem.recorded is None and spacing < FAR_APART:
-        speed = hermite.coefficients(nodes, data[:, 1:], spacing)
+    if all_recorded and spacing < FAR_APART:
+        velocity = hermite.coefficients(nodes, data[:, 1:], spacing)
     else:
-        speed = hermite.derivative(hermite.coefficients(nodes, data, spacing)) / spacing
-    at = hermite.falling_zero(hermite.derivative(speed), low, high)
-    return block.time[start] + at * spacing, hermite.value(speed, at)
+        velocity = hermite.derivative(hermite.coefficients(nodes, data, spacing)) / spacing
+    velocity = np.concatenate([velocity, np.zeros((_POWERS - len(velocity), len(frame)))])
+    high = np.where(frame == 0, low, high)
+    number = block.beads[bead]
+    return _Brackets(chain + 1, number, block.time[start], np.full(len(frame), spacing), low, high, velocity)
 
 
-def _at_start(block: Trajectory, threshold: float) -> Peaks:
-    if block.frames < 2:
-        return _none()
+_POWERS = 7
+
+
+def _at_start(block: Trajectory, threshold: float) -> tuple[Integers, Integers, Integers]:
+    """(frame, chain, bead) of the beads that are fastest at the start."""
     v = block.velocity
     chain, bead = np.nonzero((v[0] > threshold) & (v[0] >= v[1]))
-    return Peaks(chain + 1, block.beads[bead], np.full(len(chain), block.time[0]), v[0, chain, bead])
+    return np.zeros(len(chain), dtype=np.int64), chain, bead
 
 
-def _none() -> Peaks:
-    empty = np.zeros(0, dtype=np.int64)
-    return Peaks(empty, empty, np.zeros(0), np.zeros(0))
-
-
-def _sorted(parts: list[Peaks]) -> Peaks:
-    chain = np.concatenate([part.chain for part in parts])
-    bead = np.concatenate([part.bead for part in parts])
-    time = np.concatenate([part.time for part in parts])
-    velocity = np.concatenate([part.velocity for part in parts])
+def _refined(parts: list[_Brackets]) -> Peaks:
+    if not parts:
+        empty = np.zeros(0, dtype=np.int64)
+        return Peaks(empty, empty, np.zeros(0), np.zeros(0))
+    chain, bead, origin, spacing, low, high = (
+        np.concatenate([getattr(part, name) for part in parts])
+        for name in ("chain", "bead", "origin", "spacing", "low", "high")
+    )
+    velocity = np.concatenate([part.velocity for part in parts], axis=1)
+    at = hermite.falling_zero(hermite.derivative(velocity), low, high)
+    time = origin + at * spacing
     order = np.lexsort((time, bead, chain))
-    return Peaks(chain[order], bead[order], time[order], velocity[order])
+    return Peaks(chain[order], bead[order], time[order], hermite.value(velocity, at)[order])

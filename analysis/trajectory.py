@@ -10,8 +10,13 @@ from lammps_inputs import Problem
 
 Floats = NDArray[np.float64]
 
-BLOCK_BYTES = 32 << 20
-"""Working size of one block when a long trajectory is read piece by piece."""
+BLOCK_BYTES = 1 << 20
+LEAST_FRAMES = 8
+
+
+def frames_per_block(problem: Problem) -> int:
+    """Frames in one piece of a long trajectory: about 1 MB, which stays in the processor's cache, or at least 8."""
+    return max(LEAST_FRAMES, BLOCK_BYTES // (16 * problem.chains * len(problem.recorded_beads)))
 
 
 @dataclass(frozen=True)
@@ -79,7 +84,6 @@ def joined(blocks: Iterable[Trajectory]) -> Trajectory:
 
 def blocks(trajectory: Trajectory) -> Iterator[Trajectory]:
     """A trajectory in memory as blocks of bounded size, like one that is read from a file."""
-    frame_bytes = 16 * max(1, trajectory.displacement[:1].size)
-    size = max(1, BLOCK_BYTES // frame_bytes)
+    size = frames_per_block(trajectory.problem)
     for start in range(0, trajectory.frames, size):
         yield trajectory[start : start + size]

@@ -35,13 +35,14 @@ class Waves:
 
     def at(self, bead: int) -> "Waves":
         """The chains' leading pulses at one bead."""
-        return self._where(self.bead == bead)
+        return self.where(self.bead == bead)
 
     def of_chain(self, chain: int) -> "Waves":
         """One chain's leading pulse at all beads."""
-        return self._where(self.chain == chain)
+        return self.where(self.chain == chain)
 
-    def _where(self, chosen: NDArray[np.bool_]) -> "Waves":
+    def where(self, chosen: NDArray[np.bool_]) -> "Waves":
+        """The entries that a mask chooses."""
         return Waves(*(column[chosen] for column in self._columns()))  # type: ignore[arg-type]
 
     def _columns(self) -> tuple[NDArray[np.int64] | Floats, ...]:

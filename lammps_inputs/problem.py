@@ -8,7 +8,7 @@
 | V                  | largest of ``kicks``    | L / T; 1 by construction  |
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -84,6 +84,10 @@ class Problem:
     def spacing(self) -> float:
         """Distance between the centres of neighbouring beads at rest, in LAMMPS."""
         return self.diameter + self.gap
+
+    def coarser(self, stride: int) -> "Problem":
+        """The same problem with only every stride-th frame."""
+        return replace(self, steps_per_frame=self.steps_per_frame * stride, frames=self.frames // stride)
 
     def initial_velocity(self) -> NDArray[np.float64]:
         """Velocities at the start, [chain, bead]; displacements are zero."""

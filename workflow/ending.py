@@ -42,7 +42,7 @@ def with_duration(scene: Scene) -> Scene:
     for chain, _, _ in problem.kicks:
         reached[chain - 1] = False
     largest = np.zeros(problem.chains)
-    for block in engine.blocks(problem, frames_per_block=64):
+    for block in engine.blocks(problem):
         for time, velocity in zip(block.time, np.abs(block.velocity[:, :, 0]), strict=True):
             largest = np.maximum(largest, velocity)
             reached |= (largest > 1e-3) & (velocity < 0.5 * largest)

@@ -5,21 +5,28 @@ import importlib.metadata
 import os
 import platform
 import sys
+import threading
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+from analysis.binary_dump import Writer
 from analysis.trajectory import Trajectory
-from lammps_inputs import Scene, deck
+from lammps_inputs import InputError, Problem, Scene, deck
+from workflow import check as checking
 from workflow.ending import with_duration
 from workflow.engines.lammps import engine as lammps_engine
+from workflow.engines.reference import engine as reference
+from workflow.engines.reference.certify import Certifier
 from workflow.errors import RunError
 from workflow.run_directory import RunDirectory, prepare, write_text
 
 Progress = Callable[[int, int], None]
+
+ENGINES = ("lammps", "reference")
 
 
 @dataclass(frozen=True)
@@ -29,10 +36,12 @@ class Run:
     Attributes:
         directory: everything that it left.
         outcome: "done", or "interrupted" with the frames until then.
+        check: its error against the reference; None if that was not asked for, or the run is the reference.
     """
 
     directory: RunDirectory
     outcome: str
+    check: checking.Check | None = None
 
     @property
     def trajectory(self) -> Trajectory:
@@ -44,62 +53,101 @@ def run(
     scene: Scene,
     directory: Path | str,
     *,
+    engine: str = "lammps",
     ranks: int = 1,
     overwrite: bool = False,
+    check: bool = True,
     progress: Progress | None = None,
 ) -> Run:
-    """Run a scene with LAMMPS in a new directory.
+    """Run a scene in a new directory.
 
     Args:
         scene: what to compute.
         directory: new or empty, or an earlier run's with ``overwrite``.
-        ranks: MPI ranks.
+        engine: "lammps", or "reference" for the in-house integrator.
+        ranks: MPI ranks of LAMMPS.
         overwrite: whether an earlier run's files may be replaced.
-        progress: called after every segment with the steps done and the bead that the front has reached.
+        check: whether to measure the error of a LAMMPS run against the reference when it is done.
+        progress: called now and then with the steps done and the bead that the front has reached.
 
     Raises:
-        InputError: the directory or the number of ranks cannot be used.
+        InputError: the directory, engine or number of ranks cannot be used.
         RunError: the run failed; ``run.json`` says why.
     """
     path = Path(directory)
+    if engine not in ENGINES:
+        raise InputError(f"--engine: {engine!r} given; {' or '.join(ENGINES)}")
     scene = with_duration(scene)
     problem = scene.problem()
     lammps_engine.check_ranks(ranks, problem)
+    if engine != "lammps" and ranks > 1:
+        raise InputError("--ranks: the reference runs on one core")
     files = deck.render(scene)
+    if engine == "reference":
+        files = {deck.SCENE: files[deck.SCENE]}
     prepare(path, overwrite=overwrite)
     for name, text in files.items():
         write_text(path / name, text)
     result = RunDirectory(path)
     started = time.perf_counter()
-    result.update_record(
-        outcome="running",
-        engine="lammps",
-        ranks=ranks,
-        steps=problem.steps,
-        deck_sha256=fingerprint(files),
-        **provenance(),
-    )
+    result.update_record(outcome="running", engine=engine, ranks=ranks, steps=problem.steps, **provenance())
+    result.update_record(files_sha256=fingerprint(files))
+    if check and engine == "lammps":
+        # on another core while LAMMPS computes
+        threading.Thread(target=reference.load, daemon=True).start()
     try:
-        end = lammps_engine.run(path, problem, ranks=ranks, progress=progress)
+        ending = (
+            _run_lammps(path, problem, ranks, progress)
+            if engine == "lammps"
+            else _run_reference(path / deck.DUMP, problem, progress)
+        )
     except RunError as error:
         result.update_record(outcome="failed", reason=str(error), wall_seconds=time.perf_counter() - started)
         raise
+    result.update_record(**ending, wall_seconds=time.perf_counter() - started)
+    found = None
+    if check and engine == "lammps" and ending["outcome"] == "done":
+        found = checking.check(result)
+        result.update_record(check=found.plain())
+    return Run(result, ending["outcome"], found)
+
+
+def _run_lammps(path: Path, problem: Problem, ranks: int, progress: Progress | None) -> dict[str, Any]:
+    end = lammps_engine.run(path, problem, ranks=ranks, progress=progress)
     outcome = "done" if end.end == "done" else "interrupted"
-    result.update_record(
-        outcome=outcome,
-        steps_done=end.steps,
-        lammps=end.version,
-        lammps_seconds=end.seconds,
-        wall_seconds=time.perf_counter() - started,
-    )
-    return Run(result, outcome)
+    return {"outcome": outcome, "steps_done": end.steps, "lammps": end.version, "engine_seconds": end.seconds}
+
+
+def _run_reference(dump: Path, problem: Problem, progress: Progress | None) -> dict[str, Any]:
+    """Write the reference's frames as LAMMPS would."""
+    certifier = Certifier(problem)
+    started, step = time.perf_counter(), 0
+    with Writer(dump, problem) as writer:
+        try:
+            for block in certifier.blocks():
+                for displacement, velocity in zip(block.displacement, block.velocity, strict=True):
+                    writer.append(step, displacement, velocity)
+                    step += problem.steps_per_frame
+                if progress is not None:
+                    progress(step - problem.steps_per_frame, _front(block))
+        except KeyboardInterrupt:
+            return {"outcome": "interrupted", "steps_done": max(0, step - problem.steps_per_frame)}
+    seconds = time.perf_counter() - started
+    certificate = asdict(certifier.certificate)
+    return {"outcome": "done", "steps_done": problem.steps, "engine_seconds": seconds, "certificate": certificate}
+
+
+def _front(block: Trajectory) -> int:
+    moving = (abs(block.velocity[-1]) > 1e-3).any(axis=0).nonzero()[0]
+    return int(block.beads[moving[-1]]) if len(moving) else 1
 
 
 def fingerprint(files: dict[str, str]) -> str:
-    """SHA-256 over the deck's files in the order of their names."""
+    """SHA-256 over a run's input files in the order of their names."""
     digest = hashlib.sha256()
     for name in sorted(files):
-        digest.update(f"{name}\n{len(files[name].encode())}\n".encode() + files[name].encode())
+        content = files[name].encode()
+        digest.update(f"{name}\n{len(content)}\n".encode() + content)
     return digest.hexdigest()
 
 

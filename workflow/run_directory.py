@@ -135,9 +135,9 @@ class RunDirectory:
             raise InputError(f"{self.path}: holds no {deck.DUMP}; run the deck first")
         return path
 
-    def blocks(self) -> Iterator[Trajectory]:
-        """The frames there are, in blocks of bounded size."""
-        return binary_dump.blocks([self.dump], self.problem)
+    def blocks(self, stride: int = 1) -> Iterator[Trajectory]:
+        """The frames there are, or every stride-th of them, in blocks of bounded size."""
+        return binary_dump.blocks([self.dump], self.problem, stride)
 
     @property
     def trajectory(self) -> Trajectory:

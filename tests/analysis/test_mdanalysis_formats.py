@@ -8,6 +8,7 @@ import MDAnalysis as mda  # noqa: N813  the name it is known by
 import numpy as np
 import pytest
 from MDAnalysis.analysis.base import AnalysisFromFunction
+from MDAnalysis.coordinates.LAMMPS import DumpReader
 
 import analysis.mdanalysis_formats as formats
 from analysis import trajectory
@@ -123,6 +124,19 @@ def test_the_text_dump_of_the_same_columns_reads_to_the_same_arrays(directory: P
         np.testing.assert_array_equal(ours.data["vx"], stock.data["vx"])
         np.testing.assert_allclose(ours.dimensions, stock.dimensions, rtol=1e-6)
         assert (ours.data["step"], ours.time) == (stock.data["step"], stock.time)
+
+
+def test_a_sheared_box_has_the_lengths_and_angles_that_the_stock_reader_finds(tmp_path: Path) -> None:
+    (tmp_path / "in").write_text(
+        "region b prism 0 4 0 5 0 6 1 -2 0.5\nbox tilt large\ncreate_box 1 b\ncreate_atoms 1 single 1 1 1\nmass 1 1\n"
+        "pair_style zero 1.0\npair_coeff * *\n"
+        f"dump t all custom 1 {TEXT} id x y z vx vy vz\ndump b all custom 1 {deck.DUMP} id x y z vx vy vz\nrun 1\n"
+    )
+    subprocess.run([BIN / "lmp", "-in", "in", "-screen", "none"], cwd=tmp_path, check=True, timeout=60)
+    stock = DumpReader(tmp_path / TEXT, dt=1.0)
+    ours = formats.BinaryDumpReader(tmp_path / deck.DUMP)
+    np.testing.assert_allclose(ours[1].dimensions, stock[1].dimensions, rtol=1e-6)
+    np.testing.assert_array_equal(ours.ts.positions, [[1.0, 1.0, 1.0]])
 
 
 # times

@@ -19,10 +19,13 @@ MATERIALS = st.builds(
 )
 
 
+CHAINS = st.integers(1, 6)
+
+
 @st.composite
-def scenes(draw: st.DrawFn, *, chains: st.SearchStrategy[int] | None = None, ends: bool = True) -> Scene:
+def scenes(draw: st.DrawFn, *, chains: st.SearchStrategy[int] = CHAINS, ends: bool = True) -> Scene:
     """Scenes that are accepted, from small to far out; with ``ends=False`` always with a duration."""
-    count = draw(chains or st.integers(1, 6))
+    count = draw(chains)
     beads = draw(st.integers(2, 40))
     places = st.tuples(st.integers(1, count), st.integers(1, beads))
     speed = draw(st.floats(1e-12, 1e12))

@@ -13,5 +13,8 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 
 def compiled(function: F) -> F:
-    """The function as machine code with IEEE arithmetic: no reordering, division by zero gives inf."""
-    return cast(F, numba.njit(cache=True, error_model="numpy")(function))
+    """The function as machine code with IEEE arithmetic: no reordering, division by zero gives inf.
+
+    Inlined into its callers, since most of the time would go into counting references to the arrays it is handed.
+    """
+    return cast(F, numba.njit(cache=True, error_model="numpy", forceinline=True)(function))

@@ -40,7 +40,7 @@ class State(NamedTuple):
     chain: Ints
     """[pair]: the chain that meets at the pair's time in the queue, or -1 to look again"""
     near: Floats
-    """work [x and v, row 0 and row 1 of a pair, chain]"""
+    """work [x and v, row of the pair, chain]"""
     relative: Floats
     """work [q and p, mode]"""
     waves: Floats
@@ -85,7 +85,7 @@ def make_events(size: int) -> Events:
 
 @compiled
 def evolve(rows: Rows, pair: int, time: float, modes: Modes, near: Floats) -> None:
-    """Write the displacements and velocities of a pair of rows at a time into ``near`` [x and v, row of the pair, chain].
+    """Write displacements and velocities of a pair of rows at a time into ``near``, [x and v, row of the pair, chain].
 
     The rows themselves stay as their last collision left them, so that looking at a row never adds to its rounding.
     """
@@ -107,7 +107,8 @@ def resolve(rows: Rows, pair: int, time: float, chain: int, near: Floats) -> Non
 @compiled
 def predict(state: State, pair: int, now: float, modes: Modes, gap: float, end: float) -> None:
     """Put a pair's next contact into the queue."""
-    near, waves = state.near, state.waves
+    near, relative, waves = state.near, state.relative, state.waves
+    omega, shape, weight = modes.omega, modes.shape, modes.weight
     evolve(state.rows, pair, now, modes, near)
     chains, oscillating = near.shape[2], len(modes.omega)
     distance, rate = 0.0, 0.0  # of the centres of mass
@@ -119,19 +120,19 @@ def predict(state: State, pair: int, now: float, modes: Modes, gap: float, end: 
     for m in range(oscillating):
         q, p = 0.0, 0.0
         for j in range(chains):
-            q += modes.shape[m, j] * (near[0, 1, j] - near[0, 0, j])
-            p += modes.shape[m, j] * (near[1, 1, j] - near[1, 0, j])
-        state.relative[0, m] = q * modes.weight[m]
-        state.relative[1, m] = p * modes.weight[m] / modes.omega[m]
+            q += shape[m, j] * (near[0, 1, j] - near[0, 0, j])
+            p += shape[m, j] * (near[1, 1, j] - near[1, 0, j])
+        relative[0, m] = q * weight[m]
+        relative[1, m] = p * weight[m] / omega[m]
     limit, meeting, nearest = end - now, -1, math.inf
     for j in range(chains):
         g, slope = gap + (near[0, 1, j] - near[0, 0, j]), near[1, 1, j] - near[1, 0, j]
         for m in range(oscillating):
-            waves[0, m] = modes.shape[m, j] * state.relative[0, m]
-            waves[1, m] = modes.shape[m, j] * state.relative[1, m]
+            waves[0, m] = shape[m, j] * relative[0, m]
+            waves[1, m] = shape[m, j] * relative[1, m]
         free = oscillating == 0  # then every bead is its own centre of mass
         start, drift = (g, slope) if free else (distance, rate)
-        wait, outcome = first_contact(g, slope, start, drift, waves, modes.omega, limit, now, gap)
+        wait, outcome = first_contact(g, slope, start, drift, waves, omega, limit, now, gap)
         if outcome != NEVER:
             time = now + wait
             if time <= now and slope >= 0.0:

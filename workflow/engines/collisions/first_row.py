@@ -34,7 +34,7 @@ def motion(problem: Problem, times: Floats) -> tuple[Floats, Floats]:
 
 
 def theta(problem: Problem) -> float:
-    """omega D / V with omega = sqrt(2 kappa) of two chains and V = 1: all that rigid dynamics depend on.
+    """The one number of rigid dynamics: omega D / V, with omega = sqrt(2 kappa) of two chains and V = 1.
 
     With more chains it is the same measure of the coupling, no longer a frequency of the row.
     """

@@ -56,7 +56,8 @@ def advance(x: Floats, v: Floats, row: int, elapsed: float, modes: Modes, later:
         side: where to write.
     """
     chains = x.shape[1]
-    oscillating = len(modes.omega)
+    omega, shape, weight = modes.omega, modes.shape, modes.weight
+    oscillating = len(omega)
     if elapsed == 0.0 or oscillating == 0:
         for j in range(chains):
             later[0, side, j] = x[row, j] + v[row, j] * elapsed
@@ -74,14 +75,13 @@ def advance(x: Floats, v: Floats, row: int, elapsed: float, modes: Modes, later:
     for m in range(oscillating):
         q, p = 0.0, 0.0
         for j in range(chains):
-            q += modes.shape[m, j] * x[row, j]
-            p += modes.shape[m, j] * v[row, j]
-        q *= modes.weight[m]
-        p *= modes.weight[m]
-        omega = modes.omega[m]
-        cos, sin = math.cos(omega * elapsed), math.sin(omega * elapsed)
-        q_later = q * cos + p / omega * sin
-        p_later = p * cos - q * omega * sin
+            q += shape[m, j] * x[row, j]
+            p += shape[m, j] * v[row, j]
+        q *= weight[m]
+        p *= weight[m]
+        cos, sin = math.cos(omega[m] * elapsed), math.sin(omega[m] * elapsed)
+        q_later = q * cos + p / omega[m] * sin
+        p_later = p * cos - q * omega[m] * sin
         for j in range(chains):
-            later[0, side, j] += modes.shape[m, j] * q_later
-            later[1, side, j] += modes.shape[m, j] * p_later
+            later[0, side, j] += shape[m, j] * q_later
+            later[1, side, j] += shape[m, j] * p_later

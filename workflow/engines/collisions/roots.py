@@ -4,13 +4,13 @@ The distance of two neighbours of one chain is ::
 
     g(t) = start + drift t + sum over modes of (a cos(omega t) + b sin(omega t))
 
-with |g - start - drift t| <= A, |g''| <= B = sum r omega^2 and |g'''| <= C = sum r omega^3, r = hypot(a, b), A = sum r.
-From any t with g >= 0 the parabola ``g + g' s - max(B, or C h - g'' for s <= h) s^2 / 2`` lies below the distance, so up
-to its root nothing can meet. Steps to that root never pass a contact and approach one quadratically, from before it.
+where |g - start - drift t| <= A = sum r, |g''| <= B = sum r omega^2 and |g'''| <= C = sum r omega^3, r = hypot(a, b).
+From any time with g >= 0 two parabolas lie below the distance: ``g + g' s - B s^2 / 2`` always, and
+``g + g' s - (C h - g'') s^2 / 2`` for s <= h. Up to the root of either, nothing can meet. Steps to that root never pass
+a contact, and approach one quadratically, from before it.
 
 What counts: a contact is ``g <= 0`` while closing (g' < 0). Touching without closing exchanges nothing. In doubles a
-dip below zero shallower than the rounding of the gap may count either way; the beads' velocities then differ by at most
-about sqrt(rounding), 1e-8.
+dip to zero within rounding may count either way; the velocities exchanged then differ by about sqrt(rounding), 1e-8.
 """
 
 import math
@@ -38,7 +38,9 @@ def reach(g: float, slope: float, bend: float) -> float:
 
 
 @compiled
-def safe_step(g: float, slope: float, curvature: float, bounds: tuple[float, float], least: float, most: float) -> float:
+def safe_step(
+    g: float, slope: float, curvature: float, bounds: tuple[float, float], least: float, most: float
+) -> float:
     """A time in which a distance g >= 0 cannot close, as long as these bounds allow.
 
     Args:
@@ -84,7 +86,7 @@ def first_contact(
         omega: their frequencies, [mode].
         limit: finite time from now, beyond which nothing matters.
         now: the time on the clock, whose rounding limits how finely contacts are told apart.
-        gap: initial distance; a dip shallower than its rounding is no contact.
+        gap: initial distance; a dip below zero within 4 roundings of it need not be seen.
     """
     if g <= 0.0:
         if slope < 0.0:
@@ -100,7 +102,7 @@ def first_contact(
         third += r * omega[m] ** 3
     if start + min(drift, 0.0) * limit >= amplitude:
         return math.inf, NEVER
-    least = math.sqrt(8.0 * EPS * gap / second)  # a parabola's dip between two points so near is EPS * gap
+    least = math.sqrt(8.0 * EPS * gap / second)  # in this time g >= 0 that does not close falls by 4 EPS gap at most
     if start > amplitude:
         t = (amplitude - start) / drift
     else:

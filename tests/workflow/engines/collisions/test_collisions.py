@@ -1,0 +1,219 @@
+"""The engine against exact orbits, an independent integration, and what every elastic collision keeps."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+from lammps_inputs import Problem
+from lammps_inputs.units import Scale
+from workflow.engines.collisions import run, sample, trajectory
+from workflow.engines.collisions.first_row import gap_of_eq_5
+
+ABOVE = 1.0 + 4.0 * np.finfo(float).eps
+
+
+def make_problem(chains=2, beads=10, kicks=((1, 1, 1.0),), kappa=0.5, gap=1.0, duration=100.0, **others):
+    fields = {"timestep": duration / 100, "steps_per_frame": 1, "frames": 100, "recorded": None} | others
+    return Problem("t", chains, beads, tuple(kicks), kappa, gap, scale=Scale(1.0, 1.0, 1.0, False), **fields)
+
+
+def random_kicks(chains, beads, seed):
+    random = np.random.default_rng(seed)
+    v = random.choice([-1.0, 1.0], (chains, beads)) * random.uniform(0.2, 1.0, (chains, beads))
+    v /= np.abs(v).max()
+    return [(c + 1, b + 1, float(v[c, b])) for c in range(chains) for b in range(beads)]
+
+
+def energies(t):
+    spring = 0.5 * t.problem.kappa * np.diff(t.displacement, axis=1) ** 2
+    return np.array(
+        [math.fsum((0.5 * v**2).ravel()) + math.fsum(u.ravel()) for v, u in zip(t.velocity, spring, strict=True)]
+    )
+
+
+def momenta(t):
+    return np.array([math.fsum(v.ravel()) for v in t.velocity])
+
+
+# what the paper's scenes do
+
+
+@pytest.mark.parametrize("kappa", [0.1, 1.0])
+def test_at_the_gap_of_eq_5_chain_2_collides_after_half_a_period_with_three_quarters_against_one(kappa):
+    found = run(make_problem(kappa=kappa, gap=gap_of_eq_5(kappa), duration=50.0), max_events=2)
+    assert list(zip(found.chain, found.row, strict=True)) == [(1, 1), (2, 1)]
+    np.testing.assert_allclose(math.sqrt(2.0 * kappa) * found.time, [math.pi / 2.0, math.pi], rtol=1e-14)
+    np.testing.assert_allclose(found.striker, [0.5, 0.75], rtol=1e-14)
+    np.testing.assert_allclose(found.target, [0.0, 0.25], rtol=0, atol=1e-15)
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 4])
+@pytest.mark.parametrize("kappa", [0.1, 0.5, 3.0])
+def test_theta_of_n_quarter_turns_loses_nothing_in_100_rows(n, kappa):
+    """n odd hops chains at every row, n even stays in chain 1."""
+    omega = math.sqrt(2.0 * kappa)
+    gap = n * math.pi / 2.0 / omega * ABOVE
+    found = run(make_problem(beads=110, kappa=kappa, gap=gap, duration=110 * n * math.pi / omega), max_events=100)
+    rows = np.arange(1, 101)
+    assert np.array_equal(found.row, rows)
+    assert np.array_equal(found.chain, np.where(rows % 2, 1 + n % 2, 1))
+    np.testing.assert_allclose(found.striker, 1.0, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(found.target, 0.0, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(found.time * omega, n * math.pi * rows, rtol=1e-12)
+
+
+@pytest.mark.parametrize("below", [1e-4, 1e-8, 1e-12])
+def test_the_loss_free_orbits_are_lost_within_20_rows_from_below(below):
+    """There the other bead arrives a little before; a deviation e of one row is about e**(2/3) in the next."""
+    found = run(make_problem(beads=110, gap=math.pi / 2.0 * (1.0 - below), duration=200.0))
+    assert np.abs(found.striker[found.row == 20] - 1.0).min() > 0.01
+
+
+def test_a_small_gap_costs_theta_squared_over_two_of_the_energy_a_row():
+    theta = 1e-3
+    found = run(make_problem(beads=102, gap=theta, duration=1.0))
+    first = [np.flatnonzero((found.row == row) & (found.chain == 1))[0] for row in range(1, 101)]
+    rows = np.arange(1, 101)
+    # bead n + 1 leaves with v**2 = 1 - theta**2 n / 2, and what is left out is theta**4 n**2
+    np.testing.assert_allclose(found.striker[first] ** 2, 1.0 - theta**2 * (rows - 1) / 2.0, rtol=0, atol=6e-7)
+
+
+# an independent integration
+
+
+def at_once(event):
+    """Mirror images collide at one instant, in any order."""
+    return round(event[0], 7), event[1]
+
+
+def brute_force(problem, events, step=2e-3):
+    """Fine steps of the whole row's matrix exponential, with bisection of the first overlap of closing beads."""
+    chains = problem.chains
+    lateral = np.diag(np.full(chains - 1, 1.0), 1) + np.diag(np.full(chains - 1, 1.0), -1)
+    springs = problem.kappa * (lateral - np.diag(lateral.sum(axis=0)))
+    matrix = np.block([[np.zeros((chains, chains)), np.eye(chains)], [springs, np.zeros((chains, chains))]])
+    whole = expm(step * matrix)
+    state = np.vstack([np.zeros((chains, problem.beads)), problem.initial_velocity()])
+
+    def meeting(state):
+        closing = -np.diff(state, axis=1)
+        return (closing[:chains] >= problem.gap) & (closing[chains:] > 0.0)
+
+    time, found = 0.0, []
+    while len(found) < events:
+        after = whole @ state
+        if not meeting(after).any():
+            state, time = after, time + step
+            continue
+        low, high = 0.0, step
+        for _ in range(44):
+            middle = 0.5 * (low + high)
+            low, high = (low, middle) if meeting(expm(middle * matrix) @ state).any() else (middle, high)
+        state, time = expm(high * matrix) @ state, time + high
+        for chain, bead in np.argwhere(meeting(state)):
+            pair = state[chains + chain, bead : bead + 2]
+            found.append((time, chain + 1, bead + 1, *pair))
+            pair[:] = pair[::-1].copy()
+    return [np.array(column) for column in zip(*sorted(found[:events], key=at_once), strict=True)]
+
+
+@pytest.mark.parametrize(
+    ("chains", "kappa", "gap", "kicks"),
+    [
+        (2, 0.1, 2.874, [(1, 1, 1.0)]),
+        (2, 1.0, 0.4, [(1, 1, 1.0), (2, 3, -0.7)]),
+        (2, 0.5, 5.0, [(1, 1, 1.0), (2, 2, -0.4), (1, 6, -0.9)]),
+        (3, 0.7, 0.9, [(2, 1, 1.0)]),
+        (4, 2.0, 0.6, [(1, 1, 1.0), (4, 2, 0.3), (2, 6, -0.8)]),
+    ],
+)
+def test_the_first_events_agree_with_fine_steps_and_bisection(chains, kappa, gap, kicks):
+    problem = make_problem(chains, 6, kicks, kappa, gap, 200.0)
+    count = 8
+    found = run(problem, max_events=count)
+    time, chain, row, striker, target = brute_force(problem, count)
+    order = np.lexsort((found.chain, np.round(found.time, 7)))
+    np.testing.assert_allclose(found.time[order], time, rtol=0, atol=1e-9)
+    assert np.array_equal(found.chain[order], chain)
+    assert np.array_equal(found.row[order], row)
+    np.testing.assert_allclose(found.striker[order], striker, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(found.target[order], target, rtol=0, atol=1e-9)
+
+
+# what is conserved
+
+
+def test_a_million_collisions_keep_energy_and_momentum():
+    beads = 2000
+    problem = make_problem(2, beads, random_kicks(2, beads, 1), gap=1.0, duration=4000.0)
+    found = run(problem, max_events=1_000_000)
+    assert len(found) == 1_000_000
+    t = sample(found, np.linspace(0.0, found.until, 5))
+    np.testing.assert_allclose(energies(t), problem.energy, rtol=1e-12)
+    rounding = np.finfo(float).eps * np.abs(t.velocity[0]).sum()
+    np.testing.assert_allclose(momenta(t), problem.momentum, rtol=0, atol=rounding)
+    assert np.all(found.impulse > 0.0)
+    assert np.all(np.diff(found.time) >= 0.0)
+
+
+@pytest.mark.parametrize("chains", [1, 2, 3, 5])
+@pytest.mark.parametrize("gap", [1e-3, 0.3, 10.0])
+def test_beads_never_overlap(chains, gap):
+    problem = make_problem(chains, 40, random_kicks(chains, 40, 2), kappa=0.4, gap=gap, duration=40.0)
+    found = run(problem, max_events=20_000)
+    assert len(found) > 10
+    times = np.unique(np.concatenate([found.time[:2000], np.linspace(0.0, found.until, 500)]))
+    t = sample(found, times)
+    overlap = -np.diff(t.displacement, axis=2) - gap
+    assert overlap.max() < 1e-13 * max(1.0, found.until)
+    np.testing.assert_allclose(energies(t), problem.energy, rtol=1e-13)
+
+
+def test_the_scale_of_time_and_length_does_not_matter():
+    """Rigid dynamics depend on theta alone."""
+    kicks = random_kicks(2, 20, 3)
+    soft = run(make_problem(2, 20, kicks, kappa=0.5, gap=1.0, duration=20.0), max_events=30)
+    stiff = run(make_problem(2, 20, kicks, kappa=0.5e6, gap=1e-3, duration=0.02), max_events=30)
+    np.testing.assert_allclose(stiff.time, 1e-3 * soft.time, rtol=1e-9)
+    np.testing.assert_allclose(stiff.striker, soft.striker, rtol=0, atol=1e-9)
+    assert np.array_equal(stiff.row, soft.row)
+
+
+def test_two_runs_are_the_same_bit_for_bit():
+    problem = make_problem(3, 50, random_kicks(3, 50, 4), duration=30.0)
+    for first, second in zip(vars(run(problem)).values(), vars(run(problem)).values(), strict=True):
+        assert np.array_equal(first, second)
+
+
+# sampling
+
+
+def test_a_trajectory_has_the_problems_frames_and_beads():
+    problem = make_problem(3, 30, recorded=(1, 7, 30), duration=50.0)
+    t = trajectory(run(problem))
+    assert t.displacement.shape == t.velocity.shape == (101, 3, 3)
+    np.testing.assert_allclose(t.time, np.linspace(0.0, 50.0, 101))
+    whole = trajectory(run(make_problem(3, 30, duration=50.0)))
+    assert np.array_equal(t.velocity, whole.velocity[:, :, [0, 6, 29]])
+
+
+def test_times_may_come_in_any_order_and_hold_the_velocities_after_a_collision():
+    found = run(make_problem(duration=50.0))
+    times = np.random.default_rng(5).permutation(np.concatenate([found.time, np.linspace(0.0, 50.0, 77)]))
+    mixed, sorted_ = sample(found, times), sample(found, np.sort(times))
+    assert np.array_equal(mixed.velocity[np.argsort(times)], sorted_.velocity)
+    after = sample(found, found.time[:1]).velocity[0, 0]
+    assert after[0] == found.target[0]
+    assert after[1] == found.striker[0]
+
+
+def test_a_run_that_was_stopped_is_known_up_to_its_last_collision():
+    found = run(make_problem(), max_events=3)
+    assert len(found) == 3
+    assert found.until == found.time[-1]
+    assert trajectory(found).time[-1] <= found.until
+    with pytest.raises(ValueError, match="known from 0"):
+        sample(found, np.array([found.until * 1.01]))
+    assert len(run(make_problem(), max_events=0)) == 0
