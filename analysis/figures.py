@@ -92,7 +92,7 @@ def spacetime_figure(data: SpaceTime) -> Figure:
     # the kicked bead outshines the waves: the scale ends where all but the first few beads do
     shown = np.abs(velocity[:, :, data.beads > min(5, data.beads[-1] - 1)])
     top = float(np.max(shown)) or float(np.max(np.abs(velocity))) or 1.0
-    with mpl.rc_context(_STYLE):
+    with mpl.rc_context(STYLE):
         figure = Figure(figsize=(2.2 + 2.4 * chains, 4.2), layout="constrained")
         axes = figure.subplots(1, chains, sharex=True, sharey=True, squeeze=False)[0]
         for chain, axis in enumerate(axes):
@@ -109,9 +109,9 @@ def spacetime_figure(data: SpaceTime) -> Figure:
             )
             axis.set_title(f"chain {chain + 1}")
             axis.set_xlabel("bead")
-        axes[0].set_ylabel(f"time $t$ ({_unit(problem, 'time')})")
+        axes[0].set_ylabel(f"time $t$ ({unit_label(problem, 'time')})")
         bar = figure.colorbar(image, ax=list(axes), extend="both")
-        bar.set_label(f"velocity $v$ ({_unit(problem, 'velocity')})")
+        bar.set_label(f"velocity $v$ ({unit_label(problem, 'velocity')})")
         figure.suptitle(_title(problem))
     return figure
 
@@ -120,15 +120,15 @@ def response_figure(data: BeadHistory) -> Figure:
     """Velocity of chosen beads over time, all chains in one panel per bead (the paper's Figs 2, 4 and 6)."""
     problem = data.problem
     time, velocity = data.time * problem.scale.time, data.velocity * problem.scale.velocity
-    with mpl.rc_context(_STYLE):
+    with mpl.rc_context(STYLE):
         figure = Figure(figsize=(7.0, 0.9 + 1.9 * len(data.beads)), layout="constrained")
         axes = figure.subplots(len(data.beads), 1, sharex=True, squeeze=False)[:, 0]
         for number, (bead, axis) in enumerate(zip(data.beads, axes, strict=True)):
             for chain in range(velocity.shape[1]):
                 draw_chain(axis, chain, time, velocity[:, chain, number])
             axis.set_title(f"bead {bead}", loc="left")
-            axis.set_ylabel(f"$v$ ({_unit(problem, 'velocity')})")
-        axes[-1].set_xlabel(f"time $t$ ({_unit(problem, 'time')})")
+            axis.set_ylabel(f"$v$ ({unit_label(problem, 'velocity')})")
+        axes[-1].set_xlabel(f"time $t$ ({unit_label(problem, 'time')})")
         axes[0].legend(loc="upper right", ncols=2)
         figure.suptitle(_title(problem))
     return figure
@@ -145,7 +145,7 @@ def draw_chain(axis: Axes, chain: int, x: Floats, y: Floats) -> None:
     )
 
 
-_STYLE = {
+STYLE = {
     "font.size": 9,
     "axes.titlesize": 9,
     "figure.titlesize": 10,
@@ -159,7 +159,8 @@ _STYLE = {
 }
 
 
-def _unit(problem: Problem, quantity: str) -> str:
+def unit_label(problem: Problem, quantity: str) -> str:
+    """The unit of a quantity on an axis of this scene."""
     return problem.scale.symbol(quantity) if problem.scale.si else "reduced"
 
 

@@ -36,6 +36,19 @@ def momentum(velocity: Floats) -> Floats:
     return np.asarray(np.sum(velocity, axis=(-2, -1)))
 
 
+def acceleration(problem: Problem, displacement: Floats) -> Floats:
+    """Acceleration of every bead, [..., chain, bead] from the same; every bead must be recorded (eq. 1)."""
+    push = contact.force(overlaps(displacement, problem.gap))
+    result = np.zeros_like(displacement)
+    result[..., 1:] += push
+    result[..., :-1] -= push
+    if problem.coupled:
+        pull = problem.kappa * np.diff(displacement, axis=-2)
+        result[..., :-1, :] += pull
+        result[..., 1:, :] -= pull
+    return result
+
+
 def acceleration_and_rate(
     block: Trajectory, frame: Integers, chain: Integers, bead: Integers
 ) -> tuple[Floats, Floats]:

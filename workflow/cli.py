@@ -5,20 +5,44 @@ Exit codes: 0 done, 1 a run or a check failed, 2 bad input.
 
 import argparse
 import importlib
+import os
 import sys
 from collections.abc import Sequence
+from typing import NoReturn
 
 from lammps_inputs import InputError
 from workflow.errors import RunError
 
-COMMANDS = ("scenes", "show", "deck", "run", "analyze")
+COMMANDS = ("scenes", "show", "deck", "run", "analyze", "validate")
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        raise InputError(f"{message}; `{self.prog} --help` tells more")
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code."""
-    parser = argparse.ArgumentParser(
-        prog="granchain", description="Shock pulses in weakly coupled, uncompressed granular chains."
-    )
+    try:
+        arguments = _parser().parse_args(argv)
+        code = int(arguments.execute(arguments))
+        sys.stdout.flush()
+    except InputError as error:
+        return _say(error, 2)
+    except RunError as error:
+        return _say(error, 1)
+    except BrokenPipeError:  # whoever read the output has seen enough; what Python flushes at its end must go somewhere
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    except OSError as error:
+        return _say(error, 1)
+    except KeyboardInterrupt:
+        return _say("interrupted", 130)
+    return code
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(prog="granchain", description="Shock pulses in weakly coupled, uncompressed granular chains.")
     subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for name in COMMANDS:
         module = importlib.import_module(f"workflow.commands.{name}")
@@ -26,17 +50,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         subparser = subparsers.add_parser(name, help=summary, description=summary)
         module.add_arguments(subparser)
         subparser.set_defaults(execute=module.execute)
-    arguments = parser.parse_args(argv)
-    try:
-        return int(arguments.execute(arguments))
-    except InputError as error:
-        return _say(error, 2)
-    except RunError as error:
-        return _say(error, 1)
-    except OSError as error:
-        return _say(error, 1)
-    except KeyboardInterrupt:
-        return _say("interrupted", 130)
+    return parser
 
 
 def _say(error: object, code: int) -> int:

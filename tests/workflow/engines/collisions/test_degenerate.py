@@ -109,8 +109,8 @@ def test_a_contact_after_hundreds_of_quiet_periods_is_found():
     gap = (0.55 + 0.45 / math.sqrt(3.0)) * (1.0 - 1e-6)
     problem = make_problem(3, 2, kicks, kappa=1.0, gap=gap, duration=1e5)
     found = run(problem, max_events=1)
-    assert found.time[0] > 200.0 * 2.0 * math.pi
-    assert motion(problem, found.time)[0][0, 0] == pytest.approx(gap, rel=1e-12)
+    assert found.time[0] > 100.0 * 2.0 * math.pi
+    assert motion(problem, found.time)[0].max() == pytest.approx(gap, rel=1e-12)
     before = np.arange(0.0, found.time[0] - 1e-3, 1e-3)
     assert motion(problem, before)[0].max() < gap
 

@@ -1,0 +1,116 @@
+"""Compare a run with the certified reference, or with a trajectory of your own."""
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+
+from lammps_inputs import InputError, library
+from workflow import run as running
+from workflow import validate as validation
+from workflow.run_directory import RunDirectory
+from workflow.screen import print_table, progress_bar
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """What to validate, and against what."""
+    parser.add_argument("what", metavar="DIR|SCENE", help="a run directory, or a scene to run first (needs -o)")
+    parser.add_argument("-o", "--output", metavar="DIR", type=Path, help="run directory to make for a scene")
+    parser.add_argument("--against", metavar="FILE", type=Path, help="your own trajectory: npz, CSV or blanks")
+    parser.add_argument(
+        "--units",
+        choices=("scene", "dimensionless"),
+        default="scene",
+        help="units of FILE: the scene's own (default), or those in which V = 1",
+    )
+    parser.add_argument(
+        "--tolerance",
+        metavar="QUANTITY=VALUE",
+        action="append",
+        default=[],
+        help=f"largest error let pass, dimensionless; of {', '.join(validation.TOLERANCES)}",
+    )
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    """Print a table; exit code 1 when a tolerance is exceeded or something seems wrong."""
+    tolerances = _tolerances(arguments.tolerance)
+    directory = _directory(arguments)
+    if arguments.against is None:
+        found = validation.validate(directory, tolerances)
+    else:
+        dimensionless = arguments.units == "dimensionless"
+        found = validation.validate_against(
+            directory, arguments.against, dimensionless=dimensionless, tolerances=tolerances
+        )
+    _print(found)
+    print(f"{directory.path}: {', '.join((validation.REPORT, *validation.FIGURES))}")
+    return 0 if found.passed else 1
+
+
+def _directory(arguments: argparse.Namespace) -> RunDirectory:
+    if Path(arguments.what).is_dir():
+        if arguments.output is not None:
+            raise InputError("-o: is for a scene; a run directory gets its report inside")
+        return RunDirectory(Path(arguments.what))
+    scene = library.find(arguments.what)
+    if arguments.output is None:
+        raise InputError(f"-o: {arguments.what} is a scene, so a directory for its run is needed")
+    scene = running.with_duration(scene)
+    with progress_bar(scene.name, scene.problem()) as progress:
+        return running.run(scene, arguments.output, check=False, progress=progress).directory
+
+
+def _tolerances(given: list[str]) -> dict[str, float]:
+    result = {}
+    for text in given:
+        name, _, value = text.partition("=")
+        if name not in validation.TOLERANCES:
+            raise InputError(f"--tolerance: {name!r} given; one of {', '.join(validation.TOLERANCES)}")
+        try:
+            result[name] = float(value)
+        except ValueError:
+            result[name] = float("nan")
+        if not result[name] >= 0.0:
+            raise InputError(f"--tolerance: {text!r} given; a number such as {name}=1e-4")
+    return result
+
+
+def _print(found: validation.Validation) -> None:
+    rows = []
+    for name, deviation in found.deviations.items():
+        where = ""
+        if deviation.where is not None:
+            where = f"bead {deviation.where.bead}, chain {deviation.where.chain}"
+            if deviation.where.time is not None:
+                where += f", t = {deviation.where.time * found.problem.scale.time:.5g}"
+        rms = f"{deviation.rms:.1e}" if np.isfinite(deviation.rms) else ""
+        verdict = "EXCEEDED" if found.exceeded(name) else "ok"
+        rows.append([name, f"{deviation.largest:.2e}", rms, f"{found.tolerances[name]:.0e}", verdict, where])
+    print_table(
+        f"{found.problem.name} against {found.against}, {found.frames} frames, dimensionless",
+        ["quantity", "largest", "rms", "tolerance", "", "largest at"],
+        rows,
+    )
+    if found.certificate is not None:
+        certificate = found.certificate
+        print(f"the reference is sure to {certificate.velocity:.1e} in velocity, {certificate.arrival:.1e} in arrival")
+    if found.interpolation is not None:
+        x, v = found.interpolation
+        print(f"interpolating between frames adds at most about {x:.1e} to displacements, {v:.1e} to velocities")
+    firsts = [
+        (deviation.first.time, name, deviation.first)
+        for name, deviation in found.deviations.items()
+        if deviation.first is not None and deviation.first.time is not None
+    ]
+    if firsts:
+        time, name, place = min(firsts, key=lambda first: first[0])
+        print(
+            f"first wrong: {name} of bead {place.bead}, chain {place.chain}, at t = "
+            f"{time * found.problem.scale.time:.6g}"
+        )
+    if not found.complete:
+        print(f"incomplete: {found.frames} of {found.problem.frames + 1} frames")
+    for cause in found.causes:
+        print(f"likely cause: {cause}")
+    print("passed" if found.passed else "NOT passed")
