@@ -29,14 +29,19 @@ class Conservation:
         problem = block.problem
         self.frames += block.frames
         self.last_time = float(block.time[-1])
-        moving = np.flatnonzero(np.any(np.abs(block.velocity) > 1e-3, axis=(0, 1)))
-        if len(moving):
-            self.front = max(self.front, int(block.beads[moving[-1]]))
+        moving = block.moving
+        velocity = block.velocity[..., moving]
+        passed = np.flatnonzero(np.any(np.abs(velocity) > 1e-3, axis=(0, 1)))
+        if len(passed):
+            self.front = max(self.front, int(block.beads[moving][passed[-1]]))
         if problem.recorded is not None:
             self.energy_drift = self.momentum_drift = float("nan")
             return
-        energy = motion.energy(problem, block.displacement, block.velocity)
-        momentum = motion.momentum(block.velocity)
+        energy = motion.energy(problem, block.displacement[..., moving], velocity)
+        momentum = motion.momentum(velocity)
         kicked = sum(abs(velocity) for _, _, velocity in problem.kicks)
-        self.energy_drift = max(self.energy_drift, float(np.max(np.abs(energy / problem.energy - 1.0))))
-        self.momentum_drift = max(self.momentum_drift, float(np.max(np.abs(momentum - problem.momentum))) / kicked)
+        # np.maximum, unlike max(), lets NaN through
+        self.energy_drift = float(np.maximum(self.energy_drift, np.max(np.abs(energy / problem.energy - 1.0))))
+        self.momentum_drift = float(
+            np.maximum(self.momentum_drift, np.max(np.abs(momentum - problem.momentum)) / kicked)
+        )

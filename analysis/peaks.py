@@ -97,11 +97,12 @@ class PeakFinder:
         """Maxima whose largest frame is one of ``low`` to ``high - 1``, all of which have a frame on either side."""
         if not 1 <= low < high:
             return
-        v = block.velocity
+        moving = block.moving
+        v = block.velocity[:, :, moving]
         middle = v[low:high]
         is_peak = (middle > self._threshold) & (v[low - 1 : high - 1] < middle) & (middle >= v[low + 1 : high + 1])
         frame, chain, bead = (index.astype(np.int64) for index in np.nonzero(is_peak))
-        self._keep(block, frame + low, chain, bead)
+        self._keep(block, frame + low, chain, bead + moving.start)
 
     def _keep(self, block: Trajectory, frame: Integers, chain: Integers, bead: Integers) -> None:
         """Add the maxima whose largest frames are given, in the order of time."""

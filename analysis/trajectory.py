@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,6 +51,17 @@ class Trajectory:
         return replace(
             self, time=self.time[frames], displacement=self.displacement[frames], velocity=self.velocity[frames]
         )
+
+    @cached_property
+    def moving(self) -> slice:
+        """The beads that any of these frames shows displaced or moving, and one at rest on either side.
+
+        Nothing runs ahead of a pulse, so most of a long chain has nothing to compute for most of a run.
+        """
+        moved = np.flatnonzero(np.any(self.velocity, axis=(0, 1)) | np.any(self.displacement, axis=(0, 1)))
+        if len(moved) == 0:
+            return slice(0, 1)
+        return slice(max(0, int(moved[0]) - 1), int(moved[-1]) + 2)
 
     def bead(self, number: int) -> int:
         """Position of a bead (counted from 1) along the last axis.

@@ -30,7 +30,7 @@ def stiffness(overlap: Any) -> Any:
 
 def largest_overlap(total_energy: float) -> float:
     """Overlap at which one contact holds the whole energy: no run that conserves energy exceeds it."""
-    return (2.5 * total_energy) ** 0.4
+    return float((2.5 * total_energy) ** 0.4)
 
 
 def bead_diameter(total_energy: float) -> float:

@@ -93,7 +93,7 @@ class Scene(_Part):
     """Identical chains of touching or gapped beads on parallel lines, hit at the start."""
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$")]
-    description: Annotated[str, Field(max_length=200, pattern=r"^[^\x00-\x1f\x7f]*$")] = ""
+    description: Annotated[str, Field(max_length=200, pattern=r"^[^\x00-\x1f\x7f-\x9f\u2028\u2029]*$")] = ""
     chains: Annotated[int, Field(ge=1, le=10**6)] = 1
     beads: Annotated[int, Field(ge=2, le=10**8)]
     gap: Annotated[float, Field(ge=0, le=1e30)] = 0.0
@@ -138,9 +138,9 @@ class Scene(_Part):
         """Refuse scenes whose dimensionless numbers overflow, or whose times do not fit together."""
         try:
             scale = self.scale
-            units = (scale.length, scale.time, scale.mass)
+            units = [scale.length, scale.time, scale.mass]
         except (ZeroDivisionError, OverflowError):
-            units = (math.nan,)
+            units = [math.nan]
         if not all(1e-30 <= unit <= 1e30 for unit in units):
             raise ValueError("kick: these units overflow when made dimensionless; check the material and velocities")
         if self.gap / scale.length * self.beads > MAX_LENGTH:

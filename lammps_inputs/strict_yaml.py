@@ -22,7 +22,7 @@ class _Loader(yaml.SafeLoader):
     yaml_implicit_resolvers: dict[Any, Any] = {}  # noqa: RUF012  PyYAML's own attribute
 
     def compose_node(self, parent: Any, index: Any) -> Any:
-        event = self.peek_event()
+        event = self.peek_event()  # type: ignore[no-untyped-call]
         if getattr(event, "anchor", None) is not None:
             raise _refusal("anchors and aliases are not read here; write the value out", event)
         if getattr(event, "tag", None) is not None:
@@ -47,6 +47,14 @@ def _refusal(problem: str, where: Any) -> yaml.MarkedYAMLError:
 
 class _Dumper(yaml.SafeDumper):
     """A safe dumper that quotes text which `_Loader` would take for a number, such as ``1e5``."""
+
+
+def _text_node(dumper: _Dumper, text: str) -> yaml.ScalarNode:
+    """Text with odd line breaks (NEL, U+2028) in double quotes, where they are escaped and not folded."""
+    return dumper.represent_scalar("tag:yaml.org,2002:str", text, style=None if text.isprintable() else '"')
+
+
+_Dumper.add_representer(str, _text_node)
 
 
 for _tag, _pattern, _first in (

@@ -18,7 +18,8 @@ def with_duration(scene: Scene) -> Scene:
     """The same scene with its duration written out.
 
     ``until_bead: n`` ends shortly after the first pulse in every chain that moves has passed bead n: its velocity there
-    has risen above 1e-3 of V and fallen to less than half of its largest value.
+    has risen above 1e-3 of V and fallen to less than half of its largest value. The last bead flies off with what it got:
+    its velocity has risen above 1e-3 of V and rises no more.
 
     Raises:
         InputError: the pulse does not arrive within ten times the time that an undamped one takes.
@@ -41,11 +42,12 @@ def with_duration(scene: Scene) -> Scene:
     reached[:] = not coupled
     for chain, _, _ in problem.kicks:
         reached[chain - 1] = False
+    share = 1.0 if scene.until_bead == scene.beads else 0.5
     largest = np.zeros(problem.chains)
     for block in engine.blocks(problem):
         for time, velocity in zip(block.time, np.abs(block.velocity[:, :, 0]), strict=True):
+            reached |= (largest > 1e-3) & (velocity <= share * largest)
             largest = np.maximum(largest, velocity)
-            reached |= (largest > 1e-3) & (velocity < 0.5 * largest)
             if reached.all():
                 every = scene.resolved().output.every or 0.0
                 duration = math.ceil((float(time) + _AFTER) * scene.scale.time / every) * every

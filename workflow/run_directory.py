@@ -64,6 +64,8 @@ def prepare(directory: Path, *, overwrite: bool = False) -> None:
         InputError: the directory holds something, or cannot be made.
     """
     try:
+        if directory.exists() and not directory.is_dir():
+            raise InputError(f"{directory}: is a file, not a directory; choose another -o")
         if directory.is_dir() and any(directory.iterdir()):
             if not overwrite:
                 raise InputError(f"{directory}: exists and is not empty; choose another -o, or give --overwrite")
@@ -85,9 +87,13 @@ class RunDirectory:
     path: Path
 
     def __post_init__(self) -> None:
-        if not self.path.is_dir():
+        try:
+            found, whole = self.path.is_dir(), (self.path / deck.SCENE).is_file()
+        except OSError as error:
+            raise InputError(f"{self.path}: cannot be read ({error.strerror})") from None
+        if not found:
             raise InputError(f"{self.path}: no such directory")
-        if not (self.path / deck.SCENE).is_file():
+        if not whole:
             raise InputError(f"{self.path}: not a run directory (it has no {deck.SCENE})")
 
     @cached_property
@@ -98,8 +104,9 @@ class RunDirectory:
     @cached_property
     def problem(self) -> Problem:
         """The dimensionless problem of the scene."""
+        scene = self.scene
         try:
-            return self.scene.problem()
+            return scene.problem()
         except ValueError as error:
             raise InputError(f"{self.path / deck.SCENE}: {error}") from None
 

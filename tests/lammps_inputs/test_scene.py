@@ -2,7 +2,7 @@ import math
 import re
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 from strategies import scenes
@@ -76,13 +76,16 @@ def test_a_name_is_letters_digits_dot_underscore_and_hyphen_or_refused(name, ext
 
 
 @given(st.text(max_size=210))
+@example("a\x85b")
+@example("a\u2028b")
 def test_a_description_is_one_line_or_refused(description):
     try:
         accepted = scene(description=description).description
     except ValidationError:
-        assert len(description) > 200 or re.search(r"[\x00-\x1f\x7f]", description)
+        assert len(description) > 200 or re.search(r"[\x00-\x1f\x7f-\x9f\u2028\u2029]", description)
     else:
-        assert "\n" not in accepted
+        assert len(f"{accepted}.".splitlines()) == 1
+        assert through_yaml(scene(description=accepted)).description == accepted
 
 
 @pytest.mark.parametrize(("part", "value"), [("beads", 3), ("kick", ()), ("output", None)])

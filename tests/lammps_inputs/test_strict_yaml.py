@@ -63,6 +63,7 @@ def test_any_text_gives_a_mapping_or_one_line(text):
 
 @given(st.dictionaries(st.from_regex(r"[a-z_]+", fullmatch=True), PLAIN, min_size=1))
 @example({"name": "1e5"})
+@example({"name": "a\x85b"})
 @example({"name": "12E3", "velocity": 1e16})
 def test_what_is_dumped_reads_back_exactly(data):
     assert repr(strict_yaml.parse(strict_yaml.dump(data), "here")) == repr(data)

@@ -46,7 +46,7 @@ def scenes(draw: st.DrawFn, *, chains: st.SearchStrategy[int] = CHAINS, ends: bo
         duration, until_bead = None, draw(st.integers(1, beads))
     return Scene(
         name=draw(NAMES),
-        description=draw(st.text(st.characters(exclude_categories=["Cc", "Cs"]), max_size=200)),
+        description=draw(st.text(st.characters(exclude_categories=["Cc", "Cs", "Zl", "Zp"]), max_size=200)),
         chains=count,
         beads=beads,
         gap=draw(st.just(0.0) | st.floats(0.0, 1e3)) * unit.length,

