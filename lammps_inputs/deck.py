@@ -82,7 +82,7 @@ def render_deck(problem: Problem) -> str:
         )
     motion = ["fix motion all nve"]
     if problem.coupled:
-        motion.append("fix line all setforce NULL 0 0   # beads move along their chain only")
+        motion.append("fix line all lineforce 1 0 0     # beads move along their chain only")
     sections.append(motion)
     sections.append(
         [

@@ -47,6 +47,13 @@ def plain_deck(problem: Problem, *, dump: bool) -> str:
     return "\n".join(lines) + "\n"
 
 
+def plain_data(problem: Problem) -> str:
+    """Our data file in a box that just holds the beads across, as one writes it by hand: periodic images touch it."""
+    side = text(2.0 * problem.spacing)
+    half = text(problem.diameter)
+    return deck.render_data(problem).replace(f"-{side} {side} zlo zhi", f"-{half} {half} zlo zhi")
+
+
 @dataclass(frozen=True)
 class Timing:
     """Seconds of reading the dump, and of everything after the run."""
