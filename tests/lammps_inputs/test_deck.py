@@ -58,7 +58,7 @@ def test_two_coupled_beads_swing_as_the_exact_cosine_to_the_order_of_the_step(tm
 def test_a_rest_length_of_the_spacing_would_be_told_apart(tmp_path):
     case = coupled_pair(kappa=0.5)
     r0 = f"{2 * case.problem().spacing:.17g}"
-    result = run(case, tmp_path / "run", replace=("$(v_kappa/2:%.17g) 0\n", f"$(v_kappa/2:%.17g) {r0}\n"))
+    result = run(case, tmp_path / "run", replace=(r"(bond_coeff 1 .*) 0\n", rf"\1 {r0}\n"))
     assert np.abs(relative(result) - verlet_spring(result.problem, 0.5)).max() > 0.5
 
 
@@ -77,9 +77,9 @@ def test_coupled_chains_stay_on_their_lines_to_the_last_bit(tmp_path):
     assert (np.unique(sideways[0, :, 0]) == [0.0, 8.0, 16.0]).all()
 
 
-def test_without_setforce_the_chains_would_collapse_sideways(tmp_path):
+def test_without_the_fix_that_holds_them_the_chains_would_collapse_sideways(tmp_path):
     text = f"dump exact all custom 1 y.txt id y\n{EXACT}"
-    replace = ("fix line all setforce NULL 0 0", "#")
+    replace = ("fix line all .*", "")
     result = run(scene(chains=2, beads=9, kappa=0.5), tmp_path / "run", before_run=text, replace=replace)
     assert np.ptp(table(result.directory / "y.txt")[:, :, 1], axis=0).max() > 1.0
 
@@ -246,6 +246,12 @@ def test_the_list_of_neighbours_built_once_gives_bit_for_bit_what_one_built_each
     assert (always.vx == once.vx).all()
 
 
+@pytest.mark.parametrize("gap", [0.0, 0.909, 50.0])
+def test_every_contact_of_a_chain_is_a_neighbour_and_nothing_else(gap, tmp_path):
+    result = run(scene(chains=3, beads=12, kappa=0.1, gap=gap, duration=0.1), tmp_path / "run")
+    assert f"Total # of neighbors = {3 * 11}\n" in result.log
+
+
 def test_no_atom_has_an_image(tmp_path):
     result = run(scene(chains=2, beads=12, kappa=0.1), tmp_path / "run")
     assert re.search(r"^Nghost: +0 ave", result.log, flags=re.MULTILINE)
@@ -279,6 +285,15 @@ def test_a_kick_given_on_the_command_line_is_the_first_velocity(tmp_path):
     kicks = (Kick(velocity=1.0), Kick(bead=2, velocity=-0.5))
     result = run(scene(beads=3, kick=kicks), tmp_path / "run", "-var", "kick1", 0.25, "-var", "kick2", 0.125)
     assert result.velocity[0, 0].tolist() == [0.25, 0.125, 0.0]
+
+
+def test_each_kick_goes_to_its_own_chain_and_bead(tmp_path):
+    kicks = (Kick(chain=2, bead=3, velocity=1.0), Kick(chain=3, bead=1, velocity=-0.5))
+    expected = np.zeros((3, 4))
+    expected[1, 2], expected[2, 0] = 1.0, -0.5
+    case = scene(chains=3, beads=4, kick=kicks, duration=0.1)
+    assert (run(case, tmp_path / "run").velocity[0] == expected).all()
+    assert (case.problem().initial_velocity() == expected).all()
 
 
 def test_a_time_step_given_on_the_command_line_is_one_given_in_the_scene(tmp_path):
@@ -339,14 +354,16 @@ def test_the_longest_run_that_a_scene_may_ask_for_fits_the_integers_of_lammps(ex
 @given(scenes(chains=st.just(1), ends=False))
 def test_the_deck_of_one_chain_has_no_word_of_what_it_does_not_need(case):
     text = deck.render_deck(case.problem()).replace(f"# {case.name}:", "#").lower()
-    assert [word for word in ("bond", "spring", "kappa", "setforce", "damp", "visc", "units") if word in text] == []
+    assert [
+        word for word in ("bond", "spring", "kappa", "setforce", "lineforce", "damp", "visc", "units") if word in text
+    ] == []
 
 
 @given(scenes(chains=st.integers(2, 5), ends=False))
 def test_bonds_are_there_exactly_if_springs_are(case):
     files = deck.render(case)
     coupled = case.problem().coupled
-    assert ("bond_style" in files[deck.DECK]) == ("setforce" in files[deck.DECK]) == coupled
+    assert ("bond_style" in files[deck.DECK]) == ("fix line" in files[deck.DECK]) == coupled
     assert files[deck.DATA].count("\nBonds\n") == coupled
 
 

@@ -159,5 +159,17 @@ def test_the_same_problem_in_si_and_in_reduced_units_differs_by_rounding_alone()
     assert reduced.kappa == pytest.approx(problem.kappa, rel=1e-14)
 
 
+@given(st.floats(-12.0, 12.0), st.floats(0.0, 1e3))
+def test_a_scene_at_any_v_is_the_published_problem_at_v_equal_1(exponent, gap):
+    """PHYSICS.md 4: x = V^0.8 x^, t = V^-0.2 t^, kappa_eff = kappa V^-0.4, D_eff = D V^-0.8."""
+    v = 10.0**exponent
+    problem = scene(
+        chains=2, coupling=Coupling(stiffness=0.1), gap=gap * v**0.8, duration=5.0 * v**-0.2, kick=(Kick(velocity=v),)
+    ).problem()
+    assert problem.kappa == pytest.approx(0.1 * v**-0.4, rel=1e-14)
+    assert problem.gap == pytest.approx(gap, rel=1e-14)
+    assert problem.duration == pytest.approx(5.0, rel=1e-8)
+
+
 def test_an_input_error_is_one_printable_line_whatever_it_is_given():
     assert str(InputError("a\n  b\x1b\0\u2028c")) == "a b\\x1b\\x00 c"

@@ -1,5 +1,6 @@
 """Decks run by the executable that a user would call, without anything of ours between the files and the numbers."""
 
+import re
 import subprocess
 import sysconfig
 from dataclasses import dataclass
@@ -73,15 +74,20 @@ def run(
     executable: Path = WHEEL,
     ranks: int = 1,
     before_run: str = "",
-    replace: tuple[str, str] = ("", ""),
+    replace: tuple[str, str] | None = None,
 ) -> Run:
-    """Write the deck of a scene into a new directory, change it as asked, and run it with the options given."""
+    """Write the deck of a scene into a new directory, change it as asked, and run it with the options given.
+
+    ``replace`` is a pattern that the deck has exactly once, and what to put there.
+    """
     directory.mkdir()
     deck.write(scene, directory)
     path = directory / deck.DECK
     text = path.read_text()
-    assert replace[0] in text
-    text = text.replace(*replace) if replace[0] else text
+    if replace is not None:
+        pattern, new = replace
+        text, found = re.subn(pattern, new, text)
+        assert found == 1
     assert text.count("\nrun ") == 1
     path.write_text(text.replace("\nrun ", f"\n{before_run}\nrun "))
     launcher = [MPIEXEC, "-n", ranks] if ranks > 1 else []
