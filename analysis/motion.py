@@ -72,3 +72,18 @@ def acceleration_and_rate(
             acceleration += problem.kappa * (x[frame, other, bead] - here_x)
             rate += problem.kappa * (v[frame, other, bead] - here_v)
     return acceleration, rate
+
+
+def larger_overlap(block: Trajectory, frame: Integers, chain: Integers, bead: Integers) -> Floats:
+    """The larger of a bead's two overlaps at chosen (frame, chain, bead) positions of a block, negative if apart.
+
+    Indices count from 0 and have one shape, which the result has; NaN where not all beads are recorded.
+    """
+    result = np.full(frame.shape, np.nan)
+    if block.problem.recorded is None:
+        x = block.displacement
+        for side in (-1, 1):
+            other = np.clip(bead + side, 0, block.problem.beads - 1)
+            overlap = side * (x[frame, chain, bead] - x[frame, chain, other]) - block.problem.gap
+            result = np.fmax(result, np.where(other == bead, -np.inf, overlap))
+    return result

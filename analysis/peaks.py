@@ -2,8 +2,9 @@
 
 Where all beads are recorded, the equation of motion gives acceleration and its rate at each frame; velocity and its
 first two derivatives at the two frames around a maximum fix a polynomial of degree five, and with displacement one of
-degree six. Where only some beads are recorded, that degree comes from displacement and velocity at four frames. Reads a run block by block, so its memory does not grow
-with the number of frames.
+degree six. Where only some beads are recorded, that degree comes from displacement and velocity at four frames; where
+the record is noisy, degree three from velocity alone. Reads a run block by block, so its memory does not grow with the
+number of frames.
 """
 
 from collections.abc import Iterable
@@ -33,13 +34,22 @@ class Peaks:
     Attributes:
         chain, bead: counted from 1.
         time: of the maximum, in units of T.
-        velocity: the maximum, in units of V; always positive, along ``direction``.
+        velocity: the maximum, in units of V; always positive.
+        overlap: the bead's larger overlap with a neighbour at the nearest frame, in units of L, negative where both
+            are apart; NaN where not all beads are recorded.
     """
 
     chain: NDArray[np.int64]
     bead: NDArray[np.int64]
     time: Floats
     velocity: Floats
+    overlap: Floats
+
+    def where(self, chosen: NDArray[np.bool_]) -> "Peaks":
+        """The maxima that a mask chooses."""
+        return Peaks(
+            self.chain[chosen], self.bead[chosen], self.time[chosen], self.velocity[chosen], self.overlap[chosen]
+        )
 
     def __len__(self) -> int:
         return len(self.time)
@@ -54,10 +64,12 @@ class PeakFinder:
     Args:
         threshold: smallest maximum that counts, in units of V.
         first_only: whether only the first maximum of each bead is wanted, which is several times faster.
+        noisy: whether the states do not obey the equation of motion, so that velocities alone are used.
     """
 
-    def __init__(self, threshold: float = THRESHOLD, *, first_only: bool = False) -> None:
+    def __init__(self, threshold: float = THRESHOLD, *, first_only: bool = False, noisy: bool = False) -> None:
         self._threshold = threshold
+        self._noisy = noisy
         self._found: list[_Brackets] = []
         self._carried: Trajectory | None = None
         self._first_only = first_only
@@ -116,7 +128,7 @@ class PeakFinder:
             self._passed[chain, bead] = True
         if len(frame) == 0:
             return
-        self._found.append(_bracketed(block, frame, chain, bead))
+        self._found.append(_bracketed(block, frame, chain, bead, self._noisy))
 
 
 def find_peaks(blocks: Iterable[Trajectory], threshold: float = THRESHOLD) -> Peaks:
@@ -137,16 +149,17 @@ class _Brackets:
     spacing: Floats
     low: Floats
     high: Floats
+    overlap: Floats
     velocity: Floats
     """[power, maximum] in s = (time - origin) / spacing."""
 
 
-def _bracketed(block: Trajectory, frame: Integers, chain: Integers, bead: Integers) -> _Brackets:
+def _bracketed(block: Trajectory, frame: Integers, chain: Integers, bead: Integers, noisy: bool) -> _Brackets:
     """Maxima whose largest frames are given. One at frame 0 stays there."""
     spacing = float(block.time[1] - block.time[0])
     x, v = block.displacement, block.velocity
-    all_recorded = block.problem.recorded is None
-    if all_recorded:
+    by_equations = block.problem.recorded is None and not noisy
+    if by_equations:
         rising = motion.acceleration_and_rate(block, frame, chain, bead)[0] > 0.0
         start = np.maximum(np.where(rising, frame, frame - 1), 0)
         nodes: tuple[int, ...] = (0, 1)
@@ -159,18 +172,21 @@ def _bracketed(block: Trajectory, frame: Integers, chain: Integers, bead: Intege
     states = []
     for at in (start + node for node in nodes):
         state = [x[at, chain, bead], v[at, chain, bead]]
-        if all_recorded:
+        if by_equations:
             state += motion.acceleration_and_rate(block, at, chain, bead)
         states.append(state)
     data = np.array(states)
-    if all_recorded and spacing < FAR_APART:
+    if noisy:
+        velocity = hermite.coefficients(nodes, data[:, 1:], spacing)
+    elif by_equations and spacing < FAR_APART:
         velocity = hermite.coefficients(nodes, data[:, 1:], spacing)
     else:
         velocity = hermite.derivative(hermite.coefficients(nodes, data, spacing)) / spacing
     velocity = np.concatenate([velocity, np.zeros((_POWERS - len(velocity), len(frame)))])
     high = np.where(frame == 0, low, high)
     number = block.beads[bead]
-    return _Brackets(chain + 1, number, block.time[start], np.full(len(frame), spacing), low, high, velocity)
+    overlap = motion.larger_overlap(block, frame, chain, bead)
+    return _Brackets(chain + 1, number, block.time[start], np.full(len(frame), spacing), low, high, overlap, velocity)
 
 
 _POWERS = 7
@@ -186,13 +202,13 @@ def _at_start(block: Trajectory, threshold: float) -> tuple[Integers, Integers, 
 def _refined(parts: list[_Brackets]) -> Peaks:
     if not parts:
         empty = np.zeros(0, dtype=np.int64)
-        return Peaks(empty, empty, np.zeros(0), np.zeros(0))
-    chain, bead, origin, spacing, low, high = (
+        return Peaks(empty, empty, np.zeros(0), np.zeros(0), np.zeros(0))
+    chain, bead, origin, spacing, low, high, overlap = (
         np.concatenate([getattr(part, name) for part in parts])
-        for name in ("chain", "bead", "origin", "spacing", "low", "high")
+        for name in ("chain", "bead", "origin", "spacing", "low", "high", "overlap")
     )
     velocity = np.concatenate([part.velocity for part in parts], axis=1)
     at = hermite.falling_zero(hermite.derivative(velocity), low, high)
     time = origin + at * spacing
     order = np.lexsort((time, bead, chain))
-    return Peaks(chain[order], bead[order], time[order], hermite.value(velocity, at)[order])
+    return Peaks(chain[order], bead[order], time[order], hermite.value(velocity, at)[order], overlap[order])

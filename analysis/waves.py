@@ -54,7 +54,13 @@ def leading_waves(peaks: Peaks) -> Waves:
     place = np.stack([peaks.chain, peaks.bead])
     first = np.ones(len(peaks), dtype=bool)
     first[1:] = np.any(place[:, 1:] != place[:, :-1], axis=0)
-    chain, bead, arrival = peaks.chain[first], peaks.bead[first], peaks.time[first]
+    return with_speeds(peaks.chain[first], peaks.bead[first], peaks.time[first], peaks.velocity[first])
+
+
+def with_speeds(
+    chain: NDArray[np.int64], bead: NDArray[np.int64], arrival: Floats, peak_velocity: Floats
+) -> Waves:
+    """Waves whose local speeds follow from their arrivals; entries are sorted by chain, then bead."""
     speed = np.full(len(chain), np.nan)
     for number in np.unique(chain):
         row = np.flatnonzero(chain == number)
@@ -63,7 +69,7 @@ def leading_waves(peaks: Peaks) -> Waves:
             beads, times = bead[row], arrival[row]
             with np.errstate(divide="ignore"):
                 speed[row] = (beads[ahead] - beads[behind]) / (times[ahead] - times[behind])
-    return Waves(chain, bead, arrival, peaks.velocity[first], speed)
+    return Waves(chain, bead, arrival, peak_velocity, speed)
 
 
 COLUMNS = ("chain", "bead", "arrival", "peak_velocity", "speed")

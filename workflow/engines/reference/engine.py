@@ -2,10 +2,12 @@
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from analysis.trajectory import Trajectory, frames_per_block, joined
+from analysis.trajectory import Floats, Trajectory, frames_per_block, joined
 from lammps_inputs import Problem
 from lammps_inputs.timestep import stability_bound
 from lammps_inputs.units import Scale
@@ -57,17 +59,9 @@ def blocks(
     from workflow.engines.reference.kernel import advance
 
     steps = default_steps_per_frame(problem) if steps_per_frame is None else steps_per_frame
-    beads, chains = problem.beads, problem.chains
-    x = np.zeros((beads + 2, chains))
-    v = np.zeros((beads + 2, chains))
-    v[1:-1] = problem.initial_velocity().T
-    kicked = [bead for _, bead, _ in problem.kicks]
-    span = np.array([max(1, min(kicked) - 1), min(beads, max(kicked) + 1)])
-    if window is not None and window < span[1] - span[0] + 10:
-        raise ValueError(f"a window of {window} rows is too narrow; at least {span[1] - span[0] + 10}")
-    springs = (0, 0) if not problem.coupled else x.shape
-    to_left, to_right = np.zeros(springs), np.zeros(springs)
-    to_left[:, 1:], to_right[:, :-1] = problem.kappa, problem.kappa
+    state = make_state(problem, window)
+    x, v = state.x, state.v
+    chains = problem.chains
     recorded = problem.recorded_beads
     yield Trajectory(
         problem, np.zeros(1), x[recorded].T[np.newaxis].copy(), v[recorded].T[np.newaxis].copy()
@@ -80,17 +74,56 @@ def blocks(
         advance(
             x.reshape(-1),
             v.reshape(-1),
-            span,
-            beads if window is None else window,
+            state.span,
+            state.window,
             np.array(scheme.kicks),
             np.array(scheme.drifts),
             problem.every / steps,
             steps,
-            to_left.reshape(-1),
-            to_right.reshape(-1),
+            state.to_left.reshape(-1),
+            state.to_right.reshape(-1),
             problem.gap,
             recorded,
             frames_x,
             frames_v,
         )
         yield Trajectory(problem, frame * problem.every, frames_x, frames_v)
+
+
+@dataclass(frozen=True)
+class State:
+    """What the kernel works on; row i is bead i of every chain, rows 0 and beads + 1 stay at rest.
+
+    Attributes:
+        x, v: [bead + 2, chain], advanced in place.
+        to_left, to_right: stiffness of the springs, [bead + 2, chain]; empty without springs.
+        span: first and last row that may move.
+        window: number of rows that are integrated at most.
+    """
+
+    x: Floats
+    v: Floats
+    to_left: Floats
+    to_right: Floats
+    span: NDArray[np.int64]
+    window: int
+
+
+def make_state(problem: Problem, window: int | None) -> State:
+    """The start of a problem.
+
+    Raises:
+        ValueError: a window too narrow for the rows that are kicked and a pulse ahead of them.
+    """
+    shape = (problem.beads + 2, problem.chains)
+    x, v = np.zeros(shape), np.zeros(shape)
+    v[1:-1] = problem.initial_velocity().T
+    kicked = [bead for _, bead, _ in problem.kicks]
+    span = np.array([max(1, min(kicked) - 1), min(problem.beads, max(kicked) + 1)])
+    least = int(span[1] - span[0]) + 30
+    if window is not None and window < least:
+        raise ValueError(f"a window of {window} rows is too narrow; at least {least}")
+    springs = shape if problem.coupled else (0, 0)
+    to_left, to_right = np.zeros(springs), np.zeros(springs)
+    to_left[:, 1:], to_right[:, :-1] = problem.kappa, problem.kappa
+    return State(x, v, to_left, to_right, span, problem.beads if window is None else window)

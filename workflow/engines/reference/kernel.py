@@ -25,7 +25,7 @@ _force = njit(inline="always")(contact.force)
 
 
 @njit(cache=True)
-def _press(x: Floats, push: Floats, chains: int, first: int, last: int, gap: float) -> None:
+def press(x: Floats, push: Floats, chains: int, first: int, last: int, gap: float) -> None:
     """Contact force on each bead of rows first + 1 to last from the bead behind it."""
     behind, ahead, force = x[first * chains : last * chains], x[(first + 1) * chains :], push[(first + 1) * chains :]
     for k in range(behind.shape[0]):
@@ -79,6 +79,51 @@ def _displaced(x: Floats, chains: int, row: int) -> bool:
 
 
 @njit(cache=True)
+def step(
+    x: Floats,
+    v: Floats,
+    push: Floats,
+    stale: bool,
+    span: Integers,
+    window: int,
+    kicks: Floats,
+    drifts: Floats,
+    h: float,
+    to_left: Floats,
+    to_right: Floats,
+    gap: float,
+    chains: int,
+) -> bool:
+    """One time step of the rows that can move; arguments as for `advance`.
+
+    ``push`` holds the contact forces of the present positions unless ``stale``; returns whether they are stale after it.
+    """
+    beads = x.shape[0] // chains - 2
+    for stage in range(kicks.shape[0]):
+        first, last = span[0], span[1]
+        if kicks[stage] != 0.0:
+            if stale:
+                press(x, push, chains, first, last, gap)
+                stale = False
+            if to_left.shape[0] > 0:
+                _kick_and_pull(v, push, x, to_left, to_right, kicks[stage] * h, chains, first, last)
+            else:
+                _kick(v, push, kicks[stage] * h, chains, first, last)
+        if stage < drifts.shape[0]:
+            _drift(x, v, drifts[stage] * h, chains, first, last)
+            stale = True
+            if last < beads and _displaced(x, chains, last):
+                last += 1
+                if last - first >= window:
+                    first = last - window + 1
+                    push[first * chains : (first + 1) * chains] = 0.0
+            if first > 1 and last - first + 1 < window and _displaced(x, chains, first):
+                first -= 1
+            span[0], span[1] = first, last
+    return stale
+
+
+@njit(cache=True)
 def advance(
     x: Floats,
     v: Floats,
@@ -112,34 +157,13 @@ def advance(
         recorded: beads to record, counted from 1.
         frames_x, frames_v: filled, [frame, chain, bead].
     """
-    beads, chains = x.shape[0] // frames_x.shape[1] - 2, frames_x.shape[1]
+    chains = frames_x.shape[1]
     push = np.zeros_like(x)
-    coupled = to_left.shape[0] > 0
-    first, last = span[0], span[1]
     stale = True
     for frame in range(frames_x.shape[0]):
         for _ in range(steps_per_frame):
-            for stage in range(kicks.shape[0]):
-                if kicks[stage] != 0.0:
-                    if stale:
-                        _press(x, push, chains, first, last, gap)
-                        stale = False
-                    if coupled:
-                        _kick_and_pull(v, push, x, to_left, to_right, kicks[stage] * h, chains, first, last)
-                    else:
-                        _kick(v, push, kicks[stage] * h, chains, first, last)
-                if stage < drifts.shape[0]:
-                    _drift(x, v, drifts[stage] * h, chains, first, last)
-                    stale = True
-                    if last < beads and _displaced(x, chains, last):
-                        last += 1
-                        if last - first >= window:
-                            first = last - window + 1
-                            push[first * chains : (first + 1) * chains] = 0.0
-                    if first > 1 and last - first + 1 < window and _displaced(x, chains, first):
-                        first -= 1
+            stale = step(x, v, push, stale, span, window, kicks, drifts, h, to_left, to_right, gap, chains)
         for j in range(chains):
             for k in range(recorded.shape[0]):
                 frames_x[frame, j, k] = x[recorded[k] * chains + j]
                 frames_v[frame, j, k] = v[recorded[k] * chains + j]
-    span[0], span[1] = first, last

@@ -1,0 +1,39 @@
+"""A run seen in a mirror across the chains: a pulse that runs towards bead 1 becomes one that runs away from it.
+
+The equations do not change: the last bead becomes bead 1, and displacements and velocities change their sign.
+"""
+
+from dataclasses import replace
+from functools import lru_cache
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.trajectory import Trajectory
+from lammps_inputs import Problem
+
+Number = TypeVar("Number", int, NDArray[np.int64])
+
+
+def mirrored_bead(problem: Problem, bead: Number) -> Number:
+    """Number of a bead in the mirror; twice is the bead itself."""
+    return problem.beads + 1 - bead
+
+
+@lru_cache(maxsize=16)
+def mirrored_problem(problem: Problem) -> Problem:
+    """The problem in the mirror; twice is the problem itself."""
+    recorded = problem.recorded
+    return replace(
+        problem,
+        kicks=tuple((chain, mirrored_bead(problem, bead), -velocity) for chain, bead, velocity in problem.kicks),
+        recorded=None if recorded is None else tuple(mirrored_bead(problem, bead) for bead in reversed(recorded)),
+    )
+
+
+def mirrored(block: Trajectory) -> Trajectory:
+    """Frames in the mirror; twice is the frames themselves."""
+    return Trajectory(
+        mirrored_problem(block.problem), block.time, -block.displacement[..., ::-1], -block.velocity[..., ::-1]
+    )

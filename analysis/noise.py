@@ -1,0 +1,75 @@
+"""Records with noise on them: how much it is, and frames smoothed in time so that pulses can be found in them.
+
+What a simulation writes has none; a measured or a truncated record has. At the start every state is known exactly, so the
+first frame shows the noise.
+"""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+
+import numpy as np
+from scipy.signal import savgol_coeffs, savgol_filter
+
+from analysis.trajectory import Trajectory, joined
+
+NEGLIGIBLE = 1e-6
+"""Standard deviation, in units of V, below which a record counts as free of noise."""
+
+WINDOW = 1.2
+"""Length in time of the smoothing window, in units of T: two thirds of the time that a wave of amplitude 1 takes to pass
+at half its height (1.74), so that a polynomial of degree 4 follows it to within 4e-3 of its height.
+"""
+
+DEGREE = 4
+
+
+def noise_at_start(first: Trajectory) -> float:
+    """Standard deviation of the recorded velocities at time 0 from those of the scene, in units of V.
+
+    0 if the frames do not begin at the start.
+    """
+    if first.time[0] != 0.0:
+        return 0.0
+    exact = first.problem.initial_velocity()[:, first.beads - 1]
+    found = float(np.sqrt(np.mean((first.velocity[0] - exact) ** 2)))
+    return found if found > NEGLIGIBLE else 0.0
+
+
+def window_frames(every: float) -> int:
+    """Frames in the smoothing window: an odd number; 1, which smooths nothing, where frames are too far apart."""
+    half = int(0.5 * WINDOW / every)
+    return 2 * half + 1 if 2 * half + 1 > DEGREE + 1 else 1
+
+
+def left_by_smoothing(noise: float, every: float) -> float:
+    """Standard deviation of the noise that smoothing leaves, in units of V."""
+    frames = window_frames(every)
+    return noise * (1.0 if frames == 1 else float(np.sqrt(savgol_coeffs(frames, DEGREE)[frames // 2])))
+
+
+def smoothed(blocks: Iterable[Trajectory], every: float) -> Iterator[Trajectory]:
+    """Blocks of the same frames, each replaced by a polynomial fitted in time to those around it (Savitzky & Golay 1964).
+
+    Holds one window of frames beside the block.
+    """
+    window = window_frames(every)
+    if window == 1:
+        yield from blocks
+        return
+    half, pending, begun = window // 2, None, False
+    for block in blocks:
+        pending = block if pending is None else joined([pending, block])
+        if pending.frames <= 2 * window:
+            continue
+        yield _filtered(pending, window)[0 if not begun else half : pending.frames - half]
+        pending, begun = pending[pending.frames - 2 * half :], True
+    if pending is not None:
+        yield (_filtered(pending, window) if pending.frames >= window else pending)[half if begun else 0 :]
+
+
+def _filtered(frames: Trajectory, window: int) -> Trajectory:
+    return replace(
+        frames,
+        displacement=savgol_filter(frames.displacement, window, DEGREE, axis=0),
+        velocity=savgol_filter(frames.velocity, window, DEGREE, axis=0),
+    )
