@@ -49,9 +49,7 @@ def acceleration(problem: Problem, displacement: Floats) -> Floats:
     return result
 
 
-def acceleration_and_rate(
-    block: Trajectory, frame: Integers, chain: Integers, bead: Integers
-) -> tuple[Floats, Floats]:
+def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, bead: Integers) -> tuple[Floats, Floats]:
     """Second and third derivative of displacement at chosen (frame, chain, bead) positions of a block.
 
     Every bead must be recorded. Indices count from 0 and have one shape, which both results have.

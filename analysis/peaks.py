@@ -176,9 +176,7 @@ def _bracketed(block: Trajectory, frame: Integers, chain: Integers, bead: Intege
             state += motion.acceleration_and_rate(block, at, chain, bead)
         states.append(state)
     data = np.array(states)
-    if noisy:
-        velocity = hermite.coefficients(nodes, data[:, 1:], spacing)
-    elif by_equations and spacing < FAR_APART:
+    if noisy or (by_equations and spacing < FAR_APART):
         velocity = hermite.coefficients(nodes, data[:, 1:], spacing)
     else:
         velocity = hermite.derivative(hermite.coefficients(nodes, data, spacing)) / spacing

@@ -34,6 +34,9 @@ PRESSED = 0.2
 LATEST, EARLIEST = 1.8, 0.3
 """Bounds on a passage's delay from the bead before, over the delay of the exact wave of this amplitude."""
 
+UNSTEADIEST = 0.7
+"""Bound on the change of that quotient from one passage to the next."""
+
 FAINTEST = 0.35
 """Bound on the ratio of amplitudes of two passages that follow each other."""
 
@@ -102,10 +105,11 @@ def local_speed(bead: Integers, arrival: Floats) -> Floats:
 
 @dataclass
 class _Track:
-    """A pulse while it is followed: its passages, and its pace, the measured delay over the exact wave's."""
+    """A pulse while it is followed: its passages, its pace (the last delay over the exact wave's), and how far that may change."""
 
     passages: list[int]
     pace: float = 1.0
+    bound: float = np.inf
 
 
 def _linked(peaks: Peaks, recorded: Integers) -> Iterator[list[int]]:
@@ -118,19 +122,21 @@ def _linked(peaks: Peaks, recorded: Integers) -> Iterator[list[int]]:
     for number, (start, end) in enumerate(zip(starts, ends, strict=True)):
         if start < end and open_tracks:
             last = np.array([track.passages[-1] for track in open_tracks])
-            pace = np.array([track.pace for track in open_tracks])
+            pace = np.array([[track.pace] for track in open_tracks])
+            bound = np.array([[track.bound] for track in open_tracks])
             here = np.arange(start, end)
             amplitude = np.sqrt(peaks.velocity[last][:, np.newaxis] * peaks.velocity[here])
             way = (recorded[number] - peaks.bead[last])[:, np.newaxis]
             delay = (peaks.time[here] - peaks.time[last][:, np.newaxis]) * exact.speed_at(amplitude) / way
             ratio = peaks.velocity[here] / peaks.velocity[last][:, np.newaxis]
             ratio = np.minimum(ratio, 1.0 / ratio)
-            cost = (delay - pace[:, np.newaxis]) ** 2 + 0.1 * np.log(ratio) ** 2
-            cost[(delay < EARLIEST) | (delay > LATEST) | (ratio < FAINTEST)] = np.inf
+            cost = (delay - pace) ** 2 + 0.1 * np.log(ratio) ** 2
+            far = np.abs(delay - pace) > bound
+            cost[far | (delay < EARLIEST) | (delay > LATEST) | (ratio < FAINTEST)] = np.inf
             taken = set()
             for row, column in _cheapest_pairs(cost):
                 open_tracks[row].passages.append(int(here[column]))
-                open_tracks[row].pace = float(delay[row, column])
+                open_tracks[row].pace, open_tracks[row].bound = float(delay[row, column]), UNSTEADIEST
                 taken.add(column)
         else:
             taken = set()

@@ -57,9 +57,7 @@ def leading_waves(peaks: Peaks) -> Waves:
     return with_speeds(peaks.chain[first], peaks.bead[first], peaks.time[first], peaks.velocity[first])
 
 
-def with_speeds(
-    chain: NDArray[np.int64], bead: NDArray[np.int64], arrival: Floats, peak_velocity: Floats
-) -> Waves:
+def with_speeds(chain: NDArray[np.int64], bead: NDArray[np.int64], arrival: Floats, peak_velocity: Floats) -> Waves:
     """Waves whose local speeds follow from their arrivals; entries are sorted by chain, then bead."""
     speed = np.full(len(chain), np.nan)
     for number in np.unique(chain):
@@ -80,7 +78,11 @@ def to_csv(waves: Waves, scale: Scale) -> str:
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(COLUMNS)
-    arrival, velocity, speed = waves.arrival * scale.time, waves.peak_velocity * scale.velocity, waves.speed / scale.time
+    arrival, velocity, speed = (
+        waves.arrival * scale.time,
+        waves.peak_velocity * scale.velocity,
+        waves.speed / scale.time,
+    )
     for row in zip(waves.chain, waves.bead, arrival, velocity, speed, strict=True):
         writer.writerow([int(row[0]), int(row[1]), *(repr(float(number)) for number in row[2:])])
     return out.getvalue()

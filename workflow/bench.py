@@ -93,9 +93,7 @@ def output_cost(root: Path) -> Iterator[Ratio]:
 def tuned_against_plain(root: Path) -> Iterator[Ratio]:
     """The deck against a plain one, no frames, per bead and step."""
     problem = _write(_scene(100, 1000, 2.0), root)
-    bare = "\n".join(
-        line for line in (root / deck.DECK).read_text().splitlines() if not line.startswith("dump")
-    )
+    bare = "\n".join(line for line in (root / deck.DECK).read_text().splitlines() if not line.startswith("dump"))
     plain = root / "plain"
     _write_plain(problem, plain)
     text = textbook.plain_deck(problem, dump=False)
@@ -138,9 +136,7 @@ def reference_against_scipy() -> Iterator[Ratio]:
     problem = paper_scene().problem()
     truth = certified(problem, 1e-9)
     exact = _last(problem, truth.steps_per_frame)
-    ours = next(
-        (steps for steps in (1, 2, 4, 8, 16, 32) if np.max(np.abs(_last(problem, steps) - exact)) <= 1e-6), 32
-    )
+    ours = next((steps for steps in (1, 2, 4, 8, 16, 32) if np.max(np.abs(_last(problem, steps) - exact)) <= 1e-6), 32)
     tolerance = next(
         (
             tolerance

@@ -35,8 +35,7 @@ def plain_deck(problem: Problem, *, dump: bool) -> str:
     if problem.coupled:
         lines.append("fix line all setforce NULL 0 0")
     lines += [
-        f"set atom {(chain - 1) * problem.beads + bead} vx {text(velocity)}"
-        for chain, bead, velocity in problem.kicks
+        f"set atom {(chain - 1) * problem.beads + bead} vx {text(velocity)}" for chain, bead, velocity in problem.kicks
     ]
     if dump:
         lines += [
@@ -73,7 +72,10 @@ def read_and_analyse(directory: Path, problem: Problem) -> Timing:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         universe = mda.Universe(
-            str(directory / TEXT_DUMP), format="LAMMPSDUMP", topology_format="LAMMPSDUMP", additional_columns=["x", "vx"]
+            str(directory / TEXT_DUMP),
+            format="LAMMPSDUMP",
+            topology_format="LAMMPSDUMP",
+            additional_columns=["x", "vx"],
         )
         for step in universe.trajectory:
             displacement.append(step.data["x"].reshape(shape) - rest)

@@ -85,7 +85,9 @@ class Validation:
 
 
 def _json(data: dict[str, Any]) -> dict[str, Any]:
-    return {key: None if isinstance(value, float) and not math.isfinite(value) else value for key, value in data.items()}
+    return {
+        key: None if isinstance(value, float) and not math.isfinite(value) else value for key, value in data.items()
+    }
 
 
 def validate(directory: RunDirectory, tolerances: dict[str, float] | None = None) -> Validation:

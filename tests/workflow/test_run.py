@@ -85,7 +85,9 @@ def test_one_chain_passes_the_beads_at_the_published_times(paper):
 
 
 def test_steel_chains_are_the_two_chain_scene_to_the_digits_of_their_coupling(paper):
-    steel, reduced = (json.loads((paper(name) / "analysis.json").read_text()) for name in ("two-chains-steel", "two-chains"))
+    steel, reduced = (
+        json.loads((paper(name) / "analysis.json").read_text()) for name in ("two-chains-steel", "two-chains")
+    )
     assert steel["units"] == "SI"
     for one, other in zip(steel["waves"], reduced["waves"], strict=True):
         assert one["peak_velocity"] == one["peak_velocity_reduced"]  # V is 1 m/s
@@ -116,8 +118,13 @@ def test_a_run_at_any_v_is_a_scaled_copy_of_the_run_at_1(speed, tmp_path):
         )
         trajectory = run(scaled, tmp_path / f"{v:g}", check=False).trajectory
         scale = scaled.scale
-        found.append((trajectory.time * scale.time / stretch, trajectory.displacement * scale.length / abs(v) ** 0.8,
-                      trajectory.velocity * scale.velocity / abs(v)))
+        found.append(
+            (
+                trajectory.time * scale.time / stretch,
+                trajectory.displacement * scale.length / abs(v) ** 0.8,
+                trajectory.velocity * scale.velocity / abs(v),
+            )
+        )
     # each of 1000 steps rounds positions below 64, by 4e-15 at most, in both runs; frequencies are below 3
     for one, other in zip(*found, strict=True):
         np.testing.assert_allclose(one, other, rtol=0, atol=3 * 2 * 1000 * 4e-15)
@@ -152,7 +159,7 @@ def test_run_json_says_what_was_computed_with_what_and_how_it_ended(paper):
 
 
 def _as_date(version):
-    month = "Jan Feb Mar Apr May Jun Jul Aug Sep Oct Nov Dec".split()[version // 100 % 100 - 1]
+    month = ["Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"][version // 100 % 100 - 1]
     return f"{version % 100} {month} {version // 10000}"
 
 

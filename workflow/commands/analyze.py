@@ -20,9 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """Print a short table; write waves.csv, analysis.json and figures."""
-    found = analyse(
-        RunDirectory(arguments.directory), beads=_beads(arguments.beads), figures=not arguments.no_figures
-    )
+    found = analyse(RunDirectory(arguments.directory), beads=_beads(arguments.beads), figures=not arguments.no_figures)
     _print(found)
     names = ["waves.csv", "analysis.json", *(path.name for path in found.figures)]
     print(f"{arguments.directory}: {', '.join(names)}")

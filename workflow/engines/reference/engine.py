@@ -63,9 +63,7 @@ def blocks(
     x, v = state.x, state.v
     chains = problem.chains
     recorded = problem.recorded_beads
-    yield Trajectory(
-        problem, np.zeros(1), x[recorded].T[np.newaxis].copy(), v[recorded].T[np.newaxis].copy()
-    )
+    yield Trajectory(problem, np.zeros(1), x[recorded].T[np.newaxis].copy(), v[recorded].T[np.newaxis].copy())
     size = frames_per_block(problem)
     for first in range(1, problem.frames + 1, size):
         frame = np.arange(first, min(first + size, problem.frames + 1))

@@ -35,7 +35,11 @@ def press(x: Floats, push: Floats, chains: int, first: int, last: int, gap: floa
 @njit(cache=True)
 def _kick(v: Floats, push: Floats, factor: float, chains: int, first: int, last: int) -> None:
     """``v += factor * contact forces`` in rows first to last, which nothing outside touches."""
-    moving, behind, ahead = v[first * chains : (last + 1) * chains], push[first * chains :], push[(first + 1) * chains :]
+    moving, behind, ahead = (
+        v[first * chains : (last + 1) * chains],
+        push[first * chains :],
+        push[(first + 1) * chains :],
+    )
     for k in range(moving.shape[0]):
         moving[k] += factor * (behind[k] - ahead[k])
 

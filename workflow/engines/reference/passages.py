@@ -9,7 +9,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from analysis.peaks import THRESHOLD
 from analysis.waves import Waves, with_speeds
@@ -21,7 +20,9 @@ from workflow.engines.reference.scheme import Scheme
 
 
 @njit(cache=True)
-def _accelerate(x: Floats, a: Floats, push: Floats, to_left: Floats, to_right: Floats, gap: float, span: Integers) -> None:
+def _accelerate(
+    x: Floats, a: Floats, push: Floats, to_left: Floats, to_right: Floats, gap: float, span: Integers
+) -> None:
     """Accelerations [row, chain] in the rows of a span, everything flat but ``a``."""
     chains = a.shape[1]
     press(x, push, chains, span[0], span[1], gap)

@@ -68,7 +68,9 @@ def test_energy_in_contacts_and_springs_counts(problem):
     x = np.zeros((2, 4))
     x[0, 3] = overlap
     x[0, :3] = overlap
-    x[1, :3] = overlap  # so that chain 1 is whole, chain 2 is pressed between beads 3 and 4, and one spring is stretched
+    x[1, :3] = (
+        overlap  # so that chain 1 is whole, chain 2 is pressed between beads 3 and 4, and one spring is stretched
+    )
     assert fault(problem, x, np.zeros((2, 4))) is None
 
 

@@ -1,0 +1,164 @@
+"""Velocity of chosen beads while a pulse passes them, collected in a second reading of a run, and what it says.
+
+Each passage is watched for `REACH` beads of travel either side of the peak in at most `SAMPLES` frames, so that memory
+depends on the number of passages only, not on how finely a run was recorded.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import make_interp_spline
+
+from analysis.solitary_wave import solitary_wave
+from analysis.trajectory import Floats, Trajectory
+from lammps_inputs import Problem, contact
+
+Integers = NDArray[np.int64]
+
+REACH = 4.0
+"""Half the watched stretch, in beads of travel; the exact wave has fallen to 1e-10 of its peak there."""
+
+COMPARED = 3.0
+"""Half the stretch on which the shape is compared; the exact wave has fallen to 1e-5."""
+
+SAMPLES = 128
+"""Largest number of frames kept of a passage."""
+
+FEWEST = 8
+"""Frames within `COMPARED` below which a width is not stated."""
+
+
+@dataclass(frozen=True)
+class Passages:
+    """What is to be watched: one entry per passage of a pulse at a recorded bead.
+
+    Attributes:
+        chain, bead: counted from 1.
+        arrival, peak_velocity, speed: of the passage, see `analysis.pulses.Pulse`.
+    """
+
+    chain: Integers
+    bead: Integers
+    arrival: Floats
+    peak_velocity: Floats
+    speed: Floats
+
+    def __len__(self) -> int:
+        return len(self.bead)
+
+
+@dataclass(frozen=True)
+class Shape:
+    """What the waveforms of passages say, one entry per passage; NaN where the run does not show it whole.
+
+    Attributes:
+        width: full width at half maximum of the velocity, in beads: its duration times the local speed.
+        momentum: in units of m V.
+        energy: kinetic and of the contacts, in units of m V**2; where only some beads are recorded, 9/5 of the kinetic
+            energy, as in the exact wave.
+        residual: largest difference from the exact wave of the same peak velocity, in units of that.
+    """
+
+    width: Floats
+    momentum: Floats
+    energy: Floats
+    residual: Floats
+
+
+class Waveforms:
+    """Collects the waveforms of passages from a run that is given piece by piece. Frames are evenly spaced.
+
+    Attributes:
+        passages: what is watched.
+        time: [passage, sample], in units of T; regularly spaced, also where there is no frame.
+        velocity: [passage, sample], in units of V; NaN where there is no frame.
+        contact_energy: [passage, sample] energy of the contact with the next bead, in units of m V**2; likewise, and
+            NaN where not all beads are recorded.
+    """
+
+    def __init__(self, problem: Problem, passages: Passages) -> None:
+        self.problem = problem
+        self.passages = passages
+        every = problem.every
+        speed = np.where(np.isfinite(passages.speed) & (passages.speed > 0.0), passages.speed, np.nan)
+        speed = np.where(np.isnan(speed), solitary_wave().speed_at(passages.peak_velocity), speed)
+        frames = np.ceil(REACH / speed / every)
+        stride = np.maximum(1, np.ceil(2.0 * frames / SAMPLES)).astype(np.int64)
+        half = np.minimum(np.ceil(frames / stride), SAMPLES // 2).astype(np.int64)
+        centre = np.round(passages.arrival / every).astype(np.int64)
+        offset = np.arange(-int(half.max(initial=0)), int(half.max(initial=0)) + 1)
+        self._frame = centre[:, np.newaxis] + offset * stride[:, np.newaxis]
+        self._frame[np.abs(offset) > half[:, np.newaxis]] = -1
+        self._first, self._last = centre - half * stride, centre + half * stride
+        self.time = (centre[:, np.newaxis] + offset * stride[:, np.newaxis]) * every
+        self.velocity = np.full(self._frame.shape, np.nan)
+        self.contact_energy = np.full(self._frame.shape, np.nan)
+        self._column = np.searchsorted(problem.recorded_beads, passages.bead)
+        self._seen = 0
+
+    def add(self, block: Trajectory) -> None:
+        """Take the next frames, from the first of the run on."""
+        start, end = self._seen, self._seen + block.frames
+        self._seen = end
+        passing = np.flatnonzero((self._first < end) & (self._last >= start))
+        if len(passing) == 0:
+            return
+        row, sample = np.nonzero((self._frame[passing] >= start) & (self._frame[passing] < end))
+        row = passing[row]
+        frame, chain, bead = self._frame[row, sample] - start, self.passages.chain[row] - 1, self._column[row]
+        self.velocity[row, sample] = block.velocity[frame, chain, bead]
+        if self.problem.recorded is None:
+            x = block.displacement
+            ahead = np.minimum(bead + 1, self.problem.beads - 1)
+            overlap = x[frame, chain, bead] - x[frame, chain, ahead] - self.problem.gap
+            self.contact_energy[row, sample] = contact.energy(np.where(ahead > bead, overlap, 0.0))
+
+    def shape(self) -> Shape:
+        """What the waveforms say."""
+        passages, exact = self.passages, solitary_wave()
+        speed, peak = passages.speed[:, np.newaxis], passages.peak_velocity[:, np.newaxis]
+        late = self.time - passages.arrival[:, np.newaxis]
+        watched = self._frame >= 0
+        step = (self.time[:, 1] - self.time[:, 0])[:, np.newaxis] if self.time.shape[1] > 1 else np.nan
+        whole = ~np.any(watched & np.isnan(self.velocity), axis=1)
+        sign = np.where(whole, 1.0, np.nan)
+
+        def travelled(values: Floats) -> Floats:
+            return np.asarray(np.sum(np.where(watched, values, 0.0) * speed * step, axis=1) * sign)
+
+        kinetic = travelled(0.5 * self.velocity**2)
+        energy = kinetic + travelled(self.contact_energy) if self.problem.recorded is None else 1.8 * kinetic
+        xi = exact.speed_at(peak) * late
+        difference = np.abs(self.velocity / peak - exact.velocity(xi))
+        difference[~(watched & (np.abs(xi) <= COMPARED))] = 0.0
+        width = np.array([self._duration(k) if whole[k] else np.nan for k in range(len(passages))])
+        return Shape(
+            width=width * passages.speed,
+            momentum=travelled(self.velocity),
+            energy=energy,
+            residual=np.max(difference, axis=1, initial=0.0) * sign,
+        )
+
+    def _duration(self, k: int) -> float:
+        """Time for which the velocity exceeds half its peak, from a spline through the samples; NaN if it never falls."""
+        inside = np.flatnonzero(self._frame[k] >= 0)
+        time, velocity = self.time[k, inside] - self.passages.arrival[k], self.velocity[k, inside]
+        if len(inside) < FEWEST:
+            return float("nan")
+        spline = make_interp_spline(time, velocity - 0.5 * self.passages.peak_velocity[k], k=5)
+        fine = np.linspace(time[0], time[-1], 16 * len(time))
+        above = spline(fine) > 0.0
+        middle = int(np.searchsorted(fine, 0.0))
+        falls, rises = np.flatnonzero(~above[middle:]), np.flatnonzero(~above[:middle])
+        if len(falls) == 0 or len(rises) == 0:
+            return float("nan")
+        return _crossing(spline, fine, middle + int(falls[0]) - 1) - _crossing(spline, fine, int(rises[-1]))
+
+
+def _crossing(spline: Callable[[Floats], Floats], fine: Floats, before: int) -> float:
+    """Where a spline changes sign between a point of a fine grid and the next, by a chord."""
+    t = fine[before : before + 2]
+    y = np.asarray(spline(t))
+    return float(t[0] - y[0] * (t[1] - t[0]) / (y[1] - y[0]))
