@@ -3,13 +3,38 @@
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analysis.conservation import Conservation
-from analysis.peaks import PeakFinder
+from analysis.peaks import THRESHOLD, PeakFinder, Peaks
 from analysis.trajectory import Floats, Trajectory
-from analysis.waves import Waves, leading_waves
+
+QUANTITIES = ("velocity", "displacement", "amplitude", "arrival", "energy", "momentum")
 
 MAP_CELLS = 400
+
+FREE = 0.05
+"""Overlap at its peak, over velocity**0.8, below which a bead is taken for one that flies freely (the exact solitary wave
+has 0.66). Such a velocity reaches a level and stays: when it is largest is not to be told.
+"""
+
+
+def matched(own: Peaks, other: Peaks) -> tuple[Peaks, Peaks]:
+    """First passages of two runs at the beads that both reached.
+
+    Left out are the foremost bead, which may be about to leave the free end, and passages not twice as high as
+    `analysis.peaks.THRESHOLD`: of those, one run may have what the other has not. Each bead has one passage at most.
+    """
+    foremost = max(own.bead.max(initial=0), other.bead.max(initial=0))
+    keys = [peaks.chain * 2**40 + peaks.bead for peaks in (own, other)]
+    clear = [(peaks.velocity > 2.0 * THRESHOLD) & (peaks.bead < foremost) for peaks in (own, other)]
+    both = np.intersect1d(keys[0][clear[0]], keys[1][clear[1]])
+    return own.where(np.isin(keys[0], both)), other.where(np.isin(keys[1], both))
+
+
+def sharp(peaks: Peaks) -> NDArray[np.bool_]:
+    """Which passages have a time that can be told: all but those of beads that fly freely, as far as that is known."""
+    return ~(peaks.overlap < FREE * peaks.velocity**0.8)
 
 
 @dataclass(frozen=True)
@@ -51,7 +76,7 @@ class _Running:
     def add(self, block: Trajectory, difference: Floats) -> None:
         size = np.abs(difference)
         worst = int(np.argmax(size))
-        if not size.flat[worst] <= self.largest:  # NaN counts as largest
+        if not (size.flat[worst] <= self.largest or np.isnan(self.largest)):  # NaN counts as largest
             self.largest = float(size.flat[worst])
             self.where = _place(block, worst)
         self.squares += float(np.sum(difference * difference))
@@ -88,16 +113,18 @@ class Comparison:
         self.conservation = Conservation()
         self._map: list[Floats] = []
         self._times: list[float] = []
+        self._last_time, self._cell_beads = 0.0, np.zeros(0, dtype=np.int64)
         self.frames = 0
 
     def add(self, block: Trajectory, reference: Trajectory) -> None:
         """Take the next frames of both, at the same times."""
-        difference = block.velocity - reference.velocity
-        self._velocity.add(block, difference)
-        self._displacement.add(block, block.displacement - reference.displacement)
-        self._peaks[0].add(block)
-        self._peaks[1].add(reference)
-        self.conservation.add(block)
+        with np.errstate(over="ignore", invalid="ignore"):  # of a run that blew up
+            difference = block.velocity - reference.velocity
+            self._velocity.add(block, difference)
+            self._displacement.add(block, block.displacement - reference.displacement)
+            self._peaks[0].add(block)
+            self._peaks[1].add(reference)
+            self.conservation.add(block)
         self.frames += block.frames
         self._add_to_map(block, difference)
 
@@ -110,45 +137,52 @@ class Comparison:
             row = size[start : start + frames_a_cell].max(axis=0)
             self._map.append(np.maximum.reduceat(row, np.arange(0, len(row), thin)))
             self._times.append(float(block.time[start]))
-
-    def waves(self) -> tuple[Waves, Waves]:
-        """Leading pulses of the trajectory and of the reference, at the beads that both reached before the free end."""
-        own, other = (leading_waves(finder.result()) for finder in self._peaks)
-        last = int(max(own.bead.max(initial=0), other.bead.max(initial=0)))
-        key_own, key_other = own.chain * 2**40 + own.bead, other.chain * 2**40 + other.bead
-        both = np.intersect1d(key_own[own.bead < last], key_other[other.bead < last])
-        return own.where(np.isin(key_own, both)), other.where(np.isin(key_other, both))
+        self._last_time, self._cell_beads = float(block.time[-1]), np.append(block.beads[::thin], block.beads[-1] + 1)
 
     def deviations(self) -> dict[str, Deviation]:
-        """Deviation of every quantity in `QUANTITIES`."""
-        own, other = self.waves()
-        result = {"velocity": self._velocity.result(), "displacement": self._displacement.result()}
-        for name, difference in (
-            ("amplitude", own.peak_velocity - other.peak_velocity),
-            ("arrival", own.arrival - other.arrival),
-        ):
-            result[name] = self._of_waves(name, difference, other)
+        """Deviation of every quantity in `QUANTITIES`; amplitudes and arrivals are the leading pulse's."""
+        with np.errstate(over="ignore", invalid="ignore"):
+            own, other = matched(*(finder.result() for finder in self._peaks))
+        timed = sharp(other)
+        result = {
+            "velocity": self._velocity.result(),
+            "displacement": self._displacement.result(),
+            "amplitude": self._of_peaks("amplitude", own.velocity - other.velocity, other),
+            "arrival": self._of_peaks("arrival", (own.time - other.time)[timed], other.where(timed)),
+        }
         result["energy"] = Deviation(self.conservation.energy_drift, float("nan"))
         result["momentum"] = Deviation(self.conservation.momentum_drift, float("nan"))
         return result
 
-    def _of_waves(self, name: str, difference: Floats, waves: Waves) -> Deviation:
+    def _of_peaks(self, name: str, difference: Floats, peaks: Peaks) -> Deviation:
         if len(difference) == 0:
             return Deviation(0.0, 0.0)
         size = np.abs(difference)
 
         def place(k: int) -> Place:
-            return Place(int(waves.chain[k]), int(waves.bead[k]), float(waves.arrival[k]))
+            return Place(int(peaks.chain[k]), int(peaks.bead[k]), float(peaks.time[k]))
 
         exceeding = np.flatnonzero(~(size <= self.tolerances[name]))
-        first = place(int(exceeding[np.argmin(waves.arrival[exceeding])])) if len(exceeding) else None
+        first = place(int(exceeding[np.argmin(peaks.time[exceeding])])) if len(exceeding) else None
         rms = float(np.sqrt(np.mean(difference**2)))
         return Deviation(float(size.max()), rms, place(int(np.argmax(size))), first)
 
     @property
-    def error_map(self) -> tuple[Floats, Floats]:
-        """Times [cell] and largest |velocity difference| over the chains [cell, bead cell]."""
-        return np.array(self._times), np.array(self._map)
+    def error_map(self) -> "ErrorMap":
+        """Where the velocities differ, in cells of some frames by some beads."""
+        return ErrorMap(np.array([*self._times, self._last_time]), self._cell_beads, np.array(self._map))
 
 
-QUANTITIES = ("velocity", "displacement", "amplitude", "arrival", "energy", "momentum")
+@dataclass(frozen=True)
+class ErrorMap:
+    """Largest |velocity difference| of any chain in cells of space and time.
+
+    Attributes:
+        time: of the first frame of each cell and of the last frame of all, [cell + 1].
+        bead: first bead of each cell, counted from 1, and the one after the last bead of all, [bead cell + 1].
+        velocity: [cell, bead cell].
+    """
+
+    time: Floats
+    bead: NDArray[np.int64]
+    velocity: Floats

@@ -1,8 +1,9 @@
 """What is wrong with a trajectory, as far as it can be told from the numbers alone.
 
-Four things are looked at: how many digits the numbers have, whether the whole is shifted in time, whether displacement
-and velocity belong to the same instants, and which springs the beads felt (from the change of momentum between frames,
-once contacts are taken away).
+Three things are measured: to how many digits the numbers were rounded (`precision`), by how much a quantity is shifted in
+time (`time_shift`; displacement and velocity may be so by different amounts), and which springs the beads felt
+(`identify_springs`, from the change of momentum between frames, once contacts are taken away). What follows from the
+measurements is for others to say.
 """
 
 from dataclasses import dataclass
@@ -12,25 +13,39 @@ import numpy as np
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import contact
 
-SIX_DIGITS = "six digits"
 SINGLE = "single precision"
 
+MOST_DIGITS = 12
+"""Numbers with more digits than that pass for whole ones; float64 has 16."""
 
-def digits(values: Floats) -> str | None:
-    """Whether all of many numbers have no more than `SIX_DIGITS` (``%g``) or `SINGLE` precision; None if they have more.
 
-    Zeros and whole numbers tell nothing; None where fewer than 20 others are found.
+def precision(values: Floats) -> str | None:
+    """What all of many numbers were rounded to, such as "6 digits" (``%g``), "8 decimals" or `SINGLE`; None if to nothing.
+
+    Whole numbers tell nothing; None where fewer than 20 different others are found.
     """
     telling = values[np.isfinite(values) & (values != np.round(values))].ravel()
-    if len(telling) < 20:
+    sample = np.unique(telling[:: max(1, len(telling) // 2000)])
+    if len(sample) < 20:
         return None
-    sample = telling[:: max(1, len(telling) // 2000)]
-    if all(abs(float(f"{value:.6g}") - value) <= 1e-14 * abs(value) for value in sample.tolist()):
-        return SIX_DIGITS
-    with np.errstate(over="ignore"):
-        if np.all(sample.astype(np.float32).astype(np.float64) == sample):
+    for form, word in (("e", "digits"), ("f", "decimals")):
+        fewest = None
+        for count in range(MOST_DIGITS, 0, -1):
+            spec = f".{count - 1}e" if form == "e" else f".{count}f"
+            if not _all_are(sample, np.array([float(format(value, spec)) for value in sample.tolist()])):
+                break
+            fewest = count
+        if fewest is not None:
+            return f"{fewest} {word}"
+    with np.errstate(over="ignore", under="ignore"):
+        if _all_are(sample, sample.astype(np.float32).astype(np.float64)):
             return SINGLE
     return None
+
+
+def _all_are(sample: Floats, rounded: Floats) -> bool:
+    """Whether as good as all numbers are the rounded ones; taking rest positions off and on may cost the last bits."""
+    return float(np.mean(np.abs(rounded - sample) <= 1e-14 * np.abs(sample))) > 0.99
 
 
 @dataclass(frozen=True)

@@ -2,56 +2,71 @@
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from analysis.comparison import Deviation
+from analysis.comparison import Deviation, ErrorMap
 from analysis.figures import STYLE, unit_label
-from analysis.trajectory import Floats
 from lammps_inputs import Problem
+
+GOOD, BAD = "#0072B2", "#D55E00"
+
+DECADES = 1e-6
+"""Errors that much below the largest are drawn like nothing."""
 
 
 def validation_figure(
-    problem: Problem,
-    error_map: tuple[Floats, Floats],
-    deviations: dict[str, Deviation],
-    tolerances: dict[str, float],
+    problem: Problem, errors: ErrorMap, deviations: dict[str, Deviation], tolerances: dict[str, float], against: str
 ) -> Figure:
     """Largest velocity error of any chain over bead and time; beside it, every quantity as a share of its tolerance.
 
     Args:
         problem: what was run.
-        error_map: times [cell] and errors [cell, bead cell], see `analysis.comparison.Comparison.error_map`.
+        errors: see `analysis.comparison.Comparison.error_map`.
         deviations, tolerances: by quantity, dimensionless.
+        against: name of what the run was compared with.
     """
-    times, errors = error_map
-    beads = problem.recorded_beads
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(8.0, 3.8), layout="constrained")
         space, bars = figure.subplots(1, 2, width_ratios=(1.6, 1.0))
-        top = max(float(np.nanmax(errors, initial=0.0)), 1e-15)
-        image = space.imshow(
-            np.maximum(errors, top * 1e-6),
-            origin="lower",
-            aspect="auto",
-            interpolation="nearest",
-            extent=(beads[0] - 0.5, beads[-1] + 0.5, times[0] * problem.scale.time, times[-1] * problem.scale.time),
-            cmap="cividis",
-            norm=LogNorm(top * 1e-6, top),
-            rasterized=True,
-        )
-        space.set_xlabel("bead")
-        space.set_ylabel(f"time $t$ ({unit_label(problem, 'time')})")
-        space.set_title("largest velocity error of any chain")
-        figure.colorbar(image, ax=space).set_label("$|v - v_{ref}|$ / $V$")
-        names = [name for name in deviations if np.isfinite(deviations[name].largest)]
-        shares = np.maximum([deviations[name].largest / tolerances[name] for name in names], 1e-6)
-        colours = ["#D55E00" if share > 1.0 else "#0072B2" for share in shares]
-        bars.barh(names, shares, color=colours)
-        bars.set_xscale("log")
-        bars.set_xlim(min(1e-3, float(shares.min(initial=1.0)) / 2.0), max(10.0, 2.0 * float(shares.max(initial=1.0))))
-        bars.axvline(1.0, color="black", linewidth=1.0)
-        bars.invert_yaxis()
-        bars.set_xlabel("largest error / tolerance")
-        figure.suptitle(f"{problem.name}: against the reference")
+        _draw_map(figure, space, problem, errors)
+        _draw_bars(bars, deviations, tolerances)
+        figure.suptitle(f"{problem.name}: against {against}")
     return figure
+
+
+def _draw_map(figure: Figure, space: Axes, problem: Problem, errors: ErrorMap) -> None:
+    finite = errors.velocity[np.isfinite(errors.velocity)]
+    top = max(float(finite.max(initial=0.0)), 1e-15)
+    shown = np.ma.masked_invalid(np.clip(errors.velocity, DECADES * top, None))
+    last = errors.time[-1] if errors.time[-1] > errors.time[-2] else errors.time[-2] + problem.every
+    image = space.pcolormesh(
+        errors.bead - 0.5,
+        np.append(errors.time[:-1], last) * problem.scale.time,
+        shown,
+        cmap="cividis",
+        norm=LogNorm(DECADES * top, top),
+        rasterized=True,
+    )
+    space.set_facecolor(BAD)  # shows where the error is not a number
+    space.set_xlabel("bead")
+    space.set_ylabel(f"time $t$ ({unit_label(problem, 'time')})")
+    space.set_title("largest velocity error of any chain")
+    figure.colorbar(image, ax=space).set_label("$|v - v_{ref}|$ / $V$")
+
+
+def _draw_bars(bars: Axes, deviations: dict[str, Deviation], tolerances: dict[str, float]) -> None:
+    names = list(deviations)
+    largest = np.array([deviations[name].largest for name in names])
+    limits = np.array([tolerances[name] for name in names])
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        shares = np.where(largest == 0.0, 0.0, largest / limits)
+    lengths = np.clip(np.nan_to_num(shares, nan=np.inf, posinf=np.inf), 1e-6, 1e9)
+    colours = [GOOD if share <= 1.0 else BAD for share in shares]
+    bars.barh(names, lengths, color=colours)
+    bars.set_xscale("log")
+    bars.set_xlim(min(1e-3, float(lengths.min(initial=1.0)) / 2.0), max(10.0, 2.0 * float(lengths.max(initial=1.0))))
+    bars.axvline(1.0, color="black", linewidth=1.0)
+    bars.invert_yaxis()
+    bars.set_xlabel("largest error / tolerance")

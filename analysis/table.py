@@ -1,11 +1,17 @@
 """A user's own trajectory in a file: a long table of time, chain, bead, displacement and/or velocity, or the same as npz.
 
-Text has a header line with the column names and commas or blanks between columns. An npz holds arrays under those names:
-one number per row of such a table, or ``time`` [frame] with ``displacement`` and ``velocity`` [frame, chain, bead].
+Text has a header line with the column names and commas or blanks between columns; other columns are passed over. An npz
+holds arrays under those names: one number per row of such a table, or a grid, that is ``time`` [frame] with
+``displacement`` and/or ``velocity`` [frame, chain, bead] (then ``chain`` and ``bead`` may number the axes; else they count
+from 1). A place without a value is left out of a table; a value that is not a finite number is refused.
 """
 
-import re
+import math
+import struct
+import warnings
 import zipfile
+import zlib
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,6 +24,8 @@ from lammps_inputs import InputError
 KEYS = ("time", "chain", "bead")
 VALUES = ("displacement", "velocity")
 MAX_BYTES = 4 << 30
+MAX_NUMBER = 2**31 - 1
+"""Largest number of a chain or bead, as in LAMMPS."""
 
 
 @dataclass(frozen=True)
@@ -26,7 +34,7 @@ class Table:
 
     Attributes:
         time: [frame], ascending.
-        chains, beads: numbers along the other axes, counted from 1.
+        chains, beads: numbers along the other axes, ascending, counted from 1.
         displacement, velocity: [frame, chain, bead]; None where the file has no such column; NaN where a row is missing.
     """
 
@@ -41,7 +49,7 @@ def load(path: Path) -> Table:
     """Read a table.
 
     Raises:
-        InputError: the file is missing, not of either kind, lacks a column, or names a place twice.
+        InputError: the file is missing, of neither kind, lacks a column, names a place twice, or holds what is no number.
     """
     try:
         if path.stat().st_size > MAX_BYTES:
@@ -51,41 +59,81 @@ def load(path: Path) -> Table:
         columns = _from_npz(path) if start[:2] == b"PK" else _from_text(path)
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror or error})") from None
+    except MemoryError:
+        raise InputError(f"{path}: too large for this machine's memory") from None
     present = [name for name in VALUES if name in columns]
     if not present:
         raise InputError(f"{path}: has neither a displacement nor a velocity column")
+    for name, values in columns.items():
+        if values.size == 0:
+            raise InputError(f"{path}: column {name!r} is empty")
+        wrong = np.argwhere(~np.isfinite(values))
+        if len(wrong):
+            place = ", ".join(str(index + 1) for index in wrong[0])
+            raise InputError(f"{path}: column {name!r} holds {values[tuple(wrong[0])]} in row {place}; leave such rows out")
     if columns[present[0]].ndim == 3:
         return _from_grid(path, columns)
     for name in KEYS:
         if name not in columns:
-            raise InputError(f"{path}: has no column {name!r}")
+            raise InputError(f"{path}: has no column {name!r}; wanted are {', '.join(KEYS)}")
     return _on_grid(path, columns)
 
 
 def _from_npz(path: Path) -> dict[str, Floats]:
+    damage = (ValueError, TypeError, KeyError, RuntimeError, EOFError, struct.error, zlib.error, zipfile.BadZipFile)
     try:
-        with np.load(path, allow_pickle=False) as archive:
-            return {name: np.asarray(archive[name], dtype=np.float64) for name in (*KEYS, *VALUES) if name in archive}
-    except (ValueError, zipfile.BadZipFile, EOFError) as error:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")  # numpy warns where it would leave out imaginary parts
+            with np.load(path, allow_pickle=False) as archive:
+                found = {name: archive[name] for name in (*KEYS, *VALUES) if name in archive}
+                return {name: np.asarray(values, dtype=np.float64) for name, values in found.items()}
+    except (*damage, Warning) as error:
         raise InputError(f"{path}: is not an npz of plain numbers ({error})") from None
 
 
 def _from_text(path: Path) -> dict[str, Floats]:
     try:
         with path.open(encoding="utf-8-sig") as file:
-            head = file.readline()
-            delimiter = "," if "," in head else None
-            names = [name for name in re.split(r"[,\s]+", head.strip().lstrip("#").strip()) if name]
-            if not set(names) & {*KEYS, *VALUES}:
+            names, delimiter = _header(file.readline())
+            wanted = [name for name in (*KEYS, *VALUES) if name in names]
+            if not wanted:
                 raise InputError(f"{path}: its first line names no column; wanted are {', '.join((*KEYS, *VALUES))}")
-            data = np.loadtxt(file, delimiter=delimiter, ndmin=2, dtype=np.float64)
+            for name in wanted:
+                if names.count(name) > 1:
+                    raise InputError(f"{path}: its first line names {name!r} twice")
+            with warnings.catch_warnings():
+                warnings.filterwarnings("ignore", "loadtxt: input contained no data")
+                data = np.loadtxt(
+                    _rows_as_wide_as(file, len(names), delimiter, path),
+                    delimiter=delimiter,
+                    ndmin=2,
+                    usecols=[names.index(name) for name in wanted],
+                )
     except UnicodeDecodeError:
         raise InputError(f"{path}: is neither a text table nor an npz") from None
+    except InputError:
+        raise
     except ValueError as error:
         raise InputError(f"{path}: {error}") from None
-    if data.shape[1] != len(names):
-        raise InputError(f"{path}: {len(names)} names in the first line, but {data.shape[1]} columns of numbers")
-    return {name: data[:, k] for k, name in enumerate(names)}
+    if data.size == 0:
+        raise InputError(f"{path}: holds no row")
+    return {name: data[:, k] for k, name in enumerate(wanted)}
+
+
+def _header(line: str) -> tuple[list[str], str | None]:
+    """Names of the columns, and what stands between them (None: blanks)."""
+    line = line.strip().lstrip("#").strip()
+    delimiter = "," if "," in line else None
+    return [name.strip().strip("\"'") for name in line.split(delimiter)], delimiter
+
+
+def _rows_as_wide_as(lines: Iterable[str], width: int, delimiter: str | None, path: Path) -> Iterator[str]:
+    """The lines, as long as each has as many columns as the first line names."""
+    for number, line in enumerate(lines, 2):
+        row = line.partition("#")[0].strip()
+        if row and (count := len(row.split(delimiter))) != width:
+            raise InputError(f"{path}: {width} names in the first line, but {count} columns in line {number}")
+        yield line
 
 
 def _from_grid(path: Path, columns: dict[str, Floats]) -> Table:
@@ -96,26 +144,29 @@ def _from_grid(path: Path, columns: dict[str, Floats]) -> Table:
         raise InputError(f"{path}: arrays do not fit together; wanted are time [frame], values [frame, chain, bead]")
     if not np.all(np.diff(time) > 0.0):
         raise InputError(f"{path}: times are not ascending")
-    chains = columns.get("chain", np.arange(1.0, shape[1] + 1))
-    beads = columns.get("bead", np.arange(1.0, shape[2] + 1))
+    chains = _numbers(path, "chain", columns.get("chain", np.arange(1.0, shape[1] + 1)))
+    beads = _numbers(path, "bead", columns.get("bead", np.arange(1.0, shape[2] + 1)))
     if chains.shape != shape[1:2] or beads.shape != shape[2:]:
         raise InputError(f"{path}: chain and bead do not number the last two axes")
-    return Table(
-        time, chains.astype(np.int64), beads.astype(np.int64), values.get("displacement"), values.get("velocity")
-    )
+    if len(np.unique(chains)) < len(chains) or len(np.unique(beads)) < len(beads):
+        raise InputError(f"{path}: a chain or bead is named twice")
+    by_chain, by_bead = np.argsort(chains), np.argsort(beads)
+    ordered = {name: value[:, by_chain][:, :, by_bead] for name, value in values.items()}
+    return Table(time, chains[by_chain], beads[by_bead], ordered.get("displacement"), ordered.get("velocity"))
 
 
 def _on_grid(path: Path, columns: dict[str, Floats]) -> Table:
-    lengths = {len(columns[name]) for name in (*KEYS, *VALUES) if name in columns}
-    if len(lengths) != 1 or any(columns[name].ndim != 1 for name in (*KEYS, *VALUES) if name in columns):
+    if any(column.ndim != 1 for column in columns.values()) or len({len(column) for column in columns.values()}) > 1:
         raise InputError(f"{path}: columns have different lengths")
-    for name in ("chain", "bead"):
-        if not np.all(columns[name] == np.round(columns[name])):
-            raise InputError(f"{path}: column {name!r} holds numbers that are not whole")
     time, at_time = np.unique(columns["time"], return_inverse=True)
-    chains, at_chain = np.unique(columns["chain"].astype(np.int64), return_inverse=True)
-    beads, at_bead = np.unique(columns["bead"].astype(np.int64), return_inverse=True)
+    chains, at_chain = np.unique(_numbers(path, "chain", columns["chain"]), return_inverse=True)
+    beads, at_bead = np.unique(_numbers(path, "bead", columns["bead"]), return_inverse=True)
     shape = (len(time), len(chains), len(beads))
+    if 8 * math.prod(shape) > MAX_BYTES:
+        raise InputError(
+            f"{path}: {len(time)} times of {len(chains)} chains and {len(beads)} beads are too many; is `time` the same in "
+            "all rows of a frame?"
+        )
     place = np.ravel_multi_index((at_time, at_chain, at_bead), shape)
     if len(np.unique(place)) < len(place):
         raise InputError(f"{path}: a time, chain and bead is given twice")
@@ -128,3 +179,9 @@ def _on_grid(path: Path, columns: dict[str, Floats]) -> Table:
         return values
 
     return Table(time, chains, beads, grid("displacement"), grid("velocity"))
+
+
+def _numbers(path: Path, name: str, column: Floats) -> NDArray[np.int64]:
+    if not np.all((column == np.round(column)) & (column >= 0.0) & (column <= MAX_NUMBER)):
+        raise InputError(f"{path}: column {name!r} holds what is not the number of a {name}")
+    return column.astype(np.int64)

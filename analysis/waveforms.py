@@ -4,13 +4,12 @@ Each passage is watched for `REACH` beads of travel either side of the peak in a
 depends on the number of passages only, not on how finely a run was recorded.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import make_interp_spline
 
+from analysis import hermite
 from analysis.solitary_wave import solitary_wave
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem, contact
@@ -26,9 +25,6 @@ COMPARED = 3.0
 SAMPLES = 128
 """Largest number of frames kept of a passage."""
 
-FEWEST = 8
-"""Frames within `COMPARED` below which a width is not stated."""
-
 
 @dataclass(frozen=True)
 class Passages:
@@ -36,7 +32,7 @@ class Passages:
 
     Attributes:
         chain, bead: counted from 1.
-        arrival, peak_velocity, speed: of the passage, see `analysis.pulses.Pulse`.
+        arrival, peak_velocity, speed, direction: of the passage, see `analysis.pulses.Pulse`.
     """
 
     chain: Integers
@@ -44,6 +40,7 @@ class Passages:
     arrival: Floats
     peak_velocity: Floats
     speed: Floats
+    direction: Integers
 
     def __len__(self) -> int:
         return len(self.bead)
@@ -73,8 +70,8 @@ class Waveforms:
     Attributes:
         passages: what is watched.
         time: [passage, sample], in units of T; regularly spaced, also where there is no frame.
-        velocity: [passage, sample], in units of V; NaN where there is no frame.
-        contact_energy: [passage, sample] energy of the contact with the next bead, in units of m V**2; likewise, and
+        velocity: [passage, sample] along the pulse's direction, in units of V; NaN where there is no frame.
+        contact_energy: [passage, sample] energy of the contact with the bead of the next higher number, in units of m V**2; likewise, and
             NaN where not all beads are recorded.
     """
 
@@ -108,7 +105,7 @@ class Waveforms:
         row, sample = np.nonzero((self._frame[passing] >= start) & (self._frame[passing] < end))
         row = passing[row]
         frame, chain, bead = self._frame[row, sample] - start, self.passages.chain[row] - 1, self._column[row]
-        self.velocity[row, sample] = block.velocity[frame, chain, bead]
+        self.velocity[row, sample] = self.passages.direction[row] * block.velocity[frame, chain, bead]
         if self.problem.recorded is None:
             x = block.displacement
             ahead = np.minimum(bead + 1, self.problem.beads - 1)
@@ -133,32 +130,31 @@ class Waveforms:
         xi = exact.speed_at(peak) * late
         difference = np.abs(self.velocity / peak - exact.velocity(xi))
         difference[~(watched & (np.abs(xi) <= COMPARED))] = 0.0
-        width = np.array([self._duration(k) if whole[k] else np.nan for k in range(len(passages))])
         return Shape(
-            width=width * passages.speed,
+            width=self._duration() * passages.speed * sign,
             momentum=travelled(self.velocity),
             energy=energy,
             residual=np.max(difference, axis=1, initial=0.0) * sign,
         )
 
-    def _duration(self, k: int) -> float:
-        """Time for which the velocity exceeds half its peak, from a spline through the samples; NaN if it never falls."""
-        inside = np.flatnonzero(self._frame[k] >= 0)
-        time, velocity = self.time[k, inside] - self.passages.arrival[k], self.velocity[k, inside]
-        if len(inside) < FEWEST:
-            return float("nan")
-        spline = make_interp_spline(time, velocity - 0.5 * self.passages.peak_velocity[k], k=5)
-        fine = np.linspace(time[0], time[-1], 16 * len(time))
-        above = spline(fine) > 0.0
-        middle = int(np.searchsorted(fine, 0.0))
-        falls, rises = np.flatnonzero(~above[middle:]), np.flatnonzero(~above[:middle])
-        if len(falls) == 0 or len(rises) == 0:
-            return float("nan")
-        return _crossing(spline, fine, middle + int(falls[0]) - 1) - _crossing(spline, fine, int(rises[-1]))
+    def _duration(self) -> Floats:
+        """Time for which the velocity exceeds half its peak, [passage]; NaN where it does not fall so far."""
+        above = self.velocity - 0.5 * self.passages.peak_velocity[:, np.newaxis]
+        backwards = self._half_time(above[:, ::-1], (self.passages.arrival[:, np.newaxis] - self.time)[:, ::-1])
+        return self._half_time(above, self.time - self.passages.arrival[:, np.newaxis]) + backwards
 
-
-def _crossing(spline: Callable[[Floats], Floats], fine: Floats, before: int) -> float:
-    """Where a spline changes sign between a point of a fine grid and the next, by a chord."""
-    t = fine[before : before + 2]
-    y = np.asarray(spline(t))
-    return float(t[0] - y[0] * (t[1] - t[0]) / (y[1] - y[0]))
+    def _half_time(self, above: Floats, time: Floats) -> Floats:
+        """When a row first falls through zero after time 0, from a polynomial through the six samples around; or NaN."""
+        nodes = (0, 1, 2, 3, 4, 5)
+        row, size = np.arange(len(above)), above.shape[1]
+        fallen = (time > 0.0) & (above <= 0.0)
+        if size < len(nodes):
+            return np.full(len(above), np.nan)
+        first = np.where(np.any(fallen, axis=1), np.argmax(fallen, axis=1), 0)
+        start = np.clip(first - 3, 0, size - len(nodes))
+        data = np.array([above[row, start + node] for node in nodes])[:, np.newaxis]
+        step = time[row, start + 1] - time[row, start]
+        low = np.maximum((first - 1 - start).astype(float), -time[row, start] / step)
+        at = hermite.falling_zero(hermite.coefficients(nodes, data, 1.0), low, (first - start).astype(float))
+        found = np.any(fallen, axis=1) & np.all(np.isfinite(data[:, 0]), axis=0)
+        return np.where(found, time[row, start] + at * step, np.nan)

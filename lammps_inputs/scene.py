@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
+from lammps_inputs.closing import never_closes
 from lammps_inputs.problem import Problem
 from lammps_inputs.timestep import default_timestep
 from lammps_inputs.units import Scale, hertz_constant, make_scale, sphere_mass
@@ -147,6 +148,12 @@ class Scene(_Part):
             raise ValueError(
                 f"gap: {self.gap / scale.length:.3g} in dimensionless units, so wide that positions lose their digits; "
                 f"at most {MAX_LENGTH / self.beads:.3g} for {self.beads} beads"
+            )
+        kicks = [(kick.chain, kick.bead, kick.velocity / scale.velocity) for kick in self.kick]
+        if never_closes(self.chains, self.kappa, self.gap / scale.length, kicks, self.beads):
+            raise ValueError(
+                f"kick: none ever closes the gap of {self.gap:g}, so nothing collides; "
+                "kick a bead towards another (bead 1 forward), or leave the gap out"
             )
         if self.kappa > 1e12:
             raise ValueError(

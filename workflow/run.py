@@ -13,6 +13,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+from analysis import events
 from analysis.binary_dump import Writer
 from analysis.trajectory import Trajectory
 from lammps_inputs import InputError, Problem, Scene, deck
@@ -22,11 +23,11 @@ from workflow.engines.lammps import engine as lammps_engine
 from workflow.engines.reference import engine as reference
 from workflow.engines.reference.certify import Certifier
 from workflow.errors import RunError
-from workflow.run_directory import RunDirectory, prepare, write_text
+from workflow.run_directory import EVENTS, RunDirectory, prepare, write_text
 
 Progress = Callable[[int, int], None]
 
-ENGINES = ("lammps", "reference")
+ENGINES = ("lammps", "reference", "collisions")
 
 
 @dataclass(frozen=True)
@@ -36,7 +37,7 @@ class Run:
     Attributes:
         directory: everything that it left.
         outcome: "done", or "interrupted" with the frames until then.
-        check: its error against the reference; None if that was not asked for, or the run is the reference.
+        check: its error against the reference; None if that was not asked for, or another engine than LAMMPS ran.
     """
 
     directory: RunDirectory
@@ -64,7 +65,7 @@ def run(
     Args:
         scene: what to compute.
         directory: new or empty, or an earlier run's with ``overwrite``.
-        engine: "lammps", or "reference" for the in-house integrator.
+        engine: "lammps", "reference" for the in-house integrator, or "collisions" for rigid beads.
         ranks: MPI ranks of LAMMPS.
         overwrite: whether an earlier run's files may be replaced.
         check: whether to measure the error of a LAMMPS run against the reference when it is done.
@@ -76,14 +77,15 @@ def run(
     """
     path = Path(directory)
     if engine not in ENGINES:
-        raise InputError(f"--engine: {engine!r} given; {' or '.join(ENGINES)}")
+        raise InputError(f"--engine: {engine!r} given; {', '.join(ENGINES[:-1])} or {ENGINES[-1]}")
     scene = with_duration(scene)
     problem = scene.problem()
+    refuse_what_it_cannot_do(engine, problem)
     lammps_engine.check_ranks(ranks, problem)
     if engine != "lammps" and ranks > 1:
-        raise InputError("--ranks: the reference runs on one core")
+        raise InputError(f"--ranks: the engine {engine!r} runs on one core")
     files = deck.render(scene)
-    if engine == "reference":
+    if engine != "lammps":
         files = {deck.SCENE: files[deck.SCENE]}
     prepare(path, overwrite=overwrite)
     for name, text in files.items():
@@ -96,11 +98,12 @@ def run(
         # on another core while LAMMPS computes
         threading.Thread(target=reference.load, daemon=True).start()
     try:
-        ending = (
-            _run_lammps(path, problem, ranks, progress)
-            if engine == "lammps"
-            else _run_reference(path / deck.DUMP, problem, progress)
-        )
+        if engine == "lammps":
+            ending = _run_lammps(path, problem, ranks, progress)
+        elif engine == "reference":
+            ending = _run_reference(path / deck.DUMP, problem, progress)
+        else:
+            ending = _run_collisions(path, problem, progress)
     except RunError as error:
         result.update_record(outcome="failed", reason=str(error), wall_seconds=time.perf_counter() - started)
         raise
@@ -135,6 +138,46 @@ def _run_reference(dump: Path, problem: Problem, progress: Progress | None) -> d
     seconds = time.perf_counter() - started
     certificate = asdict(certifier.certificate)
     return {"outcome": "done", "steps_done": problem.steps, "engine_seconds": seconds, "certificate": certificate}
+
+
+def _run_collisions(path: Path, problem: Problem, progress: Progress | None) -> dict[str, Any]:
+    """Write every collision, and the frames of the exact motion between them as LAMMPS would."""
+    # numba takes a third of a second to import
+    from workflow.engines import collisions
+
+    collisions.run(problem, max_events=0)  # loads or compiles
+    started, step = time.perf_counter(), 0
+    try:
+        found = collisions.run(problem)
+    except KeyboardInterrupt:
+        return {"outcome": "interrupted", "steps_done": 0}
+    seconds = time.perf_counter() - started
+    table = events.Events(found.time, found.chain, found.row, found.striker, found.target)
+    write_text(path / EVENTS, events.to_csv(table, problem.scale))
+    with Writer(path / deck.DUMP, problem) as writer:
+        try:
+            for block in collisions.blocks(found):
+                for displacement, velocity in zip(block.displacement, block.velocity, strict=True):
+                    writer.append(step, displacement, velocity)
+                    step += problem.steps_per_frame
+                if progress is not None:
+                    progress(step - problem.steps_per_frame, _front(block))
+        except KeyboardInterrupt:
+            return {"outcome": "interrupted", "steps_done": max(0, step - problem.steps_per_frame)}
+    return {"outcome": "done", "steps_done": problem.steps, "engine_seconds": seconds, "collisions": len(found)}
+
+
+def refuse_what_it_cannot_do(engine: str, problem: Problem) -> None:
+    """Say so before anything runs.
+
+    Raises:
+        InputError: rigid beads were asked for, and the scene has no gap.
+    """
+    if engine == "collisions" and not problem.gap > 0.0:
+        raise InputError(
+            "--engine: `collisions` moves rigid beads, which need a gap between them; "
+            "give the scene `gap: ...`, or use lammps or reference"
+        )
 
 
 def _front(block: Trajectory) -> int:

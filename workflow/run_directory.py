@@ -6,6 +6,7 @@
 | in.chains, data.chains | the deck (LAMMPS only)                    |
 | chains.dump.bin   | frames: id, x, vx of the recorded beads        |
 | log.lammps        | LAMMPS's log (LAMMPS only)                     |
+| events.csv        | collisions (engine `collisions` only)          |
 | run.json          | versions, command, host, times, outcome        |
 
 Every file is written whole under another name and then renamed, except the dump, whose frames are whole one by one.
@@ -25,8 +26,9 @@ from analysis.trajectory import Trajectory, joined
 from lammps_inputs import InputError, Problem, Scene, deck, load
 
 RECORD = "run.json"
+EVENTS = "events.csv"
 
-OWN_FILES = (deck.SCENE, deck.DECK, deck.DATA, deck.DUMP, deck.LOG, RECORD)
+OWN_FILES = (deck.SCENE, deck.DECK, deck.DATA, deck.DUMP, deck.LOG, EVENTS, RECORD)
 ANALYSIS_FILES = ("waves.csv", "analysis.json", "spacetime.png", "spacetime.pdf", "response.png", "response.pdf")
 
 

@@ -5,6 +5,7 @@ import math
 from hypothesis import strategies as st
 
 from lammps_inputs import Coupling, Kick, Material, Output, Scene
+from lammps_inputs.closing import never_closes
 
 NAMES = st.from_regex(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}", fullmatch=True)
 
@@ -41,6 +42,9 @@ def scenes(draw: st.DrawFn, *, chains: st.SearchStrategy[int] = CHAINS, ends: bo
     timestep = None if every is None else draw(st.none() | st.integers(1, 10**6).map(lambda steps: every / steps))
     recorded = draw(st.just("all") | st.lists(st.integers(1, beads), min_size=1, unique=True).map(tuple))
     duration: float | None = draw(st.floats(1e-3, 1e3)) * unit.time
+    gap = draw(st.just(0.0) | st.floats(0.0, 1e3)) * unit.length
+    if never_closes(count, 1.0, gap, ((kick.chain, kick.bead, kick.velocity) for kick in kicks), beads):
+        gap = 0.0
     until_bead = None
     if ends and draw(st.booleans()):
         duration, until_bead = None, draw(st.integers(1, beads))
@@ -49,7 +53,7 @@ def scenes(draw: st.DrawFn, *, chains: st.SearchStrategy[int] = CHAINS, ends: bo
         description=draw(st.text(st.characters(exclude_categories=["Cc", "Cs", "Zl", "Zp"]), max_size=200)),
         chains=count,
         beads=beads,
-        gap=draw(st.just(0.0) | st.floats(0.0, 1e3)) * unit.length,
+        gap=gap,
         coupling=coupling,
         kick=kicks,
         material=material,

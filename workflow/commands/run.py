@@ -1,4 +1,4 @@
-"""Run a scene with LAMMPS, or with the reference integrator."""
+"""Run a scene with LAMMPS, with the reference integrator, or as rigid beads that collide."""
 
 import argparse
 from pathlib import Path
@@ -52,6 +52,8 @@ def _done(record: dict[str, Any]) -> str:
             f"reference, {record['engine_seconds']:.2f} s; velocities certified to {certificate['velocity']:.1e} V, "
             f"arrivals to {certificate['arrival']:.1e} T"
         )
+    if record["engine"] == "collisions":
+        return f"{record['collisions']} collisions of rigid beads in {record['engine_seconds']:.2g} s; events.csv lists them"
     ranks = f"{record['ranks']} rank{'s' * (record['ranks'] > 1)}"
     return f"{record['steps']} steps in {record['engine_seconds']:.2f} s (LAMMPS {record['lammps']}, {ranks})"
 

@@ -1,10 +1,11 @@
 """One problem from start to end: the list of its collisions, and the motion of every bead between them."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
-from analysis.trajectory import Floats, Trajectory
+from analysis.trajectory import Floats, Trajectory, frames_per_block
 from lammps_inputs import Problem
 from workflow.engines.collisions.compiled import compiled
 from workflow.engines.collisions.engine import (
@@ -108,10 +109,26 @@ def sample(run: CollisionRun, times: Floats) -> Trajectory:
     recorded = problem.recorded_beads
     displacement, velocity = np.empty((2, len(times), problem.chains, len(recorded)))
     modes = make_modes(problem.chains, problem.kappa)
-    _replay(
-        _start(problem), run.time, run.chain - 1, run.row - 1, modes, times, order, recorded - 1, displacement, velocity
-    )
+    chain, row = run.chain - 1, run.row - 1
+    _replay(_start(problem), 0, run.time, chain, row, modes, times, order, recorded - 1, displacement, velocity)
     return Trajectory(problem, times, displacement, velocity)
+
+
+def blocks(run: CollisionRun) -> Iterator[Trajectory]:
+    """The frames of `trajectory` in consecutive blocks of bounded size."""
+    problem = run.problem
+    times = problem.every * np.arange(problem.frames + 1, dtype=np.float64)
+    times = times[times <= run.until]
+    modes = make_modes(problem.chains, problem.kappa)
+    rows, event, chain, row = _start(problem), 0, run.chain - 1, run.row - 1
+    recorded = problem.recorded_beads
+    size = frames_per_block(problem)
+    for first in range(0, len(times), size):
+        frames = times[first : first + size]
+        displacement, velocity = np.empty((2, len(frames), problem.chains, len(recorded)))
+        order = np.arange(len(frames))
+        event = _replay(rows, event, run.time, chain, row, modes, frames, order, recorded - 1, displacement, velocity)
+        yield Trajectory(problem, frames, displacement, velocity)
 
 
 def trajectory(run: CollisionRun) -> Trajectory:
@@ -128,6 +145,7 @@ def _start(problem: Problem) -> Rows:
 @compiled
 def _replay(
     rows: Rows,
+    event: int,
     time: Floats,
     chain: Ints,
     row: Ints,
@@ -137,11 +155,13 @@ def _replay(
     recorded: Ints,
     displacement: Floats,
     velocity: Floats,
-) -> None:
-    """Fill in the frames, whose times ascend in this order, with the arithmetic of the engine itself."""
+) -> int:
+    """Fill in the frames, whose times ascend in this order, with the arithmetic of the engine itself.
+
+    Rows are as the collisions before ``event`` left them, and are carried on; returns the first collision after.
+    """
     chains = rows.x.shape[1]
     near = np.empty((2, 2, chains))
-    event = 0
     for frame in order:
         while event < len(time) and time[event] <= frames[frame]:
             evolve(rows, row[event], time[event], modes, near)
@@ -150,3 +170,4 @@ def _replay(
         for place, bead in enumerate(recorded):
             advance(rows.x, rows.v, bead, frames[frame] - rows.time[bead], modes, near, 0)
             displacement[frame, :, place], velocity[frame, :, place] = near[0, 0], near[1, 0]
+    return event

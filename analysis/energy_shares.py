@@ -1,0 +1,64 @@
+"""Where the energy is as the waves run: in each chain, and inside the waves, from the states at a few instants.
+
+The instants are those at which the waves pass chosen beads; they are picked out while the run is read a second time. The
+energy of a spring is shared by its two chains. Inside a wave are the beads within `REACH` of its peak, with the contacts
+between them.
+"""
+
+import numpy as np
+
+from analysis.equipartition import Sharing
+from analysis.trajectory import Floats, Trajectory
+from lammps_inputs import Problem, contact, coupling
+
+REACH = 3.0
+"""Beads; the exact wave has fallen to 1e-5 of its peak there."""
+
+MAX_PLACES = 400
+
+
+class EnergyShares:
+    """Collects energies when the chains' waves pass beads; for runs in which every bead is recorded.
+
+    Attributes:
+        place: [instant] positions in the `Sharing`.
+        chain: [instant, chain] energy of a chain, in that of the kicks; NaN where not seen.
+        wave: [instant, chain] energy inside its leading wave, in that of the kicks; likewise.
+    """
+
+    def __init__(self, problem: Problem, shared: Sharing) -> None:
+        self.problem = problem
+        self._shared = shared
+        count = min(len(shared), MAX_PLACES) if problem.recorded is None else 0
+        self.place = np.unique(np.linspace(0, max(len(shared) - 1, 0), count).round().astype(np.int64))
+        instant = np.mean(shared.arrival[self.place], axis=1) if count else np.zeros(0)
+        self._frame = np.round(instant / problem.every).astype(np.int64)
+        self.chain = np.full((len(self.place), problem.chains), np.nan)
+        self.wave = np.full((len(self.place), problem.chains), np.nan)
+        self._seen = 0
+
+    def add(self, block: Trajectory) -> None:
+        """Take the next frames, from the first of the run on."""
+        start, self._seen = self._seen, self._seen + block.frames
+        for row in np.flatnonzero((self._frame >= start) & (self._frame < self._seen)):
+            frame = self._frame[row] - start
+            self.chain[row], self.wave[row] = self._energies(block, int(frame))
+
+    def _energies(self, block: Trajectory, frame: int) -> tuple[Floats, Floats]:
+        x, v = block.displacement[frame], block.velocity[frame]
+        kinetic = 0.5 * v * v
+        contacts = contact.energy(x[:, :-1] - x[:, 1:] - self.problem.gap)
+        total = np.sum(kinetic, axis=1) + np.sum(contacts, axis=1)
+        if self.problem.coupled:
+            springs = np.sum(coupling.energy(np.diff(x, axis=0), self.problem.kappa), axis=1)
+            total[:-1] += 0.5 * springs
+            total[1:] += 0.5 * springs
+        inside = np.empty_like(total)
+        beads = np.arange(1, self.problem.beads + 1)
+        for chain in range(self.problem.chains):
+            arrivals = np.maximum.accumulate(self._shared.arrival[:, chain])
+            peak = np.interp(block.time[frame], arrivals, self._shared.bead)
+            near = np.abs(beads - peak) <= REACH
+            between = near[:-1] & near[1:]
+            inside[chain] = np.sum(kinetic[chain, near]) + np.sum(contacts[chain, between])
+        return total / self.problem.energy, inside / self.problem.energy

@@ -1,0 +1,200 @@
+"""How chains come to share a pulse: amplitudes, arrivals and beats of their leading waves over the distance run.
+
+Definitions, all over the chains at one bead: mismatch = (largest - smallest) / mean of the leading peak velocities; lag =
+arrival behind that of the chain that was hit; spread = (latest - earliest arrival) over the time in which the exact
+wave passes at half its height. Agreement to a tolerance begins at the first bead from which on the mismatch stays below it.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.solitary_wave import solitary_wave
+from analysis.trajectory import Floats
+from analysis.waves import Waves
+from lammps_inputs import Problem
+
+Integers = NDArray[np.int64]
+
+AGREEMENTS = (0.1, 0.01, 0.001)
+"""Tolerances for which the bead of agreement is stated."""
+
+CLEAR = 5
+"""Beads before the free end from which on a pulse feels it."""
+
+SMALLEST_BEAT = 1e-5
+"""Relative deviation below which a change of sign is no beat."""
+
+LEAST_TAIL = 5
+"""Places over which the final amplitude is taken at least."""
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A number and its uncertainty, in the unit of the number."""
+
+    value: float
+    uncertainty: float
+
+
+@dataclass(frozen=True)
+class Sharing:
+    """The leading waves side by side, at every recorded bead that all chains' waves passed clear of the free end.
+
+    Attributes:
+        kicked: position of the chain that was hit hardest.
+        bead: [place], counted from 1, ascending.
+        arrival: [place, chain], in units of T.
+        amplitude: [place, chain] peak velocity, in units of V.
+        energy: of the kicks, in units of m V**2.
+        noise: standard deviation of an amplitude, in units of V; 0 for a record without noise.
+    """
+
+    kicked: int
+    bead: Integers
+    arrival: Floats
+    amplitude: Floats
+    energy: float
+    noise: float = 0.0
+
+    def __len__(self) -> int:
+        return len(self.bead)
+
+    @cached_property
+    def mismatch(self) -> Floats:
+        """[place]; 0 for a single chain."""
+        return np.asarray(np.ptp(self.amplitude, axis=1) / np.mean(self.amplitude, axis=1))
+
+    @cached_property
+    def lag(self) -> Floats:
+        """[place, chain], in units of T; 0 in the chain that was hit, positive for a later wave."""
+        return self.arrival - self.arrival[:, [self.kicked]]
+
+    @cached_property
+    def spread(self) -> Floats:
+        """[place] time between the first and the last chain, in passages of the exact wave of the mean amplitude."""
+        exact = solitary_wave()
+        passage = exact.width / exact.speed_at(np.mean(self.amplitude, axis=1))
+        return np.asarray(np.ptp(self.arrival, axis=1) / passage)
+
+    @cached_property
+    def wave_share(self) -> Floats:
+        """[place, chain] energy of the exact wave of this amplitude, in that of the kicks."""
+        return solitary_wave().energy_at(self.amplitude) / self.energy
+
+    @cached_property
+    def beats(self) -> Floats:
+        """Beads, in fractions, where the wave of the chain that was hit passes from above the chains' mean to below or back.
+
+        Changes of sign after which the deviation stays below `SMALLEST_BEAT` or three times the noise are left out.
+        """
+        if len(self) < 2:
+            return np.zeros(0)
+        mean = np.mean(self.amplitude, axis=1)
+        deviation = self.amplitude[:, self.kicked] / mean - 1.0
+        large = np.flatnonzero(np.abs(deviation) > np.maximum(SMALLEST_BEAT, 3.0 * self.noise / mean))
+        if len(large) < 2:
+            return np.zeros(0)
+        bead, deviation = self.bead[large], deviation[large]
+        change = np.flatnonzero(np.sign(deviation[1:]) != np.sign(deviation[:-1]))
+        before, after = deviation[change], deviation[change + 1]
+        return np.asarray(bead[change] + (bead[change + 1] - bead[change]) * before / (before - after))
+
+    @cached_property
+    def beat_length(self) -> Estimate | None:
+        """Beads from one excess of a chain to its next; None before half a beat was seen.
+
+        Mean over the half beats seen, with the standard deviation from one to another (one alone: half of it).
+        """
+        half = np.diff(self.beats)
+        if len(half) == 0:
+            return None
+        scatter = float(np.std(half, ddof=1)) if len(half) > 1 else 0.5 * float(half[0])
+        return Estimate(2.0 * float(np.mean(half)), 2.0 * scatter)
+
+    @cached_property
+    def half_beat(self) -> float | None:
+        """Beads in the last half beat seen; None before there was one."""
+        half = np.diff(self.beats)
+        return float(half[-1]) if len(half) else None
+
+    def agrees_from(self, tolerance: float) -> int | None:
+        """First bead from which on the amplitudes agree; None if they do not, or not for as long as half a beat."""
+        return self._holds_from(self.mismatch < tolerance)
+
+    def in_step_from(self, tolerance: float) -> int | None:
+        """First bead from which on the arrivals agree to a share of the wave's passage; None likewise."""
+        return self._holds_from(self.spread < tolerance)
+
+    def _holds_from(self, good: NDArray[np.bool_]) -> int | None:
+        bad = np.flatnonzero(~good)
+        start = int(bad[-1]) + 1 if len(bad) else 0
+        if start >= len(self) or self.amplitude.shape[1] < 2:
+            return None
+        if self.half_beat is None or self.bead[-1] - self.bead[start] < self.half_beat:
+            return None
+        return int(self.bead[start])
+
+    @cached_property
+    def final(self) -> Estimate | None:
+        """Amplitude over the last half beat seen: mean over beads and chains, and the largest deviation from it, in V."""
+        if len(self) == 0:
+            return None
+        length = self.half_beat if self.half_beat is not None else 0.1 * (self.bead[-1] - self.bead[0])
+        tail = min(int(np.searchsorted(self.bead, self.bead[-1] - length)), max(0, len(self) - LEAST_TAIL))
+        amplitude = self.amplitude[tail:]
+        mean = float(np.mean(amplitude))
+        return Estimate(mean, max(float(np.max(np.abs(amplitude - mean))), self.noise))
+
+    def expected_agreement(self, tolerance: float) -> Estimate | None:
+        """Bead from which on the amplitudes may be expected to agree, by the decay of the last few beats' mismatch.
+
+        The uncertainty is that of the decay: the difference to what the last two half beats alone say, or, if only
+        two were seen, half the distance still to go. None without two whole half beats, or if the beats do not decay.
+        """
+        tops = self._tops()
+        if len(tops) < 2:
+            return None
+        estimates = [_extrapolated(tops[-count:], tolerance) for count in (2, 3)]
+        if estimates[0] is None or estimates[1] is None:
+            return None
+        value = max(estimates[1], float(tops[-1, 0]))
+        other = abs(estimates[0] - value) if len(tops) > 2 else 0.5 * abs(value - float(tops[-1, 0]))
+        return Estimate(value, max(other, 0.5 * float(self.half_beat or 0.0)))
+
+    def _tops(self) -> Floats:
+        """[half beat, (bead, mismatch)] where the mismatch is largest between two changes of sign."""
+        rows = []
+        for low, high in zip(self.beats[:-1], self.beats[1:], strict=True):
+            inside = np.flatnonzero((self.bead >= low) & (self.bead <= high))
+            if len(inside):
+                top = inside[np.argmax(self.mismatch[inside])]
+                rows.append((float(self.bead[top]), float(self.mismatch[top])))
+        return np.array(rows).reshape(-1, 2)
+
+
+def sharing(waves: Waves, problem: Problem, noise: float = 0.0) -> Sharing:
+    """The leading waves of a run side by side; those that run towards higher numbers, ahead of the bead that was hit.
+
+    Args:
+        waves: leading waves.
+        problem: what was run.
+        noise: standard deviation of an amplitude, in units of V.
+    """
+    kicked, hit, _ = max(problem.kicks, key=lambda kick: abs(kick[2]))
+    beads = problem.recorded_beads
+    place = {int(bead): k for k, bead in enumerate(beads)}
+    arrival = np.full((len(beads), problem.chains), np.nan)
+    amplitude = np.full((len(beads), problem.chains), np.nan)
+    rows = np.array([place[int(bead)] for bead in waves.bead], dtype=np.int64)
+    arrival[rows, waves.chain - 1], amplitude[rows, waves.chain - 1] = waves.arrival, waves.peak_velocity
+    clear = np.all(np.isfinite(arrival), axis=1) & (beads > hit) & (beads <= problem.beads - CLEAR)
+    return Sharing(kicked - 1, beads[clear], arrival[clear], amplitude[clear], problem.energy, noise)
+
+
+def _extrapolated(tops: Floats, tolerance: float) -> float | None:
+    """Bead at which an exponential through (bead, mismatch) rows reaches a tolerance; None if it does not fall."""
+    slope, intercept = np.polyfit(tops[:, 0], np.log(tops[:, 1]), 1)
+    return float((np.log(tolerance) - intercept) / slope) if slope < 0.0 else None
