@@ -1,4 +1,4 @@
-"""How far a trajectory is from a reference of the same scene: quantity by quantity, with the place where it goes wrong."""
+"""How far a trajectory is from a reference of the same scene, quantity by quantity, and where it goes wrong."""
 
 from dataclasses import dataclass, field
 
@@ -14,8 +14,8 @@ QUANTITIES = ("velocity", "displacement", "amplitude", "arrival", "energy", "mom
 MAP_CELLS = 400
 
 FREE = 0.05
-"""Overlap at its peak, over velocity**0.8, below which a bead is taken for one that flies freely (the exact solitary wave
-has 0.66). Such a velocity reaches a level and stays: when it is largest is not to be told.
+"""Overlap at its peak, over velocity**0.8, below which a bead is taken for one that flies freely (the exact solitary
+wave has 0.66). Such a velocity reaches a level and stays: when it is largest is not to be told.
 """
 
 

@@ -1,7 +1,7 @@
 """What is wrong with a trajectory, as far as it can be told from the numbers alone.
 
-Three things are measured: to how many digits the numbers were rounded (`precision`), by how much a quantity is shifted in
-time (`time_shift`; displacement and velocity may be so by different amounts), and which springs the beads felt
+Three things are measured: to how many digits the numbers were rounded (`precision`), by how much a quantity is shifted
+in time (`time_shift`; displacement and velocity may be so by different amounts), and which springs the beads felt
 (`identify_springs`, from the change of momentum between frames, once contacts are taken away). What follows from the
 measurements is for others to say.
 """
@@ -20,7 +20,7 @@ MOST_DIGITS = 12
 
 
 def precision(values: Floats) -> str | None:
-    """What all of many numbers were rounded to, such as "6 digits" (``%g``), "8 decimals" or `SINGLE`; None if to nothing.
+    """What all of many numbers were rounded to: such as "6 digits" (``%g``), "8 decimals", or `SINGLE`; else None.
 
     Whole numbers tell nothing; None where fewer than 20 different others are found.
     """
@@ -53,7 +53,7 @@ class Shift:
     """Best shift in time of one quantity against a reference.
 
     Attributes:
-        time: later (positive) or earlier, in units of T.
+        time: how far it is ahead: at t it has the value that the reference has at t + time; in units of T.
         explained: share of the squared difference that the shift explains, 0 to 1.
     """
 
@@ -76,7 +76,7 @@ class Springs:
     """Springs that the beads of a trajectory felt.
 
     Attributes:
-        linear: stiffness of each spring between chains j and j + 1 in row i, [spring, row]; NaN where a row hardly moved.
+        linear: stiffness of each spring between chains j and j + 1 in row i, [spring, row]; NaN where it hardly moved.
         cubic: coefficient of the cube of the relative displacement that fits better than any linear spring; else 0.
         residual: share of the springs' impulses that linear springs leave unexplained, 0 to 1.
     """
@@ -86,8 +86,14 @@ class Springs:
     residual: float
 
 
+_APART = 1e-6
+"""Least relative displacement that is more than rounding, in units of L."""
+
+
 def identify_springs(trajectory: Trajectory) -> Springs | None:
-    """Fit the springs between the chains to a trajectory of all beads; None for one chain or too few frames.
+    """Fit the springs between the chains to a trajectory of all beads.
+
+    None for one chain, for fewer than ten frames, or where the chains never move apart.
 
     Between two frames, the change of a bead's velocity minus the impulse of its contacts is the impulse of its springs.
     Summed over the chains from the first to j, all that is left is the spring between j and j + 1. Impulses are
@@ -106,11 +112,13 @@ def identify_springs(trajectory: Trajectory) -> Springs | None:
     change[..., :-1] += impulse
     felt = np.cumsum(change, axis=1)[:, :-1]
     relative, relative_rate = x[:, 1:] - x[:, :-1], v[:, 1:] - v[:, :-1]
+    if np.max(np.abs(relative)) < _APART:
+        return None
     stretch = _integral(relative, relative_rate, spacing)
     cube = _integral(relative**3, 3.0 * relative**2 * relative_rate, spacing)
     power = np.sum(stretch * stretch, axis=0)
     moved = power > 1e-4 * power.max()
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore"):  # rows that never moved
         linear = np.where(moved, np.sum(felt * stretch, axis=0) / power, np.nan)
     total = float(np.sum(felt * felt))
     if total == 0.0:

@@ -8,11 +8,15 @@ from analysis.trajectory import Trajectory
 from lammps_inputs import InputError
 
 
+class OtherFramesError(InputError):
+    """Two trajectories that do not have the same beads and times."""
+
+
 def paired(first: Iterable[Trajectory], second: Iterable[Trajectory]) -> Iterator[tuple[Trajectory, Trajectory]]:
     """Blocks of the two with the same times, until the shorter one ends.
 
     Raises:
-        InputError: the two do not have the same beads, or their frames differ in time.
+        OtherFramesError: the two do not have the same beads, or their frames differ in time.
     """
     streams = (iter(first), iter(second))
     held: list[Trajectory | None] = [None, None]
@@ -29,8 +33,10 @@ def paired(first: Iterable[Trajectory], second: Iterable[Trajectory]) -> Iterato
         held = [a[count:], b[count:]]
         a, b = a[:count], b[:count]
         if a.displacement.shape != b.displacement.shape or not np.array_equal(a.beads, b.beads):
-            raise InputError("the two trajectories have different beads")
+            raise OtherFramesError("the two trajectories have different beads")
         if not np.allclose(a.time, b.time, rtol=1e-9, atol=1e-9):
             k = int(np.argmin(np.isclose(a.time, b.time, rtol=1e-9, atol=1e-9)))
-            raise InputError(f"a frame is at t = {a.time[k]:.9g} (dimensionless), where {b.time[k]:.9g} is expected")
+            raise OtherFramesError(
+                f"a frame is at t = {a.time[k]:.9g} (dimensionless), where {b.time[k]:.9g} is expected"
+            )
         yield a, b

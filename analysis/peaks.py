@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis import hermite, motion
+from analysis.solitary_wave import solitary_wave
 from analysis.trajectory import Floats, Trajectory, joined
 
 Integers = NDArray[np.int64]
@@ -137,6 +138,27 @@ def find_peaks(blocks: Iterable[Trajectory], threshold: float = THRESHOLD) -> Pe
     for block in blocks:
         finder.add(block)
     return finder.result()
+
+
+def distinct(peaks: Peaks) -> Peaks:
+    """The maxima of a noisy record without those that belong to one passage.
+
+    Left out is whatever is nearer to a higher maximum of its bead than half the time in which the exact wave of that height
+    passes at half its height.
+    """
+    exact = solitary_wave()
+    while len(peaks) > 1:
+        near = 0.5 * exact.width / exact.speed_at(peaks.velocity)
+        same = (np.diff(peaks.chain) == 0) & (np.diff(peaks.bead) == 0)
+        first_higher = peaks.velocity[:-1] >= peaks.velocity[1:]
+        merged = same & (np.diff(peaks.time) < np.where(first_higher, near[:-1], near[1:]))
+        if not np.any(merged):
+            break
+        lower = np.zeros(len(peaks), dtype=bool)
+        lower[1:] |= merged & first_higher
+        lower[:-1] |= merged & ~first_higher
+        peaks = peaks.where(~lower)
+    return peaks
 
 
 @dataclass(frozen=True)

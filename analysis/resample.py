@@ -29,7 +29,8 @@ def at_times(trajectory: Trajectory, times: Floats) -> Trajectory:
         raise InputError("frames are not evenly spaced in time, so there is no interpolating between them")
     if len(times) and (times[0] < own[0] - MARGIN * spacing or times[-1] > own[-1] + MARGIN * spacing):
         raise InputError(
-            f"times {times[0]:.6g} to {times[-1]:.6g} reach beyond the run's {own[0]:.6g} to {own[-1]:.6g} (dimensionless)"
+            f"times {times[0]:.6g} to {times[-1]:.6g} reach beyond the run's {own[0]:.6g} to {own[-1]:.6g} "
+            "(dimensionless)"
         )
     start = np.clip(np.searchsorted(own, times, side="right") - 2, 0, trajectory.frames - len(_NODES))
     data = np.array([(trajectory.displacement[start + node], trajectory.velocity[start + node]) for node in _NODES])

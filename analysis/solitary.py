@@ -4,14 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from analysis.equipartition import CLEAR
 from analysis.mirror import mirrored_bead
 from analysis.pulses import Pulse
 from analysis.solitary_wave import solitary_wave
+from analysis.trajectory import Floats
 from analysis.waveforms import COMPARED, Passages
 from lammps_inputs import Problem
-
-CLEAR = 5
-"""Beads before the free end from which on a pulse feels it."""
 
 CONSTANT_OVER = 10
 """Beads over which the amplitude must be constant."""
@@ -74,14 +73,15 @@ def measured_at(pulse: Pulse, problem: Problem, last_time: float) -> int:
 
 def passages_of(pulses: tuple[Pulse, ...], at: list[int]) -> Passages:
     """The passages of pulses at the positions given, one each."""
-    chosen = list(zip(pulses, at, strict=True))
+    def column(name: str) -> Floats:
+        return np.array([getattr(pulse, name)[k] for pulse, k in zip(pulses, at, strict=True)], dtype=np.float64)
+
     return Passages(
-        np.array([pulse.chain for pulse in pulses], dtype=np.int64),
-        np.array([pulse.bead[k] for pulse, k in chosen], dtype=np.int64),
-        *(
-            np.array([getattr(pulse, name)[k] for pulse, k in chosen], dtype=np.float64)
-            for name in ("arrival", "peak_velocity", "speed")
-        ),
+        chain=np.array([pulse.chain for pulse in pulses], dtype=np.int64),
+        bead=column("bead").astype(np.int64),
+        arrival=column("arrival"),
+        peak_velocity=column("peak_velocity"),
+        speed=column("speed"),
         direction=np.array([pulse.direction for pulse in pulses], dtype=np.int64),
     )
 

@@ -1,9 +1,9 @@
-"""A user's own trajectory in a file: a long table of time, chain, bead, displacement and/or velocity, or the same as npz.
+"""A user's own trajectory in a file: a long table of time, chain, bead, displacement and/or velocity, or an npz.
 
 Text has a header line with the column names and commas or blanks between columns; other columns are passed over. An npz
 holds arrays under those names: one number per row of such a table, or a grid, that is ``time`` [frame] with
-``displacement`` and/or ``velocity`` [frame, chain, bead] (then ``chain`` and ``bead`` may number the axes; else they count
-from 1). A place without a value is left out of a table; a value that is not a finite number is refused.
+``displacement`` and/or ``velocity`` [frame, chain, bead] (then ``chain`` and ``bead`` may number the axes; else they
+count from 1). A place without a value is left out of a table; a value that is not a finite number is refused.
 """
 
 import math
@@ -35,7 +35,7 @@ class Table:
     Attributes:
         time: [frame], ascending.
         chains, beads: numbers along the other axes, ascending, counted from 1.
-        displacement, velocity: [frame, chain, bead]; None where the file has no such column; NaN where a row is missing.
+        displacement, velocity: [frame, chain, bead]; None without such a column; NaN where a row is missing.
     """
 
     time: Floats
@@ -49,7 +49,7 @@ def load(path: Path) -> Table:
     """Read a table.
 
     Raises:
-        InputError: the file is missing, of neither kind, lacks a column, names a place twice, or holds what is no number.
+        InputError: the file is missing, of neither kind, lacks a column, or holds a place twice or what is no number.
     """
     try:
         if path.stat().st_size > MAX_BYTES:
@@ -70,7 +70,9 @@ def load(path: Path) -> Table:
         wrong = np.argwhere(~np.isfinite(values))
         if len(wrong):
             place = ", ".join(str(index + 1) for index in wrong[0])
-            raise InputError(f"{path}: column {name!r} holds {values[tuple(wrong[0])]} in row {place}; leave such rows out")
+            raise InputError(
+                f"{path}: column {name!r} holds {values[tuple(wrong[0])]} in row {place}; leave such rows out"
+            )
     if columns[present[0]].ndim == 3:
         return _from_grid(path, columns)
     for name in KEYS:
@@ -164,8 +166,8 @@ def _on_grid(path: Path, columns: dict[str, Floats]) -> Table:
     shape = (len(time), len(chains), len(beads))
     if 8 * math.prod(shape) > MAX_BYTES:
         raise InputError(
-            f"{path}: {len(time)} times of {len(chains)} chains and {len(beads)} beads are too many; is `time` the same in "
-            "all rows of a frame?"
+            f"{path}: {len(time)} times of {len(chains)} chains and {len(beads)} beads are too many; "
+            "is `time` the same in all rows of a frame?"
         )
     place = np.ravel_multi_index((at_time, at_chain, at_bead), shape)
     if len(np.unique(place)) < len(place):

@@ -66,7 +66,8 @@ def judge(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict:
     expected = shared.expected_agreement(AGREEMENT) or _by_rule(problem)
     recent = shared.mismatch[shared.bead >= last - 0.5 * beat.value].max()
     if level is not None:
-        what = f"amplitudes agree to 1% from bead {level} on, but arrivals differ by {_step(shared):.1%} of a passage"
+        what = f"amplitudes agree to 1% from bead {level} on, but arrivals differ by up to {_step(shared):.1%} of "
+        what += "the wave's passage over the last half beat"
         return Verdict(State.BEATING, None, None, f"{State.BEATING.value}: {what}; beats of {_beads(beat)} beads")
     sentence = (
         f"{State.BEATING.value}: amplitudes differ by up to {recent:.1%} over the last half beat to bead {last}, beats of "

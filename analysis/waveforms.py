@@ -4,7 +4,7 @@ Each passage is watched for `REACH` beads of travel either side of the peak in a
 depends on the number of passages only, not on how finely a run was recorded.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,6 +62,17 @@ class Shape:
     momentum: Floats
     energy: Floats
     residual: Floats
+
+    def entry(self, k: int) -> dict[str, float]:
+        """The numbers of one passage, by name."""
+        return {field.name: float(getattr(self, field.name)[k]) for field in fields(self)}
+
+    def spread_out(self, places: Integers, size: int) -> "Shape":
+        """The first passages' numbers put at the places given of longer columns that hold NaN elsewhere."""
+        columns = {field.name: np.full(size, np.nan) for field in fields(self)}
+        for name, column in columns.items():
+            column[places] = getattr(self, name)[: len(places)]
+        return Shape(**columns)
 
 
 class Waveforms:

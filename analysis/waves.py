@@ -2,6 +2,7 @@
 
 import csv
 import io
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,8 +42,8 @@ class Waves:
         """One chain's leading pulse at all beads."""
         return self.where(self.chain == chain)
 
-    def where(self, chosen: NDArray[np.bool_]) -> "Waves":
-        """The entries that a mask chooses."""
+    def where(self, chosen: NDArray[np.bool_] | NDArray[np.int64]) -> "Waves":
+        """The entries that a mask or positions choose."""
         return Waves(*(column[chosen] for column in self._columns()))  # type: ignore[arg-type]
 
     def _columns(self) -> tuple[NDArray[np.int64] | Floats, ...]:
@@ -73,16 +74,23 @@ def with_speeds(chain: NDArray[np.int64], bead: NDArray[np.int64], arrival: Floa
 COLUMNS = ("chain", "bead", "arrival", "peak_velocity", "speed")
 
 
-def to_csv(waves: Waves, scale: Scale) -> str:
-    """A table with the columns `COLUMNS` in the scene's units (speed in beads per unit time); numbers round-trip."""
+def to_csv(waves: Waves, scale: Scale, more: Mapping[str, Floats] | None = None) -> str:
+    """A table in the scene's units (speed in beads per unit time); numbers round-trip, an unknown one is left empty.
+
+    Args:
+        waves: a row each, with the columns `COLUMNS`.
+        scale: of the scene.
+        more: further columns by name, in the scene's units, [wave].
+    """
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(COLUMNS)
-    arrival, velocity, speed = (
-        waves.arrival * scale.time,
-        waves.peak_velocity * scale.velocity,
-        waves.speed / scale.time,
-    )
-    for row in zip(waves.chain, waves.bead, arrival, velocity, speed, strict=True):
-        writer.writerow([int(row[0]), int(row[1]), *(repr(float(number)) for number in row[2:])])
+    numbers = {
+        "arrival": waves.arrival * scale.time,
+        "peak_velocity": waves.peak_velocity * scale.velocity,
+        "speed": waves.speed / scale.time,
+        **(more or {}),
+    }
+    writer.writerow(["chain", "bead", *numbers])
+    for chain, bead, *row in zip(waves.chain, waves.bead, *numbers.values(), strict=True):
+        writer.writerow([int(chain), int(bead), *("" if np.isnan(number) else repr(float(number)) for number in row)])
     return out.getvalue()

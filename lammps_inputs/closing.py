@@ -10,6 +10,8 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
+from lammps_inputs import coupling
+
 Floats = NDArray[np.float64]
 
 MOST_WORK = 10**7
@@ -59,7 +61,7 @@ def _stays_open(closing: Floats, kappa: float, gap: float) -> bool:
     swing = closing - closing.mean()
     # no bead of a row swings by more than this share of the norm of the row
     share = math.sqrt((chains - 1) / chains) * float(np.linalg.norm(swing))
-    slowest = 2.0 * math.sqrt(kappa) * math.sin(math.pi / (2.0 * chains))
+    slowest = coupling.slowest_swing(chains, kappa)
     rounding = 1e-12 * float(np.abs(closing).max())
     if share / slowest < gap or drift + share <= rounding:
         return True

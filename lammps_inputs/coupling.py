@@ -17,6 +17,11 @@ def largest_eigenvalue(chains: int) -> float:
     return 2.0 - 2.0 * math.cos(math.pi * (chains - 1) / chains)
 
 
+def slowest_swing(chains: int, kappa: float) -> float:
+    """Angular frequency of the slowest mode in which a row of chains swings: sqrt(2 kappa) for two."""
+    return 2.0 * math.sqrt(kappa) * math.sin(math.pi / (2.0 * chains))
+
+
 def bond_lines() -> list[str]:
     """The same springs in LAMMPS, whose harmonic bond energy is ``K (r - r0)**2``, for a deck variable ``kappa``.
 

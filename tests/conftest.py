@@ -1,6 +1,7 @@
 """Settings of all tests."""
 
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 
-settings.register_profile("granchain", deadline=None)  # a busy machine is no failure
+# a busy machine is no failure
+settings.register_profile("granchain", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("granchain")

@@ -1,4 +1,4 @@
-"""The error of a run, measured after it ended: the reference integrates the same scene, at a few of the run's frames."""
+"""The error of a run, measured when it has ended, by the reference at some of its frames."""
 
 import math
 import time
@@ -22,7 +22,7 @@ class Check:
     Attributes:
         velocity: largest error of any velocity.
         where: at which bead and time.
-        arrival: largest error of an arrival; the last bead, which flies off, apart.
+        arrival: largest error of an arrival of the leading pulse, where `analysis.comparison.sharp`.
         amplitude: largest error of a peak velocity of the leading pulse.
         reference: how sure the reference is of itself.
         seconds: what the check cost.

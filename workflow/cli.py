@@ -13,7 +13,7 @@ from typing import NoReturn
 from lammps_inputs import InputError
 from workflow.errors import RunError
 
-COMMANDS = ("scenes", "show", "deck", "run", "analyze", "validate", "map", "bench")
+COMMANDS = ("scenes", "show", "deck", "run", "analyze", "validate", "compare", "reproduce", "map", "bench")
 
 
 class _Parser(argparse.ArgumentParser):

@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from lammps_inputs import InputError, Scene
+from lammps_inputs.coupling import slowest_swing
 from workflow.engines.reference import engine
 
 _AFTER = 3.0
@@ -19,7 +20,9 @@ def with_duration(scene: Scene) -> Scene:
 
     ``until_bead: n`` ends shortly after the first pulse in every chain that moves has passed bead n: its velocity there
     has risen above 1e-3 of V and fallen to less than half of its largest value. The last bead flies off with what it got:
-    its velocity has risen above 1e-3 of V and rises no more.
+    its velocity has risen above 1e-3 of V and rises no more. Where the beads have a gap, the chains of a row are struck
+    one after another as their springs swing: the run then goes on for a period of the slowest swing, or for as long
+    again if that is shorter.
 
     Raises:
         InputError: the pulse does not arrive within ten times the time that an undamped one takes.
@@ -27,7 +30,8 @@ def with_duration(scene: Scene) -> Scene:
     if scene.until_bead is None:
         return scene
     # the reference integrates with the scene's own cadence, but records the one bead that matters
-    limit = _SLOWEST * (scene.until_bead + 10) * scene.scale.time
+    gap = scene.gap / scene.scale.length
+    limit = _SLOWEST * (scene.until_bead + 10) * (1.0 + gap) * scene.scale.time
     trial = scene.model_copy(
         update={
             "until_bead": None,
@@ -50,7 +54,10 @@ def with_duration(scene: Scene) -> Scene:
             largest = np.maximum(largest, velocity)
             if reached.all():
                 every = scene.resolved().output.every or 0.0
-                duration = math.ceil((float(time) + _AFTER) * scene.scale.time / every) * every
+                after = _AFTER
+                if gap > 0.0 and coupled:
+                    after += min(float(time), 2.0 * math.pi / slowest_swing(problem.chains, problem.kappa))
+                duration = math.ceil((float(time) + after) * scene.scale.time / every) * every
                 return scene.model_copy(update={"until_bead": None, "duration": duration})
     raise InputError(
         f"until_bead: bead {scene.until_bead} is not passed in every chain by t = {limit:.4g} "

@@ -13,6 +13,7 @@ Every file is written whole under another name and then renamed, except the dump
 """
 
 import json
+import math
 import os
 import tempfile
 from collections.abc import Iterator
@@ -29,7 +30,11 @@ RECORD = "run.json"
 EVENTS = "events.csv"
 
 OWN_FILES = (deck.SCENE, deck.DECK, deck.DATA, deck.DUMP, deck.LOG, EVENTS, RECORD)
-ANALYSIS_FILES = ("waves.csv", "analysis.json", "spacetime.png", "spacetime.pdf", "response.png", "response.pdf")
+ANALYSIS_FILES = (
+    "waves.csv",
+    "analysis.json",
+    *(f"{name}.{suffix}" for name in ("spacetime", "response", "distance", "shape") for suffix in ("png", "pdf")),
+)
 
 
 def write_bytes(path: Path, content: bytes) -> None:
@@ -51,8 +56,16 @@ def write_text(path: Path, text: str) -> None:
 
 
 def write_json(path: Path, data: dict[str, Any]) -> None:
-    """Write JSON whole or not at all; numbers round-trip."""
-    write_text(path, json.dumps(data, indent=2, ensure_ascii=False) + "\n")
+    """Write JSON whole or not at all; numbers round-trip, and what is not finite becomes null, for JSON has no NaN."""
+    write_text(path, json.dumps(_finite(data), indent=2, ensure_ascii=False, allow_nan=False) + "\n")
+
+
+def _finite(data: Any) -> Any:
+    if isinstance(data, dict):
+        return {key: _finite(value) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [_finite(value) for value in data]
+    return None if isinstance(data, float) and not math.isfinite(data) else data
 
 
 def prepare(directory: Path, *, overwrite: bool = False) -> None:

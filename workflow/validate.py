@@ -1,18 +1,21 @@
 """Is a run right? Compared with the certified reference, or with a user's own trajectory, quantity by quantity."""
 
 import io
-import math
+import warnings
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from analysis import diagnosis, motion, resample, table
+from analysis import diagnosis, resample, table
+from analysis.binary_dump import CutDumpWarning
 from analysis.comparison import QUANTITIES, Comparison, Deviation
-from analysis.pairing import paired
-from analysis.trajectory import Floats, Trajectory, joined
+from analysis.pairing import OtherFramesError, paired
+from analysis.trajectory import Trajectory, joined
 from lammps_inputs import InputError, Problem
+from workflow import causes
 from workflow.engines.reference.certify import Certificate, Certifier
 from workflow.run_directory import RunDirectory, write_bytes, write_json
 
@@ -24,8 +27,8 @@ TOLERANCES = {
     "energy": 1e-4,
     "momentum": 1e-9,
 }
-"""Some three times what velocity Verlet leaves at the default time step of 0.01; dimensionless, energy and momentum
-relative to the kick's.
+"""Some three times what velocity Verlet leaves in the paper's scenes at the default time step of 0.01; dimensionless,
+energy and momentum relative to the kick's.
 """
 
 REPORT = "validation.json"
@@ -39,13 +42,17 @@ class Validation:
     """What a comparison found.
 
     Attributes:
+        problem: what was run.
         against: what it was compared with.
-        deviations: per quantity of `analysis.comparison.QUANTITIES`; some may be missing for a user's table.
+        deviations: per quantity of `analysis.comparison.QUANTITIES`; those that cannot be had are missing.
         tolerances: what was let pass.
         causes: what seems to be wrong, in words; empty if nothing does.
+        remarks: what else is worth knowing, in words; does not count against the run.
         certificate: how sure the reference is of itself; None for a user's table.
-        interpolation: estimated error of (displacement, velocity) from interpolating between frames; None if not needed.
-        frames: number of frames compared.
+        interpolation: bounds on the errors of (displacement, velocity) that interpolating between frames added; None if
+            that was not needed.
+        frames: number of frames that the run has, as far as the scene asks for them.
+        compared: number of instants at which the two were compared.
     """
 
     problem: Problem
@@ -53,10 +60,16 @@ class Validation:
     deviations: dict[str, Deviation]
     tolerances: dict[str, float]
     causes: tuple[str, ...]
+    remarks: tuple[str, ...]
     certificate: Certificate | None
     interpolation: tuple[float, float] | None
     frames: int
-    complete: bool
+    compared: int
+
+    @property
+    def complete(self) -> bool:
+        """Whether the run holds every frame that the scene asks for."""
+        return self.frames == self.problem.frames + 1
 
     def exceeded(self, quantity: str) -> bool:
         """Whether a quantity is further off than its tolerance (NaN is)."""
@@ -64,37 +77,50 @@ class Validation:
 
     @property
     def passed(self) -> bool:
-        """Whether all quantities are within their tolerances and nothing seems wrong."""
+        """Whether the run is complete, all quantities are within their tolerances and nothing seems wrong."""
         return self.complete and not self.causes and not any(map(self.exceeded, self.deviations))
 
     def plain(self) -> dict[str, Any]:
-        """The contents of ``validation.json``: dimensionless; ``first`` is where a tolerance is first exceeded."""
+        """The contents of ``validation.json``, dimensionless; what is not a finite number is null there.
+
+        | key                 | what                                                                         |
+        |---------------------|------------------------------------------------------------------------------|
+        | passed              | as on the screen                                                             |
+        | against             | ``reference``, or the file                                                   |
+        | complete, frames    | whether every frame is there; found, and asked for                           |
+        | compared            | number of instants compared                                                  |
+        | quantities          | of each: tolerance, exceeded, largest, rms, where the largest is, and first, |
+        |                     | the first place in time where the tolerance is exceeded                      |
+        | causes, remarks     | in words                                                                     |
+        | reference           | the certificate; null against a file                                         |
+        | interpolation_error | bounds for [displacement, velocity]; null if nothing was interpolated        |
+        """
         return {
             "passed": self.passed,
             "against": self.against,
             "complete": self.complete,
-            "frames": self.frames,
+            "frames": [self.frames, self.problem.frames + 1],
+            "compared": self.compared,
             "quantities": {
-                name: {"tolerance": self.tolerances[name], "exceeded": self.exceeded(name), **_json(asdict(deviation))}
+                name: {"tolerance": self.tolerances[name], "exceeded": self.exceeded(name), **asdict(deviation)}
                 for name, deviation in self.deviations.items()
             },
             "causes": list(self.causes),
-            "reference": None if self.certificate is None else _json(asdict(self.certificate)),
+            "remarks": list(self.remarks),
+            "reference": None if self.certificate is None else asdict(self.certificate),
             "interpolation_error": None if self.interpolation is None else list(self.interpolation),
         }
-
-
-def _json(data: dict[str, Any]) -> dict[str, Any]:
-    return {
-        key: None if isinstance(value, float) and not math.isfinite(value) else value for key, value in data.items()
-    }
 
 
 def validate(directory: RunDirectory, tolerances: dict[str, float] | None = None) -> Validation:
     """Compare a run with the certified reference, and write ``validation.json`` and a figure beside it.
 
+    Args:
+        directory: the run.
+        tolerances: quantity -> largest difference let pass, in place of the one in `TOLERANCES`.
+
     Raises:
-        InputError: the run has no frames.
+        InputError: the run has no frames, or not those that its scene asks for.
     """
     limits = {**TOLERANCES, **(tolerances or {})}
     problem = directory.problem
@@ -102,46 +128,53 @@ def validate(directory: RunDirectory, tolerances: dict[str, float] | None = None
     comparison = Comparison(limits)
     kept: list[tuple[Trajectory, Trajectory]] = []
     kept_bytes = 0
-    for block, reference in paired(directory.blocks(), certifier.blocks()):
-        comparison.add(block, reference)
-        if kept_bytes < _DIAGNOSED_BYTES:
-            kept.append((block, reference))
-            kept_bytes += block.velocity.nbytes * 4
-    if comparison.frames == 0:
-        raise InputError(f"{directory.dump}: holds no frame to compare")
+    try:
+        for block, reference in paired(_blocks(directory), certifier.blocks()):
+            comparison.add(block, reference)
+            if kept_bytes < _DIAGNOSED_BYTES:
+                kept.append((block, reference))
+                kept_bytes += block.velocity.nbytes * 4
+    except OtherFramesError as error:
+        raise InputError(
+            f"{directory.dump}: {error}; was the deck run with another -var every or timestep? Change the scene instead"
+        ) from None
     deviations = comparison.deviations()
     if problem.recorded is not None:
         deviations = {name: deviations[name] for name in QUANTITIES if name not in ("energy", "momentum")}
-    own, other = (joined(pair[side] for pair in kept) for side in (0, 1))
-    exceeded = any(not found.largest <= limits[name] for name, found in deviations.items())
+    own, right = (joined(pair[side] for pair in kept) for side in (0, 1))
+    exceeded = _any_exceeded(deviations, limits)
+    found = causes.rounded(own, right)
+    if exceeded and problem.recorded is None:
+        found += causes.causes(own, right)
     result = Validation(
-        problem,
-        "reference",
-        deviations,
-        limits,
-        tuple(causes(own, other, look_for_physics=exceeded)),
-        certifier.certificate if comparison.frames == problem.frames + 1 else None,
-        None,
-        comparison.frames,
-        comparison.frames == problem.frames + 1,
+        problem=problem,
+        against="reference",
+        deviations=deviations,
+        tolerances=limits,
+        causes=tuple(found),
+        remarks=(),
+        certificate=certifier.certificate,
+        interpolation=None,
+        frames=comparison.frames,
+        compared=comparison.frames,
     )
-    _write(directory.path, result, comparison)
+    _write(directory.path, result, comparison, "the reference")
     return result
 
 
 def validate_against(
     directory: RunDirectory, path: Path, *, dimensionless: bool = False, tolerances: dict[str, float] | None = None
 ) -> Validation:
-    """Compare a run with a user's own trajectory in a file (see `analysis.table`).
+    """Compare a run with a user's own trajectory in a file (see `analysis.table`); writes what `validate` writes.
 
     The run is interpolated to the table's times. Peaks and arrivals are compared where the table has displacement and
-    velocity at evenly spaced times.
+    velocity at evenly spaced times. That the table's numbers are rounded is remarked, but counts only by its effect.
 
     Args:
         directory: the run.
         path: the table.
         dimensionless: whether the table is in units of V = 1; else it is in the scene's own units.
-        tolerances: quantity -> largest difference let pass, dimensionless.
+        tolerances: quantity -> largest difference let pass, in place of the one in `TOLERANCES`, dimensionless.
 
     Raises:
         InputError: the table cannot be read, or has chains, beads or times that the run has not.
@@ -149,53 +182,60 @@ def validate_against(
     limits = {**TOLERANCES, **(tolerances or {})}
     problem = directory.problem
     given = table.load(path)
-    scale = problem.scale
-    units = (1.0, 1.0, 1.0) if dimensionless else (scale.time, scale.length, scale.velocity)
     _check_places(path, given, problem)
-    columns = [int(np.flatnonzero(problem.recorded_beads == bead)[0]) for bead in given.beads]
-    part = replace(problem, recorded=tuple(int(bead) for bead in given.beads))
-    own = joined(
-        Trajectory(part, block.time, block.displacement[:, :, columns], block.velocity[:, :, columns])
-        for block in directory.blocks()
+    own = joined(_blocks(directory))
+    own = own[: problem.frames + 1]
+    theirs = _as_trajectory(given, problem, dimensionless=dimensionless)
+    columns = np.searchsorted(problem.recorded_beads, given.beads)
+    own_part = replace(
+        own,
+        problem=theirs.problem,
+        displacement=own.displacement[:, :, columns],
+        velocity=own.velocity[:, :, columns],
     )
-    times = given.time / units[0]
     try:
-        resampled = resample.at_times(own, times)
-    except ValueError as error:
-        raise InputError(f"{path}: {error}; is it in other units? (see --units)") from None
-    reference = Trajectory(
-        part,
-        times,
-        _on_all_chains(given.displacement, given, problem) / units[1],
-        _on_all_chains(given.velocity, given, problem) / units[2],
-    )
-    resampled = Trajectory(
-        part,
-        times,
-        np.where(np.isnan(reference.displacement), 0.0, resampled.displacement),
-        np.where(np.isnan(reference.velocity), 0.0, resampled.velocity),
-    )
-    reference = Trajectory(part, times, np.nan_to_num(reference.displacement), np.nan_to_num(reference.velocity))
+        resampled = resample.at_times(own_part, theirs.time)
+    except InputError as error:
+        ended = "" if own.frames == problem.frames + 1 else "; the run is incomplete"
+        raise InputError(f"{path}: {error}{ended or '; is the table in other units? (see --units)'}") from None
     comparison = Comparison(limits)
-    comparison.add(resampled, reference)
+    comparison.add(_only_where_known(resampled, theirs), _only_where_known(theirs, theirs))
     deviations = comparison.deviations()
     wanted = [name for name in table.VALUES if getattr(given, name) is not None]
-    steps = np.diff(times)
-    if len(wanted) == 2 and len(times) > 8 and np.allclose(steps, steps[0], rtol=1e-6):
+    steps = np.diff(theirs.time)
+    whole = not any(np.isnan(values[:, given.chains - 1]).any() for values in (theirs.displacement, theirs.velocity))
+    if whole and len(steps) >= 8 and np.allclose(steps, steps[0], rtol=1e-5):
         wanted += ["amplitude", "arrival"]
+    deviations = {name: deviations[name] for name in wanted}
+    exceeded = _any_exceeded(deviations, limits)
+    found: list[str] = []
+    if exceeded and theirs.problem.recorded is None:
+        found = causes.causes(resampled, theirs) or [f"{path}: {cause}" for cause in causes.causes(theirs, resampled)]
     result = Validation(
-        problem,
-        str(path),
-        {name: deviations[name] for name in wanted},
-        limits,
-        (),
-        None,
-        resample.interpolation_error(own),
-        len(times),
-        complete=True,
+        problem=problem,
+        against=str(path),
+        deviations=deviations,
+        tolerances=limits,
+        causes=tuple(found),
+        remarks=tuple(_remarks(path, theirs, own)),
+        certificate=None,
+        interpolation=None if _are_frames(theirs, own) else resample.interpolation_error(own_part),
+        frames=own.frames,
+        compared=len(theirs.time),
     )
-    _write(directory.path, result, comparison)
+    _write(directory.path, result, comparison, path.name)
     return result
+
+
+def _blocks(directory: RunDirectory) -> Iterable[Trajectory]:
+    """The frames there are; that the file ends within a frame is nothing to warn of, for the report says it."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", CutDumpWarning)
+        yield from directory.blocks()
+
+
+def _any_exceeded(deviations: dict[str, Deviation], limits: dict[str, float]) -> bool:
+    return any(not found.largest <= limits[name] for name, found in deviations.items())
 
 
 def _check_places(path: Path, given: table.Table, problem: Problem) -> None:
@@ -207,82 +247,50 @@ def _check_places(path: Path, given: table.Table, problem: Problem) -> None:
         raise InputError(f"{path}: has bead {beads[0]}, which the run did not record")
 
 
-def _on_all_chains(values: Floats | None, given: table.Table, problem: Problem) -> Floats:
-    """[frame, chain, bead] for every chain of the scene; NaN where the table has nothing."""
-    result = np.full((len(given.time), problem.chains, len(given.beads)), np.nan)
-    if values is not None:
-        result[:, given.chains - 1] = values
-    return result
+def _as_trajectory(given: table.Table, problem: Problem, *, dimensionless: bool) -> Trajectory:
+    """A table made dimensionless, for every chain of the scene; NaN where the table has nothing."""
+    scale = problem.scale
+    units = (1.0, 1.0, 1.0) if dimensionless else (scale.time, scale.length, scale.velocity)
+    values = []
+    for column, unit in ((given.displacement, units[1]), (given.velocity, units[2])):
+        full = np.full((len(given.time), problem.chains, len(given.beads)), np.nan)
+        if column is not None:
+            full[:, given.chains - 1] = column / unit
+        values.append(full)
+    everything = len(given.beads) == problem.beads and not np.isnan(values).any()
+    recorded = None if everything else tuple(int(bead) for bead in given.beads)
+    return Trajectory(replace(problem, recorded=recorded), given.time / units[0], *values)
 
 
-def causes(own: Trajectory, reference: Trajectory, *, look_for_physics: bool) -> list[str]:
-    """What seems to be wrong with a trajectory, in words.
-
-    Args:
-        own: consecutive frames of it.
-        reference: the same frames, right.
-        look_for_physics: whether to look beyond the number of digits.
-    """
-    found = []
-    positions = own.displacement + own.beads * own.problem.spacing
-    for name, values in (("positions", positions), ("velocities", own.velocity)):
-        precision = diagnosis.digits(values)
-        if precision is not None:
-            found.append(f"{name} have only {precision}; write them with %.17g or in binary")
-    if look_for_physics and own.problem.recorded is None:
-        found += _time_causes(own, reference) or _spring_causes(own)
-    return found
-
-
-_CLEAR = 0.97
-"""Share of the squared difference that a cause must explain."""
-
-
-def _time_causes(own: Trajectory, reference: Trajectory) -> list[str]:
-    problem = own.problem
-    later = diagnosis.time_shift(
-        own.velocity - reference.velocity, motion.acceleration(problem, reference.displacement)
+def _only_where_known(trajectory: Trajectory, table: Trajectory) -> Trajectory:
+    """A trajectory with zeros where a table has nothing, so that nothing differs there."""
+    return replace(
+        trajectory,
+        displacement=np.where(np.isnan(table.displacement), 0.0, trajectory.displacement),
+        velocity=np.where(np.isnan(table.velocity), 0.0, trajectory.velocity),
     )
-    moved = diagnosis.time_shift(own.displacement - reference.displacement, reference.velocity)
-    unit = problem.scale.time
-    if later.explained < _CLEAR:
-        return []
-    if moved.explained > _CLEAR and abs(moved.time / later.time - 1.0) < 0.1:
-        word = "earlier" if moved.time > 0.0 else "later"
-        return [f"all frames are shown {abs(moved.time) * unit:.4g} {word} than they are"]
-    if abs(moved.time) < 0.1 * abs(later.time):
-        steps = later.time / problem.timestep
-        return [f"velocities belong to {steps:+.2g} time steps beside the positions (half-step velocities?)"]
-    return []
 
 
-def _spring_causes(own: Trajectory) -> list[str]:
-    problem = own.problem
-    springs = diagnosis.identify_springs(own)
-    if springs is None:
-        return []
-    if springs.cubic:
-        return [f"the coupling is cubic ({springs.cubic:.4g} times the cube), not linear: is r0 of the bonds 0?"]
-    typical = float(np.nanmedian(springs.linear))
-    if problem.kappa == 0.0:
-        return [f"the chains are coupled ({typical:.4g}), though the scene has no coupling"] if typical > 1e-6 else []
-    missing = np.argwhere(springs.linear < 0.5 * typical)
-    if 0 < len(missing) <= 10:
-        rows = ", ".join(f"row {row + 1} between chains {chain + 1} and {chain + 2}" for chain, row in missing)
-        return [f"no spring in {rows}"]
-    if abs(typical / problem.kappa - 1.0) > 5e-4:
-        return [
-            f"the coupling is {typical * problem.scale.stiffness:.6g} instead of "
-            f"{problem.kappa * problem.scale.stiffness:.6g}"
-        ]
-    return []
+def _are_frames(theirs: Trajectory, own: Trajectory) -> bool:
+    """Whether all times of one are times of the other."""
+    nearest = own.time[np.clip(np.round(theirs.time / own.problem.every).astype(int), 0, own.frames - 1)]
+    return bool(np.all(np.abs(theirs.time - nearest) <= 1e-9 * own.problem.every))
 
 
-def _write(path: Path, result: Validation, comparison: Comparison) -> None:
-    from analysis.error_figure import validation_figure
+def _remarks(path: Path, theirs: Trajectory, own: Trajectory) -> Iterable[str]:
+    for name, values in (("displacements", theirs.displacement), ("velocities", theirs.velocity)):
+        precision = diagnosis.precision(values)
+        if precision is not None:
+            yield f"{name} in {path} have only {precision}"
+    if theirs.time[-1] < 0.01 * own.time[-1]:
+        yield f"{path} ends at {theirs.time[-1] / own.time[-1]:.2g} of the run: is it in other units? (see --units)"
+
+
+def _write(path: Path, result: Validation, comparison: Comparison, against: str) -> None:
+    from analysis.error_figure import validation_figure  # matplotlib takes half a second to import
 
     write_json(path / REPORT, result.plain())
-    figure = validation_figure(result.problem, comparison.error_map, result.deviations, result.tolerances)
+    figure = validation_figure(result.problem, comparison.error_map, result.deviations, result.tolerances, against)
     for name in FIGURES:
         out = io.BytesIO()
         figure.savefig(out, format=Path(name).suffix[1:])

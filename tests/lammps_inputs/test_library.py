@@ -78,10 +78,10 @@ def test_any_positive_numbers_give_a_scene_or_one_line(numbers):
 
 
 def test_the_scenes_of_the_paper_are_installed():
-    assert sorted(library.installed()) == PAPER
+    assert set(library.installed()) >= set(PAPER)
 
 
-@pytest.mark.parametrize("name", PAPER)
+@pytest.mark.parametrize("name", library.installed())
 def test_an_installed_scene_has_its_own_name_and_says_what_it_is(name):
     scene = find(name)
     assert scene.name == name

@@ -7,9 +7,10 @@ from strategies import YAML_LIKE
 from lammps_inputs import InputError, strict_yaml
 
 TEXT = st.text(st.characters(exclude_categories=["Cs"]), max_size=40)
+KEYS = st.from_regex(r"[a-z_]{1,9}", fullmatch=True)
 PLAIN = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False) | TEXT,
-    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.from_regex(r"[a-z_]+", fullmatch=True), inner),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(KEYS, inner, max_size=3),
     max_leaves=8,
 )
 
@@ -61,7 +62,7 @@ def test_any_text_gives_a_mapping_or_one_line(text):
         assert isinstance(data, dict)
 
 
-@given(st.dictionaries(st.from_regex(r"[a-z_]+", fullmatch=True), PLAIN, min_size=1))
+@given(st.dictionaries(KEYS, PLAIN, min_size=1, max_size=4))
 @example({"name": "1e5"})
 @example({"name": "a\x85b"})
 @example({"name": "12E3", "velocity": 1e16})

@@ -43,7 +43,9 @@ def scenes(draw: st.DrawFn, *, chains: st.SearchStrategy[int] = CHAINS, ends: bo
     recorded = draw(st.just("all") | st.lists(st.integers(1, beads), min_size=1, unique=True).map(tuple))
     duration: float | None = draw(st.floats(1e-3, 1e3)) * unit.time
     gap = draw(st.just(0.0) | st.floats(0.0, 1e3)) * unit.length
-    if never_closes(count, 1.0, gap, ((kick.chain, kick.bead, kick.velocity) for kick in kicks), beads):
+    kappa = 0.0 if coupling is None else coupling.stiffness / unit.stiffness
+    moved = [(kick.chain, kick.bead, kick.velocity / unit.velocity) for kick in kicks]
+    if never_closes(count, kappa, gap / unit.length, moved, beads):
         gap = 0.0
     until_bead = None
     if ends and draw(st.booleans()):

@@ -5,6 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
+from analysis.solitary import Character
+from analysis.survey import Survey
 from lammps_inputs import InputError
 from workflow.analyse import Analysis, analyse, last_clear_bead
 from workflow.run_directory import RunDirectory
@@ -64,8 +66,47 @@ def _print(found: Analysis) -> None:
         if len(at) > 8:
             rows.append(["", f"... {len(at)}", "", "", ""])
     print_table(f"{problem.name}: leading pulse", head, rows)
+    _print_pulses(found.survey)
     if np.isfinite(seen.energy_drift):
         print(f"energy within {seen.energy_drift:.1e}, momentum within {seen.momentum_drift:.1e} of the kick's")
+
+
+def _print_pulses(found: Survey) -> None:
+    """The verdict, the decay law where it was fitted, and what the leading waves and the other pulses are."""
+    print(found.verdict.sentence)
+    final, decay = found.shared.final, found.decay
+    if final is not None:
+        share = np.sum(found.shared.wave_share[-1])
+        print(
+            f"amplitude {final.value:.5f} +- {max(final.uncertainty, 1e-6):.1g} V, {1.0 - final.value:.1%} below the kick; "
+            f"{share:.1%} of its energy in the leading waves"
+        )
+    if decay is not None:
+        print(
+            f"decay as (1 - n / n*)**2.5 over beads {decay.first} to {decay.last}: n* = {decay.n_star:.1f} "
+            f"+- {decay.n_star_error:.1g}, theory {decay.expected:.1f}"
+        )
+    others = 0
+    for pulse, character in zip(found.pulses, found.characters, strict=True):
+        if not found.leads(pulse):
+            others += 1
+        elif pulse.chain <= 8:
+            print(f"chain {pulse.chain}: {_words(character)}")
+    if others:
+        strongest = max(pulse.peak_velocity.max() for pulse in found.pulses if not found.leads(pulse))
+        print(f"{others} other pulses, the strongest {strongest:.3f} V (analysis.json lists them)")
+    if found.noise:
+        print(f"the record is noisy: {found.noise:.1e} V; it was smoothed")
+
+
+def _words(character: Character) -> str:
+    """What a pulse is, at the bead where it was measured."""
+    measured = (
+        f"shape {character.residual:.1e}, speed {character.speed_excess:+.1e} off the exact wave, "
+        f"amplitude varies by {character.variation:.1e}"
+    )
+    kind = "solitary" if character.solitary else f"not solitary ({', '.join(character.fails)})"
+    return f"{kind} at bead {character.bead}: {measured}"
 
 
 def _rows(found: Analysis) -> list[int]:

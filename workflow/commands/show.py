@@ -24,4 +24,13 @@ def execute(arguments: argparse.Namespace) -> int:
         print(f"#   length {text(scale.length)}{unit[0]}, time {text(scale.time)}{unit[1]}")
         print(f"#   velocity {text(scale.velocity)}{unit[2]}, force {text(scale.force)}{unit[3]}")
         print(f"# where kappa = {text(problem.kappa)}, timestep = {text(problem.timestep)}")
+    if problem.gap > 0.0 and problem.coupled:
+        from workflow.engines.collisions import first_row  # numba takes a third of a second to import
+
+        unit = f" {scale.symbol('length')}" if scale.si else ""
+        print(f"# theta = omega D / V = {first_row.theta(problem):.6g} with omega = sqrt(2 kappa): all that rigid beads see;")
+        print(
+            f"#   eq. 5 has theta = {first_row.THETA_OF_EQ_5:.6g}, which is a gap of "
+            f"{first_row.gap_of_eq_5(problem.kappa) * scale.length:.6g}{unit}"
+        )
     return 0

@@ -8,6 +8,7 @@ import numpy as np
 from lammps_inputs import InputError, library
 from workflow import run as running
 from workflow import validate as validation
+from workflow.ending import with_duration
 from workflow.run_directory import RunDirectory
 from workflow.screen import print_table, progress_bar
 
@@ -56,7 +57,7 @@ def _directory(arguments: argparse.Namespace) -> RunDirectory:
     scene = library.find(arguments.what)
     if arguments.output is None:
         raise InputError(f"-o: {arguments.what} is a scene, so a directory for its run is needed")
-    scene = running.with_duration(scene)
+    scene = with_duration(scene)
     with progress_bar(scene.name, scene.problem()) as progress:
         return running.run(scene, arguments.output, check=False, progress=progress).directory
 
@@ -88,7 +89,7 @@ def _print(found: validation.Validation) -> None:
         verdict = "EXCEEDED" if found.exceeded(name) else "ok"
         rows.append([name, f"{deviation.largest:.2e}", rms, f"{found.tolerances[name]:.0e}", verdict, where])
     print_table(
-        f"{found.problem.name} against {found.against}, {found.frames} frames, dimensionless",
+        f"{found.problem.name} against {found.against} at {found.compared} instants, dimensionless",
         ["quantity", "largest", "rms", "tolerance", "", "largest at"],
         rows,
     )
@@ -97,7 +98,7 @@ def _print(found: validation.Validation) -> None:
         print(f"the reference is sure to {certificate.velocity:.1e} in velocity, {certificate.arrival:.1e} in arrival")
     if found.interpolation is not None:
         x, v = found.interpolation
-        print(f"interpolating between frames adds at most about {x:.1e} to displacements, {v:.1e} to velocities")
+        print(f"interpolating between frames adds at most {x:.1e} to displacements, {v:.1e} to velocities")
     firsts = [
         (deviation.first.time, name, deviation.first)
         for name, deviation in found.deviations.items()
@@ -111,6 +112,8 @@ def _print(found: validation.Validation) -> None:
         )
     if not found.complete:
         print(f"incomplete: {found.frames} of {found.problem.frames + 1} frames")
+    for remark in found.remarks:
+        print(f"note: {remark}")
     for cause in found.causes:
         print(f"likely cause: {cause}")
     print("passed" if found.passed else "NOT passed")

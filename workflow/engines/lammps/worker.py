@@ -11,7 +11,7 @@ import select
 import sys
 import time
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 
@@ -40,11 +40,11 @@ def main() -> int:
     except Exception as error:  # LAMMPS raises nothing more specific
         # every rank speaks, since some errors are known to one of them only
         _Report(speaks=True).say({"end": "failed", "reason": f"LAMMPS: {_first_line(error)}"})
-        os._exit(1)  # after an error a LAMMPS instance cannot be trusted, not even to close
+        _leave()  # after an error a LAMMPS instance cannot be trusted, not even to close
     report.say(end)
-    if end["end"] == "stopped" and lmp.extract_setting("world_size") > 1:
+    if end["end"] != "done" and report.speaks and lmp.extract_setting("world_size") > 1:
         lmp.flush_buffers()
-        os._exit(1)  # only this rank knows; the others are in the next segment, and the launcher ends them
+        _leave()  # the others may be in the next segment, where only the launcher can end them
     lmp.close()
     lmp.finalize()
     return 0 if end["end"] == "done" else 1
@@ -97,8 +97,13 @@ def _abandoned() -> bool:
     return bool(ready) and not os.read(sys.stdin.fileno(), 1)
 
 
+def _leave() -> NoReturn:
+    time.sleep(0.3)  # mpiexec drops what it has not passed on when a rank ends
+    os._exit(1)
+
+
 def _first_line(error: Exception) -> str:
-    text = str(error.args[0] if error.args else error)  # LAMMPS's own exception prints itself in quotes
+    text = str(getattr(error, "message", error))  # LAMMPS's own exception would print itself in quotes
     return next((line.strip() for line in text.splitlines() if line.strip()), "unknown error")
 
 

@@ -1,0 +1,23 @@
+"""Figures of a run: data in, matplotlib Figure out. Readable in print and by colour-blind eyes; nothing is saved here."""
+
+from analysis.figures.distance import distance_figure
+from analysis.figures.response import BeadHistory, response_figure
+from analysis.figures.shape import shape_figure
+from analysis.figures.spacetime import SpaceTime, spacetime_figure
+from analysis.figures.style import CHAIN_COLOURS, CHAIN_DASHES, MAX_PANELS, STYLE, draw_chain, title, unit_label
+
+__all__ = [
+    "CHAIN_COLOURS",
+    "CHAIN_DASHES",
+    "MAX_PANELS",
+    "STYLE",
+    "BeadHistory",
+    "SpaceTime",
+    "distance_figure",
+    "draw_chain",
+    "response_figure",
+    "shape_figure",
+    "spacetime_figure",
+    "title",
+    "unit_label",
+]

@@ -1,0 +1,206 @@
+"""Everything that is found in a run by reading it twice: first its peaks, then the states around them.
+
+A run is given as a function that starts reading it anew, block by block, so that it need not fit into memory.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+
+from analysis.decay_law import DecayFit, fit_decay
+from analysis.energy_shares import EnergyShares
+from analysis.equipartition import Sharing, sharing
+from analysis.mirror import mirrored, mirrored_bead, mirrored_problem
+from analysis.noise import left_by_smoothing, noise_at_start, smoothed
+from analysis.peaks import THRESHOLD, PeakFinder, Peaks, distinct
+from analysis.pulses import SMALLEST, Pulse, track_pulses
+from analysis.solitary import Character, Tolerances, characterise, measured_at, passages_of
+from analysis.trajectory import Trajectory
+from analysis.verdict import Verdict, judge
+from analysis.waveforms import Passages, Shape, Waveforms
+from analysis.waves import Waves, leading_waves
+from lammps_inputs import Problem
+
+MAX_PASSAGES = 4000
+"""Leading passages whose waveform is kept; beyond, every second bead, every third, ..."""
+
+SURE = 5.0
+"""Standard deviations of the noise that a peak must exceed."""
+
+
+class Watcher(Protocol):
+    """Anything that is shown a run block by block."""
+
+    def add(self, block: Trajectory, /) -> None:
+        """Take the next frames."""
+
+
+@dataclass(frozen=True)
+class Survey:
+    """What is in a run.
+
+    Attributes:
+        problem: what was run.
+        direction: 1 if the hardest kick is towards higher bead numbers, else -1; the leading waves run that way, and in
+            ``shared``, ``energies``, ``decay`` and ``verdict`` beads are counted along it (from the last bead if -1).
+        noise: standard deviation of the recorded velocities, in units of V; 0 where there is none.
+        waves: leading waves; beads as numbered in the scene. With kicks from both sides only what belongs to a pulse.
+        waveforms: velocity over time around the passages of ``waves``, then of ``pulses``.
+        shape: what those waveforms say of each wave, entry by entry of ``waves``; NaN where not measured.
+        pulses: every pulse that was found, either way.
+        characters: of each pulse, where it was last seen whole.
+        shared, energies, decay, verdict: how the chains share the leading pulse.
+    """
+
+    problem: Problem
+    direction: int
+    noise: float
+    waves: Waves
+    waveforms: Waveforms
+    shape: Shape
+    pulses: tuple[Pulse, ...]
+    characters: tuple[Character, ...]
+    shared: Sharing
+    energies: EnergyShares
+    decay: DecayFit | None
+    verdict: Verdict
+
+    def leads(self, pulse: Pulse) -> bool:
+        """Whether a pulse is the leading wave of its chain where it was last seen."""
+        own = self.waves.of_chain(pulse.chain)
+        return pulse.direction == self.direction and bool(
+            np.any((own.bead == pulse.bead[-1]) & (own.arrival == pulse.arrival[-1]))
+        )
+
+
+def survey(
+    read: Callable[[], Iterable[Trajectory]],
+    problem: Problem,
+    *,
+    watchers: Sequence[Watcher] = (),
+    tolerances: Tolerances | None = None,
+) -> Survey:
+    """Find everything in a run.
+
+    Args:
+        read: starts reading the run: consecutive blocks of frames, the first frame being the start.
+        problem: what was run.
+        watchers: shown every block once, as recorded.
+        tolerances: within which a pulse counts as solitary.
+
+    Raises:
+        ValueError: there was no frame.
+    """
+    first = next(iter(read()), None)
+    if first is None:
+        raise ValueError("no frames to analyse")
+    noise = noise_at_start(first)
+    left = left_by_smoothing(noise, problem.every)
+    options: dict[str, Any] = {"threshold": max(THRESHOLD, SURE * left), "noisy": noise > 0.0}
+    forward, backward = PeakFinder(**options), PeakFinder(**options)
+    last_time = _first_reading(read, problem, noise, watchers, forward, backward)
+    peaks = {1: forward.result(), -1: backward.result()}
+    if noise > 0.0:
+        peaks = {way: distinct(found) for way, found in peaks.items()}
+
+    _, _, hardest = max(problem.kicks, key=lambda kick: abs(kick[2]))
+    direction = 1 if hardest > 0.0 else -1
+    along = problem if direction > 0 else mirrored_problem(problem)
+    smallest = max(SMALLEST, 2.0 * SURE * left)
+    pulses = tuple(
+        pulse for way in (1, -1) for pulse in track_pulses(peaks[way], problem, smallest=smallest, direction=way)
+    )
+    opposed = any(velocity * hardest < 0.0 for _, _, velocity in problem.kicks)
+    ahead = leading_waves(_passages(peaks[direction], pulses, problem, direction) if opposed else peaks[direction])
+    shared = sharing(ahead, along, left)
+    waves = ahead if direction > 0 else _mirrored_waves(ahead, problem)
+    at = [measured_at(pulse, problem, last_time) for pulse in pulses]
+
+    chosen = np.flatnonzero(waves.bead % max(1, -(-len(waves) // MAX_PASSAGES)) == 0)
+    waveforms = Waveforms(problem, _together(waves, chosen, direction, passages_of(pulses, at)))
+    energies = EnergyShares(along, shared)
+    for block in _frames(read, problem, noise):
+        waveforms.add(block)
+        energies.add(block if direction > 0 else mirrored(block))
+    shapes = waveforms.shape()
+    characters = tuple(
+        characterise(pulse, place, shapes.entry(len(chosen) + number), tolerances)
+        for number, (pulse, place) in enumerate(zip(pulses, at, strict=True))
+    )
+    decay = fit_decay(shared, along)
+    return Survey(
+        problem=problem,
+        direction=direction,
+        noise=noise,
+        waves=waves,
+        waveforms=waveforms,
+        shape=shapes.spread_out(chosen, len(waves)),
+        pulses=pulses,
+        characters=characters,
+        shared=shared,
+        energies=energies,
+        decay=decay,
+        verdict=judge(shared, along, decay),
+    )
+
+
+def _first_reading(
+    read: Callable[[], Iterable[Trajectory]],
+    problem: Problem,
+    noise: float,
+    watchers: Sequence[Watcher],
+    forward: PeakFinder,
+    backward: PeakFinder,
+) -> float:
+    """Show the run to all; a noisy one once as recorded and once smoothed. Returns the time of the last frame."""
+    last_time = 0.0
+    for block in read():
+        for watcher in watchers:
+            watcher.add(block)
+        if noise == 0.0:
+            forward.add(block)
+            backward.add(mirrored(block))
+        last_time = float(block.time[-1])
+    if noise > 0.0:
+        for block in smoothed(read(), problem.every):
+            forward.add(block)
+            backward.add(mirrored(block))
+    return last_time
+
+
+def _frames(read: Callable[[], Iterable[Trajectory]], problem: Problem, noise: float) -> Iterator[Trajectory]:
+    yield from smoothed(read(), problem.every) if noise > 0.0 else read()
+
+
+def _together(waves: Waves, chosen: np.ndarray[Any, np.dtype[np.int64]], direction: int, others: Passages) -> Passages:
+    """Some of the leading waves' passages, followed by others."""
+    return Passages(
+        chain=np.concatenate([waves.chain[chosen], others.chain]),
+        bead=np.concatenate([waves.bead[chosen], others.bead]),
+        arrival=np.concatenate([waves.arrival[chosen], others.arrival]),
+        peak_velocity=np.concatenate([waves.peak_velocity[chosen], others.peak_velocity]),
+        speed=np.concatenate([waves.speed[chosen], others.speed]),
+        direction=np.concatenate([np.full(len(chosen), direction), others.direction]),
+    )
+
+
+def _passages(peaks: Peaks, pulses: tuple[Pulse, ...], problem: Problem, direction: int) -> Peaks:
+    """The maxima that belong to pulses running one way. Beads that a pulse from the other end left swinging have others."""
+    own = [pulse for pulse in pulses if pulse.direction == direction]
+    bead = [pulse.bead if direction > 0 else mirrored_bead(problem, pulse.bead) for pulse in own]
+    passages = {
+        (pulse.chain, number, time)
+        for pulse, numbers in zip(own, bead, strict=True)
+        for number, time in zip(numbers.tolist(), pulse.arrival.tolist(), strict=True)
+    }
+    rows = zip(peaks.chain.tolist(), peaks.bead.tolist(), peaks.time.tolist(), strict=True)
+    return peaks.where(np.fromiter((row in passages for row in rows), dtype=bool, count=len(peaks)))
+
+
+def _mirrored_waves(waves: Waves, problem: Problem) -> Waves:
+    """Waves found in the mirror, with the scene's bead numbers."""
+    bead = mirrored_bead(problem, waves.bead)
+    order = np.lexsort((bead, waves.chain))
+    return Waves(waves.chain, bead, waves.arrival, waves.peak_velocity, waves.speed).where(order)

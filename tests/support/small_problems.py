@@ -1,0 +1,43 @@
+"""Dimensionless problems and trajectories without a scene around them."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.trajectory import Trajectory
+from lammps_inputs import Problem
+from lammps_inputs.units import Scale
+
+Floats = NDArray[np.float64]
+
+REDUCED = Scale(1.0, 1.0, 1.0, si=False)
+
+
+def problem(**changes: Any) -> Problem:
+    """Two chains of eight beads, kappa = 0.1, bead 1 of chain 1 hit; 100 frames of 0.1, ten steps each."""
+    options: dict[str, Any] = {
+        "name": "test",
+        "chains": 2,
+        "beads": 8,
+        "kicks": ((1, 1, 1.0),),
+        "kappa": 0.1,
+        "gap": 0.0,
+        "timestep": 0.01,
+        "steps_per_frame": 10,
+        "frames": 100,
+        "recorded": None,
+        "scale": REDUCED,
+    }
+    return Problem(**{**options, **changes})
+
+
+def written_down(problem: Problem, motion: Callable[[Floats], tuple[Floats, Floats]]) -> Trajectory:
+    """The frames of a motion given as time [frame, 1, 1] -> displacement and velocity [frame, chain, bead]."""
+    time = np.arange(problem.frames + 1) * problem.every
+    displacement, velocity = motion(time[:, np.newaxis, np.newaxis])
+    shape = (len(time), problem.chains, len(problem.recorded_beads))
+    return Trajectory(
+        problem, time, np.broadcast_to(displacement, shape).copy(), np.broadcast_to(velocity, shape).copy()
+    )

@@ -1,0 +1,89 @@
+"""Run a scene with several engines and show them side by side: what rigid beads keep, and what they lose."""
+
+import argparse
+import tempfile
+from pathlib import Path
+
+from lammps_inputs import library
+from workflow import compare as comparing
+from workflow import run as running
+from workflow.screen import print_table, progress_bar
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The scene, where to, and with what."""
+    parser.add_argument("scene", metavar="SCENE", help="a YAML file, or the name of an installed scene")
+    parser.add_argument("-o", "--output", metavar="DIR", type=Path, help="directory to make; without, nothing is kept")
+    parser.add_argument(
+        "--engines",
+        metavar="NAME,NAME",
+        help=f"of {', '.join(running.ENGINES)} (default all that can do the scene)",
+    )
+    parser.add_argument("--overwrite", action="store_true", help="replace an earlier comparison's files in DIR")
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    """Print tables and an answer; write compare.json, a figure, and each engine's run directory."""
+    scene = library.find(arguments.scene)
+    engines = None if arguments.engines is None else tuple(arguments.engines.split(","))
+    comparing.engines_for(scene, engines)
+    with tempfile.TemporaryDirectory(prefix="granchain-compare-") as name:
+        directory = Path(name) / "compare" if arguments.output is None else arguments.output
+        found = comparing.compare(
+            scene, directory, engines=engines, overwrite=arguments.overwrite, progress=progress_bar
+        )
+    _print(found)
+    if arguments.output is not None:
+        names = [comparing.REPORT, f"{comparing.FIGURE}.png", f"{comparing.FIGURE}.pdf"]
+        print(f"{arguments.output}: {', '.join([*names, *(f'{result.engine}/' for result in found.results)])}")
+    return 0
+
+
+def _print(found: comparing.Comparison) -> None:
+    problem, results = found.problem, found.results
+    scale = problem.scale
+    unit = f" ({scale.symbol('time')})" if scale.si else ""
+    if problem.gap and problem.coupled:
+        from workflow.engines.collisions import first_row  # numba takes a third of a second to import
+
+        print(f"theta = omega D / V = {first_row.theta(problem):.5g} (eq. 5: {first_row.THETA_OF_EQ_5:.5g})")
+    rows = []
+    for k, bead in enumerate(found.rows):
+        for number, result in enumerate(results):
+            impulses = result.impulses
+            place = impulses.row(bead)
+            if not (impulses.whole[:, place] > 0.0).any():
+                rows.append([str(bead) if number == 0 else "", result.engine, "not struck", "", "", ""])
+                continue
+            rows.append(
+                [
+                    str(bead) if number == 0 else "",
+                    result.engine,
+                    f"{comparing.arrival(impulses, bead) * scale.time:.6g}",
+                    _list(impulses.first[:, place]),
+                    _list(impulses.whole[:, place]),
+                    _list(result.peak[:, k]),
+                ]
+            )
+    head = ["bead", "engine", f"first struck{unit}", "first impulse / mV", "all impulses / mV", "peak velocity / V"]
+    print_table(f"{problem.name}: rows, chains 1, 2, ...", head, rows)
+    shares = [
+        [
+            result.engine,
+            _list(result.momentum),
+            _list(result.energy[:-1]),
+            f"{result.energy[-1]:.4f}",
+            f"{result.seconds:.2g}",
+            f"{result.wall:.2g}",
+        ]
+        for result in results
+    ]
+    head = ["engine", "momentum by chain", "energy by chain", "in springs", "computing (s)", "with files (s)"]
+    print_table(f"at t = {problem.duration * scale.time:.6g}{unit}", head, shares)
+    for sentence in found.answer:
+        print(sentence)
+
+
+def _list(values: comparing.Floats) -> str:
+    shown = "  ".join(f"{value:.4f}" for value in values[:4])
+    return f"{shown} ..." if len(values) > 4 else shown
