@@ -40,7 +40,7 @@ def engines_figure(problem: Problem, rows: Sequence[int], curves: Sequence[Curve
     Below, a colour is a chain and a dash an engine.
     """
     scale, chains = problem.scale, min(problem.chains, MAX_PANELS)
-    chosen = sorted({0, len(rows) // 2, len(rows) - 1})[-MOST_ROWS:]
+    chosen = sorted({min(1, len(rows) - 1), len(rows) // 2, len(rows) - 1})[-MOST_ROWS:]
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(7.5, 2.6 + 1.8 * len(chosen)), layout="constrained")
         grid = figure.add_gridspec(1 + len(chosen), len(curves), height_ratios=[1.3] + [1.0] * len(chosen))
@@ -48,12 +48,14 @@ def engines_figure(problem: Problem, rows: Sequence[int], curves: Sequence[Curve
         for column, curve in enumerate(curves):
             first = figure.add_subplot(grid[0, column], sharey=first)
             for chain in range(chains):
-                first.plot(curve.bead, curve.first[chain], ".", ms=3, color=_colour(chain), label=f"chain {chain + 1}")
+                struck = np.where(curve.first[chain] > 0.0, curve.first[chain], np.nan)
+                first.plot(curve.bead, struck, ".", ms=3, color=_colour(chain), label=f"chain {chain + 1}")
             first.set_title(curve.engine, loc="left")
             first.set_xlabel("bead")
             if column == 0:
                 first.set_ylabel("first impulse / $mV$")
-                first.legend(loc="best", ncols=2, markerscale=2)
+                first.legend(loc="upper right", markerscale=2)
+            first.set_xlim(0, problem.beads + 1)
         for line, position in enumerate(chosen, 1):
             axis = figure.add_subplot(grid[line, :])
             for number, curve in enumerate(curves):
@@ -79,12 +81,12 @@ def _colour(chain: int) -> str:
 
 
 def _window(curves: Sequence[Curve], position: int, unit: float) -> tuple[float, float]:
-    """The time in which any engine's row moves, with a margin."""
+    """The time in which the pulse passes a row in any engine: from the first motion to the last of half the largest."""
     moving = []
     for curve in curves:
-        index = np.flatnonzero(np.any(np.abs(curve.velocity[:, :, position]) > 1e-2, axis=1))
-        if len(index):
-            moving += [curve.time[index[0]], min(curve.time[index[-1]], curve.time[-1])]
+        size = np.abs(curve.velocity[:, :, position]).max(axis=1)
+        if size.max() > 1e-2:
+            moving += [curve.time[np.argmax(size > 1e-2)], curve.time[np.flatnonzero(size > 0.5 * size.max())[-1]]]
     low, high = (min(moving), max(moving)) if moving else (0.0, float(curves[0].time[-1]))
-    margin = 0.03 * (high - low) + 0.5
+    margin = 0.15 * (high - low) + 0.5
     return max(0.0, low - margin) * unit, min(high + margin, float(curves[0].time[-1])) * unit

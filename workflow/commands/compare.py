@@ -65,12 +65,12 @@ def _print(found: comparing.Comparison) -> None:
                     _list(result.peak[:, k]),
                 ]
             )
-    head = ["bead", "engine", f"first struck{unit}", "first impulse / mV", "all impulses / mV", "peak velocity / V"]
+    head = ["bead", "engine", f"first impulse at{unit}", "first impulse / mV", "all impulses / mV", "peak velocity / V"]
     print_table(f"{problem.name}: rows, chains 1, 2, ...", head, rows)
     shares = [
         [
             result.engine,
-            _list(result.momentum),
+            _passed(result, found.last),
             _list(result.energy[:-1]),
             f"{result.energy[-1]:.4f}",
             f"{result.seconds:.2g}",
@@ -78,10 +78,21 @@ def _print(found: comparing.Comparison) -> None:
         ]
         for result in results
     ]
-    head = ["engine", "momentum by chain", "energy by chain", "in springs", "computing (s)", "with files (s)"]
-    print_table(f"at t = {problem.duration * scale.time:.6g}{unit}", head, shares)
+    head = [
+        "engine",
+        f"passed to bead {found.last} by chain / mV",
+        "final energy by chain",
+        "in springs",
+        "computing (s)",
+        "with files (s)",
+    ]
+    print_table(f"shares until t = {problem.duration * scale.time:.6g}{unit}", head, shares)
     for sentence in found.answer:
         print(sentence)
+
+
+def _passed(result: comparing.Result, bead: int) -> str:
+    return _list(result.impulses.whole[:, result.impulses.row(bead)]) if bead >= 2 else ""
 
 
 def _list(values: comparing.Floats) -> str:
