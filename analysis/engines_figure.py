@@ -68,7 +68,7 @@ def engines_figure(problem: Problem, rows: Sequence[int], curves: Sequence[Curve
             axis.set_title(f"bead {rows[position]}", loc="left")
             axis.set_ylabel(f"$v$ ({unit_label(problem, 'velocity')})")
             if line == 1:
-                axis.legend(loc="upper right", ncols=len(curves))
+                axis.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=len(curves))
         axis.set_xlabel(f"time $t$ ({unit_label(problem, 'time')})")
         coupled = f", $\\kappa$ = {problem.kappa:.4g}" if problem.coupled else ""
         gap = f", gap {problem.gap:.4g}" if problem.gap else ""

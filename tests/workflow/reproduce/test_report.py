@@ -1,0 +1,85 @@
+"""The paper recomputed as one page."""
+
+import os
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from workflow.cli import main
+from workflow.reproduce.page import Section, Statement, render
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    directory = tmp_path_factory.mktemp("report")
+    assert main(["reproduce", "-o", str(directory)]) == 0
+    return directory
+
+
+def test_the_page_holds_the_final_amplitudes_of_both_engines(report: Path) -> None:
+    page = (report / "index.html").read_text()
+    for engine in ("LAMMPS", "reference"):
+        for amplitude in ("0.36524", "0.35934", "0.25559"):
+            assert re.search(rf"{engine}: final amplitude {amplitude}", page)
+
+
+def test_the_page_says_where_the_paper_needs_a_correction(report: Path) -> None:
+    page = (report / "index.html").read_text()
+    assert "at bead 55 they still differ by 2.0%" in page
+    assert "become much weaker" in page
+
+
+def test_the_page_needs_no_other_file(report: Path) -> None:
+    page = (report / "index.html").read_text()
+    assert not re.findall(r'(?:src|href)="(?!data:)', page)
+
+
+def test_all_figures_of_section_2_are_there(report: Path) -> None:
+    for number in range(1, 7):
+        assert (report / f"fig{number}.png").stat().st_size > 10_000
+
+
+def test_a_second_start_runs_nothing_again(report: Path) -> None:
+    dumps = sorted((report / "runs").rglob("*.bin"))
+    before = [path.stat().st_mtime_ns for path in dumps]
+    assert main(["reproduce", "-o", str(report)]) == 0
+    assert len(before) >= 6
+    assert [path.stat().st_mtime_ns for path in dumps] == before
+
+
+def test_the_page_opens_in_a_browser_without_errors(report: Path, tmp_path: Path) -> None:
+    browser = shutil.which("chromium")
+    if browser is None:
+        assert not os.environ.get("CI"), "continuous integration installs chromium"
+        pytest.skip("chromium is not installed")
+    found = subprocess.run(
+        [
+            browser,
+            "--headless",
+            "--no-sandbox",
+            "--disable-gpu",
+            "--disable-quic",
+            "--no-first-run",
+            "--disable-background-networking",
+            "--disable-component-update",
+            "--disable-sync",
+            f"--user-data-dir={tmp_path}",
+            "--enable-logging=stderr",
+            "--dump-dom",
+            (report / "index.html").as_uri(),
+        ],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=True,
+    )
+    assert "Section 2" in found.stdout
+    assert "CONSOLE" not in found.stderr
+
+
+def test_text_from_outside_cannot_become_markup() -> None:
+    section = Section("<script>", "a & b", [Statement("<b>", ["<i>"], "holds")])
+    assert "<script>" not in render("t", "s", [section], {})

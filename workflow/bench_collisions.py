@@ -1,0 +1,71 @@
+"""The collision engine on this machine: collisions a second, and whether a collision costs the same in a long chain."""
+
+import statistics
+import time
+from collections.abc import Iterator
+
+import numpy as np
+
+from lammps_inputs import Problem
+from lammps_inputs.units import Scale
+from workflow.bench import Ratio
+from workflow.engines import collisions
+
+EVENTS = 200_000
+ROWS = (100, 1_000, 10_000, 100_000)
+PER_ROW = 3
+"""Collisions of one row that are timed: the same early part of the motion whatever the length."""
+
+RATE, GROWTH = 300_000, 1.3
+
+
+def collision_ratios() -> Iterator[Ratio]:
+    """Collisions a second at N = 2, and the cost of one in chains of 100 to 100,000 rows; some 10 s."""
+    busy = crowd(10_000)
+    seconds = [cost(busy, EVENTS) for _ in range(5)]
+    rate = 1.0 / statistics.median(seconds)
+    yield Ratio(
+        "collisions a second, N = 2",
+        rate,
+        f">= {RATE:,}",
+        rate >= RATE,
+        f"{1e6 * min(seconds):.2f} to {1e6 * max(seconds):.2f} us each",
+    )
+    costs = costs_by_rows()
+    value = max(costs.values()) / costs[ROWS[0]]
+    detail = ", ".join(f"{rows:,}: {1e6 * one:.2f} us" for rows, one in costs.items())
+    yield Ratio(
+        f"dearest collision in up to {ROWS[-1]:,} rows / in {ROWS[0]}", value, f"<= {GROWTH}", value <= GROWTH, detail
+    )
+
+
+def costs_by_rows(repeats: int = 5) -> dict[int, float]:
+    """Seconds a collision takes by the number of rows, medians of rounds that take every length in turn."""
+    problems = {rows: [crowd(rows, seed) for seed in range(max(1, min(20, 10_000 // rows)))] for rows in ROWS}
+    found: dict[int, list[float]] = {rows: [] for rows in ROWS}
+    for _ in range(repeats):
+        for rows, several in problems.items():
+            rounds = max(1, EVENTS // (PER_ROW * rows * len(several)))
+            each = [cost(problem, PER_ROW * rows) for _ in range(rounds) for problem in several]
+            found[rows].append(statistics.mean(each))
+    return {rows: statistics.median(each) for rows, each in found.items()}
+
+
+def cost(problem: Problem, events: int) -> float:
+    """Seconds that one collision of a run takes; the start-up, which predicts every pair once, is taken off."""
+    start = time.perf_counter()
+    collisions.run(problem, max_events=0)
+    middle = time.perf_counter()
+    found = len(collisions.run(problem, max_events=events))
+    end = time.perf_counter()
+    return ((end - middle) - (middle - start)) / found
+
+
+def crowd(rows: int, seed: int = 0) -> Problem:
+    """Two chains in which every bead is kicked at random, theta = 1, with no end in sight."""
+    random = np.random.default_rng(seed)
+    velocity = random.choice([-1.0, 1.0], (2, rows)) * random.uniform(0.2, 1.0, (2, rows))
+    velocity /= np.abs(velocity).max()
+    kicks = tuple((chain + 1, row + 1, float(velocity[chain, row])) for row in range(rows) for chain in range(2))
+    scale = Scale(1.0, 1.0, 1.0, si=False)
+    return Problem("crowd", 2, rows, kicks, 0.5, 1.0, 1e6, 1, 1, None, scale)
