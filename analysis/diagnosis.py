@@ -18,6 +18,9 @@ SINGLE = "single precision"
 MOST_DIGITS = 12
 """Numbers with more digits than that pass for whole ones; float64 has 16."""
 
+_ROUNDING = 8.0 * np.finfo(float).eps
+"""What a number may have lost, of its size, by taking its rest position off and on."""
+
 
 def precision(values: Floats) -> str | None:
     """What all of many numbers were rounded to: such as "6 digits" (``%g``), "8 decimals", or `SINGLE`; else None.
@@ -28,15 +31,20 @@ def precision(values: Floats) -> str | None:
     sample = np.unique(telling[:: max(1, len(telling) // 2000)])
     if len(sample) < 20:
         return None
-    for form, word in (("e", "digits"), ("f", "decimals")):
-        fewest = None
+    size = np.abs(sample)
+    found = []
+    for word in ("digits", "decimals"):
         for count in range(MOST_DIGITS, 0, -1):
-            spec = f".{count - 1}e" if form == "e" else f".{count}f"
-            if not _all_are(sample, np.array([float(format(value, spec)) for value in sample.tolist()])):
+            step = 10.0 ** -count * (10.0 * 10.0 ** np.floor(np.log10(size)) if word == "digits" else np.ones(len(size)))
+            if not np.all(_ROUNDING * size <= 0.01 * step):  # float64 itself is no finer
+                continue
+            form = f".{count - 1}e" if word == "digits" else f".{count}f"
+            if not _all_are(sample, np.array([float(format(value, form)) for value in sample.tolist()])):
                 break
-            fewest = count
-        if fewest is not None:
-            return f"{fewest} {word}"
+            found.append((count, word))
+    if found:
+        count, word = min(found)
+        return f"{count} {word}"
     with np.errstate(over="ignore", under="ignore"):
         if _all_are(sample, sample.astype(np.float32).astype(np.float64)):
             return SINGLE
@@ -44,8 +52,8 @@ def precision(values: Floats) -> str | None:
 
 
 def _all_are(sample: Floats, rounded: Floats) -> bool:
-    """Whether as good as all numbers are the rounded ones; taking rest positions off and on may cost the last bits."""
-    return float(np.mean(np.abs(rounded - sample) <= 1e-14 * np.abs(sample))) > 0.99
+    """Whether as good as all numbers are the rounded ones."""
+    return float(np.mean(np.abs(rounded - sample) <= _ROUNDING * np.abs(sample))) > 0.99
 
 
 @dataclass(frozen=True)

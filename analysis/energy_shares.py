@@ -1,8 +1,8 @@
 """Where the energy is as the waves run: in each chain, and inside the waves, from the states at a few instants.
 
-The instants are those at which the waves pass chosen beads; they are picked out while the run is read a second time. The
-energy of a spring is shared by its two chains. Inside a wave are the beads within `REACH` of its peak, with the contacts
-between them.
+The instants are those at which the waves pass chosen beads; they are picked out while the run is read a second time.
+The energy of a spring is shared by its two chains. Inside a wave are the beads within `REACH` of its peak, with the
+contacts between them.
 """
 
 import numpy as np

@@ -1,8 +1,9 @@
 """How chains come to share a pulse: amplitudes, arrivals and beats of their leading waves over the distance run.
 
-Definitions, all over the chains at one bead: mismatch = (largest - smallest) / mean of the leading peak velocities; lag =
-arrival behind that of the chain that was hit; spread = (latest - earliest arrival) over the time in which the exact
-wave passes at half its height. Agreement to a tolerance begins at the first bead from which on the mismatch stays below it.
+Definitions, all over the chains at one bead: mismatch = (largest - smallest) / mean of the leading peak velocities;
+lag = arrival behind that of the chain that was hit; spread = (latest - earliest arrival) over the time in which the
+exact wave passes at half its height. Agreement to a tolerance begins at the first bead from which on the mismatch stays
+below it.
 """
 
 from dataclasses import dataclass
@@ -86,7 +87,7 @@ class Sharing:
 
     @cached_property
     def beats(self) -> Floats:
-        """Beads, in fractions, where the wave of the chain that was hit passes from above the chains' mean to below or back.
+        """Beads, in fractions, where the wave of the chain that was hit passes the chains' mean, downwards or upwards.
 
         Changes of sign after which the deviation stays below `SMALLEST_BEAT` or three times the noise are left out.
         """
@@ -139,7 +140,7 @@ class Sharing:
 
     @cached_property
     def final(self) -> Estimate | None:
-        """Amplitude over the last half beat seen: mean over beads and chains, and the largest deviation from it, in V."""
+        """Amplitude over the last half beat: mean over beads and chains, and the largest deviation from it, in V."""
         if len(self) == 0:
             return None
         length = self.half_beat if self.half_beat is not None else 0.1 * (self.bead[-1] - self.bead[0])
@@ -151,8 +152,9 @@ class Sharing:
     def expected_agreement(self, tolerance: float) -> Estimate | None:
         """Bead from which on the amplitudes may be expected to agree, by the decay of the last few beats' mismatch.
 
-        The uncertainty is that of the decay: the difference to what the last two half beats alone say, or, if only
-        two were seen, half the distance still to go. None without two whole half beats, or if the beats do not decay.
+        The uncertainty is the difference to what the last two half beats alone say, or, if only two were seen, half the
+        distance still to go; at least half a beat and 5% of that distance. None without two whole half beats, or if
+        the beats do not decay.
         """
         tops = self._tops()
         if len(tops) < 2:
@@ -162,7 +164,8 @@ class Sharing:
             return None
         value = max(estimates[1], float(tops[-1, 0]))
         other = abs(estimates[0] - value) if len(tops) > 2 else 0.5 * abs(value - float(tops[-1, 0]))
-        return Estimate(value, max(other, 0.5 * float(self.half_beat or 0.0)))
+        ahead = value - float(tops[-1, 0])
+        return Estimate(value, max(other, 0.05 * ahead + float(self.half_beat or 0.0)))
 
     def _tops(self) -> Floats:
         """[half beat, (bead, mismatch)] where the mismatch is largest between two changes of sign."""

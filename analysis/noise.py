@@ -1,7 +1,7 @@
 """Records with noise on them: how much it is, and frames smoothed in time so that pulses can be found in them.
 
-What a simulation writes has none; a measured or a truncated record has. At the start every state is known exactly, so the
-first frame shows the noise.
+What a simulation writes has none; a measured or a truncated record has. At the start every state is known exactly, so
+the first frame shows the noise.
 """
 
 from collections.abc import Iterable, Iterator
@@ -10,14 +10,14 @@ from dataclasses import replace
 import numpy as np
 from scipy.signal import savgol_coeffs, savgol_filter
 
-from analysis.trajectory import Trajectory, joined
+from analysis.trajectory import Floats, Trajectory, joined
 
 NEGLIGIBLE = 1e-6
 """Standard deviation, in units of V, below which a record counts as free of noise."""
 
 WINDOW = 1.2
-"""Length in time of the smoothing window, in units of T: two thirds of the time that a wave of amplitude 1 takes to pass
-at half its height (1.74), so that a polynomial of degree 4 follows it to within 4e-3 of its height.
+"""Length in time of the smoothing window, in units of T: two thirds of the time that a wave of amplitude 1 takes to
+pass at half its height (1.74), so that a polynomial of degree 4 follows it to within 2e-4 of its height.
 """
 
 DEGREE = 4
@@ -48,9 +48,9 @@ def left_by_smoothing(noise: float, every: float) -> float:
 
 
 def smoothed(blocks: Iterable[Trajectory], every: float) -> Iterator[Trajectory]:
-    """Blocks of the same frames, each replaced by a polynomial fitted in time to those around it (Savitzky & Golay 1964).
+    """Blocks of the same frames, each replaced by a polynomial fitted in time to those around it.
 
-    Holds one window of frames beside the block.
+    Savitzky & Golay, Anal. Chem. 36, 1627 (1964). Holds one window of frames beside the block.
     """
     window = window_frames(every)
     if window == 1:
@@ -61,8 +61,9 @@ def smoothed(blocks: Iterable[Trajectory], every: float) -> Iterator[Trajectory]
         pending = block if pending is None else joined([pending, block])
         if pending.frames <= 2 * window:
             continue
-        yield _filtered(pending, window)[0 if not begun else half : pending.frames - half]
-        pending, begun = pending[pending.frames - 2 * half :], True
+        end = pending.frames - half - 1  # a whole window stays for the frames that follow, or for the end
+        yield _filtered(pending, window)[half if begun else 0 : end]
+        pending, begun = pending[end - half :], True
     if pending is not None:
         yield (_filtered(pending, window) if pending.frames >= window else pending)[half if begun else 0 :]
 
@@ -70,6 +71,17 @@ def smoothed(blocks: Iterable[Trajectory], every: float) -> Iterator[Trajectory]
 def _filtered(frames: Trajectory, window: int) -> Trajectory:
     return replace(
         frames,
-        displacement=savgol_filter(frames.displacement, window, DEGREE, axis=0),
-        velocity=savgol_filter(frames.velocity, window, DEGREE, axis=0),
+        displacement=_smooth(frames.displacement, window),
+        velocity=_smooth(frames.velocity, window),
     )
+
+
+def _smooth(values: Floats, window: int) -> Floats:
+    """Fitted values [frame, ...]; half a window at either end from a straight line, as other curves are noisier there."""
+    half = window // 2
+    result: Floats = savgol_filter(values, window, DEGREE, axis=0)
+    base = np.stack([np.ones(window), np.arange(window) - half], axis=1)
+    line = base @ np.linalg.pinv(base)
+    result[:half] = np.tensordot(line[:half], values[:window], axes=1)
+    result[-half:] = np.tensordot(line[-half:], values[-window:], axes=1)
+    return result

@@ -147,8 +147,8 @@ def find_peaks(blocks: Iterable[Trajectory], threshold: float = THRESHOLD) -> Pe
 def distinct(peaks: Peaks) -> Peaks:
     """The maxima of a noisy record without those that belong to one passage.
 
-    Left out is whatever is nearer to a higher maximum of its bead than half the time in which the exact wave of that height
-    passes at half its height.
+    Left out is whatever is nearer to a higher maximum of its bead than `APART` times the time in which the exact wave
+    of that height passes at half its height.
     """
     exact = solitary_wave()
     while len(peaks) > 1:

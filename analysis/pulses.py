@@ -37,6 +37,9 @@ LATEST, EARLIEST = 1.8, 0.3
 UNSTEADIEST = 0.7
 """Bound on the change of that quotient from one passage to the next."""
 
+SCATTER = 30.0
+"""Allowed change of a delay by noise, in T for noise as large as the amplitude; an arrival scatters by 5 to 10."""
+
 FAINTEST = 0.35
 """Bound on the ratio of amplitudes of two passages that follow each other."""
 
@@ -66,7 +69,13 @@ class Pulse:
 
 
 def track_pulses(
-    peaks: Peaks, problem: Problem, *, smallest: float = SMALLEST, least_beads: int = LEAST_BEADS, direction: int = 1
+    peaks: Peaks,
+    problem: Problem,
+    *,
+    smallest: float = SMALLEST,
+    least_beads: int = LEAST_BEADS,
+    direction: int = 1,
+    noise: float = 0.0,
 ) -> tuple[Pulse, ...]:
     """Every pulse in a table of passages, by chain, then by time of its first passage.
 
@@ -76,6 +85,7 @@ def track_pulses(
         smallest: largest velocity that a pulse must reach, in units of V; a quarter of it continues one.
         least_beads: recorded beads at which a pulse must be seen.
         direction: which way the pulses run.
+        noise: standard deviation of the peak velocities, in units of V; allows for arrivals that scatter.
     """
     recorded = problem.recorded_beads if direction > 0 else mirrored_bead(problem, problem.recorded_beads)[::-1]
     least = max(2, min(least_beads, len(recorded)))
@@ -85,7 +95,7 @@ def track_pulses(
     found = []
     for chain in np.unique(passages.chain):
         own = passages.where(passages.chain == chain)
-        for track in _linked(own, recorded):
+        for track in _linked(own, recorded, noise):
             if len(track) >= least and np.max(own.velocity[track]) >= smallest:
                 bead, arrival = own.bead[track], own.time[track]
                 speed = local_speed(bead, arrival)
@@ -105,14 +115,20 @@ def local_speed(bead: Integers, arrival: Floats) -> Floats:
 
 @dataclass
 class _Track:
-    """A pulse while it is followed: its passages, its pace (the last delay over the exact wave's), and how far that may change."""
+    """A pulse while it is followed.
+
+    Attributes:
+        passages: positions in the table.
+        pace: the last delay over the exact wave's; with noise a mean.
+        bound: how far the next may be from it.
+    """
 
     passages: list[int]
     pace: float = 1.0
     bound: float = np.inf
 
 
-def _linked(peaks: Peaks, recorded: Integers) -> Iterator[list[int]]:
+def _linked(peaks: Peaks, recorded: Integers, noise: float) -> Iterator[list[int]]:
     """Positions in the table of the passages of one chain, pulse by pulse. Beads are taken in ascending order."""
     exact = solitary_wave()
     starts = np.searchsorted(peaks.bead, recorded)
@@ -131,12 +147,16 @@ def _linked(peaks: Peaks, recorded: Integers) -> Iterator[list[int]]:
             ratio = peaks.velocity[here] / peaks.velocity[last][:, np.newaxis]
             ratio = np.minimum(ratio, 1.0 / ratio)
             cost = (delay - pace) ** 2 + 0.1 * np.log(ratio) ** 2
-            far = np.abs(delay - pace) > bound
-            cost[far | (delay < EARLIEST) | (delay > LATEST) | (ratio < FAINTEST)] = np.inf
+            slack = SCATTER * noise / amplitude * exact.speed_at(amplitude) / way
+            far = (np.abs(delay - pace) > bound + slack) | (delay < EARLIEST - slack) | (delay > LATEST + slack)
+            cost[far | (ratio < FAINTEST)] = np.inf
             taken = set()
             for row, column in _cheapest_pairs(cost):
-                open_tracks[row].passages.append(int(here[column]))
-                open_tracks[row].pace, open_tracks[row].bound = float(delay[row, column]), UNSTEADIEST
+                track = open_tracks[row]
+                track.passages.append(int(here[column]))
+                steady = noise > 0.0 and np.isfinite(track.bound)
+                track.pace = 0.5 * (track.pace + delay[row, column]) if steady else float(delay[row, column])
+                track.bound = UNSTEADIEST
                 taken.add(column)
         else:
             taken = set()

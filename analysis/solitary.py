@@ -63,7 +63,7 @@ class Character:
 
 
 def measured_at(pulse: Pulse, problem: Problem, last_time: float) -> int:
-    """Position in a pulse of the last passage that is clear of the chain's end and recorded whole; the last, if none is."""
+    """Position in a pulse of the last passage clear of the chain's end and recorded whole; the last, if none is."""
     way = pulse.bead if pulse.direction > 0 else mirrored_bead(problem, pulse.bead)
     with np.errstate(divide="ignore", invalid="ignore"):
         over = pulse.arrival + COMPARED / solitary_wave().speed_at(pulse.peak_velocity)
@@ -73,6 +73,7 @@ def measured_at(pulse: Pulse, problem: Problem, last_time: float) -> int:
 
 def passages_of(pulses: tuple[Pulse, ...], at: list[int]) -> Passages:
     """The passages of pulses at the positions given, one each."""
+
     def column(name: str) -> Floats:
         return np.array([getattr(pulse, name)[k] for pulse, k in zip(pulses, at, strict=True)], dtype=np.float64)
 

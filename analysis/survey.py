@@ -46,7 +46,8 @@ class Survey:
         direction: 1 if the hardest kick is towards higher bead numbers, else -1; the leading waves run that way, and in
             ``shared``, ``energies``, ``decay`` and ``verdict`` beads are counted along it (from the last bead if -1).
         noise: standard deviation of the recorded velocities, in units of V; 0 where there is none.
-        waves: leading waves; beads as numbered in the scene. With kicks from both sides only what belongs to a pulse.
+        waves: leading waves; beads as numbered in the scene. With kicks from both sides, and in a noisy
+            record, only what belongs to a pulse.
         waveforms: velocity over time around the passages of ``waves``, then of ``pulses``.
         shape: what those waveforms say of each wave, entry by entry of ``waves``; NaN where not measured.
         pulses: every pulse that was found, either way.
@@ -110,10 +111,13 @@ def survey(
     along = problem if direction > 0 else mirrored_problem(problem)
     smallest = max(SMALLEST, 2.0 * SURE * left)
     pulses = tuple(
-        pulse for way in (1, -1) for pulse in track_pulses(peaks[way], problem, smallest=smallest, direction=way)
+        pulse
+        for way in (1, -1)
+        for pulse in track_pulses(peaks[way], problem, smallest=smallest, direction=way, noise=left)
     )
     opposed = any(velocity * hardest < 0.0 for _, _, velocity in problem.kicks)
-    ahead = leading_waves(_passages(peaks[direction], pulses, problem, direction) if opposed else peaks[direction])
+    stray = opposed or noise > 0.0
+    ahead = leading_waves(_passages(peaks[direction], pulses, problem, direction) if stray else peaks[direction])
     shared = sharing(ahead, along, left)
     waves = ahead if direction > 0 else _mirrored_waves(ahead, problem)
     at = [measured_at(pulse, problem, last_time) for pulse in pulses]
@@ -187,7 +191,7 @@ def _together(waves: Waves, chosen: np.ndarray[Any, np.dtype[np.int64]], directi
 
 
 def _passages(peaks: Peaks, pulses: tuple[Pulse, ...], problem: Problem, direction: int) -> Peaks:
-    """The maxima that belong to pulses running one way. Beads that a pulse from the other end left swinging have others."""
+    """The maxima that belong to pulses running one way; others are noise, or left behind by pulses from the far end."""
     own = [pulse for pulse in pulses if pulse.direction == direction]
     bead = [pulse.bead if direction > 0 else mirrored_bead(problem, pulse.bead) for pulse in own]
     passages = {

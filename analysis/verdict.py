@@ -53,11 +53,9 @@ def judge(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict:
     last = int(shared.bead[-1])
     level, in_step = shared.agrees_from(AGREEMENT), shared.in_step_from(AGREEMENT)
     if level is not None and in_step is not None:
-        final = shared.final
-        amount = "" if final is None else f", at {_text(final)} V each"
         sentence = (
             f"{State.EQUAL.value}: amplitudes within 1% from bead {level} on, arrivals within 1% of the wave's passage "
-            f"from bead {in_step} on{amount} (seen to bead {last})"
+            f"from bead {in_step} on (seen to bead {last})"
         )
         return Verdict(State.EQUAL, max(level, in_step), None, sentence)
     beat = shared.beat_length
@@ -70,8 +68,8 @@ def judge(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict:
         what += "the wave's passage over the last half beat"
         return Verdict(State.BEATING, None, None, f"{State.BEATING.value}: {what}; beats of {_beads(beat)} beads")
     sentence = (
-        f"{State.BEATING.value}: amplitudes differ by up to {recent:.1%} over the last half beat to bead {last}, beats of "
-        f"{_beads(beat)} beads; {_about(expected)}"
+        f"{State.BEATING.value}: amplitudes differ by up to {recent:.1%} over the last half beat to bead {last}, "
+        f"beats of {_beads(beat)} beads; {_about(expected)}"
     )
     return Verdict(State.BEATING, None, expected, sentence)
 
@@ -106,7 +104,3 @@ def _step(shared: Sharing) -> float:
 
 def _beads(estimate: Estimate) -> str:
     return f"{estimate.value:.1f} +- {estimate.uncertainty:.1f}"
-
-
-def _text(estimate: Estimate) -> str:
-    return f"{estimate.value:.5f} +- {max(estimate.uncertainty, 1e-6):.1g}"

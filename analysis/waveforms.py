@@ -82,8 +82,8 @@ class Waveforms:
         passages: what is watched.
         time: [passage, sample], in units of T; regularly spaced, also where there is no frame.
         velocity: [passage, sample] along the pulse's direction, in units of V; NaN where there is no frame.
-        contact_energy: [passage, sample] energy of the contact with the bead of the next higher number, in units of m V**2; likewise, and
-            NaN where not all beads are recorded.
+        contact_energy: [passage, sample] energy of the contact with the bead of the next higher number, in units of
+            m V**2; NaN likewise, and where not all beads are recorded.
     """
 
     def __init__(self, problem: Problem, passages: Passages) -> None:
@@ -155,7 +155,7 @@ class Waveforms:
         return self._half_time(above, self.time - self.passages.arrival[:, np.newaxis]) + backwards
 
     def _half_time(self, above: Floats, time: Floats) -> Floats:
-        """When a row first falls through zero after time 0, from a polynomial through the six samples around; or NaN."""
+        """When a row first falls through zero after time 0, by a polynomial through the six samples around; or NaN."""
         nodes = (0, 1, 2, 3, 4, 5)
         row, size = np.arange(len(above)), above.shape[1]
         fallen = (time > 0.0) & (above <= 0.0)

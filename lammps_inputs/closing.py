@@ -1,7 +1,7 @@
 """Whether the kicks of a scene can ever close its gap: rows move by their springs until the first two beads meet.
 
-With a gap no bead feels a contact before. Row i has the mean velocity u_i of its kicks, and swings about it by its modes
-(`workflow.engines.collisions.modes` has them too). The gap before row i + 1 closes by d(t) = x_i - x_{i+1}.
+With a gap no bead feels a contact before. Row i has the mean velocity u_i of its kicks, and swings about it by its
+modes (`workflow.engines.collisions.modes` has them too). The gap before row i + 1 closes by d(t) = x_i - x_{i+1}.
 """
 
 import math

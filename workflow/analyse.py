@@ -103,7 +103,7 @@ def _draw(path: Path, found: Survey, spacetime: Any, history: Any) -> tuple[Path
     from analysis.figures import distance_figure, response_figure, shape_figure, spacetime_figure
 
     problem, files = found.problem, []
-    makers: dict[str, "Callable[[], Figure]"] = {
+    makers: dict[str, Callable[[], Figure]] = {
         "spacetime": lambda: spacetime_figure(spacetime),
         "response": lambda: response_figure(history),
     }

@@ -134,8 +134,9 @@ def pulse_entry(found: Survey, pulse: Pulse, character: Character) -> dict[str, 
     | chain, direction     | chain from 1; 1 towards higher bead numbers, -1 towards lower                 |
     | leading              | whether it is the first pulse of its chain                                    |
     | beads, first, last   | recorded beads at which it was seen, the first and the last of them           |
-    | bead ... residual    | at that bead: arrival, peak velocity, speed (beads per unit time), width (full, at half maximum, |
-    |                      | beads), momentum, energy, residual against the exact wave in its peak velocity |
+    | bead ... residual    | at that bead: arrival, peak velocity, speed (beads per unit time), width      |
+    |                      | (full, at half maximum, beads), momentum, energy, residual against the exact  |
+    |                      | wave of this peak velocity, in units of it                                    |
     | speed_excess         | relative to the exact law at this peak velocity                               |
     | variation            | (largest - smallest) / mean peak velocity over the last ten beads             |
     | solitary, fails      | whether it is the exact wave within the tolerances, and which fail            |
@@ -191,7 +192,7 @@ def _lag(found: Survey) -> Floats:
     waves = found.waves
     hit = waves.of_chain(found.shared.kicked + 1)
     arrival = dict(zip(hit.bead.tolist(), hit.arrival.tolist(), strict=True))
-    return waves.arrival - np.array([arrival.get(bead, np.nan) for bead in waves.bead.tolist()])
+    return waves.arrival - np.array([arrival.get(bead, np.nan) for bead in waves.bead.tolist()], dtype=np.float64)
 
 
 def _energies(found: Survey) -> tuple[Floats, Floats]:
@@ -215,5 +216,3 @@ def _known(estimate: Estimate) -> dict[str, float]:
 
 def _number(value: float) -> float | None:
     return value if math.isfinite(value) else None
-
-

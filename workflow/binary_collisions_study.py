@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.events import Events
-from analysis.impulses import Impulses, ImpulseMeter, from_events, relative_difference
+from analysis.impulses import ImpulseMeter, Impulses, from_events, relative_difference
 from analysis.trajectory import Floats, Trajectory, joined
 from lammps_inputs import Problem
 from lammps_inputs.units import Scale
@@ -194,7 +194,7 @@ def scan(thetas: Iterable[float], last_bead: int = 30) -> Scan:
 def sensitivity(thetas: Iterable[float], bead: int = 25, change: float = 1e-13) -> Floats:
     """Largest change of a rigid row's first impulses when D changes by a relative amount, [theta].
 
-    Late rows magnify rounding: where this is not small, the row's impulse is no property of theta but of the arithmetic.
+    Late rows magnify rounding: where this is not small, the impulse is a property of the arithmetic, not of theta.
     """
     result = []
     for theta in thetas:
@@ -218,7 +218,7 @@ class RelativeMode:
         rows_per_e: rows in which its size falls by e, by least squares of its logarithm; inf where it does not fall.
         power: exponent of ``abs(difference) ~ bead**-power`` fitted alike.
         misfit: root mean square of what the two fits leave of the logarithm: exponential, power.
-        equal_from: first bead from which on the chains agree to `AGREE`; None if they never do, or only at the last few.
+        equal_from: first bead from which on the chains agree to `AGREE`; None if they never do, or only at the end.
     """
 
     bead: NDArray[np.int64]
@@ -280,8 +280,8 @@ def rigid_limit(
 ) -> RigidLimit:
     """How gapped Hertz beads become rigid ones.
 
-    A contact lasts about 2.44 T and a swing 2 pi / sqrt(2 kappa) T, so their ratio, and with it the difference, falls as
-    sqrt(kappa): rate 1/2. Before that, a bead may be struck in one model and pass in the other, and the more so the
+    A contact lasts about 2.44 T and a swing 2 pi / sqrt(2 kappa) T, so their ratio, and with it the difference, falls
+    as sqrt(kappa): rate 1/2. Before that, a bead may be struck in one model and pass in the other, and the more so the
     farther along the chain: the limit is reached row by row.
     """
     bead = np.arange(2, last_bead + 1)

@@ -23,8 +23,9 @@ class _Parser(argparse.ArgumentParser):
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code."""
+    words = list(sys.argv[1:] if argv is None else argv)
     try:
-        arguments = _parser().parse_args(argv)
+        arguments = _parser(words[:1]).parse_args(words)
         code = int(arguments.execute(arguments))
         sys.stdout.flush()
     except InputError as error:
@@ -41,10 +42,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     return code
 
 
-def _parser() -> argparse.ArgumentParser:
+def _parser(first: list[str]) -> argparse.ArgumentParser:
+    """The parser, with the one command that is asked for or else all: some take a second to import."""
     parser = _Parser(prog="granchain", description="Shock pulses in weakly coupled, uncompressed granular chains.")
     subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for name in COMMANDS:
+    for name in first if first and first[0] in COMMANDS else COMMANDS:
         module = importlib.import_module(f"workflow.commands.{name}")
         summary = (module.__doc__ or "").strip().splitlines()[0]
         subparser = subparsers.add_parser(name, help=summary, description=summary)

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from analysis import events, motion
-from analysis.impulses import Impulses, ImpulseMeter, from_events, relative_difference
+from analysis.impulses import ImpulseMeter, Impulses, from_events, relative_difference
 from analysis.peaks import PeakFinder
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import InputError, Problem, Scene, deck, strict_yaml
@@ -44,8 +44,8 @@ class Result:
         impulses: of the contacts of every row.
         peak: largest velocity of each shown row, [chain, shown row].
         time, velocity: of the shown rows, [frame] and [frame, chain, shown row].
-        momentum: share of each chain at the end, [chain]. Contacts pass momentum on within a chain, so this swings by the
-            modes of one row whatever the contacts: a check of a run, not a result.
+        momentum: share of each chain at the end, [chain]. Contacts pass momentum on within a chain, so this swings by
+            the modes of one row whatever the contacts: a check of a run, not a result.
         energy: share of each chain's motion and contacts at the end, then of the springs, [chain + 1].
         seconds: wall time of the computation alone.
         wall: wall time with files.
@@ -133,9 +133,7 @@ def compare(
     results = []
     for name in names:
         with progress(name, problem) as follow:
-            ran = running.run(
-                scene, directory / name, engine=name, overwrite=overwrite, check=False, progress=follow
-            )
+            ran = running.run(scene, directory / name, engine=name, overwrite=overwrite, check=False, progress=follow)
         if ran.outcome != "done":
             raise RunError(f"{directory / name}: {ran.outcome}; nothing to compare")
         results.append(measure(ran.directory, rows))
@@ -212,7 +210,8 @@ def partition(state: Trajectory) -> tuple[Floats, Floats]:
 def _last_row(results: Sequence[Result]) -> int:
     """Last bead, before the last five, that got an impulse in every engine."""
     passed = np.all([np.any(result.impulses.whole > 0.0, axis=0) for result in results], axis=0)
-    passed[-4:] = passed[-4:] & (len(passed) <= 8)  # the free end
+    if len(passed) > 10:
+        passed[-5:] = False  # the free end
     reached = len(passed) if passed.all() else int(np.argmin(passed))
     return int(results[0].impulses.bead[reached - 1]) if reached else 1
 
@@ -221,7 +220,7 @@ def _last_row(results: Sequence[Result]) -> int:
 
 
 def unevenness(impulses: Impulses, last: int) -> float:
-    """How unequal the chains are on the last quarter of the way: median of (largest - smallest) / mean; NaN for none."""
+    """How unequal the chains are on the last quarter of the way: median of (largest - smallest) / mean, or NaN."""
     rows = (impulses.bead <= last) & (impulses.bead > 0.75 * last)
     values = relative_difference(impulses.first[:, rows])
     return float(np.nanmedian(values)) if np.isfinite(values).any() else math.nan
@@ -252,7 +251,7 @@ def answer(results: Sequence[Result], last: int) -> tuple[str, ...]:
         late = np.abs(one.impulses.time - other.impulses.time)[:, rows]
         moved = float(np.nanmax(late)) if np.isfinite(late).any() else 0.0
         sentences.append(
-            f"LAMMPS and the reference agree on first impulses to {impulse:.1e} m V and on their times to {moved:.1e} T."
+            f"LAMMPS and the reference agree on first impulses to {impulse:.1e} m V, on their times to {moved:.1e} T."
         )
     hertz = by_name.get("reference") or by_name.get("lammps")
     if RIGID in by_name and hertz is not None:
@@ -280,7 +279,9 @@ def _rigid_against(rigid: Result, hertz: Result, last: int) -> list[str]:
     farthest = int(other.bead[np.flatnonzero(other.whole.any(axis=0))[-1]])
     reached = int(one.bead[np.flatnonzero(one.whole.any(axis=0))[-1]])
     if reached < farthest - 5:
-        lost.append(f"the pulse itself, which has not passed bead {reached} when it is at bead {farthest} in Hertz beads")
+        lost.append(
+            f"the pulse itself, which has not passed bead {reached} when it is at bead {farthest} in Hertz beads"
+        )
     sentences = []
     if kept:
         sentences.append(f"Rigid beads keep, within {100.0 * KEPT:.0f} %: {'; '.join(kept)}.")
@@ -350,7 +351,9 @@ def _plain_result(result: Result) -> dict[str, Any]:
 
 def _numbers(values: Floats) -> Any:
     """Nested lists with None for what is not finite."""
-    return np.where(np.isfinite(values), values.astype(object), None).tolist()
+    if values.ndim > 1:
+        return [_numbers(part) for part in values]
+    return [value if math.isfinite(value) else None for value in values.tolist()]
 
 
 def _draw(directory: Path, found: Comparison) -> None:

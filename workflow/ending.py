@@ -19,10 +19,10 @@ def with_duration(scene: Scene) -> Scene:
     """The same scene with its duration written out.
 
     ``until_bead: n`` ends shortly after the first pulse in every chain that moves has passed bead n: its velocity there
-    has risen above 1e-3 of V and fallen to less than half of its largest value. The last bead flies off with what it got:
-    its velocity has risen above 1e-3 of V and rises no more. Where the beads have a gap, the chains of a row are struck
-    one after another as their springs swing: the run then goes on for a period of the slowest swing, or for as long
-    again if that is shorter.
+    has risen above 1e-3 of V and fallen to less than half of its largest value. The last bead flies off with what it
+    got: its velocity has risen above 1e-3 of V and rises no more. Where the beads have a gap, the chains of a row are
+    struck one after another as their springs swing: the run then goes on for a period of the slowest swing, or for as
+    long again if that is shorter.
 
     Raises:
         InputError: the pulse does not arrive within ten times the time that an undamped one takes.

@@ -34,6 +34,7 @@ ANALYSIS_FILES = (
     "waves.csv",
     "analysis.json",
     *(f"{name}.{suffix}" for name in ("spacetime", "response", "distance", "shape") for suffix in ("png", "pdf")),
+    *("validation.json", "validation.png", "validation.pdf"),
 )
 
 

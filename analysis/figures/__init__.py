@@ -1,4 +1,4 @@
-"""Figures of a run: data in, matplotlib Figure out. Readable in print and by colour-blind eyes; nothing is saved here."""
+"""Figures of a run: data in, matplotlib Figure out. Readable in print and by colour-blind eyes; nothing is saved."""
 
 from analysis.figures.distance import distance_figure
 from analysis.figures.response import BeadHistory, response_figure

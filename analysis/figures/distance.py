@@ -17,17 +17,18 @@ AGREED = 0.01
 def distance_figure(problem: Problem, shared: Sharing, energies: EnergyShares, direction: int = 1) -> Figure:
     """Leading waves over the bead that they pass, one line per chain (the first ones, where there are many).
 
-    (a) Peak velocities in units of the kick, and the bead from which on they agree to 1%. (b) Shares of the energy: each
-    chain's (half of its springs' counted), its wave's, all waves' as measured and as exact waves of their amplitudes
-    would hold. (c) Arrival behind the chain that was hit.
+    (a) Peak velocities in units of the kick, and the bead from which on they agree to 1%. (b) Shares of the energy:
+    each chain's (half of its springs' counted), its wave's, all waves' as measured and as exact waves of their
+    amplitudes would hold. (c) Arrival behind the chain that was hit.
     """
     chains = min(problem.chains, MAX_PANELS)
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(7.0, 7.2), layout="constrained")
         amplitude, energy, lag = figure.subplots(3, 1, sharex=True, height_ratios=(1.0, 1.25, 0.8))
+        bead = shared.bead.astype(np.float64)
         for chain in range(chains):
-            draw_chain(amplitude, chain, shared.bead, shared.amplitude[:, chain])
-            draw_chain(lag, chain, shared.bead, shared.lag[:, chain] * problem.scale.time)
+            draw_chain(amplitude, chain, bead, shared.amplitude[:, chain])
+            draw_chain(lag, chain, bead, shared.lag[:, chain] * problem.scale.time)
         amplitude.set_ylabel("peak velocity / $V$")
         amplitude.set_ylim(bottom=0.0)
         _mark_agreement(amplitude, shared)
@@ -43,20 +44,20 @@ def distance_figure(problem: Problem, shared: Sharing, energies: EnergyShares, d
 
 def _draw_energy(axis: Axes, shared: Sharing, energies: EnergyShares, chains: int) -> None:
     bead = shared.bead[energies.place]
-    whole, inside, exact = "-", (0, (1, 1)), (0, (5, 2))
+    dotted, dashed = (0, (1, 1)), (0, (5, 2))
     lines = []
     if len(bead):
         for chain in range(chains):
             colour = CHAIN_COLOURS[chain % len(CHAIN_COLOURS)]
-            axis.plot(bead, energies.chain[:, chain], color=colour, linestyle=whole)
-            axis.plot(bead, energies.wave[:, chain], color=colour, linestyle=inside)
+            axis.plot(bead, energies.chain[:, chain], color=colour)
+            axis.plot(bead, energies.wave[:, chain], color=colour, linestyle=dotted)
         lines += [
-            Line2D([], [], color=CHAIN_COLOURS[0], linestyle=whole, label="a chain"),
-            Line2D([], [], color=CHAIN_COLOURS[0], linestyle=inside, label="its wave"),
+            Line2D([], [], color=CHAIN_COLOURS[0], label="a chain"),
+            Line2D([], [], color=CHAIN_COLOURS[0], linestyle=dotted, label="its wave"),
         ]
         lines += axis.plot(bead, np.sum(energies.wave, axis=1), color="black", label="all waves")
     total = np.sum(shared.wave_share, axis=1)
-    lines += axis.plot(shared.bead, total, color="0.55", linestyle=exact, label="all waves, if exact")
+    lines += axis.plot(shared.bead, total, color="0.55", linestyle=dashed, label="all waves, if exact")
     axis.set_ylabel("share of the energy")
     axis.set_ylim(0.0, 1.05)
     axis.legend(handles=lines, loc="upper right", ncols=2)

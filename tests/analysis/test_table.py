@@ -215,7 +215,7 @@ def test_a_path_that_is_no_file_is_said(words, tmp_path):
 
 
 @pytest.mark.parametrize("compressed", [False, True])
-@settings(max_examples=300)
+@settings(max_examples=100)
 @given(st.data())
 def test_a_damaged_npz_is_read_or_refused_in_one_line(path, compressed, data):
     out = io.BytesIO()

@@ -78,8 +78,8 @@ def _print_pulses(found: Survey) -> None:
     if final is not None:
         share = np.sum(found.shared.wave_share[-1])
         print(
-            f"amplitude {final.value:.5f} +- {max(final.uncertainty, 1e-6):.1g} V, {1.0 - final.value:.1%} below the kick; "
-            f"{share:.1%} of its energy in the leading waves"
+            f"amplitude {final.value:.5f} +- {max(final.uncertainty, 1e-6):.1g} V, {1.0 - final.value:.1%} below the kick;"
+            f" {share:.1%} of its energy in the leading waves"
         )
     if decay is not None:
         print(

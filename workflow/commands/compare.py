@@ -4,6 +4,7 @@ import argparse
 import tempfile
 from pathlib import Path
 
+from analysis.trajectory import Floats
 from lammps_inputs import library
 from workflow import compare as comparing
 from workflow import run as running
@@ -95,6 +96,6 @@ def _passed(result: comparing.Result, bead: int) -> str:
     return _list(result.impulses.whole[:, result.impulses.row(bead)]) if bead >= 2 else ""
 
 
-def _list(values: comparing.Floats) -> str:
+def _list(values: Floats) -> str:
     shown = "  ".join(f"{value:.4f}" for value in values[:4])
     return f"{shown} ..." if len(values) > 4 else shown

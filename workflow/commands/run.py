@@ -53,7 +53,8 @@ def _done(record: dict[str, Any]) -> str:
             f"arrivals to {certificate['arrival']:.1e} T"
         )
     if record["engine"] == "collisions":
-        return f"{record['collisions']} collisions of rigid beads in {record['engine_seconds']:.2g} s; events.csv lists them"
+        seconds = f"{record['engine_seconds']:.2g} s"
+        return f"{record['collisions']} collisions of rigid beads in {seconds}; events.csv lists them"
     ranks = f"{record['ranks']} rank{'s' * (record['ranks'] > 1)}"
     return f"{record['steps']} steps in {record['engine_seconds']:.2f} s (LAMMPS {record['lammps']}, {ranks})"
 

@@ -27,10 +27,8 @@ def execute(arguments: argparse.Namespace) -> int:
     if problem.gap > 0.0 and problem.coupled:
         from workflow.engines.collisions import first_row  # numba takes a third of a second to import
 
-        unit = f" {scale.symbol('length')}" if scale.si else ""
-        print(f"# theta = omega D / V = {first_row.theta(problem):.6g} with omega = sqrt(2 kappa): all that rigid beads see;")
-        print(
-            f"#   eq. 5 has theta = {first_row.THETA_OF_EQ_5:.6g}, which is a gap of "
-            f"{first_row.gap_of_eq_5(problem.kappa) * scale.length:.6g}{unit}"
-        )
+        theta, gap = first_row.theta(problem), first_row.gap_of_eq_5(problem.kappa) * scale.length
+        in_unit = f" {scale.symbol('length')}" if scale.si else ""
+        print(f"# theta = omega D / V = {theta:.6g}, omega = sqrt(2 kappa): all that rigid beads depend on;")
+        print(f"#   eq. 5 has theta = {first_row.THETA_OF_EQ_5:.6g}, which is a gap of {gap:.6g}{in_unit}")
     return 0

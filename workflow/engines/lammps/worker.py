@@ -11,7 +11,7 @@ import select
 import sys
 import time
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 
@@ -40,11 +40,11 @@ def main() -> int:
     except Exception as error:  # LAMMPS raises nothing more specific
         # every rank speaks, since some errors are known to one of them only
         _Report(speaks=True).say({"end": "failed", "reason": f"LAMMPS: {_first_line(error)}"})
-        _leave()  # after an error a LAMMPS instance cannot be trusted, not even to close
+        os._exit(1)  # after an error a LAMMPS instance cannot be trusted, not even to close
     report.say(end)
     if end["end"] != "done" and report.speaks and lmp.extract_setting("world_size") > 1:
         lmp.flush_buffers()
-        _leave()  # the others may be in the next segment, where only the launcher can end them
+        os._exit(1)  # the others may be in the next segment, where only the launcher can end them
     lmp.close()
     lmp.finalize()
     return 0 if end["end"] == "done" else 1
@@ -89,17 +89,14 @@ class _Report:
 
     def say(self, line: dict[str, Any]) -> None:
         if self.speaks:
-            print(json.dumps(line), flush=True)
+            # a line break on either side, since mpiexec may join what two ranks say at once
+            sys.stdout.write(f"\n{json.dumps(line)}\n")
+            sys.stdout.flush()
 
 
 def _abandoned() -> bool:
     ready, _, _ = select.select([sys.stdin], [], [], 0.0)
     return bool(ready) and not os.read(sys.stdin.fileno(), 1)
-
-
-def _leave() -> NoReturn:
-    time.sleep(0.3)  # mpiexec drops what it has not passed on when a rank ends
-    os._exit(1)
 
 
 def _first_line(error: Exception) -> str:

@@ -1,0 +1,73 @@
+"""Trajectories made of exact solitary waves at known places, and runs of the reference engine, to analyse."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from analysis.solitary_wave import solitary_wave
+from analysis.trajectory import Trajectory, blocks
+from lammps_inputs import Coupling, Kick, Output, Problem, Scene
+from workflow.engines.reference import engine
+
+
+def problem(
+    chains: int = 2,
+    kappa: float = 0.1,
+    beads: int = 120,
+    duration: float = 192.0,
+    every: float = 0.1,
+    recorded: Any = "all",
+    kicks: Sequence[Kick] = (Kick(velocity=1.0),),
+) -> Problem:
+    return Scene(
+        name="test",
+        chains=chains,
+        beads=beads,
+        coupling=Coupling(stiffness=kappa) if kappa else None,
+        kick=tuple(kicks),
+        duration=duration,
+        output=Output(every=every, beads=recorded),
+    ).problem()
+
+
+def reference(*arguments: Any, **options: Any) -> Trajectory:
+    return engine.run(problem(*arguments, **options))
+
+
+def reader(trajectory: Trajectory) -> Any:
+    return lambda: blocks(trajectory)
+
+
+def exact_waves(
+    waves: Sequence[tuple[float, float]],
+    *,
+    every: float = 0.1,
+    beads: int = 40,
+    recorded: Any = "all",
+    noise: float = 0.0,
+    direction: int = 1,
+    duration: float | None = None,
+) -> Trajectory:
+    """One chain with waves (peak velocity, arrival at bead 1) that pass as if each were alone."""
+    exact = solitary_wave()
+    last = max(arrival + (beads + 6) / float(exact.speed_at(v)) for v, arrival in waves) if waves else 50.0
+    what = problem(1, 0.0, beads, duration or last, every, recorded, [Kick(velocity=1.0)])
+    time = np.arange(what.frames + 1) * what.every
+    x, v = np.zeros((2, len(time), 1, beads))
+    for peak, arrival in waves:
+        xi = np.arange(beads) - exact.speed_at(peak) * (time[:, np.newaxis] - arrival)
+        v[:, 0] += peak * exact.velocity(xi)
+        x[:, 0] += peak**0.8 * exact.displacement(xi)
+    rng = np.random.default_rng(7)
+    x, v = x + noise * rng.standard_normal(x.shape), v + noise * rng.standard_normal(v.shape)
+    if direction < 0:
+        x, v = -x[..., ::-1], -v[..., ::-1]
+    columns = what.recorded_beads - 1
+    return Trajectory(what, time, x[..., columns], v[..., columns])
+
+
+def arrivals(peak: float, arrival: float, beads: np.ndarray[Any, Any], last: int | None = None) -> Any:
+    """When an exact wave passes beads; with ``last`` those of a wave that comes from that end."""
+    way = beads - 1 if last is None else last - beads
+    return arrival + way / float(solitary_wave().speed_at(peak))

@@ -1,0 +1,101 @@
+"""Run directories as they come back from a cluster, right and wrong in known ways."""
+
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from stock_lammps import WHEEL
+
+from analysis.binary_dump import Writer
+from analysis.motion import acceleration
+from analysis.trajectory import Trajectory
+from lammps_inputs import Scene, deck
+from workflow.run_directory import RunDirectory
+
+Floats = NDArray[np.float64]
+States = tuple[Floats, Floats]
+
+
+def deck_run(scene: Scene, path: Path, edit: Callable[[Path], None] | None = None, *options: str) -> RunDirectory:
+    """The deck of a scene in a new directory, edited, and run by plain ``lmp``; no ``run.json``."""
+    path.mkdir()
+    deck.write(scene, path)
+    if edit is not None:
+        edit(path)
+    command = [str(WHEEL), "-in", deck.DECK, "-log", deck.LOG, "-screen", "none", *options]
+    subprocess.run(command, cwd=path, check=True, timeout=60)
+    return RunDirectory(path)
+
+
+def replaced(name: str, old: str, new: str) -> Callable[[Path], None]:
+    """An edit of one of the deck's files."""
+
+    def edit(path: Path) -> None:
+        text = (path / name).read_text()
+        assert text.count(old) == 1
+        (path / name).write_text(text.replace(old, new))
+
+    return edit
+
+
+def without_spring(row: int) -> Callable[[Path], None]:
+    """An edit that takes the spring of a row of two chains away."""
+
+    def edit(path: Path) -> None:
+        text = (path / deck.DATA).read_text()
+        beads = int(text.split(" bonds")[0].split()[-1])
+        bond = f"\n{row} 1 {row} {row + beads}\n"
+        assert text.count(bond) == 1
+        (path / deck.DATA).write_text(text.replace(f"{beads} bonds", f"{beads - 1} bonds").replace(bond, "\n"))
+
+    return edit
+
+
+def rewritten(good: RunDirectory, path: Path, change: Callable[[Trajectory], States]) -> RunDirectory:
+    """A copy of a run whose displacements and velocities were changed on their way into the dump."""
+    path.mkdir()
+    deck.write(good.scene, path)
+    problem = good.problem
+    with Writer(path / deck.DUMP, problem) as writer:
+        for frame, (displacement, velocity) in enumerate(zip(*change(good.trajectory), strict=True)):
+            writer.append(frame * problem.steps_per_frame, displacement, velocity)
+    return RunDirectory(path)
+
+
+def six_digits(values: Floats) -> Floats:
+    """What is left of numbers that were printed with ``%g``."""
+    return np.asarray(np.vectorize(lambda value: float(f"{value:g}"))(values))
+
+
+def rest(run: Trajectory) -> Floats:
+    """Rest positions of the recorded beads."""
+    return run.beads * run.problem.spacing
+
+
+def in_single_precision(run: Trajectory) -> States:
+    """Positions in float32."""
+    return (run.displacement + rest(run)).astype(np.float32) - rest(run), run.velocity
+
+
+def printed_with_g(run: Trajectory) -> States:
+    """Positions and velocities with ``%g``, as LAMMPS's text dumps have them by default."""
+    return six_digits(run.displacement + rest(run)) - rest(run), six_digits(run.velocity)
+
+
+def at_half_steps(run: Trajectory) -> States:
+    """Velocities half a time step before the positions, as of a leapfrog."""
+    return run.displacement, run.velocity - 0.5 * run.problem.timestep * acceleration(run.problem, run.displacement)
+
+
+def a_frame_early(run: Trajectory) -> States:
+    """Every frame shows the next one's state; the last twice."""
+    following = np.minimum(np.arange(run.frames) + 1, run.frames - 1)
+    return run.displacement[following], run.velocity[following]
+
+
+CUBIC = replaced(deck.DECK, "(v_kappa/2:%.17g) 0", "(v_kappa/2:%.17g) 8")
+"""A bond at rest at the lateral distance of the chains is cubic along them."""
+
+ONE_PERCENT_MORE = replaced(deck.DECK, "kappa index 0.1\n", "kappa index 0.101\n")

@@ -1,0 +1,207 @@
+"""The reference against what is independent of it, and its certificates against the errors that they are to bound.
+
+Orders, symmetries and scaling of the schemes are in ``test_engine.py``.
+"""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from small_problems import problem
+
+from analysis.comparison import Comparison
+from analysis.motion import acceleration
+from analysis.pairing import paired
+from analysis.trajectory import joined
+from lammps_inputs import find
+from workflow.engines.reference import engine
+from workflow.engines.reference.blanes_moan import BLANES_MOAN
+from workflow.engines.reference.certify import SAFETY, Certifier, certified
+from workflow.engines.reference.verlet import VERLET
+from workflow.errors import RunError
+from workflow.run_directory import RunDirectory
+
+PAPER = find("two-chains").problem()
+
+extended = pytest.mark.skipif(np.finfo(np.longdouble).eps > 1e-18, reason="longdouble is no longer than float64 here")
+
+
+@pytest.fixture(scope="module")
+def to_1e_9():
+    """Two chains of 120 beads to t = 192, kappa = 0.1, certified to 1e-9: trajectory and certificate."""
+    certifier = certified(PAPER, 1e-9)
+    return engine.run(PAPER, steps_per_frame=certifier.steps_per_frame), certifier.certificate
+
+
+# --- against the independent -------------------------------------------------------------------------------------------
+
+
+def test_two_chains_are_certified_to_1e_9(to_1e_9):
+    _, certificate = to_1e_9
+    assert certificate.velocity <= 1e-9
+    assert certificate.arrival <= 1e-8
+    assert certificate.energy <= 1e-9
+    assert certificate.momentum <= 1e-12
+
+
+def test_two_chains_certified_to_1e_9_are_found_so_by_velocity_verlet_at_very_fine_steps(to_1e_9):
+    reference, certificate = to_1e_9
+    coarse, fine = (engine.run(PAPER, scheme=VERLET, steps_per_frame=steps).velocity for steps in (1500, 3000))
+    # Verlet's error falls as h^2, but for terms of h^2.5: what is left of the finer run's, 2e-9, after extrapolation
+    left = 0.25 * np.max(np.abs(fine - coarse)) / 3.0
+    assert left < 1e-9
+    assert np.max(np.abs(reference.velocity - (4.0 * fine - coarse) / 3.0)) <= certificate.velocity + left
+
+
+def test_a_small_case_is_that_of_dop853(small):
+    reference, certificate = small
+    count = reference.velocity[0].size
+
+    def rates(_, state):
+        x = state[:count].reshape(reference.velocity[0].shape)
+        return np.concatenate([state[count:], acceleration(reference.problem, x).ravel()])
+
+    start = np.concatenate([np.zeros(count), reference.problem.initial_velocity().ravel()])
+    end = reference.time[-1]
+    found = solve_ivp(rates, (0.0, end), start, "DOP853", reference.time, rtol=1e-13, atol=1e-15, max_step=0.01)
+    velocity = found.y[count:].T.reshape(reference.velocity.shape)
+    # its dense output is of order 7 within steps of at most 0.01, and of order 2.5 where contacts open
+    assert np.max(np.abs(velocity[-1] - reference.velocity[-1])) <= certificate.velocity + 1e-11
+
+
+@pytest.fixture(scope="module")
+def small():
+    """Two chains of five beads to t = 10, certified to 1e-10."""
+    certifier = certified(problem(beads=5), 1e-10)
+    return joined(certifier.blocks()), certifier.certificate
+
+
+@extended
+def test_a_small_case_is_that_of_another_scheme_in_extended_precision(small):
+    reference, certificate = small
+    # Suzuki's fourth order composition of Verlet steps (Phys. Lett. A 146 (1990) 319)
+    weight = 1.0 / (np.longdouble(4.0) - np.longdouble(4.0) ** (np.longdouble(1.0) / 3.0))
+    parts = [weight, weight, 1.0 - 4.0 * weight, weight, weight]
+    ends = []
+    for steps in (8000, 16000):
+        x = np.zeros(reference.velocity[0].shape, np.longdouble)
+        v = reference.problem.initial_velocity().astype(np.longdouble)
+        h = np.longdouble(10.0) / steps
+        a = acceleration(reference.problem, x)
+        for _ in range(steps):
+            for part in parts:
+                v += 0.5 * part * h * a
+                x += part * h * v
+                a = acceleration(reference.problem, x)
+                v += 0.5 * part * h * a
+        ends.append(v)
+    left = float(np.max(np.abs(ends[1] - ends[0])))  # more than the error of the finer run
+    assert left < 1e-9
+    assert np.max(np.abs(ends[1] - reference.velocity[-1])) <= certificate.velocity + left
+
+
+@extended
+def test_the_compiled_loop_loses_rounding_only():
+    small = problem(beads=5, chains=3, gap=0.3, frames=50)
+    compiled = engine.run(small, steps_per_frame=4)
+    x = np.zeros((3, 5), np.longdouble)
+    v = small.initial_velocity().astype(np.longdouble)
+    h = np.longdouble(small.every / 4)
+    for _ in range(50 * 4):
+        for kick, drift in zip(BLANES_MOAN.kicks, (*BLANES_MOAN.drifts, 0.0), strict=True):
+            v += kick * h * acceleration(small, x)
+            x += drift * h * v
+    # 200 steps of 6 stages, each rounding numbers below 8 a few times; what was lost grows at most with the time, 5
+    assert np.max(np.abs(v - compiled.velocity[-1])) < 1200 * 5.0 * 4.0 * np.finfo(float).eps
+    assert np.max(np.abs(x - compiled.displacement[-1])) < 1200 * 5.0 * 4.0 * 8.0 * np.finfo(float).eps
+
+
+def test_lammps_at_the_default_step_is_within_1_5e_5_at_the_end(to_1e_9, paper):
+    reference, certificate = to_1e_9
+    last = RunDirectory(paper("two-chains")).trajectory[-1:]
+    assert last.time[0] == pytest.approx(192.0)
+    error = np.max(np.abs(last.velocity - reference.velocity[-1:]))
+    assert 1.4e-5 < error <= 1.5e-5 + certificate.velocity  # 0.149 h^2 (PHYSICS.md, section 9)
+
+
+# --- certificates ------------------------------------------------------------------------------------------------------
+
+SCENES = [
+    problem(beads=30, frames=round(40.0 / every), chains=chains, kappa=kappa, gap=gap, timestep=every / 10.0, kicks=kicks)
+    for every in (0.1, 0.4, 2.0)
+    for chains, kappa in ((1, 0.0), (2, 0.01), (2, 0.1), (3, 0.5), (4, 10.0))
+    for gap in (0.0, 0.5, 2.874)
+    for kicks in (((1, 1, 1.0),), ((1, 15, -1.0), (1, 4, 0.3)))
+]
+
+
+@pytest.fixture(scope="module")
+def measured():
+    """Of each of `SCENES`: certificate, and deviations from a run with 16 times as many steps."""
+    results = []
+    for scene in SCENES:
+        certifier = Certifier(scene)
+        comparison = Comparison(dict.fromkeys(("velocity", "displacement", "amplitude", "arrival"), math.inf))
+        for block, finer in paired(
+            certifier.blocks(), engine.blocks(scene, steps_per_frame=16 * certifier.steps_per_frame)
+        ):
+            comparison.add(block, finer)
+        results.append((certifier.certificate, comparison.deviations()))
+    return results
+
+
+@pytest.mark.parametrize("quantity", ["velocity", "arrival"])
+def test_the_certificate_bounds_the_error_in_every_scene(quantity, measured):
+    for scene, (certificate, deviations) in zip(SCENES, measured, strict=True):
+        assert deviations[quantity].largest <= getattr(certificate, quantity), scene
+
+
+def test_the_certificate_is_no_wilder_than_it_must_be(measured):
+    # twice the step makes an error of order 2.5 to 4 larger by 5.7 to 16, less the error itself
+    shares = [deviations["velocity"].largest / certificate.velocity for certificate, deviations in measured]
+    assert 1.0 / (SAFETY * 15.0) / 2.0 < np.median(shares) < 1.0 / SAFETY
+
+
+@pytest.mark.parametrize("with_order", [False, True])
+@pytest.mark.parametrize("steps", range(1, 10))
+def test_steps_are_rounded_up_to_what_can_be_halved(steps, with_order):
+    certifier = Certifier(problem(frames=2), steps_per_frame=steps, with_order=with_order)
+    assert certifier.steps_per_frame % (4 if with_order else 2) == 0
+    assert 0 <= certifier.steps_per_frame - steps < (4 if with_order else 2)
+    joined(certifier.blocks())
+    assert (certifier.certificate.order is not None) == with_order
+
+
+def test_the_order_is_that_of_the_differences_of_three_runs():
+    certifier = Certifier(problem(), steps_per_frame=8, with_order=True)
+    joined(certifier.blocks())
+    fine, middle, coarse = (engine.run(problem(), steps_per_frame=steps).velocity for steps in (8, 4, 2))
+    differences = np.max(np.abs(coarse - middle)), np.max(np.abs(middle - fine))
+    assert certifier.certificate.order == pytest.approx(np.log2(differences[0] / differences[1]), rel=1e-12)
+    assert certifier.certificate.velocity == pytest.approx(SAFETY * differences[1], rel=1e-12)
+
+
+def test_the_blocks_are_those_of_the_finer_run():
+    certifier = Certifier(problem(), steps_per_frame=6)
+    np.testing.assert_array_equal(joined(certifier.blocks()).velocity, engine.run(problem(), steps_per_frame=6).velocity)
+
+
+def test_a_second_pass_certifies_the_same():
+    certifier = Certifier(problem())
+    joined(certifier.blocks())
+    once = certifier.certificate
+    joined(certifier.blocks())
+    assert certifier.certificate == once
+
+
+def test_beads_that_fly_freely_have_no_error():
+    certifier = Certifier(problem(chains=1, beads=3, kappa=0.0, gap=50.0))
+    joined(certifier.blocks())
+    assert certifier.certificate.velocity < 1e-15
+
+
+def test_what_rounding_forbids_is_not_certified():
+    with pytest.raises(RunError, match=r"does not reach an error of 1\.0e-20"):
+        certified(replace(problem(beads=4), frames=5), 1e-20)

@@ -1,0 +1,19 @@
+from workflow import bench_collisions
+
+
+def test_a_crowd_has_more_collisions_than_are_timed():
+    for rows in (100, 1_000):
+        problem = bench_collisions.crowd(rows, seed=1)
+        found = bench_collisions.collisions.run(problem, max_events=bench_collisions.PER_ROW * rows)
+        assert len(found) == bench_collisions.PER_ROW * rows
+
+
+def test_the_ratios_say_what_was_measured(monkeypatch):
+    monkeypatch.setattr(bench_collisions, "EVENTS", 3_000)
+    monkeypatch.setattr(bench_collisions, "ROWS", (100, 1_000))
+    rate, growth = bench_collisions.collision_ratios()
+    assert rate.value > 0.0
+    assert rate.reached == (rate.value >= 300_000)
+    assert growth.value >= 1.0
+    assert growth.reached == (growth.value <= 1.3)
+    assert "1,000 rows" in growth.name

@@ -1,0 +1,364 @@
+"""The command line: what is wrong is one line on standard error, exit code 2, and nothing written."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from bad_scenes import BAD_SCENES, scene_text
+from stock_lammps import scene
+
+from lammps_inputs import library, strict_yaml
+from workflow.cli import COMMANDS, main
+from workflow.ending import with_duration
+from workflow.engines.lammps import mpi
+from workflow.run import run
+
+GRANCHAIN = str(Path(sys.executable).with_name("granchain"))
+
+
+def refusal(arguments, capsys):
+    """The one line that a command ends with, without the name in front."""
+    assert main([str(word) for word in arguments]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("granchain: ")
+    assert err.endswith("\n")
+    assert len(err.splitlines()) == 1
+    assert err[:-1].isprintable()
+    return err.removeprefix("granchain: ").rstrip("\n")
+
+
+def tree(directory):
+    """Everything below a directory with its contents, so that nothing can be written unseen."""
+    return {
+        path.relative_to(directory): path.read_bytes() if path.is_file() and not path.is_symlink() else None
+        for path in directory.rglob("*")
+        if not path.is_symlink()
+    }
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    """A finished run of two short chains."""
+    path = tmp_path_factory.mktemp("finished") / "run"
+    run(scene(chains=2, beads=12, kappa=0.1, duration=10.0), path, check=False)
+    return path
+
+
+@pytest.fixture
+def a_run(finished, tmp_path):
+    """A copy of it that may be spoiled."""
+    return shutil.copytree(finished, tmp_path / "run")
+
+
+@pytest.fixture
+def ordinary_user():
+    """An effective user for whom permissions count (they do not for root)."""
+    if os.geteuid() != 0:
+        yield
+        return
+    os.seteuid(65534)
+    try:
+        yield
+    finally:
+        os.seteuid(0)
+
+
+# --- scenes -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("command", ["run", "deck", "show"])
+@pytest.mark.parametrize("case", BAD_SCENES, ids=lambda case: case.kind)
+def test_a_bad_scene_is_one_line_and_nothing_is_written(case, command, tmp_path, capsys):
+    if not case.possible:
+        pytest.skip("not possible for this user or on this system (root reads every file)")
+    path = case.place(tmp_path)
+    before = tree(tmp_path)
+    output = [] if command == "show" else ["-o", tmp_path / "out"]
+    message = refusal([command, path, *output], capsys)
+    assert message.startswith(f"{path}: {case.key}")
+    assert case.says in message
+    assert tree(tmp_path) == before
+
+
+def test_a_scene_without_permission_is_one_line(tmp_path, ordinary_user, capsys):
+    # pytest's directories are their owner's alone
+    assert refusal(["show", tmp_path / "scene.yaml"], capsys) == f"{tmp_path}/scene.yaml: cannot be read (Permission denied)"
+
+
+@pytest.mark.parametrize("name", ["two-chain", "", "../..", "nowhere/two-chains.yaml", "a\nb", "$(ls)", "--", "\x1b[31m"])
+def test_a_scene_that_is_not_there_is_one_line(name, tmp_path, capsys):
+    refusal(["run", "-o", tmp_path / "out", "--", name], capsys)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_pulse_that_does_not_arrive_is_one_line_and_nothing_is_written(tmp_path, capsys):
+    bad = tmp_path / "bad.yaml"
+    bad.write_text(scene_text(duration=None, until_bead="10", kick="{bead: 1, velocity: -1.0}"))
+    assert refusal(["run", bad, "-o", tmp_path / "out"], capsys).startswith("until_bead: bead 10 is not passed")
+    assert not (tmp_path / "out").exists()
+
+
+# --- options ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        ([], "COMMAND; `granchain --help` tells more"),
+        (["simulate"], "invalid choice: 'simulate'"),
+        (["run"], "the following arguments are required: SCENE, -o"),
+        (["run", "two-chains"], "required: -o/--output; `granchain run --help` tells more"),
+        (["run", "two-chains", "-o"], "expected one argument"),
+        (["run", "two-chains", "-o", "out", "--rank", "two"], "invalid int value: 'two'"),
+        (["run", "two-chains", "-o", "out", "--fast"], "unrecognized arguments: --fast"),
+        (["run", "two-chains", "three-chains", "-o", "out"], "unrecognized arguments: three-chains"),
+        (["show", "two-chains", "\x1b[31m\n"], r"unrecognized arguments: \x1b[31m"),
+        (["run", "two-chains", "-o", "out", "--ranks", "0"], "--ranks: 0 given; at least 1"),
+        (["run", "two-chains", "-o", "out", "--ranks", "-1"], "--ranks: -1 given; at least 1"),
+        (["run", "two-chains", "-o", "out", "--ranks", str(mpi.cores() + 1)], "cores are available"),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, list) else "",
+)
+def test_a_command_line_that_makes_no_sense_is_one_line(arguments, says, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert says in refusal(arguments, capsys)
+    assert tree(tmp_path) == {}
+
+
+def test_more_ranks_than_rows_are_refused(tmp_path, capsys):
+    if mpi.cores() < 3:
+        pytest.skip("two rows and three ranks need three cores")
+    short = tmp_path / "short.yaml"
+    short.write_text(scene_text(beads="2"))
+    assert "ranks divide the 2 rows" in refusal(["run", short, "-o", tmp_path / "out", "--ranks", 3], capsys)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_explains_itself(command, capsys):
+    with pytest.raises(SystemExit) as left:
+        main([command, "--help"])
+    assert left.value.code == 0
+    assert f"usage: granchain {command}" in capsys.readouterr().out
+
+
+# --- where to write ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("command", ["run", "deck"])
+def test_an_output_that_is_a_file_is_refused(command, tmp_path, capsys):
+    (tmp_path / "out").write_text("mine")
+    assert "is a file, not a directory" in refusal([command, "two-chains", "-o", tmp_path / "out"], capsys)
+    assert (tmp_path / "out").read_text() == "mine"
+
+
+@pytest.mark.parametrize("command", ["run", "deck"])
+def test_an_output_below_a_file_is_refused(command, tmp_path, capsys):
+    (tmp_path / "file").write_text("mine")
+    assert "Not a directory" in refusal([command, "two-chains", "-o", tmp_path / "file" / "out"], capsys)
+
+
+@pytest.mark.parametrize("command", ["run", "deck"])
+def test_an_output_without_permission_is_refused(command, tmp_path, ordinary_user, capsys):
+    locked = tmp_path / "locked"
+    if os.getuid() != 0:
+        locked.mkdir(mode=0)
+    message = refusal([command, "two-chains", "-o", locked / "out"], capsys)
+    assert message == f"{locked}/out: cannot be written to (Permission denied)"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="Linux has a file system that takes no directories")
+def test_an_output_on_a_file_system_that_takes_none_is_refused(capsys):
+    assert "cannot be written to" in refusal(["run", "two-chains", "-o", "/proc/granchain"], capsys)
+
+
+def test_an_output_name_that_is_too_long_is_refused(tmp_path, capsys):
+    assert "File name too long" in refusal(["run", "two-chains", "-o", tmp_path / ("x" * 300)], capsys)
+
+
+@pytest.mark.parametrize("options", [[], ["--overwrite"]])
+@pytest.mark.parametrize("command", ["run", "deck"])
+def test_a_directory_that_holds_something_else_is_left_alone(command, options, tmp_path, capsys):
+    (tmp_path / "thesis.tex").write_text("mine")
+    refusal([command, "two-chains", "-o", tmp_path, *options], capsys)
+    assert tree(tmp_path) == {Path("thesis.tex"): b"mine"}
+
+
+@pytest.mark.parametrize("command", ["run", "deck"])
+def test_a_run_is_left_alone(command, a_run, capsys):
+    before = tree(a_run)
+    assert "give --overwrite" in refusal([command, "two-chains", "-o", a_run], capsys)
+    assert tree(a_run) == before
+
+
+def test_a_run_that_fails_is_one_line_and_exit_code_1(tmp_path, capsys):
+    bad = tmp_path / "unstable.yaml"
+    bad.write_text(scene_text(timestep="2.5", duration="5000", output="{every: 2.5}"))
+    assert main(["run", str(bad), "-o", str(tmp_path / "out")]) == 1
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("granchain: by step 200, ")
+    assert err.count("\n") == 1
+    assert json.loads((tmp_path / "out" / "run.json").read_text())["outcome"] == "failed"
+
+
+# --- what to analyse --------------------------------------------------------------------------------------------------
+
+
+def spoiled(name, content):
+    """A function that replaces a file of a run; None removes it."""
+
+    def spoil(directory):
+        path = directory / name
+        path.unlink()
+        if content is not None:
+            path.write_bytes(content)
+
+    return spoil
+
+
+def _as_directory(directory):
+    (directory / "chains.dump.bin").unlink()
+    (directory / "chains.dump.bin").mkdir()
+
+
+def _half_a_frame(directory):
+    os.truncate(directory / "chains.dump.bin", 200)
+
+
+SPOILED = {
+    "no dump": (spoiled("chains.dump.bin", None), "holds no chains.dump.bin; run the deck first"),
+    "dump is a directory": (_as_directory, "holds no chains.dump.bin"),
+    "empty dump": (spoiled("chains.dump.bin", b""), "chains.dump.bin: is an empty file"),
+    "alien dump": (spoiled("chains.dump.bin", bytes(range(256)) * 40), "chains.dump.bin: is not a LAMMPS binary dump"),
+    "text dump": (spoiled("chains.dump.bin", b"ITEM: TIMESTEP\n0\n"), "it is a text dump"),
+    "half a frame": (_half_a_frame, "chains.dump.bin: ends within its first frame"),
+    "no scene": (spoiled("scene.yaml", None), "not a run directory (it has no scene.yaml)"),
+    "empty scene": (spoiled("scene.yaml", b""), "scene.yaml: is empty"),
+    "binary scene": (spoiled("scene.yaml", b"\xff\xfe"), "scene.yaml: is not a text file"),
+    "scene of another array": (spoiled("scene.yaml", scene_text(beads="7").encode()), "are not the 7 of test"),
+    "scene without an end": (spoiled("scene.yaml", scene_text(duration=None, until_bead="3").encode()), "ends at a bead"),
+}
+
+
+@pytest.mark.parametrize("kind", SPOILED)
+def test_a_spoiled_run_is_one_line_and_nothing_is_written(kind, a_run, capsys):
+    spoil, says = SPOILED[kind]
+    spoil(a_run)
+    before = tree(a_run)
+    message = refusal(["analyze", a_run], capsys)
+    assert message.startswith(str(a_run))
+    assert message.count(str(a_run)) == 1
+    assert says in message
+    assert tree(a_run) == before
+
+
+@pytest.mark.parametrize(
+    ("place", "says"),
+    [
+        ("nowhere", "no such directory"),
+        ("", "not a run directory (it has no scene.yaml)"),
+        ("run/scene.yaml", "no such directory"),
+        ("x" * 300, "File name too long"),
+    ],
+)
+def test_what_is_no_run_is_not_analysed(place, says, a_run, tmp_path, capsys):
+    assert says in refusal(["analyze", tmp_path / place], capsys)
+
+
+def test_a_run_without_permission_is_one_line(tmp_path, ordinary_user, capsys):
+    assert refusal(["analyze", tmp_path / "run"], capsys) == f"{tmp_path}/run: cannot be read (Permission denied)"
+
+
+@pytest.mark.parametrize("beads", ["", "x", "1.5", "1,,2", "1;2", "0", "-1", "13", "9" * 40, "all", "1\n2"])
+def test_beads_that_make_no_sense_are_one_line(beads, finished, capsys):
+    assert refusal(["analyze", finished, f"--beads={beads}"], capsys).startswith("--beads: ")
+
+
+def test_a_bead_that_was_not_recorded_is_not_drawn(tmp_path, capsys):
+    run(scene(beads=12, recorded=(2, 9), duration=1.0), tmp_path / "run", check=False)
+    assert refusal(["analyze", tmp_path / "run", "--beads", "5"], capsys).startswith("--beads: bead 5")
+
+
+@pytest.mark.parametrize("record", [None, b"", b"{", b"[]", b"\xff"])
+def test_a_run_is_analysed_whatever_run_json_holds(record, a_run, capsys):
+    spoiled("run.json", record)(a_run)
+    assert main(["analyze", str(a_run), "--no-figures"]) == 0
+    assert capsys.readouterr().err == ""
+    assert (a_run / "waves.csv").exists()
+
+
+# --- scenes and show --------------------------------------------------------------------------------------------------
+
+
+def test_scenes_lists_a_line_for_each_installed_scene(capsys):
+    assert main(["scenes"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines] == list(library.installed())
+    assert all(len(line.split()) > 3 for line in lines)
+
+
+TEXTS = {
+    **{name: path.read_text(encoding="utf-8") for name, path in library.installed().items()},
+    "least": scene_text(),
+    "until a bead": scene_text(duration=None, until_bead="7"),
+    "several kicks": scene_text(kick="[{bead: 1, velocity: 1.0}, {bead: 9, velocity: -0.3}]"),
+    "beads": scene_text(output="{every: 0.3, beads: [9, 2, 5]}"),
+    "fast": scene_text(kick="{velocity: 1e12}", duration="0.01"),
+    "gap": scene_text(gap="0.1", chains="2", coupling="{stiffness: 0.123456789012345678}"),
+    "text like a number": scene_text(name="'1e5'", description="'yes: no # null'"),
+}
+
+
+def shown(text, directory, capsys):
+    path = directory / "scene.yaml"
+    path.write_text(text, encoding="utf-8")
+    assert main(["show", str(path)]) == 0
+    return capsys.readouterr().out
+
+
+@pytest.mark.parametrize("kind", TEXTS)
+def test_what_show_prints_is_a_scene_of_the_same_problem(kind, tmp_path, capsys):
+    text = TEXTS[kind]
+    printed = shown(text, tmp_path, capsys)
+    one, other = (library.from_plain(strict_yaml.parse(each, "here"), "here") for each in (text, printed))
+    assert with_duration(one).problem() == other.problem()
+    assert other.resolved() == other
+
+
+@pytest.mark.parametrize("kind", TEXTS)
+def test_what_show_prints_it_prints_again(kind, tmp_path, capsys):
+    printed = shown(TEXTS[kind], tmp_path, capsys)
+    assert shown(printed, tmp_path, capsys) == printed
+
+
+def test_show_fills_in_every_default(tmp_path, capsys):
+    data = strict_yaml.parse(shown(scene_text(), tmp_path, capsys), "here")
+    assert data["chains"] == 1
+    assert data["kick"] == {"chain": 1, "bead": 1, "velocity": 1.0}
+    assert data["timestep"] == 0.01
+    assert data["output"] == {"every": 0.1, "beads": "all"}
+
+
+# --- pipes ------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("arguments", [["show", "two-chains"], ["scenes"], ["--help"], ["show", "nothing"]])
+def test_a_reader_that_has_gone_away_leaves_no_traceback(arguments):
+    reading, writing = os.pipe()
+    os.close(reading)
+    done = subprocess.run([GRANCHAIN, *arguments], stdout=writing, stderr=subprocess.PIPE, text=True, timeout=60)
+    os.close(writing)
+    assert done.stderr.count("\n") <= 1
+    assert "Traceback" not in done.stderr
+    assert "Broken" not in done.stderr
+
+
+def test_deck_writes_the_three_files_and_says_what_to_do(tmp_path, capsys):
+    assert main(["deck", "two-chains", "-o", str(tmp_path / "deck")]) == 0
+    assert {path.name for path in (tmp_path / "deck").iterdir()} == {"scene.yaml", "in.chains", "data.chains"}
+    assert "lmp -in in.chains" in capsys.readouterr().out
