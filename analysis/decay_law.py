@@ -1,7 +1,7 @@
 """The decay of a pulse in a weakly coupled chain, before its neighbours have taken their share.
 
-Each row that the pulse leaves behind keeps ``kappa / 2 * shift**2`` in every spring of the chain; the exact wave has the
-shift ``1.840249 v**0.8`` and the energy ``1.069323 v**2``. Equating the loss per bead gives::
+Each row that the pulse leaves behind keeps ``kappa / 2 * shift**2`` in every spring of the chain; the exact wave has
+the shift ``1.840249 v**0.8`` and the energy ``1.069323 v**2``. Equating the loss per bead gives::
 
     v(n) = v0 * (1 - n / n*)**2.5        n* = 10 * energy / (shift**2 * kappa * springs) * v0**0.4
 

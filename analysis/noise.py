@@ -77,7 +77,7 @@ def _filtered(frames: Trajectory, window: int) -> Trajectory:
 
 
 def _smooth(values: Floats, window: int) -> Floats:
-    """Fitted values [frame, ...]; half a window at either end from a straight line, as other curves are noisier there."""
+    """Fitted values [frame, ...]; half a window at either end from a straight line, the least noisy there."""
     half = window // 2
     result: Floats = savgol_filter(values, window, DEGREE, axis=0)
     base = np.stack([np.ones(window), np.arange(window) - half], axis=1)

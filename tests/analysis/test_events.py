@@ -41,7 +41,8 @@ def test_the_impulse_is_what_is_handed_on():
 
 
 @pytest.mark.parametrize(
-    ("text", "says"), [("a,b\n1,2\n", "its columns should be time"), ("time,chain,row,striker,target\n1,x\n", "not a table")]
+    ("text", "says"),
+    [("a,b\n1,2\n", "its columns should be time"), ("time,chain,row,striker,target\n1,x\n", "not a table")],
 )
 def test_another_table_is_refused(text, says, tmp_path):
     path = tmp_path / "events.csv"

@@ -24,7 +24,9 @@ TWICE = ((1, 1, 1.0), (1, 2, 0.2))
 """Bead 1 hands 0.8 on to bead 2, which loses all to bead 3, and later the 0.2 that it was left with."""
 
 
-def make_problem(chains=1, beads=2, kicks=((1, 1, 1.0),), kappa=0.0, gap=1.0, duration=10.0, every=EVERY, recorded=None):
+def make_problem(
+    chains=1, beads=2, kicks=((1, 1, 1.0),), kappa=0.0, gap=1.0, duration=10.0, every=EVERY, recorded=None
+):
     frames = math.ceil(duration / every - 1e-9)
     return Problem("t", chains, beads, kicks, kappa, gap, every, 1, frames, recorded, Scale(1.0, 1.0, 1.0, si=False))
 

@@ -54,7 +54,9 @@ def test_beads_of_a_refused_scene_never_meet():
     refused = 0
     for _ in range(400):
         chains, kappa, gap = int(random.integers(1, 5)), random.choice([0.0, 0.1, 1.0]), random.choice([1e-3, 0.5, 3.0])
-        kicks = {(int(random.integers(1, chains + 1)), bead): (bead - 2 or 1) * random.uniform(0.2, 1.0) for bead in (1, 3)}
+        kicks = {
+            (int(random.integers(1, chains + 1)), bead): (bead - 2 or 1) * random.uniform(0.2, 1.0) for bead in (1, 3)
+        }
         kicks[int(random.integers(1, chains + 1)), 2] = random.uniform(-0.3, 0.3)
         fastest = max(map(abs, kicks.values()))
         listed = tuple((chain, bead, float(velocity / fastest)) for (chain, bead), velocity in kicks.items())

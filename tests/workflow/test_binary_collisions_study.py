@@ -61,17 +61,19 @@ def test_rigid_chains_agree_at_one_row_by_chance_only(scanned):
     assert np.mean(by_row) < 0.02 * len(scanned.theta)
 
 
-def test_a_theta_where_row_25_agrees_does_not_keep_it():
-    one = study.scan([1.376])
-    assert one.first[0, :, 23] == pytest.approx([0.28982, 0.28922], abs=5e-6)
-    assert one.difference()[0, 23] < study.AGREE
-    assert one.difference()[0, 24] > 0.1
+def test_rigid_chains_that_come_to_agree_drift_apart_again():
+    """The best theta found: a dozen rows within 1%, apart by more than the mean ten rows later."""
+    one = study.scan([1.376], 42)
+    assert one.first[0, :, one.bead == 25][0] == pytest.approx([0.28982, 0.28922], abs=5e-6)
+    assert one.keeping(18, 29) == [1.376]
+    assert len(one.keeping(20, 30)) == 0
+    assert one.difference()[0, one.bead == 41] > 1.0
 
 
 def test_late_rigid_rows_belong_to_the_arithmetic():
     theta = np.linspace(0.05, 7.95, 80)
     assert np.mean(study.sensitivity(theta) > 0.01) > 0.5
-    assert np.mean(study.sensitivity(theta, bead=4) > 0.01) < 0.1
+    assert np.mean(study.sensitivity(theta, bead=3) > 0.01) < 0.1
 
 
 @pytest.mark.parametrize(("kappa", "equal_from", "last"), [(1.0, 12, 60), (0.1, 63, 110)])

@@ -27,7 +27,12 @@ def directory(tmp_path_factory):
 
 
 def test_a_run_leaves_its_scene_frames_collisions_and_record(directory):
-    assert {path.name for path in directory.path.iterdir()} == {"scene.yaml", "chains.dump.bin", "events.csv", "run.json"}
+    assert {path.name for path in directory.path.iterdir()} == {
+        "scene.yaml",
+        "chains.dump.bin",
+        "events.csv",
+        "run.json",
+    }
     record = directory.record
     assert (record["engine"], record["outcome"]) == ("collisions", "done")
     assert record["steps_done"] == record["steps"]
@@ -35,7 +40,10 @@ def test_a_run_leaves_its_scene_frames_collisions_and_record(directory):
 
 
 def test_the_collisions_of_a_run_are_those_of_the_engine(directory):
-    table, exact = events.from_csv(directory.path / "events.csv", directory.problem.scale), collisions.run(directory.problem)
+    table, exact = (
+        events.from_csv(directory.path / "events.csv", directory.problem.scale),
+        collisions.run(directory.problem),
+    )
     assert directory.record["collisions"] == len(table) == len(exact) > 20
     for name in events.COLUMNS:
         np.testing.assert_array_equal(getattr(table, name), getattr(exact, name))  # all scales are 1 here

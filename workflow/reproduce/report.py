@@ -3,13 +3,13 @@
 from pathlib import Path
 
 from lammps_inputs import InputError
-from workflow.reproduce import page, section2
+from workflow.reproduce import page, section2, section3
 from workflow.reproduce.runs import Say
 from workflow.run_directory import write_bytes, write_text
 
 PAGE = "index.html"
 
-SECTIONS = (section2.build,)
+SECTIONS = (section2.build, section3.build)
 
 
 def reproduce(directory: Path, say: Say) -> Path:

@@ -1,0 +1,68 @@
+"""Polynomials through values and derivatives: exact for polynomials, of the expected order for anything else."""
+
+import numpy as np
+import pytest
+
+from analysis import hermite
+
+CASES = [((0, 1), 2), ((0, 1), 3), ((0, 1), 4), ((0, 1, 2, 3), 2), ((-1, 0, 1), 1), ((0, 1, 2), 2)]
+
+
+def sampled(function, nodes, derivatives, spacing):
+    """Value and derivatives of a polynomial at the nodes, [node, derivative]."""
+    return np.array([[function.deriv(order)(node * spacing) for order in range(derivatives)] for node in nodes])
+
+
+@pytest.mark.parametrize("spacing", [1.0, 0.1, 7.0])
+@pytest.mark.parametrize(("nodes", "derivatives"), CASES)
+def test_a_polynomial_of_the_full_degree_is_found_again(nodes, derivatives, spacing):
+    size = len(nodes) * derivatives
+    wanted = np.random.default_rng(size).uniform(-1, 1, size)
+    data = sampled(np.polynomial.Polynomial(wanted / spacing ** np.arange(size)), nodes, derivatives, spacing)
+    # the matrix of 4 nodes with 2 derivatives has the condition number 5e4
+    np.testing.assert_allclose(hermite.coefficients(nodes, data, spacing), wanted, rtol=0, atol=1e-10)
+
+
+@pytest.mark.parametrize(("nodes", "derivatives"), CASES)
+def test_values_and_derivatives_at_the_nodes_are_those_given(nodes, derivatives):
+    data = np.random.default_rng(3).uniform(-1, 1, (len(nodes), derivatives))
+    polynomial = hermite.coefficients(nodes, data, 1.0)
+    for order in range(derivatives):
+        for place, node in enumerate(nodes):
+            assert hermite.value(polynomial, np.float64(node)) == pytest.approx(data[place, order], abs=1e-9)
+        polynomial = hermite.derivative(polynomial)
+
+
+@pytest.mark.parametrize(("derivatives", "order"), [(2, 4), (3, 6)])
+def test_the_error_of_a_sine_falls_with_the_expected_order(derivatives, order):
+    spacing = np.array([0.8, 0.56, 0.4, 0.28, 0.2])
+    s = np.linspace(0, 1, 21)
+    error = []
+    for h in spacing:
+        data = np.array([[np.sin(0.3 + t + k * np.pi / 2) for k in range(derivatives)] for t in (0.0, h)])
+        polynomial = hermite.coefficients((0, 1), data[:, :, None] * np.ones(21), h)
+        error.append(np.abs(hermite.value(polynomial, s) - np.sin(0.3 + s * h)).max())
+    assert np.polyfit(np.log(spacing), np.log(error), 1)[0] == pytest.approx(order, abs=0.1)
+
+
+def test_many_series_at_once_are_each_by_itself():
+    data = np.random.default_rng(5).uniform(-1, 1, (2, 3, 4, 5))
+    together = hermite.coefficients((0, 1), data, 0.3)
+    assert together.shape == (6, 4, 5)
+    np.testing.assert_allclose(together[:, 2, 3], hermite.coefficients((0, 1), data[:, :, 2, 3], 0.3), rtol=1e-12)
+
+
+def test_the_derivative_is_that_with_respect_to_frames():
+    np.testing.assert_array_equal(hermite.derivative(np.array([5.0, 4.0, 3.0, 2.0])), [4.0, 6.0, 6.0])
+
+
+@pytest.mark.parametrize("zero", [0.0, 1e-9, 0.25, 1 / 3, 1.0])
+def test_a_falling_zero_is_found_to_rounding(zero):
+    cubic = np.array([[zero], [-1.0 + zero**2], [-zero], [0.0]])  # (zero - s)(1 + zero s), falling on [0, 1]
+    found = hermite.falling_zero(cubic, np.zeros(1), np.ones(1))
+    assert found[0] == pytest.approx(zero, abs=4 * np.finfo(float).eps)
+
+
+def test_each_series_has_its_own_zero():
+    lines = np.array([[0.2, 0.9], [-1.0, -1.0]])
+    np.testing.assert_allclose(hermite.falling_zero(lines, np.zeros(2), np.ones(2)), [0.2, 0.9], rtol=1e-14)

@@ -1,0 +1,103 @@
+"""The equation of motion on recorded states, against differences of energies and of trajectories."""
+
+import numpy as np
+import pytest
+from stock_lammps import scene
+
+from analysis import motion
+from analysis.trajectory import Trajectory
+from workflow.engines.reference.engine import run
+
+SHAPES = [(1, None, 0.0), (2, 0.1, 0.0), (3, 0.5, 0.0), (2, 0.1, 0.3)]
+
+
+def problem(chains=2, kappa=0.1, gap=0.0, **changes):
+    return scene(**{"chains": chains, "beads": 9, "kappa": kappa, "gap": gap, "duration": 6.0, **changes}).problem()
+
+
+def everywhere(trajectory):
+    """Acceleration and its rate of every bead at every frame."""
+    return motion.acceleration_and_rate(trajectory, *np.indices(trajectory.velocity.shape))
+
+
+def random_state(like, seed=1):
+    """Beads up to 0.6 apart or pressed together."""
+    rng = np.random.default_rng(seed)
+    x = rng.uniform(-0.3, 0.3, (1, like.chains, like.beads))
+    return Trajectory(like, np.zeros(1), x, rng.uniform(-1, 1, x.shape))
+
+
+def test_an_overlap_is_positive_where_beads_press_and_counts_from_the_gap():
+    np.testing.assert_allclose(motion.overlaps(np.array([[1.0, 0.25, 0.5]]), 0.25), [[0.5, -0.5]])
+
+
+@pytest.mark.parametrize(("chains", "kappa", "gap"), SHAPES)
+def test_acceleration_is_minus_the_slope_of_the_energy(chains, kappa, gap):
+    state = random_state(problem(chains, kappa, gap))
+    x, v, like = state.displacement[0], state.velocity[0], state.problem
+    acceleration = everywhere(state)[0][0]
+    h = 1e-5
+    for place in np.ndindex(x.shape):
+        shift = np.zeros_like(x)
+        shift[place] = h
+        slope = (motion.energy(like, x + shift, v) - motion.energy(like, x - shift, v)) / (2 * h)
+        # the third derivative of 2/5 r^2.5 is below r^-0.5: 3 h^1.5 at an opening contact, and rounding 10 eps / h
+        assert -slope == pytest.approx(acceleration[place], abs=3 * h**1.5 + 2e-10)
+
+
+@pytest.mark.parametrize(("chains", "kappa", "gap"), SHAPES)
+def test_power_adds_up_to_nothing(chains, kappa, gap):
+    state = random_state(problem(chains, kappa, gap))
+    acceleration = everywhere(state)[0][0]
+    h = 1e-5  # along the motion: x + h v, v + h a
+    ahead, behind = (
+        motion.energy(state.problem, state.displacement[0] + s * state.velocity[0], state.velocity[0] + s * acceleration)
+        for s in (h, -h)
+    )
+    assert (ahead - behind) / (2 * h) == pytest.approx(0.0, abs=9 * chains * (3 * h**1.5 + 2e-10))
+
+
+@pytest.mark.parametrize(("chains", "kappa", "gap"), SHAPES)
+def test_forces_between_beads_cancel(chains, kappa, gap):
+    acceleration, rate = everywhere(random_state(problem(chains, kappa, gap)))
+    assert acceleration.sum() == pytest.approx(0.0, abs=1e-14)
+    assert rate.sum() == pytest.approx(0.0, abs=1e-14)
+
+
+@pytest.mark.parametrize(("chains", "kappa", "gap"), SHAPES)
+def test_acceleration_is_the_slope_of_recorded_velocities(chains, kappa, gap):
+    h = 0.01
+    found = run(problem(chains, kappa, gap, every=h), steps_per_frame=4)
+    slope = (found.velocity[2:] - found.velocity[:-2]) / (2 * h)
+    # a third derivative of v is below 4 between contacts, and (jump of a's rate like r^0.5) h^1.5 where one opens
+    assert np.abs(slope - everywhere(found)[0][1:-1]).max() < h**1.5
+
+
+@pytest.mark.parametrize(("chains", "kappa", "gap"), SHAPES)
+def test_the_rate_is_the_slope_of_the_acceleration(chains, kappa, gap):
+    h = 0.01
+    acceleration, rate = everywhere(run(problem(chains, kappa, gap, every=h), steps_per_frame=4))
+    slope = (acceleration[2:] - acceleration[:-2]) / (2 * h)
+    # the rate goes like r^0.5 at an opening contact: h^0.5 there, at speeds up to 1 and a slope of 3/2
+    assert np.abs(slope - rate[1:-1]).max() < 1.5 * h**0.5
+    assert np.median(np.abs(slope - rate[1:-1])) < h**2
+
+
+def test_a_bead_at_rest_beside_nothing_feels_nothing():
+    acceleration, rate = everywhere(random_state(problem(chains=1, kappa=None, gap=3.0)))
+    assert not acceleration.any()
+    assert not rate.any()
+
+
+def test_the_energy_of_one_contact_and_one_spring_is_their_sum():
+    x = np.zeros((2, 9))
+    x[0, 8] = -0.5  # presses on bead 8, and stretches its spring
+    assert motion.energy(problem(), x, np.zeros((2, 9))) == pytest.approx(0.4 * 0.5**2.5 + 0.05 * 0.25, rel=1e-15)
+
+
+def test_energy_and_momentum_of_many_frames_are_those_of_each():
+    found = run(problem(), steps_per_frame=2)
+    for frame in (0, 17, 60):
+        one = motion.energy(found.problem, found.displacement[frame], found.velocity[frame])
+        assert motion.energy(found.problem, found.displacement, found.velocity)[frame] == one
+        assert motion.momentum(found.velocity)[frame] == motion.momentum(found.velocity[frame])

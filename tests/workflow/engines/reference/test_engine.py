@@ -1,0 +1,411 @@
+"""The reference: published numbers, measured orders, exact symmetries, and agreement with what is independent of it."""
+
+import functools
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from stock_lammps import scene
+
+from analysis import motion
+from analysis.peaks import find_peaks
+from analysis.waves import leading_waves
+from lammps_inputs import Kick, Output, find
+from workflow.engines.reference.blanes_moan import BLANES_MOAN
+from workflow.engines.reference.certify import Certifier
+from workflow.engines.reference.engine import blocks, make_state, run
+from workflow.engines.reference.kernel import advance
+from workflow.engines.reference.scheme import Scheme
+from workflow.engines.reference.verlet import VERLET
+from workflow.run_directory import RunDirectory
+
+SCHEMES = [VERLET, BLANES_MOAN]
+
+CONTACT_TIME = 2 * (5 / 8) ** 0.4 * math.sqrt(math.pi) * math.gamma(1.4) / math.gamma(0.9)
+"""Of two beads that meet at V = 1: r'^2 = 1 - 8/5 r^2.5 integrated; 2.438838."""
+
+EPS = np.finfo(float).eps
+
+
+def problem(**changes):
+    """Two chains of 12 rows to t = 10, a frame each 0.1."""
+    return scene(**{"chains": 2, "beads": 12, "kappa": 0.1, "duration": 10.0, **changes}).problem()
+
+
+def integrated(state, like, scheme, h, steps):
+    """One frame, ``steps`` steps of h after a state of the kernel."""
+    shape = (1, like.chains, like.beads)
+    x, v = np.empty(shape), np.empty(shape)
+    advance(
+        state.x.reshape(-1),
+        state.v.reshape(-1),
+        state.span,
+        state.window,
+        np.array(scheme.kicks),
+        np.array(scheme.drifts),
+        h,
+        steps,
+        state.to_left.reshape(-1),
+        state.to_right.reshape(-1),
+        like.gap,
+        np.arange(1, like.beads + 1),
+        x,
+        v,
+    )
+    return x[0], v[0]
+
+
+def all_rows(like):
+    """The start of a problem with every row active."""
+    state = make_state(like, None)
+    state.span[:] = 1, like.beads
+    return state
+
+
+def order(h, error):
+    """Slope of the regression of log(error) on log(h)."""
+    return float(np.polyfit(np.log(h), np.log(error), 1)[0])
+
+
+# --- published numbers (PHYSICS.md, sections 6 and 7) -------------------------------------------------------------------
+
+
+@functools.cache
+def waves(chains, kappa, beads, duration):
+    return leading_waves(
+        find_peaks(blocks(problem(chains=chains, kappa=kappa, beads=beads, duration=duration, every=0.2)))
+    )
+
+
+@pytest.mark.parametrize(
+    ("bead", "published"),
+    [
+        (5, (0.5011, 0.3529)),
+        (10, (0.3223, 0.4630)),
+        (20, (0.3351, 0.3993)),
+        (30, (0.3964, 0.3329)),
+        (40, (0.3548, 0.3761)),
+        (55, (0.36892, 0.36157)),
+    ],
+)
+def test_two_chains_have_the_published_peaks(bead, published):
+    found = waves(2, 0.1, 70, 90.0).at(bead).peak_velocity
+    digits = 5e-6 if bead == 55 else 5e-5  # half of the last one printed, and the reference's 1e-6
+    assert found == pytest.approx(published, abs=digits + 2e-6)
+
+
+def test_three_chains_have_the_published_peaks_at_bead_90():
+    assert waves(3, 0.1, 100, 155.0).at(90).peak_velocity == pytest.approx((0.25525, 0.25563, 0.25596), abs=7e-6)
+
+
+@pytest.mark.parametrize(("kappa", "final"), [(0.5, 0.35934), (0.1, 0.36524)])
+def test_level_chains_have_the_published_final_peak(kappa, final):
+    assert waves(2, kappa, 200, 275.0).at(190).peak_velocity == pytest.approx((final, final), abs=7e-6)
+
+
+def test_one_chain_has_the_published_solitary_wave():
+    wave = waves(1, None, 120, 160.0).at(100)
+    assert wave.peak_velocity == pytest.approx(0.6816315, abs=1e-6)
+    assert wave.speed == pytest.approx(0.8405088, abs=5e-6)  # arrivals two beads apart, each to some 1e-6
+    assert wave.arrival == pytest.approx(0.77532 + 99 / 0.8405088, abs=1e-5)
+
+
+def test_one_chain_throws_its_first_beads_back_as_published():
+    velocity = run(problem(chains=1, kappa=None, beads=120, duration=140.0)).velocity[-1, 0]
+    assert velocity[:2] == pytest.approx((-0.071085, -0.030274), abs=2e-6)
+
+
+def test_a_contact_of_two_beads_has_the_exact_overlap_and_ends_at_the_exact_time():
+    two = run(problem(chains=1, kappa=None, beads=2, duration=3.0, every=0.001), steps_per_frame=1)
+    overlap = motion.overlaps(two.displacement, 0.0)[:, 0, 0]
+    assert overlap.max() == pytest.approx((5 / 8) ** 0.4, abs=1e-6)  # sampled within 0.0005, curvature 1.25
+    assert two.time[overlap > 0][-1] == pytest.approx(CONTACT_TIME, abs=0.0011)
+    assert pytest.approx(2.438838, abs=5e-7) == CONTACT_TIME
+
+
+def test_two_beads_exchange_their_velocities():
+    velocity = run(problem(chains=1, kappa=None, beads=2, duration=4.0)).velocity[-1, 0]
+    np.testing.assert_allclose(velocity, [0.0, 1.0], rtol=0, atol=1e-6)
+
+
+# --- measured orders --------------------------------------------------------------------------------------------------
+
+PRESSED = 12
+
+
+def pressed():
+    """Two coupled chains of beads that overlap by about 1 all the while to t = 0.5: a smooth problem."""
+    rng = np.random.default_rng(1)
+    state = all_rows(problem(beads=PRESSED, kappa=0.5))
+    state.x[1:-1] = (-np.arange(PRESSED) + rng.uniform(-0.1, 0.1, (2, PRESSED))).T
+    state.v[1:-1] = rng.uniform(-0.3, 0.3, (PRESSED, 2))
+    return state
+
+
+@pytest.mark.parametrize(
+    ("scheme", "steps", "band"),
+    [(VERLET, (8, 12, 16, 24, 32, 48, 64), 0.005), (BLANES_MOAN, (2, 3, 4, 6, 8, 12, 16), 0.03)],
+    ids=lambda value: getattr(value, "name", ""),
+)
+def test_a_scheme_has_its_order_while_contacts_stay_closed(scheme, steps, band):
+    like = problem(beads=PRESSED, kappa=0.5)
+    x, exact = integrated(pressed(), like, BLANES_MOAN, 0.5 / 256, 256)
+    assert motion.overlaps(x, 0.0).min() > 0.5
+    steps = np.array(steps)
+    error = [np.abs(integrated(pressed(), like, scheme, 0.5 / n, n)[1] - exact).max() for n in steps]
+    assert order(0.5 / steps, error) == pytest.approx(scheme.order, abs=band)
+
+
+@pytest.mark.parametrize("scheme", SCHEMES, ids=lambda scheme: scheme.name)
+def test_a_scheme_has_its_order_on_a_linear_spring(scheme):
+    far = problem(beads=2, gap=60.0, duration=8.0, every=8.0, timestep=0.01)
+    omega = math.sqrt(0.2)
+    steps = np.array([10, 14, 20, 28, 40, 56, 80])
+    exact = 0.5 * (1 + math.cos(8 * omega))
+    error = [abs(run(far, scheme=scheme, steps_per_frame=n).velocity[-1, 0, 0] - exact) for n in steps]
+    assert order(8 / steps, error) == pytest.approx(scheme.order, abs=0.03)
+
+
+@pytest.mark.parametrize("scheme", SCHEMES, ids=lambda scheme: scheme.name)
+def test_a_contact_that_closes_and_opens_costs_an_error_of_order_five_halves(scheme):
+    # the velocities after it, which are exactly 0 and 1; root mean square over where in a step the contact opens
+    two = problem(chains=1, kappa=None, beads=2, duration=4.0, every=4.0, timestep=0.01)
+    mean, error = [], []
+    for octave in range(3, 10):
+        steps = np.unique(np.geomspace(2**octave, 2 ** (octave + 1), 48).astype(int))
+        wrong = [run(two, scheme=scheme, steps_per_frame=n).velocity[-1, 0, 0] for n in steps]
+        mean.append(4 / steps.mean())
+        error.append(np.sqrt(np.mean(np.square(wrong))))
+    assert order(mean, error) == pytest.approx(2.5, abs=0.15)
+
+
+@pytest.mark.parametrize("name", ["one-chain", "two-chains", "three-chains"])
+def test_verlet_has_order_two_on_the_scenes_of_the_paper(name):
+    coarse = find(name).model_copy(update={"output": Output(every=0.4)}).problem()
+    exact = run(coarse, steps_per_frame=64).velocity
+    steps = np.array([8, 12, 16, 24, 32, 48, 64])
+    error = [np.abs(run(coarse, scheme=VERLET, steps_per_frame=n).velocity - exact).max() for n in steps]
+    assert order(0.4 / steps, error) == pytest.approx(2.0, abs=0.02)
+
+
+def test_blanes_moan_has_an_order_between_two_and_a_half_and_four_on_two_chains():
+    # single contacts decide about the error at one step, so that many steps are needed: 2.5 +- 0.1 is measured
+    like = problem(beads=60, duration=72.0, every=0.4)
+    exact = run(like, steps_per_frame=1024).velocity
+    steps = np.unique(np.geomspace(4, 128, 48).astype(int))
+    error = [np.abs(run(like, steps_per_frame=n).velocity - exact).max() for n in steps]
+    assert 2.3 < order(0.4 / steps, error) < 4.0
+
+
+def test_the_error_of_verlet_at_the_end_of_two_chains_is_the_published_one():
+    two = find("two-chains").problem()
+    verlet, exact = (run(two, scheme=scheme, steps_per_frame=10).velocity[-1] for scheme in SCHEMES)
+    assert np.abs(verlet - exact).max() == pytest.approx(0.149 * 0.01**2, rel=0.01)  # PHYSICS.md, section 9; at t = 192
+
+
+def test_the_energy_of_verlet_swings_as_the_step_squared():
+    like = problem(beads=40, duration=40.0, every=0.4)
+    steps = np.array([4, 8, 16, 32, 64])
+    swing = [np.ptp(energies(run(like, scheme=VERLET, steps_per_frame=n))) for n in steps]
+    assert order(0.4 / steps, swing) == pytest.approx(2.0, abs=0.05)
+
+
+def energies(trajectory):
+    return motion.energy(trajectory.problem, trajectory.displacement, trajectory.velocity)
+
+
+@pytest.mark.parametrize("scheme", SCHEMES, ids=lambda scheme: scheme.name)
+def test_the_coefficients_of_a_scheme_are_symmetric_and_add_up_to_one_step(scheme):
+    for row in (scheme.kicks, scheme.drifts):
+        assert row == row[::-1]
+        assert sum(row) == pytest.approx(1.0, abs=4 * EPS)
+
+
+def test_a_scheme_of_unequal_rows_is_refused():
+    with pytest.raises(ValueError, match="one kick more than drifts"):
+        Scheme("bad", 1, (1.0,), (1.0,), "nowhere")
+
+
+# --- what the equations conserve, and their symmetries ------------------------------------------------------------------
+
+SHAPES = [(1, None, 0.0), (2, 0.1, 0.0), (3, 0.5, 0.0), (5, 2.0, 0.0), (2, 0.1, 0.3)]
+
+
+@pytest.mark.parametrize(("chains", "kappa", "gap"), SHAPES)
+@pytest.mark.parametrize("scheme", SCHEMES, ids=lambda scheme: scheme.name)
+def test_momentum_is_kept_to_rounding(scheme, chains, kappa, gap):
+    like = problem(chains=chains, kappa=kappa, gap=gap, kick=(Kick(velocity=1.0), Kick(bead=9, velocity=-0.4)))
+    found = run(like, scheme=scheme)
+    # a kick rounds each velocity, below 1 here, once; roundings of one sign throughout are the bound
+    kicks = scheme.forces_per_step * len(found.time) * 2 * 10
+    assert np.abs(motion.momentum(found.velocity) - like.momentum).max() < kicks * chains * EPS
+
+
+@pytest.mark.parametrize(("chains", "kappa", "gap"), SHAPES)
+def test_energy_is_kept_to_the_error_of_the_scheme(chains, kappa, gap):
+    like = problem(chains=chains, kappa=kappa, gap=gap)
+    certifier = Certifier(like)
+    worst = max(np.abs(energies(block) - like.energy).max() for block in certifier.blocks())
+    # an error of every velocity by the certified bound, and of the overlaps by about as much, at speeds below 1
+    assert worst < 2 * 2 * like.chains * like.beads * certifier.certificate.velocity
+
+
+@pytest.mark.parametrize(("chains", "kappa", "gap"), SHAPES)
+def test_the_last_bead_kicked_backwards_mirrors_the_first_kicked_forwards_bit_for_bit(chains, kappa, gap):
+    forwards, backwards = (
+        run(problem(chains=chains, kappa=kappa, gap=gap, kick=(kick,)))
+        for kick in (Kick(bead=1, velocity=1.0), Kick(bead=12, velocity=-1.0))
+    )
+    np.testing.assert_array_equal(forwards.displacement, -backwards.displacement[:, :, ::-1])
+    np.testing.assert_array_equal(forwards.velocity, -backwards.velocity[:, :, ::-1])
+
+
+def test_the_order_of_two_chains_does_not_matter_bit_for_bit():
+    first, second = (run(problem(kick=(Kick(chain=chain, velocity=1.0),))) for chain in (1, 2))
+    np.testing.assert_array_equal(first.velocity, second.velocity[:, ::-1])
+
+
+def test_a_scheme_retraces_its_way_when_velocities_are_turned():
+    like = problem()
+    state = all_rows(like)
+    integrated(state, like, BLANES_MOAN, 0.05, 200)
+    np.negative(state.v, out=state.v)
+    x, v = integrated(state, like, BLANES_MOAN, 0.05, 200)
+    # 400 steps of 7 stages, each with a rounding below 8 eps; errors at most grow as time does, over 20
+    bound = 400 * 7 * 8 * EPS * 20
+    np.testing.assert_allclose(x, 0.0, atol=bound)
+    np.testing.assert_allclose(v, -like.initial_velocity(), rtol=0, atol=bound)
+
+
+@pytest.mark.parametrize("speed", [1e-12, 1e-6, 1e6, 1e12])
+def test_a_run_at_any_v_is_a_scaled_copy_of_the_run_at_1(speed):
+    one, other = (
+        run(problem(kick=(Kick(velocity=v),), kappa=0.1 * v**0.4, duration=10 * v**-0.2, every=0.1 * v**-0.2))
+        for v in (1.0, speed)
+    )
+    # kappa and step differ by some eps, which shifts times below 10 and forces below 1 in proportion, and then rounding
+    bound = 10 * 10 * 16 * EPS
+    np.testing.assert_allclose(other.velocity, one.velocity, rtol=0, atol=bound)
+    np.testing.assert_allclose(other.displacement, one.displacement, rtol=0, atol=bound)
+
+
+# --- rows that are integrated -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("bead", [1, 2, 20, 39, 40])
+@pytest.mark.parametrize(("chains", "kappa", "gap"), SHAPES)
+def test_integrating_the_rows_that_can_move_is_bit_for_bit_integrating_all(chains, kappa, gap, bead):
+    like = problem(chains=chains, kappa=kappa, gap=gap, beads=40, kick=(Kick(bead=bead, velocity=1.0 if bead < 40 else -1.0),))
+    found = run(like, steps_per_frame=4)
+    x, v = integrated(all_rows(like), like, BLANES_MOAN, like.every / 4, 4 * like.frames)
+    np.testing.assert_array_equal(found.displacement[-1], x)
+    np.testing.assert_array_equal(found.velocity[-1], v)
+
+
+def test_rows_that_nothing_reached_are_exactly_at_rest():
+    found = run(problem(beads=200))
+    assert np.all(found.velocity[:, :, 100:] == 0.0)
+    assert np.all(found.displacement[:, :, 100:] == 0.0)
+
+
+def test_one_moving_row_ahead_is_the_most_that_the_span_holds():
+    like = problem(beads=200)
+    state = make_state(like, None)
+    x, _ = integrated(state, like, BLANES_MOAN, 0.05, 200)
+    moved = np.flatnonzero((x != 0.0).any(axis=0))
+    assert state.span[0] == 1
+    assert state.span[1] == moved[-1] + 2
+
+
+@pytest.mark.parametrize(("chains", "kappa"), [(2, 0.01), (2, 0.1), (3, 0.1)])
+def test_a_window_of_forty_rows_has_the_front_of_the_full_run_bit_for_bit(chains, kappa):
+    like = problem(chains=chains, kappa=kappa, beads=300, duration=350.0, every=0.5)
+    full, seen = (run(like, window=window) for window in (None, 40))
+    for frame in range(0, full.frames, 7):
+        front = np.flatnonzero((full.velocity[frame] != 0.0).any(axis=0))[-1]
+        rows = slice(max(0, front - 8), front + 1)
+        np.testing.assert_array_equal(seen.velocity[frame, :, rows], full.velocity[frame, :, rows])
+
+
+def test_rows_that_the_window_let_go_keep_their_last_state():
+    late = run(problem(beads=100, duration=100.0), window=40)[-50:]
+    np.testing.assert_array_equal(late.velocity[:, :, :20], np.broadcast_to(late.velocity[0, :, :20], (50, 2, 20)))
+
+
+def test_a_window_wider_than_the_chain_changes_nothing():
+    np.testing.assert_array_equal(run(problem()).velocity, run(problem(), window=1000).velocity)
+
+
+def test_a_window_narrower_than_the_pulse_is_refused():
+    with pytest.raises(ValueError, match="a window of 20 rows is too narrow"):
+        run(problem(beads=100), window=20)
+
+
+def test_recording_some_beads_records_them_of_the_same_run():
+    every, some = run(problem()), run(problem(recorded=(2, 7)))
+    np.testing.assert_array_equal(some.velocity, every.velocity[:, :, [1, 6]])
+
+
+def test_frames_do_not_depend_on_how_long_the_run_is():
+    np.testing.assert_array_equal(run(problem(duration=3.0)).velocity, run(problem()).velocity[:31])
+
+
+# --- what is independent of it ------------------------------------------------------------------------------------------
+
+
+def acceleration(x, like):
+    """Eq. 1, written once more, [chain, bead], in any precision."""
+    a = np.zeros_like(x)
+    push = np.maximum(x[:, :-1] - x[:, 1:] - like.gap, 0) ** (x.dtype.type(3) / 2)
+    a[:, :-1] -= push
+    a[:, 1:] += push
+    pull = like.kappa * (x[1:] - x[:-1])
+    a[:-1] += pull
+    a[1:] -= pull
+    return a
+
+
+@pytest.mark.skipif(np.finfo(np.longdouble).eps > EPS / 100, reason="no longer float than float64 here")
+@pytest.mark.parametrize("scheme", SCHEMES, ids=lambda scheme: scheme.name)
+@pytest.mark.parametrize(("chains", "kappa", "gap"), SHAPES)
+def test_the_same_scheme_in_extended_precision_agrees_to_rounding(chains, kappa, gap, scheme):
+    like = problem(chains=chains, kappa=kappa, gap=gap)
+    steps = 4 * like.frames
+    x = np.zeros((like.chains, like.beads), np.longdouble)
+    v = like.initial_velocity().astype(np.longdouble)
+    h = np.longdouble(like.every / 4)
+    for _ in range(steps):
+        for kick, drift in zip(scheme.kicks, (*scheme.drifts, 0.0), strict=True):
+            v += kick * h * acceleration(x, like)
+            x += drift * h * v
+    found = run(like, scheme=scheme, steps_per_frame=4)
+    # a stage rounds positions and velocities, below 8, by some eps; such errors grow at most as time does, to 10
+    bound = steps * len(scheme.kicks) * 8 * EPS * 10
+    np.testing.assert_allclose(found.velocity[-1], v.astype(float), rtol=0, atol=bound)
+    np.testing.assert_allclose(found.displacement[-1], x.astype(float), rtol=0, atol=bound)
+
+
+@pytest.mark.parametrize(("chains", "kappa", "gap"), SHAPES)
+def test_dop853_agrees_within_the_certified_error(chains, kappa, gap):
+    like = problem(chains=chains, kappa=kappa, gap=gap, beads=8)
+    shape = (2, like.chains, like.beads)
+
+    def rate(_, state):
+        x, v = state.reshape(shape)
+        return np.concatenate([v.ravel(), acceleration(x, like).ravel()])
+
+    start = np.concatenate([np.zeros(like.chains * like.beads), like.initial_velocity().ravel()])
+    dop = solve_ivp(rate, (0.0, like.duration), start, method="DOP853", rtol=1e-13, atol=1e-14, max_step=0.02)
+    certifier = Certifier(like, steps_per_frame=64)
+    *_, last = certifier.blocks()
+    # steps of 0.02 leave DOP853 an error of about 1e-9 at each of a few dozen singular contacts (0.02**2.5 * 2e-5)
+    bound = certifier.certificate.velocity + 2e-8
+    assert np.abs(last.velocity[-1] - dop.y[:, -1].reshape(shape)[1]).max() < bound
+
+
+def test_verlet_here_and_lammps_agree_to_1e_10_in_every_frame(paper):
+    lammps = RunDirectory(paper("two-chains")).trajectory
+    ours = run(lammps.problem, scheme=VERLET, steps_per_frame=lammps.problem.steps_per_frame)
+    # LAMMPS rounds positions below 512 by 5.7e-14 at most in each of 19200 steps: 2e-12 * sqrt(19200) for random ones
+    np.testing.assert_allclose(lammps.velocity, ours.velocity, rtol=0, atol=1e-10)
