@@ -40,7 +40,8 @@ def engines_figure(problem: Problem, rows: Sequence[int], curves: Sequence[Curve
     Below, a colour is a chain and a dash an engine.
     """
     scale, chains = problem.scale, min(problem.chains, MAX_PANELS)
-    chosen = sorted({min(1, len(rows) - 1), len(rows) // 2, len(rows) - 1})[-MOST_ROWS:]
+    few = len(rows) <= MOST_ROWS
+    chosen = list(range(len(rows))) if few else [1, len(rows) // 2, len(rows) - 1]
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(7.5, 2.6 + 1.8 * len(chosen)), layout="constrained")
         grid = figure.add_gridspec(1 + len(chosen), len(curves), height_ratios=[1.3] + [1.0] * len(chosen))
@@ -54,7 +55,7 @@ def engines_figure(problem: Problem, rows: Sequence[int], curves: Sequence[Curve
             first.set_xlabel("bead")
             if column == 0:
                 first.set_ylabel("first impulse / $mV$")
-                first.legend(loc="upper right", markerscale=2)
+                first.legend(loc="center", markerscale=2)
             first.set_xlim(0, problem.beads + 1)
         for line, position in enumerate(chosen, 1):
             axis = figure.add_subplot(grid[line, :])

@@ -13,6 +13,9 @@ from lammps_inputs import Problem
 
 AGREED = 0.01
 
+FEW = 3
+"""Chains up to which the energy of each is drawn."""
+
 
 def distance_figure(problem: Problem, shared: Sharing, energies: EnergyShares, direction: int = 1) -> Figure:
     """Leading waves over the bead that they pass, one line per chain (the first ones, where there are many).
@@ -47,14 +50,14 @@ def _draw_energy(axis: Axes, shared: Sharing, energies: EnergyShares, chains: in
     dotted, dashed = (0, (1, 1)), (0, (5, 2))
     lines = []
     if len(bead):
-        for chain in range(chains):
+        for chain in range(chains):  # whole chains swing to and fro: of many, only the waves can be told apart
             colour = CHAIN_COLOURS[chain % len(CHAIN_COLOURS)]
-            axis.plot(bead, energies.chain[:, chain], color=colour)
+            if chains <= FEW:
+                axis.plot(bead, energies.chain[:, chain], color=colour)
             axis.plot(bead, energies.wave[:, chain], color=colour, linestyle=dotted)
-        lines += [
-            Line2D([], [], color=CHAIN_COLOURS[0], label="a chain"),
-            Line2D([], [], color=CHAIN_COLOURS[0], linestyle=dotted, label="its wave"),
-        ]
+        if chains <= FEW:
+            lines.append(Line2D([], [], color=CHAIN_COLOURS[0], label="a chain"))
+        lines.append(Line2D([], [], color=CHAIN_COLOURS[0], linestyle=dotted, label="its wave"))
         lines += axis.plot(bead, np.sum(energies.wave, axis=1), color="black", label="all waves")
     total = np.sum(shared.wave_share, axis=1)
     lines += axis.plot(shared.bead, total, color="0.55", linestyle=dashed, label="all waves, if exact")

@@ -29,7 +29,7 @@ def scan_figure(theta: Floats, differences: Floats, rows: Sequence[int], agree: 
             axis.set_yscale("log")
             axis.set_ylim(8e-5, 3.0)
             axis.set_title(f"row {row}", loc="left")
-        axes[len(axes) // 2].set_ylabel("difference of the chains' first impulses / mean")
+        figure.supylabel("difference of the chains' first impulses / mean")
         axes[-1].set_xlabel(r"$\theta = \omega D / V$")
     return figure
 
@@ -55,5 +55,5 @@ def relative_mode_figure(curves: Sequence[tuple[str, NDArray[np.int64], Floats]]
         axis.set_ylim(1e-5, 1.5)
         axis.set_xlabel("row")
         axis.set_ylabel("$|I_1 - I_2| / (I_1 + I_2)$")
-        axis.legend(loc="lower left")
+        axis.legend(loc="lower right")
     return figure

@@ -47,11 +47,11 @@ def shape_figure(problem: Problem, waveforms: Waveforms, beads: Sequence[int]) -
                     "markerfacecolor": "none" if chain % 2 == 0 else None,
                     "markevery": (chain - 1, max(1, min(problem.chains, MAX_PANELS))),
                 }
-                above.plot(ahead, velocity, label=f"chain {chain}, peak {peak:.4f} $V$", **look)
+                above.plot(ahead, velocity, label=f"chain {chain}", **look)
                 below.plot(ahead, velocity - exact.velocity(ahead), **look)
             above.set_title(f"bead {bead}", loc="left")
-            above.legend(loc="upper left", fontsize=7, handletextpad=0.3, borderaxespad=0.0)
-            above.set_ylim(top=1.42)
+            if column == len(beads) - 1:
+                above.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), handletextpad=0.3)
             below.set_xlabel("distance ahead of the peak (beads)")
             below.ticklabel_format(axis="y", scilimits=(-2, 2))
         axes[0, 0].set_ylabel("velocity / peak")

@@ -51,12 +51,19 @@ class SpaceTime:
 
 
 def spacetime_figure(data: SpaceTime) -> Figure:
-    """Velocity in space and time, the chains side by side (the paper's Figs 1, 3 and 5)."""
+    """Velocity in space and time, the chains side by side (the paper's Figs 1, 3 and 5).
+
+    Its magnitude where any kick is towards lower bead numbers.
+    """
     problem, velocity = data.problem, data.velocity * data.problem.scale.velocity
+    both_ways = any(kick < 0.0 for _, _, kick in problem.kicks)
+    if both_ways:
+        velocity = np.abs(velocity)
     time, chains = data.time * problem.scale.time, velocity.shape[1]
-    # the kicked bead outshines the waves: the scale ends where all but the first few beads do
-    shown = np.abs(velocity[:, :, data.beads > min(5, data.beads[-1] - 1)])
-    top = float(np.max(shown)) or float(np.max(np.abs(velocity))) or 1.0
+    # kicked beads and those at a free end outshine the waves: the scale ends where all beads but these do
+    bright = [1, problem.beads, *(bead for _, bead, _ in problem.kicks)]
+    far = np.all([np.abs(data.beads - bead) > 5 for bead in bright], axis=0)
+    top = float(np.max(np.abs(velocity[:, :, far]), initial=0.0)) or float(np.max(np.abs(velocity))) or 1.0
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(2.2 + 2.4 * chains, 4.2), layout="constrained")
         axes = figure.subplots(1, chains, sharex=True, sharey=True, squeeze=False)[0]
@@ -75,7 +82,7 @@ def spacetime_figure(data: SpaceTime) -> Figure:
             axis.set_title(f"chain {chain + 1}")
             axis.set_xlabel("bead")
         axes[0].set_ylabel(f"time $t$ ({unit_label(problem, 'time')})")
-        bar = figure.colorbar(image, ax=list(axes), extend="both")
-        bar.set_label(f"velocity $v$ ({unit_label(problem, 'velocity')})")
+        bar = figure.colorbar(image, ax=list(axes), extend="max" if both_ways else "both")
+        bar.set_label(f"velocity {'$|v|$' if both_ways else '$v$'} ({unit_label(problem, 'velocity')})")
         figure.suptitle(title(problem))
     return figure

@@ -127,7 +127,7 @@ def _share(count: int, total: int) -> str:
 def _pictures(scan: study.Scan, hertz: dict[float, Impulses], rigid: Impulses) -> list[Picture]:
     pictures = []
     for kappa, name in FIGURES.items():
-        problem = study.problem_at(THETA_OF_EQ_5, kappa, 40)
+        problem = study.problem_at(THETA_OF_EQ_5, kappa, 40, every=0.05)
         curves = []
         for engine, history in (
             ("rigid", study.rigid_history(problem, ROWS)),

@@ -83,3 +83,16 @@ def test_the_page_opens_in_a_browser_without_errors(report: Path, tmp_path: Path
 def test_text_from_outside_cannot_become_markup() -> None:
     section = Section("<script>", "a & b", [Statement("<b>", ["<i>"], "holds")])
     assert "<script>" not in render("t", "s", [section], {})
+
+
+def test_section_3_says_what_the_rigid_model_does_not_show(report: Path) -> None:
+    page = (report / "index.html").read_text()
+    assert "has then gone 0.2220 D" in page
+    assert "with 0.750000 V against 0.250000 V" in page
+    assert "Literally rigid rows do not equipartition" in page
+
+
+def test_gapped_hertz_rows_come_out_as_known(report: Path) -> None:
+    page = (report / "index.html").read_text()
+    for line in ("kappa = 0.1, row 5: first impulses 0.342, 0.724", "kappa = 1, row 25: first impulses 0.528, 0.528"):
+        assert line in page
