@@ -18,42 +18,47 @@ SINGLE = "single precision"
 MOST_DIGITS = 12
 """Numbers with more digits than that pass for whole ones; float64 has 16."""
 
-_ROUNDING = 8.0 * np.finfo(float).eps
-"""What a number may have lost, of its size, by taking its rest position off and on."""
+_NEAR = 1e-3
+"""How near to a rounded one a number must be, as a share of the rounding's step; chance brings one in 500 there."""
+
+_FEWEST = 20
 
 
 def precision(values: Floats) -> str | None:
     """What all of many numbers were rounded to: such as "6 digits" (``%g``), "8 decimals", or `SINGLE`; else None.
 
-    Whole numbers tell nothing; None where fewer than 20 different others are found.
+    Sums with other numbers, such as rest positions, may have followed. Whole numbers tell nothing; None where fewer
+    than `_FEWEST` different others are found.
     """
-    telling = values[np.isfinite(values) & (values != np.round(values))].ravel()
+    telling = values[np.isfinite(values) & (values != np.round(values)) & (np.abs(values) > 1e-200)].ravel()
     sample = np.unique(telling[:: max(1, len(telling) // 2000)])
-    if len(sample) < 20:
+    if len(sample) < _FEWEST:
         return None
-    size = np.abs(sample)
+    digit = 10.0 ** (np.floor(np.log10(np.abs(sample))) + 1.0)
     found = []
-    for word in ("digits", "decimals"):
-        for count in range(MOST_DIGITS, 0, -1):
-            step = 10.0 ** -count * (10.0 * 10.0 ** np.floor(np.log10(size)) if word == "digits" else np.ones(len(size)))
-            if not np.all(_ROUNDING * size <= 0.01 * step):  # float64 itself is no finer
-                continue
-            form = f".{count - 1}e" if word == "digits" else f".{count}f"
-            if not _all_are(sample, np.array([float(format(value, form)) for value in sample.tolist()])):
+    for word, form, unit in (("digits", "e", digit), ("decimals", "f", np.ones(len(sample)))):
+        for count in range(1, MOST_DIGITS + 1):
+            step = unit * 10.0**-count
+            if np.any(2.0 * np.spacing(np.abs(sample)) > _NEAR * step):  # float64 itself is hardly finer
                 break
-            found.append((count, word))
+            places = count - 1 if form == "e" else count
+            if _all_near(sample, np.array([float(f"{value:.{places}{form}}") for value in sample.tolist()]), step):
+                found.append((count, word))
+                break
     if found:
         count, word = min(found)
         return f"{count} {word}"
     with np.errstate(over="ignore", under="ignore"):
-        if _all_are(sample, sample.astype(np.float32).astype(np.float64)):
+        single = sample.astype(np.float32)
+        if _all_near(sample, single.astype(np.float64), np.spacing(np.abs(single)).astype(np.float64)):
             return SINGLE
     return None
 
 
-def _all_are(sample: Floats, rounded: Floats) -> bool:
-    """Whether as good as all numbers are the rounded ones."""
-    return float(np.mean(np.abs(rounded - sample) <= _ROUNDING * np.abs(sample))) > 0.99
+def _all_near(sample: Floats, rounded: Floats, step: Floats) -> bool:
+    """Whether as good as all numbers are the rounded ones, which are still many different ones."""
+    near = float(np.mean(np.abs(rounded - sample) <= _NEAR * step))
+    return near > 0.99 and len(np.unique(rounded)) >= _FEWEST
 
 
 @dataclass(frozen=True)

@@ -51,7 +51,8 @@ class Shape:
     """What the waveforms of passages say, one entry per passage; NaN where the run does not show it whole.
 
     Attributes:
-        width: full width at half maximum of the velocity, in beads: its duration times the local speed.
+        width: full width at half maximum of the velocity, in beads: its duration times the local speed. How well, says
+            `analysis.accuracy.width_error`: on coarse grids far worse than the rest.
         momentum: in units of m V.
         energy: kinetic and of the contacts, in units of m V**2; where only some beads are recorded, 9/5 of the kinetic
             energy, as in the exact wave.

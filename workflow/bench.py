@@ -72,6 +72,7 @@ def all_ratios() -> Iterator[Ratio]:
         yield from against_textbook(root / "small", "2 x 120", paper_scene(), 5.0, 3)
         yield from against_textbook(root / "large", "100 x 1000", _scene(100, 1000, 15.0), 20.0, 1)
     yield from reference_against_scipy()
+    yield from collision_ratios()
 
 
 def output_cost(root: Path) -> Iterator[Ratio]:

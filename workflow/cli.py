@@ -4,10 +4,12 @@ Exit codes: 0 done, 1 a run or a check failed, 2 bad input.
 """
 
 import argparse
+import ast
 import importlib
 import os
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 from typing import NoReturn
 
 from lammps_inputs import InputError
@@ -43,16 +45,23 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _parser(first: list[str]) -> argparse.ArgumentParser:
-    """The parser, with the one command that is asked for or else all: some take a second to import."""
+    """The parser of the one command that is asked for, or of all by name: some take a second to import."""
     parser = _Parser(prog="granchain", description="Shock pulses in weakly coupled, uncompressed granular chains.")
     subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for name in first if first and first[0] in COMMANDS else COMMANDS:
-        module = importlib.import_module(f"workflow.commands.{name}")
-        summary = (module.__doc__ or "").strip().splitlines()[0]
+        summary = _summary(name)
         subparser = subparsers.add_parser(name, help=summary, description=summary)
-        module.add_arguments(subparser)
-        subparser.set_defaults(execute=module.execute)
+        if name in first:
+            module = importlib.import_module(f"workflow.commands.{name}")
+            module.add_arguments(subparser)
+            subparser.set_defaults(execute=module.execute)
     return parser
+
+
+def _summary(name: str) -> str:
+    """First line of a command's docstring, read without importing it."""
+    source = (Path(__file__).parent / "commands" / f"{name}.py").read_text(encoding="utf-8")
+    return (ast.get_docstring(ast.parse(source)) or "").partition("\n")[0]
 
 
 def _say(error: object, code: int) -> int:

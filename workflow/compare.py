@@ -297,7 +297,7 @@ def _rigid_against(rigid: Result, hertz: Result, last: int) -> list[str]:
             )
     ratio = hertz.seconds / rigid.seconds if rigid.seconds > 0.0 else math.inf
     sentences.append(
-        f"Rigid beads took {rigid.seconds:.2g} s, {hertz.engine} {hertz.seconds:.2g} s: {ratio:.2g} times as long."
+        f"Rigid beads took {rigid.seconds:.2g} s, {hertz.engine} {hertz.seconds:.2g} s: {ratio:.3g} times as long."
     )
     return sentences
 

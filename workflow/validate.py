@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from analysis import diagnosis, resample, table
+from analysis import resample, table
 from analysis.binary_dump import CutDumpWarning
 from analysis.comparison import QUANTITIES, Comparison, Deviation
 from analysis.pairing import OtherFramesError, paired
 from analysis.trajectory import Trajectory, joined
 from lammps_inputs import InputError, Problem
-from workflow import causes
+from workflow import causes, given_table
 from workflow.engines.reference.certify import Certificate, Certifier
 from workflow.run_directory import RunDirectory, write_bytes, write_json
 
@@ -182,10 +182,10 @@ def validate_against(
     limits = {**TOLERANCES, **(tolerances or {})}
     problem = directory.problem
     given = table.load(path)
-    _check_places(path, given, problem)
+    given_table.check_places(path, given, problem)
     own = joined(_blocks(directory))
     own = own[: problem.frames + 1]
-    theirs = _as_trajectory(given, problem, dimensionless=dimensionless)
+    theirs = given_table.as_trajectory(given, problem, dimensionless=dimensionless)
     columns = np.searchsorted(problem.recorded_beads, given.beads)
     own_part = replace(
         own,
@@ -196,15 +196,15 @@ def validate_against(
     try:
         resampled = resample.at_times(own_part, theirs.time)
     except InputError as error:
-        ended = "" if own.frames == problem.frames + 1 else "; the run is incomplete"
-        raise InputError(f"{path}: {error}{ended or '; is the table in other units? (see --units)'}") from None
+        if own.frames < problem.frames + 1:
+            raise InputError(f"{path}: {error}; the run is incomplete") from None
+        raise InputError(f"{path}: {error}; if the table is in other units, see --units") from None
     comparison = Comparison(limits)
-    comparison.add(_only_where_known(resampled, theirs), _only_where_known(theirs, theirs))
+    comparison.add(given_table.only_where_known(resampled, theirs), given_table.only_where_known(theirs, theirs))
     deviations = comparison.deviations()
     wanted = [name for name in table.VALUES if getattr(given, name) is not None]
-    steps = np.diff(theirs.time)
     whole = not any(np.isnan(values[:, given.chains - 1]).any() for values in (theirs.displacement, theirs.velocity))
-    if whole and len(steps) >= 8 and np.allclose(steps, steps[0], rtol=1e-5):
+    if whole and len(theirs.time) > 8 and given_table.evenly_spaced(theirs.time):
         wanted += ["amplitude", "arrival"]
     deviations = {name: deviations[name] for name in wanted}
     exceeded = _any_exceeded(deviations, limits)
@@ -217,9 +217,9 @@ def validate_against(
         deviations=deviations,
         tolerances=limits,
         causes=tuple(found),
-        remarks=tuple(_remarks(path, theirs, own)),
+        remarks=tuple(given_table.remarks(path, theirs, own)),
         certificate=None,
-        interpolation=None if _are_frames(theirs, own) else resample.interpolation_error(own_part),
+        interpolation=None if given_table.are_frames(theirs, own) else resample.interpolation_error(own_part),
         frames=own.frames,
         compared=len(theirs.time),
     )
@@ -236,54 +236,6 @@ def _blocks(directory: RunDirectory) -> Iterable[Trajectory]:
 
 def _any_exceeded(deviations: dict[str, Deviation], limits: dict[str, float]) -> bool:
     return any(not found.largest <= limits[name] for name, found in deviations.items())
-
-
-def _check_places(path: Path, given: table.Table, problem: Problem) -> None:
-    chains = np.setdiff1d(given.chains, np.arange(1, problem.chains + 1))
-    if len(chains):
-        raise InputError(f"{path}: has chain {chains[0]}, but the scene has chains 1 to {problem.chains}")
-    beads = np.setdiff1d(given.beads, problem.recorded_beads)
-    if len(beads):
-        raise InputError(f"{path}: has bead {beads[0]}, which the run did not record")
-
-
-def _as_trajectory(given: table.Table, problem: Problem, *, dimensionless: bool) -> Trajectory:
-    """A table made dimensionless, for every chain of the scene; NaN where the table has nothing."""
-    scale = problem.scale
-    units = (1.0, 1.0, 1.0) if dimensionless else (scale.time, scale.length, scale.velocity)
-    values = []
-    for column, unit in ((given.displacement, units[1]), (given.velocity, units[2])):
-        full = np.full((len(given.time), problem.chains, len(given.beads)), np.nan)
-        if column is not None:
-            full[:, given.chains - 1] = column / unit
-        values.append(full)
-    everything = len(given.beads) == problem.beads and not np.isnan(values).any()
-    recorded = None if everything else tuple(int(bead) for bead in given.beads)
-    return Trajectory(replace(problem, recorded=recorded), given.time / units[0], *values)
-
-
-def _only_where_known(trajectory: Trajectory, table: Trajectory) -> Trajectory:
-    """A trajectory with zeros where a table has nothing, so that nothing differs there."""
-    return replace(
-        trajectory,
-        displacement=np.where(np.isnan(table.displacement), 0.0, trajectory.displacement),
-        velocity=np.where(np.isnan(table.velocity), 0.0, trajectory.velocity),
-    )
-
-
-def _are_frames(theirs: Trajectory, own: Trajectory) -> bool:
-    """Whether all times of one are times of the other."""
-    nearest = own.time[np.clip(np.round(theirs.time / own.problem.every).astype(int), 0, own.frames - 1)]
-    return bool(np.all(np.abs(theirs.time - nearest) <= 1e-9 * own.problem.every))
-
-
-def _remarks(path: Path, theirs: Trajectory, own: Trajectory) -> Iterable[str]:
-    for name, values in (("displacements", theirs.displacement), ("velocities", theirs.velocity)):
-        precision = diagnosis.precision(values)
-        if precision is not None:
-            yield f"{name} in {path} have only {precision}"
-    if theirs.time[-1] < 0.01 * own.time[-1]:
-        yield f"{path} ends at {theirs.time[-1] / own.time[-1]:.2g} of the run: is it in other units? (see --units)"
 
 
 def _write(path: Path, result: Validation, comparison: Comparison, against: str) -> None:

@@ -21,8 +21,8 @@ def distance_figure(problem: Problem, shared: Sharing, energies: EnergyShares, d
     """Leading waves over the bead that they pass, one line per chain (the first ones, where there are many).
 
     (a) Peak velocities in units of the kick, and the bead from which on they agree to 1%. (b) Shares of the energy:
-    each chain's (half of its springs' counted), its wave's, all waves' as measured and as exact waves of their
-    amplitudes would hold. (c) Arrival behind the chain that was hit.
+    each chain's (half of its springs' counted; up to `FEW` chains), its wave's, all waves' as measured and as exact
+    waves of their amplitudes would hold. (c) Arrival behind the chain that was hit.
     """
     chains = min(problem.chains, MAX_PANELS)
     with mpl.rc_context(STYLE):
@@ -56,8 +56,8 @@ def _draw_energy(axis: Axes, shared: Sharing, energies: EnergyShares, chains: in
                 axis.plot(bead, energies.chain[:, chain], color=colour)
             axis.plot(bead, energies.wave[:, chain], color=colour, linestyle=dotted)
         if chains <= FEW:
-            lines.append(Line2D([], [], color=CHAIN_COLOURS[0], label="a chain"))
-        lines.append(Line2D([], [], color=CHAIN_COLOURS[0], linestyle=dotted, label="its wave"))
+            lines.append(Line2D([], [], color=CHAIN_COLOURS[0], label="a whole chain"))
+        lines.append(Line2D([], [], color=CHAIN_COLOURS[0], linestyle=dotted, label="a chain's wave"))
         lines += axis.plot(bead, np.sum(energies.wave, axis=1), color="black", label="all waves")
     total = np.sum(shared.wave_share, axis=1)
     lines += axis.plot(shared.bead, total, color="0.55", linestyle=dashed, label="all waves, if exact")

@@ -281,6 +281,7 @@ def test_a_continuation_killed_before_its_first_frame_is_passed_over(serial: Pat
 
 def test_blocks_are_of_bounded_size_and_miss_nothing(serial: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(trajectory, "BLOCK_BYTES", 24 * 16 * 7)
+    monkeypatch.setattr(trajectory, "LEAST_FRAMES", 1)
     parts = list(blocks([serial], TWO.problem()))
     assert [part.frames for part in parts] == [7, 7, 7, 7, 7, 6]
     np.testing.assert_array_equal(np.concatenate([part.time for part in parts]), whole(TWO.problem(), serial).time)

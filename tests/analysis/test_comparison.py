@@ -1,5 +1,6 @@
 """Differences are reported with their size and place; places without a sharp time are left out."""
 
+import itertools
 import math
 from dataclasses import replace
 
@@ -28,7 +29,7 @@ def run():
 def compared(own, reference, sizes=None, limits=LIMITS):
     comparison = Comparison(limits)
     starts = [0, *np.cumsum(sizes or [own.frames]).tolist()]
-    for start, end in zip(starts, starts[1:], strict=False):
+    for start, end in itertools.pairwise(starts):
         comparison.add(own[start:end], reference[start:end])
     return comparison
 
@@ -51,7 +52,9 @@ def test_a_run_does_not_differ_from_itself(run):
 
 @given(st.integers(0, 300), st.integers(1, 2), st.integers(1, 40), st.floats(2e-3, 1e3), st.sampled_from([-1.0, 1.0]))
 def test_one_wrong_number_is_found_where_it_is(run, frame, chain, bead, size, sign):
-    found = compared(changed(run, frame, chain, bead, velocity=sign * size), run, [64, 64, 173]).deviations()["velocity"]
+    found = compared(changed(run, frame, chain, bead, velocity=sign * size), run, [64, 64, 173]).deviations()[
+        "velocity"
+    ]
     assert found.largest == pytest.approx(size, rel=1e-12)
     assert found.rms == pytest.approx(size / math.sqrt(301 * 80), rel=1e-9)
     for place in (found.where, found.first):
@@ -150,4 +153,6 @@ def test_the_figure_is_drawn_of_however_little(frames, recorded):
 def test_the_figure_is_drawn_with_a_tolerance_of_zero(run):
     comparison = compared(run, run)
     zero = dict.fromkeys(LIMITS, 0.0)
-    validation_figure(run.problem, comparison.error_map, comparison.deviations(), zero, "itself").draw_without_rendering()
+    validation_figure(
+        run.problem, comparison.error_map, comparison.deviations(), zero, "itself"
+    ).draw_without_rendering()

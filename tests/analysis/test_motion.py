@@ -50,10 +50,8 @@ def test_power_adds_up_to_nothing(chains, kappa, gap):
     state = random_state(problem(chains, kappa, gap))
     acceleration = everywhere(state)[0][0]
     h = 1e-5  # along the motion: x + h v, v + h a
-    ahead, behind = (
-        motion.energy(state.problem, state.displacement[0] + s * state.velocity[0], state.velocity[0] + s * acceleration)
-        for s in (h, -h)
-    )
+    x, v = state.displacement[0], state.velocity[0]
+    ahead, behind = (motion.energy(state.problem, x + s * v, v + s * acceleration) for s in (h, -h))
     assert (ahead - behind) / (2 * h) == pytest.approx(0.0, abs=9 * chains * (3 * h**1.5 + 2e-10))
 
 

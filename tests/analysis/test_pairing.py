@@ -1,5 +1,6 @@
 """Two streams of one run, cut anywhere, come out as pairs of the same frames."""
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -18,7 +19,7 @@ CUTS = st.lists(st.integers(0, 31), max_size=6).map(sorted)
 
 def cut(trajectory, places):
     ends = [0, *places, trajectory.frames]
-    return [trajectory[start:end] for start, end in zip(ends, ends[1:], strict=False)]
+    return [trajectory[start:end] for start, end in itertools.pairwise(ends)]
 
 
 @given(CUTS, CUTS)

@@ -16,7 +16,7 @@ from workflow.engines.reference import engine
 POWERS = np.arange(8.0)[:, np.newaxis]
 AMPLIFIED = np.finfo(float).eps * np.abs(hermite.coefficients((0, 1, 2, 3), np.eye(8).reshape(4, 2, 8), 1.0))
 ROUNDING = float(np.sum(3.0**POWERS * AMPLIFIED))
-"""Of a displacement of size 1: last bits of the eight data, times coefficients, times powers of at most three frames."""
+"""Of a displacement of size 1: last bits of the eight data, times coefficients, times powers of up to three frames."""
 STEEPER = float(np.sum(POWERS * 3.0 ** (POWERS - 1.0) * AMPLIFIED))
 """Of its derivative, times the time between frames."""
 
@@ -102,7 +102,7 @@ def test_a_time_beyond_the_end_by_a_rounding_of_six_digits_is_let_pass():
 
 @pytest.mark.parametrize("time", [-0.002, 10.002])
 def test_a_time_outside_is_refused(time):
-    assert 0.002 > MARGIN * 0.1
+    assert MARGIN * 0.1 < 0.002
     with pytest.raises(InputError, match="reach beyond the run's 0 to 10 "):
         at_times(written_down(problem(), oscillating(1.0, 0.0)), np.array([time]))
 

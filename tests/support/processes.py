@@ -1,6 +1,5 @@
 """Which processes there are, for tests that end some and look for those left behind."""
 
-import os
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -11,7 +10,7 @@ def working_in(directory: Path) -> list[int]:
     found = []
     for process in Path("/proc").glob("[0-9]*"):
         try:
-            if Path(os.readlink(process / "cwd")) == directory.resolve():
+            if (process / "cwd").readlink() == directory.resolve():
                 found.append(int(process.name))
         except OSError:
             continue

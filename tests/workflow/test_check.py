@@ -60,9 +60,7 @@ def test_the_last_line_says_the_error_where_it_is_and_how_sure_that_is(tmp_path,
     held = json.loads((tmp_path / "out" / "run.json").read_text())["check"]
     said = capsys.readouterr().out.splitlines()[-1]
     assert said.startswith(f"error: velocities {held['velocity']:.1e} V (bead {held['where']['bead']} of chain 1, t = ")
-    assert said.endswith(
-        f"sure to {held['reference']['velocity']:.1e} V and {held['reference']['arrival']:.1e} T"
-    )
+    assert said.endswith(f"sure to {held['reference']['velocity']:.1e} V and {held['reference']['arrival']:.1e} T")
 
 
 def test_its_velocity_error_is_the_largest_of_the_frames_that_it_compares(finished):
@@ -125,5 +123,7 @@ def test_the_check_does_not_depend_on_the_units(finished, tmp_path):
 def test_a_wrong_run_is_off_by_what_is_wrong(finished, tmp_path):
     import wrong_runs
 
-    wrong = wrong_runs.rewritten(finished.directory, tmp_path / "wrong", lambda run: (run.displacement, 1.1 * run.velocity))
+    wrong = wrong_runs.rewritten(
+        finished.directory, tmp_path / "wrong", lambda run: (run.displacement, 1.1 * run.velocity)
+    )
     assert check(RunDirectory(wrong.path)).velocity == pytest.approx(0.1, abs=1e-3)

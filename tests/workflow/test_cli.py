@@ -56,16 +56,14 @@ def a_run(finished, tmp_path):
 
 
 @pytest.fixture
-def ordinary_user():
-    """An effective user for whom permissions count (they do not for root)."""
-    if os.geteuid() != 0:
-        yield
-        return
-    os.seteuid(65534)
-    try:
-        yield
-    finally:
-        os.seteuid(0)
+def locked(tmp_path):
+    """A directory that the user may not look into; root, for whom permissions do not count, is somebody else here."""
+    tmp_path.chmod(0)
+    if os.getuid() == 0:
+        os.seteuid(65534)
+    yield tmp_path
+    os.seteuid(os.getuid())
+    tmp_path.chmod(0o700)
 
 
 # --- scenes -----------------------------------------------------------------------------------------------------------
@@ -85,12 +83,13 @@ def test_a_bad_scene_is_one_line_and_nothing_is_written(case, command, tmp_path,
     assert tree(tmp_path) == before
 
 
-def test_a_scene_without_permission_is_one_line(tmp_path, ordinary_user, capsys):
-    # pytest's directories are their owner's alone
-    assert refusal(["show", tmp_path / "scene.yaml"], capsys) == f"{tmp_path}/scene.yaml: cannot be read (Permission denied)"
+def test_a_scene_without_permission_is_one_line(locked, capsys):
+    assert refusal(["show", locked / "a.yaml"], capsys) == f"{locked}/a.yaml: cannot be read (Permission denied)"
 
 
-@pytest.mark.parametrize("name", ["two-chain", "", "../..", "nowhere/two-chains.yaml", "a\nb", "$(ls)", "--", "\x1b[31m"])
+@pytest.mark.parametrize(
+    "name", ["two-chain", "", "../..", "nowhere/two-chains.yaml", "a\nb", "$(ls)", "--", "\x1b[31m"]
+)
 def test_a_scene_that_is_not_there_is_one_line(name, tmp_path, capsys):
     refusal(["run", "-o", tmp_path / "out", "--", name], capsys)
     assert not (tmp_path / "out").exists()
@@ -163,10 +162,7 @@ def test_an_output_below_a_file_is_refused(command, tmp_path, capsys):
 
 
 @pytest.mark.parametrize("command", ["run", "deck"])
-def test_an_output_without_permission_is_refused(command, tmp_path, ordinary_user, capsys):
-    locked = tmp_path / "locked"
-    if os.getuid() != 0:
-        locked.mkdir(mode=0)
+def test_an_output_without_permission_is_refused(command, locked, capsys):
     message = refusal([command, "two-chains", "-o", locked / "out"], capsys)
     assert message == f"{locked}/out: cannot be written to (Permission denied)"
 
@@ -241,7 +237,10 @@ SPOILED = {
     "empty scene": (spoiled("scene.yaml", b""), "scene.yaml: is empty"),
     "binary scene": (spoiled("scene.yaml", b"\xff\xfe"), "scene.yaml: is not a text file"),
     "scene of another array": (spoiled("scene.yaml", scene_text(beads="7").encode()), "are not the 7 of test"),
-    "scene without an end": (spoiled("scene.yaml", scene_text(duration=None, until_bead="3").encode()), "ends at a bead"),
+    "scene without an end": (
+        spoiled("scene.yaml", scene_text(duration=None, until_bead="3").encode()),
+        "ends at a bead",
+    ),
 }
 
 
@@ -266,12 +265,13 @@ def test_a_spoiled_run_is_one_line_and_nothing_is_written(kind, a_run, capsys):
         ("x" * 300, "File name too long"),
     ],
 )
-def test_what_is_no_run_is_not_analysed(place, says, a_run, tmp_path, capsys):
+@pytest.mark.usefixtures("a_run")
+def test_what_is_no_run_is_not_analysed(place, says, tmp_path, capsys):
     assert says in refusal(["analyze", tmp_path / place], capsys)
 
 
-def test_a_run_without_permission_is_one_line(tmp_path, ordinary_user, capsys):
-    assert refusal(["analyze", tmp_path / "run"], capsys) == f"{tmp_path}/run: cannot be read (Permission denied)"
+def test_a_run_without_permission_is_one_line(locked, capsys):
+    assert refusal(["analyze", locked / "run"], capsys) == f"{locked}/run: cannot be read (Permission denied)"
 
 
 @pytest.mark.parametrize("beads", ["", "x", "1.5", "1,,2", "1;2", "0", "-1", "13", "9" * 40, "all", "1\n2"])

@@ -29,7 +29,7 @@ def test_importing_loads_none_of_the_heavy_packages(module):
     assert python(f"import sys, {module}; print(*(m for m in {HEAVY} if m in sys.modules))") == []
 
 
-@pytest.mark.parametrize("command", [["scenes"], ["show", "two-chains"]])
+@pytest.mark.parametrize("command", [["scenes"], ["show", "two-chains"], ["--help"]])
 def test_commands_that_compute_nothing_load_none_of_the_heavy_packages(command):
     code = f"""
 import contextlib, io, sys

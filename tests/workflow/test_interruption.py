@@ -1,10 +1,11 @@
-"""Runs that are killed or interrupted at any moment: what they computed is kept, readable, and said to be incomplete."""
+"""Runs that are killed or interrupted at any moment: what they computed is kept and reads, and is called incomplete."""
 
 import json
 import os
 import signal
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ import pytest
 from processes import wait_until, working_in
 from stock_lammps import scene
 
+from analysis.binary_dump import CutDumpWarning
 from lammps_inputs import strict_yaml
 from workflow.cli import main
 from workflow.engines.lammps import mpi
@@ -79,7 +81,9 @@ def whole(tmp_path_factory):
 
 
 def assert_frames_are_those_of(whole, directory):
-    found = RunDirectory(directory).trajectory
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", CutDumpWarning)  # the last frame may be cut
+        found = RunDirectory(directory).trajectory
     count = min(found.frames, whole.frames)
     assert count > 0
     np.testing.assert_array_equal(found.velocity[:count], whole.velocity[:count])
@@ -99,7 +103,7 @@ def frames_of_incomplete_analysis(directory, capsys):
 # --- SIGKILL ----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("size", "ranks"), [(1, 1), (100_000, 1), (2_000_000, 1), pytest.param(100_000, 2, marks=TWO)])
+@pytest.mark.parametrize(("size", "ranks"), [(1, 1), (2_000_000, 1), pytest.param(100_000, 2, marks=TWO)])
 def test_what_a_killed_run_had_dumped_reads_and_analyses_as_incomplete(size, ranks, start, whole, capsys):
     command = start(ranks)
     command.reach("chains.dump.bin", size)
@@ -111,15 +115,19 @@ def test_what_a_killed_run_had_dumped_reads_and_analyses_as_incomplete(size, ran
 
 
 @pytest.mark.parametrize("file", ["scene.yaml", "run.json"])
-def test_a_run_killed_before_its_first_frame_leaves_a_directory_that_says_so(file, start, capsys):
+def test_a_run_killed_at_its_beginning_leaves_a_directory_that_says_what_it_lacks(file, start, capsys):
     command = start()
     command.reach(file, 1)
     command.end(signal.SIGKILL)
     assert command.nothing_is_left()
-    if (command.run / "chains.dump.bin").exists():
-        pytest.skip("it came to its first frame after all")
-    assert main(["analyze", str(command.run)]) == 2
-    assert capsys.readouterr().err == f"granchain: {command.run}: holds no chains.dump.bin; run the deck first\n"
+    code = main(["analyze", str(command.run), "--no-figures"])
+    out, err = capsys.readouterr()
+    if (command.run / "chains.dump.bin").exists():  # LAMMPS was faster than the signal
+        assert code == 0
+        assert out.startswith("incomplete: ")
+    else:
+        assert code == 2
+        assert err == f"granchain: {command.run}: holds no chains.dump.bin; run the deck first\n"
 
 
 def test_a_killed_worker_and_its_run_leave_whole_frames(start, whole):
@@ -154,7 +162,7 @@ def test_a_killed_run_can_be_overwritten_by_a_new_one(start):
 # --- Ctrl-C -----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("size", "ranks"), [(1, 1), (100_000, 1), pytest.param(100_000, 2, marks=TWO)])
+@pytest.mark.parametrize(("size", "ranks"), [(1, 1), pytest.param(100_000, 2, marks=TWO)])
 def test_ctrl_c_ends_a_run_with_one_line_and_its_frames(size, ranks, start, whole, capsys):
     command = start(ranks)
     command.reach("chains.dump.bin", size)
@@ -172,9 +180,9 @@ def test_ctrl_c_before_anything_is_written_is_one_line(tmp_path):
     slow = tmp_path / "slow.yaml"
     os.mkfifo(slow)  # a scene that is being read until somebody writes it
     command = [GRANCHAIN, "run", slow, "-o", tmp_path / "run"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
-        with slow.open("w"):  # waits for the reader
-            process.send_signal(signal.SIGINT)
-            out, err = process.communicate(timeout=20)
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    with slow.open("w"):  # waits for the reader
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=20)
     assert (process.returncode, out, err) == (130, "", "granchain: interrupted\n")
     assert not (tmp_path / "run").exists()

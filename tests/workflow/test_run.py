@@ -39,7 +39,7 @@ def peaks(directory, bead):
     return [float(row["peak_velocity"]) for (_, number), row in sorted(waves(directory).items()) if number == bead]
 
 
-# --- the numbers of the paper's scenes (PHYSICS.md, sections 6 and 7) ---------------------------------------------------
+# --- the numbers of the paper's scenes (PHYSICS.md, sections 6 and 7) -------------------------------------------------
 
 
 def test_two_chains_have_the_published_peaks_at_bead_55(paper):
@@ -159,8 +159,8 @@ def test_run_json_says_what_was_computed_with_what_and_how_it_ended(paper):
 
 
 def _as_date(version):
-    month = ["Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"][version // 100 % 100 - 1]
-    return f"{version % 100} {month} {version // 10000}"
+    months = "Jan Feb Mar Apr May Jun Jul Aug Sep Oct Nov Dec".split()  # noqa: SIM905
+    return f"{version % 100} {months[version // 100 % 100 - 1]} {version // 10000}"
 
 
 def test_run_json_has_the_fingerprint_of_the_files_that_lammps_was_given(paper):

@@ -72,14 +72,14 @@ def _print(found: Analysis) -> None:
 
 
 def _print_pulses(found: Survey) -> None:
-    """The verdict, the decay law where it was fitted, and what the leading waves and the other pulses are."""
+    """The verdict, the decay law where it was fitted, what the leading waves and other pulses are."""
     print(found.verdict.sentence)
     final, decay = found.shared.final, found.decay
     if final is not None:
         share = np.sum(found.shared.wave_share[-1])
         print(
-            f"amplitude {final.value:.5f} +- {max(final.uncertainty, 1e-6):.1g} V, {1.0 - final.value:.1%} below the kick;"
-            f" {share:.1%} of its energy in the leading waves"
+            f"amplitude {final.value:.5f} +- {max(final.uncertainty, 1e-6):.1g} V, {1.0 - final.value:.1%} below "
+            f"the kick; {share:.1%} of its energy in the leading waves"
         )
     if decay is not None:
         print(

@@ -49,7 +49,7 @@ def failure_of(old, new, directory, ranks=1):
 @pytest.mark.parametrize("step", [1.2, 3.0, 1e3, 1e20])
 def test_an_unstable_time_step_fails_in_the_first_segment_with_step_bound_and_remedy(step, tmp_path):
     unstable = scene(beads=20, timestep=step, every=step, duration=2000 * step)
-    with pytest.raises(RunError, match=rf"^by step 200, .*; take a smaller timestep \(it is {_text(step)}, .* 0\.798\)$"):
+    with pytest.raises(RunError, match=rf"^by step 200, .* smaller timestep \(it is {_text(step)}, .* 0\.798\)$"):
         run(unstable, tmp_path / "run")
     record = RunDirectory(tmp_path / "run").record
     assert record["outcome"] == "failed"
@@ -66,7 +66,7 @@ def test_the_remedy_is_in_the_units_of_the_scene(tmp_path):
         run(slow, tmp_path / "run")
 
 
-# --- decks that LAMMPS does not take ------------------------------------------------------------------------------------
+# --- decks that LAMMPS does not take ----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("ranks", RANKS)
@@ -113,7 +113,9 @@ def test_a_deck_that_loses_beads_is_told(tmp_path):
 
 def test_a_deck_that_stops_before_its_end_is_told(tmp_path):
     assert "stopped at step 100 instead of 200" in failure_of(
-        "run ${steps}", "variable one equal 1\nfix stop all halt 100 v_one > 0 error continue message no\nrun ${steps}", tmp_path
+        "run ${steps}",
+        "variable one equal 1\nfix stop all halt 100 v_one > 0 error continue message no\nrun ${steps}",
+        tmp_path,
     )
 
 
@@ -167,6 +169,7 @@ def test_a_killed_rank_ends_the_other_and_is_told(which, tmp_path):
     assert re.match(r"LAMMPS ended with exit code 9 after step \d+\.", message)
 
 
+@pytest.mark.filterwarnings("ignore::analysis.binary_dump.CutDumpWarning")  # the last frame may be cut
 def test_a_killed_run_is_recorded_as_failed_and_its_frames_are_kept(tmp_path):
     with pytest.raises(RunError):
         run(LONG, tmp_path, progress=to_workers(tmp_path, kill))

@@ -35,7 +35,7 @@ def to_1e_9():
     return engine.run(PAPER, steps_per_frame=certifier.steps_per_frame), certifier.certificate
 
 
-# --- against the independent -------------------------------------------------------------------------------------------
+# --- against the independent ------------------------------------------------------------------------------------------
 
 
 def test_two_chains_are_certified_to_1e_9(to_1e_9):
@@ -126,10 +126,12 @@ def test_lammps_at_the_default_step_is_within_1_5e_5_at_the_end(to_1e_9, paper):
     assert 1.4e-5 < error <= 1.5e-5 + certificate.velocity  # 0.149 h^2 (PHYSICS.md, section 9)
 
 
-# --- certificates ------------------------------------------------------------------------------------------------------
+# --- certificates -----------------------------------------------------------------------------------------------------
 
 SCENES = [
-    problem(beads=30, frames=round(40.0 / every), chains=chains, kappa=kappa, gap=gap, timestep=every / 10.0, kicks=kicks)
+    problem(
+        beads=30, frames=round(40.0 / every), chains=chains, kappa=kappa, gap=gap, timestep=every / 10.0, kicks=kicks
+    )
     for every in (0.1, 0.4, 2.0)
     for chains, kappa in ((1, 0.0), (2, 0.01), (2, 0.1), (3, 0.5), (4, 10.0))
     for gap in (0.0, 0.5, 2.874)
@@ -185,7 +187,9 @@ def test_the_order_is_that_of_the_differences_of_three_runs():
 
 def test_the_blocks_are_those_of_the_finer_run():
     certifier = Certifier(problem(), steps_per_frame=6)
-    np.testing.assert_array_equal(joined(certifier.blocks()).velocity, engine.run(problem(), steps_per_frame=6).velocity)
+    np.testing.assert_array_equal(
+        joined(certifier.blocks()).velocity, engine.run(problem(), steps_per_frame=6).velocity
+    )
 
 
 def test_a_second_pass_certifies_the_same():
