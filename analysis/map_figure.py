@@ -37,9 +37,7 @@ def map_figure(columns: dict[str, Floats]) -> Figure:
             )
         kappa = np.geomspace(columns["kappa"].min(), columns["kappa"].max(), 50)
         distance.plot(kappa, DECAY_LENGTH / kappa, color="black", linewidth=1.0, linestyle=(0, (5, 2)))
-        distance.text(
-            kappa[34], DECAY_LENGTH / kappa[34], "decay law:\n$n^* = 2.709/\\kappa$  ", ha="right", va="top"
-        )
+        distance.text(kappa[34], DECAY_LENGTH / kappa[34], "decay law:\n$n^* = 2.709/\\kappa$  ", ha="right", va="top")
         for axis in (distance, amplitude):
             axis.set_xscale("log")
             axis.set_xlabel("coupling $\\kappa$ (at $V$ = 1)")

@@ -196,7 +196,9 @@ def to_csv(cases: Sequence[Case]) -> str:
 def _draw(directory: Path, cases: Sequence[Case]) -> None:
     from analysis.map_figure import map_figure
 
-    columns = {field.name: np.array([getattr(case, field.name) for case in cases], dtype=float) for field in fields(Case)}
+    columns = {
+        field.name: np.array([getattr(case, field.name) for case in cases], dtype=float) for field in fields(Case)
+    }
     figure = map_figure(columns)
     for suffix in ("png", "pdf"):
         out = io.BytesIO()

@@ -43,9 +43,7 @@ def test_a_map_goes_on_where_it_stopped(tmp_path: Path) -> None:
     assert gone.exists()
 
 
-def test_the_command_prints_a_table_and_writes_the_figure(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_command_prints_a_table_and_writes_the_figure(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["map", "-o", str(tmp_path / "m"), "--couplings", "0.5,1", "--chains", "2,3"]) == 0
     assert "1% from" in capsys.readouterr().out
     assert (tmp_path / "m" / "map.png").stat().st_size > 10_000

@@ -68,4 +68,6 @@ def _finished(path: Path, scene: Scene, engine: str) -> RunDirectory | None:
     same = (path / deck.SCENE).read_text(encoding="utf-8") == strict_yaml.dump(scene.resolved().plain())
     record = directory.record
     checked = "check" in record or "certificate" in record
-    return directory if same and checked and record.get("outcome") == "done" and record.get("engine") == engine else None
+    return (
+        directory if same and checked and record.get("outcome") == "done" and record.get("engine") == engine else None
+    )

@@ -64,12 +64,16 @@ def _statements(
                 *(f"{name}: within 1% from bead {bead} on" for name, bead in one_percent.items()),
             ],
             "holds" if spread < 0.01 else "holds with a correction",
-            "" if spread < 0.01 else f"At kappa = 0.1 they become so: at bead 55 they still differ by {_percent(spread)}.",
+            ""
+            if spread < 0.01
+            else f"At kappa = 0.1 they become so: at bead 55 they still differ by {_percent(spread)}.",
         ),
         Statement(
             "The waves are synchronised.",
             [line for name, bead, _, _ in CASES for line in _lag_lines(name, runs[name], bead)],
-            "holds" if all(_lag(runs[name]["reference"], bead) < 0.1 for name, bead, _, _ in CASES) else "does not hold",
+            "holds"
+            if all(_lag(runs[name]["reference"], bead) < 0.1 for name, bead, _, _ in CASES)
+            else "does not hold",
         ),
         Statement(
             "The final waves hardly depend on the coupling.",

@@ -143,6 +143,8 @@ def _pictures(scan: study.Scan, hertz: dict[float, Impulses], rigid: Impulses) -
     shown = [("rigid", study.relative_mode(rigid, 2, LAST))]
     shown += [(rf"Hertz, $\kappa$ = {kappa:g}", study.relative_mode(found, 2, LAST)) for kappa, found in hertz.items()]
     curve = relative_mode_figure([(label, mode.bead, mode.difference) for label, mode in shown])
-    caption = "The difference of the chains along the way, at the gap of eq. 5: Hertz beads level out, rigid ones do not."
+    caption = (
+        "The difference of the chains along the way, at the gap of eq. 5: Hertz beads level out, rigid ones do not."
+    )
     pictures.append(Picture("relative-mode", curve, caption))
     return pictures

@@ -30,9 +30,7 @@ def test_peaks_are_those_of_recorded_frames() -> None:
 
 
 @pytest.mark.parametrize(("chains", "kappa", "window"), [(1, 0.0, 40), (2, 0.1, 40), (3, 0.1, 40), (2, 0.01, 40)])
-def test_a_window_behind_the_front_changes_no_bit_of_the_leading_pulse(
-    chains: int, kappa: float, window: int
-) -> None:
+def test_a_window_behind_the_front_changes_no_bit_of_the_leading_pulse(chains: int, kappa: float, window: int) -> None:
     long = problem(chains, 400, kappa, 2000.0)
     whole, windowed = passages(long, until_bead=390), passages(long, until_bead=390, window=window)
     ahead = windowed.waves.bead <= 390

@@ -8,7 +8,7 @@ import numpy as np
 
 from lammps_inputs import Problem
 from lammps_inputs.units import Scale
-from workflow.bench import Ratio
+from workflow.bench.ratio import Ratio
 from workflow.engines import collisions
 
 EVENTS = 100_000

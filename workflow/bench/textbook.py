@@ -82,7 +82,9 @@ def read_and_analyse(directory: Path, problem: Problem) -> Timing:
             velocity.append(step.data["vx"].reshape(shape))
     read = time.perf_counter() - started
     frames = np.arange(len(displacement))
-    trajectory = Trajectory(problem, frames * problem.every, np.array(displacement), np.array(velocity))
+    trajectory = Trajectory(
+        problem, np.asarray(frames * problem.every, dtype=np.float64), np.array(displacement), np.array(velocity)
+    )
     waves = leading_waves(find_peaks([trajectory]))
     (directory / "waves.csv").write_text(to_csv(waves, problem.scale))
     return Timing(read, time.perf_counter() - started)

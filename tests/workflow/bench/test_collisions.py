@@ -1,4 +1,4 @@
-from workflow import bench_collisions
+from workflow.bench import collisions as bench_collisions
 
 
 def test_a_crowd_has_more_collisions_than_are_timed():

@@ -8,7 +8,9 @@ import pytest
 from analysis.peaks import find_peaks
 from analysis.waves import leading_waves
 from lammps_inputs import deck
-from workflow import bench, textbook
+from workflow.bench import against_usual_ways as bench
+from workflow.bench import reference, textbook
+from workflow.bench.ratio import make_ratio
 from workflow.run import run
 
 
@@ -29,11 +31,11 @@ def test_the_textbook_way_finds_the_same_waves(tmp_path: Path) -> None:
 
 def test_the_reference_reaches_in_one_run_what_scipy_reaches() -> None:
     problem = bench.paper_scene(5.0).problem()
-    difference = np.abs(bench.last_velocities(problem, 16) - bench.scipy_velocities(problem, 1e-12))
+    difference = np.abs(reference.last_velocities(problem, 16) - reference.scipy_velocities(problem, 1e-12))
     assert np.max(difference) < 1e-8
 
 
 @pytest.mark.parametrize(("value", "reached"), [(2.0, False), (3.0, True)])
 def test_a_ratio_says_whether_it_reached_its_goal(value: float, reached: bool) -> None:
-    ratio = bench.make_ratio("x", [value], 2.5, times=[(1.0, value)])
+    ratio = make_ratio("x", [value], 2.5, times=[(1.0, value)])
     assert ratio.reached is reached
