@@ -357,7 +357,7 @@ def _numbers(values: Floats) -> Any:
 
 
 def _draw(directory: Path, found: Comparison) -> None:
-    from analysis.engines_figure import Curve, engines_figure  # matplotlib takes half a second to import
+    from analysis.figures.engines import Curve, engines_figure  # matplotlib takes half a second to import
 
     curves = [
         Curve(result.engine, result.time, result.velocity, result.impulses.bead, result.impulses.first)

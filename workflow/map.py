@@ -1,7 +1,7 @@
 """Equipartition over coupling and number of chains: how far it takes, and what amplitude is left. Reference engine.
 
-Each case is a file, written when it is done, so an interrupted map goes on where it stopped. Only the rows near the front
-are integrated; every case is run a second time in a window twice as wide, and the two must agree.
+Each case is a file, written when it is done, so an interrupted map goes on where it stopped. Only the rows near the
+front are integrated; every case is run a second time in a window twice as wide, and the two must agree.
 """
 
 import csv
@@ -16,9 +16,9 @@ from pathlib import Path
 
 import numpy as np
 
-from analysis.agreement import agrees_from, leading_peaks
+from analysis.equipartition import sharing
 from analysis.waves import Waves
-from lammps_inputs import Coupling, InputError, Kick, Scene, coupling
+from lammps_inputs import Coupling, InputError, Kick, Problem, Scene, coupling
 from workflow.engines.lammps.mpi import cores
 from workflow.engines.reference.passages import passages
 from workflow.run_directory import write_bytes, write_text
@@ -43,8 +43,8 @@ class Case:
     Attributes:
         chains, kappa: which.
         beads: length of the chains that were integrated.
-        ten, one: bead from which all chains' leading peaks agree to 10% and 1% for good; None if not within the chain.
-        amplitude: mean leading peak at the end.
+        ten, one: bead from which all chains' leading peaks agree to 10% and 1%, for half a beat at least; else None.
+        amplitude: mean leading peak over the last half beat; NaN if a chain was not reached.
         mismatch: spread of the leading peaks at the end, relative to their mean; NaN if a chain was not reached.
         window: rows integrated.
         window_error: largest difference of any leading peak from a window twice as wide.
@@ -73,45 +73,43 @@ def run_case(chains: int, kappa: float, most_beads: int = MOST_BEADS) -> Case:
 
 
 def _run_length(chains: int, kappa: float, beads: int) -> Case:
+    problem = _problem(chains, kappa, beads)
     window = _WINDOW
-    waves = _waves(chains, kappa, beads, window)
+    waves = _waves(problem, window)
     while True:
-        wider = _waves(chains, kappa, beads, 2 * window)
+        wider = _waves(problem, 2 * window)
         error = _difference(waves, wider)
         window, waves = 2 * window, wider
         if error <= _SAME or window >= _WIDEST:
             break
-    number, peaks = leading_peaks(waves, chains)
-    clear = number <= beads - 10
-    number, peaks = number[clear], peaks[clear]
-    last = peaks[-1] if len(peaks) else np.full(chains, np.nan)
-    mean = float(np.mean(last))
+    shared = sharing(waves, problem)
+    final = shared.final
     return Case(
         chains,
         kappa,
         beads,
-        agrees_from(number, peaks, 0.1),
-        agrees_from(number, peaks, 0.01),
-        mean,
-        float(np.ptp(last)) / mean,
+        shared.agrees_from(0.1),
+        shared.agrees_from(0.01),
+        math.nan if final is None else final.value,
+        math.nan if len(shared) == 0 else float(shared.mismatch[-1]),
         window,
         error,
     )
 
 
-def _waves(chains: int, kappa: float, beads: int, window: int) -> Waves:
-    scene = Scene(
-        name="map",
-        chains=chains,
-        beads=beads,
-        coupling=Coupling(stiffness=kappa),
-        kick=(Kick(velocity=1.0),),
-        duration=10.0 * beads,
-    )
-    window = min(window, beads + 30)
-    step = 0.1 / math.sqrt(max(1.0, kappa * coupling.largest_eigenvalue(chains) / 2.0))
-    found = passages(scene.problem(), window=window, timestep=step, until_bead=beads - 5, threshold=_THRESHOLD)
-    return found.waves.where(found.waves.bead <= beads - 10)
+def _problem(chains: int, kappa: float, beads: int) -> Problem:
+    kick = (Kick(velocity=1.0),)
+    stiffness = Coupling(stiffness=kappa)
+    return Scene(name="map", chains=chains, beads=beads, coupling=stiffness, kick=kick, duration=10.0 * beads).problem()
+
+
+def _waves(problem: Problem, window: int) -> Waves:
+    """Leading waves; the last rows are left out, which the free end disturbs."""
+    window = min(window, problem.beads + 30)
+    step = 0.1 / math.sqrt(max(1.0, problem.kappa * coupling.largest_eigenvalue(problem.chains) / 2.0))
+    until = problem.beads - 5
+    waves = passages(problem, window=window, timestep=step, until_bead=until, threshold=_THRESHOLD).waves
+    return waves.where(waves.bead <= until - 5)
 
 
 def _difference(first: Waves, second: Waves) -> float:
@@ -194,7 +192,7 @@ def to_csv(cases: Sequence[Case]) -> str:
 
 
 def _draw(directory: Path, cases: Sequence[Case]) -> None:
-    from analysis.map_figure import map_figure
+    from analysis.figures.map import map_figure
 
     columns = {
         field.name: np.array([getattr(case, field.name) for case in cases], dtype=float) for field in fields(Case)

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from analysis import events
-from analysis.binary_dump import Writer
+from analysis.recording import Writer
 from analysis.trajectory import Trajectory
 from lammps_inputs import InputError, Problem, Scene, deck
 from workflow import check as checking
@@ -99,7 +99,7 @@ def run(
         threading.Thread(target=reference.load, daemon=True).start()
     try:
         if engine == "lammps":
-            ending = _run_lammps(path, problem, ranks, progress)
+            ending = _run_lammps(path, ranks, progress)
         elif engine == "reference":
             ending = _run_reference(path / deck.DUMP, problem, progress)
         else:
@@ -115,8 +115,8 @@ def run(
     return Run(result, ending["outcome"], found)
 
 
-def _run_lammps(path: Path, problem: Problem, ranks: int, progress: Progress | None) -> dict[str, Any]:
-    end = lammps_engine.run(path, problem, ranks=ranks, progress=progress)
+def _run_lammps(path: Path, ranks: int, progress: Progress | None) -> dict[str, Any]:
+    end = lammps_engine.run(path, ranks=ranks, progress=progress)
     outcome = "done" if end.end == "done" else "interrupted"
     return {"outcome": outcome, "steps_done": end.steps, "lammps": end.version, "engine_seconds": end.seconds}
 

@@ -22,7 +22,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from analysis import binary_dump
+from analysis import recording
 from analysis.trajectory import Trajectory, joined
 from lammps_inputs import InputError, Problem, Scene, deck, load
 
@@ -160,7 +160,7 @@ class RunDirectory:
 
     def blocks(self, stride: int = 1) -> Iterator[Trajectory]:
         """The frames there are, or every stride-th of them, in blocks of bounded size."""
-        return binary_dump.blocks([self.dump], self.problem, stride)
+        return recording.blocks([self.dump], self.problem, stride)
 
     @property
     def trajectory(self) -> Trajectory:

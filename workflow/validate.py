@@ -239,7 +239,7 @@ def _any_exceeded(deviations: dict[str, Deviation], limits: dict[str, float]) ->
 
 
 def _write(path: Path, result: Validation, comparison: Comparison, against: str) -> None:
-    from analysis.error_figure import validation_figure  # matplotlib takes half a second to import
+    from analysis.figures.error import validation_figure  # matplotlib takes half a second to import
 
     write_json(path / REPORT, result.plain())
     figure = validation_figure(result.problem, comparison.error_map, result.deviations, result.tolerances, against)

@@ -1,4 +1,4 @@
-"""How equally two chains of gapped beads share a pulse: over the gap (rigid beads), and along the chain (both models)."""
+"""How equally two chains of gapped beads share a pulse: over the gap (rigid beads), and along the chain (both)."""
 
 from collections.abc import Sequence
 

@@ -13,7 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from analysis import trajectory
-from analysis.binary_dump import BinaryDump, CutDumpWarning, NoFrameError, Writer, atom_ids, blocks, rest_positions
+from analysis.binary_dump import BinaryDump, CutDumpWarning, NoFrameError
+from analysis.recording import Writer, atom_ids, blocks, rest_positions
 from lammps_inputs import Coupling, InputError, Kick, Output, Problem, Scene, deck
 
 BIN = Path(sysconfig.get_path("scripts"))
@@ -448,7 +449,7 @@ def test_a_file_that_shrinks_after_opening_is_refused(serial: Path, tmp_path: Pa
 READ_THROUGH = """
 import sys
 from pathlib import Path
-from analysis.binary_dump import blocks
+from analysis.recording import blocks
 from lammps_inputs import Kick, Scene
 scene = Scene(name="long", chains=2, beads=120, kick=(Kick(velocity=1.0),), duration=1.0)
 print(sum(block.frames for block in blocks([Path(sys.argv[1])], scene.problem())))

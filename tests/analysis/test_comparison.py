@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from small_problems import problem, written_down
 
 from analysis.comparison import QUANTITIES, Comparison, matched, sharp
-from analysis.error_figure import validation_figure
+from analysis.figures.error import validation_figure
 from analysis.peaks import THRESHOLD, PeakFinder, Peaks
 from analysis.trajectory import blocks
 from workflow.engines.reference import engine

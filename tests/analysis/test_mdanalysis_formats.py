@@ -4,7 +4,7 @@ import subprocess
 import sysconfig
 from pathlib import Path
 
-import MDAnalysis as mda  # noqa: N813  the name it is known by
+import MDAnalysis as mda
 import numpy as np
 import pytest
 from MDAnalysis.analysis.base import AnalysisFromFunction
@@ -12,7 +12,8 @@ from MDAnalysis.coordinates.LAMMPS import DumpReader
 
 import analysis.mdanalysis_formats as formats
 from analysis import trajectory
-from analysis.binary_dump import CutDumpWarning, blocks, rest_positions
+from analysis.binary_dump import CutDumpWarning
+from analysis.recording import blocks, rest_positions
 from lammps_inputs import Coupling, Kick, Output, Scene, deck
 
 BIN = Path(sysconfig.get_path("scripts"))

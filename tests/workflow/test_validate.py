@@ -9,7 +9,7 @@ import pytest
 import wrong_runs
 from stock_lammps import scene
 
-from analysis.binary_dump import Writer
+from analysis.recording import Writer
 from lammps_inputs import Kick, deck, find
 from workflow import validate as validation
 from workflow.cli import main

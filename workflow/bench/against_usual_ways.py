@@ -5,9 +5,9 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from analysis.binary_dump import blocks
 from analysis.conservation import Conservation
 from analysis.peaks import PeakFinder
+from analysis.recording import blocks
 from analysis.waves import leading_waves, to_csv
 from lammps_inputs import Coupling, Kick, Output, Problem, Scene, deck
 from workflow.bench import textbook

@@ -34,6 +34,7 @@ def make_ratio(
     below: bool = False,
     problem: Problem | None = None,
 ) -> Ratio:
+    """A ratio of pairs of times: the median of ``values``, at least the goal, or at most it with ``below``."""
     value = statistics.median(values)
     first, second = (statistics.median(pair[side] for pair in times) for side in (0, 1))
     detail = f"{first:.4g} s, {second:.4g} s; {min(values):.3g} to {max(values):.3g}"

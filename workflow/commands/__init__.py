@@ -1,1 +1,1 @@
-"""One module a command: ``add_arguments(parser)`` and ``execute(arguments) -> exit code``. `workflow.cli` lists them."""
+"""One module a command: ``add_arguments(parser)``, ``execute(arguments) -> exit code``. `workflow.cli` lists them."""

@@ -67,6 +67,7 @@ def _checked(check: Check, problem: Problem) -> str:
         unit = f" {problem.scale.symbol('time')}" if problem.scale.si else ""
         where = f" (bead {check.where.bead} of chain {check.where.chain}, t = {time:.5g}{unit})"
     return (
-        f"error: velocities {check.velocity:.1e} V{where}, peaks {check.amplitude:.1e} V, arrivals {check.arrival:.1e} T; "
+        f"error: velocities {check.velocity:.1e} V{where}, peaks {check.amplitude:.1e} V, "
+        f"arrivals {check.arrival:.1e} T; "
         f"the reference is sure to {check.reference.velocity:.1e} V and {check.reference.arrival:.1e} T"
     )

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from analysis.agreement import agrees_from, leading_peaks, mismatch
+from analysis.equipartition import Estimate, sharing
 from analysis.figures import response_figure, spacetime_figure
 from lammps_inputs import library
 from workflow import map as mapping
@@ -15,8 +15,6 @@ ENGINES = ("lammps", "reference")
 
 CASES = (("two-chains", 55, "1", "2"), ("two-chains-strong", 55, "3", "4"), ("three-chains", 90, "5", "6"))
 """Scene, the bead of the paper's figure, and the numbers of its figures in space and time and of that bead."""
-
-_FREE_END = 10
 
 
 def build(folder: Path, say: Say) -> Section:
@@ -44,7 +42,7 @@ def _statements(
     runs: dict[str, dict[str, Measured]], weaker: list[mapping.Case], more: list[mapping.Case]
 ) -> list[Statement]:
     two, strong, three = (runs[name] for name, *_ in CASES)
-    final = {name: _final(runs[name]["reference"]) for name, *_ in CASES}
+    final = {name: _final(runs[name]["reference"]).value for name, *_ in CASES}
     spread = float(_mismatch_at(two["reference"], 55))
     one_percent = {name: _agrees(runs[name]["reference"], 0.01) for name, *_ in CASES}
     change = abs(final["two-chains"] / final["two-chains-strong"] - 1.0)
@@ -109,7 +107,8 @@ def _reduction(says: str, claimed: float, runs: dict[str, Measured], final: floa
 
 def _final_lines(runs: dict[str, Measured]) -> list[str]:
     return [
-        f"{_NAMES[engine]}: final amplitude {_final(run):.5f} ± {run.velocity_error:.0e} V"
+        f"{_NAMES[engine]}: final amplitude {_final(run).value:.5f} V, computed to ± {run.velocity_error:.0e} V, "
+        f"still varying by {_final(run).uncertainty:.0e} V"
         for engine, run in runs.items()
     ]
 
@@ -133,22 +132,20 @@ def _lag(run: Measured, bead: int) -> float:
     return float(np.ptp(run.waves.at(bead).arrival))
 
 
-def _final(run: Measured) -> float:
-    """Mean leading peak over the last twenty beads that the free end does not disturb, and over the chains."""
-    beads, peaks = leading_peaks(run.waves, run.problem.chains)
-    clear = beads <= run.problem.beads - _FREE_END
-    return float(np.mean(peaks[clear][-20:]))
+def _final(run: Measured) -> Estimate:
+    """Amplitude over the last half beat, and how far it still varies."""
+    found = sharing(run.waves, run.problem).final
+    assert found is not None, "the paper's scenes run far enough"
+    return found
 
 
 def _mismatch_at(run: Measured, bead: int) -> float:
-    beads, peaks = leading_peaks(run.waves, run.problem.chains)
-    return float(mismatch(peaks[beads == bead])[0])
+    shared = sharing(run.waves, run.problem)
+    return float(shared.mismatch[shared.bead == bead][0])
 
 
 def _agrees(run: Measured, tolerance: float) -> int | None:
-    beads, peaks = leading_peaks(run.waves, run.problem.chains)
-    clear = beads <= run.problem.beads - _FREE_END
-    return agrees_from(beads[clear], peaks[clear], tolerance)
+    return sharing(run.waves, run.problem).agrees_from(tolerance)
 
 
 def _pictures(runs: dict[str, dict[str, Measured]]) -> list[Picture]:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from analysis.engines_figure import Curve, engines_figure
+from analysis.figures.engines import Curve, engines_figure
 from analysis.figures.partition import relative_mode_figure, scan_figure
 from analysis.impulses import Impulses
 from workflow import binary_collisions_study as study

@@ -54,14 +54,13 @@ def check_ranks(ranks: int, problem: Problem) -> None:
         raise InputError("--ranks: no mpiexec found beside Python or on the PATH; run with one rank")
 
 
-def run(directory: Path, problem: Problem, *, ranks: int = 1, progress: Progress | None = None) -> Outcome:
+def run(directory: Path, *, ranks: int = 1, progress: Progress | None = None) -> Outcome:
     """Run the deck that stands in a directory to its end.
 
     Ctrl-C ends it at the next segment, with every frame until then on disk.
 
     Args:
         directory: holds the deck; frames and log are written there.
-        problem: what the deck says, for the number of steps.
         ranks: MPI ranks.
         progress: called after every segment.
 

@@ -85,7 +85,7 @@ def blocks(
             frames_x,
             frames_v,
         )
-        yield Trajectory(problem, frame * problem.every, frames_x, frames_v)
+        yield Trajectory(problem, np.asarray(frame * problem.every, dtype=np.float64), frames_x, frames_v)
 
 
 @dataclass(frozen=True)

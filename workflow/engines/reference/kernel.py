@@ -100,7 +100,7 @@ def step(
 ) -> bool:
     """One time step of the rows that can move; arguments as for `advance`.
 
-    ``push`` holds the contact forces of the present positions unless ``stale``; returns whether they are stale after it.
+    ``push`` holds the contact forces of the present positions unless ``stale``; returns whether they are so after it.
     """
     beads = x.shape[0] // chains - 2
     for stage in range(kicks.shape[0]):

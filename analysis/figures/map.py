@@ -1,10 +1,10 @@
-"""The figure of a map: distance to equipartition and final amplitude over coupling, a line for each number of chains."""
+"""The figure of a map: distance to equipartition and final amplitude over coupling, one line a number of chains."""
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from analysis.figures import STYLE
+from analysis.figures.style import STYLE
 from analysis.trajectory import Floats
 
 DECAY_LENGTH = 2.709

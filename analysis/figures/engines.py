@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from analysis.figures import CHAIN_COLOURS, MAX_PANELS, STYLE, unit_label
+from analysis.figures.style import CHAIN_COLOURS, MAX_PANELS, STYLE, unit_label
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
 

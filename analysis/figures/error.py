@@ -7,7 +7,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from analysis.comparison import Deviation, ErrorMap
-from analysis.figures import STYLE, unit_label
+from analysis.figures.style import STYLE, unit_label
 from lammps_inputs import Problem
 
 GOOD, BAD = "#0072B2", "#D55E00"

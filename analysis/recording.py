@@ -1,0 +1,139 @@
+"""A run's frames in a file: dumps read as a trajectory, block by block, and frames written as LAMMPS writes them.
+
+Knows which atom is which bead: atom = (chain - 1) * beads + bead, at rest at bead * spacing. The file format is in
+`binary_dump`.
+"""
+
+import struct
+import warnings
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.binary_dump import MAGIC, BinaryDump, CutDumpWarning, NoFrameError
+from analysis.trajectory import Floats, Trajectory, frames_per_block
+from lammps_inputs import InputError, Problem
+
+
+def rest_positions(problem: Problem) -> Floats:
+    """[recorded bead] where LAMMPS has the beads at the start, to the last bit."""
+    return np.asarray(problem.recorded_beads * problem.spacing, dtype=np.float64)
+
+
+def atom_ids(problem: Problem) -> NDArray[np.int64]:
+    """[chain, recorded bead] numbers of the recorded atoms: (chain - 1) * beads + bead."""
+    return np.arange(problem.chains)[:, np.newaxis] * problem.beads + problem.recorded_beads
+
+
+def blocks(paths: Sequence[Path], problem: Problem, stride: int = 1) -> Iterator[Trajectory]:
+    """One or more dumps of a run, in order, as blocks of `trajectory.frames_per_block` frames.
+
+    With a stride, frames in between are left unread. A step that several files hold (the run was continued) comes from
+    the first of them. A file without a whole frame is
+    passed over if another has one.
+
+    Raises:
+        InputError: a file is no binary dump or damaged, holds other atoms than the problem, or its steps go back.
+
+    Warns:
+        CutDumpWarning: a file ends within a frame, which is left out.
+    """
+    shape = atom_ids(problem).shape
+    ids = atom_ids(problem).ravel()
+    rest = np.tile(rest_positions(problem), problem.chains)
+    size = frames_per_block(problem)
+    last, seen = -1, 0
+    empty: NoFrameError | None = None
+    for path in paths:
+        try:
+            dump = BinaryDump(path)
+        except NoFrameError as error:
+            empty = error
+            continue
+        if not np.array_equal(dump.ids, ids):
+            recorded = "all" if problem.recorded is None else f"{len(problem.recorded)} recorded"
+            raise InputError(
+                f"{path}: its {dump.n_atoms} atoms are not the {len(ids)} of {problem.name} "
+                f"({problem.chains} chains, {recorded} of {problem.beads} beads)"
+            )
+        if not np.all(np.diff(dump.steps) > 0):
+            raise InputError(f"{path}: its steps go back, so it is not one run")
+        new = int(np.searchsorted(dump.steps, last, side="right"))
+        first = new + (-seen) % stride
+        seen += dump.n_frames - new
+        for start in range(first, dump.n_frames, size * stride):
+            values = dump.read(start, start + size * stride, stride, columns=("x", "vx"))
+            values[:, 0] -= rest
+            steps = dump.steps[start : start + size * stride : stride]
+            yield Trajectory(
+                problem,
+                steps / problem.steps_per_frame * problem.every,
+                values[:, 0].reshape(-1, *shape),
+                values[:, 1].reshape(-1, *shape),
+            )
+        last = max(last, int(dump.steps[-1]))
+    if empty is not None:
+        if last < 0:
+            raise empty
+        warnings.warn(CutDumpWarning(f"{empty}; it is passed over"), stacklevel=2)
+
+
+class Writer:
+    """Writes a binary dump as LAMMPS does for ``id x vx``; each frame is on its way to the disk when `append` returns.
+
+    Use it in a ``with`` statement, or `close` it.
+    """
+
+    def __init__(self, path: Path | str, problem: Problem) -> None:
+        """Begin a dump of the recorded beads; an existing file is replaced."""
+        self._rest = rest_positions(problem)
+        ids = atom_ids(problem)
+        self._rows = np.empty((*ids.shape, 3), dtype="<f8")
+        self._rows[:, :, 0] = ids
+        width = 2.0 * problem.spacing
+        self._lateral = (-width, width * problem.chains, -width, width)
+        self._file = Path(path).open("wb")  # noqa: SIM115  closed by `close`
+
+    def append(self, step: int, displacement: Floats, velocity: Floats) -> None:
+        """Write one frame.
+
+        Args:
+            step: number of the time step.
+            displacement: [chain, recorded bead].
+            velocity: [chain, recorded bead].
+
+        Raises:
+            ValueError: an array has another shape.
+        """
+        rows = self._rows
+        for values in (displacement, velocity):
+            if values.shape != rows.shape[:2]:
+                raise ValueError(f"array of shape {values.shape}; [chain, recorded bead] is {rows.shape[:2]}")
+        rows[:, :, 1] = self._rest + displacement
+        rows[:, :, 2] = velocity
+        x = rows[:, :, 1]
+        names = b"id x vx"
+        atoms = x.size
+        header = struct.pack(
+            f"<2i2q7i6d2ibi{len(names)}s2i",
+            *(1, 2, step, atoms),
+            *(0, 2, 2, 1, 1, 1, 1),  # orthogonal; boundary s f f
+            *(x.min(), x.max(), *self._lateral),
+            *(3, 0, 0, len(names), names),
+            *(1, rows.size),
+        )
+        self._file.write(MAGIC + header + rows.tobytes())
+        self._file.flush()
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()
