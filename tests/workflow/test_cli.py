@@ -12,6 +12,7 @@ from bad_scenes import BAD_SCENES, scene_text
 from stock_lammps import scene
 
 from lammps_inputs import library, strict_yaml
+from workflow import cli
 from workflow.cli import COMMANDS, main
 from workflow.ending import with_duration
 from workflow.engines.lammps import mpi
@@ -61,6 +62,11 @@ def locked(tmp_path):
     tmp_path.chmod(0)
     if os.getuid() == 0:
         os.seteuid(65534)
+        try:
+            Path(cli.__file__).read_bytes()
+        except PermissionError:
+            os.seteuid(0)
+            pytest.skip("the package lies where only root can read it")
     yield tmp_path
     os.seteuid(os.getuid())
     tmp_path.chmod(0o700)
