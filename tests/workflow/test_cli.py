@@ -1,5 +1,6 @@
 """The command line: what is wrong is one line on standard error, exit code 2, and nothing written."""
 
+import importlib
 import json
 import os
 import shutil
@@ -59,6 +60,8 @@ def a_run(finished, tmp_path):
 @pytest.fixture
 def locked(tmp_path):
     """A directory that the user may not look into; root, for whom permissions do not count, is somebody else here."""
+    for name in COMMANDS:  # while they can be read
+        importlib.import_module(f"workflow.commands.{name}")
     tmp_path.chmod(0)
     if os.getuid() == 0:
         os.seteuid(65534)
