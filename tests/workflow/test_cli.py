@@ -62,6 +62,7 @@ def locked(tmp_path):
     """A directory that the user may not look into; root, for whom permissions do not count, is somebody else here."""
     for name in COMMANDS:  # while they can be read
         importlib.import_module(f"workflow.commands.{name}")
+    library.find("two-chains")
     tmp_path.chmod(0)
     if os.getuid() == 0:
         os.seteuid(65534)
