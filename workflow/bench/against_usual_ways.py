@@ -12,9 +12,8 @@ from analysis.waves import leading_waves, to_csv
 from lammps_inputs import Coupling, Kick, Output, Problem, Scene, deck
 from workflow.bench import textbook
 from workflow.bench.ratio import Ratio, make_ratio
-from workflow.check import check
 from workflow.engines.lammps import mpi
-from workflow.run_directory import RunDirectory
+from workflow.run import run
 
 
 def paper_scene(duration: float = 192.0) -> Scene:
@@ -37,6 +36,7 @@ def _scene(chains: int, beads: int, duration: float) -> Scene:
 def all_ratios(root: Path) -> Iterator[Ratio]:
     """All of this module's measurements, with files below a directory."""
     yield from output_cost(root / "output")
+    yield from check_cost(root / "check")
     yield from tuned_against_plain(root / "tuned")
     yield from against_textbook(root / "small", "2 x 120", paper_scene(), 5.0, 3)
     yield from against_textbook(root / "large", "100 x 1000", _scene(100, 1000, 15.0), 20.0, 1)
@@ -51,11 +51,18 @@ def output_cost(root: Path) -> Iterator[Ratio]:
     yield make_ratio(
         "run with frames / without, 2 x 120", [b / a for a, b in pairs], 1.3, below=True, times=pairs, problem=problem
     )
-    found = check(RunDirectory(root))
-    costs = [check(RunDirectory(root)).seconds / run for _, run in pairs[:5]]
-    yield make_ratio(
-        "check / LAMMPS loop, 2 x 120", costs, 0.1, below=True, times=[(run, found.seconds) for _, run in pairs[:5]]
-    )
+
+
+def check_cost(root: Path) -> Iterator[Ratio]:
+    """Measuring a run's error against the run, from its start as a process to its last frame."""
+    for label, scene in (("2 x 120", paper_scene()), ("2 x 600", _scene(2, 600, 800.0))):
+        pairs = []
+        for repeat in range(4):
+            done = run(scene, root / f"{scene.beads}-{repeat}")
+            assert done.check is not None
+            pairs.append((done.directory.record["wall_seconds"], done.check.seconds))
+        warm = pairs[1:]
+        yield make_ratio(f"check / run, {label}", [check / run for run, check in warm], 0.1, below=True, times=warm)
 
 
 def tuned_against_plain(root: Path) -> Iterator[Ratio]:
