@@ -6,6 +6,7 @@ exact wave passes at half its height. Agreement to a tolerance begins at the fir
 below it.
 """
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -153,8 +154,8 @@ class Sharing:
         """Bead from which on the amplitudes may be expected to agree, by the decay of the last few beats' mismatch.
 
         The uncertainty is the difference to what the last two half beats alone say, or, if only two were seen, half the
-        distance still to go; at least half a beat and 5% of that distance. None without two whole half beats, or if
-        the beats do not decay.
+        distance still to go; at least half a beat and 5% of that distance, and what follows from a top that lies up to
+        half a bead beside a recorded one. None without two whole half beats, or if the beats do not decay.
         """
         tops = self._tops()
         if len(tops) < 2:
@@ -164,8 +165,12 @@ class Sharing:
             return None
         value = max(estimates[1], float(tops[-1, 0]))
         other = abs(estimates[0] - value) if len(tops) > 2 else 0.5 * abs(value - float(tops[-1, 0]))
-        ahead = value - float(tops[-1, 0])
-        return Estimate(value, max(other, 0.05 * ahead + float(self.half_beat or 0.0)))
+        ahead, span = value - float(tops[-1, 0]), float(np.ptp(tops[-3:, 0]))
+        half = float(self.half_beat or 0.0)
+        missed = 1.0 - math.cos(0.5 * math.pi / max(1.0, half))
+        decay = span / max(math.log(tops[-3:, 1].max() / tops[-1, 1]), 1e-9)
+        beside = missed * min(decay, value) * (1.0 + ahead / span)
+        return Estimate(value, max(other, 0.05 * ahead + half + beside))
 
     def _tops(self) -> Floats:
         """[half beat, (bead, mismatch)] where the mismatch is largest between two changes of sign."""
