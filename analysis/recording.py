@@ -61,6 +61,7 @@ def blocks(paths: Sequence[Path], problem: Problem, stride: int = 1) -> Iterator
             )
         if not np.all(np.diff(dump.steps) > 0):
             raise InputError(f"{path}: its steps go back, so it is not one run")
+        _check_times(path, dump, problem)
         new = int(np.searchsorted(dump.steps, last, side="right"))
         first = new + (-seen) % stride
         seen += dump.n_frames - new
@@ -81,6 +82,20 @@ def blocks(paths: Sequence[Path], problem: Problem, stride: int = 1) -> Iterator
         warnings.warn(CutDumpWarning(f"{empty}; it is passed over"), stacklevel=2)
 
 
+def _check_times(path: Path, dump: BinaryDump, problem: Problem) -> None:
+    """Refuse frames at other times than the scene's: everything that is measured would be wrong."""
+    advice = "was the deck run with -var timestep or every? Change the scene instead"
+    step = problem.timestep
+    if dump.times is not None and dump.steps[-1] > 0:
+        step = float(dump.times[-1] / dump.steps[-1])
+        if abs(step / problem.timestep - 1.0) > 1e-9:
+            raise InputError(f"{path}: has a time step of {step:.6g}, its scene of {problem.timestep:.6g}; {advice}")
+    apart = np.unique(np.diff(dump.steps))
+    if len(apart) and (len(apart) > 1 or apart[0] != problem.steps_per_frame):
+        asked = problem.steps_per_frame
+        raise InputError(f"{path}: has frames {apart[0]} steps apart, its scene asks for {asked}; {advice}")
+
+
 class Writer:
     """Writes a binary dump as LAMMPS does for ``id x vx``; each frame is on its way to the disk when `append` returns.
 
@@ -90,6 +105,7 @@ class Writer:
     def __init__(self, path: Path | str, problem: Problem) -> None:
         """Begin a dump of the recorded beads; an existing file is replaced."""
         self._rest = rest_positions(problem)
+        self._timestep = problem.timestep
         ids = atom_ids(problem)
         self._rows = np.empty((*ids.shape, 3), dtype="<f8")
         self._rows[:, :, 0] = ids
@@ -118,11 +134,11 @@ class Writer:
         names = b"id x vx"
         atoms = x.size
         header = struct.pack(
-            f"<2i2q7i6d2ibi{len(names)}s2i",
+            f"<2i2q7i6d2ibdi{len(names)}s2i",
             *(1, 2, step, atoms),
             *(0, 2, 2, 1, 1, 1, 1),  # orthogonal; boundary s f f
             *(x.min(), x.max(), *self._lateral),
-            *(3, 0, 0, len(names), names),
+            *(3, 0, 1, step * self._timestep, len(names), names),
             *(1, rows.size),
         )
         self._file.write(MAGIC + header + rows.tobytes())

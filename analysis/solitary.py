@@ -9,7 +9,7 @@ from analysis.mirror import mirrored_bead
 from analysis.pulses import Pulse
 from analysis.solitary_wave import solitary_wave
 from analysis.trajectory import Floats
-from analysis.waveforms import COMPARED, Passages
+from analysis.waveforms import REACH, Passages
 from lammps_inputs import Problem
 
 CONSTANT_OVER = 10
@@ -66,7 +66,8 @@ def measured_at(pulse: Pulse, problem: Problem, last_time: float) -> int:
     """Position in a pulse of the last passage clear of the chain's end and recorded whole; the last, if none is."""
     way = pulse.bead if pulse.direction > 0 else mirrored_bead(problem, pulse.bead)
     with np.errstate(divide="ignore", invalid="ignore"):
-        over = pulse.arrival + COMPARED / solitary_wave().speed_at(pulse.peak_velocity)
+        watched = np.ceil(REACH / solitary_wave().speed_at(pulse.peak_velocity) / problem.every) + 1.0
+        over = pulse.arrival + watched * problem.every
     good = np.flatnonzero((way <= problem.beads - CLEAR) & (over < last_time))
     return int(good[-1]) if len(good) else len(pulse) - 1
 

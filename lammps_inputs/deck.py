@@ -93,7 +93,7 @@ def render_deck(problem: Problem) -> str:
     output = [] if problem.recorded is None else ["group recorded type 2"]
     output += [
         f"dump frames {recorded} custom ${{every}} {DUMP} {' '.join(COLUMNS)}",
-        "dump_modify frames flush yes     # whole frames survive a kill",
+        "dump_modify frames flush yes time yes   # whole frames survive a kill, and know their time",
         "thermo_style custom step",
         "thermo_modify lost error",
         "thermo ${thermo}",

@@ -27,6 +27,10 @@ __all__ = ["Analysis", "analyse", "default_beads", "last_clear_bead"]
 WAVES, REPORT = "waves.csv", "analysis.json"
 
 
+FARTHEST = 2.0
+"""Time between frames from which on a wave, which passes a bead in 2 T, is missed; at 1 peaks are right to 1e-4."""
+
+
 @dataclass(frozen=True)
 class Analysis:
     """What was found in a run.
@@ -73,6 +77,12 @@ def analyse(
     for bead in shown:
         if bead not in problem.recorded_beads:
             raise InputError(f"--beads: bead {bead} is not among the recorded ones")
+    if problem.every > FARTHEST * (1.0 + 1e-9):
+        limit = FARTHEST * problem.scale.time
+        raise InputError(
+            f"{directory.path}: its frames are {problem.every * problem.scale.time:.4g} apart, too far to find waves "
+            f"between them; run it with output.every at most {limit:.4g}"
+        )
     conservation = Conservation()
     watchers: list[Any] = [conservation]
     if figures:

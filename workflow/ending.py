@@ -8,7 +8,7 @@ from lammps_inputs import InputError, Scene
 from lammps_inputs.coupling import slowest_swing
 from workflow.engines.reference import engine
 
-_AFTER = 3.0
+_AFTER = 6.0
 """Time from the last chain's peak to the end, in units of T: the wave's velocity falls to nothing within it."""
 
 _SLOWEST = 10.0

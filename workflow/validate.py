@@ -77,8 +77,9 @@ class Validation:
 
     @property
     def passed(self) -> bool:
-        """Whether the run is complete, all quantities are within their tolerances and nothing seems wrong."""
-        return self.complete and not self.causes and not any(map(self.exceeded, self.deviations))
+        """Whether the run is complete, all is within its tolerance, nothing seems wrong, and the reference is sure."""
+        certain = self.certificate is None or not _doubts(self.certificate, self.tolerances)
+        return self.complete and certain and not self.causes and not any(map(self.exceeded, self.deviations))
 
     def plain(self) -> dict[str, Any]:
         """The contents of ``validation.json``, dimensionless; what is not a finite number is null there.
@@ -124,7 +125,7 @@ def validate(directory: RunDirectory, tolerances: dict[str, float] | None = None
     """
     limits = {**TOLERANCES, **(tolerances or {})}
     problem = directory.problem
-    certifier = Certifier(problem)
+    certifier = _sure_enough(problem, limits)
     comparison = Comparison(limits)
     kept: list[tuple[Trajectory, Trajectory]] = []
     kept_bytes = 0
@@ -152,7 +153,7 @@ def validate(directory: RunDirectory, tolerances: dict[str, float] | None = None
         deviations=deviations,
         tolerances=limits,
         causes=tuple(found),
-        remarks=(),
+        remarks=_doubts(certifier.certificate, limits),
         certificate=certifier.certificate,
         interpolation=None,
         frames=comparison.frames,
@@ -160,6 +161,35 @@ def validate(directory: RunDirectory, tolerances: dict[str, float] | None = None
     )
     _write(directory.path, result, comparison, "the reference")
     return result
+
+
+def _doubts(certificate: Certificate, limits: dict[str, float]) -> tuple[str, ...]:
+    sizes = {"velocity": certificate.velocity, "arrival": certificate.arrival}
+    return tuple(
+        f"the reference itself is only sure to {size:.1e} in {name}, not enough for this tolerance"
+        for name, size in sizes.items()
+        if not size <= limits[name]
+    )
+
+
+_SURER = 4.0
+"""The reference must be this many times surer than what it is to decide."""
+
+_MOST_DOUBLINGS = 5
+
+
+def _sure_enough(problem: Problem, limits: dict[str, float]) -> Certifier:
+    """A reference whose certificate is well below the tolerances, as far as some doublings of its steps allow."""
+    steps = None
+    for _ in range(_MOST_DOUBLINGS):
+        trial = Certifier(problem, steps_per_frame=steps)
+        for _ in trial.blocks():
+            pass
+        certificate = trial.certificate
+        if _SURER * certificate.velocity <= limits["velocity"] and _SURER * certificate.arrival <= limits["arrival"]:
+            break
+        steps = 2 * certificate.steps_per_frame
+    return Certifier(problem, steps_per_frame=steps)
 
 
 def validate_against(

@@ -1,6 +1,7 @@
 """Find the waves in a run and draw them."""
 
 import argparse
+import math
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ from analysis.solitary import Character
 from analysis.survey import Survey
 from lammps_inputs import InputError
 from workflow.analyse import Analysis, analyse, last_clear_bead
+from workflow.engines.lammps.checks import ENERGY_TOLERANCE
 from workflow.run_directory import RunDirectory
 from workflow.screen import print_table
 
@@ -69,6 +71,8 @@ def _print(found: Analysis) -> None:
     _print_pulses(found.survey)
     if np.isfinite(seen.energy_drift):
         print(f"energy within {seen.energy_drift:.1e}, momentum within {seen.momentum_drift:.1e} of the kick's")
+        if max(seen.energy_drift, seen.momentum_drift) > ENERGY_TOLERANCE:
+            print("that is not this scene: was the deck run with another kappa or kick? Change the scene instead")
 
 
 def _print_pulses(found: Survey) -> None:
@@ -105,6 +109,8 @@ def _words(character: Character) -> str:
         f"shape {character.residual:.1e}, speed {character.speed_excess:+.1e} off the exact wave, "
         f"amplitude varies by {character.variation:.1e}"
     )
+    if not math.isfinite(character.residual):
+        return f"at bead {character.bead}: not recorded long enough around its passage to compare its shape"
     kind = "solitary" if character.solitary else f"not solitary ({', '.join(character.fails)})"
     return f"{kind} at bead {character.bead}: {measured}"
 

@@ -1,6 +1,7 @@
 """Run a scene with LAMMPS, with the reference integrator, or as rigid beads that collide."""
 
 import argparse
+import math
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,7 @@ from workflow import run as running
 from workflow.check import Check
 from workflow.ending import with_duration
 from workflow.screen import progress_bar
+from workflow.validate import TOLERANCES
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -42,6 +44,9 @@ def execute(arguments: argparse.Namespace) -> int:
     print(f"{arguments.output}: {_done(record)}")
     if result.check is not None:
         print(_checked(result.check, problem))
+        if result.check.velocity > TOLERANCES["velocity"]:
+            step = problem.timestep * problem.scale.time * math.sqrt(TOLERANCES["velocity"] / result.check.velocity)
+            print(f"that is more than {TOLERANCES['velocity']:.0e} V; a timestep of about {step:.2g} would do")
     return 0
 
 
