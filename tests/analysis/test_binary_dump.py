@@ -97,7 +97,8 @@ def test_a_lammps_dump_has_the_frames_atoms_and_columns_of_the_deck(serial: Path
     assert dump.steps.tolist() == list(range(0, 401, 10))
     assert dump.columns == deck.COLUMNS
     assert dump.ids.tolist() == list(range(1, 25))
-    assert (dump.times, dump.tilt, dump.cut) == (None, None, False)
+    assert (dump.tilt, dump.cut) == (None, False)
+    np.testing.assert_allclose(dump.times, dump.steps * TWO.problem().timestep, rtol=1e-12)
     np.testing.assert_array_equal(dump.box[0, 1:], [[-8.0, 16.0], [-8.0, 8.0]])
 
 
@@ -467,7 +468,9 @@ def test_three_hundred_megabytes_are_read_through_in_two_hundred(tmp_path: Path)
     raw = np.tile(np.frombuffer(path.read_bytes(), np.uint8), (1000, 1))
     with path.open("wb") as file:
         for start in range(0, 51_000, 1000):
-            raw[:, 26:34] = np.arange(start, start + 1000, dtype="<i8")[:, np.newaxis].view(np.uint8)
+            steps = problem.steps_per_frame * np.arange(start, start + 1000, dtype="<i8")[:, np.newaxis]
+            raw[:, 26:34] = steps.view(np.uint8)
+            raw[:, 127:135] = (steps * problem.timestep).view(np.uint8)  # the time, after units and flag
             file.write(raw.data)
     assert path.stat().st_size > 300e6
     out = subprocess.run([sys.executable, "-c", READ_THROUGH, path], capture_output=True, text=True, check=True)

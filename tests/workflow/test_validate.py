@@ -200,7 +200,7 @@ def test_a_deck_run_for_fewer_steps_is_incomplete(tmp_path):
     [
         ("no dump", "holds no chains.dump.bin"),
         ("empty dump", "is an empty file"),
-        ("other cadence", "was the deck run with another -var every"),
+        ("other cadence", "was the deck run with -var timestep or every"),
         ("other scene", "its 80 atoms are not the 82"),
         ("no scene", "not a run directory"),
     ],
