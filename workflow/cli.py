@@ -5,8 +5,10 @@ Exit codes: 0 done, 1 a run or a check failed, 2 bad input.
 
 import argparse
 import ast
+import contextlib
 import importlib
 import os
+import signal
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -26,6 +28,8 @@ class _Parser(argparse.ArgumentParser):
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code."""
     words = list(sys.argv[1:] if argv is None else argv)
+    with contextlib.suppress(ValueError):  # not in the main thread
+        signal.signal(signal.SIGTERM, signal.default_int_handler)  # batch systems and `timeout`: end as at Ctrl-C
     try:
         arguments = _parser(words[:1]).parse_args(words)
         code = int(arguments.execute(arguments))

@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 import warnings
 from pathlib import Path
 
@@ -186,3 +187,17 @@ def test_ctrl_c_before_anything_is_written_is_one_line(tmp_path):
         out, err = process.communicate(timeout=20)
     assert (process.returncode, out, err) == (130, "", "granchain: interrupted\n")
     assert not (tmp_path / "run").exists()
+
+
+def test_a_batch_systems_sigterm_ends_a_run_like_ctrl_c(tmp_path):
+    long = tmp_path / "long.yaml"
+    long.write_text("name: long\nbeads: 200\nkick: {velocity: 1}\nduration: 5000\noutput: {every: 1}\n")
+    command = [sys.executable, "-m", "workflow.cli", "run", str(long), "-o", str(tmp_path / "r"), "--no-check"]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
+        dump = tmp_path / "r" / "chains.dump.bin"
+        while process.poll() is None and not (dump.exists() and dump.stat().st_size > 50_000):
+            time.sleep(0.02)
+        process.terminate()
+        process.wait(30)
+    assert process.returncode == 1
+    assert json.loads((tmp_path / "r" / "run.json").read_text())["outcome"] == "interrupted"

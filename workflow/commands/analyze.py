@@ -80,11 +80,11 @@ def _print_pulses(found: Survey) -> None:
     print(found.verdict.sentence)
     final, decay = found.shared.final, found.decay
     if final is not None:
-        share = np.sum(found.shared.wave_share[-1])
-        print(
-            f"amplitude {final.value:.5f} +- {max(final.uncertainty, 1e-6):.1g} V, {1.0 - final.value:.1%} below "
-            f"the kick; {share:.1%} of its energy in the leading waves"
-        )
+        # the energy of exact waves; beads with gaps carry none of that kind
+        energy = np.sum(found.shared.wave_share[-1])
+        share = "" if found.problem.gap else f"; {energy:.1%} of its energy in the leading waves"
+        uncertainty = max(final.uncertainty, 1e-6)
+        print(f"amplitude {final.value:.5f} +- {uncertainty:.1g} V, {1.0 - final.value:.1%} below the kick{share}")
     if decay is not None:
         print(
             f"decay as (1 - n / n*)**2.5 over beads {decay.first} to {decay.last}: n* = {decay.n_star:.1f} "
