@@ -1,4 +1,4 @@
-"""DESIGN.md: imports run one way, ``lammps_inputs <- analysis <- workflow``."""
+"""Imports run one way, ``lammps_inputs <- analysis <- workflow``."""
 
 import ast
 from pathlib import Path

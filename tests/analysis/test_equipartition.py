@@ -1,4 +1,4 @@
-"""PHYSICS.md section 7 and synthetic sharings of known mismatch, beat and decay."""
+"""Known beads of agreement, and synthetic sharings of known mismatch, beat and decay."""
 
 import functools
 import math

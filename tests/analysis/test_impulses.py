@@ -1,4 +1,4 @@
-"""Impulses against what equal beads must exchange, momentum, and the numbers of PHYSICS.md, section 8."""
+"""Impulses against what equal beads must exchange, momentum, and published numbers of gapped beads."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""The deck, run by stock LAMMPS: every trap of LAMMPS.md that applies to it is closed."""
+"""The deck, run by stock LAMMPS: every way to a silent wrong answer that applies to it is closed."""
 
 import math
 import re
@@ -212,7 +212,7 @@ def test_the_error_of_the_velocities_falls_as_the_square_of_the_step(three_chain
 
 
 def test_one_chain_sends_a_wave_of_the_published_peak_and_speed(tmp_path):
-    """PHYSICS.md 6: 0.6816315 far downstream, passing bead n at 0.77532 + (n - 1)/0.8405088."""
+    """A chain hit with V = 1: 0.6816315 far downstream, passing bead n at 0.77532 + (n - 1)/0.8405088."""
     result = run(scene(beads=60, duration=60.0, every=0.05), tmp_path / "run")
     bead = 41
     velocity = result.velocity[:, 0, bead - 1]

@@ -161,7 +161,7 @@ def test_the_same_problem_in_si_and_in_reduced_units_differs_by_rounding_alone()
 
 @given(st.floats(-12.0, 12.0), st.floats(0.0, 1e3))
 def test_a_scene_at_any_v_is_the_published_problem_at_v_equal_1(exponent, gap):
-    """PHYSICS.md 4: x = V^0.8 x^, t = V^-0.2 t^, kappa_eff = kappa V^-0.4, D_eff = D V^-0.8."""
+    """The exact scaling: x = V^0.8 x^, t = V^-0.2 t^, kappa_eff = kappa V^-0.4, D_eff = D V^-0.8."""
     v = 10.0**exponent
     problem = scene(
         chains=2, coupling=Coupling(stiffness=0.1), gap=gap * v**0.8, duration=5.0 * v**-0.2, kick=(Kick(velocity=v),)

@@ -1,4 +1,4 @@
-"""PHYSICS.md, section 9: the stability bound of velocity Verlet."""
+"""The stability bound of velocity Verlet."""
 
 import math
 

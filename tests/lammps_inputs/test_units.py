@@ -1,4 +1,4 @@
-"""PHYSICS.md, section 4."""
+"""Scales of SI scenes, and a steel ball worked out by hand."""
 
 import math
 

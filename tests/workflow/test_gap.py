@@ -13,7 +13,7 @@ from workflow.engines.reference import engine
 from workflow.run import run
 
 VERLET_ERROR = 1.5e-5
-"""Of velocities at the default step after a way of 120 beads (PHYSICS.md, section 9)."""
+"""Of velocities at the default step after a way of 120 beads."""
 
 STEEL = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)
 
@@ -35,7 +35,7 @@ def test_lammps_tends_to_the_reference_at_a_gap_as_the_step_squared(gap, kappa, 
         reference = engine.run(lammps.problem, steps_per_frame=4 * engine.default_steps_per_frame(lammps.problem))
         assert np.abs(reference.velocity[:, :, 5]).max() > 0.05  # the pulse got through
         errors.append(np.abs(lammps.velocity - reference.velocity).max())
-    # the next order is h**2.5 (PHYSICS.md, section 9): off by at most a factor 2**0.5
+    # the next order is h**2.5: off by at most a factor 2**0.5
     assert 2.0**1.5 < errors[0] / errors[1] < 2.0**2.5
     # a velocity off after a contact is a place off after a gap; and Verlet's swings are faster by (omega h)**2 / 24
     omega = (2.0 * (kappa or 0.0)) ** 0.5

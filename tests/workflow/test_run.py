@@ -21,7 +21,7 @@ two_ranks = pytest.mark.skipif(mpi.cores() < 2, reason="needs two cores")
 STEEL = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)
 
 VERLET_ERROR = 1.5e-5
-"""Of velocities at the default step (PHYSICS.md, section 9); published numbers of five digits add half of the last."""
+"""Of velocities at the default step; published numbers of five digits add half of the last."""
 
 
 def small(**changes):
@@ -39,7 +39,7 @@ def peaks(directory, bead):
     return [float(row["peak_velocity"]) for (_, number), row in sorted(waves(directory).items()) if number == bead]
 
 
-# --- the numbers of the paper's scenes (PHYSICS.md, sections 6 and 7) -------------------------------------------------
+# --- the numbers of the paper's scenes -------------------------------------------------
 
 
 def test_two_chains_have_the_published_peaks_at_bead_55(paper):

@@ -123,7 +123,7 @@ def test_lammps_at_the_default_step_is_within_1_5e_5_at_the_end(to_1e_9, paper):
     last = RunDirectory(paper("two-chains")).trajectory[-1:]
     assert last.time[0] == pytest.approx(192.0)
     error = np.max(np.abs(last.velocity - reference.velocity[-1:]))
-    assert 1.4e-5 < error <= 1.5e-5 + certificate.velocity  # 0.149 h^2 (PHYSICS.md, section 9)
+    assert 1.4e-5 < error <= 1.5e-5 + certificate.velocity  # 0.149 h^2
 
 
 # --- certificates -----------------------------------------------------------------------------------------------------

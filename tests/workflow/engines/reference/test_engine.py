@@ -68,7 +68,7 @@ def order(h, error):
     return float(np.polyfit(np.log(h), np.log(error), 1)[0])
 
 
-# --- published numbers (PHYSICS.md, sections 6 and 7) -----------------------------------------------------------------
+# --- published numbers -----------------------------------------------------------------
 
 
 @functools.cache
@@ -201,7 +201,9 @@ def test_blanes_moan_has_an_order_between_two_and_a_half_and_four_on_two_chains(
 def test_the_error_of_verlet_at_the_end_of_two_chains_is_the_published_one():
     two = find("two-chains").problem()
     verlet, exact = (run(two, scheme=scheme, steps_per_frame=10).velocity[-1] for scheme in SCHEMES)
-    assert np.abs(verlet - exact).max() == pytest.approx(0.149 * 0.01**2, rel=0.01)  # PHYSICS.md, section 9; at t = 192
+    assert np.abs(verlet - exact).max() == pytest.approx(
+        0.149 * 0.01**2, rel=0.01
+    )  # the error law of velocity Verlet; at t = 192
 
 
 def test_the_energy_of_verlet_swings_as_the_step_squared():
