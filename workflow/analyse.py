@@ -1,6 +1,5 @@
 """Analyse a run directory: ``waves.csv``, ``analysis.json`` and the figures beside the frames, which are read twice."""
 
-import io
 import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -17,7 +16,7 @@ from analysis.trajectory import Trajectory
 from analysis.waves import Waves
 from lammps_inputs import InputError, Problem
 from workflow.analysis_report import last_clear_bead, report, waves_csv
-from workflow.run_directory import RunDirectory, write_bytes, write_json, write_text
+from workflow.run_directory import RunDirectory, write_figure, write_json, write_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -112,7 +111,8 @@ def default_beads(problem: Problem) -> tuple[int, ...]:
 def _draw(path: Path, found: Survey, spacetime: Any, history: Any) -> tuple[Path, ...]:
     from analysis.figures import distance_figure, response_figure, shape_figure, spacetime_figure
 
-    problem, files = found.problem, []
+    problem = found.problem
+    files: list[Path] = []
     makers: dict[str, Callable[[], Figure]] = {
         "spacetime": lambda: spacetime_figure(spacetime),
         "response": lambda: response_figure(history),
@@ -125,10 +125,5 @@ def _draw(path: Path, found: Survey, spacetime: Any, history: Any) -> tuple[Path
         early, late = whole[min(len(whole) - 1, int(np.searchsorted(whole, 10)))], whole[-1]
         makers["shape"] = lambda: shape_figure(problem, found.waveforms, sorted({int(early), int(late)}))
     for name, make in makers.items():
-        figure = make()
-        for suffix in ("png", "pdf"):
-            out = io.BytesIO()
-            figure.savefig(out, format=suffix)
-            files.append(path / f"{name}.{suffix}")
-            write_bytes(files[-1], out.getvalue())
+        files += write_figure(path, name, make())
     return tuple(files)

@@ -3,7 +3,6 @@
 Each engine's run stands whole in a directory of its name; ``compare.json`` and a figure stand beside them.
 """
 
-import io
 import math
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
@@ -22,7 +21,7 @@ from workflow import run as running
 from workflow.ending import with_duration
 from workflow.engines.reference import engine as reference
 from workflow.errors import RunError
-from workflow.run_directory import EVENTS, RunDirectory, prepare, write_bytes, write_json, write_text
+from workflow.run_directory import EVENTS, RunDirectory, prepare, write_figure, write_json, write_text
 
 REPORT, FIGURE = "compare.json", "compare"
 
@@ -364,7 +363,4 @@ def _draw(directory: Path, found: Comparison) -> None:
         for result in found.results
     ]
     figure = engines_figure(found.problem, found.rows, curves)
-    for suffix in ("png", "pdf"):
-        out = io.BytesIO()
-        figure.savefig(out, format=suffix)
-        write_bytes(directory / f"{FIGURE}.{suffix}", out.getvalue())
+    write_figure(directory, FIGURE, figure)

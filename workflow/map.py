@@ -21,7 +21,7 @@ from analysis.waves import Waves
 from lammps_inputs import Coupling, InputError, Kick, Problem, Scene, coupling
 from workflow.engines.lammps.mpi import cores
 from workflow.engines.reference.passages import passages
-from workflow.run_directory import write_bytes, write_text
+from workflow.run_directory import write_figure, write_text
 
 COUPLINGS = tuple(float(f"{value:.3g}") for value in np.geomspace(1e-3, 2.0, 12))
 CHAINS = (2, 3, 4, 5, 6, 7, 8)
@@ -198,7 +198,4 @@ def _draw(directory: Path, cases: Sequence[Case]) -> None:
         field.name: np.array([getattr(case, field.name) for case in cases], dtype=float) for field in fields(Case)
     }
     figure = map_figure(columns)
-    for suffix in ("png", "pdf"):
-        out = io.BytesIO()
-        figure.savefig(out, format=suffix)
-        write_bytes(directory / f"map.{suffix}", out.getvalue())
+    write_figure(directory, "map", figure)

@@ -7,7 +7,7 @@ import platform
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -124,20 +124,13 @@ def _run_lammps(path: Path, ranks: int, progress: Progress | None) -> dict[str, 
 def _run_reference(dump: Path, problem: Problem, progress: Progress | None) -> dict[str, Any]:
     """Write the reference's frames as LAMMPS would."""
     certifier = Certifier(problem)
-    started, step = time.perf_counter(), 0
-    with Writer(dump, problem) as writer:
-        try:
-            for block in certifier.blocks():
-                for displacement, velocity in zip(block.displacement, block.velocity, strict=True):
-                    writer.append(step, displacement, velocity)
-                    step += problem.steps_per_frame
-                if progress is not None:
-                    progress(step - problem.steps_per_frame, _front(block))
-        except KeyboardInterrupt:
-            return {"outcome": "interrupted", "steps_done": max(0, step - problem.steps_per_frame)}
+    started = time.perf_counter()
+    ending = _write_frames(dump, problem, certifier.blocks(), progress)
+    if ending["outcome"] != "done":
+        return ending
     seconds = time.perf_counter() - started
     certificate = asdict(certifier.certificate)
-    return {"outcome": "done", "steps_done": problem.steps, "engine_seconds": seconds, "certificate": certificate}
+    return {**ending, "engine_seconds": seconds, "certificate": certificate}
 
 
 def _run_collisions(path: Path, problem: Problem, progress: Progress | None) -> dict[str, Any]:
@@ -146,7 +139,7 @@ def _run_collisions(path: Path, problem: Problem, progress: Progress | None) -> 
     from workflow.engines import collisions
 
     collisions.run(problem, max_events=0)  # loads or compiles
-    started, step = time.perf_counter(), 0
+    started = time.perf_counter()
     try:
         found = collisions.run(problem)
     except KeyboardInterrupt:
@@ -154,9 +147,20 @@ def _run_collisions(path: Path, problem: Problem, progress: Progress | None) -> 
     seconds = time.perf_counter() - started
     table = events.Events(found.time, found.chain, found.row, found.striker, found.target)
     write_text(path / EVENTS, events.to_csv(table, problem.scale))
-    with Writer(path / deck.DUMP, problem) as writer:
+    ending = _write_frames(path / deck.DUMP, problem, collisions.blocks(found), progress)
+    if ending["outcome"] != "done":
+        return ending
+    return {**ending, "engine_seconds": seconds, "collisions": len(found)}
+
+
+def _write_frames(
+    dump: Path, problem: Problem, blocks: Iterable[Trajectory], progress: Progress | None
+) -> dict[str, Any]:
+    """Write frames as LAMMPS would, to the end or to Ctrl-C; how it ended."""
+    step = 0
+    with Writer(dump, problem) as writer:
         try:
-            for block in collisions.blocks(found):
+            for block in blocks:
                 for displacement, velocity in zip(block.displacement, block.velocity, strict=True):
                     writer.append(step, displacement, velocity)
                     step += problem.steps_per_frame
@@ -164,7 +168,7 @@ def _run_collisions(path: Path, problem: Problem, progress: Progress | None) -> 
                     progress(step - problem.steps_per_frame, _front(block))
         except KeyboardInterrupt:
             return {"outcome": "interrupted", "steps_done": max(0, step - problem.steps_per_frame)}
-    return {"outcome": "done", "steps_done": problem.steps, "engine_seconds": seconds, "collisions": len(found)}
+    return {"outcome": "done", "steps_done": problem.steps}
 
 
 def refuse_what_it_cannot_do(engine: str, problem: Problem) -> None:

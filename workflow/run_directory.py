@@ -12,6 +12,7 @@
 Every file is written whole under another name and then renamed, except the dump, whose frames are whole one by one.
 """
 
+import io
 import json
 import math
 import os
@@ -20,11 +21,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from analysis import recording
 from analysis.trajectory import Trajectory, joined
 from lammps_inputs import InputError, Problem, Scene, deck, load
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure  # takes a while to import
 
 RECORD = "run.json"
 EVENTS = "events.csv"
@@ -49,6 +53,16 @@ def write_bytes(path: Path, content: bytes) -> None:
     except BaseException:
         Path(name).unlink(missing_ok=True)
         raise
+
+
+def write_figure(directory: Path, name: str, figure: "Figure") -> tuple[Path, ...]:
+    """Write a figure as PNG and as PDF; returns the files."""
+    paths = tuple(directory / f"{name}.{suffix}" for suffix in ("png", "pdf"))
+    for path in paths:
+        out = io.BytesIO()
+        figure.savefig(out, format=path.suffix[1:])
+        write_bytes(path, out.getvalue())
+    return paths
 
 
 def write_text(path: Path, text: str) -> None:

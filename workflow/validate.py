@@ -1,6 +1,5 @@
 """Is a run right? Compared with the certified reference, or with a user's own trajectory, quantity by quantity."""
 
-import io
 import warnings
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, replace
@@ -17,7 +16,7 @@ from analysis.trajectory import Trajectory, joined
 from lammps_inputs import InputError, Problem
 from workflow import causes, given_table
 from workflow.engines.reference.certify import Certificate, Certifier
-from workflow.run_directory import RunDirectory, write_bytes, write_json
+from workflow.run_directory import RunDirectory, write_figure, write_json
 
 TOLERANCES = {
     "velocity": 5e-4,
@@ -273,7 +272,4 @@ def _write(path: Path, result: Validation, comparison: Comparison, against: str)
 
     write_json(path / REPORT, result.plain())
     figure = validation_figure(result.problem, comparison.error_map, result.deviations, result.tolerances, against)
-    for name in FIGURES:
-        out = io.BytesIO()
-        figure.savefig(out, format=Path(name).suffix[1:])
-        write_bytes(path / name, out.getvalue())
+    write_figure(path, "validation", figure)
