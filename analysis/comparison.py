@@ -131,13 +131,15 @@ class Comparison:
     def _add_to_map(self, block: Trajectory, difference: Floats) -> None:
         """Keep the largest |velocity difference| over chains, in at most some hundred cells either way."""
         frames_a_cell = max(1, -(-(block.problem.frames + 1) // MAP_CELLS))
-        thin = max(1, -(-difference.shape[2] // MAP_CELLS))
-        size = np.abs(difference).max(axis=1)
+        beads = block.problem.recorded_beads
+        thin = max(1, -(-len(beads) // MAP_CELLS))
+        size = np.zeros((block.frames, len(beads)))
+        size[:, block.first - 1 : block.first - 1 + difference.shape[2]] = np.abs(difference).max(axis=1)
         for start in range(0, len(size), frames_a_cell):
             row = size[start : start + frames_a_cell].max(axis=0)
             self._map.append(np.maximum.reduceat(row, np.arange(0, len(row), thin)))
             self._times.append(float(block.time[start]))
-        self._last_time, self._cell_beads = float(block.time[-1]), np.append(block.beads[::thin], block.beads[-1] + 1)
+        self._last_time, self._cell_beads = float(block.time[-1]), np.append(beads[::thin], beads[-1] + 1)
 
     def deviations(self) -> dict[str, Deviation]:
         """Deviation of every quantity in `QUANTITIES`; amplitudes and arrivals are the leading pulse's."""

@@ -10,7 +10,7 @@ class Conservation:
     """Largest deviation of energy and momentum from the kicks', over the frames seen so far.
 
     Attributes:
-        energy_drift: relative to the energy of the kicks; NaN where not all beads are recorded.
+        energy_drift: relative to the energy of the kicks; NaN where not all beads are recorded, as in a window.
         momentum_drift: relative to the sum of the kicks' absolute momenta; NaN likewise.
         frames: number of frames seen.
         last_time: time of the last of them, in units of T.
@@ -34,7 +34,7 @@ class Conservation:
         passed = np.flatnonzero(np.any(np.abs(velocity) > 1e-3, axis=(0, 1)))
         if len(passed):
             self.front = max(self.front, int(block.beads[moving][passed[-1]]))
-        if problem.recorded is not None:
+        if problem.recorded is not None or problem.window is not None:
             self.energy_drift = self.momentum_drift = float("nan")
             return
         energy = motion.energy(problem, block.displacement[..., moving], velocity)

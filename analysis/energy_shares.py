@@ -22,7 +22,7 @@ class EnergyShares:
 
     Attributes:
         place: [instant] positions in the `Sharing`.
-        chain: [instant, chain] energy of a chain, in that of the kicks; NaN where not seen.
+        chain: [instant, chain] energy of a chain, in that of the kicks; NaN where not seen, as in a window.
         wave: [instant, chain] energy inside its leading wave, in that of the kicks; likewise.
     """
 
@@ -54,11 +54,12 @@ class EnergyShares:
             total[:-1] += 0.5 * springs
             total[1:] += 0.5 * springs
         inside = np.empty_like(total)
-        beads = np.arange(1, self.problem.beads + 1)
         for chain in range(self.problem.chains):
             arrivals = np.maximum.accumulate(self._shared.arrival[:, chain])
             peak = np.interp(block.time[frame], arrivals, self._shared.bead)
-            near = np.abs(beads - peak) <= REACH
+            near = np.abs(block.beads - peak) <= REACH
             between = near[:-1] & near[1:]
             inside[chain] = np.sum(kinetic[chain, near]) + np.sum(contacts[chain, between])
+        if self.problem.window is not None:
+            total[:] = np.nan
         return total / self.problem.energy, inside / self.problem.energy

@@ -35,5 +35,9 @@ def mirrored_problem(problem: Problem) -> Problem:
 def mirrored(block: Trajectory) -> Trajectory:
     """Frames in the mirror; twice is the frames themselves."""
     return Trajectory(
-        mirrored_problem(block.problem), block.time, -block.displacement[..., ::-1], -block.velocity[..., ::-1]
+        mirrored_problem(block.problem),
+        block.time,
+        -block.displacement[..., ::-1],
+        -block.velocity[..., ::-1],
+        first=1 if block.problem.window is None else mirrored_bead(block.problem, int(block.beads[-1])),
     )

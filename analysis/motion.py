@@ -59,7 +59,7 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
     acceleration, rate = np.zeros_like(here_x), np.zeros_like(here_x)
     for side in (-1, 1):
         other = bead + side
-        there = (other >= 0) & (other < problem.beads)
+        there = (other >= 0) & (other < x.shape[2])
         other = np.where(there, other, bead)
         overlap = side * (here_x - x[frame, chain, other]) - problem.gap
         closing = side * (here_v - v[frame, chain, other])
@@ -81,7 +81,7 @@ def larger_overlap(block: Trajectory, frame: Integers, chain: Integers, bead: In
     if block.problem.recorded is None:
         x = block.displacement
         for side in (-1, 1):
-            other = np.clip(bead + side, 0, block.problem.beads - 1)
+            other = np.clip(bead + side, 0, x.shape[2] - 1)
             overlap = side * (x[frame, chain, bead] - x[frame, chain, other]) - block.problem.gap
             result = np.fmax(result, np.where(other == bead, -np.inf, overlap))
     return result

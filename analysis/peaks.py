@@ -82,6 +82,8 @@ class PeakFinder:
 
     def add(self, block: Trajectory) -> None:
         """Take the next frames, evenly spaced in time with those before."""
+        if self._carried is not None:  # a window may have moved on
+            self._carried = self._carried.on(block.first, block.first + block.velocity.shape[2] - 1)
         if self._carried is None:
             if block.frames > 1:
                 self._keep(block, *_at_start(block, self._threshold))
@@ -125,12 +127,12 @@ class PeakFinder:
         """Add the maxima whose largest frames are given, in the order of time."""
         if self._first_only:
             if self._passed is None:
-                self._passed = np.zeros(block.velocity.shape[1:], dtype=bool)
-            place = chain * block.velocity.shape[2] + bead
+                self._passed = np.zeros((block.problem.chains, len(block.problem.recorded_beads)), dtype=bool)
+            place = chain * self._passed.shape[1] + bead + block.first - 1
             _, first = np.unique(place, return_index=True)
             first = first[~self._passed.flat[place[first]]]
             frame, chain, bead = frame[first], chain[first], bead[first]
-            self._passed[chain, bead] = True
+            self._passed.flat[place[first]] = True
         if len(frame) == 0:
             return
         self._found.append(_bracketed(block, frame, chain, bead, self._noisy))

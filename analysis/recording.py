@@ -24,8 +24,9 @@ def rest_positions(problem: Problem) -> Floats:
 
 
 def atom_ids(problem: Problem) -> NDArray[np.int64]:
-    """[chain, recorded bead] numbers of the recorded atoms: (chain - 1) * beads + bead."""
-    return np.arange(problem.chains)[:, np.newaxis] * problem.beads + problem.recorded_beads
+    """[chain, recorded bead] numbers of the recorded atoms: (chain - 1) * rows + row, all rows in a window."""
+    row = problem.recorded_beads if problem.window is None else np.arange(1, problem.window + 1)
+    return np.arange(problem.chains)[:, np.newaxis] * problem.rows + row
 
 
 def blocks(paths: Sequence[Path], problem: Problem, stride: int = 1) -> Iterator[Trajectory]:
@@ -41,9 +42,7 @@ def blocks(paths: Sequence[Path], problem: Problem, stride: int = 1) -> Iterator
     Warns:
         CutDumpWarning: a file ends within a frame, which is left out.
     """
-    shape = atom_ids(problem).shape
     ids = atom_ids(problem).ravel()
-    rest = np.tile(rest_positions(problem), problem.chains)
     size = frames_per_block(problem)
     last, seen = -1, 0
     empty: NoFrameError | None = None
@@ -66,20 +65,39 @@ def blocks(paths: Sequence[Path], problem: Problem, stride: int = 1) -> Iterator
         first = new + (-seen) % stride
         seen += dump.n_frames - new
         for start in range(first, dump.n_frames, size * stride):
-            values = dump.read(start, start + size * stride, stride, columns=("x", "vx"))
-            values[:, 0] -= rest
-            steps = dump.steps[start : start + size * stride : stride]
-            yield Trajectory(
-                problem,
-                steps / problem.steps_per_frame * problem.every,
-                values[:, 0].reshape(-1, *shape),
-                values[:, 1].reshape(-1, *shape),
-            )
+            chosen = slice(start, start + size * stride, stride)
+            time = dump.steps[chosen] / problem.steps_per_frame * problem.every
+            yield from (_whole if problem.window is None else _windowed)(dump, chosen, time, problem)
         last = max(last, int(dump.steps[-1]))
     if empty is not None:
         if last < 0:
             raise empty
         warnings.warn(CutDumpWarning(f"{empty}; it is passed over"), stacklevel=2)
+
+
+def _whole(dump: BinaryDump, chosen: slice, time: Floats, problem: Problem) -> Iterator[Trajectory]:
+    """Some frames of all recorded beads, as one block."""
+    values = dump.read(chosen.start, chosen.stop, chosen.step, columns=("x", "vx"))
+    shape = (len(time), *atom_ids(problem).shape)
+    values[:, 0] -= np.tile(rest_positions(problem), problem.chains)
+    yield Trajectory(problem, time, values[:, 0].reshape(shape), values[:, 1].reshape(shape))
+
+
+def _windowed(dump: BinaryDump, chosen: slice, time: Floats, problem: Problem) -> Iterator[Trajectory]:
+    """Some frames of a window, as a block for each place that it stands at.
+
+    Row r stands for the atoms of the (r - 1) modulo the window's rows, since it moves by taking rows over its length.
+    """
+    values = dump.read(chosen.start, chosen.stop, chosen.step, columns=("mol", "x", "vx"))
+    values = values.reshape(len(time), 3, problem.chains, problem.rows)
+    tail = values[:, 0].min(axis=(1, 2)).astype(np.int64)
+    for frames in np.split(np.arange(len(time)), np.flatnonzero(np.diff(tail)) + 1):
+        row = np.arange(tail[frames[0]], tail[frames[0]] + problem.rows)
+        found = values[frames][..., (row - 1) % problem.rows]
+        if not np.all(found[:, 0] == row):
+            raise InputError(f"{dump.path}: frame {chosen.start + frames[0]}: its molecules are not rows of a window")
+        displacement = found[:, 1] - row * problem.spacing
+        yield Trajectory(problem, time[frames], displacement, found[:, 2], first=int(row[0]))
 
 
 def _check_times(path: Path, dump: BinaryDump, problem: Problem) -> None:

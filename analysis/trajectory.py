@@ -17,7 +17,8 @@ LEAST_FRAMES = 8
 
 def frames_per_block(problem: Problem) -> int:
     """Frames in one piece of a long trajectory: about 1 MB, which stays in the processor's cache, or at least 8."""
-    return max(LEAST_FRAMES, BLOCK_BYTES // (16 * problem.chains * len(problem.recorded_beads)))
+    recorded = problem.rows if problem.recorded is None else len(problem.recorded)
+    return max(LEAST_FRAMES, BLOCK_BYTES // (16 * problem.chains * recorded))
 
 
 @dataclass(frozen=True)
@@ -29,17 +30,21 @@ class Trajectory:
         time: [frame], in units of T.
         displacement: [frame, chain, bead] along the chain, in units of L; 0 at the start.
         velocity: [frame, chain, bead], in units of V.
+        first: bead that the last axis begins with; more than 1 in a window that has followed the pulse.
     """
 
     problem: Problem
     time: Floats
     displacement: Floats
     velocity: Floats
+    first: int = 1
 
     @property
     def beads(self) -> NDArray[np.int64]:
         """Numbers of the beads along the last axis, counted from 1."""
-        return self.problem.recorded_beads
+        if self.problem.window is None:
+            return self.problem.recorded_beads
+        return np.arange(self.first, self.first + self.velocity.shape[2])
 
     @property
     def frames(self) -> int:
@@ -62,6 +67,21 @@ class Trajectory:
         if len(moved) == 0:
             return slice(0, 1)
         return slice(max(0, int(moved[0]) - 1), int(moved[-1]) + 2)
+
+    def on(self, first: int, last: int, *, behind: float = 0.0) -> "Trajectory":
+        """The same frames of other rows: those ahead of a window are at rest, those it has left as is said."""
+        count = self.velocity.shape[2]
+        if (first, last) == (self.first, self.first + count - 1):
+            return self
+        kept = slice(max(first, self.first) - self.first, max(0, last - self.first + 1))
+        lost = min(max(0, self.first - first), last - first + 1)
+        ahead = min(max(0, last - (self.first + count - 1)), last - first + 1)
+
+        def moved(values: Floats) -> Floats:
+            sides = ((0, 0), (0, 0), (lost, ahead))
+            return np.pad(values[..., kept], sides, constant_values=((0, 0), (0, 0), (behind, 0)))
+
+        return replace(self, displacement=moved(self.displacement), velocity=moved(self.velocity), first=first)
 
     def bead(self, number: int) -> int:
         """Position of a bead (counted from 1) along the last axis.
@@ -86,11 +106,15 @@ def joined(blocks: Iterable[Trajectory]) -> Trajectory:
         raise ValueError("no frame to join")
     if len(parts) == 1:
         return parts[0]
+    if parts[0].problem.window is not None:
+        first, last = min(part.beads[0] for part in parts), max(part.beads[-1] for part in parts)
+        parts = [part.on(int(first), int(last), behind=np.nan) for part in parts]
     return Trajectory(
         parts[0].problem,
         np.concatenate([part.time for part in parts]),
         np.concatenate([part.displacement for part in parts]),
         np.concatenate([part.velocity for part in parts]),
+        parts[0].first,
     )
 
 

@@ -116,11 +116,14 @@ class Waveforms:
             return
         row, sample = np.nonzero((self._frame[passing] >= start) & (self._frame[passing] < end))
         row = passing[row]
-        frame, chain, bead = self._frame[row, sample] - start, self.passages.chain[row] - 1, self._column[row]
+        here = (self._column[row] >= block.first - 1) & (self._column[row] < block.first - 1 + block.velocity.shape[2])
+        row, sample = row[here], sample[here]
+        frame, chain = self._frame[row, sample] - start, self.passages.chain[row] - 1
+        bead = self._column[row] - (block.first - 1)
         self.velocity[row, sample] = self.passages.direction[row] * block.velocity[frame, chain, bead]
         if self.problem.recorded is None:
             x = block.displacement
-            ahead = np.minimum(bead + 1, self.problem.beads - 1)
+            ahead = np.minimum(bead + 1, x.shape[2] - 1)
             overlap = x[frame, chain, bead] - x[frame, chain, ahead] - self.problem.gap
             self.contact_energy[row, sample] = contact.energy(np.where(ahead > bead, overlap, 0.0))
 

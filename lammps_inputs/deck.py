@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lammps_inputs import contact, coupling, strict_yaml
+from lammps_inputs import contact, coupling, scheme, strict_yaml, window
 from lammps_inputs.numbers import text
 from lammps_inputs.problem import Problem
 from lammps_inputs.scene import Scene
@@ -28,6 +28,7 @@ DUMP = "chains.dump.bin"
 LOG = "log.lammps"
 SCENE = "scene.yaml"
 COLUMNS = ("id", "x", "vx")
+WINDOW_COLUMNS = ("id", "mol", "x", "vx")
 
 
 def render(scene: Scene) -> dict[str, str]:
@@ -52,55 +53,102 @@ def write(scene: Scene, directory: Path) -> None:
 
 def render_deck(problem: Problem) -> str:
     """The text of ``in.chains``."""
-    recorded = "all" if problem.recorded is None else "recorded"
     sections = [
         _title(problem),
         _variables(problem),
         [
             "processors * 1 1                 # ranks divide the rows, so no row is cut",
             "newton off                       # bit for bit the same on any number of ranks",
-            f"atom_style {'hybrid sphere bond' if problem.coupled else 'sphere'}",
+            f"atom_style {'hybrid sphere bond' if _bonded(problem) else 'sphere'}",
             "boundary s f f                   # a bead thrown back is kept; no periodic images",
-            "atom_modify sort 0 0",
-            "comm_modify vel yes",
-            f"neighbor {text(_skin(problem))} bin",
-            "neigh_modify once yes            # on a line, neighbours stay neighbours",
+            *neighbour_lines(problem),
             f"read_data {DATA}",
             "set group all mass 1.0           # exact; the data file's density is within rounding",
         ],
-        [
-            "# contacts: force = overlap^1.5, no friction, no loss (LAMMPS reports no energy for this style)",
-            *contact.pair_lines(problem.diameter),
-        ],
+        *interactions(problem),
+        motion_lines(problem, "all"),
     ]
-    if problem.coupled:
-        sections.append(
-            [
-                "# springs between chains: r0 = 0 makes them linear along the chain at any lateral distance",
-                *coupling.bond_lines(),
-            ]
-        )
-    motion = ["fix motion all nve"]
-    if problem.coupled:
-        motion.append("fix line all lineforce 1 0 0     # beads move along their chain only")
-    sections.append(motion)
     sections.append(
         [
             f"set atom {_atom(problem, chain, bead)} vx ${{kick{number}}}"
             for number, (chain, bead, _) in enumerate(problem.kicks, 1)
         ]
     )
-    output = [] if problem.recorded is None else ["group recorded type 2"]
-    output += [
-        f"dump frames {recorded} custom ${{every}} {DUMP} {' '.join(COLUMNS)}",
+    if problem.window is not None:
+        sections.append(window.setup_lines(problem.window, problem.beads, problem.spacing))
+    sections.append(
+        [
+            *([] if problem.recorded is None else ["group recorded type 2"]),
+            *output_lines(problem, "${every}", DUMP),
+        ]
+    )
+    sections.append([scheme.timestep_command(problem.scheme), *travel_lines(problem)])
+    return "\n\n".join("\n".join(lines) for lines in sections) + "\n"
+
+
+def neighbour_lines(problem: Problem) -> list[str]:
+    """The neighbour list, built once with the beads at rest."""
+    return [
+        "atom_modify sort 0 0",
+        "comm_modify vel yes",
+        f"neighbor {text(_skin(problem))} bin",
+        "neigh_modify once yes            # on a line, neighbours stay neighbours",
+    ]
+
+
+def interactions(problem: Problem) -> list[list[str]]:
+    """Contacts, and springs where there are any."""
+    contacts = [
+        "# contacts: force = overlap^1.5, no friction, no loss (LAMMPS reports no energy for this style)",
+        *contact.pair_lines(problem.diameter),
+    ]
+    springs = [
+        "# springs between chains: r0 = 0 makes them linear along the chain at any lateral distance",
+        *coupling.bond_lines(),
+    ]
+    return [contacts, springs] if problem.coupled else [contacts]
+
+
+def motion_lines(problem: Problem, group: str) -> list[str]:
+    """Newton's equation for the beads of a group."""
+    lines = [f"fix motion {group} nve"]
+    if problem.coupled:
+        lines.append("fix line all lineforce 1 0 0     # beads move along their chain only")
+    return lines
+
+
+def output_lines(problem: Problem, every: str, dump: str) -> list[str]:
+    """Frames into a file, and the log; the group ``recorded`` exists where not all beads are."""
+    recorded = "all" if problem.recorded is None else "recorded"
+    return [
+        f"dump frames {recorded} custom {every} {dump} {' '.join(columns(problem))}",
         "dump_modify frames flush yes time yes   # whole frames survive a kill, and know their time",
         "thermo_style custom step",
         "thermo_modify lost error",
         "thermo ${thermo}",
     ]
-    sections.append(output)
-    sections.append(["timestep ${timestep}", "run ${steps}"])
-    return "\n\n".join("\n".join(lines) for lines in sections) + "\n"
+
+
+def columns(problem: Problem) -> tuple[str, ...]:
+    """Columns of the dump."""
+    return COLUMNS if problem.window is None else WINDOW_COLUMNS
+
+
+def _bonded(problem: Problem) -> bool:
+    """Whether atoms carry bonds and molecules."""
+    return problem.coupled or problem.window is not None
+
+
+def travel_lines(problem: Problem) -> list[str]:
+    """The run from start to end."""
+    if problem.window is None:
+        return scheme.run_lines(problem.scheme, "${steps}")
+    advance = scheme.advance_command(problem.scheme, "$(v_stretch:%.0f)")
+    travel = [
+        window.stretch_line(problem.timestep, scheme.cycle(problem.scheme)),
+        *window.travel_lines(advance),
+    ]
+    return travel if problem.scheme == "verlet" else [*scheme.QUIET, *travel, *scheme.LOUD]
 
 
 def _title(problem: Problem) -> list[str]:
@@ -122,17 +170,25 @@ def _variables(problem: Problem) -> list[str]:
     ]
     return [
         "# change these here, or with -var NAME VALUE",
+        *number_lines(problem),
+        *kicks,
+        *scheme.variable_lines(problem.scheme),
+    ]
+
+
+def number_lines(problem: Problem) -> list[str]:
+    """The numbers of a run as LAMMPS variables."""
+    return [
         f"variable timestep index {text(problem.timestep)}",
         f"variable steps index {problem.steps}",
         f"variable every index {problem.steps_per_frame}   # steps from frame to frame",
         f"variable thermo index {min(max(1, problem.steps // 20), 2**31 - 1)}   # steps from line to line of the log",
         *([f"variable kappa index {text(problem.kappa)}"] if problem.coupled else []),
-        *kicks,
     ]
 
 
 def _atom(problem: Problem, chain: int, bead: int) -> int:
-    return (chain - 1) * problem.beads + bead
+    return (chain - 1) * problem.rows + bead
 
 
 def _skin(problem: Problem) -> float:
@@ -141,11 +197,12 @@ def _skin(problem: Problem) -> float:
 
 
 def render_data(problem: Problem) -> str:
-    """The text of ``data.chains``; atom number = (chain - 1) * beads + bead, and type 2 marks recorded beads.
+    """The text of ``data.chains``; atom number = (chain - 1) * rows + row, and type 2 marks recorded beads.
 
-    Columns of an atom: ``id type diameter density x y z``, and ``id type x y z diameter density molecule`` coupled.
+    Columns of an atom: ``id type diameter density x y z``, and ``id type x y z diameter density molecule`` with bonds.
+    The molecule is the chain, or in a window the row.
     """
-    chains, beads, spacing = problem.chains, problem.beads, problem.spacing
+    chains, beads, spacing = problem.chains, problem.rows, problem.spacing
     types = 1 if problem.recorded is None else 2
     out = io.StringIO()
     out.write(f"granchain: {problem.name}\n\n{chains * beads} atoms\n{types} atom types\n")
@@ -159,10 +216,12 @@ def render_data(problem: Problem) -> str:
         kind[problem.recorded_beads - 1] = 2
     size = f"{text(problem.diameter)} {text(sphere_density(problem.diameter))}"
     rows = [(str(t), text(x)) for t, x in zip(kind, np.arange(1, beads + 1) * spacing, strict=True)]
-    out.write(f"\nAtoms # {'hybrid' if problem.coupled else 'sphere'}\n\n")
+    out.write(f"\nAtoms # {'hybrid' if _bonded(problem) else 'sphere'}\n\n")
     for chain in range(chains):
         first, y = chain * beads + 1, text(2.0 * spacing * chain)
-        if problem.coupled:
+        if problem.window is not None:
+            out.writelines(f"{first + i} {t} {x} {y} 0 {size} {i + 1}\n" for i, (t, x) in enumerate(rows))
+        elif problem.coupled:
             out.writelines(f"{first + i} {t} {x} {y} 0 {size} {chain + 1}\n" for i, (t, x) in enumerate(rows))
         else:
             out.writelines(f"{first + i} {t} {size} {x} {y} 0\n" for i, (t, x) in enumerate(rows))

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lammps_inputs import contact
+from lammps_inputs.scheme import SchemeName
 from lammps_inputs.units import Scale
 
 
@@ -37,6 +38,10 @@ class Problem:
     recorded: tuple[int, ...] | None
     """Beads of every chain that are recorded, ascending; None for all."""
     scale: Scale
+    scheme: SchemeName = "verlet"
+    """Of LAMMPS; ``timestep`` and ``steps`` are those of its Verlet steps, on average over a cycle."""
+    window: int | None = None
+    """Rows that exist, near the front; None for all."""
 
     @property
     def steps(self) -> int:
@@ -67,6 +72,11 @@ class Problem:
     def coupled(self) -> bool:
         """Whether any spring exists."""
         return self.kappa > 0.0 and self.chains > 1
+
+    @property
+    def rows(self) -> int:
+        """Rows of beads that exist in LAMMPS."""
+        return self.window or self.beads
 
     @property
     def recorded_beads(self) -> NDArray[np.int64]:

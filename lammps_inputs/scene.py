@@ -9,10 +9,13 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
+from lammps_inputs import scheme as schemes
 from lammps_inputs.closing import never_closes
 from lammps_inputs.problem import Problem
+from lammps_inputs.scheme import SchemeName
 from lammps_inputs.timestep import default_timestep
 from lammps_inputs.units import Scale, hertz_constant, make_scale, sphere_mass
+from lammps_inputs.window import HEADROOM, LEAST_WINDOW
 
 DEFAULT_EVERY = 0.1
 """Dimensionless time between frames: 19 frames in the full width at half maximum of a solitary wave of amplitude 1."""
@@ -104,6 +107,12 @@ class Scene(_Part):
     duration: Positive | None = None
     until_bead: Count | None = None
     timestep: Positive | None = None
+    accuracy: Annotated[float, Field(ge=1e-12, le=0.1)] | None = None
+    """Largest error of any recorded velocity, in units of V; `workflow.settings` finds the time step that keeps it."""
+    scheme: SchemeName | None = None
+    """Velocity Verlet if none is named; the time step is the mean Verlet step of a cycle."""
+    window: Literal["auto"] | Annotated[int, Field(ge=LEAST_WINDOW, le=10**8)] | None = None
+    """Rows that exist, near the front; all if none are named."""
     output: Output = Output()
 
     @field_validator("kick", mode="before")
@@ -132,8 +141,25 @@ class Scene(_Part):
             raise ValueError(f"until_bead: {self.until_bead} is outside the array (beads 1 to {self.beads})")
         if self.output.beads != "all" and self.output.beads[-1] > self.beads:
             raise ValueError(f"output.beads: {self.output.beads[-1]} is outside the array (beads 1 to {self.beads})")
+        if self.timestep is not None and self.accuracy is not None:
+            raise ValueError("accuracy: give either accuracy or timestep (both are given)")
+        self._check_window()
         self._check_numbers()
         return self
+
+    def _check_window(self) -> None:
+        """Refuse a window where what leaves it matters."""
+        if self.window is None:
+            return
+        if self.output.beads != "all":
+            raise ValueError("window: records the rows that exist; leave output.beads out")
+        for number, kick in enumerate(self.kick):
+            key = "kick" if len(self.kick) == 1 else f"kick[{number + 1}]"
+            if kick.velocity < 0.0:
+                raise ValueError(f"{key}.velocity: a window follows what runs towards higher beads; leave it out")
+            rows = (LEAST_WINDOW if self.window == "auto" else self.window) - HEADROOM
+            if kick.bead > rows:
+                raise ValueError(f"{key}.bead: {kick.bead} is not among the first {rows} rows of the window")
 
     def _check_numbers(self) -> None:
         """Refuse scenes whose dimensionless numbers overflow, or whose times do not fit together."""
@@ -203,22 +229,34 @@ class Scene(_Part):
         if step is None:
             energy = 0.5 * sum((kick.velocity / scale.velocity) ** 2 for kick in self.kick)
             step = default_timestep(energy, self.kappa, self.chains) * scale.time
-        return every, max(1, math.ceil(min(every / step, 2.0 * MAX_STEPS_PER_FRAME) * (1.0 - 1e-9)))
+        steps = max(1, math.ceil(min(every / step, 2.0 * MAX_STEPS_PER_FRAME) * (1.0 - 1e-9)))
+        return every, steps + -steps % schemes.cycle(self.scheme or "verlet")
 
     def resolved(self) -> "Scene":
-        """The same scene with every default written out; resolving twice changes nothing."""
+        """The same scene with every default written out; resolving twice changes nothing.
+
+        A time step that an accuracy asks for is no default: `workflow.settings` finds it.
+        """
         every, steps = self._cadence()
         output = self.output.model_copy(update={"every": every})
-        return self.model_copy(update={"output": output, "timestep": every / steps})
+        step = every / steps if self.accuracy is None else None
+        return self.model_copy(update={"output": output, "timestep": step})
 
     def problem(self) -> Problem:
         """The dimensionless problem at V = 1.
 
         Raises:
-            ValueError: the scene ends at a bead, not at a time; `workflow.ending.with_duration` finds the time.
+            ValueError: the scene ends at a bead, or asks for an accuracy; `workflow.settings.with_settings` finds the
+                duration and the time step.
         """
         if self.duration is None:
             raise ValueError("this scene ends at a bead; workflow.ending.with_duration(scene) finds its duration")
+        if self.accuracy is not None:
+            raise ValueError(
+                "this scene asks for an accuracy; workflow.settings.with_settings(scene) finds its time step"
+            )
+        if self.window == "auto":
+            raise ValueError("this scene's window is `auto`; workflow.windowing.with_window(scene) finds its rows")
         scale = self.scale
         every, steps = self._cadence()
         return Problem(
@@ -233,6 +271,8 @@ class Scene(_Part):
             frames=max(1, math.ceil(self.duration / every * (1.0 - 1e-9))),
             recorded=None if self.output.beads == "all" else self.output.beads,
             scale=scale,
+            scheme=self.scheme or "verlet",
+            window=None if self.window is None or self.window >= self.beads else self.window,
         )
 
     def plain(self) -> dict[str, Any]:

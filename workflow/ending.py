@@ -15,6 +15,10 @@ _SLOWEST = 10.0
 """Give up when the pulse takes this many times as long as one that keeps the kick's full speed."""
 
 
+_WINDOW = 512
+"""Rows that are integrated for a scene whose window is still to be found."""
+
+
 def with_duration(scene: Scene) -> Scene:
     """The same scene with its duration written out.
 
@@ -37,6 +41,8 @@ def with_duration(scene: Scene) -> Scene:
             "until_bead": None,
             "duration": limit,
             "timestep": None,
+            "accuracy": None,
+            "window": None,
             "output": scene.output.model_copy(update={"every": 0.1 * scene.scale.time, "beads": (scene.until_bead,)}),
         }
     )
@@ -48,7 +54,8 @@ def with_duration(scene: Scene) -> Scene:
         reached[chain - 1] = False
     share = 1.0 if scene.until_bead == scene.beads else 0.5
     largest = np.zeros(problem.chains)
-    for block in engine.blocks(problem):
+    rows = None if scene.window is None else min(scene.beads, _WINDOW if scene.window == "auto" else 2 * scene.window)
+    for block in engine.blocks(problem, window=rows):
         for time, velocity in zip(block.time, np.abs(block.velocity[:, :, 0]), strict=True):
             reached |= (largest > 1e-3) & (velocity <= share * largest)
             largest = np.maximum(largest, velocity)

@@ -24,7 +24,8 @@ def as_trajectory(given: Table, problem: Problem, *, dimensionless: bool) -> Tra
         values.append(full)
     everything = len(given.beads) == problem.beads and not np.isnan(values).any()
     recorded = None if everything else tuple(int(bead) for bead in given.beads)
-    return Trajectory(replace(problem, recorded=recorded), given.time / units[0], *values)
+    displacement, velocity = values
+    return Trajectory(replace(problem, recorded=recorded), given.time / units[0], displacement, velocity)
 
 
 def check_places(path: Path, given: Table, problem: Problem) -> None:

@@ -25,7 +25,11 @@ class BeadHistory:
         """Take the next frames of the run."""
         chains = min(self.problem.chains, MAX_PANELS)
         self._time.append(block.time)
-        self._velocity.append(block.velocity[:, :chains, self._columns])
+        column = np.array(self._columns) - (block.first - 1)
+        there = (column >= 0) & (column < block.velocity.shape[2])
+        velocity = np.where(column < 0, np.nan, np.zeros((block.frames, chains, len(column))))
+        velocity[..., there] = block.velocity[:, :chains, column[there]]
+        self._velocity.append(velocity)
 
     @property
     def time(self) -> Floats:
@@ -34,7 +38,7 @@ class BeadHistory:
 
     @property
     def velocity(self) -> Floats:
-        """[frame, chain, bead], in units of V."""
+        """[frame, chain, bead], in units of V; NaN where a window has left."""
         return np.concatenate(self._velocity)
 
 

@@ -31,7 +31,10 @@ class SpaceTime:
         first = -self._seen % self._stride
         chains = min(self.problem.chains, MAX_PANELS)
         self._time.append(block.time[first :: self._stride].copy())
-        self._velocity.append(block.velocity[first :: self._stride, :chains, :: self._thin].copy())
+        frames = block[first :: self._stride]
+        if self.problem.window is not None:
+            frames = frames.on(1, self.problem.beads, behind=np.nan)
+        self._velocity.append(frames.velocity[:, :chains, :: self._thin].copy())
         self._seen += block.frames
 
     @property
@@ -41,7 +44,7 @@ class SpaceTime:
 
     @property
     def velocity(self) -> Floats:
-        """[frame, chain, bead], in units of V."""
+        """[frame, chain, bead], in units of V; NaN where a window has left."""
         return np.concatenate(self._velocity)
 
     @property
@@ -63,7 +66,8 @@ def spacetime_figure(data: SpaceTime) -> Figure:
     # kicked beads and those at a free end outshine the waves: the scale ends where all beads but these do
     bright = [1, problem.beads, *(bead for _, bead, _ in problem.kicks)]
     far = np.all([np.abs(data.beads - bead) > 5 for bead in bright], axis=0)
-    top = float(np.max(np.abs(velocity[:, :, far]), initial=0.0)) or float(np.max(np.abs(velocity))) or 1.0
+    size = np.nan_to_num(np.abs(velocity))
+    top = float(np.max(size[:, :, far], initial=0.0)) or float(np.max(size)) or 1.0
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(2.2 + 2.4 * chains, 4.2), layout="constrained")
         axes = figure.subplots(1, chains, sharex=True, sharey=True, squeeze=False)[0]

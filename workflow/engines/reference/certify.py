@@ -8,6 +8,7 @@ import numpy as np
 
 from analysis.comparison import matched, sharp
 from analysis.conservation import Conservation
+from analysis.pairing import on_common_rows
 from analysis.peaks import PeakFinder
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem
@@ -85,7 +86,8 @@ class Certifier:
             engine.blocks(self.problem, scheme=self._scheme, steps_per_frame=self.steps_per_frame // divisor)
             for divisor in self._divisors
         ]
-        for fine, *coarser in zip(*runs, strict=True):
+        for blocks in zip(*runs, strict=True):
+            fine, *coarser = on_common_rows(*blocks)
             before = fine
             for k, coarse in enumerate(coarser):
                 self._velocity[k] = max(self._velocity[k], float(np.max(np.abs(before.velocity - coarse.velocity))))

@@ -50,7 +50,8 @@ def blocks(
         problem: what to integrate.
         scheme: how; its order and cost are in the scheme.
         steps_per_frame: steps between frames; by default as many as `default_steps_per_frame` says.
-        window: integrate this many rows at most, letting go of those farthest behind; by default all.
+        window: integrate this many rows at most, letting go of those farthest behind; by default all, or twice the
+            rows of the problem's own window, of which the frames then show what is near the front.
 
     Raises:
         ValueError: a window that is too narrow, or not for this problem.
@@ -59,14 +60,20 @@ def blocks(
     from workflow.engines.reference.kernel import advance
 
     steps = default_steps_per_frame(problem) if steps_per_frame is None else steps_per_frame
+    if window is None and problem.window is not None:
+        window = _WIDER * problem.window
     state = make_state(problem, window)
     x, v = state.x, state.v
     chains = problem.chains
-    recorded = problem.recorded_beads
-    yield Trajectory(problem, np.zeros(1), x[recorded].T[np.newaxis].copy(), v[recorded].T[np.newaxis].copy())
+    recorded = _recorded(problem, state, 0.0)
+    start = x[recorded].T[np.newaxis].copy(), v[recorded].T[np.newaxis].copy()
+    yield Trajectory(problem, np.zeros(1), *start, first=_first(problem, recorded))
     size = frames_per_block(problem)
+    if problem.window is not None:
+        size = max(1, min(size, math.floor(_ADVANCE / problem.every)))
     for first in range(1, problem.frames + 1, size):
         frame = np.arange(first, min(first + size, problem.frames + 1))
+        recorded = _recorded(problem, state, len(frame) * problem.every)
         shape = (len(frame), chains, len(recorded))
         frames_x, frames_v = np.empty(shape), np.empty(shape)
         advance(
@@ -85,7 +92,29 @@ def blocks(
             frames_x,
             frames_v,
         )
-        yield Trajectory(problem, np.asarray(frame * problem.every, dtype=np.float64), frames_x, frames_v)
+        time = np.asarray(frame * problem.every, dtype=np.float64)
+        yield Trajectory(problem, time, frames_x, frames_v, first=_first(problem, recorded))
+
+
+_WIDER = 2
+"""Rows that the reference integrates over those of a window that it is to judge."""
+
+_ADVANCE = 16.0
+"""Time in a block of frames where a window follows the pulse."""
+
+
+def _recorded(problem: Problem, state: "State", ahead: float) -> NDArray[np.int64]:
+    """Beads to record in the next frames, which end a time ahead."""
+    if problem.window is None:
+        return problem.recorded_beads
+    front = int(state.span[1])
+    first = max(1, front - problem.window + 1)
+    # the front advances by a row in a unit of time at most
+    return np.arange(first, min(problem.beads, front + math.ceil(ahead) + problem.window) + 1)
+
+
+def _first(problem: Problem, recorded: NDArray[np.int64]) -> int:
+    return 1 if problem.window is None else int(recorded[0])
 
 
 @dataclass(frozen=True)
@@ -107,7 +136,7 @@ class State:
     window: int
 
 
-def make_state(problem: Problem, window: int | None) -> State:
+def make_state(problem: Problem, window: int | None) -> "State":
     """The start of a problem.
 
     Raises:

@@ -1,0 +1,101 @@
+"""A window that follows the pulse: only the rows near the front exist.
+
+Nothing runs ahead of the front, and what is left far behind cannot catch up. So rows behind are taken, at rest, to
+the head, with their springs. The number of the row that a bead stands for is its molecule and travels with it, into
+the dump. The rows in the window are those of the whole chains to the last bit, but for the few at the tail, as long as
+nothing that was left behind would have come back. The LAMMPS lines stand beside the numbers.
+"""
+
+from lammps_inputs.numbers import text
+
+LEAST_WINDOW = 64
+"""Rows; at least 40 of them are behind the front."""
+
+HEADROOM = 8
+"""Rows at rest ahead of the front below which the window moves on."""
+
+OUTRUN = "the front has reached the head of the window: take shorter time steps"
+
+LOOK = 2.0
+"""Time between two looks at the front, in units of T, in which a pulse passes two beads at most."""
+
+
+def block(window: int) -> int:
+    """Rows that are taken from the tail to the head at once."""
+    return window // 4
+
+
+def behind(window: int) -> int:
+    """Rows behind the front that exist at the least, once the window has moved."""
+    return window - block(window) - HEADROOM
+
+
+def look_steps(timestep: float, cycle: int) -> int:
+    """Steps between two looks at the front, a whole number of the scheme's cycles."""
+    return max(1, int(LOOK / timestep) // cycle) * cycle
+
+
+def setup_lines(window: int, beads: int, spacing: float) -> list[str]:
+    """Variables and groups that know where the front is; ``tail`` and ``head`` are rows."""
+    return [
+        "# a window that follows the pulse: rows of the tail are taken, at rest, to the head; molecule = row",
+        "variable tail equal 1",
+        f"variable head equal v_tail+{window - 1}",
+        "variable moves atom vx!=0.0",
+        "group moving variable moves",
+        f"variable front equal bound(moving,xmax)/{text(spacing)}",
+        f"variable ahead equal {beads}-v_head",
+        f"variable few equal v_ahead<{block(window)}",
+        f"variable some equal v_few*v_ahead+(1-v_few)*{block(window)}   # rows to take, or what is left of them",
+        f"variable near equal (v_head-v_front<{HEADROOM})&&(v_ahead>0)",
+        "variable outrun equal (v_head-v_front<0.5)&&(v_ahead>0)",
+        "variable behind atom mol<v_tail+v_some",
+        "group left variable behind",
+        f"variable row atom mol+{window}",
+        f"variable place atom mol*{text(spacing)}",
+    ]
+
+
+def look_lines() -> list[str]:
+    """Find the beads that move, after which the variables ``front``, ``near`` and ``outrun`` hold."""
+    return ["group moving clear", "group moving variable moves"]
+
+
+def move_lines() -> list[str]:
+    """Take the last rows to the head."""
+    return [
+        "group left clear",
+        "group left variable behind",
+        "set group left mol v_row",
+        "set group left x v_place",
+        "set group left vx 0.0",
+        "variable tail equal $(v_tail+v_some)",
+        "run 0 post no",
+    ]
+
+
+def travel_lines(advance: str) -> list[str]:
+    """Go on to step ``steps`` and let the window follow; for the end of a deck.
+
+    Args:
+        advance: the command that runs ``stretch`` steps.
+    """
+    return [
+        "run 0 post no",
+        "label travel",
+        'if "$(v_stretch) == 0" then "jump SELF arrived"',
+        advance,
+        *look_lines(),
+        f'if "${{outrun}} == 1" then "print \'{OUTRUN}\'" "quit 1"',
+        'if "${near} == 0" then "jump SELF travel"',
+        *move_lines(),
+        "jump SELF travel",
+        "label arrived",
+    ]
+
+
+def stretch_line(timestep: float, cycle: int) -> str:
+    """The variable ``stretch``: steps to the next look at the front, or to the end of the run."""
+    steps = look_steps(timestep, cycle)
+    left, next_look = "(v_steps-step)", f"({steps}-step%{steps})"  # also of a run that is continued in between
+    return f"variable stretch equal ({left}<{next_look})*{left}+({left}>={next_look})*{next_look}"

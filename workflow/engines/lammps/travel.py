@@ -1,0 +1,72 @@
+"""A deck that has been read, on its way through time: steps of its scheme, and the window that follows the pulse."""
+
+from typing import Any
+
+import numpy as np
+
+from analysis import motion
+from analysis.trajectory import Floats
+from lammps_inputs import Problem, scheme, window
+
+
+class OutrunError(Exception):
+    """The front has reached the head of the window, so it is no longer that of the whole chains."""
+
+
+class Travel:
+    """Drives an instance of LAMMPS; every rank calls the same methods.
+
+    Attributes:
+        first: row that the state begins with, counted from 1; more than 1 once a window has moved.
+        left_behind: energy of the rows that the window has left, in units of m V**2.
+    """
+
+    def __init__(self, lmp: Any, problem: Problem) -> None:
+        self._lmp = lmp
+        self._problem = problem
+        self.first = 1
+        self.left_behind = 0.0
+        if problem.scheme != "verlet":
+            self._commands([*scheme.QUIET])
+
+    def advance(self, steps: int) -> None:
+        """Go on by some steps.
+
+        Raises:
+            OutrunError: the front has outrun the window.
+        """
+        problem = self._problem
+        if problem.window is None:
+            self._lmp.command(scheme.advance_command(problem.scheme, str(steps)))
+            return
+        look = window.look_steps(problem.timestep, scheme.cycle(problem.scheme))
+        while steps > 0:
+            self._lmp.command(scheme.advance_command(problem.scheme, str(min(look, steps))))
+            steps -= look
+            self._commands(window.look_lines())
+            if self._variable("outrun"):
+                raise OutrunError(window.OUTRUN)
+            if self._variable("near"):
+                before = float(motion.energy(problem, *self.state()))
+                self._commands(window.move_lines())
+                self.first = int(self._variable("tail"))
+                self.left_behind += before - float(motion.energy(problem, *self.state()))
+
+    def state(self) -> tuple[Floats, Floats]:
+        """Displacement and velocity of the rows that exist, [chain, row], the same on every rank."""
+        problem = self._problem
+        shape = (problem.chains, problem.rows, 3)
+        x = np.ctypeslib.as_array(self._lmp.gather_atoms("x", 1, 3)).reshape(shape)[:, :, 0]
+        v = np.ctypeslib.as_array(self._lmp.gather_atoms("v", 1, 3)).reshape(shape)[:, :, 0]
+        row = np.arange(self.first, self.first + problem.rows)
+        if self.first > 1:
+            place = (row - 1) % problem.rows
+            x, v = x[:, place], v[:, place]
+        return x - row * problem.spacing, v
+
+    def _commands(self, lines: list[str]) -> None:
+        for line in lines:
+            self._lmp.command(line)
+
+    def _variable(self, name: str) -> float:
+        return float(self._lmp.extract_variable(name))
