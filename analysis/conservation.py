@@ -34,7 +34,7 @@ class Conservation:
         passed = np.flatnonzero(np.any(np.abs(velocity) > 1e-3, axis=(0, 1)))
         if len(passed):
             self.front = max(self.front, int(block.beads[moving][passed[-1]]))
-        if problem.recorded is not None or problem.window is not None:
+        if not problem.whole:
             self.energy_drift = self.momentum_drift = float("nan")
             return
         energy = motion.energy(problem, block.displacement[..., moving], velocity)

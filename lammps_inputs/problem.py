@@ -79,6 +79,11 @@ class Problem:
         return self.window or self.beads
 
     @property
+    def whole(self) -> bool:
+        """Whether every frame holds every bead, so that the states obey the conservation laws."""
+        return self.recorded is None and self.window is None
+
+    @property
     def recorded_beads(self) -> NDArray[np.int64]:
         """Numbers of the recorded beads, counted from 1."""
         if self.recorded is None:

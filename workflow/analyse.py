@@ -10,6 +10,7 @@ import numpy as np
 
 from analysis.binary_dump import CutDumpWarning
 from analysis.conservation import Conservation
+from analysis.left_behind import LeftBehind
 from analysis.solitary import Tolerances
 from analysis.survey import Survey, survey
 from analysis.trajectory import Trajectory
@@ -39,6 +40,7 @@ class Analysis:
         conservation: energy, momentum, frames seen.
         complete: whether the dump holds every frame that the scene asks for.
         figures: files drawn.
+        left: what a window has left behind; None without a window.
     """
 
     problem: Problem
@@ -46,6 +48,7 @@ class Analysis:
     conservation: Conservation
     complete: bool
     figures: tuple[Path, ...]
+    left: LeftBehind | None
 
     @property
     def waves(self) -> Waves:
@@ -83,11 +86,14 @@ def analyse(
             f"between them; run it with output.every at most {limit:.4g}"
         )
     conservation = Conservation()
+    left = LeftBehind() if problem.window is not None else None
     watchers: list[Any] = [conservation]
     if figures:
         from analysis.figures import BeadHistory, SpaceTime  # matplotlib takes half a second to import
 
         watchers += [SpaceTime(problem), BeadHistory(problem, shown)]
+    if left is not None:
+        watchers.append(left)
 
     def read() -> Iterator[Trajectory]:
         with warnings.catch_warnings():
@@ -97,8 +103,8 @@ def analyse(
     found = survey(read, problem, watchers=watchers, tolerances=allowed)
     drawn = _draw(directory.path, found, watchers[1], watchers[2]) if figures else ()
     write_text(directory.path / WAVES, waves_csv(found))
-    write_json(directory.path / REPORT, report(found, conservation, allowed))
-    return Analysis(problem, found, conservation, conservation.frames == problem.frames + 1, drawn)
+    write_json(directory.path / REPORT, report(found, conservation, allowed, left))
+    return Analysis(problem, found, conservation, conservation.frames == problem.frames + 1, drawn, left)
 
 
 def default_beads(problem: Problem) -> tuple[int, ...]:

@@ -7,6 +7,7 @@ import numpy as np
 
 from analysis.conservation import Conservation
 from analysis.equipartition import AGREEMENTS, Estimate
+from analysis.left_behind import LeftBehind
 from analysis.mirror import mirrored_bead
 from analysis.pulses import Pulse
 from analysis.solitary import Character, Tolerances
@@ -43,7 +44,7 @@ def waves_csv(found: Survey) -> str:
     return to_csv(waves, scale, more)
 
 
-def report(found: Survey, seen: Conservation, tolerances: Tolerances) -> dict[str, Any]:
+def report(found: Survey, seen: Conservation, tolerances: Tolerances, left: LeftBehind | None = None) -> dict[str, Any]:
     """The contents of ``analysis.json``. Quantities are in the scene's units unless said otherwise; null is unknown.
 
     | key             | what                                                                             |
@@ -57,6 +58,8 @@ def report(found: Survey, seen: Conservation, tolerances: Tolerances) -> dict[st
     | scale           | worth of the dimensionless units of mass, length, time, velocity in the scene's  |
     | kappa           | dimensionless coupling at V = 1                                                  |
     | noise           | standard deviation of the recorded velocities, in V; 0 for none                  |
+    | window          | rows; largest velocity, in V, of a bead when it was left behind, and which bead; |
+    |                 | the lowest leading wave, in V, which that must not exceed; null without a window |
     | waves           | per chain: beads reached, and at the last whole one its arrival, peak velocity, speed |
     | equipartition   | see `equipartition`                                                              |
     | tolerances      | relative differences within which a pulse is called solitary                     |
@@ -74,10 +77,21 @@ def report(found: Survey, seen: Conservation, tolerances: Tolerances) -> dict[st
         "scale": {"mass": scale.mass, "length": scale.length, "time": scale.time, "velocity": scale.velocity},
         "kappa": problem.kappa,
         "noise": found.noise,
+        "window": None if left is None else _window(left, found),
         "waves": [_chain_summary(found.waves, problem, chain) for chain in range(1, problem.chains + 1)],
         "equipartition": equipartition(found),
         "tolerances": {name: getattr(tolerances, name) for name in ("shape", "speed", "amplitude")},
         "pulses": [pulse_entry(found, found.pulses[k], found.characters[k]) for k in order],
+    }
+
+
+def _window(left: LeftBehind, found: Survey) -> dict[str, Any]:
+    return {
+        "rows": found.problem.window,
+        "left_behind": left.velocity,
+        "bead": left.bead,
+        "slowest_wave": _number(left.slowest_wave(found.waves)),
+        "sentence": left.sentence(found.waves),
     }
 
 

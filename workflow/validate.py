@@ -139,12 +139,12 @@ def validate(directory: RunDirectory, tolerances: dict[str, float] | None = None
             f"{directory.dump}: {error}; was the deck run with another -var every or timestep? Change the scene instead"
         ) from None
     deviations = comparison.deviations()
-    if problem.recorded is not None:
+    if not problem.whole:
         deviations = {name: deviations[name] for name in QUANTITIES if name not in ("energy", "momentum")}
     own, right = (joined(pair[side] for pair in kept) for side in (0, 1))
     exceeded = _any_exceeded(deviations, limits)
     found = causes.rounded(own, right)
-    if exceeded and problem.recorded is None:
+    if exceeded and problem.whole:
         found += causes.causes(own, right)
     result = Validation(
         problem=problem,

@@ -1,5 +1,6 @@
 """The window that follows the pulse: what it shows is what the whole chains do."""
 
+import json
 import shutil
 import subprocess
 
@@ -158,3 +159,17 @@ def test_a_dump_whose_molecules_are_no_rows_is_refused(tmp_path):
     with pytest.raises(ValueError, match=r"molecules are not rows|damaged"):
         list(directory.blocks())
     assert list(recording.blocks([tmp_path / "as-if-whole"], other.problem()))
+
+
+def test_what_a_window_leaves_behind_is_slower_than_the_leading_waves(both):
+    analyse(both[1], figures=False)
+    left = json.loads((both[1].path / "analysis.json").read_text())["window"]
+    assert 0.0 < left["left_behind"] < left["slowest_wave"]
+    assert "nothing comes back" in left["sentence"]
+
+
+def test_pulses_left_behind_that_could_catch_up_are_told(tmp_path):
+    # with so weak a coupling the leading wave of chain 2 is a hundred times lower than what chain 1 leaves
+    case = long_scene(chains=2, kappa=1e-4, window=ROWS)
+    analysis = analyse(run(case, tmp_path / "run", check=False).directory, figures=False)
+    assert "might catch up" in analysis.left.sentence(analysis.waves)

@@ -69,6 +69,8 @@ def _print(found: Analysis) -> None:
             rows.append(["", f"... {len(at)}", "", "", ""])
     print_table(f"{problem.name}: leading pulse", head, rows)
     _print_pulses(found.survey)
+    if found.left is not None:
+        print(found.left.sentence(waves))
     if np.isfinite(seen.energy_drift):
         print(f"energy within {seen.energy_drift:.1e}, momentum within {seen.momentum_drift:.1e} of the kick's")
         if max(seen.energy_drift, seen.momentum_drift) > ENERGY_TOLERANCE:
