@@ -25,6 +25,7 @@ from lammps_inputs.units import sphere_density
 DECK = "in.chains"
 DATA = "data.chains"
 DUMP = "chains.dump.bin"
+SNAPSHOTS = "chains.snapshots.bin"
 LOG = "log.lammps"
 SCENE = "scene.yaml"
 COLUMNS = ("id", "x", "vx")
@@ -117,12 +118,20 @@ def motion_lines(problem: Problem, group: str) -> list[str]:
     return lines
 
 
-def output_lines(problem: Problem, every: str, dump: str) -> list[str]:
-    """Frames into a file, and the log; the group ``recorded`` exists where not all beads are."""
+def output_lines(problem: Problem, every: str, dump: str, snapshots: str = SNAPSHOTS) -> list[str]:
+    """Frames into a file, snapshots into another, and the log.
+
+    The group ``recorded`` exists where not all beads are.
+    """
     recorded = "all" if problem.recorded is None else "recorded"
+    whole = [
+        f"dump snapshots all custom $({problem.frames_per_snapshot}*v_every:%.0f) {snapshots} {' '.join(COLUMNS)}",
+        "dump_modify snapshots flush yes time yes",
+    ]
     return [
         f"dump frames {recorded} custom {every} {dump} {' '.join(columns(problem))}",
         "dump_modify frames flush yes time yes   # whole frames survive a kill, and know their time",
+        *(whole if problem.frames_per_snapshot is not None else []),
         "thermo_style custom step",
         "thermo_modify lost error",
         "thermo ${thermo}",

@@ -38,6 +38,8 @@ class Problem:
     recorded: tuple[int, ...] | None
     """Beads of every chain that are recorded, ascending; None for all."""
     scale: Scale
+    frames_per_snapshot: int | None = None
+    """Frames from one snapshot of all beads to the next; None where there are none."""
     scheme: SchemeName = "verlet"
     """Of LAMMPS; ``timestep`` and ``steps`` are those of its Verlet steps, on average over a cycle."""
     window: int | None = None
@@ -103,6 +105,16 @@ class Problem:
     def coarser(self, stride: int) -> "Problem":
         """The same problem with only every stride-th frame."""
         return replace(self, steps_per_frame=self.steps_per_frame * stride, frames=self.frames // stride)
+
+    def snapshots(self) -> "Problem":
+        """The same problem with its snapshots of all beads as frames.
+
+        Raises:
+            ValueError: it has none.
+        """
+        if self.frames_per_snapshot is None:
+            raise ValueError("this problem has no snapshots")
+        return replace(self.coarser(self.frames_per_snapshot), recorded=None, frames_per_snapshot=None)
 
     def initial_velocity(self) -> NDArray[np.float64]:
         """Velocities at the start, [chain, bead]; displacements are zero."""

@@ -75,6 +75,8 @@ class Output(_Part):
     """Time between frames."""
     beads: Literal["all"] | tuple[Count, ...] = "all"
     """Recorded beads of every chain."""
+    snapshots: Positive | None = None
+    """Time between snapshots of all beads, beside the frames of the recorded ones."""
 
     @field_validator("beads", mode="before")
     @classmethod
@@ -197,10 +199,20 @@ class Scene(_Part):
                 f"timestep: {self.timestep:g} does not divide output.every = {every:g} evenly; "
                 f"try {every / math.ceil(every / self.timestep):.12g}"
             )
+        if self.output.snapshots is not None:
+            self._check_snapshots(self.output.snapshots / every, every)
         if self.duration is not None:
             frames = self.duration / every
             if not frames * steps <= MAX_STEPS:
                 raise ValueError(f"duration: needs {frames * steps:.3g} time steps; at most {MAX_STEPS:.0e}")
+
+    def _check_snapshots(self, frames: float, every: float) -> None:
+        if self.output.beads == "all":
+            raise ValueError("output.snapshots: every frame holds all beads already; name some in output.beads")
+        if round(frames) < 1 or abs(round(frames) / frames - 1.0) > 1e-9:
+            raise ValueError(
+                f"output.snapshots: is {frames:g} times output.every = {every:g}; a whole number of times is needed"
+            )
 
     @property
     def scale(self) -> Scale:
@@ -271,6 +283,7 @@ class Scene(_Part):
             frames=max(1, math.ceil(self.duration / every * (1.0 - 1e-9))),
             recorded=None if self.output.beads == "all" else self.output.beads,
             scale=scale,
+            frames_per_snapshot=None if self.output.snapshots is None else round(self.output.snapshots / every),
             scheme=self.scheme or "verlet",
             window=None if self.window is None or self.window >= self.beads else self.window,
         )

