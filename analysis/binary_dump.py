@@ -149,6 +149,24 @@ def _kind_of(raw: bytes) -> str:
     return "it begins differently"
 
 
+def last_step(path: Path) -> int | None:
+    """Step of the last whole frame of a file whose frames all have the size of its first, from two headers alone.
+
+    None where there is no frame, or none to be read.
+    """
+    try:
+        with path.open("rb") as file:
+            layout = _parse(file.read(_PROBE_BYTES))
+            whole = file.seek(0, 2) // layout.size
+            if whole == 0:
+                return None
+            file.seek((whole - 1) * layout.size)
+            head = file.read(_STEP + 8)
+    except (OSError, ValueError, struct.error):
+        return None
+    return int(struct.unpack_from("<q", head, _STEP)[0]) if head.startswith(MAGIC) else None
+
+
 class BinaryDump:
     """One file of whole frames, each with the same atoms; nothing is kept open and nothing but the index in memory.
 
@@ -195,6 +213,11 @@ class BinaryDump:
     def n_frames(self) -> int:
         """Number of whole frames."""
         return len(self.steps)
+
+    @property
+    def whole_bytes(self) -> int:
+        """Bytes of the file until the end of its last whole frame."""
+        return int(self._offsets[-1]) + self._layouts[int(self._kinds[-1])].size
 
     def read(
         self, start: int | None = None, stop: int | None = None, step: int | None = None, columns: Sequence[str] = ()

@@ -7,8 +7,9 @@ the record is noisy, degree three from velocity alone. Reads a run block by bloc
 number of frames.
 """
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 from analysis import hermite, motion
 from analysis.solitary_wave import solitary_wave
 from analysis.trajectory import Floats, Trajectory, joined
+from lammps_inputs import Problem
 
 Integers = NDArray[np.int64]
 
@@ -111,6 +113,33 @@ class PeakFinder:
             raise ValueError("no frames to analyse")
         self._search(self._carried, self._carried.frames - 1, low=self._carried.frames - 2)
         return _refined(self._found)
+
+    def state(self) -> dict[str, NDArray[Any]]:
+        """What `resumed` needs to go on later with the frames that follow, as arrays.
+
+        Raises:
+            ValueError: there was no frame.
+        """
+        if self._carried is None:
+            raise ValueError("no frames to go on from")
+        found = _together(self._found)
+        return {
+            **{f"found_{field.name}": getattr(found, field.name) for field in fields(_Brackets)},
+            "time": self._carried.time,
+            "displacement": self._carried.displacement,
+            "velocity": self._carried.velocity,
+            "first": np.array(self._carried.first),
+            "passed": np.zeros((0, 0), dtype=bool) if self._passed is None else self._passed,
+        }
+
+    def resumed(self, problem: Problem, state: Mapping[str, NDArray[Any]]) -> "PeakFinder":
+        """Go on, still unused, where another was when it gave its `state`."""
+        self._found = [_Brackets(**{field.name: state[f"found_{field.name}"] for field in fields(_Brackets)})]
+        self._carried = Trajectory(
+            problem, state["time"], state["displacement"], state["velocity"], first=int(state["first"])
+        )
+        self._passed = state["passed"] if state["passed"].size else None
+        return self
 
     def _search(self, block: Trajectory, high: int, low: int = 1) -> None:
         """Maxima whose largest frame is one of ``low`` to ``high - 1``, all of which have a frame on either side."""
@@ -225,16 +254,18 @@ def _at_start(block: Trajectory, threshold: float) -> tuple[Integers, Integers, 
     return np.zeros(len(chain), dtype=np.int64), chain, bead
 
 
-def _refined(parts: list[_Brackets]) -> Peaks:
+def _together(parts: list[_Brackets]) -> _Brackets:
     if not parts:
-        empty = np.zeros(0, dtype=np.int64)
-        return Peaks(empty, empty, np.zeros(0), np.zeros(0), np.zeros(0))
-    chain, bead, origin, spacing, low, high, overlap = (
-        np.concatenate([getattr(part, name) for part in parts])
-        for name in ("chain", "bead", "origin", "spacing", "low", "high", "overlap")
-    )
-    velocity = np.concatenate([part.velocity for part in parts], axis=1)
-    at = hermite.falling_zero(hermite.derivative(velocity), low, high)
-    time = origin + at * spacing
-    order = np.lexsort((time, bead, chain))
-    return Peaks(chain[order], bead[order], time[order], hermite.value(velocity, at)[order], overlap[order])
+        none = np.zeros(0, dtype=np.int64)
+        empty = np.zeros(0)
+        return _Brackets(none, none, empty, empty, empty, empty, empty, np.zeros((_POWERS, 0)))
+    columns = {field.name: [getattr(part, field.name) for part in parts] for field in fields(_Brackets)}
+    return _Brackets(**{name: np.concatenate(column, axis=-1) for name, column in columns.items()})
+
+
+def _refined(parts: list[_Brackets]) -> Peaks:
+    found = _together(parts)
+    at = hermite.falling_zero(hermite.derivative(found.velocity), found.low, found.high)
+    time, velocity = found.origin + at * found.spacing, hermite.value(found.velocity, at)
+    order = np.lexsort((time, found.bead, found.chain))
+    return Peaks(found.chain[order], found.bead[order], time[order], velocity[order], found.overlap[order])

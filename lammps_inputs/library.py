@@ -35,7 +35,7 @@ def find(name_or_path: str) -> Scene:
         exists = False
     if not exists and path.suffix not in (".yaml", ".yml"):
         raise InputError(
-            f"{name_or_path!r}: neither a file nor an installed scene{_suggestion(name_or_path, scenes)}; "
+            f"{name_or_path!r}: neither a file nor an installed scene{suggestion(name_or_path, scenes)}; "
             "`granchain scenes` lists them"
         )
     return load(path)
@@ -79,7 +79,7 @@ def _line(detail: ErrorDetails, model: type[BaseModel]) -> str:
     context = detail.get("ctx", {})
     if kind == "extra_forbidden":
         known = _fields_at(model, path[:-1])
-        return f"{key}: unknown key{_suggestion(str(path[-1]), known)}; known here: {', '.join(known)}"
+        return f"{key}: unknown key{suggestion(str(path[-1]), known)}; known here: {', '.join(known)}"
     if kind == "missing":
         return f"{key}: is missing"
     if kind == "value_error":
@@ -131,20 +131,22 @@ def _fields_at(model: type[BaseModel], path: list[int | str]) -> list[str]:
     for part in path:
         if isinstance(part, int):
             continue
-        model = _model_in(model.model_fields[part].annotation) or model
-    return list(model.model_fields)
+        model = model_in(model.model_fields[part].annotation) or model
+    return [field.alias or name for name, field in model.model_fields.items()]
 
 
-def _model_in(annotation: Any) -> type[BaseModel] | None:
+def model_in(annotation: Any) -> type[BaseModel] | None:
+    """The model that a field holds, alone, in a list or besides nothing; None if it holds none."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return annotation
     for argument in getattr(annotation, "__args__", ()):
-        found = _model_in(argument)
+        found = model_in(argument)
         if found is not None:
             return found
     return None
 
 
-def _suggestion(word: str, known: Any) -> str:
+def suggestion(word: str, known: Any) -> str:
+    """What a misspelt word may have been meant for, in brackets; empty if nothing comes near."""
     close = difflib.get_close_matches(word, list(known), n=1)
     return f" (did you mean `{close[0]}`?)" if close else ""

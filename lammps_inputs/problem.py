@@ -38,6 +38,8 @@ class Problem:
     recorded: tuple[int, ...] | None
     """Beads of every chain that are recorded, ascending; None for all."""
     scale: Scale
+    peaks: bool = False
+    """Whether the leading pulse is found at every bead while LAMMPS runs, whichever beads are recorded."""
     frames_per_snapshot: int | None = None
     """Frames from one snapshot of all beads to the next; None where there are none."""
     scheme: SchemeName = "verlet"
@@ -114,7 +116,7 @@ class Problem:
         """
         if self.frames_per_snapshot is None:
             raise ValueError("this problem has no snapshots")
-        return replace(self.coarser(self.frames_per_snapshot), recorded=None, frames_per_snapshot=None)
+        return replace(self.coarser(self.frames_per_snapshot), recorded=None, peaks=False, frames_per_snapshot=None)
 
     def initial_velocity(self) -> NDArray[np.float64]:
         """Velocities at the start, [chain, bead]; displacements are zero."""

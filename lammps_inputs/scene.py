@@ -22,7 +22,7 @@ DEFAULT_EVERY = 0.1
 
 MAX_STEPS = 10**12
 
-MAX_STEPS_PER_FRAME = 10**8
+MAX_STEPS_PER_FRAME = 10**9
 """Well within the 32-bit integers of LAMMPS's dump command."""
 
 MAX_LENGTH = 1e9
@@ -77,6 +77,8 @@ class Output(_Part):
     """Recorded beads of every chain."""
     snapshots: Positive | None = None
     """Time between snapshots of all beads, beside the frames of the recorded ones."""
+    peaks: Literal[True] | None = None
+    """Whether the leading pulse is found at every bead while LAMMPS runs, from all beads at every frame's time."""
 
     @field_validator("beads", mode="before")
     @classmethod
@@ -109,7 +111,7 @@ class Scene(_Part):
     duration: Positive | None = None
     until_bead: Count | None = None
     timestep: Positive | None = None
-    accuracy: Annotated[float, Field(ge=1e-12, le=0.1)] | None = None
+    accuracy: Annotated[float, Field(ge=1e-10, le=0.1)] | None = None
     """Largest error of any recorded velocity, in units of V; `workflow.settings` finds the time step that keeps it."""
     scheme: SchemeName | None = None
     """Velocity Verlet if none is named; the time step is the mean Verlet step of a cycle."""
@@ -283,6 +285,7 @@ class Scene(_Part):
             frames=max(1, math.ceil(self.duration / every * (1.0 - 1e-9))),
             recorded=None if self.output.beads == "all" else self.output.beads,
             scale=scale,
+            peaks=self.output.peaks is True,
             frames_per_snapshot=None if self.output.snapshots is None else round(self.output.snapshots / every),
             scheme=self.scheme or "verlet",
             window=None if self.window is None or self.window >= self.beads else self.window,

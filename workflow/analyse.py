@@ -11,24 +11,21 @@ import numpy as np
 from analysis.binary_dump import CutDumpWarning
 from analysis.conservation import Conservation
 from analysis.left_behind import LeftBehind
+from analysis.recording import FARTHEST
 from analysis.solitary import Tolerances
 from analysis.survey import Survey, survey
 from analysis.trajectory import Trajectory
 from analysis.waves import Waves
 from lammps_inputs import InputError, Problem
 from workflow.analysis_report import last_clear_bead, report, waves_csv
-from workflow.run_directory import RunDirectory, write_figure, write_json, write_text
+from workflow.run_directory import REPORT, RunDirectory, write_figure, write_json, write_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["Analysis", "analyse", "default_beads", "last_clear_bead"]
 
-WAVES, REPORT = "waves.csv", "analysis.json"
-
-
-FARTHEST = 2.0
-"""Time between frames from which on a wave, which passes a bead in 2 T, is missed; at 1 peaks are right to 1e-4."""
+WAVES = "waves.csv"
 
 
 @dataclass(frozen=True)

@@ -6,13 +6,12 @@ from dataclasses import asdict, dataclass
 
 from analysis.comparison import Comparison, Place
 from analysis.pairing import paired
-from lammps_inputs import Problem
 from workflow.engines.reference import engine
-from workflow.engines.reference.certify import Certificate, Certifier
+from workflow.engines.reference.certify import Certificate
+from workflow.instants import SPACING, stride
 from workflow.run_directory import RunDirectory
-
-SPACING = 0.4
-"""Time between the frames that are compared, in units of T: waves are found between them to 1e-5."""
+from workflow.settings import Settings, certifiers
+from workflow.twin import CADENCE
 
 
 @dataclass(frozen=True)
@@ -40,24 +39,24 @@ class Check:
         return asdict(self)
 
 
-def stride(problem: Problem) -> int:
-    """Frames from one that is compared to the next."""
-    return max(1, min(math.floor(SPACING / problem.every * (1.0 + 1e-9)), problem.frames))
-
-
-def check(directory: RunDirectory) -> Check:
+def check(directory: RunDirectory, settings: Settings | None = None) -> Check:
     """Compare a run with the certified reference.
+
+    Args:
+        directory: the run.
+        settings: the accuracy that was asked for, if one was: the reference is then surer than that by far, and the
+            frames are compared as closely spaced as when the time step was chosen.
 
     Raises:
         InputError: the run has no frames.
     """
     engine.load()  # takes its time once in a process, whatever is checked
     started = time.perf_counter()
-    step = stride(directory.problem)
-    certifier = Certifier(directory.problem.coarser(step))
-    comparison = Comparison(dict.fromkeys(("velocity", "displacement", "amplitude", "arrival"), math.inf))
-    for block, reference in paired(directory.blocks(step), certifier.blocks()):
-        comparison.add(block, reference)
+    step = stride(directory.problem, SPACING if settings is None else CADENCE)
+    for certifier in certifiers(directory.problem.coarser(step), settings):
+        comparison = Comparison(dict.fromkeys(("velocity", "displacement", "amplitude", "arrival"), math.inf))
+        for block, reference in paired(directory.blocks(step), certifier.blocks()):
+            comparison.add(block, reference)
     found = comparison.deviations()
     return Check(
         velocity=found["velocity"].largest,

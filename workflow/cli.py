@@ -17,7 +17,24 @@ from typing import NoReturn
 from lammps_inputs import InputError
 from workflow.errors import RunError
 
-COMMANDS = ("scenes", "show", "deck", "run", "analyze", "validate", "compare", "reproduce", "map", "bench")
+COMMANDS = (
+    "scenes",
+    "show",
+    "deck",
+    "run",
+    "rerun",
+    "status",
+    "analyze",
+    "validate",
+    "compare",
+    "reproduce",
+    "map",
+    "trade",
+    "sweep",
+    "collect",
+    "bench",
+    "extremes",
+)
 
 
 class _Parser(argparse.ArgumentParser):

@@ -18,10 +18,10 @@ from analysis.peaks import PeakFinder
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import InputError, Problem, Scene, deck, strict_yaml
 from workflow import run as running
-from workflow.ending import with_duration
 from workflow.engines.reference import engine as reference
 from workflow.errors import RunError
 from workflow.run_directory import EVENTS, RunDirectory, prepare, write_figure, write_json, write_text
+from workflow.settings import settle
 
 REPORT, FIGURE = "compare.json", "compare"
 
@@ -122,8 +122,8 @@ def compare(
         RunError: a run failed or was interrupted.
     """
     names = engines_for(scene, engines)
-    scene = with_duration(scene)
     scene = scene.model_copy(update={"output": scene.output.model_copy(update={"beads": "all"})})
+    scene, settings = settle(scene, source=scene.name, force="lammps" not in names)
     problem = scene.problem()
     rows = shown_rows(problem)
     prepare(directory, overwrite=overwrite)
@@ -132,7 +132,15 @@ def compare(
     results = []
     for name in names:
         with progress(name, problem) as follow:
-            ran = running.run(scene, directory / name, engine=name, overwrite=overwrite, check=False, progress=follow)
+            ran = running.run(
+                scene,
+                directory / name,
+                engine=name,
+                overwrite=overwrite,
+                settings=settings,
+                check=False,
+                progress=follow,
+            )
         if ran.outcome != "done":
             raise RunError(f"{directory / name}: {ran.outcome}; nothing to compare")
         results.append(measure(ran.directory, rows))

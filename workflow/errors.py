@@ -6,3 +6,7 @@ class RunError(RuntimeError):
 
     def __init__(self, message: str) -> None:
         super().__init__(" ".join(message.split()))
+
+
+class EndedError(RunError):
+    """A run that was ended from outside, by a signal or a full disk, and may go on."""

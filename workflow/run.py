@@ -1,5 +1,7 @@
 """Run a scene: from its validated description to a run directory with everything in it."""
 
+import contextlib
+import functools
 import hashlib
 import importlib.metadata
 import os
@@ -16,16 +18,19 @@ from typing import Any
 from analysis import events
 from analysis.recording import Writer
 from analysis.trajectory import Trajectory
-from lammps_inputs import InputError, Problem, Scene, deck
+from lammps_inputs import InputError, Problem, Scene, continuation, deck
 from workflow import check as checking
-from workflow.ending import with_duration
 from workflow.engines.lammps import engine as lammps_engine
 from workflow.engines.reference import engine as reference
-from workflow.engines.reference.certify import Certifier
-from workflow.errors import RunError
-from workflow.run_directory import EVENTS, RunDirectory, prepare, write_text
+from workflow.errors import EndedError, RunError
+from workflow.results import results
+from workflow.run_directory import EVENTS, RunDirectory, alone, prepare, write_text
+from workflow.settings import Settings, certifiers, settle
 
 Progress = Callable[[int, int], None]
+
+Start = Callable[..., lammps_engine.Outcome]
+"""Runs the deck in a directory, given ``ranks`` and ``progress``."""
 
 ENGINES = ("lammps", "reference", "collisions")
 
@@ -57,8 +62,12 @@ def run(
     engine: str = "lammps",
     ranks: int = 1,
     overwrite: bool = False,
+    force: bool = False,
+    settings: Settings | None = None,
     check: bool = True,
     progress: Progress | None = None,
+    restart_every: float = lammps_engine.RESTART_EVERY,
+    lammps: Start | None = None,
 ) -> Run:
     """Run a scene in a new directory.
 
@@ -68,17 +77,22 @@ def run(
         engine: "lammps", "reference" for the in-house integrator, or "collisions" for rigid beads.
         ranks: MPI ranks of LAMMPS.
         overwrite: whether an earlier run's files may be replaced.
+        force: whether LAMMPS may run with a time step above the stability bound.
+        settings: how the scene's time step was chosen, where `workflow.settings.settle` has done so before.
         check: whether to measure the error of a LAMMPS run against the reference when it is done.
         progress: called now and then with the steps done and the bead that the front has reached.
+        restart_every: seconds of LAMMPS's work that a kill may cost: what `workflow.resume` goes on from.
+        lammps: how the deck is run; by default by LAMMPS in a process of its own.
 
     Raises:
-        InputError: the directory, engine or number of ranks cannot be used.
+        InputError: the directory, engine, number of ranks or time step cannot be used.
         RunError: the run failed; ``run.json`` says why.
     """
     path = Path(directory)
     if engine not in ENGINES:
         raise InputError(f"--engine: {engine!r} given; {', '.join(ENGINES[:-1])} or {ENGINES[-1]}")
-    scene = with_duration(scene)
+    scene, found_settings = settle(scene, source=scene.name, force=force or engine != "lammps")
+    settings = found_settings or settings
     problem = scene.problem()
     refuse_what_it_cannot_do(engine, problem)
     lammps_engine.check_ranks(ranks, problem)
@@ -88,49 +102,111 @@ def run(
     if engine != "lammps":
         files = {deck.SCENE: files[deck.SCENE]}
     prepare(path, overwrite=overwrite)
-    for name, text in files.items():
-        write_text(path / name, text)
-    result = RunDirectory(path)
-    started = time.perf_counter()
-    result.update_record(outcome="running", engine=engine, ranks=ranks, steps=problem.steps, **provenance())
-    result.update_record(files_sha256=fingerprint(files))
+    with alone(path) as lock:
+        write_text(path / deck.SCENE, files[deck.SCENE])
+        result = RunDirectory(path)
+        result.update_record(
+            outcome="running",
+            engine=engine,
+            ranks=ranks,
+            steps=problem.steps,
+            **provenance(),
+            files_sha256=fingerprint(files),
+            scene=scene.resolved().plain(),
+            **({"settings": settings.plain()} if settings is not None else {}),
+            **({"force": True} if force else {}),
+        )
+        for name, text in files.items():
+            write_text(path / name, text)
+        start = lammps or functools.partial(lammps_engine.run, restart_every=restart_every, lock=lock)
+        return carry_out(result, start=start, ranks=ranks, settings=settings, check=check, progress=progress)
+
+
+def carry_out(
+    result: RunDirectory,
+    *,
+    start: Start,
+    ranks: int,
+    settings: Settings | None,
+    check: bool,
+    progress: Progress | None,
+    spent: float = 0.0,
+) -> Run:
+    """Compute what a directory was prepared for, and record how it ended.
+
+    Args:
+        result: the directory, with its record.
+        start: how LAMMPS is run.
+        ranks: as of `run`.
+        settings: as of `run`.
+        check: as of `run`.
+        progress: as of `run`.
+        spent: wall time of earlier attempts, which this one goes on from.
+
+    Raises:
+        RunError: the run failed; ``run.json`` says why, where the disk takes it.
+    """
+    path, problem, engine = result.path, result.problem, result.record["engine"]
+    started = time.perf_counter() - spent
     if check and engine == "lammps":
         # on another core while LAMMPS computes
         threading.Thread(target=reference.load, daemon=True).start()
     try:
         if engine == "lammps":
-            ending = _run_lammps(path, ranks, progress)
+            ending = _run_lammps(result, ranks, progress, start)
         elif engine == "reference":
-            ending = _run_reference(path / deck.DUMP, problem, progress)
+            ending = _run_reference(path / deck.DUMP, problem, settings, progress)
         else:
             ending = _run_collisions(path, problem, progress)
-    except RunError as error:
-        result.update_record(outcome="failed", reason=str(error), wall_seconds=time.perf_counter() - started)
-        raise
-    result.update_record(**ending, wall_seconds=time.perf_counter() - started)
-    found = None
-    if check and engine == "lammps" and ending["outcome"] == "done":
-        found = checking.check(result)
-        result.update_record(check=found.plain())
-    return Run(result, ending["outcome"], found)
-
-
-def _run_lammps(path: Path, ranks: int, progress: Progress | None) -> dict[str, Any]:
-    end = lammps_engine.run(path, ranks=ranks, progress=progress)
-    outcome = "done" if end.end == "done" else "interrupted"
-    return {"outcome": outcome, "steps_done": end.steps, "lammps": end.version, "engine_seconds": end.seconds}
-
-
-def _run_reference(dump: Path, problem: Problem, progress: Progress | None) -> dict[str, Any]:
-    """Write the reference's frames as LAMMPS would."""
-    certifier = Certifier(problem)
-    started = time.perf_counter()
-    ending = _write_frames(dump, problem, certifier.blocks(), progress)
+        if ending["outcome"] == "done":
+            ending["results"] = results(result)
+        result.update_record(**ending, wall_seconds=time.perf_counter() - started)
+    except (RunError, OSError) as error:
+        reason = str(error) if isinstance(error, RunError) else f"{path}: cannot be written ({error.strerror})"
+        with contextlib.suppress(RunError):  # a full disk
+            result.update_record(outcome="failed", reason=reason, wall_seconds=time.perf_counter() - started)
+        if isinstance(error, OSError | EndedError):
+            reason = f"{reason.rstrip('.')}; `granchain run --resume {path}` goes on from there"
+        raise type(error)(reason) if isinstance(error, RunError) else RunError(reason) from None
     if ending["outcome"] != "done":
-        return ending
+        return Run(result, ending["outcome"])
+    (path / continuation.RESTART).unlink(missing_ok=True)
+    return Run(result, "done", measure_error(result, settings) if check else None)
+
+
+def measure_error(result: RunDirectory, settings: Settings | None) -> checking.Check | None:
+    """Compare a run that is done with the reference, and record what was found; None if LAMMPS did not run."""
+    if result.record["engine"] != "lammps":
+        return None
+    found = checking.check(result, settings)
+    result.update_record(check=found.plain())
+    return found
+
+
+def _run_lammps(result: RunDirectory, ranks: int, progress: Progress | None, start: Start) -> dict[str, Any]:
+    end = start(result.path, ranks=ranks, progress=progress)
+    return {
+        "outcome": "done" if end.end == "done" else "interrupted",
+        "steps_done": end.steps,
+        "lammps": end.version,
+        "engine_seconds": end.seconds + result.record.get("engine_seconds", 0.0),
+    }
+
+
+def _run_reference(
+    dump: Path, problem: Problem, settings: Settings | None, progress: Progress | None
+) -> dict[str, Any]:
+    """Write the reference's frames as LAMMPS would, certified to the accuracy if one is asked for."""
+    started = time.perf_counter()
+    for certifier in certifiers(problem, settings):
+        ending = _write_frames(dump, problem, certifier.blocks(), progress)
+        if ending["outcome"] != "done":
+            return ending
+        certificate = certifier.certificate
+        if settings is None or certificate.velocity <= settings.accuracy:
+            break
     seconds = time.perf_counter() - started
-    certificate = asdict(certifier.certificate)
-    return {**ending, "engine_seconds": seconds, "certificate": certificate}
+    return {**ending, "engine_seconds": seconds, "certificate": asdict(certificate)}
 
 
 def _run_collisions(path: Path, problem: Problem, progress: Progress | None) -> dict[str, Any]:
@@ -175,8 +251,10 @@ def refuse_what_it_cannot_do(engine: str, problem: Problem) -> None:
     """Say so before anything runs.
 
     Raises:
-        InputError: rigid beads were asked for, and the scene has no gap.
+        InputError: rigid beads were asked for, and the scene has no gap; or a window, and not of LAMMPS.
     """
+    if engine != "lammps" and problem.window is not None:
+        raise InputError(f"--engine: only lammps records a window, not {engine}; leave `window` out of the scene")
     if engine == "collisions" and not problem.gap > 0.0:
         raise InputError(
             "--engine: `collisions` moves rigid beads, which need a gap between them; "
@@ -200,12 +278,18 @@ def fingerprint(files: dict[str, str]) -> str:
 
 def provenance() -> dict[str, Any]:
     """What is needed to tell where and with what something was computed."""
-    names = ("granchain", "lammps", "numpy", "MDAnalysis", "matplotlib", "numba", "scipy", "pydantic")
     return {
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
         "command": sys.argv,
         "host": platform.node(),
         "machine": f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores",
         "python": platform.python_version(),
-        "versions": {name: importlib.metadata.version(name) for name in names},
+        "versions": _versions(),
     }
+
+
+@functools.cache
+def _versions() -> dict[str, str]:
+    """Looked up once, since a process of a sweep runs many scenes."""
+    names = ("granchain", "lammps", "numpy", "MDAnalysis", "matplotlib", "numba", "scipy", "pydantic")
+    return {name: importlib.metadata.version(name) for name in names}

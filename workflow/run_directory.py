@@ -4,20 +4,26 @@
 |-------------------|------------------------------------------------|
 | scene.yaml        | the scene with every default written out       |
 | in.chains, data.chains | the deck (LAMMPS only)                    |
-| chains.dump.bin   | frames: id, x, vx of the recorded beads        |
+| chains.dump.bin   | frames: id, x, vx of the recorded beads; those of a continued run go on in chains.dump.2.bin, .3 |
+| chains.restart, in.continue | where to go on from, and how (LAMMPS only) |
 | log.lammps        | LAMMPS's log (LAMMPS only)                     |
 | events.csv        | collisions (engine `collisions` only)          |
 | run.json          | versions, command, host, times, outcome        |
 
 Every file is written whole under another name and then renamed, except the dump, whose frames are whole one by one.
+A directory is locked while something runs in it.
 """
 
+import fcntl
 import io
 import json
 import math
 import os
+import re
 import tempfile
+import time
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -25,25 +31,48 @@ from typing import TYPE_CHECKING, Any
 
 from analysis import recording
 from analysis.trajectory import Trajectory, joined
-from lammps_inputs import InputError, Problem, Scene, deck, load
+from lammps_inputs import InputError, Problem, Scene, continuation, deck, job, load
+from workflow.errors import EndedError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure  # takes a while to import
 
 RECORD = "run.json"
 EVENTS = "events.csv"
+REPORT = "analysis.json"
 
-OWN_FILES = (deck.SCENE, deck.DECK, deck.DATA, deck.DUMP, deck.LOG, EVENTS, RECORD)
+OWN_FILES = (
+    *(deck.SCENE, deck.DECK, deck.DATA, deck.DUMP, deck.LOG, EVENTS, RECORD),
+    *(continuation.CONTINUE, continuation.RESTART, continuation.UNFINISHED),
+    *job.OWN_FILES,
+)
 ANALYSIS_FILES = (
     "waves.csv",
-    "analysis.json",
+    REPORT,
     *(f"{name}.{suffix}" for name in ("spacetime", "response", "distance", "shape") for suffix in ("png", "pdf")),
     *("validation.json", "validation.png", "validation.pdf"),
 )
 
 
+_PART = re.compile(r"chains\.dump(?:\.([1-9][0-9]{0,8}))?\.bin")
+
+_LOCK_SECONDS = 3.0
+"""How long the processes of a killed run may take to end."""
+
+
 def write_bytes(path: Path, content: bytes) -> None:
-    """Write a file whole or not at all."""
+    """Write a file whole or not at all.
+
+    Raises:
+        EndedError: it cannot be written; what was there before still is.
+    """
+    try:
+        _write(path, content)
+    except OSError as error:
+        raise EndedError(f"{path}: cannot be written ({error.strerror}); what was there is left as it was") from None
+
+
+def _write(path: Path, content: bytes) -> None:
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     try:
         with os.fdopen(handle, "wb") as file:
@@ -83,6 +112,53 @@ def _finite(data: Any) -> Any:
     return None if isinstance(data, float) and not math.isfinite(data) else data
 
 
+@contextmanager
+def alone(directory: Path) -> Iterator[int]:
+    """Keep other runs out of a directory.
+
+    Yields:
+        A file descriptor: a process that inherits it keeps others out until it ends, too.
+
+    Raises:
+        InputError: something runs there.
+    """
+    handle = os.open(directory, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        end = time.monotonic() + _LOCK_SECONDS
+        while True:
+            try:
+                fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                break
+            except BlockingIOError:
+                if time.monotonic() > end:
+                    raise InputError(f"{directory}: a run is under way in it; wait for its end, or end it") from None
+                time.sleep(0.05)
+            except OSError:  # a file system without locks
+                break
+        yield handle
+    finally:
+        os.close(handle)
+
+
+def parts(directory: Path) -> list[Path]:
+    """The files of frames there are, in order."""
+    return sorted((path for path in directory.iterdir() if part_number(path) and path.is_file()), key=part_number)
+
+
+def part_number(path: Path) -> int:
+    """Number of a file of frames; 0 if it is none."""
+    match = _PART.fullmatch(path.name)
+    return 0 if match is None else int(match[1] or 1)
+
+
+def remove_leftovers(directory: Path) -> None:
+    """Remove files that were being written when an earlier run was killed."""
+    for path in directory.iterdir():
+        whole = path.name[1:].rpartition(".")[0]  # see `write_bytes`
+        if path.name.startswith(".") and whole in (*OWN_FILES, *ANALYSIS_FILES):
+            path.unlink(missing_ok=True)
+
+
 def prepare(directory: Path, *, overwrite: bool = False) -> None:
     """Make a directory for a new run.
 
@@ -96,18 +172,34 @@ def prepare(directory: Path, *, overwrite: bool = False) -> None:
     try:
         if directory.exists() and not directory.is_dir():
             raise InputError(f"{directory}: is a file, not a directory; choose another -o")
+        if directory.is_dir():
+            remove_leftovers(directory)
         if directory.is_dir() and any(directory.iterdir()):
             if not overwrite:
                 raise InputError(f"{directory}: exists and is not empty; choose another -o, or give --overwrite")
             if not (directory / deck.SCENE).is_file():
                 raise InputError(f"{directory}: is not a run directory, so it is not overwritten; choose another -o")
-            for name in (*OWN_FILES, *ANALYSIS_FILES):
-                (directory / name).unlink(missing_ok=True)
+            with alone(directory):
+                for path in (*parts(directory), *(directory / name for name in (*OWN_FILES, *ANALYSIS_FILES))):
+                    path.unlink(missing_ok=True)
         directory.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=directory):
             pass
     except OSError as error:
         raise InputError(f"{directory}: cannot be written to ({error.strerror})") from None
+
+
+def read_record(path: Path) -> dict[str, Any]:
+    """What a ``run.json`` holds.
+
+    Raises:
+        InputError: it is not JSON.
+    """
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except (ValueError, OSError) as error:
+        raise InputError(f"{path}: cannot be read ({error})") from None
+    return data if isinstance(data, dict) else {}
 
 
 @dataclass(frozen=True)
@@ -148,33 +240,37 @@ class RunDirectory:
             InputError: it is not JSON.
         """
         path = self.path / RECORD
-        if not path.is_file():
-            return {}
-        try:
-            data = json.loads(path.read_text(encoding="utf-8"))
-        except (ValueError, OSError) as error:
-            raise InputError(f"{path}: cannot be read ({error})") from None
-        return data if isinstance(data, dict) else {}
+        return read_record(path) if path.is_file() else {}
 
     def update_record(self, **changes: Any) -> None:
-        """Add to ``run.json``."""
-        write_json(self.path / RECORD, {**self.record, **changes})
+        """Add to ``run.json``, or with None take away."""
+        record = {**self.record, **changes}
+        write_json(self.path / RECORD, {key: value for key, value in record.items() if value is not None})
 
     @property
-    def dump(self) -> Path:
-        """The file of frames.
+    def dumps(self) -> list[Path]:
+        """The files of frames, in order; more than one if the run was continued.
 
         Raises:
             InputError: there is none.
         """
-        path = self.path / deck.DUMP
-        if not path.is_file():
+        found = parts(self.path)
+        if not found or found[0].name != deck.DUMP:
             raise InputError(f"{self.path}: holds no {deck.DUMP}; run the deck first")
-        return path
+        return found
+
+    @property
+    def dump(self) -> Path:
+        """The first of the files of frames.
+
+        Raises:
+            InputError: there is none.
+        """
+        return self.dumps[0]
 
     def blocks(self, stride: int = 1) -> Iterator[Trajectory]:
         """The frames there are, or every stride-th of them, in blocks of bounded size."""
-        return recording.blocks([self.dump], self.problem, stride)
+        return recording.blocks(self.dumps, self.problem, stride)
 
     @property
     def trajectory(self) -> Trajectory:

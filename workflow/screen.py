@@ -30,8 +30,8 @@ def progress_bar(name: str, problem: Problem) -> Iterator[Callable[[int, int], N
 
 
 @contextmanager
-def count_bar(name: str) -> Iterator[Callable[[int, int], None]]:
-    """A bar of cases done; on standard error, and only on a terminal."""
+def count_bar(name: str) -> Iterator[Callable[..., None]]:
+    """A bar of cases done, and how many of them failed; on standard error, and only on a terminal."""
     console = Console(stderr=True)
     columns = (
         TextColumn("{task.description}"),
@@ -42,8 +42,9 @@ def count_bar(name: str) -> Iterator[Callable[[int, int], None]]:
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
         task = bar.add_task(name, total=None)
 
-        def show(done: int, total: int) -> None:
-            bar.update(task, completed=done, total=total)
+        def show(done: int, total: int, failed: int = 0) -> None:
+            label = f"{name}, {failed} failed" if failed else name
+            bar.update(task, completed=done, total=total, description=label)
 
         yield show
 

@@ -14,6 +14,9 @@ WIDEST = 1024
 
 _STEP = 0.1
 
+_AROUND_KICKS = 32
+"""Rows that the reference integrates at the least beyond those between the kicks."""
+
 
 def with_window(scene: Scene) -> Scene:
     """The same scene with the rows of its window written out.
@@ -25,6 +28,9 @@ def with_window(scene: Scene) -> Scene:
     if scene.window != "auto":
         return scene
     rows = window.LEAST_WINDOW
+    kicked = [kick.bead for kick in scene.kick]
+    while window.behind(rows) < max(kicked) - min(kicked) + _AROUND_KICKS:
+        rows *= 2
     problem = scene.model_copy(update={"window": rows, "accuracy": None}).problem()
     found = _leading(problem, rows)
     while 2 * rows < min(problem.beads, WIDEST + 1):

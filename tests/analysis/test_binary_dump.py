@@ -266,11 +266,19 @@ def test_a_continued_run_reads_like_one_without_frames_twice(serial: Path, tmp_p
     first, second = tmp_path / "1.bin", tmp_path / "2.bin"
     first.write_bytes(raw[: 25 * size + 100])
     second.write_bytes(raw[20 * size :])
-    with pytest.warns(CutDumpWarning, match=r"1\.bin: ends within a frame; the 25 whole frames"):
-        run = whole(TWO.problem(), first, second)
+    run = whole(TWO.problem(), first, second)  # without a warning: the second file has the frame that the first lacks
     once = whole(TWO.problem(), serial)
     for name in ("time", "displacement", "velocity"):
         np.testing.assert_array_equal(getattr(run, name), getattr(once, name))
+
+
+def test_a_continuation_that_leaves_frames_out_is_refused(serial: Path, tmp_path: Path) -> None:
+    raw = serial.read_bytes()
+    size = len(raw) // 41
+    (tmp_path / "1.bin").write_bytes(raw[: 25 * size + 100])
+    (tmp_path / "2.bin").write_bytes(raw[26 * size :])
+    with pytest.raises(InputError, match=r"2\.bin: goes on at step 260, but the file before ends at step 240"):
+        whole(TWO.problem(), tmp_path / "1.bin", tmp_path / "2.bin")
 
 
 def test_a_continuation_killed_before_its_first_frame_is_passed_over(serial: Path, tmp_path: Path) -> None:

@@ -7,7 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lammps_inputs import Scene, contact, coupling, find, library, timestep
+from lammps_inputs import Coupling, Kick, Scene, contact, coupling, find, library, timestep
+from lammps_inputs import scheme as schemes
+from workflow.engines.reference import engine
+from workflow.engines.reference.certify import certified
+from workflow.engines.reference.verlet import VERLET
 
 
 def growth(omega, step):
@@ -15,6 +19,16 @@ def growth(omega, step):
     square = (omega * step) ** 2
     verlet = [[1 - square / 2, step], [-(omega**2) * step * (1 - square / 4), 1 - square / 2]]
     return max(abs(np.linalg.eigvals(verlet)))
+
+
+def cycle_growth(omega, step):
+    """The same of a cycle of Suzuki's five Verlet steps, per cycle; ``step`` is their mean."""
+    state = np.eye(2)
+    for weight in schemes.weights("suzuki4"):
+        h = 5.0 * weight * step
+        square = (omega * h) ** 2
+        state = np.array([[1 - square / 2, h], [-(omega**2) * h * (1 - square / 4), 1 - square / 2]]) @ state
+    return max(abs(np.linalg.eigvals(state)))
 
 
 @pytest.mark.parametrize("chains", [2, 3, 10])
@@ -54,6 +68,44 @@ def test_the_scenes_of_the_paper_step_by_0_01(name):
 def test_the_default_is_a_small_part_of_the_bound(energy, kappa, chains):
     step = timestep.default_timestep(energy, kappa, chains)
     assert 0.0 < step <= min(0.01, timestep.stability_bound(energy, kappa, chains) / 50)
+
+
+@given(st.floats(0.5, 2.0), st.floats(0.0, 1.0), st.integers(1, 100))
+def test_up_to_a_coupling_of_1_the_default_is_0_01(energy, kappa, chains):
+    assert timestep.default_timestep(energy, kappa, chains) == 0.01
+
+
+@pytest.mark.parametrize("kappa", [1.01, 3.0, 10.0, 100.0])
+@pytest.mark.parametrize("chains", [2, 3])
+def test_the_default_leaves_at_most_1e_4_where_springs_are_stiff(kappa, chains):
+    stiff = Scene(
+        name="a", chains=chains, beads=6, coupling=Coupling(stiffness=kappa), kick=(Kick(velocity=1.0),), duration=200.0
+    )
+    problem = stiff.problem()
+    runs = engine.blocks(problem, scheme=VERLET, steps_per_frame=problem.steps_per_frame)
+    right = certified(problem, 1e-5).blocks()
+    assert max(np.abs(a.velocity - b.velocity).max() for a, b in zip(runs, right, strict=True)) < 1.1e-4
+
+
+@given(st.floats(1e-10, 0.1), st.floats(1.0, 1e5), st.floats(0.0, 1e4), st.integers(1, 100))
+def test_the_law_asks_for_shorter_steps_for_more_accuracy_time_and_stiffness(accuracy, duration, kappa, chains):
+    for scheme in ("verlet", "suzuki4"):
+        step = timestep.timestep_for(accuracy, duration, kappa, chains, scheme)
+        assert 0.0 < timestep.timestep_for(accuracy / 2.0, duration, kappa, chains, scheme) < step
+        assert timestep.timestep_for(accuracy, 2.0 * duration, kappa, chains, scheme) < step
+        assert timestep.timestep_for(accuracy, duration, 2.0 * kappa, chains, scheme) <= step
+
+
+def test_velocity_verlet_needs_ten_times_the_steps_for_a_hundredth_of_the_error():
+    few, many = (timestep.timestep_for(accuracy, 192.0, 0.1, 2) for accuracy in (1e-3, 1e-5))
+    assert few / many == pytest.approx(10.0, rel=1e-12)
+
+
+def test_with_springs_alone_suzukis_cycle_is_stable_up_to_its_bound_and_not_beyond():
+    omega = math.sqrt(0.7 * coupling.largest_eigenvalue(3))
+    bound = timestep.stability_bound(0.0, 0.7, 3, "suzuki4")
+    assert cycle_growth(omega, 0.999 * bound) == pytest.approx(1.0, abs=1e-9)
+    assert cycle_growth(omega, 1.01 * bound) > 1.01
 
 
 def test_a_stiff_scene_gets_a_shorter_step():

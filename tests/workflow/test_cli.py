@@ -120,8 +120,8 @@ def test_a_pulse_that_does_not_arrive_is_one_line_and_nothing_is_written(tmp_pat
     [
         ([], "COMMAND; `granchain --help` tells more"),
         (["simulate"], "invalid choice: 'simulate'"),
-        (["run"], "the following arguments are required: SCENE, -o"),
-        (["run", "two-chains"], "required: -o/--output; `granchain run --help` tells more"),
+        (["run"], "run: needs a SCENE and -o DIR, or --resume DIR; `granchain run --help` tells more"),
+        (["run", "two-chains"], "run: needs a SCENE and -o DIR, or --resume DIR"),
         (["run", "two-chains", "-o"], "expected one argument"),
         (["run", "two-chains", "-o", "out", "--rank", "two"], "invalid int value: 'two'"),
         (["run", "two-chains", "-o", "out", "--fast"], "unrecognized arguments: --fast"),
@@ -204,7 +204,7 @@ def test_a_run_is_left_alone(command, a_run, capsys):
 def test_a_run_that_fails_is_one_line_and_exit_code_1(tmp_path, capsys):
     bad = tmp_path / "unstable.yaml"
     bad.write_text(scene_text(timestep="2.5", duration="5000", output="{every: 2.5}"))
-    assert main(["run", str(bad), "-o", str(tmp_path / "out")]) == 1
+    assert main(["run", str(bad), "-o", str(tmp_path / "out"), "--force"]) == 1
     out, err = capsys.readouterr()
     assert out == ""
     assert err.startswith("granchain: by step 200, ")

@@ -170,7 +170,10 @@ def test_ctrl_c_ends_a_run_with_one_line_and_its_frames(size, ranks, start, whol
     code, out, err = command.end(signal.SIGINT)
     record = RunDirectory(command.run).record
     assert (code, err) == (1, "")
-    assert out == f"{command.run}: interrupted at step {record['steps_done']} of 10000000; frames are kept\n"
+    assert out == (
+        f"{command.run}: interrupted at step {record['steps_done']} of 10000000; frames are kept, and "
+        f"`granchain run --resume {command.run}` goes on\n"
+    )
     assert command.nothing_is_left()
     assert record["outcome"] == "interrupted"
     assert_frames_are_those_of(whole, command.run)

@@ -9,6 +9,7 @@ from lammps_inputs import library
 from workflow import compare as comparing
 from workflow import run as running
 from workflow.screen import print_table, progress_bar
+from workflow.settings import refuse_unstable
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -27,7 +28,8 @@ def execute(arguments: argparse.Namespace) -> int:
     """Print tables and an answer; write compare.json, a figure, and each engine's run directory."""
     scene = library.find(arguments.scene)
     engines = None if arguments.engines is None else tuple(arguments.engines.split(","))
-    comparing.engines_for(scene, engines)
+    if "lammps" in comparing.engines_for(scene, engines):
+        refuse_unstable(scene, arguments.scene)
     with tempfile.TemporaryDirectory(prefix="granchain-compare-") as name:
         directory = Path(name) / "compare" if arguments.output is None else arguments.output
         found = comparing.compare(

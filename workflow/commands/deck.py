@@ -1,11 +1,13 @@
-"""Write the LAMMPS deck of a scene, to run with any lmp."""
+"""Write the LAMMPS deck of a scene, to run with any lmp, and a Slurm job for it."""
 
 import argparse
 from pathlib import Path
 
-from lammps_inputs import deck, library
-from workflow.ending import with_duration
+from lammps_inputs import deck, job, library
+from workflow import ranks
+from workflow.job_arguments import add_job_arguments, job_options, with_ranks
 from workflow.run_directory import prepare, write_text
+from workflow.settings import settle
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -13,14 +15,27 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scene", metavar="SCENE", help="a YAML file, or the name of an installed scene")
     parser.add_argument("-o", "--output", metavar="DIR", type=Path, required=True, help="directory to make")
     parser.add_argument("--overwrite", action="store_true", help="replace an earlier run's files in DIR")
+    parser.add_argument("--force", action="store_true", help="even with a time step above the stability bound")
+    add_job_arguments(parser)
 
 
 def execute(arguments: argparse.Namespace) -> int:
-    """Write deck, data and scene."""
-    files = deck.render(with_duration(library.find(arguments.scene)))
+    """Write deck, data and scene, and the job."""
+    options = job_options(arguments)
+    scene, settings = settle(library.find(arguments.scene), source=arguments.scene, force=arguments.force)
+    files = deck.render(scene)
+    if options is not None:
+        options = with_ranks(options, scene.problem())
+        files |= job.render_job(options, scene.problem())
     prepare(arguments.output, overwrite=arguments.overwrite)
     for name, content in files.items():
         write_text(arguments.output / name, content)
+    if settings is not None:
+        print(f"{scene.name}: {settings.sentence(scene.problem())}")
     print(f"{arguments.output}: {', '.join(files)}")
+    if options is not None:
+        print(ranks.cost(scene.problem(), options.ranks).sentence())
+        print(f"on the cluster, there: sbatch {job.JOB}    then: granchain status {arguments.output}")
+        return 0
     print(f"run it there with: lmp -in {deck.DECK}    then: granchain analyze {arguments.output}")
     return 0

@@ -5,49 +5,120 @@ import math
 from pathlib import Path
 from typing import Any
 
-from lammps_inputs import Problem, library
+from lammps_inputs import InputError, Problem, library
 from workflow import run as running
 from workflow.check import Check
-from workflow.ending import with_duration
+from workflow.engines.lammps.engine import RESTART_EVERY
+from workflow.resume import begun, resume, settings_of
 from workflow.screen import progress_bar
+from workflow.settings import Settings, settle
 from workflow.validate import TOLERANCES
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The scene, where to, and how."""
-    parser.add_argument("scene", metavar="SCENE", help="a YAML file, or the name of an installed scene")
-    parser.add_argument("-o", "--output", metavar="DIR", type=Path, required=True, help="run directory to make")
-    parser.add_argument("--engine", choices=running.ENGINES, default="lammps", help="what computes (default lammps)")
-    parser.add_argument("--ranks", metavar="N", type=int, default=1, help="MPI ranks of LAMMPS (default 1)")
+    parser.add_argument("scene", metavar="SCENE", nargs="?", help="a YAML file, or the name of an installed scene")
+    parser.add_argument("-o", "--output", metavar="DIR", type=Path, help="run directory to make")
+    parser.add_argument(
+        "--resume", metavar="DIR", type=Path, help="go on with a run that was cut short, and nothing else"
+    )
+    parser.add_argument("--engine", choices=running.ENGINES, help="what computes (default lammps)")
+    parser.add_argument("--ranks", metavar="N", type=int, help="MPI ranks of LAMMPS (default 1, or as before)")
     parser.add_argument("--overwrite", action="store_true", help="replace an earlier run's files in DIR")
+    parser.add_argument("--force", action="store_true", help="run even with a time step above the stability bound")
+    parser.add_argument(
+        "--restart-every",
+        metavar="SECONDS",
+        type=_seconds,
+        default=RESTART_EVERY,
+        help="work that a kill may cost (default %(default)g)",
+    )
     parser.add_argument("--no-check", action="store_true", help="do not measure the error against the reference")
 
 
 def execute(arguments: argparse.Namespace) -> int:
     """Run, with a progress bar on a terminal; exit code 1 when interrupted."""
-    scene = with_duration(library.find(arguments.scene))
+    if arguments.resume is not None:
+        return _resume(arguments)
+    if arguments.scene is None or arguments.output is None:
+        raise InputError("run: needs a SCENE and -o DIR, or --resume DIR; `granchain run --help` tells more")
+    engine = arguments.engine or "lammps"
+    force = arguments.force or engine != "lammps"  # only LAMMPS takes the scene's time step
+    scene, settings = settle(library.find(arguments.scene), source=arguments.scene, force=force)
     problem = scene.problem()
+    if settings is not None:
+        print(f"{scene.name}: {settings.sentence(problem)}", flush=True)
     with progress_bar(scene.name, problem) as progress:
         result = running.run(
             scene,
             arguments.output,
-            engine=arguments.engine,
-            ranks=arguments.ranks,
+            engine=engine,
+            ranks=1 if arguments.ranks is None else arguments.ranks,
             overwrite=arguments.overwrite,
+            force=arguments.force,
+            settings=settings,
             check=not arguments.no_check,
             progress=progress,
+            restart_every=arguments.restart_every,
         )
-    record = result.directory.record
+    return _tell(result, settings)
+
+
+def _resume(arguments: argparse.Namespace) -> int:
+    given = {
+        "SCENE": arguments.scene,
+        "-o": arguments.output,
+        "--engine": arguments.engine,
+        "--overwrite": arguments.overwrite or None,
+        "--force": arguments.force or None,
+    }
+    for name, value in given.items():
+        if value is not None:
+            raise InputError(f"--resume: goes on as the run was begun, so leave out {name}")
+    directory = begun(arguments.resume)
+    with progress_bar(directory.scene.name, directory.problem) as progress:
+        result = resume(
+            arguments.resume,
+            ranks=arguments.ranks,
+            check=not arguments.no_check,
+            progress=progress,
+            restart_every=arguments.restart_every,
+        )
+    if result is None:
+        print(f"{arguments.resume}: is done already")
+        return 0
+    return _tell(result, settings_of(directory.record))
+
+
+def _tell(result: running.Run, settings: Settings | None) -> int:
+    """Say how a run ended; exit code 1 if it was interrupted or not as accurate as asked."""
+    path, problem, record = result.directory.path, result.directory.problem, result.directory.record
     if result.outcome == "interrupted":
-        print(f"{arguments.output}: interrupted at step {record['steps_done']} of {record['steps']}; frames are kept")
+        print(
+            f"{path}: interrupted at step {record['steps_done']} of {record['steps']}; frames are kept, and "
+            f"`granchain run --resume {path}` goes on"
+        )
         return 1
-    print(f"{arguments.output}: {_done(record)}")
+    print(f"{path}: {_done(record)}")
     if result.check is not None:
         print(_checked(result.check, problem))
-        if result.check.velocity > TOLERANCES["velocity"]:
-            step = problem.timestep * problem.scale.time * math.sqrt(TOLERANCES["velocity"] / result.check.velocity)
-            print(f"that is more than {TOLERANCES['velocity']:.0e} V; a timestep of about {step:.2g} would do")
+        return _judged(result.check, problem, settings)
+    if settings is not None and record["engine"] == "reference":
+        return 0 if record["certificate"]["velocity"] <= settings.accuracy else 1
     return 0
+
+
+def _judged(check: Check, problem: Problem, settings: Settings | None) -> int:
+    """Say so if a run is less accurate than it should be; exit code 1 if an accuracy was asked for."""
+    asked = TOLERANCES["velocity"] if settings is None else settings.accuracy
+    if settings is not None and not check.reference.velocity <= asked:
+        print(f"the reference itself cannot tell whether that is within {asked:g} V, for errors grow in so long a run")
+    elif not check.velocity <= asked:
+        step = problem.timestep * problem.scale.time * math.sqrt(asked / check.velocity)
+        print(f"that is more than {asked:g} V; a timestep of about {step:.2g} would do")
+    else:
+        return 0
+    return 0 if settings is None else 1
 
 
 def _done(record: dict[str, Any]) -> str:
@@ -61,7 +132,23 @@ def _done(record: dict[str, Any]) -> str:
         seconds = f"{record['engine_seconds']:.2g} s"
         return f"{record['collisions']} collisions of rigid beads in {seconds}; events.csv lists them"
     ranks = f"{record['ranks']} rank{'s' * (record['ranks'] > 1)}"
+    if "resumed" in record:
+        steps = ", ".join(str(again["from_step"]) for again in record["resumed"])
+        return (
+            f"{record['steps']} steps, gone on with from step {steps}, in {record['wall_seconds']:.2f} s "
+            f"(LAMMPS {record['lammps']}, {ranks})"
+        )
     return f"{record['steps']} steps in {record['engine_seconds']:.2f} s (LAMMPS {record['lammps']}, {ranks})"
+
+
+def _seconds(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not value >= 0.0:
+        raise argparse.ArgumentTypeError(f"{text!r} given; a number of seconds")
+    return value
 
 
 def _checked(check: Check, problem: Problem) -> str:

@@ -4,7 +4,7 @@ import argparse
 
 from lammps_inputs import library, strict_yaml
 from lammps_inputs.numbers import text
-from workflow.ending import with_duration
+from workflow.settings import settle
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -14,10 +14,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """Print YAML that is a scene again; what follows from it stands in comments."""
-    scene = with_duration(library.find(arguments.scene)).resolved()
+    scene, settings = settle(library.find(arguments.scene), source=arguments.scene, force=True)
+    scene = scene.resolved()
     problem, scale = scene.problem(), scene.scale
     print(strict_yaml.dump(scene.plain()), end="")
     print(f"# {problem.steps} time steps, {problem.frames + 1} frames, {problem.chains * problem.beads} beads")
+    if settings is not None:
+        print(f"# {settings.sentence(problem)}")
     if scale.velocity != 1.0 or scale.si:
         unit = [f" {scale.symbol(name)}" if scale.si else "" for name in ("length", "time", "velocity", "force")]
         print("# computed at V = 1, in units of")

@@ -8,9 +8,9 @@ import numpy as np
 from lammps_inputs import InputError, library
 from workflow import run as running
 from workflow import validate as validation
-from workflow.ending import with_duration
 from workflow.run_directory import RunDirectory
 from workflow.screen import print_table, progress_bar
+from workflow.settings import settle
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -57,9 +57,11 @@ def _directory(arguments: argparse.Namespace) -> RunDirectory:
     scene = library.find(arguments.what)
     if arguments.output is None:
         raise InputError(f"-o: {arguments.what} is a scene, so a directory for its run is needed")
-    scene = with_duration(scene)
+    scene, settings = settle(scene, source=arguments.what)
+    if settings is not None:
+        print(f"{scene.name}: {settings.sentence(scene.problem())}", flush=True)
     with progress_bar(scene.name, scene.problem()) as progress:
-        return running.run(scene, arguments.output, check=False, progress=progress).directory
+        return running.run(scene, arguments.output, settings=settings, check=False, progress=progress).directory
 
 
 def _tolerances(given: list[str]) -> dict[str, float]:

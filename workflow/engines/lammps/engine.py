@@ -12,8 +12,10 @@ from pathlib import Path
 from typing import Any
 
 from lammps_inputs import InputError, Problem
-from workflow.engines.lammps import mpi
-from workflow.errors import RunError
+from workflow.engines.lammps import mpi, restarts
+from workflow.errors import EndedError, RunError
+
+RESTART_EVERY = restarts.EVERY
 
 Progress = Callable[[int, int], None]
 """Called with the steps done and the bead that the front has reached."""
@@ -54,20 +56,32 @@ def check_ranks(ranks: int, problem: Problem) -> None:
         raise InputError("--ranks: no mpiexec found beside Python or on the PATH; run with one rank")
 
 
-def run(directory: Path, *, ranks: int = 1, progress: Progress | None = None) -> Outcome:
+def run(
+    directory: Path,
+    *,
+    ranks: int = 1,
+    progress: Progress | None = None,
+    part: int = 1,
+    restart_every: float = RESTART_EVERY,
+    lock: int | None = None,
+) -> Outcome:
     """Run the deck that stands in a directory to its end.
 
-    Ctrl-C ends it at the next segment, with every frame until then on disk.
+    Ctrl-C ends it at the next segment, with every frame until then on disk, and a restart.
 
     Args:
         directory: holds the deck; frames and log are written there.
         ranks: MPI ranks.
         progress: called after every segment.
+        part: of the frames; 1 begins at the start, a later one at the restart in the directory.
+        restart_every: seconds of work that a kill may cost.
+        lock: file descriptor that keeps others out of the directory, until LAMMPS has ended, too.
 
     Raises:
-        RunError: LAMMPS failed, died, or a state of the run did not pass `checks`.
+        EndedError: LAMMPS was killed, or the disk is full.
+        RunError: LAMMPS failed, or a state of the run did not pass `checks`.
     """
-    command = [sys.executable, "-m", "workflow.engines.lammps.worker"]
+    command = [sys.executable, "-m", "workflow.engines.lammps.worker", str(part), repr(float(restart_every))]
     if ranks > 1:
         command = [str(mpi.launcher()), "-n", str(ranks), *command]
     last: dict[str, Any] = {}
@@ -83,6 +97,7 @@ def run(directory: Path, *, ranks: int = 1, progress: Progress | None = None) ->
             stderr=errors,
             text=True,
             start_new_session=True,
+            pass_fds=() if lock is None else (lock,),
         )
         assert process.stdin is not None
         assert process.stdout is not None
@@ -107,11 +122,13 @@ def run(directory: Path, *, ranks: int = 1, progress: Progress | None = None) ->
         complaint = next((text.strip() for text in errors if text.strip()), "")
     if last.get("end") == "done":
         return Outcome("done", last["step"], last["seconds"], last["lammps"])
+    if last.get("end") == "failed" and last.get("disk"):
+        raise EndedError(last["reason"])
     if stopped or last.get("end") == "stopped":
-        return Outcome("stopped", int(last.get("step", 0)), 0.0, 0)
+        return Outcome("stopped", int(last.get("step", 0)), last.get("seconds", 0.0), last.get("lammps", 0))
     if last.get("end") == "failed":
         raise RunError(last["reason"])
-    raise RunError(f"LAMMPS {_cause_of_death(process.returncode)} after step {last.get('step', 0)}. {complaint}")
+    raise EndedError(f"LAMMPS {_cause_of_death(process.returncode)} after step {last.get('step', 0)}. {complaint}")
 
 
 def _message(line: str) -> dict[str, Any] | None:

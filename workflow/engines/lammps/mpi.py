@@ -4,8 +4,12 @@ import ctypes
 import importlib.metadata
 import os
 import shutil
+import signal
+import sys
 import sysconfig
 from pathlib import Path
+
+_PDEATHSIG = 1
 
 
 def preload() -> None:
@@ -21,6 +25,14 @@ def preload() -> None:
         if file.name.startswith("libmpi.so."):
             ctypes.CDLL(str(file.locate()), mode=ctypes.RTLD_GLOBAL)
             return
+
+
+def end_with_launcher() -> None:
+    """Let the system kill this rank when the process that launched it is gone: the other ranks would wait for ever."""
+    if sys.platform == "linux" and "PMI_RANK" in os.environ:
+        ctypes.CDLL(None).prctl(_PDEATHSIG, int(signal.SIGKILL))
+        if os.getppid() == 1:  # it went before
+            os._exit(1)
 
 
 def launcher() -> str | None:

@@ -19,13 +19,17 @@ class Travel:
     Attributes:
         first: row that the state begins with, counted from 1; more than 1 once a window has moved.
         left_behind: energy of the rows that the window has left, in units of m V**2.
+        heard: what the first rank said with the last state.
     """
 
     def __init__(self, lmp: Any, problem: Problem) -> None:
         self._lmp = lmp
         self._problem = problem
-        self.first = 1
+        self.first = 1 if problem.window is None else int(self._variable("tail"))
         self.left_behind = 0.0
+        self.heard = 0.0
+        if self.first > 1:  # continued
+            self.left_behind = problem.energy - float(motion.energy(problem, *self.state()))
         if problem.scheme != "verlet":
             self._commands([*scheme.QUIET])
 
@@ -52,12 +56,19 @@ class Travel:
                 self.first = int(self._variable("tail"))
                 self.left_behind += before - float(motion.energy(problem, *self.state()))
 
-    def state(self) -> tuple[Floats, Floats]:
-        """Displacement and velocity of the rows that exist, [chain, row], the same on every rank."""
+    def state(self, word: float = 0.0) -> tuple[Floats, Floats]:
+        """Displacement and velocity of the rows that exist, [chain, row], the same on every rank.
+
+        The first rank may say a word to all: it travels as the lateral velocity of its beads, which is zero otherwise.
+        """
         problem = self._problem
         shape = (problem.chains, problem.rows, 3)
         x = np.ctypeslib.as_array(self._lmp.gather_atoms("x", 1, 3)).reshape(shape)[:, :, 0]
-        v = np.ctypeslib.as_array(self._lmp.gather_atoms("v", 1, 3)).reshape(shape)[:, :, 0]
+        own = self._lmp.numpy.extract_atom("v")[:, 2]
+        own[:] = word
+        v = np.ctypeslib.as_array(self._lmp.gather_atoms("v", 1, 3)).reshape(shape)
+        own[:] = 0.0
+        self.heard, v = float(v[:, :, 2].max()), v[:, :, 0]
         row = np.arange(self.first, self.first + problem.rows)
         if self.first > 1:
             place = (row - 1) % problem.rows

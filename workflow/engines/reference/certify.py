@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from analysis.conservation import Conservation
 from analysis.pairing import on_common_rows
 from analysis.peaks import PeakFinder
 from analysis.trajectory import Trajectory
-from lammps_inputs import Problem
+from lammps_inputs import Problem, coupling
 from workflow.engines.reference import engine
 from workflow.engines.reference.blanes_moan import BLANES_MOAN
 from workflow.engines.reference.scheme import Scheme
@@ -82,9 +82,10 @@ class Certifier:
     def blocks(self) -> Iterator[Trajectory]:
         """The finer run's frames from the start; the certificate is about those that were taken."""
         self._begin()
+        window = rows_to_judge(self.problem)
         runs = [
-            engine.blocks(self.problem, scheme=self._scheme, steps_per_frame=self.steps_per_frame // divisor)
-            for divisor in self._divisors
+            engine.blocks(self.problem, scheme=self._scheme, steps_per_frame=steps, window=window)
+            for steps in (self.steps_per_frame // divisor for divisor in self._divisors)
         ]
         for blocks in zip(*runs, strict=True):
             fine, *coarser = on_common_rows(*blocks)
@@ -113,6 +114,29 @@ class Certifier:
             momentum=self._conservation.momentum_drift,
             order=order,
         )
+
+
+def rows_to_judge(problem: Problem) -> int | None:
+    """Rows that the reference of a windowed run integrates; None for the engine's own choice.
+
+    That judges a window that moves on. One that has stood at the end of the chains for long may lack the slower pulses
+    that it left behind, which only the whole chains show.
+    """
+    if problem.window is None:
+        return None
+    from workflow.engines.reference.passages import passages  # numba takes a third of a second to import
+
+    stiff = math.sqrt(max(1.0, problem.kappa * coupling.largest_eigenvalue(problem.chains) / 2.0))
+    before_last = problem.beads - 1
+    found = passages(
+        replace(problem, window=None),
+        window=engine.WIDER * problem.window,
+        timestep=0.1 / stiff,
+        until_bead=before_last,
+    )
+    arrival = float(np.min(found.waves.at(before_last).arrival, initial=problem.duration))
+    # no pulse is faster than a bead a unit of time, and it would have to come from behind the tail
+    return problem.beads if problem.duration - arrival > problem.window / 2.0 else None
 
 
 def certified(problem: Problem, tolerance: float) -> Certifier:

@@ -61,7 +61,7 @@ def blocks(
 
     steps = default_steps_per_frame(problem) if steps_per_frame is None else steps_per_frame
     if window is None and problem.window is not None:
-        window = _WIDER * problem.window
+        window = WIDER * problem.window
     state = make_state(problem, window)
     x, v = state.x, state.v
     chains = problem.chains
@@ -96,7 +96,7 @@ def blocks(
         yield Trajectory(problem, time, frames_x, frames_v, first=_first(problem, recorded))
 
 
-_WIDER = 2
+WIDER = 2
 """Rows that the reference integrates over those of a window that it is to judge."""
 
 _ADVANCE = 16.0

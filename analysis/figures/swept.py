@@ -1,0 +1,137 @@
+"""One quantity of many cases over one swept field, or over two: lines, or a map where there are too many lines."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.axis import XAxis, YAxis
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import ArrayLike
+
+from analysis.figures.style import STYLE
+from analysis.trajectory import Floats
+
+MOST_LINES = 8
+
+_MOST_TICKS = 8
+
+_MARKERS = "osD^v<>p"
+
+
+@dataclass(frozen=True)
+class Axis:
+    """What an axis shows: a label with its unit, and one number a case; NaN where there is none."""
+
+    label: str
+    values: Floats
+
+
+def logarithmic(values: ArrayLike) -> bool:
+    """Whether distinct values are rather spaced by a factor than by a difference."""
+    found = np.unique(np.asarray(values, dtype=np.float64))
+    found = found[np.isfinite(found)]
+    if len(found) < 3 or found[0] <= 0.0 or found[-1] / found[0] < 3.0:
+        return False
+    factors, differences = np.diff(np.log(found)), np.diff(found)
+    return bool(factors.max() / factors.min() < differences.max() / differences.min())
+
+
+def swept_figure(quantity: Axis, over: Axis, beside: Axis | None = None, title: str = "") -> Figure:
+    """A quantity over a field, and over a second one as lines or, from nine values on, as the rows of a map.
+
+    Args:
+        quantity: what came of each case.
+        over: the field along the horizontal axis.
+        beside: the second field.
+        title: for the top.
+    """
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(5.5 if beside is None else 6.5, 3.8), layout="constrained")
+        axis = figure.subplots()
+        if beside is None:
+            _line(axis, quantity, over, np.ones(len(over.values), dtype=bool), color="#0072B2", marker="o")
+        elif len(np.unique(beside.values)) <= MOST_LINES:
+            _lines(axis, quantity, over, beside)
+        elif _map(figure, axis, quantity, over, beside):
+            title = "; ".join(part for part in (title, "grey: no number") if part)
+        if beside is None or len(np.unique(beside.values)) <= MOST_LINES:
+            axis.set_ylabel(quantity.label)
+            finite = quantity.values[np.isfinite(quantity.values)]
+            if len(finite) and finite.min() > 0.0 and finite.max() / finite.min() > 30.0:
+                axis.set_yscale("log")
+            else:
+                axis.ticklabel_format(axis="y", scilimits=(-3, 6), useMathText=True)
+                _whole(axis.yaxis, finite)
+        _scale(axis, over, "x")
+        axis.set_xlabel(over.label)
+        axis.set_title(title)
+    return figure
+
+
+def _line(axis: Axes, quantity: Axis, over: Axis, here: np.ndarray, **look: object) -> None:
+    order = np.argsort(over.values[here], kind="stable")
+    axis.plot(over.values[here][order], quantity.values[here][order], markersize=4, **look)  # type: ignore[arg-type]
+
+
+def _lines(axis: Axes, quantity: Axis, over: Axis, beside: Axis) -> None:
+    numbers = np.unique(beside.values)
+    colours = mpl.colormaps["viridis"](np.linspace(0.0, 0.85, len(numbers)))
+    for k, number in enumerate(numbers):
+        here = beside.values == number
+        _line(axis, quantity, over, here, color=colours[k], marker=_MARKERS[k], label=f"{number:.6g}")
+    # beside the axes, where no line can run through it
+    axis.legend(title=beside.label, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+
+
+def _map(figure: Figure, axis: Axes, quantity: Axis, over: Axis, beside: Axis) -> bool:
+    """Draw a map; whether it has holes."""
+    columns, rows = np.unique(over.values), np.unique(beside.values)
+    grid = np.full((len(rows), len(columns)), np.nan)
+    grid[np.searchsorted(rows, beside.values), np.searchsorted(columns, over.values)] = quantity.values
+    axis.set_facecolor("0.85")
+    mesh = axis.pcolormesh(_edges(columns), _edges(rows), grid, cmap="viridis", rasterized=True)
+    _scale(axis, beside, "y")
+    axis.set_ylabel(beside.label)
+    figure.colorbar(mesh, ax=axis, label=quantity.label)
+    return bool(np.isnan(grid).any())
+
+
+def _edges(centres: Floats) -> Floats:
+    """Borders of the cells around values: half-way between them, by factors where they are spaced so."""
+    if len(centres) == 1:
+        half = 0.5 * abs(centres[0]) or 0.5
+        return np.array([centres[0] - half, centres[0] + half])
+    log = logarithmic(centres)
+    places = np.log(centres) if log else centres
+    between = 0.5 * (places[1:] + places[:-1])
+    edges = np.concatenate([[2.0 * places[0] - between[0]], between, [2.0 * places[-1] - between[-1]]])
+    return np.exp(edges) if log else edges
+
+
+def _scale(axis: Axes, shown: Axis, name: str) -> None:
+    """Logarithmic where the values are spaced so; few values are the ticks themselves."""
+    values = np.unique(shown.values)
+    setting = axis.xaxis if name == "x" else axis.yaxis
+    log = logarithmic(values)
+    if log:
+        (axis.set_xscale if name == "x" else axis.set_yscale)("log")
+    if len(values) <= _MOST_TICKS and (log or _even(values)):
+        setting.set_ticks(values.tolist(), labels=[f"{value:.4g}" for value in values])
+        setting.set_ticks([], minor=True)
+    elif not log:
+        _whole(setting, values)
+
+
+def _whole(setting: XAxis | YAxis, values: Floats) -> None:
+    """Ticks of whole numbers, such as beads, are whole."""
+    if len(values) and np.all(values == np.round(values)) and np.ptp(values) >= 1.0:
+        setting.set_major_locator(MaxNLocator(integer=True))
+
+
+def _even(values: Sequence[float] | Floats) -> bool:
+    """Whether no two values are so close that their labels would run into each other."""
+    gaps = np.diff(np.asarray(values))
+    return len(gaps) == 0 or bool(gaps.min() > 0.5 * gaps.max())

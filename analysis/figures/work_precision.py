@@ -1,0 +1,120 @@
+"""The figure of error against cost: a line for each method, the Pareto front, and the reference's own error."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from analysis.figures.style import CHAIN_COLOURS, STYLE, title
+from analysis.trajectory import Floats
+from lammps_inputs import Problem
+
+MARKERS = "osD^v<>Px*h"
+
+UNITS = {"velocity": "V", "amplitude": "V", "arrival": "T"}
+
+LEAST = 1e-14
+"""Errors below this are drawn here; there are no logarithms of 0."""
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One method at several settings, [setting].
+
+    Attributes:
+        error: by quantity.
+        seconds, low, high: median and range of the wall time.
+        forces: evaluations; NaN where there is no such thing.
+    """
+
+    name: str
+    error: Mapping[str, Floats]
+    seconds: Floats
+    low: Floats
+    high: Floats
+    forces: Floats
+
+
+def work_precision_figure(
+    problem: Problem, curves: Sequence[Curve], fronts: Mapping[str, Floats], floors: Mapping[str, float]
+) -> Figure:
+    """Errors of velocity, amplitude and arrival over wall time, and of velocity over force evaluations.
+
+    Args:
+        problem: what was computed.
+        curves: all methods.
+        fronts: by quantity, the Pareto front over wall time as rows of (seconds, error).
+        floors: by quantity, the error of the reference.
+    """
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(9.5, 7.6), layout="constrained")
+        (velocity, forces), (amplitude, arrival) = figure.subplots(2, 2)
+        for axis, quantity in ((velocity, "velocity"), (amplitude, "amplitude"), (arrival, "arrival")):
+            _draw_front(axis, fronts[quantity])
+            for number, curve in enumerate(curves):
+                _draw(axis, number, curve, quantity, curve.seconds)
+                spread = np.abs([curve.seconds - curve.low, curve.high - curve.seconds])
+                y, shown = _shown(curve.error[quantity])
+                axis.errorbar(
+                    curve.seconds[shown],
+                    y[shown],
+                    xerr=spread[:, shown],
+                    fmt="none",
+                    ecolor=_colour(number),
+                    elinewidth=0.7,
+                )
+            axis.set_xlabel("wall time with frames (s)")
+            _finish(axis, quantity, floors[quantity])
+        for number, curve in enumerate(curves):
+            _draw(forces, number, curve, "velocity", curve.forces)
+        forces.set_xlabel("force evaluations")
+        _finish(forces, "velocity", floors["velocity"])
+        handles, labels = velocity.get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=4)
+        figure.suptitle(title(problem))
+    return figure
+
+
+def _colour(number: int) -> str:
+    return CHAIN_COLOURS[number % len(CHAIN_COLOURS)]
+
+
+def _shown(error: Floats) -> tuple[Floats, "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]"]:
+    return np.maximum(error, LEAST), np.isfinite(error)
+
+
+def _draw(axis: Axes, number: int, curve: Curve, quantity: str, cost: Floats) -> None:
+    y, shown = _shown(curve.error[quantity])
+    shown &= np.isfinite(cost)
+    if shown.any():
+        axis.plot(
+            cost[shown],
+            y[shown],
+            color=_colour(number),
+            marker=MARKERS[number % len(MARKERS)],
+            markersize=4,
+            linestyle="-" if number < len(CHAIN_COLOURS) else "--",
+            linewidth=1.0,
+            label=curve.name,
+        )
+
+
+def _draw_front(axis: Axes, front: Floats) -> None:
+    if len(front):
+        x, y = front.T
+        y = np.maximum(y, LEAST)
+        axis.step(x, y, where="post", color="0.82", linewidth=7.0, solid_capstyle="round", label="Pareto front")
+
+
+def _finish(axis: Axes, quantity: str, floor: float) -> None:
+    axis.set_xscale("log")
+    axis.set_yscale("log")
+    axis.axhline(
+        max(floor, LEAST), color="black", linewidth=0.8, linestyle=(0, (2, 2)), label="the reference's own error"
+    )
+    axis.set_ylabel(f"largest error of {quantity} / ${UNITS[quantity]}$")
+    axis.grid(True, which="major", color="0.93", linewidth=0.6)
+    axis.set_axisbelow(True)

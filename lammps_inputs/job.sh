@@ -1,0 +1,150 @@
+# From here on every job is the same. What it leaves in job.state, `granchain status` reads.
+set -u
+export LC_ALL=C OMP_NUM_THREADS=1
+started=$(date +%s)
+ends=${SLURM_JOB_END_TIME:-$(date -d "$(squeue -h -j "${SLURM_JOB_ID:-0}" -o %e 2>/dev/null | tr T ' ')" +%s)}
+[ "$ends" -gt "$started" ] 2>/dev/null || ends=$((started + time_limit))
+number=${1:-1}  # of this job among those that submitted each other
+home=${SLURM_SUBMIT_DIR:-$PWD}
+task=${SLURM_ARRAY_TASK_ID:-}
+cd -- "$home" || exit 1
+
+whole_number() { head -n 1 "$1" 2>/dev/null | grep -x '[0-9]\{1,18\}'; }
+last_word() { sed -n "s/^$2 //p" "$1" 2>/dev/null | tail -n 1; }
+
+state() {  # STATE REASON
+    {
+        printf 'state %s\nstep %s\nsteps %s\njob %s\nnumber %s\nranks %s\n' "$1" "$step" "$steps" "$job" "$number" "$ranks"
+        printf 'cluster %s\nhost %s\ntime %s\nends %s\n' "${SLURM_CLUSTER_NAME:-}" "${HOSTNAME:-}" "$(date +%s)" "$ends"
+        printf 'reason %s\n' "$(printf '%s' "$2" | head -n 1 | tr -cd '[:print:]' | cut -c 1-300)"
+    } >.job.state.part && mv -f .job.state.part job.state
+    printf 'granchain: %s %s\n' "$1" "$2"
+}
+
+fail() { state failed "$1"; exit 1; }
+
+if [ -n "$cases" ]; then  # one task of an array: its directory is a line of a list
+    [ "$(sha256sum <"$cases")" = "$cases_sum  -" ] || { echo "granchain: $cases is not the list that this array was made for" >&2; exit 1; }
+    cd -- "$(sed -n "$((task + 1))p" "$cases")" || exit 1
+    exec >>job.out 2>&1
+fi
+[ -f in.chains ] && [ -f data.chains ] && [ -f in.job ] || { echo "granchain: no deck here; submit in its directory" >&2; exit 1; }
+
+job=${SLURM_JOB_ID:-$$}
+step=$(whole_number job.step)
+step=${step:-0}
+steps=$(sed -n 's/^variable steps index \([0-9]*\).*/\1/p' in.chains)
+atoms=$(sed -n 's/^\([0-9]*\) atoms$/\1/p;10q' data.chains)
+[ -n "$steps" ] && [ -n "$atoms" ] || { echo "granchain: in.chains or data.chains is not what granchain wrote" >&2; exit 1; }
+was=$(last_word job.state state) other=$(last_word job.state job)
+if [ "$was" = done ]; then echo "granchain: this run is done"; exit 0; fi
+if [ -n "$other" ] && [ "$other" != "$job" ] && squeue -h -j "$other" -t R 2>/dev/null | grep -q .; then
+    echo "granchain: job $other computes here" >&2
+    exit 1
+fi
+if type flock >/dev/null 2>&1; then
+    exec 9<.
+    flock -n 9
+    [ $? -ne 1 ] || { echo "granchain: something computes here already" >&2; exit 1; }
+fi
+trap 'state incomplete "cancelled, or stopped at its time limit"; kill "${!:-}" 2>/dev/null; exit 1' TERM
+state running "checks"
+
+set +u  # the site's own scripts may not be so strict
+for module in "${modules[@]}"; do
+    type module >/dev/null 2>&1 || . /etc/profile
+    module load "$module" || fail "module load $module failed"
+done
+set -u
+quietly() { timeout 300 "$@" </dev/null >.job.check 2>&1 & wait $!; }
+complaint() { grep -h -m 1 ERROR "$@" 2>/dev/null || grep -h . "$@" 2>/dev/null | tail -n 1; }
+
+# the executable and what it can do
+quietly "${launch[@]}" "$lmp" -h || fail "$lmp cannot be started: $(complaint .job.check)"
+for package in GRANULAR $(grep -q '^bond_style' in.chains && echo MOLECULE); do
+    grep -qw "$package" .job.check || fail "$lmp has no package $package"
+done
+
+# the ranks: one LAMMPS on all of them, not as many copies of a serial one
+printf 'processors * 1 1\nregion all block 0 1 0 1 0 1\ncreate_box 1 all\n' >.job.in
+quietly "${launch[@]}" "$lmp" -in .job.in -log none || fail "a run of nothing failed: $(complaint .job.check)"
+found=$(sed -n 's/^ *\([0-9]* by [0-9]* by [0-9]*\) MPI processor grid.*/\1/p' .job.check)
+[ "$found" = "$ranks by 1 by 1" ] || fail "$ranks ranks asked, found: $(echo $found); the launcher '${launch[*]}' is not that of the MPI library of $lmp"
+
+# A restart counts when it and the frames before it are on the disk, which LAMMPS itself may not notice.
+echo kept >.job.yes
+echo lost >.job.no
+cat >.job.keep <<'END'
+ln -sf .job.no .job.kept
+size=$(wc -c <"$1" || echo 0)
+if [ "$(tail -c 16 chains.restart.part | tr -d '\0')" = "LammpS RestartT" ] && [ "$size" -eq "$2" ] &&
+    echo "$1 $size $(head -c 4096 chains.restart.part | sha256sum)" >job.frames.part &&
+    mv -f job.frames.part job.frames && mv -f chains.restart.part chains.restart
+then ln -sf .job.yes .job.kept; fi  # a link needs no room
+END
+
+# where to go on: at the restart, with the next part of the frames; those that it will make again are taken away
+restart=chains.restart dump=chains.dump.bin part=1 input=in.chains
+if [ -s "$restart" ]; then
+    last= size= sum=
+    [ -f job.frames ] && read -r last size sum <job.frames
+    if [ "$sum" = "$(head -c 4096 "$restart" | sha256sum)" ] && [[ "$size" =~ ^[0-9]{1,18}$ ]] &&
+        [[ "$last" =~ ^chains\.dump(\.([1-9][0-9]{0,8}))?\.bin$ ]]; then
+        part=${BASH_REMATCH[2]:-1}
+        [ "$(wc -c <"$last" || echo 0)" -ge "$size" ] || fail "$last is shorter than it was"
+        [ ! -e "$last" ] || truncate -s "$size" "$last"
+        part=$((part + 1)) dump=chains.dump.$part.bin
+    else  # of a run that was no job
+        while [ -e "$dump" ]; do part=$((part + 1)) dump=chains.dump.$part.bin; done
+    fi
+    input=in.continue
+else
+    step=0
+    mkdir -p .job && ln -sf ../in.chains ../data.chains .job/ || fail "there is no room for a check of the deck"
+    (cd .job && exec "${launch[@]}" "$lmp" -in in.chains -log none -skiprun -var steps 0) </dev/null >.job.check 2>&1 &
+    wait $!
+    code=$?
+    rm -rf .job
+    [ $code -eq 0 ] || fail "the deck cannot be read: $(complaint .job.check)"
+fi
+
+left=$((ends - $(date +%s) - margin))
+[ $left -gt 0 ] || fail "nothing is left of the time limit after $(($(date +%s) - started)) s of checks and a margin of $margin s"
+look=$((checkpoint * 1000000000 / 60 / (20 * atoms / ranks + 5000) + 1))  # steps, at some 20 ns a bead
+state running computes
+rm -f .job.kept
+old=$(wc -c 2>/dev/null <log.lammps || echo 0)
+"${launch[@]}" "$lmp" -in in.job -log none -screen none -nocite -var part "$input" -var restart "$restart" \
+    -var dump "$dump" -var ranks "$ranks" -var look "$look" -var seconds "$((left / 3600)):$((left / 60 % 60)):$((left % 60))" \
+    </dev/null >.job.check 2>&1 &
+wait $!
+code=$?
+tail -c +$((old + 1)) log.lammps 2>/dev/null | grep -m 1 ERROR >>.job.check
+full=no
+[ $code -eq 0 ] || head -c 1000000 /dev/zero >.job.room || full=yes
+rm -f .job.room chains.restart.part  # makes room to say so
+[ $full = no ] && [ "$(cat .job.kept 2>/dev/null)" != lost ] || fail "the disk does not take what is written (is it full?); make room and submit again"
+[ $code -eq 0 ] || fail "LAMMPS ended with exit code $code: $(complaint .job.check)"
+reached=$(whole_number job.step) || fail "LAMMPS ended before its input did: $(complaint .job.check)"
+before=$step step=$reached
+
+if [ "$step" -ge "$steps" ]; then
+    state done ""
+    rm -f chains.restart .job.check .job.in .job.keep .job.yes .job.no .job.kept job.frames
+    exit 0
+fi
+[ "$step" -gt "$before" ] || fail "no progress beyond step $step in $left s; ask for more --time"
+[ "$number" -lt "$max_jobs" ] || { state incomplete "stopped after $number jobs (--max-jobs)"; exit 1; }
+state waiting "for the next job to be submitted"
+self=${SLURM_ARRAY_JOB_ID:+${SLURM_ARRAY_JOB_ID}_$task}
+cd -- "$home"
+next=$(sbatch --parsable ${task:+--array=$task} --dependency="afterany:${self:-$job}" job.sbatch $((number + 1)) 2>&1)
+code=$?
+cd - >/dev/null
+if [ $code -eq 0 ]; then
+    job=${next%%;*} number=$((number + 1))
+    state waiting "to go on"
+else
+    state incomplete "the next job could not be submitted: $next"
+    exit 1
+fi

@@ -1,0 +1,202 @@
+"""What a job asks of a cluster: options, and a site's defaults for them from one YAML file.
+
+Everything here ends in a shell script, so everything is checked here: names by pattern, one line of printable text
+else. `job` quotes it all the same.
+"""
+
+import os
+import re
+import shlex
+from pathlib import Path
+from typing import Annotated, Any, Self
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
+
+from lammps_inputs import strict_yaml
+from lammps_inputs.errors import InputError
+from lammps_inputs.library import describe
+
+VARIABLE = "GRANCHAIN_SITE"
+DEFAULT_FILE = Path(".config/granchain/site.yaml")
+"""In the user's home."""
+
+RANKS = "{ranks}"
+"""Stands for the number of ranks in a launcher."""
+
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._+-]{0,127}")
+_LIST = re.compile(r"[A-Za-z0-9][A-Za-z0-9._+-]{0,127}(,[A-Za-z0-9][A-Za-z0-9._+-]{0,127}){0,15}")
+_MODULE = re.compile(r"[A-Za-z0-9][A-Za-z0-9._/+@:=-]{0,127}")
+_TIME = re.compile(r"(?:(\d{1,3})-)?(\d{1,4}):([0-5]\d):([0-5]\d)")
+
+Count = Annotated[int, Field(ge=1, le=10**6)]
+
+
+class JobOptions(BaseModel):
+    """What a job asks for; everything has a default."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+    nodes: Count = 1
+    ranks_per_node: Count | None = None
+    """None where it is to be advised by the number of beads."""
+    cores_per_node: Count | None = None
+    """Of the site; bounds the advice."""
+    time: str = "24:00:00"
+    """Limit of one job: HH:MM:SS or D-HH:MM:SS."""
+    margin: Count | None = None
+    """Seconds before the limit at which a job stops computing; by default a tenth of it, 30 s to 10 min."""
+    checkpoint: Count = 900
+    """Seconds between two restarts, about."""
+    max_jobs: Count = 100
+    """Jobs, each submitted by the one before, after which a run stops."""
+    array_limit: Count | None = None
+    """Tasks of an array that may run at once."""
+    partition: str | None = None
+    account: str | None = None
+    qos: str | None = None
+    constraint: str | None = None
+    modules: tuple[str, ...] = ()
+    launcher: str = "srun"
+    """What starts the ranks, such as ``srun --mpi=pmi2`` or ``mpirun -np {ranks}``."""
+    lmp: str = "lmp"
+
+    @field_validator("modules", mode="before")
+    @classmethod
+    def _from_list(cls, value: Any) -> Any:
+        return tuple(value) if isinstance(value, list) else value
+
+    @field_validator("time")
+    @classmethod
+    def _is_a_time(cls, value: str) -> str:
+        if not _TIME.fullmatch(value) or not 60 <= seconds(value) <= 365 * 86400:
+            raise ValueError("should be HH:MM:SS or D-HH:MM:SS, from a minute to a year")
+        return value
+
+    @field_validator("account", "qos", "constraint")
+    @classmethod
+    def _is_a_name(cls, value: str | None) -> str | None:
+        if value is not None and not _NAME.fullmatch(value):
+            raise ValueError("should be one word of letters, digits, `.`, `_`, `+`, `-`")
+        return value
+
+    @field_validator("partition")
+    @classmethod
+    def _is_a_list_of_names(cls, value: str | None) -> str | None:
+        if value is not None and not _LIST.fullmatch(value):
+            raise ValueError("should be one word of letters, digits, `.`, `_`, `+`, `-`, or several with commas")
+        return value
+
+    @field_validator("modules")
+    @classmethod
+    def _are_modules(cls, value: tuple[str, ...]) -> tuple[str, ...]:
+        for module in value:
+            if not _MODULE.fullmatch(module):
+                raise ValueError("a module should be one word such as lammps/2025.07")
+        return value
+
+    @field_validator("lmp")
+    @classmethod
+    def _is_an_executable(cls, value: str) -> str:
+        if not _plain(value) or value.startswith("-"):
+            raise ValueError("should be a name or path, in one line of printable text")
+        return value
+
+    @field_validator("launcher")
+    @classmethod
+    def _is_a_command(cls, value: str) -> str:
+        try:
+            words = shlex.split(value)
+        except ValueError:
+            words = []
+        if not _plain(value) or not words or words[0].startswith("-"):
+            raise ValueError(f"should be a command with its options, such as `mpirun -np {RANKS}`")
+        return value
+
+    @model_validator(mode="after")
+    def _leaves_time(self) -> Self:
+        if self.margin is not None and self.margin >= self.limit:
+            raise ValueError(f"margin: {self.margin} s leave nothing of a time of {self.time}")
+        return self
+
+    @property
+    def limit(self) -> int:
+        """Seconds that one job may take."""
+        return seconds(self.time)
+
+    @property
+    def stop_before(self) -> int:
+        """Seconds before the limit at which a job stops computing."""
+        return max(30, min(600, self.limit // 10)) if self.margin is None else self.margin
+
+    @property
+    def ranks(self) -> int:
+        """MPI ranks in all; one a node where nothing was said."""
+        return self.nodes * (self.ranks_per_node or 1)
+
+    @property
+    def launch(self) -> tuple[str, ...]:
+        """Words of the command that starts the ranks."""
+        return tuple(word.replace(RANKS, str(self.ranks)) for word in shlex.split(self.launcher))
+
+
+def _plain(text: str) -> bool:
+    return bool(text.strip()) and text.isprintable() and len(text) <= 4096
+
+
+def seconds(time: str) -> int:
+    """Seconds of a time that `JobOptions` accepts."""
+    found = _TIME.fullmatch(time)
+    assert found is not None
+    days, hours, minutes, rest = (int(part or 0) for part in found.groups())
+    return ((days * 24 + hours) * 60 + minutes) * 60 + rest
+
+
+def find_site(given: Path | None = None) -> Path | None:
+    """The file with a site's defaults: the one given, else of the environment, else in the user's home, else None."""
+    if given is not None:
+        return given
+    named = os.environ.get(VARIABLE)
+    if named:
+        return Path(named)
+    try:
+        path = Path.home() / DEFAULT_FILE
+        return path if path.is_file() else None
+    except (OSError, RuntimeError):  # a home that cannot be found or read has no defaults
+        return None
+
+
+def load(path: Path) -> dict[str, Any]:
+    """What a site's file says, checked.
+
+    Raises:
+        InputError: naming the file, the key, what was given and what would be right.
+    """
+    data = strict_yaml.load(path)
+    try:
+        JobOptions.model_validate(data)
+    except ValidationError as error:
+        raise InputError(f"{path}: {describe(error, JobOptions)}") from None
+    return data
+
+
+def options(given: dict[str, Any], site: Path | None = None) -> JobOptions:
+    """Options of a job: what was given on the command line, over what the site says, over the defaults.
+
+    Args:
+        given: by name; only what was given.
+        site: the file of the site's defaults.
+
+    Raises:
+        InputError: naming the option or the file's key.
+    """
+    try:
+        JobOptions.model_validate(given)
+        return JobOptions.model_validate({**(load(site) if site is not None else {}), **given})
+    except ValidationError as error:
+        first, _, rest = describe(error, JobOptions).partition(":")
+        key, bracket, number = first.partition("[")
+        raise InputError(f"--{OPTIONS.get(key, key.replace('_', '-'))}{bracket}{number}:{rest}") from None
+
+
+OPTIONS = {"modules": "module"}
+"""Names on the command line that differ from the file's."""

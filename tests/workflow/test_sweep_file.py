@@ -1,0 +1,179 @@
+"""What a sweep file means: its cases, their scenes and names; and what is wrong with it in one line."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from sweeps import SMALL, sweep, sweep_file
+
+from lammps_inputs import InputError, strict_yaml
+from workflow.sweep.cases import LONGEST_NAME, all_cases, case_name, scene_of
+from workflow.sweep.file import MAX_CASES, Range, from_plain, load
+
+
+def cases(**options):
+    return all_cases(from_plain({"scene": SMALL, **options}, Path("s.yaml")))
+
+
+# --- what a sweep file means ------------------------------------------------------------------------------------------
+
+
+def test_a_product_has_every_combination_and_each_is_the_scene_with_those_values():
+    what = from_plain({"scene": SMALL, "vary": {"kick.velocity": [1.0, 2.0], "coupling.stiffness": [0.1, 0.2]}}, Path())
+    found = {
+        (scene_of(what, case).kick[0].velocity, scene_of(what, case).coupling.stiffness) for case in all_cases(what)
+    }
+    assert found == {(1.0, 0.1), (1.0, 0.2), (2.0, 0.1), (2.0, 0.2)}
+
+
+def test_zip_takes_first_with_first():
+    found = cases(vary={"beads": [12, 14], "duration": [10, 12]}, combine="zip")
+    assert [case.values for case in found] == [{"beads": 12, "duration": 10}, {"beads": 14, "duration": 12}]
+
+
+def test_a_part_that_the_scene_does_not_name_is_made():
+    plain = {key: value for key, value in SMALL.items() if key not in ("coupling", "kick")}
+    what = from_plain({"scene": plain, "vary": {"coupling.stiffness": [0.3], "kick.velocity": [2.0]}}, Path())
+    scene = scene_of(what, all_cases(what)[0])
+    assert (scene.coupling.stiffness, scene.kick[0].velocity) == (0.3, 2.0)
+
+
+def test_one_kick_of_two_is_named_by_its_number():
+    two = {**SMALL, "kick": [{"velocity": 1.0}, {"bead": 5, "velocity": 0.5}]}
+    what = from_plain({"scene": two, "vary": {"kick[2].velocity": [0.25]}}, Path())
+    (case,) = all_cases(what)
+    assert [kick.velocity for kick in scene_of(what, case).kick] == [1.0, 0.25]
+    assert case.name == "kick2.velocity=0.25"
+
+
+@pytest.mark.parametrize(
+    ("given", "values"),
+    [
+        ({"from": 0.1, "to": 0.4, "count": 4}, [0.1, 0.2, 0.3, 0.4]),
+        ({"from": 0.1, "to": 10, "count": 3, "spacing": "log"}, [0.1, 1.0, 10]),
+        ({"from": 2, "to": 8, "count": 4}, [2, 4, 6, 8]),
+        ({"from": 10, "to": 1000, "count": 5, "spacing": "log", "digits": 2}, [10, 32, 100, 320, 1000]),
+        ({"from": 1, "to": -1, "count": 3}, [1, 0, -1]),
+    ],
+)
+def test_a_range_has_the_numbers_one_would_write(given, values):
+    found = Range.model_validate(given).values()
+    assert found == values
+    assert [type(value) for value in found] == [type(value) for value in values]
+
+
+def test_a_logarithmic_range_has_equal_ratios():
+    found = Range.model_validate({"from": 0.1, "to": 10, "count": 6, "spacing": "log"}).values()
+    np.testing.assert_allclose(np.diff(np.log(found)), np.log(100.0) / 5, rtol=1e-13)
+
+
+def test_a_scene_is_found_beside_the_sweep_file(tmp_path):
+    (tmp_path / "mine.yaml").write_text(strict_yaml.dump(SMALL))
+    assert load(sweep_file(tmp_path, scene="mine.yaml", gap=[0.1])).scene == SMALL
+
+
+# --- names ------------------------------------------------------------------------------------------------------------
+
+
+def test_names_say_field_and_value_in_an_order_that_does_not_depend_on_the_file():
+    one = cases(vary={"kick.velocity": [0.1], "coupling.stiffness": [0.05]})
+    other = cases(vary={"coupling.stiffness": [0.05], "kick.velocity": [0.1]})
+    assert one[0].name == other[0].name == "coupling.stiffness=0.05,kick.velocity=0.1"
+
+
+def test_a_case_keeps_its_name_when_values_are_added():
+    few = {case.name for case in cases(vary={"coupling.stiffness": [0.05, 0.1]})}
+    more = {case.name for case in cases(vary={"coupling.stiffness": [0.01, 0.05, 0.1, 0.3]})}
+    assert few < more
+
+
+def test_numbers_in_names_read_back_exactly():
+    values = [0.1 + 0.2, 1 / 3, 1e-12, 123456789.123]
+    names = [case_name({"gap": value}) for value in values]
+    assert [float(name.removeprefix("gap=")) for name in names] == values
+
+
+def test_long_names_are_cut_and_stay_distinct():
+    fields = (
+        "coupling.stiffness",
+        "kick.velocity",
+        "material.poisson_ratio",
+        "material.youngs_modulus",
+        "output.every",
+    )
+    names = {case_name(dict.fromkeys(fields, value / 3)) for value in range(1, 100)}
+    assert len(names) == 99
+    assert max(map(len, names)) == LONGEST_NAME
+
+
+@pytest.mark.parametrize(
+    "value", ["../../etc", "a/b", "$(ls)", "a b", "x" * 500, ["a", {"b": 1}], "\x1b[31m", "..", ""]
+)
+def test_whatever_the_value_a_name_is_one_safe_word(value):
+    word = case_name({"description": value}).removeprefix("description=")
+    assert 0 < len(word) <= 40
+    assert all(letter.isascii() and (letter.isalnum() or letter in "._-") for letter in word)
+    assert word.strip(".")
+
+
+# --- mistakes ---------------------------------------------------------------------------------------------------------
+
+BAD = {
+    "no scene": ("vary: {gap: [1]}", "scene: is missing"),
+    "nothing to vary": ("scene: two-chains\nvary: {}", "vary: names no field"),
+    "misspelt key": ("scene: two-chains\nvarry: {gap: [1]}", "did you mean `vary`?"),
+    "misspelt scene": ("scene: two-chain\nvary: {gap: [1]}", "did you mean `two-chains`?"),
+    "scene that is no file": ("scene: /dev/zero\nvary: {gap: [1]}", "neither a file nor an installed scene"),
+    "misspelt field": ("scene: two-chains\nvary: {kick.velocty: [1]}", "did you mean `kick.velocity`?"),
+    "unknown field": ("scene: two-chains\nvary: {colour: [1]}", "a scene has no field 'colour'"),
+    "number of a field without parts": ('scene: two-chains\nvary: {"beads[2]": [1]}', "`beads` is not a list"),
+    "kick that is not there": ('scene: two-chains\nvary: {"kick[2].velocity": [1]}', "no `kick[2]`"),
+    "part of what is varied": ("scene: two-chains\nvary: {kick: [1], kick.velocity: [2]}", "lies within `kick`"),
+    "field twice": ('scene: two-chains\nvary: {kick.velocity: [1], "kick[1].velocity": [2]}', "is the same field"),
+    "single value": ("scene: two-chains\nvary: {gap: 3}", "vary.gap: should be a list, or a range"),
+    "no values": ("scene: two-chains\nvary: {gap: []}", "vary.gap: is an empty list"),
+    "value twice": ("scene: two-chains\nvary: {beads: [10, 20, 10]}", "beads=10 is there twice"),
+    "range without end": ("scene: two-chains\nvary: {gap: {from: 1, count: 3}}", "vary.gap.to: is missing"),
+    "range of text": (
+        "scene: two-chains\nvary: {gap: {from: a, to: 1, count: 3}}",
+        "vary.gap.from: should be a number",
+    ),
+    "range to nowhere": (
+        "scene: two-chains\nvary: {gap: {from: 1, to: .inf, count: 3}}",
+        "vary.gap.to: should be a fin",
+    ),
+    "range of one": ("scene: two-chains\nvary: {gap: {from: 1, to: 1, count: 3}}", "same as from"),
+    "logarithm of 0": ("scene: two-chains\nvary: {gap: {from: 0, to: 1, count: 3, spacing: log}}", "above 0"),
+    "unequal zip": ("scene: two-chains\nvary: {gap: [1, 2], beads: [9]}\ncombine: zip", "gap has 2"),
+    "case that is no scene": (
+        "scene: two-chains\nvary: {beads: [10, 20.5]}",
+        "case beads=20.5: beads: should be a whole",
+    ),
+    "not a number": ("scene: two-chains\nvary: {gap: [.nan]}", "case gap=nan: gap: should be a finite number"),
+    "frames too far apart": ("scene: two-chains\nvary: {output.every: [3.0]}", "waves between frames are missed"),
+    "unstable time step": (
+        "scene: two-chains\nvary: {timestep: [2.0], output.every: [2.0]}",
+        "timestep: 2 is unstable",
+    ),
+    "rigid beads that touch": ("scene: two-chains\nvary: {beads: [20]}\nengine: collisions", "rigid beads"),
+    "object of Python": ("scene: two-chains\nvary: !!python/object/apply:os.system [ls]", "tags"),
+}
+
+
+@pytest.mark.parametrize("kind", BAD)
+def test_a_bad_sweep_is_one_line_and_nothing_is_written(kind, tmp_path, capsys):
+    text, says = BAD[kind]
+    path = tmp_path / "sweep.yaml"
+    path.write_text(text)
+    assert sweep(path, tmp_path / "out") == 2
+    out, err = capsys.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    assert err.startswith(f"granchain: {path}: ")
+    assert says in err
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_product_of_too_many_cases_is_refused_before_it_is_built():
+    many = {"from": 1, "to": 2, "count": MAX_CASES}
+    with pytest.raises(InputError, match=f"makes {MAX_CASES**4} cases; at most {MAX_CASES}"):
+        cases(vary=dict.fromkeys(("gap", "duration", "timestep", "coupling.stiffness"), many))

@@ -1,0 +1,160 @@
+"""Gather the cases of a sweep into one table, and draw one quantity of it over one or two fields."""
+
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lammps_inputs import InputError, deck
+from lammps_inputs.job import CASES
+from workflow import queue
+from workflow.engines.lammps.mpi import cores
+from workflow.run_directory import RECORD, REPORT, write_figure
+from workflow.status import Status, status
+from workflow.sweep import fields, pool
+from workflow.sweep.directory import Asked, asked, is_analysed, read_json
+from workflow.sweep.jobs import Job
+from workflow.sweep.table import QUANTITIES, Table
+
+
+def collect(directory: Path, progress: Callable[[int, int], None] | None = None) -> Table:
+    """Gather all cases below a directory; those with frames but no analysis are analysed first, on all cores.
+
+    Args:
+        directory: of a sweep, or any that run directories lie in.
+        progress: called with the analyses done and their total.
+
+    Raises:
+        InputError: there is no run directory in it.
+    """
+    try:
+        found = sorted(path for path in directory.iterdir() if (path / deck.SCENE).is_file())
+    except OSError as error:
+        raise InputError(f"{directory}: cannot be read ({error.strerror})") from None
+    if not found:
+        raise InputError(f"{directory}: holds no run directories; `granchain sweep` makes some")
+    known = queue.ask() if (directory / CASES).is_file() else None
+    states = {path: status(path, known) for path in found}
+    done = [path for path in found if states[path].state == "done"]
+    complaints = _analyse([path for path in done if not is_analysed(path)], progress)
+    requests = {path: asked(path) or Asked({}, {}, "") for path in found}
+    names = sorted({name for request in requests.values() for name in request.swept})
+    paths = {name: _path(name, directory) for name in names}
+    rows, kinds = [], set()
+    for path, request in requests.items():
+        report, record = read_json(path / REPORT), read_json(path / RECORD)
+        kinds.add("material" in request.scene or report.get("units") == "SI")
+        swept = {name: request.swept.get(name, fields.look_up(request.scene, paths[name])) for name in names}
+        outcome, reason = _outcome(states[path], report.get("complete") is True, complaints.get(path.name))
+        row = {"case": path.name, **swept, "outcome": outcome, **_quantities(report, record, request.scene)}
+        rows.append({**row, "reason": reason})
+    rows.sort(key=lambda row: [_rank(row[name]) for name in names])
+    return Table(names, rows, None if len(kinds) > 1 else kinds == {True})
+
+
+def _path(name: str, directory: Path) -> fields.Path:
+    try:
+        return fields.parse(name)
+    except InputError as error:
+        raise InputError(f"{directory}: a case.json in it: {error}") from None
+
+
+def _analyse(directories: list[Path], progress: Callable[[int, int], None] | None) -> dict[str, str]:
+    """Analyse directories; name -> what went wrong."""
+    if not directories:
+        return {}
+    complaints = {}
+    jobs: Iterator[tuple[str, Job]] = (
+        (path.name, Job(str(path.absolute()), None, check=False, figures=False)) for path in directories
+    )
+    with closing(pool.answers(jobs, min(cores(), len(directories)))) as answers:
+        for count, (name, answer) in enumerate(answers, 1):
+            if answer["end"] != "done":
+                complaints[name] = " ".join(str(answer.get("reason")).split())
+            if progress is not None:
+                progress(count, len(directories))
+    return complaints
+
+
+def _outcome(found: Status, analysed: bool, complaint: str | None) -> tuple[str, str | None]:
+    """State of a case in a word or two, and why."""
+    if found.state == "done" and not analysed:
+        return "not analysed", complaint
+    return found.state, found.why or None
+
+
+def _quantities(report: dict[str, Any], record: dict[str, Any], scene: dict[str, Any]) -> dict[str, Any]:
+    """Everything between the outcome and the reason; a file of somebody else's that holds other things holds None."""
+    sources = {REPORT: {**report, "hit": _hit(report, scene)}, RECORD: record}
+    found: dict[str, Any] = {}
+    for name, quantity in QUANTITIES.items():
+        value: Any = sources[quantity.file]
+        for key in quantity.path:
+            value = value.get(key) if isinstance(value, dict) else None
+        plain = isinstance(value, int | float) if quantity.label else isinstance(value, str)
+        found[name] = value if plain else None
+    return found
+
+
+def _hit(report: dict[str, Any], scene: dict[str, Any]) -> dict[str, Any]:
+    """What ``analysis.json`` says of the leading wave in the chain of the first kick."""
+    chain = fields.look_up(scene, (("kick", 1), ("chain", None))) or 1
+    waves = report.get("waves")
+    entries = waves if isinstance(waves, list) else []
+    return next((entry for entry in entries if isinstance(entry, dict) and entry.get("chain") == chain), {})
+
+
+def _rank(value: Any) -> tuple[int, float, str]:
+    """For sorting: numbers by size, then everything else by its text."""
+    if isinstance(value, int | float):
+        return 0, float(value), ""
+    return 1, 0.0, str(value)
+
+
+def plot(
+    table: Table, directory: Path, quantity: str, over: str, beside: str | None, where: dict[str, Any]
+) -> tuple[Path, ...]:
+    """Draw a quantity over a field, or two, as PNG and PDF into a directory.
+
+    Args:
+        table: what to draw from; cases that are done, and that have a number, are drawn.
+        directory: for the figure.
+        quantity: one of `QUANTITIES`.
+        over: the field along the horizontal axis.
+        beside: a second field, as lines or as a map.
+        where: field -> value of the cases to draw, where more than that is varied.
+
+    Raises:
+        InputError: no such quantity or field, nothing to draw, or several cases at one point.
+    """
+    from analysis.figures.swept import Axis, swept_figure  # matplotlib takes half a second to import
+
+    shown = [name for name in (over, beside) if name is not None]
+    numeric = [name for name, found in QUANTITIES.items() if found.label]
+    if quantity not in numeric:
+        raise InputError(f"--plot: {quantity!r} given; {', '.join(numeric)}")
+    for option, name in (("--over", over), ("--and", beside), *(("--where", name) for name in where)):
+        if name is not None and name not in table.fields:
+            raise InputError(f"{option}: {name!r} is not varied here; {', '.join(table.fields) or 'nothing'} is")
+    rows = [row for row in table.rows if all(row[name] == value for name, value in where.items())]
+    rows = [row for row in rows if row["outcome"] == "done"]
+    drawn = Table(table.fields, rows, table.si)
+    for name in shown:
+        if rows and not np.all(np.isfinite(drawn.numbers(name))):
+            raise InputError(f"{name}: is not a number in every case, so it cannot be an axis")
+    if not np.any(np.isfinite(drawn.numbers(quantity))):
+        raise InputError(f"--plot: no case that is done has a number for {quantity}")
+    points = {tuple(row[name] for name in shown) for row in rows}
+    if len(points) < len(rows):
+        others = [name for name in table.fields if name not in shown and len({str(row[name]) for row in rows}) > 1]
+        raise InputError(
+            f"--plot: {len(rows)} cases lie at {len(points)} points; choose among {', '.join(others)} "
+            f"with --where {others[0] if others else 'FIELD'}=VALUE, or with --and"
+        )
+    upwards, along, *second = [Axis(drawn.label(name), drawn.numbers(name)) for name in (quantity, *shown)]
+    title = ", ".join(f"{name} = {value}" for name, value in where.items())
+    figure = swept_figure(upwards, along, second[0] if second else None, title)
+    name = f"{quantity}-over-{'-and-'.join(shown)}".replace("[", "").replace("]", "")
+    return write_figure(directory, name, figure)

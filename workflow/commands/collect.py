@@ -1,0 +1,97 @@
+"""Gather a sweep's analyses into one table, and plot a quantity over what was varied."""
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from lammps_inputs import InputError, strict_yaml
+from workflow import collect as collecting
+from workflow.run_directory import write_text
+from workflow.screen import count_bar, print_table
+from workflow.sweep.table import QUANTITIES, Table
+
+TABLE = "table.csv"
+
+_MOST_ROWS = 40
+
+_SHOWN = {
+    "amplitude": ".4f",
+    "agree_10": "d",
+    "agree_1": "d",
+    "energy_share": ".3f",
+    "error_velocity": ".0e",
+    "wall_seconds": ".2f",
+}
+"""Quantities on the screen; the file has all of them."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The directory, the file, and what to plot."""
+    parser.add_argument("directory", metavar="DIR", type=Path, help="of a sweep, also one that came from a cluster")
+    parser.add_argument("-o", "--output", metavar="FILE", type=Path, help=f"the table (default DIR/{TABLE})")
+    parser.add_argument("--plot", metavar="QUANTITY", help=f"draw one of the table's columns: {_numbers()}")
+    parser.add_argument("--over", metavar="FIELD", help="over this field")
+    parser.add_argument("--and", metavar="FIELD", dest="beside", help="and over this one: as lines, or as a map")
+    parser.add_argument("--where", metavar="FIELD=VALUE", action="append", default=[], help="only such cases")
+
+
+def _numbers() -> str:
+    return ", ".join(name for name, quantity in QUANTITIES.items() if quantity.label)
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    """Write the table and figure, print the table's head."""
+    if (arguments.plot is None) != (arguments.over is None):
+        raise InputError("--plot and --over go together: a quantity, and the field to draw it over")
+    if arguments.plot is None and (arguments.beside is not None or arguments.where):
+        raise InputError("--and and --where choose what --plot draws; give --plot too")
+    where = dict(_condition(text) for text in arguments.where)
+    output = arguments.output or arguments.directory / TABLE
+    _refuse(output)
+    with count_bar("analyse") as progress:
+        table = collecting.collect(arguments.directory, progress)
+    figures: tuple[Path, ...] = ()
+    if arguments.plot is not None:
+        figures = collecting.plot(table, output.parent, arguments.plot, arguments.over, arguments.beside, where)
+    write_text(output, table.to_csv())
+    _print(table, str(arguments.directory))
+    print(", ".join(str(path) for path in (output, *figures)))
+    return 0
+
+
+def _condition(words: str) -> tuple[str, Any]:
+    field, equals, value = words.partition("=")
+    if not equals:
+        raise InputError(f"--where: {words!r} given; FIELD=VALUE, such as beads=40")
+    return field, strict_yaml.parse(f"value: {value}", "--where")["value"]
+
+
+def _refuse(output: Path) -> None:
+    """Refuse formats that there is no library for, and files that are not a table of ours."""
+    if output.suffix != ".csv":
+        raise InputError(f"-o: {output}: the table is CSV, so FILE ends in .csv")
+    if not output.parent.is_dir():
+        raise InputError(f"-o: {output.parent}: no such directory")
+    if output.is_dir():
+        raise InputError(f"-o: {output}: is a directory")
+    if output.exists() and not output.read_bytes()[:5] == b"case,":
+        raise InputError(f"-o: {output}: exists and is not a table of granchain's; choose another file")
+
+
+def _print(table: Table, title: str) -> None:
+    columns = [*table.fields, "outcome", *_SHOWN]
+    rows = [[_cell(name, row[name]) for name in columns] for row in table.rows[:_MOST_ROWS]]
+    print_table(title, columns, rows)
+    if len(table.rows) > _MOST_ROWS:
+        print(f"... and {len(table.rows) - _MOST_ROWS} more")
+    outcomes = [row["outcome"] for row in table.rows]
+    counts = ", ".join(f"{outcomes.count(outcome)} {outcome}" for outcome in dict.fromkeys(outcomes))
+    print(f"{len(outcomes)} cases: {counts}")
+
+
+def _cell(name: str, value: Any) -> str:
+    if value is None:
+        return "-"
+    if isinstance(value, int | float):
+        return format(value, _SHOWN.get(name, ".6g"))
+    return "".join(letter if letter.isprintable() else "?" for letter in str(value))

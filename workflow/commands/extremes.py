@@ -1,0 +1,44 @@
+"""Run scenes at the extremes of every number and report what is right, refused, stopped or silently wrong."""
+
+import argparse
+from pathlib import Path
+
+from workflow.extremes import cells as grid
+from workflow.extremes import report
+from workflow.screen import count_bar, print_table
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Where to, and how much."""
+    parser.add_argument("-o", "--output", metavar="DIR", type=Path, help="made, or gone on with: table, figure, cells")
+    parser.add_argument("--quick", action="store_true", help="only the cells that take about a second")
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    """Run what is missing, print a table; exit code 1 if a cell is silently wrong."""
+    cells = grid.grid()
+    if arguments.quick:
+        cells = [cell for cell in cells if report.cost(cell) <= report.QUICK]
+    with count_bar("extremes") as progress:
+        outcomes = report.make_report(cells, arguments.output, progress=progress)
+    rows = [
+        [
+            outcome.axis,
+            outcome.value,
+            outcome.kind,
+            *(report.written(number) for number in (outcome.error, outcome.told, outcome.told_sure, outcome.asked)),
+            "-" if outcome.steps is None else f"{outcome.steps:,}",
+            f"{outcome.seconds:.1f}",
+        ]
+        for outcome in outcomes
+    ]
+    head = ["axis", "value", "ends", "error / V", "told", "sure to", "asked", "steps", "seconds"]
+    print_table("largest error of any velocity, against a reference that is surer than that", head, rows)
+    for outcome in outcomes:
+        if outcome.kind in ("REFUSED", "STOPPED", "WRONG"):
+            print(f"{outcome.kind} {outcome.axis} {outcome.value}: {outcome.why}")
+    found = report.counts(outcomes)
+    print(f"{len(outcomes)} cells: " + ", ".join(f"{number} {kind}" for kind, number in found.items()))
+    if arguments.output is not None:
+        print(f"{arguments.output}: extremes.csv, extremes.png, extremes.pdf, cells/")
+    return 1 if found["WRONG"] else 0

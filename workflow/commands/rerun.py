@@ -1,0 +1,44 @@
+"""Compute a run again from its run.json, here and today, and say whether the result is the same bit for bit."""
+
+import argparse
+import tempfile
+from pathlib import Path
+
+from workflow.rerun import Original, Rerun, original, rerun
+from workflow.screen import progress_bar
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The run, and where to keep the new one."""
+    parser.add_argument("run", metavar="RUN.JSON|DIR", type=Path, help="a run.json, or the directory of a run")
+    parser.add_argument("-o", "--output", metavar="DIR", type=Path, help="keep the new run there")
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    """Run and compare; exit code 1 if the result is not the same."""
+    first = original(arguments.run)
+    with (
+        tempfile.TemporaryDirectory(prefix="granchain-") as scratch,
+        progress_bar(first.scene.name, first.scene.problem()) as progress,
+    ):
+        found = rerun(first, arguments.output or Path(scratch) / "run", progress=progress)
+    print(_verdict(first, found))
+    for name, (then, now) in found.changed.items():
+        print(f"  {name}: {then} then, {now} here")
+    return 0 if found.same else 1
+
+
+def _verdict(first: Original, found: Rerun) -> str:
+    frames, code = found.results["frames"], found.results["sha256"][:12]
+    if found.distance is None:
+        return f"{first.scene.name}: the same bit for bit ({frames} frames, sha256 {code}...)"
+    apart = (
+        f"velocities up to {found.distance.velocity:.1e} V and displacements {found.distance.displacement:.1e} L apart"
+    )
+    scale = first.scene.scale
+    unit = f" {scale.symbol('time')}" if scale.si else ""
+    if found.distance.since is None:
+        where = "at the end, among the beads whose last state run.json holds"
+    else:
+        where = f"first at t = {found.distance.since * scale.time:.5g}{unit}"
+    return f"{first.scene.name}: not the same: {apart}, {where}"

@@ -1,0 +1,47 @@
+"""Say in what state directories are: waiting, running, done, failed or incomplete, and why."""
+
+import argparse
+import json
+import sys
+from collections import Counter
+from pathlib import Path
+
+from rich.console import Console
+from rich.text import Text
+
+from workflow import queue
+from workflow.status import Status, statuses
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The directories."""
+    parser.add_argument(
+        "directories", metavar="DIR", type=Path, nargs="+", help="run directories, or one with a list of cases"
+    )
+    parser.add_argument("--json", action="store_true", help="print a list of objects")
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    """Print a line per directory; exit code 1 if one has failed or holds no run."""
+    found = statuses(arguments.directories, queue.ask())
+    if arguments.json:
+        print(json.dumps([one.plain() for one in found], indent=2))
+    else:
+        console = Console(file=sys.stdout, soft_wrap=True, highlight=False)
+        for one in found:
+            console.print(Text(line(one)))
+        if len(found) > 1:
+            counts = Counter(one.state for one in found)
+            print(f"{len(found)} directories: {', '.join(f'{count} {state}' for state, count in counts.items())}")
+    return int(any(one.state in ("failed", "none") for one in found))
+
+
+def line(status: Status) -> str:
+    """State of a directory in one line."""
+    far = ""
+    if status.step is not None and status.steps and status.state not in ("none", "written"):
+        far = f" at step {status.step} of {status.steps}"
+        if status.state == "done":
+            far = f", {status.steps} steps"
+    name = "".join(sign if sign.isprintable() else "?" for sign in str(status.directory))
+    return f"{name}: {status.state}{far}" + (f": {status.why}" if status.why else "")

@@ -1,0 +1,71 @@
+"""Run a scene for lists or ranges of any of its fields, on all cores or as one Slurm array."""
+
+import argparse
+from pathlib import Path
+
+from lammps_inputs import InputError
+from lammps_inputs.job import JOB
+from lammps_inputs.site import JobOptions
+from workflow.engines.lammps.mpi import cores
+from workflow.job_arguments import add_job_arguments, job_options
+from workflow.screen import count_bar
+from workflow.sweep import carry_out, file
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The sweep, where to, and how."""
+    parser.add_argument("sweep", metavar="SWEEP.yaml", type=Path, help="a scene, and what to vary in it")
+    parser.add_argument("-o", "--output", metavar="DIR", type=Path, required=True, help="made, or gone on with")
+    parser.add_argument("--jobs", metavar="N", type=int, default=cores(), help="cases at a time (default all cores)")
+    parser.add_argument("--figures", action="store_true", help="draw every case")
+    parser.add_argument("--no-check", action="store_true", help="do not measure the errors against the reference")
+    add_job_arguments(parser)
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    """Run what is missing or failed; exit code 1 when a case failed or the sweep was interrupted."""
+    if not 1 <= arguments.jobs <= 1024:
+        raise InputError(f"--jobs: {arguments.jobs} given; 1 to 1024")
+    options = job_options(arguments)
+    what = file.load(arguments.sweep)
+    return _run(what, arguments) if options is None else _write(what, arguments.output, options)
+
+
+def _run(what: file.Sweep, arguments: argparse.Namespace) -> int:
+    with count_bar("sweep") as progress:
+        end = carry_out.sweep(
+            what,
+            arguments.output,
+            processes=arguments.jobs,
+            check=not arguments.no_check,
+            figures=arguments.figures,
+            progress=progress,
+        )
+    for name, reason in end.failed:
+        print(f"{name}: {reason}")
+    before = f" ({end.before} of them before)" if end.before else ""
+    failed = f", {len(end.failed)} failed" if end.failed else ""
+    print(f"{arguments.output}: {end.done} of {end.cases} cases done{before}{failed}")
+    if end.interrupted:
+        print("interrupted: what is done is kept; the same command goes on with the rest")
+    elif end.failed:
+        print("the same command runs those that failed again")
+    else:
+        print(f"gather them with: granchain collect {arguments.output}")
+    return 1 if end.failed or end.interrupted else 0
+
+
+def _write(what: file.Sweep, output: Path, options: JobOptions) -> int:
+    from workflow.sweep import on_cluster  # takes half a second to import
+
+    with count_bar("decks") as progress:
+        written = on_cluster.write_array(what, output, options, progress)
+    under_way = f", {written.under_way} in the queue or running" if written.under_way else ""
+    print(f"{output}: {written.tasks} of {written.cases} cases to do{under_way}")
+    if written.tasks:
+        ranks = f"{written.ranks} rank{'s' * (written.ranks > 1)}"
+        print(f"on the cluster, there: sbatch {JOB}    (one array, each case on {ranks})")
+        if written.numbers > on_cluster.USUAL_LIMIT:
+            print(f"its numbers go to {written.numbers - 1}; Slurm's MaxArraySize is often {on_cluster.USUAL_LIMIT}")
+    print(f"then: granchain status {output}    and: granchain collect {output}")
+    return 0

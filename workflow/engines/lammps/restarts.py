@@ -1,0 +1,117 @@
+"""Restarts of a run under way: how often, whole or not at all, and which step one goes on from."""
+
+import os
+import struct
+import time
+from pathlib import Path
+from typing import Any
+
+from lammps_inputs import Problem, continuation
+
+EVERY = 30.0
+"""Seconds of work that a kill may cost; a run that takes less writes none."""
+
+SHARE = 0.01
+"""Part of a run's time that restarts may take: where one takes long, fewer are written."""
+
+_MAGIC = b"LammpS RestartT\0"
+_TEXT, _STEP = (0, 4), 5
+
+
+class Restarts:
+    """Writes the restart of the run in the current directory anew from time to time.
+
+    Args:
+        lmp: an instance of LAMMPS; every rank calls the same methods.
+        problem: what it computes.
+        frames: the file that it writes frames to.
+        every: seconds from restart to restart.
+        leads: whether this rank renames the file.
+    """
+
+    def __init__(self, lmp: Any, problem: Problem, frames: Path, *, every: float, leads: bool) -> None:
+        self._lmp = lmp
+        self._lines = continuation.restart_lines(problem)
+        self._frames = frames
+        self._every = every
+        self._leads = leads
+        self._last, self._cost = time.monotonic(), 0.0
+
+    def due(self) -> bool:
+        """Whether it is time, by the clock of this rank."""
+        return time.monotonic() - self._last > max(self._every, self._cost / SHARE)
+
+    def write(self) -> None:
+        """Write a restart, between two cycles of the scheme.
+
+        Raises:
+            OSError: on the rank that leads: the disk does not take it, and an earlier one is still there.
+        """
+        started = time.monotonic()
+        try:
+            for line in self._lines:
+                self._lmp.command(line)
+        except Exception as error:  # LAMMPS raises nothing more specific
+            if self._leads:
+                Path(continuation.UNFINISHED).unlink(missing_ok=True)
+            raise OSError(f"{continuation.RESTART} cannot be written; is the disk full?") from error
+        if self._leads:
+            keep(self._frames, int(self._lmp.extract_global("ntimestep")))
+        self._last = time.monotonic()
+        self._cost = self._last - started
+
+
+def keep(frames: Path, step: int) -> None:
+    """Put the restart that was written in place of an earlier one, when it and the frames until then are on the disk.
+
+    Raises:
+        OSError: they are not.
+    """
+    unfinished = Path(continuation.UNFINISHED)
+    try:
+        for path in (frames, unfinished):
+            _to_disk(path)
+        if step_of(unfinished) != step:
+            raise OSError(f"{continuation.RESTART} cannot be written whole; is the disk full?")
+    except OSError:
+        unfinished.unlink(missing_ok=True)
+        raise
+    unfinished.replace(continuation.RESTART)
+
+
+def step_of(path: Path) -> int | None:
+    """Step of a restart that LAMMPS wrote; None if there is none, or not a whole one."""
+    try:
+        with path.open("rb") as file:
+            head = file.read(512)
+            file.seek(-len(_MAGIC), os.SEEK_END)
+            whole = file.read() == _MAGIC
+    except OSError:
+        return None
+    if not (whole and head.startswith(_MAGIC)):
+        return None
+    try:
+        return _step_in(head)
+    except struct.error:
+        return None
+
+
+def _step_in(head: bytes) -> int | None:
+    """The step in LAMMPS's header: fields of a number that says which, and an int32, a text or, the step, an int64."""
+    at = len(_MAGIC) + 8
+    while True:
+        (field,) = struct.unpack_from("<i", head, at)
+        if field == _STEP:
+            return int(struct.unpack_from("<q", head, at + 4)[0])
+        (value,) = struct.unpack_from("<i", head, at + 4)
+        if value < 0:
+            return None
+        at += 8 + (value if field in _TEXT else 0)
+
+
+def _to_disk(path: Path) -> None:
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)

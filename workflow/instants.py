@@ -1,0 +1,25 @@
+"""Which frames of a run are compared with a reference, where all would be more than it takes."""
+
+import math
+
+from lammps_inputs import Problem, coupling
+
+SPACING = 0.4
+"""Time between the frames that are compared, in units of T: waves are found between them to 1e-5."""
+
+FEW = 100
+"""As many frames are all compared: an error can grow much from one to the next."""
+
+
+def stride(problem: Problem, spacing: float = SPACING) -> int:
+    """Frames from one that is compared to the next, so that the last is among them or nearly; 1 if there are few.
+
+    In a swing of stiff springs four are compared, lest all show the same phase of it.
+    """
+    if problem.frames <= FEW:
+        return 1
+    if problem.coupled:
+        swing = math.sqrt(problem.kappa * coupling.largest_eigenvalue(problem.chains))
+        spacing = min(spacing, 0.5 * math.pi / swing)
+    most = max(1, min(math.floor(spacing / problem.every * (1.0 + 1e-9)), problem.frames))
+    return min(range(most, most // 2, -1), key=lambda step: problem.frames % step)

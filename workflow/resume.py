@@ -1,0 +1,193 @@
+"""Go on with a run that was interrupted, killed, or met a full disk."""
+
+import functools
+import importlib.metadata
+import os
+import warnings
+from collections.abc import Callable
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from analysis.binary_dump import BinaryDump, CutDumpWarning, NoFrameError
+from lammps_inputs import InputError, Problem, continuation, deck, library
+from workflow.engines.lammps import engine as lammps_engine
+from workflow.engines.lammps import restarts
+from workflow.run import ENGINES, Progress, Run, carry_out, fingerprint, measure_error
+from workflow.run_directory import (
+    OWN_FILES,
+    RECORD,
+    RunDirectory,
+    alone,
+    part_number,
+    parts,
+    remove_leftovers,
+    write_text,
+)
+from workflow.settings import Settings
+
+_AGAIN = "nothing is there to go on from: run the scene again with --overwrite"
+
+
+def resume(
+    directory: Path | str,
+    *,
+    ranks: int | None = None,
+    check: bool = True,
+    progress: Progress | None = None,
+    restart_every: float = lammps_engine.RESTART_EVERY,
+    lammps: Callable[..., lammps_engine.Outcome] = lammps_engine.run,
+) -> Run | None:
+    """Bring a run to its end; bit for bit as if it had never been interrupted.
+
+    LAMMPS goes on from the last restart, or from the start if there is none. Other engines start again.
+
+    Args:
+        directory: of a run that `workflow.run.run` began.
+        ranks: MPI ranks of LAMMPS; by default as many as before.
+        check: as of `workflow.run.run`.
+        progress: as of `workflow.run.run`.
+        restart_every: as of `workflow.run.run`.
+        lammps: as of `workflow.run.run`.
+
+    Returns:
+        The run, or None if it was done before.
+
+    Raises:
+        InputError: no run was begun there, its files were changed, or it is under way.
+        RunError: the run failed.
+    """
+    path = Path(directory)
+    begun(path)
+    with alone(path) as lock:
+        remove_leftovers(path)
+        result, record = _with_its_files(path)
+        settings = settings_of(record)
+        if record["outcome"] == "done":
+            if "check" in record or not check or record["engine"] != "lammps":
+                return None
+            return Run(result, "done", measure_error(result, settings))
+        ranks = int(record["ranks"]) if ranks is None else ranks
+        lammps_engine.check_ranks(ranks, result.problem)
+        spent = _spent(path, record)
+        part, step = _next_part(result, record) if record["engine"] == "lammps" else (1, 0)
+        if part == 1:
+            _remove_frames(path)
+        else:
+            write_text(path / continuation.CONTINUE, continuation.render_continuation(result.problem))
+        now = datetime.now(UTC).isoformat(timespec="seconds")
+        earlier = record.get("resumed", [])
+        resumed = [*earlier, {"at": now, "from_step": step}]
+        result.update_record(outcome="running", reason=None, resumed=resumed, wall_seconds=spent)
+        start = functools.partial(lammps, part=part, restart_every=restart_every, lock=lock)
+        return carry_out(
+            result, start=start, ranks=ranks, settings=settings, check=check, progress=progress, spent=spent
+        )
+
+
+def settings_of(record: dict[str, Any]) -> Settings | None:
+    """How a recorded run's time step was chosen."""
+    return Settings(**record["settings"]) if "settings" in record else None
+
+
+def begun(path: Path) -> RunDirectory:
+    """The run that was begun in a directory.
+
+    Raises:
+        InputError: none was.
+    """
+    if path.is_dir() and not (path / deck.SCENE).is_file():
+        raise InputError(f"{path}: holds no {deck.SCENE}, so no run was begun there; run the scene with -o {path}")
+    result = RunDirectory(path)
+    try:
+        record = result.record
+    except InputError as error:
+        raise InputError(f"{error}; {_AGAIN}") from None
+    try:
+        whole = record["engine"] in ENGINES and isinstance(record["outcome"], str) and record["ranks"] >= 1
+        settings_of(record)
+        _spent(path, record)
+    except (KeyError, TypeError, ValueError, IndexError):
+        whole = False
+    if not whole:
+        raise InputError(f"{path}: holds no {RECORD} of a run; {_AGAIN}")
+    return result
+
+
+def _with_its_files(path: Path) -> tuple[RunDirectory, dict[str, Any]]:
+    """The run in a directory and its record, with the files that it was begun with.
+
+    Raises:
+        InputError: they were changed.
+    """
+    result = begun(path)
+    record = result.record
+    expected = [deck.SCENE, *([deck.DECK, deck.DATA] if record["engine"] == "lammps" else [])]
+    files = {name: (path / name).read_text(encoding="utf-8") for name in expected if (path / name).is_file()}
+    missing = [name for name in expected if name not in files]
+    if missing and "scene" in record:  # killed before all were there
+        rendered = deck.render(library.from_plain(record["scene"], str(path / RECORD)))
+        files |= {name: rendered[name] for name in missing}
+    if fingerprint(files) != record.get("files_sha256"):
+        names = ", ".join(expected)
+        raise InputError(f"{path}: {names} are not those that the run was begun with (see {RECORD}); {_AGAIN}")
+    for name in missing:
+        write_text(path / name, files[name])
+    return result, record
+
+
+def _next_part(result: RunDirectory, record: dict[str, Any]) -> tuple[int, int]:
+    """Number of the part of the frames to write next, and the step that it goes on from; the start is (1, 0).
+
+    A restart is of use if LAMMPS is still the one that wrote it, and if all frames until then are there.
+    """
+    path = result.path
+    step = restarts.step_of(path / continuation.RESTART)
+    version = importlib.metadata.version("lammps")
+    if not step or record.get("versions", {}).get("lammps") != version or not _hold(parts(path), result.problem, step):
+        return 1, 0
+    return part_number(_tidied(path)[-1]) + 1, step
+
+
+def _hold(files: list[Path], problem: Problem, step: int) -> bool:
+    """Whether files hold all frames until a step."""
+    found: set[int] = set()
+    for file in files:
+        try:
+            found.update(_index(file).steps.tolist())
+        except InputError:
+            continue
+    return found.issuperset(np.arange(0, step + 1, problem.steps_per_frame).tolist())
+
+
+def _tidied(path: Path) -> list[Path]:
+    """The files of frames, each ended after its last whole frame."""
+    for file in parts(path):
+        try:
+            os.truncate(file, _index(file).whole_bytes)
+        except NoFrameError:
+            file.unlink()
+    return parts(path)
+
+
+def _index(file: Path) -> BinaryDump:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", CutDumpWarning)
+        return BinaryDump(file)
+
+
+def _remove_frames(path: Path) -> None:
+    for file in (*parts(path), path / continuation.RESTART, path / continuation.UNFINISHED):
+        file.unlink(missing_ok=True)
+
+
+def _spent(path: Path, record: dict[str, Any]) -> float:
+    """Wall time of all attempts; one that was killed lasted until the last that it wrote."""
+    known = float(record.get("wall_seconds", 0.0))
+    if record["outcome"] != "running":
+        return known
+    begun_at = record["resumed"][-1]["at"] if "resumed" in record else record["started"]
+    written = [file.stat().st_mtime for file in path.iterdir() if file.name in OWN_FILES or part_number(file)]
+    return known + max(0.0, max(written) - datetime.fromisoformat(begun_at).timestamp())

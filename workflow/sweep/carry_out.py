@@ -1,0 +1,189 @@
+"""Carry out a sweep on this machine: what is missing or failed, on all cores."""
+
+import contextlib
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from analysis.recording import FARTHEST
+from lammps_inputs import InputError, Scene
+from lammps_inputs.job import CASES
+from workflow import queue
+from workflow.engines.lammps.mpi import cores
+from workflow.errors import RunError
+from workflow.run_directory import alone
+from workflow.status import status
+from workflow.sweep import directory as directories
+from workflow.sweep import pool
+from workflow.sweep.cases import Case, all_cases, scene_of
+from workflow.sweep.directory import CASE, Asked, Todo
+from workflow.sweep.file import Sweep
+from workflow.sweep.jobs import Job
+
+Progress = Callable[[int, int, int], None]
+"""Called with the cases done, their total, and how many of them failed."""
+
+
+@dataclass(frozen=True)
+class Swept:
+    """How a sweep ended.
+
+    Attributes:
+        cases: all that it names.
+        before: how many were done before.
+        done: how many are done.
+        failed: name and reason of each that failed.
+        interrupted: whether it was stopped before its end.
+    """
+
+    cases: int
+    before: int
+    done: int
+    failed: list[tuple[str, str]]
+    interrupted: bool
+
+
+def sweep(
+    what: Sweep,
+    directory: Path,
+    *,
+    processes: int | None = None,
+    check: bool = True,
+    figures: bool = False,
+    progress: Progress | None = None,
+) -> Swept:
+    """Run and analyse every case that a directory does not hold yet; Ctrl-C keeps what is done.
+
+    Args:
+        what: the sweep.
+        directory: made if need be; gets one directory per case.
+        processes: cases computed at a time; by default as many as there are cores.
+        check: whether to measure the error of LAMMPS runs.
+        figures: whether to draw every case.
+        progress: called after every case.
+
+    Raises:
+        InputError: a case is no scene, or its directory holds something else. Nothing has run then.
+    """
+    cases = plan(what, directory)
+    failed: list[tuple[str, str]] = []
+    make(directory)
+    with alone(directory):
+        _refuse_if_queued(directory, cases)
+        missing = _missing(cases, directory, figures=figures)
+        before = done = len(cases) - len(missing)
+        if progress is not None:
+            progress(done, len(cases), 0)
+        count = min(processes or cores(), max(1, len(missing)))
+        jobs = _jobs(what, missing, directory.absolute(), check=check, figures=figures)
+        try:
+            with contextlib.closing(pool.answers(jobs, count)) as answers:
+                for name, answer in answers:
+                    if answer["end"] == "done":
+                        done += 1
+                    else:
+                        reason = " ".join(str(answer.get("reason", "was stopped")).split())
+                        failed.append((name, reason))
+                        with contextlib.suppress(RunError):  # the disk may be full: it is told at the end all the same
+                            directories.note_failure(directory / name, reason)
+                    if progress is not None:
+                        progress(done + len(failed), len(cases), len(failed))
+        except KeyboardInterrupt:
+            done = len(cases) - len(_missing(cases, directory, figures=figures))  # some ended while they were stopped
+            return Swept(len(cases), before, done, failed, interrupted=True)
+    return Swept(len(cases), before, done, failed, interrupted=False)
+
+
+def plan(what: Sweep, directory: Path) -> list[Case]:
+    """All cases of a sweep, each seen to fit into a directory.
+
+    Raises:
+        InputError: as `sweep`.
+    """
+    cases = all_cases(what)
+    _refuse_what_is_not_a_sweep(directory, cases)
+    for case in cases:
+        scene = scene_of(what, case)
+        _refuse_what_cannot_run(f"{what.source}: case {case.name}", what.engine, scene)
+        directories.refuse_another(directory / case.name, request(what, case, scene), scene)
+    return cases
+
+
+def request(what: Sweep, case: Case, scene: Scene) -> Asked:
+    """What a case's ``case.json`` is to hold."""
+    return Asked(case.values, scene.plain(), what.engine)
+
+
+def _refuse_what_is_not_a_sweep(directory: Path, cases: list[Case]) -> None:
+    try:
+        if not directory.exists():
+            return
+        if not directory.is_dir():
+            raise InputError(f"{directory}: is a file, not a directory; choose another -o")
+        found = {entry.name for entry in directory.iterdir()}
+    except OSError as error:
+        raise InputError(f"{directory}: cannot be read ({error.strerror})") from None
+    own = any(case.name in found for case in cases) or any((directory / name / CASE).is_file() for name in found)
+    if found and not own:
+        raise InputError(f"{directory}: exists and is not the directory of a sweep; choose another -o")
+
+
+def _refuse_what_cannot_run(where: str, engine: str, scene: Scene) -> None:
+    every = scene.resolved().output.every or 0.0
+    if every > FARTHEST * scene.scale.time * (1.0 + 1e-9):
+        limit = FARTHEST * scene.scale.time
+        raise InputError(
+            f"{where}: output.every: waves between frames are missed; at most {limit:.4g} ({every:g} given)"
+        )
+    if engine == "lammps" and scene.timestep is not None:
+        from workflow.settings import refuse_unstable  # numba, below it, takes a third of a second to import
+
+        refuse_unstable(scene, where)
+    if engine != "lammps" and scene.window is not None:
+        raise InputError(f"{where}: window: only lammps records one, not {engine}")
+    if engine == "collisions" and not scene.gap > 0.0:
+        raise InputError(f"{where}: gap: rigid beads (engine: collisions) need one")
+
+
+def make(directory: Path) -> None:
+    """Make a directory if need be.
+
+    Raises:
+        InputError: it cannot be made.
+    """
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{directory}: cannot be written to ({error.strerror})") from None
+
+
+def _refuse_if_queued(directory: Path, cases: list[Case]) -> None:
+    """Leave cases to the jobs of a cluster that were sent out for them."""
+    if not (directory / CASES).is_file():
+        return
+    known = queue.ask()
+    for case in cases:
+        found = status(directory / case.name, known)
+        if found.state in ("waiting", "running"):
+            raise InputError(f"{directory / case.name}: is {found.state} ({found.why}); wait for it, or end it first")
+
+
+def _missing(cases: list[Case], directory: Path, *, figures: bool) -> list[tuple[Case, Todo]]:
+    found = [(case, directories.todo(directory / case.name, figures=figures)) for case in cases]
+    return [(case, todo) for case, todo in found if todo is not Todo.NOTHING]
+
+
+def _jobs(
+    what: Sweep, missing: list[tuple[Case, Todo]], directory: Path, *, check: bool, figures: bool
+) -> Iterator[tuple[str, Job]]:
+    """The longest first, so that no core is left with one long case at the end."""
+    order = sorted(missing, key=lambda entry: -_work(scene_of(what, entry[0])))
+    for case, todo in order:
+        wanted = request(what, case, scene_of(what, case)) if todo is Todo.RUN else None
+        yield case.name, Job(str(directory / case.name), wanted, check, figures)
+
+
+def _work(scene: Scene) -> float:
+    """Beads times time, in units of T; a pulse takes about three of them a bead."""
+    time = 3.0 * (scene.until_bead or 0) if scene.duration is None else scene.duration / scene.scale.time
+    return scene.chains * scene.beads * time

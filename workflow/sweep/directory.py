@@ -1,0 +1,136 @@
+"""The directory of one case: a run directory that also holds ``case.json``, what the case was asked to be.
+
+| key      | what                                                        |
+|----------|-------------------------------------------------------------|
+| swept    | field -> value                                              |
+| scene    | the scene as asked: its ending at a bead, say, is not found yet |
+| engine   | what computes                                               |
+"""
+
+import json
+from dataclasses import dataclass
+from enum import Enum
+from pathlib import Path
+from typing import Any
+
+from lammps_inputs import InputError, Scene, deck, library, strict_yaml
+from workflow.run_directory import RECORD, REPORT, write_json, write_text
+from workflow.status import status
+
+CASE = "case.json"
+
+
+class Todo(Enum):
+    """What a case lacks."""
+
+    NOTHING = "nothing"
+    ANALYSIS = "analysis"
+    RUN = "run"
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a case was asked to be.
+
+    Attributes:
+        swept: field -> value.
+        scene: plain data of the scene.
+        engine: what computes.
+    """
+
+    swept: dict[str, Any]
+    scene: dict[str, Any]
+    engine: str
+
+    def plain(self) -> dict[str, Any]:
+        """For ``case.json``."""
+        return {"swept": self.swept, "scene": self.scene, "engine": self.engine}
+
+
+def read_json(path: Path) -> dict[str, Any]:
+    """A JSON object from a file; empty if there is none or it is not one."""
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return {}
+    return data if isinstance(data, dict) else {}
+
+
+def asked(path: Path) -> Asked | None:
+    """What the case in a directory was asked to be; None if it is no case's directory."""
+    data = read_json(path / CASE)
+    swept, scene, engine = data.get("swept"), data.get("scene"), data.get("engine")
+    if isinstance(swept, dict) and isinstance(scene, dict) and isinstance(engine, str):
+        return Asked(swept, scene, engine)
+    return None
+
+
+def begin(path: Path, wanted: Asked, scene: Scene) -> None:
+    """Make a case's directory; from then on it is a run directory that may be overwritten."""
+    path.mkdir(parents=True, exist_ok=True)
+    for leftover in path.glob(f".{CASE}.*"):  # of a sweep that was killed
+        leftover.unlink(missing_ok=True)
+    write_json(path / CASE, wanted.plain())
+    write_text(path / deck.SCENE, strict_yaml.dump(scene.resolved().plain()))
+
+
+def refuse_another(path: Path, wanted: Asked, scene: Scene) -> None:
+    """See that a directory is not there, or this case's.
+
+    Raises:
+        InputError: it holds something else, or the same case of another scene or engine.
+    """
+    found = asked(path)
+    if found is None:
+        if path.is_dir() and not any(not entry.name.startswith(f".{CASE}.") for entry in path.iterdir()):
+            return  # interrupted before anything was written
+        if path.exists() or path.is_symlink():
+            raise InputError(f"{path}: exists and is not a case of a sweep; choose another -o")
+        return
+    advice = "choose another -o, or remove this directory"
+    if found.engine != wanted.engine:
+        raise InputError(f"{path}: is the same case computed by {found.engine}, not {wanted.engine}; {advice}")
+    key = _first_difference(found.scene, wanted.scene)
+    if key is None and (path / deck.SCENE).is_file():
+        written = library.load(path / deck.SCENE).plain()
+        resolved = scene.resolved().plain()
+        key = _first_difference(*(_without(data, _found_later(scene)) for data in (written, resolved)))
+    if key is not None:
+        raise InputError(f"{path}: holds this case of another scene ({key} differs); {advice}")
+
+
+def _found_later(scene: Scene) -> set[str]:
+    """Keys that ``scene.yaml`` holds otherwise than the scene as asked, since they are found before the run."""
+    later = set() if scene.until_bead is None else {"until_bead", "duration"}
+    later |= set() if scene.accuracy is None else {"accuracy", "timestep"}
+    return later | ({"window"} if scene.window == "auto" else set())
+
+
+def _without(data: dict[str, Any], keys: set[str]) -> dict[str, Any]:
+    return {key: value for key, value in data.items() if key not in keys}
+
+
+def _first_difference(one: dict[str, Any], other: dict[str, Any]) -> str | None:
+    keys = [key for key in {**one, **other} if one.get(key) != other.get(key)]
+    return keys[0] if keys else None
+
+
+def todo(path: Path, *, figures: bool) -> Todo:
+    """What is missing in a case's directory."""
+    if status(path).state != "done":
+        return Todo.RUN
+    if figures and not (path / "spacetime.png").is_file():
+        return Todo.ANALYSIS
+    return Todo.NOTHING if is_analysed(path) else Todo.ANALYSIS
+
+
+def is_analysed(path: Path) -> bool:
+    """Whether a run that is done was analysed when it was."""
+    return read_json(path / REPORT).get("complete") is True
+
+
+def note_failure(path: Path, reason: str) -> None:
+    """Let ``run.json`` say why a case failed, where the run could not do so itself."""
+    record = read_json(path / RECORD)
+    if path.is_dir() and record.get("outcome") not in ("done", "failed"):
+        write_json(path / RECORD, {**record, "outcome": "failed", "reason": reason})

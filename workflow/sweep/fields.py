@@ -1,0 +1,86 @@
+"""Fields of a scene by dotted path: ``coupling.stiffness``, ``kick.velocity``, ``kick[2].bead``."""
+
+import re
+from typing import Any
+
+from pydantic import BaseModel
+
+from lammps_inputs import InputError, Scene, library
+
+_STEP = re.compile(r"([a-z_]+)(?:\[([1-9][0-9]{0,5})\])?")
+
+Path = tuple[tuple[str, int | None], ...]
+"""Key by key, each with the number of the list's entry (from 1) where one was given."""
+
+
+def parse(text: str) -> Path:
+    """The keys of a dotted path, which a scene can have.
+
+    Raises:
+        InputError: no scene has such a field; names what it may have been meant for.
+    """
+    known = all_fields(Scene)
+    matches = [_STEP.fullmatch(part) for part in text.split(".")] if len(text) <= 200 else []
+    if not matches or not all(matches) or ".".join(match[1] for match in matches if match) not in known:
+        hint = library.suggestion(text[:200], known) or f"; it has {', '.join(known)}"
+        raise InputError(f"a scene has no field {text[:60]!r}{hint}")
+    path = tuple((match[1], None if match[2] is None else int(match[2])) for match in matches if match)
+    for key, number in path:
+        if number is not None and key != "kick":
+            raise InputError(f"`{key}` is not a list of parts, so it takes no [{number}]")
+    return path
+
+
+def all_fields(model: type[BaseModel], above: str = "") -> list[str]:
+    """Dotted paths of all fields of a model and its parts, in their order."""
+    found = []
+    for name, field in model.model_fields.items():
+        found.append(f"{above}{name}")
+        inner = library.model_in(field.annotation)
+        if inner is not None:
+            found += all_fields(inner, f"{above}{name}.")
+    return found
+
+
+def put(scene: dict[str, Any], path: Path, value: Any) -> dict[str, Any]:
+    """A copy of a scene's plain data with a field set; parts on the way are made where they are missing.
+
+    Raises:
+        InputError: the path names one kick of several without its number, or one that there is not.
+    """
+    (key, number), rest = path[0], path[1:]
+    old = scene.get(key)
+    if not rest and number is None:
+        return {**scene, key: value}
+    if key != "kick":
+        return {**scene, key: put(_mapping(old, key), rest, value)}
+    kicks = list(old) if isinstance(old, list | tuple) else [old]
+    if number is None and len(kicks) > 1:
+        raise InputError(f"the scene has {len(kicks)} kicks; say which, as in `kick[1]`")
+    place = (number or 1) - 1
+    if place >= len(kicks):
+        raise InputError(f"the scene has {len(kicks)} kick{'s' * (len(kicks) > 1)}, so no `kick[{number}]`")
+    kicks[place] = put(_mapping(kicks[place], key), rest, value) if rest else value
+    return {**scene, key: kicks}
+
+
+def _mapping(value: Any, key: str) -> dict[str, Any]:
+    if value is None:
+        return {}
+    if not isinstance(value, dict):
+        raise InputError(f"the scene's {key} should hold `key: value` pairs")
+    return value
+
+
+def look_up(scene: dict[str, Any], path: Path) -> Any:
+    """The value of a field in a scene's plain data; None where it is not named."""
+    value: Any = scene
+    for key, number in path:
+        if not isinstance(value, dict):
+            return None
+        value = value.get(key)
+        if isinstance(value, list | tuple):
+            if number is None and len(value) != 1:
+                return value
+            value = value[(number or 1) - 1] if (number or 1) <= len(value) else None
+    return value

@@ -1,0 +1,193 @@
+"""A sweep file: a scene, and lists or ranges of any of its fields.
+
+::
+
+    scene: two-chains              # a name, a file (from this file's directory on), or the scene itself
+    vary:
+      coupling.stiffness: [0.05, 0.1, 0.2]
+      kick.velocity: {from: 0.1, to: 10, count: 5, spacing: log}
+    combine: product               # or zip: the first values together, then the second, ...
+    engine: lammps                 # or reference, collisions
+"""
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PlainValidator, ValidationError, model_validator
+
+from lammps_inputs import InputError, library, strict_yaml
+from workflow.sweep import fields
+
+MAX_CASES = 100_000
+
+Number = int | float
+
+
+def _number(value: Any) -> Number:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise ValueError("should be a number")
+    if not -1e30 <= value <= 1e30:
+        raise ValueError("should be a finite number up to 1e30")
+    return value
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+
+class Range(_Part):
+    """Evenly spaced values, or evenly spaced logarithms, both ends among them."""
+
+    first: Annotated[Any, PlainValidator(_number), Field(alias="from")]
+    last: Annotated[Any, PlainValidator(_number), Field(alias="to")]
+    count: Annotated[int, Field(ge=2, le=MAX_CASES)]
+    spacing: Literal["linear", "log"] = "linear"
+    digits: Annotated[int, Field(ge=1, le=15)] = 15
+    """Significant digits that the values between the ends are rounded to."""
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        if self.first == self.last:
+            raise ValueError("to: is the same as from; give the one value as a list")
+        if self.spacing == "log" and min(self.first, self.last) <= 0:
+            raise ValueError("spacing: log needs from and to above 0")
+        return self
+
+    def values(self) -> list[Number]:
+        """The values from first to last; whole numbers where both ends are and the values come out whole."""
+        first, last = Fraction(repr(self.first)), Fraction(repr(self.last))
+        inner: list[float] = []
+        for k in range(1, self.count - 1):
+            part = Fraction(k, self.count - 1)
+            if self.spacing == "linear":
+                value = float(first + part * (last - first))
+            else:
+                value = float(self.first) * (float(self.last) / float(self.first)) ** float(part)
+            inner.append(float(f"{value:.{self.digits}g}"))
+        if isinstance(self.first, int) and isinstance(self.last, int) and all(value.is_integer() for value in inner):
+            return [self.first, *map(int, inner), self.last]
+        return [self.first, *inner, self.last]
+
+
+def _some(value: dict[str, Any]) -> dict[str, Any]:
+    if not value:
+        raise ValueError("names no field; `granchain run` runs a single scene")
+    return value
+
+
+class _File(_Part):
+    scene: Any
+    vary: Annotated[dict[str, Any], AfterValidator(_some)]
+    combine: Literal["product", "zip"] = "product"
+    engine: Literal["lammps", "reference", "collisions"] = "lammps"
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """A sweep file that was read: what its cases are made of.
+
+    Attributes:
+        source: the file, for messages.
+        scene: plain data of the scene that the cases start from.
+        vary: field -> its values, ordered by field, so that the order in the file does not matter.
+        combine: "product" or "zip".
+        engine: what computes.
+    """
+
+    source: str
+    scene: dict[str, Any]
+    vary: dict[str, list[Any]]
+    combine: Literal["product", "zip"]
+    engine: str
+
+
+def load(path: Path) -> Sweep:
+    """Read a sweep file; its cases are not looked at yet.
+
+    Raises:
+        InputError: naming the file, the key, what was given and what would be right.
+    """
+    return from_plain(strict_yaml.load(path), path)
+
+
+def from_plain(data: dict[str, Any], path: Path) -> Sweep:
+    """A sweep from nested plain data that stood in a file.
+
+    Raises:
+        InputError: as `load`.
+    """
+    try:
+        file = _File.model_validate(data)
+    except ValidationError as error:
+        raise InputError(f"{path}: {library.describe(error, _File)}") from None
+    names = sorted(file.vary)
+    seen: dict[fields.Path, str] = {}
+    for name in names:
+        try:
+            keys = tuple((key, number or 1) for key, number in fields.parse(name))
+        except InputError as error:
+            raise InputError(f"{path}: vary: {error}") from None
+        if keys in seen:
+            raise InputError(f"{path}: vary.{name}: is the same field as `{seen[keys]}`")
+        seen[keys] = name
+        above = next((other for other in names if name.startswith((f"{other}.", f"{other}["))), None)
+        if above is not None:
+            raise InputError(f"{path}: vary.{name}: lies within `{above}`, which is varied too")
+    given = {name: _given(file.vary[name], f"{path}: vary.{name}") for name in names}
+    _refuse_too_many({name: _count(values) for name, values in given.items()}, file.combine, path)
+    return Sweep(
+        source=str(path),
+        scene=_scene(file.scene, path),
+        vary={name: values.values() if isinstance(values, Range) else values for name, values in given.items()},
+        combine=file.combine,
+        engine=file.engine,
+    )
+
+
+def _given(given: Any, where: str) -> list[Any] | Range:
+    if isinstance(given, list):
+        if not given:
+            raise InputError(f"{where}: is an empty list")
+        return given
+    if not isinstance(given, dict):
+        raise InputError(f"{where}: should be a list, or a range such as {{from: 1, to: 10, count: 4}}")
+    try:
+        return Range.model_validate(given)
+    except ValidationError as error:
+        raise InputError(f"{where}.{library.describe(error, Range)}") from None
+
+
+def _count(values: list[Any] | Range) -> int:
+    return values.count if isinstance(values, Range) else len(values)
+
+
+def _refuse_too_many(counts: dict[str, int], combine: str, path: Path) -> None:
+    """Before anything is built."""
+    if combine == "zip" and len(set(counts.values())) > 1:
+        found = ", ".join(f"{field} has {count}" for field, count in counts.items())
+        raise InputError(f"{path}: vary: zip needs as many values of each field ({found})")
+    count = math.prod(counts.values()) if combine == "product" else max(counts.values())
+    if count > MAX_CASES:
+        raise InputError(f"{path}: vary: makes {count} cases; at most {MAX_CASES}")
+
+
+def _scene(given: Any, path: Path) -> dict[str, Any]:
+    """Plain data of the scene, which need not be whole: what is varied may be missing."""
+    if isinstance(given, dict):
+        return given
+    if not isinstance(given, str):
+        raise InputError(f"{path}: scene: should be a name, a file, or the scene's `key: value` pairs")
+    installed = library.installed()
+    if given in installed:
+        return strict_yaml.load(installed[given])
+    try:
+        place = path.parent / given
+        if place.is_file():  # not a device or a pipe, which may never end
+            return strict_yaml.load(place)
+    except (OSError, ValueError):
+        pass
+    hint = library.suggestion(given[:200], installed)
+    raise InputError(f"{path}: scene: {given[:60]!r} is neither a file nor an installed scene{hint}")

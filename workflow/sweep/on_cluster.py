@@ -1,0 +1,128 @@
+"""Write a sweep for a cluster: a deck per case, and one Slurm array over those that are not done."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from lammps_inputs import InputError, Problem, Scene, deck, job, load
+from lammps_inputs.site import JobOptions
+from workflow import queue
+from workflow.job_arguments import with_ranks
+from workflow.run_directory import ANALYSIS_FILES, RECORD, alone, write_text
+from workflow.settings import settle
+from workflow.status import status
+from workflow.sweep.carry_out import make, plan, request
+from workflow.sweep.cases import Case, scene_of
+from workflow.sweep.directory import begin
+from workflow.sweep.file import Sweep
+
+USUAL_LIMIT = 1001
+"""Tasks of an array where a site did not say otherwise (MaxArraySize)."""
+
+
+@dataclass(frozen=True)
+class Written:
+    """What was written.
+
+    Attributes:
+        cases: all that the sweep names.
+        tasks: how many of them the array will do.
+        under_way: how many wait in the queue or run.
+        ranks: MPI ranks of each.
+        numbers: entries of the list that the array's numbers count, from 0.
+    """
+
+    cases: int
+    tasks: int
+    under_way: int
+    ranks: int
+    numbers: int
+
+
+def write_array(
+    what: Sweep, directory: Path, options: JobOptions, progress: Callable[[int, int], None] | None = None
+) -> Written:
+    """Write decks and the array; nothing of a case that is done, waits or runs is touched.
+
+    Args:
+        what: the sweep.
+        directory: made if need be; the array is to be submitted there.
+        options: of the job.
+        progress: called with the cases written and their total.
+
+    Raises:
+        InputError: as `workflow.sweep.carry_out.plan`; or the list of cases would change under an array in the queue.
+    """
+    if what.engine != "lammps":
+        raise InputError(f"{what.source}: engine: a Slurm job runs lammps, not {what.engine}")
+    cases = plan(what, directory)
+    make(directory)
+    with alone(directory):
+        known = queue.ask()
+        states = {case.name: status(directory / case.name, known).state for case in cases}
+        under_way = [name for name, state in states.items() if state in ("waiting", "running")]
+        todo = [case for case in cases if states[case.name] not in ("done", "waiting", "running")]
+        if not todo:
+            return Written(len(cases), 0, len(under_way), 0, 0)
+        before = _listed(directory)
+        listed = [*before, *sorted(states.keys() - set(before))]
+        if before and len(listed) > len(before):
+            _refuse_if_queued(directory, before, known)
+        problems = []
+        for count, case in enumerate(todo, 1):
+            problems.append(_write_case(what, case, directory / case.name))
+            if progress is not None:
+                progress(count, len(todo))
+        options = _for_all(options, problems)
+        place = {name: number for number, name in enumerate(listed)}
+        tasks = [place[case.name] for case in todo]
+        for name, text in job.render_array(options, listed, name=problems[0].name, tasks=tasks).items():
+            write_text(directory / name, text)
+    return Written(len(cases), len(tasks), len(under_way), options.ranks, len(listed))
+
+
+def _listed(directory: Path) -> list[str]:
+    """Cases of an array that was written before; they keep their numbers."""
+    path = directory / job.CASES
+    return path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
+
+
+def _refuse_if_queued(directory: Path, listed: list[str], known: queue.Queue | None) -> None:
+    for name in listed:
+        found = status(directory / name, known)
+        if found.state in ("waiting", "running"):
+            raise InputError(
+                f"{directory / name}: is {found.state} ({found.why}); cases are added to an array's list when it has "
+                "ended (scancel ends it), or choose another -o"
+            )
+
+
+def _write_case(what: Sweep, case: Case, path: Path) -> Problem:
+    """The deck of a case, unless it is there, and what a job needs beside it; a restart there is gone on from."""
+    scene = scene_of(what, case)
+    if not all((path / name).is_file() for name in (deck.SCENE, deck.DECK, deck.DATA)):
+        _write_deck(path, what, case, scene)
+    problem = load(path / deck.SCENE).problem()
+    for name in (RECORD, *ANALYSIS_FILES):  # of a run that did not come to its end here
+        (path / name).unlink(missing_ok=True)
+    for name, text in job.case_files(problem).items():
+        write_text(path / name, text)
+    return problem
+
+
+def _write_deck(path: Path, what: Sweep, case: Case, scene: Scene) -> None:
+    settled, _ = settle(scene, source=f"{what.source}: case {case.name}")
+    files = deck.render(settled)
+    begin(path, request(what, case, scene), scene)
+    for name, text in files.items():
+        write_text(path / name, text)
+
+
+def _for_all(options: JobOptions, problems: list[Problem]) -> JobOptions:
+    """Ranks that suit the smallest case where none were asked for; never more than any case has rows."""
+    small = min(problems, key=lambda problem: problem.chains * problem.rows)
+    options = with_ranks(options, small)
+    rows = min(problem.rows for problem in problems)
+    if options.ranks > rows:
+        raise InputError(f"--ranks-per-node: {options.ranks} ranks in all, but ranks divide the {rows} rows of a case")
+    return options

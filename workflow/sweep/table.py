@@ -1,0 +1,135 @@
+"""The table of a sweep: its columns, their names, units and numbers."""
+
+import csv
+import io
+import math
+import re
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from analysis.trajectory import Floats
+from lammps_inputs.numbers import text
+from workflow.run_directory import RECORD, REPORT
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A column of the table.
+
+    Attributes:
+        file: where its value stands.
+        path: key by key.
+        label: for an axis; of a number only. A quantity of the scene's units ends in one of `_UNITS`.
+    """
+
+    file: str
+    path: tuple[str, ...]
+    label: str = ""
+
+
+def _analysis(path: str, label: str = "") -> Quantity:
+    return Quantity(REPORT, tuple(path.split("/")), label)
+
+
+def _run(path: str, label: str = "") -> Quantity:
+    return Quantity(RECORD, tuple(path.split("/")), label)
+
+
+QUANTITIES = {
+    "amplitude": _analysis("equipartition/final/value", "final amplitude / $V$"),
+    "amplitude_uncertainty": _analysis("equipartition/final/uncertainty", "uncertainty of the final amplitude / $V$"),
+    "agree_10": _analysis("equipartition/amplitudes/0.1", "bead from which the chains agree to 10%"),
+    "agree_1": _analysis("equipartition/amplitudes/0.01", "bead from which the chains agree to 1%"),
+    "in_step_1": _analysis("equipartition/arrivals/0.01", "bead from which arrivals agree to 1%"),
+    "beat_length": _analysis("equipartition/beat_length/value", "beat length (beads)"),
+    "energy_share": _analysis("equipartition/energy_share/measured", "share of the energy in the leading waves"),
+    "state": _analysis("equipartition/state"),
+    "bead": _analysis("hit/bead", "last clear bead"),
+    "arrival": _analysis("hit/arrival", "arrival at the last clear bead [time]"),
+    "peak_velocity": _analysis("hit/peak_velocity", "peak velocity at the last clear bead [velocity]"),
+    "speed": _analysis("hit/speed", "speed at the last clear bead [speed]"),
+    "front": _analysis("front", "foremost bead that moved"),
+    "energy_drift": _analysis("energy_drift", "relative drift of the energy"),
+    "error_velocity": _run("check/velocity", "error of velocities / $V$"),
+    "error_amplitude": _run("check/amplitude", "error of peak velocities / $V$"),
+    "error_arrival": _run("check/arrival", "error of arrivals / $T$"),
+    "engine": _run("engine"),
+    "steps": _run("steps", "time steps"),
+    "engine_seconds": _run("engine_seconds", "time of the engine (s)"),
+    "wall_seconds": _run("wall_seconds", "wall time (s)"),
+    "verdict": _analysis("equipartition/verdict"),
+}
+"""Columns after the swept fields and the outcome; `hit` is the chain that the first kick hits."""
+
+_UNITS = {"time": "s", "velocity": "m/s", "speed": "beads/s"}
+
+_FIELD_UNITS = {
+    "coupling.stiffness": "N/m",
+    "kick.velocity": "m/s",
+    "gap": "m",
+    "duration": "s",
+    "timestep": "s",
+    "output.every": "s",
+    "material.radius": "m",
+    "material.density": "kg/m$^3$",
+    "material.youngs_modulus": "Pa",
+}
+
+
+@dataclass(frozen=True)
+class Table:
+    """All cases.
+
+    Attributes:
+        fields: what is varied in any of them.
+        rows: one a case: its name as ``case``, fields, ``outcome``, quantities, ``reason``; None is unknown.
+        si: whether the scenes are in SI units; None if some are and some are not.
+    """
+
+    fields: list[str]
+    rows: list[dict[str, Any]]
+    si: bool | None
+
+    @property
+    def columns(self) -> list[str]:
+        """Names of the columns, in order."""
+        return ["case", *self.fields, "outcome", *QUANTITIES, "reason"]
+
+    def to_csv(self) -> str:
+        """One line a case; numbers read back exactly, and what is unknown is empty."""
+        out = io.StringIO()
+        writer = csv.writer(out, lineterminator="\n")
+        writer.writerow(self.columns)
+        for row in self.rows:
+            writer.writerow([_written(row[name]) for name in self.columns])
+        return out.getvalue()
+
+    def numbers(self, name: str) -> Floats:
+        """A column as numbers; NaN where it holds none."""
+        values = (row[name] for row in self.rows)
+        return np.array(
+            [math.nan if value is None or isinstance(value, str) else float(value) for value in values],
+            dtype=np.float64,
+        )
+
+    def label(self, name: str) -> str:
+        """What to write at an axis that shows a column."""
+        if name in self.fields:
+            unit = _FIELD_UNITS.get(re.sub(r"\[\d+\]", "", name))
+            words = name.replace("_", " ").replace(".", " ")
+            if unit is None or self.si is None:
+                return words
+            return f"{words} ({unit if self.si else 'reduced'})"
+        label = QUANTITIES[name].label
+        words, bracket, unit = label.partition(" [")
+        return f"{words} ({_UNITS[unit[:-1]] if self.si else 'reduced'})" if bracket else label
+
+
+def _written(value: Any) -> str:
+    if value is None:
+        return ""
+    if isinstance(value, float):
+        return text(value)
+    return str(value)

@@ -1,0 +1,165 @@
+"""Error against cost: runs settings, in rounds that take each in turn, and keeps what injected functions measure.
+
+Knows nothing of what is run. A setting lies on a curve (a method) at a value (its step, its width); ``effort`` says how
+much work it is beside the others of its group, such as all that one program does.
+"""
+
+import math
+import statistics
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Generic, TypeVar
+
+from workflow.errors import RunError
+
+What = TypeVar("What")
+Result = TypeVar("Result")
+
+Numbers = Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Setting(Generic[What]):
+    """One choice of the user's.
+
+    Attributes:
+        curve: name of the method.
+        value: where on the curve; a step, a width, a number of ranks.
+        label: the same in words.
+        effort: work, relative to others of the group.
+        what: whatever the run needs to know.
+        group: curves whose times grow alike with the effort, if there are more than its own.
+    """
+
+    curve: str
+    value: float
+    label: str
+    effort: float
+    what: What
+    group: str = ""
+
+
+@dataclass
+class Point(Generic[What]):
+    """What a setting was found to do.
+
+    Attributes:
+        errors: by quantity; they are the same in every call.
+        first: costs of the first call, which may load or compile.
+        repeats: costs of the calls after it.
+        left_out: why there are no numbers; empty where there are.
+        spent: seconds that all calls took, with everything around them.
+    """
+
+    setting: Setting[What]
+    errors: dict[str, float] = field(default_factory=dict)
+    first: dict[str, float] = field(default_factory=dict)
+    repeats: list[dict[str, float]] = field(default_factory=list)
+    left_out: str = ""
+    spent: float = 0.0
+
+    @property
+    def measured(self) -> bool:
+        """Whether there are numbers."""
+        return bool(self.first)
+
+    def costs(self, name: str) -> list[float]:
+        """One cost in all repeats; that of the first call if there is no other."""
+        return [each[name] for each in self.repeats or [self.first]]
+
+    def cost(self, name: str) -> float:
+        """Median of one cost."""
+        return statistics.median(self.costs(name))
+
+
+def measure(
+    settings: Sequence[Setting[What]],
+    run: Callable[[What], Result],
+    errors: Callable[[Result], Numbers],
+    costs: Callable[[Result], Numbers],
+    *,
+    repeats: int = 5,
+    longest: float = math.inf,
+    patience: float = math.inf,
+    budget: float = math.inf,
+    follow: Callable[[Sequence[Point[What]], int, int], None] | None = None,
+    clock: Callable[[], float] = time.perf_counter,
+) -> list[Point[What]]:
+    """Run every setting once, for its errors, and then up to ``repeats`` times more, in rounds, for its costs.
+
+    Args:
+        settings: those of one curve in the order of rising effort, if some are to be left out.
+        run: computes what a setting names; `RunError` where that fails, which is noted.
+        errors, costs: of a result, which is not kept.
+        repeats: calls after the first.
+        longest: seconds that one call may take; a setting that would take longer, by what others of its group took, is
+            left out.
+        patience: seconds after which a setting is not repeated a second time or more.
+        budget: seconds after which nothing is repeated.
+        follow: called after every call with all points, the calls done and an upper bound of all calls.
+        clock: seconds.
+
+    Returns:
+        a point for each setting, in their order.
+    """
+    points = [Point(setting) for setting in settings]
+    done, total, started = 0, len(points) * (1 + repeats), clock()
+    for number in range(1 + repeats):
+        for point in points:
+            if number == 0:
+                point.left_out = _too_long(point, points, longest)
+            elif (number > 1 and point.spent * (1.0 + 1.0 / number) > patience) or clock() - started > budget:
+                total -= 1  # this and each later round
+                continue
+            if not point.left_out:
+                _call(point, run, errors, costs, clock)
+            done += 1
+            if follow is not None:
+                follow(points, done, total)
+    return points
+
+
+def _too_long(point: Point[What], points: Sequence[Point[What]], longest: float) -> str:
+    """Why a setting is not run; empty if it is."""
+    setting = point.setting
+    before = [other for other in points if other.measured and other.setting.effort <= setting.effort]
+    own = [other for other in before if other.setting.curve == setting.curve]
+    alike = [other for other in before if setting.group and other.setting.group == setting.group]
+    told = own if len(own) > 1 or not alike else alike
+    expected = _extrapolated(sorted((other.setting.effort, other.spent) for other in told), setting.effort)
+    return f"would take {expected:.2g} s" if expected > longest else ""
+
+
+def _extrapolated(known: Sequence[tuple[float, float]], effort: float) -> float:
+    """Seconds of an effort, from the two nearest known below it, by a straight line; 0 if none is known."""
+    if not known:
+        return 0.0
+    (last, seconds), slope = known[-1], 0.0
+    for other, took in reversed(known[:-1]):
+        if other < 0.9 * last:
+            slope = max(0.0, (seconds - took) / (last - other))
+            break
+    return seconds + slope * (effort - last)
+
+
+def _call(
+    point: Point[What],
+    run: Callable[[What], Result],
+    errors: Callable[[Result], Numbers],
+    costs: Callable[[Result], Numbers],
+    clock: Callable[[], float],
+) -> None:
+    started = clock()
+    try:
+        result = run(point.setting.what)
+    except RunError as error:
+        point.left_out = str(error)
+        point.first, point.errors, point.repeats = {}, {}, []
+        return
+    if point.measured:
+        point.repeats.append(dict(costs(result)))
+    else:
+        point.errors = dict(errors(result))
+        point.first = dict(costs(result))
+    point.spent += clock() - started
