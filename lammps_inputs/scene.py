@@ -242,7 +242,7 @@ class Scene(_Part):
         step = self.timestep
         if step is None:
             energy = 0.5 * sum((kick.velocity / scale.velocity) ** 2 for kick in self.kick)
-            step = default_timestep(energy, self.kappa, self.chains) * scale.time
+            step = default_timestep(energy, self.kappa, self.chains, self.scheme or "verlet") * scale.time
         steps = max(1, math.ceil(min(every / step, 2.0 * MAX_STEPS_PER_FRAME) * (1.0 - 1e-9)))
         return every, steps + -steps % schemes.cycle(self.scheme or "verlet")
 

@@ -11,6 +11,7 @@ from lammps_inputs import Coupling, Kick, Scene, contact, coupling, find, librar
 from lammps_inputs import scheme as schemes
 from workflow.engines.reference import engine
 from workflow.engines.reference.certify import certified
+from workflow.engines.reference.suzuki import SUZUKI4
 from workflow.engines.reference.verlet import VERLET
 
 
@@ -75,14 +76,22 @@ def test_up_to_a_coupling_of_1_the_default_is_0_01(energy, kappa, chains):
     assert timestep.default_timestep(energy, kappa, chains) == 0.01
 
 
+@pytest.mark.parametrize("table", [VERLET, SUZUKI4], ids=lambda table: table.name)
 @pytest.mark.parametrize("kappa", [1.01, 3.0, 10.0, 100.0])
 @pytest.mark.parametrize("chains", [2, 3])
-def test_the_default_leaves_at_most_1e_4_where_springs_are_stiff(kappa, chains):
+def test_the_default_leaves_at_most_1e_4_where_springs_are_stiff(kappa, chains, table):
     stiff = Scene(
-        name="a", chains=chains, beads=6, coupling=Coupling(stiffness=kappa), kick=(Kick(velocity=1.0),), duration=200.0
+        name="a",
+        chains=chains,
+        beads=6,
+        coupling=Coupling(stiffness=kappa),
+        kick=(Kick(velocity=1.0),),
+        duration=200.0,
+        scheme=table.name,
     )
     problem = stiff.problem()
-    runs = engine.blocks(problem, scheme=VERLET, steps_per_frame=problem.steps_per_frame)
+    cycles = problem.steps_per_frame // len(table.drifts)
+    runs = engine.blocks(problem, scheme=table, steps_per_frame=cycles)
     right = certified(problem, 1e-5).blocks()
     assert max(np.abs(a.velocity - b.velocity).max() for a, b in zip(runs, right, strict=True)) < 1.1e-4
 
