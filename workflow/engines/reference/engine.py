@@ -108,7 +108,7 @@ def _recorded(problem: Problem, state: "State", ahead: float) -> NDArray[np.int6
     if problem.window is None:
         return problem.recorded_beads
     front = int(state.span[1])
-    first = max(1, front - problem.window + 1)
+    first = max(1, front - problem.window // 2)  # see `analysis.pairing.near_the_front`
     # the front advances by a row in a unit of time at most
     return np.arange(first, min(problem.beads, front + math.ceil(ahead) + problem.window) + 1)
 
