@@ -27,6 +27,11 @@ def dump_part(number: int) -> str:
     return deck.DUMP if number == 1 else f"chains.dump.{number}.bin"
 
 
+def snapshots_part(number: int) -> str:
+    """Name of a part of the snapshots, counted from 1."""
+    return deck.SNAPSHOTS if number == 1 else f"chains.snapshots.{number}.bin"
+
+
 def restart_lines(problem: Problem, file: str = UNFINISHED) -> list[str]:
     """Write a restart between two runs, and change nothing: the next one may go on with ``run ... pre no``.
 
@@ -46,10 +51,11 @@ def restart_lines(problem: Problem, file: str = UNFINISHED) -> list[str]:
 def render_continuation(problem: Problem) -> str:
     """The text of ``in.continue``.
 
-    Variables to set: ``restart``, the file to read; ``dump``, the file to write frames to, of a new name each time;
-    ``steps``, the last step of the whole run.
+    Variables to set: ``restart``, the file to read; ``dump`` (and ``snapshots``), the file to write frames to, of a new
+    name each time; ``steps``, the last step of the whole run.
     """
     recorded = [] if problem.recorded is None else ["group recorded type 2"]
+    dumps = ["frames"] if problem.frames_per_snapshot is None else ["frames", "snapshots"]
     sections = [
         [
             f"# {problem.name}, continued bit for bit from a restart, on any number of ranks",
@@ -58,6 +64,7 @@ def render_continuation(problem: Problem) -> str:
         [
             f"variable restart index {RESTART}",
             f"variable dump index {dump_part(2)}",
+            *([f"variable snapshots index {snapshots_part(2)}"] if "snapshots" in dumps else []),
             *deck.number_lines(problem),
             *scheme.variable_lines(problem.scheme),
         ],
@@ -76,9 +83,10 @@ def render_continuation(problem: Problem) -> str:
         *([] if problem.window is None else [_window_lines(problem, problem.window)]),
         [
             *recorded,
-            *deck.output_lines(problem, "${every}", "${dump}"),
-            "dump_modify frames delay $(step) # no frame before the beads are where they were",
-            f'if "$(version) < {_TIMED_SINCE}" then "dump_modify frames time no"',
+            *deck.output_lines(problem, "${every}", "${dump}", "${snapshots}"),
+            "# no frame before the beads are where they were",
+            *(f"dump_modify {dump} delay $(step)" for dump in dumps),
+            *(f'if "$(version) < {_TIMED_SINCE}" then "dump_modify {dump} time no"' for dump in dumps),
         ],
         [
             "# neighbours, ranks and order of the beads are settled at rest; then the forces where they are",

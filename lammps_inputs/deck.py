@@ -26,6 +26,7 @@ DECK = "in.chains"
 DATA = "data.chains"
 DUMP = "chains.dump.bin"
 SNAPSHOTS = "chains.snapshots.bin"
+PEAKS, PEAKS_STATE = "peaks.csv", "chains.peaks.npz"
 LOG = "log.lammps"
 SCENE = "scene.yaml"
 COLUMNS = ("id", "x", "vx")

@@ -6,7 +6,10 @@
 | in.job        | the deck, or its continuation, for as long as the time limit lets it; then a restart    |
 | in.continue   | see `continuation`                                                                    |
 | cases.txt     | of an array: one directory a line                                                     |
-| job.state     | left by the job: what state the run is in, see `read_state`                            |
+| job.state     | left by the job: what state the run is in, for `granchain status`                      |
+| job.step      | left by the job: the step that the run has safely reached                              |
+| job.frames    | left by the job: which frames belong to the restart                                    |
+| job.out       | what the job says                                                                      |
 
 The deck itself is not touched. Every text that comes from a user is checked by a pattern and quoted.
 """
@@ -72,9 +75,8 @@ def case_files(problem: Problem) -> dict[str, str]:
     Raises:
         InputError: the scene asks for what only `granchain run` does.
     """
-    for key, asked in (("peaks", problem.peaks), ("snapshots", problem.frames_per_snapshot is not None)):
-        if asked:
-            raise InputError(f"output.{key}: only `granchain run` writes them, not a job of lmp alone; leave it out")
+    if problem.peaks:
+        raise InputError("output.peaks: only `granchain run` finds them, not a job of lmp alone; leave it out")
     return {INPUT: render_input(problem), CONTINUE: render_continuation(problem)}
 
 
@@ -171,9 +173,11 @@ def render_input(problem: Problem) -> str:
     Time is looked at between two runs of ``look`` steps, and all ranks must see the same: so atoms vote, and a sum over
     all ranks counts them.
     """
+    whole = problem.frames_per_snapshot
     save = [
         *restart_lines(problem),
-        "shell sh .job.keep ${dump} $(v_bytes:%.0f)",
+        "shell sh .job.keep ${dump} $(v_dump_bytes:%.0f)"
+        + ("" if whole is None else " ${snapshots} $(v_snapshots_bytes:%.0f)"),
         "variable kept delete",
         "variable kept file .job.kept",
         'if "${kept} == lost" then "quit 3"',
@@ -192,9 +196,13 @@ def render_input(problem: Problem) -> str:
             "include ${part}",
         ],
         [
-            "variable first equal $(ceil(step/v_every))   # frame of this part",
             "variable untimed equal $((step>0)&&(version<20230802))   # such a part has frames without their time",
-            f"variable bytes equal (floor(step/v_every)-v_first+1)*({_frame_bytes(problem)}+4*v_ranks-8*v_untimed)",
+            *_size_lines("dump", "v_every", _frame_bytes(problem)),
+            *(
+                []
+                if whole is None
+                else _size_lines("snapshots", f"({whole}*v_every)", _frame_bytes(problem.snapshots()))
+            ),
             "variable kept string none",
             f"variable left equal {problem.steps}-step",
             f"variable stride equal $(ceil(v_look/{grain})*{grain})",
@@ -221,6 +229,14 @@ def render_input(problem: Problem) -> str:
         ["label end", *save, tell],
     ]
     return "\n\n".join("\n".join(lines) for lines in sections) + "\n"
+
+
+def _size_lines(dump: str, every: str, frame: int) -> list[str]:
+    """Variables for the bytes that the part of a dump must have by its frames."""
+    return [
+        f"variable {dump}_first equal $(ceil(step/{every}))",
+        f"variable {dump}_bytes equal (floor(step/{every})-v_{dump}_first+1)*({frame}+4*v_ranks-8*v_untimed)",
+    ]
 
 
 def _frame_bytes(problem: Problem) -> int:

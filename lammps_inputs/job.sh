@@ -14,7 +14,8 @@ last_word() { sed -n "s/^$2 //p" "$1" 2>/dev/null | tail -n 1; }
 
 state() {  # STATE REASON
     {
-        printf 'state %s\nstep %s\nsteps %s\njob %s\nnumber %s\nranks %s\n' "$1" "$step" "$steps" "$job" "$number" "$ranks"
+        printf 'state %s\nstep %s\nsteps %s\n' "$1" "$step" "$steps"
+        printf 'job %s\nnumber %s\nranks %s\n' "$job" "$number" "$ranks"
         printf 'cluster %s\nhost %s\ntime %s\nends %s\n' "${SLURM_CLUSTER_NAME:-}" "${HOSTNAME:-}" "$(date +%s)" "$ends"
         printf 'reason %s\n' "$(printf '%s' "$2" | head -n 1 | tr -cd '[:print:]' | cut -c 1-300)"
     } >.job.state.part && mv -f .job.state.part job.state
@@ -22,30 +23,30 @@ state() {  # STATE REASON
 }
 
 fail() { state failed "$1"; exit 1; }
+refuse() { echo "granchain: $1" >&2; exit 1; }  # and leave everything as it is
 
 if [ -n "$cases" ]; then  # one task of an array: its directory is a line of a list
-    [ "$(sha256sum <"$cases")" = "$cases_sum  -" ] || { echo "granchain: $cases is not the list that this array was made for" >&2; exit 1; }
+    [ "$(sha256sum <"$cases")" = "$cases_sum  -" ] || refuse "$cases is not the list that this array was made for"
     cd -- "$(sed -n "$((task + 1))p" "$cases")" || exit 1
     exec >>job.out 2>&1
 fi
-[ -f in.chains ] && [ -f data.chains ] && [ -f in.job ] || { echo "granchain: no deck here; submit in its directory" >&2; exit 1; }
+[ -f in.chains ] && [ -f data.chains ] && [ -f in.job ] || refuse "no deck here; submit in its directory"
 
 job=${SLURM_JOB_ID:-$$}
 step=$(whole_number job.step)
 step=${step:-0}
 steps=$(sed -n 's/^variable steps index \([0-9]*\).*/\1/p' in.chains)
 atoms=$(sed -n 's/^\([0-9]*\) atoms$/\1/p;10q' data.chains)
-[ -n "$steps" ] && [ -n "$atoms" ] || { echo "granchain: in.chains or data.chains is not what granchain wrote" >&2; exit 1; }
+[ -n "$steps" ] && [ -n "$atoms" ] || refuse "in.chains or data.chains is not what granchain wrote"
 was=$(last_word job.state state) other=$(last_word job.state job)
 if [ "$was" = done ]; then echo "granchain: this run is done"; exit 0; fi
 if [ -n "$other" ] && [ "$other" != "$job" ] && squeue -h -j "$other" -t R 2>/dev/null | grep -q .; then
-    echo "granchain: job $other computes here" >&2
-    exit 1
+    refuse "job $other computes here"
 fi
 if type flock >/dev/null 2>&1; then
     exec 9<.
     flock -n 9
-    [ $? -ne 1 ] || { echo "granchain: something computes here already" >&2; exit 1; }
+    [ $? -ne 1 ] || refuse "something computes here already"
 fi
 trap 'state incomplete "cancelled, or stopped at its time limit"; kill "${!:-}" 2>/dev/null; exit 1' TERM
 state running "checks"
@@ -57,7 +58,7 @@ for module in "${modules[@]}"; do
 done
 set -u
 quietly() { timeout 300 "$@" </dev/null >.job.check 2>&1 & wait $!; }
-complaint() { grep -h -m 1 ERROR "$@" 2>/dev/null || grep -h . "$@" 2>/dev/null | tail -n 1; }
+complaint() { grep -h -m 1 -e ERROR -e 'Fatal error' "$@" 2>/dev/null || grep -h . "$@" 2>/dev/null | tail -n 1; }
 
 # the executable and what it can do
 quietly "${launch[@]}" "$lmp" -h || fail "$lmp cannot be started: $(complaint .job.check)"
@@ -69,33 +70,42 @@ done
 printf 'processors * 1 1\nregion all block 0 1 0 1 0 1\ncreate_box 1 all\n' >.job.in
 quietly "${launch[@]}" "$lmp" -in .job.in -log none || fail "a run of nothing failed: $(complaint .job.check)"
 found=$(sed -n 's/^ *\([0-9]* by [0-9]* by [0-9]*\) MPI processor grid.*/\1/p' .job.check)
-[ "$found" = "$ranks by 1 by 1" ] || fail "$ranks ranks asked, found: $(echo $found); the launcher '${launch[*]}' is not that of the MPI library of $lmp"
+[ "$found" = "$ranks by 1 by 1" ] ||
+    fail "$ranks ranks asked, found: $(echo $found); '${launch[*]}' does not belong to the MPI library of $lmp"
 
 # A restart counts when it and the frames before it are on the disk, which LAMMPS itself may not notice.
 echo kept >.job.yes
 echo lost >.job.no
 cat >.job.keep <<'END'
 ln -sf .job.no .job.kept
-size=$(wc -c <"$1" || echo 0)
-if [ "$(tail -c 16 chains.restart.part | tr -d '\0')" = "LammpS RestartT" ] && [ "$size" -eq "$2" ] &&
-    echo "$1 $size $(head -c 4096 chains.restart.part | sha256sum)" >job.frames.part &&
-    mv -f job.frames.part job.frames && mv -f chains.restart.part chains.restart
-then ln -sf .job.yes .job.kept; fi  # a link needs no room
+[ "$(tail -c 16 chains.restart.part | tr -d '\0')" = "LammpS RestartT" ] || exit 0
+head -c 4096 chains.restart.part | sha256sum >job.frames.part || exit 0
+while [ $# -gt 0 ]; do
+    [ "$(wc -c <"$1" || echo 0)" -eq "$2" ] && echo "$1 $2" >>job.frames.part || exit 0
+    shift 2
+done
+mv -f job.frames.part job.frames && mv -f chains.restart.part chains.restart &&
+    ln -sf .job.yes .job.kept  # a link needs no room
 END
 
 # where to go on: at the restart, with the next part of the frames; those that it will make again are taken away
-restart=chains.restart dump=chains.dump.bin part=1 input=in.chains
+restart=chains.restart dump=chains.dump.bin snapshots=chains.snapshots.bin part=1 input=in.chains
 if [ -s "$restart" ]; then
-    last= size= sum=
-    [ -f job.frames ] && read -r last size sum <job.frames
-    if [ "$sum" = "$(head -c 4096 "$restart" | sha256sum)" ] && [[ "$size" =~ ^[0-9]{1,18}$ ]] &&
-        [[ "$last" =~ ^chains\.dump(\.([1-9][0-9]{0,8}))?\.bin$ ]]; then
-        part=${BASH_REMATCH[2]:-1}
-        [ "$(wc -c <"$last" || echo 0)" -ge "$size" ] || fail "$last is shorter than it was"
-        [ ! -e "$last" ] || truncate -s "$size" "$last"
-        part=$((part + 1)) dump=chains.dump.$part.bin
+    sum=
+    [ -f job.frames ] && read -r sum <job.frames
+    if [ "$sum" = "$(head -c 4096 "$restart" | sha256sum)" ]; then
+        while read -r last size; do
+            [[ "$last $size" =~ ^chains\.(dump|snapshots)(\.([1-9][0-9]{0,8}))?\.bin\ [0-9]{1,18}$ ]] ||
+                fail "job.frames cannot be read"
+            part=$((${BASH_REMATCH[3]:-1} + 1))
+            [ "$(wc -c <"$last" || echo 0)" -ge "$size" ] || fail "$last is shorter than it was"
+            [ ! -e "$last" ] || truncate -s "$size" "$last"
+        done < <(tail -n +2 job.frames)
+        dump=chains.dump.$part.bin snapshots=chains.snapshots.$part.bin
     else  # of a run that was no job
-        while [ -e "$dump" ]; do part=$((part + 1)) dump=chains.dump.$part.bin; done
+        while [ -e "$dump" ] || [ -e "$snapshots" ]; do
+            part=$((part + 1)) dump=chains.dump.$part.bin snapshots=chains.snapshots.$part.bin
+        done
     fi
     input=in.continue
 else
@@ -109,13 +119,15 @@ else
 fi
 
 left=$((ends - $(date +%s) - margin))
-[ $left -gt 0 ] || fail "nothing is left of the time limit after $(($(date +%s) - started)) s of checks and a margin of $margin s"
+checks=$(($(date +%s) - started))
+[ $left -gt 0 ] || fail "nothing is left of the time limit after $checks s of checks and a margin of $margin s"
 look=$((checkpoint * 1000000000 / 60 / (20 * atoms / ranks + 5000) + 1))  # steps, at some 20 ns a bead
 state running computes
 rm -f .job.kept
 old=$(wc -c 2>/dev/null <log.lammps || echo 0)
 "${launch[@]}" "$lmp" -in in.job -log none -screen none -nocite -var part "$input" -var restart "$restart" \
-    -var dump "$dump" -var ranks "$ranks" -var look "$look" -var seconds "$((left / 3600)):$((left / 60 % 60)):$((left % 60))" \
+    -var dump "$dump" -var snapshots "$snapshots" -var ranks "$ranks" -var look "$look" \
+    -var seconds "$((left / 3600)):$((left / 60 % 60)):$((left % 60))" \
     </dev/null >.job.check 2>&1 &
 wait $!
 code=$?
@@ -123,7 +135,8 @@ tail -c +$((old + 1)) log.lammps 2>/dev/null | grep -m 1 ERROR >>.job.check
 full=no
 [ $code -eq 0 ] || head -c 1000000 /dev/zero >.job.room || full=yes
 rm -f .job.room chains.restart.part  # makes room to say so
-[ $full = no ] && [ "$(cat .job.kept 2>/dev/null)" != lost ] || fail "the disk does not take what is written (is it full?); make room and submit again"
+[ $full = no ] && [ "$(cat .job.kept 2>/dev/null)" != lost ] ||
+    fail "the disk does not take what is written (is it full?); make room"
 [ $code -eq 0 ] || fail "LAMMPS ended with exit code $code: $(complaint .job.check)"
 reached=$(whole_number job.step) || fail "LAMMPS ended before its input did: $(complaint .job.check)"
 before=$step step=$reached

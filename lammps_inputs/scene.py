@@ -155,6 +155,8 @@ class Scene(_Part):
         """Refuse a window where what leaves it matters."""
         if self.window is None:
             return
+        if self.output.peaks:
+            raise ValueError("output.peaks: a window records the rows near the front anyway; leave one of them out")
         if self.output.beads != "all":
             raise ValueError("window: records the rows that exist; leave output.beads out")
         for number, kick in enumerate(self.kick):

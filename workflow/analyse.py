@@ -85,23 +85,36 @@ def analyse(
     conservation = Conservation()
     left = LeftBehind() if problem.window is not None else None
     watchers: list[Any] = [conservation]
+    if left is not None:
+        watchers.append(left)
+    spacetime = history = None
     if figures:
         from analysis.figures import BeadHistory, SpaceTime  # matplotlib takes half a second to import
 
-        watchers += [SpaceTime(problem), BeadHistory(problem, shown)]
-    if left is not None:
-        watchers.append(left)
+        history = BeadHistory(problem, shown)
+        spacetime = SpaceTime(problem if problem.frames_per_snapshot is None else problem.snapshots())
+        watchers += [history] if problem.frames_per_snapshot is not None else [history, spacetime]
 
-    def read() -> Iterator[Trajectory]:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", CutDumpWarning)  # said in words below: the run is incomplete
-            yield from directory.blocks()
-
-    found = survey(read, problem, watchers=watchers, tolerances=allowed)
-    drawn = _draw(directory.path, found, watchers[1], watchers[2]) if figures else ()
+    found = survey(lambda: _quietly(directory.blocks()), problem, watchers=watchers, tolerances=allowed)
+    if problem.frames_per_snapshot is not None:
+        whole = Conservation()
+        for block in _quietly(directory.snapshots()):
+            whole.add(block)
+            if spacetime is not None:
+                spacetime.add(block)
+        spacetime = spacetime if whole.frames else None
+        conservation.energy_drift, conservation.momentum_drift = whole.energy_drift, whole.momentum_drift
+    drawn = _draw(directory.path, found, spacetime, history) if figures else ()
     write_text(directory.path / WAVES, waves_csv(found))
     write_json(directory.path / REPORT, report(found, conservation, allowed, left))
     return Analysis(problem, found, conservation, conservation.frames == problem.frames + 1, drawn, left)
+
+
+def _quietly(blocks: Iterator[Trajectory]) -> Iterator[Trajectory]:
+    """Blocks without a warning of a cut frame at their end: that the run is incomplete is said in words."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", CutDumpWarning)
+        yield from blocks
 
 
 def default_beads(problem: Problem) -> tuple[int, ...]:
@@ -116,10 +129,9 @@ def _draw(path: Path, found: Survey, spacetime: Any, history: Any) -> tuple[Path
 
     problem = found.problem
     files: list[Path] = []
-    makers: dict[str, Callable[[], Figure]] = {
-        "spacetime": lambda: spacetime_figure(spacetime),
-        "response": lambda: response_figure(history),
-    }
+    makers: dict[str, Callable[[], Figure]] = {"response": lambda: response_figure(history)}
+    if spacetime is not None:
+        makers["spacetime"] = lambda: spacetime_figure(spacetime)
     if len(found.shared) > 1:
         makers["distance"] = lambda: distance_figure(problem, found.shared, found.energies, found.direction)
     whole = np.unique(found.waves.bead[np.isfinite(found.shape.residual)])

@@ -42,6 +42,9 @@ FILE = 5e8
 EFFICIENCY = 0.9
 """Part of the time that a rank spends on its beads rather than on messages, below which more ranks are a waste."""
 
+LEAST_ROWS = 20
+"""Rows of a rank below which those that it shares with its neighbours are no longer few beside its own."""
+
 RANKS_OF_A_NODE = 32
 """Where a site does not say how many cores its nodes have."""
 
@@ -93,7 +96,7 @@ def least_beads(problem: Problem) -> int:
 def advised(problem: Problem, most: int) -> int:
     """Number of ranks that are worth while, at most ``most``."""
     beads = problem.chains * problem.rows
-    return max(1, min(most, beads // least_beads(problem), problem.rows // 2))
+    return max(1, min(most, beads // least_beads(problem), problem.rows // LEAST_ROWS))
 
 
 def cost(problem: Problem, ranks: int) -> Cost:

@@ -9,8 +9,6 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from analysis.binary_dump import BinaryDump, CutDumpWarning, NoFrameError
 from lammps_inputs import InputError, Problem, continuation, deck, library
 from workflow.engines.lammps import engine as lammps_engine
@@ -20,6 +18,7 @@ from workflow.run_directory import (
     OWN_FILES,
     RECORD,
     RunDirectory,
+    all_parts,
     alone,
     part_number,
     parts,
@@ -132,7 +131,9 @@ def _with_its_files(path: Path) -> tuple[RunDirectory, dict[str, Any]]:
         files |= {name: rendered[name] for name in missing}
     if fingerprint(files) != record.get("files_sha256"):
         names = ", ".join(expected)
-        raise InputError(f"{path}: {names} are not those that the run was begun with (see {RECORD}); {_AGAIN}")
+        raise InputError(
+            f"{path}: {names} are not those that the run was begun with; run the scene again with --overwrite"
+        )
     for name in missing:
         write_text(path / name, files[name])
     return result, record
@@ -146,30 +147,42 @@ def _next_part(result: RunDirectory, record: dict[str, Any]) -> tuple[int, int]:
     path = result.path
     step = restarts.step_of(path / continuation.RESTART)
     version = importlib.metadata.version("lammps")
-    if not step or record.get("versions", {}).get("lammps") != version or not _hold(parts(path), result.problem, step):
+    if result.problem.peaks and not (path / deck.PEAKS_STATE).is_file():
         return 1, 0
-    return part_number(_tidied(path)[-1]) + 1, step
+    if not step or record.get("versions", {}).get("lammps") != version or not _hold_all(path, result.problem, step):
+        return 1, 0
+    _tidy(path)
+    return max(part_number(file) for file in all_parts(path)) + 1, step
 
 
-def _hold(files: list[Path], problem: Problem, step: int) -> bool:
-    """Whether files hold all frames until a step."""
+def _hold_all(path: Path, problem: Problem, step: int) -> bool:
+    """Whether all frames until a step are there, and all snapshots."""
+    every = problem.steps_per_frame
+    frames = _hold(parts(path), every, step)
+    if problem.frames_per_snapshot is None:
+        return frames
+    return frames and _hold(parts(path, "snapshots"), every * problem.frames_per_snapshot, step)
+
+
+def _hold(files: list[Path], every: int, step: int) -> bool:
     found: set[int] = set()
     for file in files:
         try:
             found.update(_index(file).steps.tolist())
-        except InputError:
+        except NoFrameError:
             continue
-    return found.issuperset(np.arange(0, step + 1, problem.steps_per_frame).tolist())
+        except InputError:  # damaged
+            return False
+    return found.issuperset(range(0, step + 1, every))
 
 
-def _tidied(path: Path) -> list[Path]:
-    """The files of frames, each ended after its last whole frame."""
-    for file in parts(path):
+def _tidy(path: Path) -> None:
+    """End each file of frames after its last whole one."""
+    for file in all_parts(path):
         try:
             os.truncate(file, _index(file).whole_bytes)
         except NoFrameError:
             file.unlink()
-    return parts(path)
 
 
 def _index(file: Path) -> BinaryDump:
@@ -179,7 +192,7 @@ def _index(file: Path) -> BinaryDump:
 
 
 def _remove_frames(path: Path) -> None:
-    for file in (*parts(path), path / continuation.RESTART, path / continuation.UNFINISHED):
+    for file in (*all_parts(path), path / continuation.RESTART, path / continuation.UNFINISHED):
         file.unlink(missing_ok=True)
 
 

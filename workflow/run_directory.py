@@ -43,7 +43,7 @@ REPORT = "analysis.json"
 
 OWN_FILES = (
     *(deck.SCENE, deck.DECK, deck.DATA, deck.DUMP, deck.LOG, EVENTS, RECORD),
-    *(continuation.CONTINUE, continuation.RESTART, continuation.UNFINISHED),
+    *(continuation.CONTINUE, continuation.RESTART, continuation.UNFINISHED, deck.PEAKS, deck.PEAKS_STATE),
     *job.OWN_FILES,
 )
 ANALYSIS_FILES = (
@@ -54,7 +54,7 @@ ANALYSIS_FILES = (
 )
 
 
-_PART = re.compile(r"chains\.dump(?:\.([1-9][0-9]{0,8}))?\.bin")
+_PART = re.compile(r"chains\.(dump|snapshots)(?:\.([1-9][0-9]{0,8}))?\.bin")
 
 _LOCK_SECONDS = 3.0
 """How long the processes of a killed run may take to end."""
@@ -140,15 +140,21 @@ def alone(directory: Path) -> Iterator[int]:
         os.close(handle)
 
 
-def parts(directory: Path) -> list[Path]:
-    """The files of frames there are, in order."""
-    return sorted((path for path in directory.iterdir() if part_number(path) and path.is_file()), key=part_number)
+def parts(directory: Path, kind: str = "dump") -> list[Path]:
+    """The files of frames there are, in order; with "snapshots" those of all beads beside frames of some."""
+    found = {path: match for path in directory.iterdir() if (match := _PART.fullmatch(path.name)) and path.is_file()}
+    return sorted((path for path, match in found.items() if match[1] == kind), key=part_number)
+
+
+def all_parts(directory: Path) -> list[Path]:
+    """The files of frames and those of snapshots."""
+    return [*parts(directory), *parts(directory, "snapshots")]
 
 
 def part_number(path: Path) -> int:
     """Number of a file of frames; 0 if it is none."""
     match = _PART.fullmatch(path.name)
-    return 0 if match is None else int(match[1] or 1)
+    return 0 if match is None else int(match[2] or 1)
 
 
 def remove_leftovers(directory: Path) -> None:
@@ -180,7 +186,7 @@ def prepare(directory: Path, *, overwrite: bool = False) -> None:
             if not (directory / deck.SCENE).is_file():
                 raise InputError(f"{directory}: is not a run directory, so it is not overwritten; choose another -o")
             with alone(directory):
-                for path in (*parts(directory), *(directory / name for name in (*OWN_FILES, *ANALYSIS_FILES))):
+                for path in (*all_parts(directory), *(directory / name for name in (*OWN_FILES, *ANALYSIS_FILES))):
                     path.unlink(missing_ok=True)
         directory.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=directory):
@@ -271,6 +277,12 @@ class RunDirectory:
     def blocks(self, stride: int = 1) -> Iterator[Trajectory]:
         """The frames there are, or every stride-th of them, in blocks of bounded size."""
         return recording.blocks(self.dumps, self.problem, stride)
+
+    def snapshots(self) -> Iterator[Trajectory]:
+        """The snapshots of all beads, in blocks of bounded size; none where the scene asks for none."""
+        files = parts(self.path, "snapshots")
+        if self.problem.frames_per_snapshot is not None and files:
+            yield from recording.blocks(files, self.problem.snapshots())
 
     @property
     def trajectory(self) -> Trajectory:

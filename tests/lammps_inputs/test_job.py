@@ -2,6 +2,7 @@
 
 import contextlib
 import dataclasses
+import hashlib
 import os
 import re
 import shlex
@@ -18,7 +19,9 @@ from pydantic import ValidationError
 from stock_lammps import DEBIAN, MPIEXEC, WHEEL, scene
 from stock_lammps import run as run_stock
 
-from lammps_inputs import InputError, continuation, deck, job, site
+from analysis.recording import blocks
+from analysis.trajectory import joined
+from lammps_inputs import InputError, Output, continuation, deck, job, site
 from lammps_inputs.site import JobOptions
 from workflow.run_directory import RunDirectory, parts
 
@@ -52,6 +55,14 @@ def placed(case, directory, **options):
     for name, text in job.render_job(chosen, case.problem()).items():
         (directory / name).write_text(text)
     return directory
+
+
+def restart_often(directory):
+    """Let a job leave a restart at almost every look at the clock."""
+    path = directory / job.INPUT
+    text = path.read_text()
+    assert text.count(f"loop {job.LOOKS}") == 2
+    path.write_text(text.replace(f"loop {job.LOOKS}", "loop 3"))
 
 
 def go(directory, **environment):
@@ -103,8 +114,9 @@ def kill_after_a_restart(directory):
 def test_a_killed_job_goes_on_bit_for_bit_with_either_lammps(lmp, launcher, ranks, tmp_path):
     if not lmp.exists():
         pytest.skip(f"no {lmp}: apt-get install lammps brings the 2021 release")
-    case = scene(chains=3, beads=1001, kappa=0.1, duration=400.0, every=5.0)
+    case = scene(chains=3, beads=1001, kappa=0.1, duration=120.0, every=2.0)
     directory = placed(case, tmp_path / "job", lmp=str(lmp), launcher=launcher, ranks_per_node=ranks, checkpoint=1)
+    restart_often(directory)
     kill_after_a_restart(directory)
     go(directory)
     assert told(directory)["state"] == "done", told(directory)
@@ -117,7 +129,7 @@ def test_a_killed_job_goes_on_bit_for_bit_with_either_lammps(lmp, launcher, rank
 
 @pytest.mark.parametrize(
     "changes",
-    [{"beads": 500, "duration": 300.0, "scheme": "suzuki4"}, {"beads": 3000, "duration": 2000.0, "window": 64}],
+    [{"beads": 500, "duration": 200.0, "scheme": "suzuki4"}, {"beads": 3000, "duration": 1500.0, "window": 64}],
     ids=["suzuki4", "window"],
 )
 def test_a_killed_job_of_another_kind_of_deck_goes_on_bit_for_bit(changes, tmp_path):
@@ -127,12 +139,37 @@ def test_a_killed_job_of_another_kind_of_deck_goes_on_bit_for_bit(changes, tmp_p
     deck.write(case, whole)
     subprocess.run([WHEEL, "-in", deck.DECK, "-screen", "none"], cwd=whole, check=True, timeout=100)
     directory = placed(case, tmp_path / "job", ranks_per_node=1, checkpoint=1)
+    restart_often(directory)
     kill_after_a_restart(directory)
     go(directory)
     assert told(directory)["state"] == "done", told(directory)
     found, expected = RunDirectory(directory).trajectory, RunDirectory(whole).trajectory
     np.testing.assert_array_equal(found.displacement, expected.displacement)
     np.testing.assert_array_equal(found.velocity, expected.velocity)
+
+
+@pytest.mark.parametrize("lmp", [WHEEL, DEBIAN], ids=["wheel", "2021"])
+def test_snapshots_of_all_beads_go_on_beside_the_frames_of_a_few(lmp, tmp_path):
+    if not lmp.exists():
+        pytest.skip(f"no {lmp}: apt-get install lammps brings the 2021 release")
+    output = Output(every=2.0, beads=(1, 500, 1001), snapshots=10.0)
+    case = scene(chains=3, beads=1001, kappa=0.1, duration=120.0).model_copy(update={"output": output})
+    whole = tmp_path / "whole"
+    whole.mkdir()
+    deck.write(case, whole)
+    subprocess.run([WHEEL, "-in", deck.DECK, "-screen", "none"], cwd=whole, check=True, timeout=100)
+    launcher = DEBIANS_MPI if lmp == DEBIAN else f"{MPIEXEC} -n {{ranks}}"
+    directory = placed(case, tmp_path / "job", checkpoint=1, lmp=str(lmp), launcher=launcher)
+    restart_often(directory)
+    kill_after_a_restart(directory)
+    go(directory)
+    assert told(directory)["state"] == "done", told(directory)
+    for what, kind in ((case.problem(), "dump"), (case.problem().snapshots(), "snapshots")):
+        found, expected = (joined(blocks(parts(path, kind), what)) for path in (directory, whole))
+        np.testing.assert_array_equal(found.time, expected.time)
+        np.testing.assert_array_equal(found.displacement, expected.displacement)
+        np.testing.assert_array_equal(found.velocity, expected.velocity)
+    assert len(parts(directory, "snapshots")) == 2
 
 
 @pytest.fixture(scope="module")
@@ -211,8 +248,7 @@ def test_a_run_whose_disk_is_full_is_told_and_goes_on_from_its_restart_when_ther
     try:
         case = scene(chains=2, beads=200, kappa=0.1, duration=800.0, every=1.0)  # 800 frames of 9.8 kB
         directory = placed(case, disk / "job", checkpoint=1)
-        text = (directory / job.INPUT).read_text()
-        (directory / job.INPUT).write_text(text.replace(f"loop {job.LOOKS}", "loop 1"))  # a restart at every look
+        restart_often(directory)
         go(directory)
         assert told(directory)["state"] == "failed"
         assert "the disk does not take what is written" in told(directory)["reason"]
@@ -344,10 +380,9 @@ def test_an_array_refuses_another_list_of_cases_than_it_was_made_for(tmp_path):
     assert "not the list that this array was made for" in go(tmp_path, SLURM_ARRAY_TASK_ID=0)
 
 
-@pytest.mark.parametrize("changes", [{"peaks": True}, {"frames_per_snapshot": 5}], ids=str)
-def test_what_only_a_run_of_granchain_writes_is_refused_and_not_left_out(changes):
-    asked = dataclasses.replace(scene(beads=4).problem(), **changes)
-    with pytest.raises(InputError, match=r"output\.(peaks|snapshots): only `granchain run` writes them"):
+def test_peaks_that_only_a_run_of_granchain_finds_are_refused_and_not_left_out():
+    asked = dataclasses.replace(scene(beads=4).problem(), peaks=True)
+    with pytest.raises(InputError, match=r"output\.peaks: only `granchain run` finds them"):
         job.case_files(asked)
 
 
@@ -356,16 +391,29 @@ def test_more_ranks_than_rows_are_refused():
         job.render_job(JobOptions(nodes=2, ranks_per_node=4), scene(beads=4).problem())
 
 
-def test_what_a_run_directory_from_someone_else_holds_reaches_no_shell(good, tmp_path):
-    directory = tmp_path / "job"
+@pytest.mark.parametrize(
+    "frames",
+    [
+        "a[$(touch$IFS\\pwned)] x[$(touch pwned)]",
+        "../../thesis.txt 0",
+        "chains.dump.bin $(touch pwned)",
+        "/etc/hosts 0",
+    ],
+)
+def test_what_a_run_directory_from_someone_else_holds_reaches_no_shell_and_no_other_file(frames, good, tmp_path):
+    thesis = tmp_path / "thesis.txt"
+    thesis.write_text("all of it")
+    directory = tmp_path / "x" / "job"
+    directory.parent.mkdir()
     subprocess.run(["cp", "-r", good, directory], check=True)
     (directory / job.STATE).write_text("state $(touch pwned)\njob $(touch pwned); touch pwned\n")
     (directory / job.STEP).write_text("a[$(touch pwned)]\n")
     (directory / continuation.RESTART).write_text("none")
-    (directory / "job.frames").write_text("a[$(touch$IFS\\pwned)] x[$(touch pwned)] $(touch pwned)\n")
+    (directory / "job.frames").write_text(f"{hashlib.sha256(b'none').hexdigest()}  -\n{frames}\n")
     go(directory)
-    assert told(directory)["state"] == "failed"
+    assert (told(directory)["state"], told(directory)["reason"]) == ("failed", "job.frames cannot be read")
     assert not list(tmp_path.rglob("pwned*"))
+    assert thesis.read_text() == "all of it"
 
 
 # --- a site's defaults ------------------------------------------------------------------------------------------------

@@ -95,10 +95,10 @@ def next_words(directory: Path, scene_file: Path, ranks: int) -> tuple[str, list
     return str(json.loads((directory / "run.json").read_text())["outcome"]), ["--resume", directory]
 
 
-def frames(directory: Path) -> "np.ndarray":
+def frames(directory: Path, pattern: str = "chains.dump*.bin") -> "np.ndarray":
     """All frames of a run, those of the first file first, none twice."""
     found: dict[int, np.ndarray] = {}
-    for path in sorted(directory.glob("chains.dump*.bin"), key=lambda path: (len(path.name), path.name)):
+    for path in sorted(directory.glob(pattern), key=lambda path: (len(path.name), path.name)):
         dump = BinaryDump(path)
         for step, values in zip(dump.steps.tolist(), dump.read(), strict=True):
             found.setdefault(step, values)

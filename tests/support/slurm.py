@@ -96,6 +96,7 @@ def _start(home: Path, processes: list["subprocess.Popen[bytes]"]) -> Slurm:
     key.chmod(0o600)
     socket_path = home / "munge" / "socket"
     configuration = home / "slurm.conf"
+    # new numbers of jobs: MPICH names its shared memory by them, and what was killed leaves some behind
     cores = min(2, os.cpu_count() or 1)
     configuration.write_text(f"""
 ClusterName=granchain
@@ -121,6 +122,7 @@ MpiDefault=pmi2
 ReturnToService=2
 KillWait=2
 MinJobAge=10
+FirstJobId={1 + time.time_ns() // 10**6 % 60_000_000}
 InactiveLimit=0
 NodeName={socket.gethostname()} NodeAddr=127.0.0.1 CPUs={cores} State=UNKNOWN
 PartitionName=main Nodes=ALL Default=YES MaxTime=INFINITE State=UP

@@ -32,13 +32,13 @@ def test_the_scenes_of_the_paper_are_too_small_for_a_second_rank(name):
 
 
 @given(st.integers(2, 10**6), st.integers(1, 10**4), st.integers(1, 4096), st.booleans())
-def test_no_rank_has_fewer_beads_than_its_messages_are_worth_or_fewer_than_two_rows(beads, chains, most, coupled):
+def test_no_rank_has_fewer_beads_than_its_messages_are_worth_or_fewer_than_twenty_rows(beads, chains, most, coupled):
     what = problem(chains=chains, beads=beads, kappa=0.1 if coupled else 0.0)
     advised = ranks.advised(what, most)
     assert 1 <= advised <= most
     if advised > 1:
         assert chains * beads / advised >= ranks.least_beads(what)
-        assert beads / advised >= 2
+        assert beads / advised >= ranks.LEAST_ROWS
 
 
 @pytest.mark.parametrize("coupled", [True, False])

@@ -15,9 +15,9 @@ import numpy as np
 import pytest
 from kill_many import AIMS, SCENES, Tally, frames, next_words, until_done
 from processes import wait_until, working_in
-from stock_lammps import DEBIAN, MPIEXEC, WHEEL, scene
+from stock_lammps import scene
 
-from lammps_inputs import InputError, Kick, continuation, deck, strict_yaml
+from lammps_inputs import InputError, continuation, deck, strict_yaml
 from workflow.cli import main
 from workflow.engines.lammps import mpi, restarts
 from workflow.results import results
@@ -53,67 +53,6 @@ def assert_same(directory, whole):
     assert left == right == results(RunDirectory(directory))
 
 
-# --- the continuation with stock LAMMPS -------------------------------------------------------------------------------
-
-
-def lmp(executable, ranks, directory, *options):
-    launcher = []
-    if ranks > 1:
-        own = [MPIEXEC] if executable == WHEEL else ["mpirun", "--allow-run-as-root", "--oversubscribe"]
-        launcher = [*own, "-n", str(ranks)]
-    words = [*launcher, executable, *options, "-screen", "none", "-nocite"]
-    done = subprocess.run([str(word) for word in words], cwd=directory, capture_output=True, text=True, timeout=60)
-    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
-
-
-CASES = {
-    "coupled": a_scene(duration=60.0),
-    "gap": a_scene(gap=1.5, kappa=1e-3, duration=100.0),
-    "far apart": a_scene(
-        kappa=1e-4, duration=100.0, kick=(Kick(chain=1, bead=6, velocity=-1.0), Kick(chain=3, bead=2, velocity=0.7))
-    ),
-    "recorded": a_scene(chains=1, kappa=None, duration=60.0, recorded=(3, 7)),
-    "suzuki4": a_scene(chains=2, duration=60.0, scheme="suzuki4"),
-    "window": a_scene(chains=2, beads=120, duration=100.0, window=64),
-}
-
-
-@pytest.mark.parametrize(
-    ("case", "executable", "ranks"),
-    [
-        *((case, WHEEL, (1, 1)) for case in CASES),
-        *(pytest.param("coupled", WHEEL, ranks, marks=TWO) for ranks in ((2, 2), (1, 2), (2, 1))),
-        *((case, DEBIAN, (1, 1)) for case in CASES if case != "suzuki4"),
-        pytest.param("coupled", DEBIAN, (2, 2), marks=TWO),
-    ],
-)
-def test_stock_lammps_goes_on_twice_bit_for_bit(case, executable, ranks, tmp_path):
-    if not executable.exists():
-        pytest.skip(f"no {executable}")
-    one = CASES[case]
-    problem = one.problem()
-    for name in ("whole", "cut"):
-        (tmp_path / name).mkdir()
-        deck.write(one, tmp_path / name)
-    lmp(executable, ranks[0], tmp_path / "whole", "-in", deck.DECK)
-    cut = tmp_path / "cut"
-    restart = [*continuation.restart_lines(problem), f"shell mv {continuation.UNFINISHED} {continuation.RESTART}"]
-    ending = "\n".join(restart) + "\n"
-    (cut / "in.first").write_text(deck.render_deck(problem) + ending)
-    (cut / "in.second").write_text(continuation.render_continuation(problem) + ending)
-    (cut / continuation.CONTINUE).write_text(continuation.render_continuation(problem))
-    # between two frames, and at one; in a window, where it is looked after
-    first, second = (1200, 3000) if one.window else (1335, 3000)
-    lmp(executable, ranks[0], cut, "-in", "in.first", "-var", "steps", first)
-    lmp(executable, ranks[1], cut, "-in", "in.second", "-var", "steps", second)
-    assert restarts.step_of(cut / continuation.RESTART) == second
-    lmp(executable, ranks[0], cut, "-in", continuation.CONTINUE, "-var", "dump", continuation.dump_part(3))
-    assert len(parts(cut)) == 3
-    np.testing.assert_array_equal(frames(cut), frames(tmp_path / "whole"))
-    blocks = list(RunDirectory(cut).blocks())  # the reader takes them for one run at the right times
-    assert blocks[-1].time[-1] == problem.duration
-
-
 # --- Ctrl-C -----------------------------------------------------------------------------------------------------------
 
 
@@ -130,6 +69,19 @@ def test_an_interrupted_run_goes_on_bit_for_bit_from_where_it_was(changes, tmp_p
     assert_same(tmp_path / "cut", tmp_path / "whole")
     assert result.check.velocity > 0.0
     assert not (tmp_path / "cut" / continuation.RESTART).exists()
+
+
+def test_snapshots_of_all_beads_go_on_too(tmp_path):
+    one = a_scene(beads=20, recorded=(3, 7))
+    one = one.model_copy(update={"output": one.output.model_copy(update={"snapshots": 20.0})})
+    run(one, tmp_path / "whole", check=False)
+    interrupted_after(5000, one, tmp_path / "cut")
+    resume(tmp_path / "cut", check=False)
+    assert_same(tmp_path / "cut", tmp_path / "whole")
+    assert len(list((tmp_path / "cut").glob("chains.snapshots*.bin"))) == 2
+    left, right = (frames(tmp_path / name, "chains.snapshots*.bin") for name in ("cut", "whole"))
+    assert left.shape == (31, 3, 60)
+    np.testing.assert_array_equal(left, right)
 
 
 @TWO
@@ -170,6 +122,7 @@ def test_wall_time_is_that_of_all_parts(tmp_path):
 @pytest.mark.parametrize("name", [name for name in SCENES if SCENES[name][1] <= mpi.cores()])
 def test_runs_killed_at_random_are_resumed_bit_for_bit(name, tmp_path):
     one, ranks = SCENES[name]
+    one = one.model_copy(update={"duration": one.duration / 2.0})
     seed = random.randrange(10**6)
     chance, tally = random.Random(seed), Tally()
     until_done(tmp_path / "whole", one, ranks, Tally(), chance, kills=0, longest=0.0)

@@ -21,7 +21,7 @@ from workflow.status import status, statuses
 pytest_plugins = ("slurm",)
 
 SHORT = scene(chains=3, beads=31, kappa=0.1, duration=60.0, every=0.5)
-LONG = scene(chains=5, beads=61, kappa=0.1, duration=16000.0, every=10.0)
+LONG = scene(chains=5, beads=61, kappa=0.1, duration=24000.0, every=10.0)
 """Some ten seconds on one core."""
 
 ENDLESS = scene(chains=2, beads=60, kappa=0.1, duration=1e6, every=100.0)
@@ -82,7 +82,7 @@ def test_a_job_cut_by_its_time_limit_submits_itself_and_ends_bit_for_bit_as_one_
     (tmp_path / "whole").mkdir()
     deck.write(LONG, tmp_path / "whole")
     whole = subprocess.Popen([WHEEL, "-in", deck.DECK, "-screen", "none"], cwd=tmp_path / "whole")
-    directory = written(LONG, tmp_path / "job", ranks_per_node=1, time="00:01:00", margin=53)
+    directory = written(LONG, tmp_path / "job", ranks_per_node=1, time="00:01:00", margin=54)
     cluster.submit(directory)
     cluster.wait(120.0)
     assert whole.wait(60) == 0

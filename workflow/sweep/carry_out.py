@@ -74,7 +74,7 @@ def sweep(
         before = done = len(cases) - len(missing)
         if progress is not None:
             progress(done, len(cases), 0)
-        count = min(processes or cores(), max(1, len(missing)))
+        count = min(processes or cores(), len(missing))
         jobs = _jobs(what, missing, directory.absolute(), check=check, figures=figures)
         try:
             with contextlib.closing(pool.answers(jobs, count)) as answers:

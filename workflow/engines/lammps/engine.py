@@ -81,7 +81,7 @@ def run(
         EndedError: LAMMPS was killed, or the disk is full.
         RunError: LAMMPS failed, or a state of the run did not pass `checks`.
     """
-    command = [sys.executable, "-m", "workflow.engines.lammps.worker", str(part), repr(float(restart_every))]
+    command = [sys.executable, "-P", "-m", "workflow.engines.lammps.worker", str(part), repr(float(restart_every))]
     if ranks > 1:
         command = [str(mpi.launcher()), "-n", str(ranks), *command]
     last: dict[str, Any] = {}

@@ -22,6 +22,7 @@ import numpy as np
 from lammps_inputs import Problem, continuation, deck, load, scheme, window
 from workflow.engines.lammps import checks, mpi, restarts
 from workflow.engines.lammps.frames_on_disk import FramesOnDisk
+from workflow.engines.lammps.live_peaks import LivePeaks
 from workflow.engines.lammps.travel import Travel
 
 SEGMENT_BEAD_STEPS = 10_000_000
@@ -75,6 +76,7 @@ def go_on(lmp: Any, part: int) -> None:
     lmp.command(f"log {deck.LOG} append")
     lmp.command("variable steps equal step")
     lmp.command(f"variable dump index {continuation.dump_part(part)}")
+    lmp.command(f"variable snapshots index {continuation.snapshots_part(part)}")
     lmp.file(continuation.CONTINUE)
 
 
@@ -91,11 +93,12 @@ def segments(
     travel = Travel(lmp, problem)
     saved = restarts.Restarts(lmp, problem, frames, every=every, leads=report.speaks)
     on_disk = FramesOnDisk(frames, problem, begun)
+    live = LivePeaks(travel, problem, begun, keeps=report.speaks) if problem.peaks else None
     computing, size = 0.0, min(FIRST_SEGMENT, largest)
     while done < problem.steps:
         goal = min(done + max(1, size // whole) * whole - done % whole, problem.steps)
         started = time.perf_counter()
-        travel.advance(goal - done)
+        (live or travel).advance(goal - done)
         computing += time.perf_counter() - started
         done = goal
         reached = int(lmp.extract_global("ntimestep"))
@@ -115,12 +118,16 @@ def segments(
         report.say({"step": done, "bead": int(moving[-1]) + travel.first if len(moving) else 1})
         if travel.heard and done < problem.steps:
             try:
+                if live is not None:
+                    live.save()
                 saved.write()
             except OSError as error:
                 return {"end": "failed", "reason": f"at step {done}, {error}", "step": done, "disk": True}
             if travel.heard == STOP:
                 return {"end": "stopped", "step": done, "seconds": computing, "lammps": lmp.version()}
         size = min(2 * size, largest)
+    if live is not None:
+        live.finish()
     return {"end": "done", "step": done, "seconds": computing, "lammps": lmp.version()}
 
 
