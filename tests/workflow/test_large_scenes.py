@@ -1,16 +1,17 @@
 """What keeps a large scene's output small: snapshots beside frames of a few beads, peaks found while LAMMPS runs."""
 
 import json
-import signal
+import subprocess
+import sys
 
 import numpy as np
 import pytest
-from processes import start
+from processes import wait_until
 from stock_lammps import scene
 
 from analysis.peaks import PeakFinder
 from analysis.trajectory import blocks
-from lammps_inputs import Output, deck
+from lammps_inputs import Kick, Output, Scene, deck
 from workflow.analyse import analyse
 from workflow.engines.reference import engine
 from workflow.resume import resume
@@ -61,7 +62,7 @@ def test_energy_and_momentum_are_told_from_the_snapshots(both):
     assert (both[1].path / "spacetime.png").is_file()
 
 
-def test_a_run_whose_snapshots_are_gone_is_analysed_without_them(both, tmp_path):
+def test_a_run_whose_snapshots_are_gone_is_analysed_without_them(tmp_path):
     directory = run(sparse(long_scene(duration=4.0)), tmp_path / "run", check=False).directory
     (directory.path / deck.SNAPSHOTS).unlink()
     assert "spacetime.png" not in {path.name for path in analyse(directory).figures}
@@ -77,9 +78,9 @@ def test_a_run_that_was_killed_goes_on_to_the_same_peaks_and_snapshots(tmp_path)
     (tmp_path / "scene.yaml").write_text(deck.render(case)[deck.SCENE])
     whole = run(case, tmp_path / "whole", check=False).directory
     words = ["run", "scene.yaml", "-o", "cut", "--no-check", "--restart-every", "0.05"]
-    process = start(words, tmp_path, until=tmp_path / "cut" / "chains.restart")
-    process.send_signal(signal.SIGKILL)
-    process.wait()
+    with subprocess.Popen([sys.executable, "-m", "workflow.cli", *words], cwd=tmp_path) as process:
+        assert wait_until((tmp_path / "cut" / "chains.restart").exists)
+        process.kill()
     assert not (tmp_path / "cut" / deck.PEAKS).exists()
     resume(tmp_path / "cut", check=False)
     assert (tmp_path / "cut" / deck.PEAKS).read_bytes() == (whole.path / deck.PEAKS).read_bytes()
@@ -106,6 +107,4 @@ def test_a_finder_goes_on_from_the_state_of_another(first_only):
 
 def test_peaks_and_a_window_are_refused_together():
     with pytest.raises(ValueError, match="a window records the rows near the front anyway"):
-        scene(beads=100, window=64).__class__(
-            name="a", beads=100, window=64, kick=scene().kick, duration=1.0, output=Output(peaks=True)
-        )
+        Scene(name="a", beads=100, window=64, kick=Kick(velocity=1.0), duration=1.0, output=Output(peaks=True))
