@@ -50,7 +50,7 @@ def failure_of(old, new, directory, ranks=1):
 def test_an_unstable_time_step_fails_in_the_first_segment_with_step_bound_and_remedy(step, tmp_path):
     unstable = scene(beads=20, timestep=step, every=step, duration=2000 * step)
     with pytest.raises(RunError, match=rf"^by step 200, .* smaller timestep \(it is {_text(step)}, .* 0\.798\)$"):
-        run(unstable, tmp_path / "run")
+        run(unstable, tmp_path / "run", force=True)
     record = RunDirectory(tmp_path / "run").record
     assert record["outcome"] == "failed"
     assert "take a smaller timestep" in record["reason"]
@@ -63,7 +63,7 @@ def _text(step):
 def test_the_remedy_is_in_the_units_of_the_scene(tmp_path):
     slow = scene(beads=20, kick=(Kick(velocity=1e-5),), timestep=20.0, every=20.0, duration=1e4)  # V**-0.2 = 10
     with pytest.raises(RunError, match=r"\(it is 20, unstable above 7\.98\)$"):
-        run(slow, tmp_path / "run")
+        run(slow, tmp_path / "run", force=True)
 
 
 # --- decks that LAMMPS does not take ----------------------------------------------------------------------------------
@@ -136,7 +136,7 @@ def to_workers(directory, act):
 
 
 def _is_worker(pid):
-    return Path(f"/proc/{pid}/cmdline").read_bytes().split(b"\0")[1:2] == [b"-m"]
+    return Path(f"/proc/{pid}/cmdline").read_bytes().split(b"\0")[1:3] == [b"-P", b"-m"]
 
 
 def kill(pid):
