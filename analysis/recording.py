@@ -17,7 +17,6 @@ from analysis.binary_dump import MAGIC, BinaryDump, CutDumpWarning, NoFrameError
 from analysis.trajectory import Floats, Trajectory, frames_per_block
 from lammps_inputs import InputError, Problem
 
-
 FARTHEST = 2.0
 """Time between frames from which on a wave, which passes a bead in 2 T, is missed; at 1 peaks are right to 1e-4."""
 

@@ -3,7 +3,6 @@
 It costs a tenth of LAMMPS. So the error of a run can be measured before the run, beside the certified reference.
 """
 
-import itertools
 import math
 from dataclasses import dataclass
 
@@ -15,8 +14,12 @@ from lammps_inputs import Problem, coupling, scheme, timestep
 from workflow.engines.reference import engine
 from workflow.engines.reference.blanes_moan import BLANES_MOAN
 from workflow.engines.reference.certify import Certifier
-from workflow.engines.reference.scheme import Scheme
+from workflow.engines.reference.suzuki import SUZUKI4
+from workflow.engines.reference.verlet import VERLET
 from workflow.instants import stride
+
+TABLES = {"verlet": VERLET, "suzuki4": SUZUKI4}
+"""By the name of the scheme in LAMMPS."""
 
 SURE = 0.25
 """Part of the accuracy to which the reference is certified."""
@@ -58,13 +61,6 @@ class Measured:
 
 class UnreachableError(Exception):
     """No step keeps the accuracy; says why."""
-
-
-def coefficients(name: scheme.SchemeName) -> Scheme:
-    """LAMMPS's table, a cycle of Verlet steps as one step."""
-    steps = scheme.weights(name)
-    kicks = (0.5 * steps[0], *(0.5 * (a + b) for a, b in itertools.pairwise(steps)), 0.5 * steps[-1])
-    return Scheme(name=name, order=2 if name == "verlet" else 4, kicks=kicks, drifts=steps, source="as in LAMMPS")
 
 
 def measure(problem: Problem, accuracy: float, most_work: float) -> Measured | None:
@@ -157,7 +153,7 @@ def largest_step(problem: Problem) -> float:
 def _trial(problem: Problem, cycles: int, steps: int) -> tuple[float, float]:
     """Largest difference of any velocity of the twin from the reference, and the reference's certificate."""
     certifier = Certifier(problem, steps_per_frame=steps)
-    runs = engine.blocks(problem, scheme=coefficients(problem.scheme), steps_per_frame=cycles)
+    runs = engine.blocks(problem, scheme=TABLES[problem.scheme], steps_per_frame=cycles)
     largest = 0.0
     with np.errstate(over="ignore", invalid="ignore"):
         for own, right in zip(runs, certifier.blocks(), strict=True):
@@ -180,7 +176,7 @@ def _better(cycles: int, part: float, order: float, fewest: int) -> int:
 
 def _order(errors: dict[int, float], problem: Problem) -> float:
     """Order of convergence as measured last, within what the scheme can have."""
-    highest = float(coefficients(problem.scheme).order)
+    highest = float(TABLES[problem.scheme].order)
     if len(errors) < 2:
         return highest
     (few, large), (many, small) = sorted(list(errors.items())[-2:])

@@ -59,7 +59,7 @@ def error(problem, accuracy):
     runs = (
         engine.blocks(
             problem,
-            scheme=twin.coefficients(problem.scheme),
+            scheme=twin.TABLES[problem.scheme],
             steps_per_frame=problem.steps_per_frame // twin.scheme.cycle(problem.scheme),
         ),
         certified(problem, accuracy / 5.0).blocks(),
@@ -123,7 +123,7 @@ def test_the_law_alone_errs_on_the_safe_side_by_a_factor_of_five_in_the_step_at_
     steps = cycles * twin.scheme.cycle(scheme)
     found = error(replace(problem, timestep=problem.every / steps, steps_per_frame=steps), accuracy)
     assert found <= accuracy
-    assert (accuracy / found) ** (1.0 / twin.coefficients(scheme).order) <= 5.0
+    assert (accuracy / found) ** (1.0 / twin.TABLES[scheme].order) <= 5.0
 
 
 @pytest.mark.parametrize(
@@ -202,7 +202,7 @@ def test_rounding_leaves_no_more_than_is_reckoned_with(tmp_path):
     fine = scene(beads=1000, kick=kick, duration=20.0, timestep=1e-3, output=Output(beads=far))
     made = run(fine, tmp_path / "run", check=False)
     own, problem = made.trajectory, made.directory.problem
-    right = engine.run(problem, scheme=twin.coefficients("verlet"), steps_per_frame=problem.steps_per_frame)
+    right = engine.run(problem, scheme=twin.TABLES["verlet"], steps_per_frame=problem.steps_per_frame)
     floor = step_search.rounding(problem, problem.timestep)
     assert 0.01 * floor < np.abs(own.velocity - right.velocity).max() < floor
 
@@ -219,7 +219,7 @@ def test_the_error_in_a_window_is_measured_where_the_pulse_is():
     whole, window = (scene(beads=200, duration=180.0, window=rows).problem() for rows in (None, 64))
     found = [twin.measure(problem, 1e-4, 1e9) for problem in (whole, window)]
     # the largest error of the whole chains is at the pulse, too, at another of the instants that are compared
-    assert found[1].error * found[0].timestep**2 == pytest.approx(found[0].error * found[1].timestep**2, rel=0.05)
+    assert found[1].error * found[0].timestep ** 2 == pytest.approx(found[0].error * found[1].timestep ** 2, rel=0.05)
 
 
 def test_near_the_front_there_is_none():
