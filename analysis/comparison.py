@@ -19,15 +19,14 @@ wave has 0.66). Such a velocity reaches a level and stays: when it is largest is
 """
 
 
-def matched(own: Peaks, other: Peaks) -> tuple[Peaks, Peaks]:
-    """First passages of two runs at the beads that both reached.
+def matched(own: Peaks, other: Peaks, beads: int) -> tuple[Peaks, Peaks]:
+    """First passages of two runs at the beads that both reached, in chains of so many beads.
 
-    Left out are the foremost bead, which may be about to leave the free end, and passages not twice as high as
+    Left out are the kicked beads' start, the last bead, which flies off, and passages not twice as high as
     `analysis.peaks.THRESHOLD`: of those, one run may have what the other has not. Each bead has one passage at most.
     """
-    foremost = max(own.bead.max(initial=0), other.bead.max(initial=0))
     keys = [peaks.chain * 2**40 + peaks.bead for peaks in (own, other)]
-    clear = [(peaks.velocity > 2.0 * THRESHOLD) & (peaks.bead < foremost) for peaks in (own, other)]
+    clear = [(peaks.velocity > 2.0 * THRESHOLD) & (peaks.bead < beads) & (peaks.time > 0.0) for peaks in (own, other)]
     both = np.intersect1d(keys[0][clear[0]], keys[1][clear[1]])
     return own.where(np.isin(keys[0], both)), other.where(np.isin(keys[1], both))
 
@@ -114,7 +113,7 @@ class Comparison:
         self._map: list[Floats] = []
         self._times: list[float] = []
         self._last_time, self._cell_beads = 0.0, np.zeros(0, dtype=np.int64)
-        self.frames = 0
+        self.frames = self._beads = 0
 
     def add(self, block: Trajectory, reference: Trajectory) -> None:
         """Take the next frames of both, at the same times."""
@@ -126,6 +125,7 @@ class Comparison:
             self._peaks[1].add(reference)
             self.conservation.add(block)
         self.frames += block.frames
+        self._beads = block.problem.beads
         self._add_to_map(block, difference)
 
     def _add_to_map(self, block: Trajectory, difference: Floats) -> None:
@@ -133,32 +133,32 @@ class Comparison:
         frames_a_cell = max(1, -(-(block.problem.frames + 1) // MAP_CELLS))
         beads = block.problem.recorded_beads
         thin = max(1, -(-len(beads) // MAP_CELLS))
-        size = np.zeros((block.frames, len(beads)))
+        size = np.full((block.frames, len(beads)), np.nan)
         size[:, block.first - 1 : block.first - 1 + difference.shape[2]] = np.abs(difference).max(axis=1)
         for start in range(0, len(size), frames_a_cell):
             row = size[start : start + frames_a_cell].max(axis=0)
-            self._map.append(np.maximum.reduceat(row, np.arange(0, len(row), thin)))
+            self._map.append(np.fmax.reduceat(row, np.arange(0, len(row), thin)))
             self._times.append(float(block.time[start]))
         self._last_time, self._cell_beads = float(block.time[-1]), np.append(beads[::thin], beads[-1] + 1)
 
     def deviations(self) -> dict[str, Deviation]:
-        """Deviation of every quantity in `QUANTITIES`; amplitudes and arrivals are the leading pulse's."""
+        """Deviation of every quantity in `QUANTITIES`; amplitudes and arrivals are the leading pulse's.
+
+        The latter two are not there where no passage was seen by both.
+        """
         with np.errstate(over="ignore", invalid="ignore"):
-            own, other = matched(*(finder.result() for finder in self._peaks))
+            own, other = matched(self._peaks[0].result(), self._peaks[1].result(), self._beads)
         timed = sharp(other)
-        result = {
-            "velocity": self._velocity.result(),
-            "displacement": self._displacement.result(),
-            "amplitude": self._of_peaks("amplitude", own.velocity - other.velocity, other),
-            "arrival": self._of_peaks("arrival", (own.time - other.time)[timed], other.where(timed)),
-        }
+        result = {"velocity": self._velocity.result(), "displacement": self._displacement.result()}
+        if len(own):
+            result["amplitude"] = self._of_peaks("amplitude", own.velocity - other.velocity, other)
+        if np.any(timed):
+            result["arrival"] = self._of_peaks("arrival", (own.time - other.time)[timed], other.where(timed))
         result["energy"] = Deviation(self.conservation.energy_drift, float("nan"))
         result["momentum"] = Deviation(self.conservation.momentum_drift, float("nan"))
         return result
 
     def _of_peaks(self, name: str, difference: Floats, peaks: Peaks) -> Deviation:
-        if len(difference) == 0:
-            return Deviation(0.0, 0.0)
         size = np.abs(difference)
 
         def place(k: int) -> Place:

@@ -104,7 +104,9 @@ def characterise(pulse: Pulse, at: int, shape: dict[str, float], tolerances: Tol
     recent = pulse.peak_velocity[: at + 1][near]
     way = np.abs(pulse.bead[: at + 1][near][0] - pulse.bead[at])
     variation = float(np.ptp(recent) / np.mean(recent)) if len(recent) > 1 and way > 0.5 * CONSTANT_OVER else np.nan
-    differences = {"shape": shape["residual"], "speed": abs(excess), "amplitude": variation}
+    differences = {"shape": shape["residual"], "speed": abs(excess)}
+    if np.isfinite(variation):  # too few beads recorded to tell otherwise
+        differences["amplitude"] = variation
     return Character(
         bead=int(pulse.bead[at]),
         arrival=float(pulse.arrival[at]),

@@ -15,6 +15,7 @@ from lammps_inputs.problem import Problem
 
 CONTINUE = "in.continue"
 RESTART = "chains.restart"
+RESTART_SUMS = "chains.restart.sha256"
 UNFINISHED = "chains.restart.part"
 """A restart while it is written."""
 

@@ -42,6 +42,7 @@ OWN_FILES = (
     OUTPUT,
     "job.frames",
     ".job.check",
+    ".job.reserve",
     ".job.in",
     ".job.keep",
     ".job.yes",
@@ -49,9 +50,6 @@ OWN_FILES = (
     ".job.kept",
 )
 """What a job has and leaves in the directory of a run, beside the run's own files."""
-
-LOOKS = 60
-"""At the clock, from restart to restart."""
 
 _DIRECTORY = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._=,+-]{0,254}")
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}")
@@ -209,7 +207,7 @@ def render_input(problem: Problem) -> str:
             "variable next equal (v_left<v_stride)*v_left+(v_left>=v_stride)*v_stride",
             "variable over atom timeremain<=0.0   # some releases stop at 0",
             "group late empty",
-            f"variable looks loop {LOOKS}",
+            "variable looks loop ${rounds}",
         ],
         [
             "label again",
@@ -223,7 +221,7 @@ def render_input(problem: Problem) -> str:
             "jump SELF again",
             *save,
             tell,
-            f"variable looks loop {LOOKS}",
+            "variable looks loop ${rounds}",
             "jump SELF again",
         ],
         ["label end", *save, tell],

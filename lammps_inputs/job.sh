@@ -2,7 +2,9 @@
 set -u
 export LC_ALL=C OMP_NUM_THREADS=1
 started=$(date +%s)
-ends=${SLURM_JOB_END_TIME:-$(date -d "$(squeue -h -j "${SLURM_JOB_ID:-0}" -o %e 2>/dev/null | tr T ' ')" +%s)}
+itself=${SLURM_ARRAY_JOB_ID:+${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID}
+itself=${itself:-${SLURM_JOB_ID:-0}}
+ends=${SLURM_JOB_END_TIME:-$(date -d "$(squeue -h -j "$itself" -o %e 2>/dev/null | head -n 1 | tr T ' ')" +%s)}
 [ "$ends" -gt "$started" ] 2>/dev/null || ends=$((started + time_limit))
 number=${1:-1}  # of this job among those that submitted each other
 home=${SLURM_SUBMIT_DIR:-$PWD}
@@ -121,12 +123,14 @@ fi
 left=$((ends - $(date +%s) - margin))
 checks=$(($(date +%s) - started))
 [ $left -gt 0 ] || fail "nothing is left of the time limit after $checks s of checks and a margin of $margin s"
-look=$((checkpoint * 1000000000 / 60 / (20 * atoms / ranks + 5000) + 1))  # steps, at some 20 ns a bead
+pace=$((checkpoint / 60 * 20 < margin || checkpoint < 60 ? checkpoint * 1000 / 60 : margin * 50))  # ms, or more
+look=$((pace * 1000000 / (20 * atoms / ranks + 15000) + 1))  # steps, at some 20 ns a bead and messages
+head -c 16384 /dev/zero >.job.reserve  # room to say that there is none
 state running computes
 rm -f .job.kept
 old=$(wc -c 2>/dev/null <log.lammps || echo 0)
 "${launch[@]}" "$lmp" -in in.job -log none -screen none -nocite -var part "$input" -var restart "$restart" \
-    -var dump "$dump" -var snapshots "$snapshots" -var ranks "$ranks" -var look "$look" \
+    -var dump "$dump" -var snapshots "$snapshots" -var ranks "$ranks" -var look "$look" -var rounds "$((checkpoint * 1000 / pace + 1))" \
     -var seconds "$((left / 3600)):$((left / 60 % 60)):$((left % 60))" \
     </dev/null >.job.check 2>&1 &
 wait $!
@@ -134,7 +138,7 @@ code=$?
 tail -c +$((old + 1)) log.lammps 2>/dev/null | grep -m 1 ERROR >>.job.check
 full=no
 [ $code -eq 0 ] || head -c 1000000 /dev/zero >.job.room || full=yes
-rm -f .job.room chains.restart.part  # makes room to say so
+rm -f .job.room .job.reserve chains.restart.part  # makes room to say so
 [ $full = no ] && [ "$(cat .job.kept 2>/dev/null)" != lost ] ||
     fail "the disk does not take what is written (is it full?); make room"
 [ $code -eq 0 ] || fail "LAMMPS ended with exit code $code: $(complaint .job.check)"

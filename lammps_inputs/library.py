@@ -11,6 +11,7 @@ from pydantic_core import ErrorDetails
 from lammps_inputs import strict_yaml
 from lammps_inputs.errors import InputError
 from lammps_inputs.scene import Scene
+from lammps_inputs.window import LEAST_WINDOW
 
 
 def installed() -> dict[str, Path]:
@@ -67,7 +68,11 @@ def describe(error: ValidationError, model: type[BaseModel]) -> str:
     details = error.errors(include_url=False)
     unknown = [detail for detail in details if detail["type"] == "extra_forbidden"]
     first = (unknown or details)[0]
-    more = f" (and {len(details) - 1} more)" if len(details) > 1 and first["loc"][:1] != ("output",) else ""
+    more = (
+        f" (and {len(details) - 1} more)"
+        if len(details) > 1 and first["loc"][:1] not in (("output",), ("window",))
+        else ""
+    )
     return _line(first, model) + more
 
 
@@ -82,6 +87,8 @@ def _line(detail: ErrorDetails, model: type[BaseModel]) -> str:
         return f"{key}: unknown key{suggestion(str(path[-1]), known)}; known here: {', '.join(known)}"
     if kind == "missing":
         return f"{key}: is missing"
+    if key == "window":
+        return f"window: should be `auto` or a whole number of rows, at least {LEAST_WINDOW}, {given} given"
     if kind == "value_error":
         return f"{key}: {context['error']} ({given} given)" if key else str(context["error"])
     if kind == "string_pattern_mismatch":
@@ -93,7 +100,7 @@ def _line(detail: ErrorDetails, model: type[BaseModel]) -> str:
     return f"{key}: {message}, {given} given"
 
 
-_BRANCHES = ("literal['all']", "tuple[constrained-int, ...]")
+_BRANCHES = ("literal['all']", "literal['auto']", "tuple[constrained-int, ...]", "constrained-int")
 
 _PLAIN = {
     "int_type": "should be a whole number",

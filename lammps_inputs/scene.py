@@ -157,8 +157,8 @@ class Scene(_Part):
             return
         if self.output.peaks:
             raise ValueError("output.peaks: a window records the rows near the front anyway; leave one of them out")
-        if self.output.beads != "all":
-            raise ValueError("window: records the rows that exist; leave output.beads out")
+        if self.output.beads != "all" or self.output.snapshots is not None:
+            raise ValueError("window: records the rows that exist; leave output.beads and output.snapshots out")
         for number, kick in enumerate(self.kick):
             key = "kick" if len(self.kick) == 1 else f"kick[{number + 1}]"
             if kick.velocity < 0.0:
@@ -200,8 +200,7 @@ class Scene(_Part):
             )
         if self.timestep is not None and abs(steps * self.timestep / every - 1.0) > 1e-9:
             raise ValueError(
-                f"timestep: {self.timestep:g} does not divide output.every = {every:g} evenly; "
-                f"try {every / math.ceil(every / self.timestep):.12g}"
+                f"timestep: {self.timestep:g} does not divide output.every = {every:g} evenly; try {every / steps:.12g}"
             )
         if self.output.snapshots is not None:
             self._check_snapshots(self.output.snapshots / every, every)
@@ -211,6 +210,8 @@ class Scene(_Part):
                 raise ValueError(f"duration: needs {frames * steps:.3g} time steps; at most {MAX_STEPS:.0e}")
 
     def _check_snapshots(self, frames: float, every: float) -> None:
+        if self.duration is not None and frames * every > self.duration * (1.0 + 1e-9):
+            raise ValueError(f"output.snapshots: {frames * every:g} is longer than the duration of {self.duration:g}")
         if self.output.beads == "all":
             raise ValueError("output.snapshots: every frame holds all beads already; name some in output.beads")
         if round(frames) < 1 or abs(round(frames) / frames - 1.0) > 1e-9:

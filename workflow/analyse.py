@@ -38,6 +38,7 @@ class Analysis:
         complete: whether the dump holds every frame that the scene asks for.
         figures: files drawn.
         left: what a window has left behind; None without a window.
+        failure: why the run failed; empty where it did not.
     """
 
     problem: Problem
@@ -46,6 +47,7 @@ class Analysis:
     complete: bool
     figures: tuple[Path, ...]
     left: LeftBehind | None
+    failure: str
 
     @property
     def waves(self) -> Waves:
@@ -102,12 +104,14 @@ def analyse(
             whole.add(block)
             if spacetime is not None:
                 spacetime.add(block)
-        spacetime = spacetime if whole.frames else None
+        spacetime = spacetime if whole.frames > 1 else None
         conservation.energy_drift, conservation.momentum_drift = whole.energy_drift, whole.momentum_drift
     drawn = _draw(directory.path, found, spacetime, history) if figures else ()
     write_text(directory.path / WAVES, waves_csv(found))
     write_json(directory.path / REPORT, report(found, conservation, allowed, left))
-    return Analysis(problem, found, conservation, conservation.frames == problem.frames + 1, drawn, left)
+    record = directory.record
+    failure = f"the run failed: {record.get('reason')}" if record.get("outcome") == "failed" else ""
+    return Analysis(problem, found, conservation, conservation.frames == problem.frames + 1, drawn, left, failure)
 
 
 def _quietly(blocks: Iterator[Trajectory]) -> Iterator[Trajectory]:
@@ -130,7 +134,7 @@ def _draw(path: Path, found: Survey, spacetime: Any, history: Any) -> tuple[Path
     problem = found.problem
     files: list[Path] = []
     makers: dict[str, Callable[[], Figure]] = {"response": lambda: response_figure(history)}
-    if spacetime is not None:
+    if spacetime is not None and len(spacetime.beads) > 1:
         makers["spacetime"] = lambda: spacetime_figure(spacetime)
     if len(found.shared) > 1:
         makers["distance"] = lambda: distance_figure(problem, found.shared, found.energies, found.direction)

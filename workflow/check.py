@@ -21,8 +21,8 @@ class Check:
     Attributes:
         velocity: largest error of any velocity.
         where: at which bead and time.
-        arrival: largest error of an arrival of the leading pulse, where `analysis.comparison.sharp`.
-        amplitude: largest error of a peak velocity of the leading pulse.
+        arrival: largest error of an arrival of the leading pulse, where `analysis.comparison.sharp`; NaN where none is.
+        amplitude: largest error of a peak velocity of the leading pulse; NaN where none was seen.
         reference: how sure the reference is of itself.
         seconds: what the check cost.
     """
@@ -61,8 +61,8 @@ def check(directory: RunDirectory, settings: Settings | None = None) -> Check:
     return Check(
         velocity=found["velocity"].largest,
         where=found["velocity"].where,
-        arrival=found["arrival"].largest,
-        amplitude=found["amplitude"].largest,
+        arrival=found["arrival"].largest if "arrival" in found else math.nan,
+        amplitude=found["amplitude"].largest if "amplitude" in found else math.nan,
         reference=certifier.certificate,
         seconds=time.perf_counter() - started,
     )

@@ -122,7 +122,10 @@ def compare(
         RunError: a run failed or was interrupted.
     """
     names = engines_for(scene, engines)
-    scene = scene.model_copy(update={"output": scene.output.model_copy(update={"beads": "all"})})
+    if scene.window is not None:
+        raise InputError("window: only lammps follows the pulse with one; leave it out to compare engines")
+    whole = {"beads": "all", "snapshots": None, "peaks": None}
+    scene = scene.model_copy(update={"output": scene.output.model_copy(update=whole)})
     scene, settings = settle(scene, source=scene.name, force="lammps" not in names)
     problem = scene.problem()
     rows = shown_rows(problem)

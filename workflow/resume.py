@@ -106,6 +106,7 @@ def begun(path: Path) -> RunDirectory:
         raise InputError(f"{error}; {_AGAIN}") from None
     try:
         whole = record["engine"] in ENGINES and isinstance(record["outcome"], str) and record["ranks"] >= 1
+        whole = whole and isinstance(record.get("resumed", []), list) and isinstance(record.get("versions", {}), dict)
         settings_of(record)
         _spent(path, record)
     except (KeyError, TypeError, ValueError, IndexError):
@@ -145,7 +146,7 @@ def _next_part(result: RunDirectory, record: dict[str, Any]) -> tuple[int, int]:
     A restart is of use if LAMMPS is still the one that wrote it, and if all frames until then are there.
     """
     path = result.path
-    step = restarts.step_of(path / continuation.RESTART)
+    step = restarts.step_of(path / continuation.RESTART) if restarts.intact(path / continuation.RESTART) else None
     version = importlib.metadata.version("lammps")
     if result.problem.peaks and not (path / deck.PEAKS_STATE).is_file():
         return 1, 0
@@ -192,7 +193,8 @@ def _index(file: Path) -> BinaryDump:
 
 
 def _remove_frames(path: Path) -> None:
-    for file in (*all_parts(path), path / continuation.RESTART, path / continuation.UNFINISHED):
+    restart = (continuation.RESTART, continuation.RESTART_SUMS, continuation.UNFINISHED)
+    for file in (*all_parts(path), *(path / name for name in restart)):
         file.unlink(missing_ok=True)
 
 

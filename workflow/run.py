@@ -170,7 +170,8 @@ def carry_out(
         raise type(error)(reason) if isinstance(error, RunError) else RunError(reason) from None
     if ending["outcome"] != "done":
         return Run(result, ending["outcome"])
-    (path / continuation.RESTART).unlink(missing_ok=True)
+    for name in (continuation.RESTART, continuation.RESTART_SUMS):
+        (path / name).unlink(missing_ok=True)
     return Run(result, "done", measure_error(result, settings) if check else None)
 
 

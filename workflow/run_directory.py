@@ -43,7 +43,14 @@ REPORT = "analysis.json"
 
 OWN_FILES = (
     *(deck.SCENE, deck.DECK, deck.DATA, deck.DUMP, deck.LOG, EVENTS, RECORD),
-    *(continuation.CONTINUE, continuation.RESTART, continuation.UNFINISHED, deck.PEAKS, deck.PEAKS_STATE),
+    *(
+        continuation.CONTINUE,
+        continuation.RESTART,
+        continuation.RESTART_SUMS,
+        continuation.UNFINISHED,
+        deck.PEAKS,
+        deck.PEAKS_STATE,
+    ),
     *job.OWN_FILES,
 )
 ANALYSIS_FILES = (

@@ -9,6 +9,7 @@ import json
 import os
 import platform
 import re
+import shlex
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,6 +18,7 @@ from typing import Any, Literal
 
 from analysis.binary_dump import last_step
 from lammps_inputs import continuation, deck, job
+from workflow.engines.lammps.restarts import step_of
 from workflow.queue import Queue, Queued
 from workflow.run_directory import RECORD, parts
 
@@ -135,20 +137,26 @@ def _of_job(directory: Path, told: dict[str, str], queue: Queue | None, queued: 
     if not (directory / job.JOB).is_file():
         onwards = f"`sbatch {job.JOB}` beside {job.CASES}"
     if state in ("waiting", "running") and here:
-        why = f"job {number} is gone: killed, or its node lost; {onwards} goes on"
+        why = f"job {number} is gone: killed, or its node lost; {onwards} {_from(directory)}"
         return Status(directory, "incomplete", step, steps, why)
     if state == "waiting":
         return Status(directory, "waiting", step, steps, f"job {number} {reason}, as it was told on {_when(told)}")
     if state == "running":
         if time.time() > (_number(told.get("ends")) or 0) + _GRACE:
-            why = f"job {number} is past its time limit, so it was killed; {onwards} goes on"
+            why = f"job {number} is past its time limit, so it was killed; {onwards} {_from(directory)}"
             return Status(directory, "incomplete", step, steps, why)
         return Status(directory, "running", step, steps, f"job {number}, as it was told on {_when(told)}")
     if state == "incomplete":
-        return Status(directory, "incomplete", step, steps, f"{reason}; {onwards} goes on")
+        return Status(directory, "incomplete", step, steps, f"{reason}; {onwards} {_from(directory)}")
     if state == "failed":
         return Status(directory, "failed", step, steps, f"{reason}; {onwards} tries again")
     return Status(directory, "failed", step, steps, f"{job.STATE} cannot be read; {onwards} tries again")
+
+
+def _from(directory: Path) -> str:
+    """Where a run that was cut goes on."""
+    step = step_of(directory / continuation.RESTART)
+    return f"goes on from step {step}" if step else "starts again, for there is no restart yet"
 
 
 def _when(told: dict[str, str]) -> str:
@@ -174,7 +182,7 @@ def _of_record(directory: Path, path: Path) -> Status:
     step = _latest(done, _last_step(directory))
     if outcome == "failed":
         return Status(directory, "failed", step, steps, _clean(record.get("reason", "")))
-    onwards = f"`granchain run --resume {directory}` goes on"
+    onwards = f"`granchain run --resume {shlex.quote(str(directory))}` {_from(directory)}"
     if record.get("engine", "lammps") != "lammps":
         onwards = "run it again with --overwrite"
     if outcome == "interrupted":
@@ -221,8 +229,10 @@ def _of_files(directory: Path, queued: Queued | None) -> Status:
             return Status(directory, "incomplete", None, None, why)
         return Status(directory, "none", why=f"it has no {deck.SCENE}")
     if not parts(directory):
-        submit = f"sbatch {job.JOB}" if (directory / job.JOB).is_file() else f"lmp -in {deck.DECK}"
-        return Status(directory, "written", 0, steps, f"`{submit}` there starts it")
+        start = f"`sbatch {job.JOB}` there" if (directory / job.JOB).is_file() else f"`lmp -in {deck.DECK}` there"
+        if (directory / job.INPUT).is_file() and not (directory / job.JOB).is_file():
+            start = f"`sbatch {job.JOB}` beside {job.CASES}"
+        return Status(directory, "written", 0, steps, f"{start} starts it")
     if step is not None and steps is not None and step >= steps:
         return Status(directory, "done", step, steps)
     if _locked(directory) or _fresh(directory):

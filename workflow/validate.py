@@ -10,7 +10,7 @@ import numpy as np
 
 from analysis import resample, table
 from analysis.binary_dump import CutDumpWarning
-from analysis.comparison import QUANTITIES, Comparison, Deviation
+from analysis.comparison import Comparison, Deviation
 from analysis.pairing import OtherFramesError, paired
 from analysis.trajectory import Trajectory, joined
 from lammps_inputs import InputError, Problem
@@ -140,11 +140,11 @@ def validate(directory: RunDirectory, tolerances: dict[str, float] | None = None
         ) from None
     deviations = comparison.deviations()
     if not problem.whole:
-        deviations = {name: deviations[name] for name in QUANTITIES if name not in ("energy", "momentum")}
+        deviations = {name: deviations[name] for name in deviations if name not in ("energy", "momentum")}
     own, right = (joined(pair[side] for pair in kept) for side in (0, 1))
     exceeded = _any_exceeded(deviations, limits)
     found = causes.rounded(own, right)
-    if exceeded and problem.whole:
+    if exceeded and problem.whole and directory.record.get("outcome") != "failed":
         found += causes.causes(own, right)
     result = Validation(
         problem=problem,
@@ -152,7 +152,7 @@ def validate(directory: RunDirectory, tolerances: dict[str, float] | None = None
         deviations=deviations,
         tolerances=limits,
         causes=tuple(found),
-        remarks=_doubts(certifier.certificate, limits),
+        remarks=(*_failure(directory), *_half(problem), *_doubts(certifier.certificate, limits)),
         certificate=certifier.certificate,
         interpolation=None,
         frames=comparison.frames,
@@ -160,6 +160,17 @@ def validate(directory: RunDirectory, tolerances: dict[str, float] | None = None
     )
     _write(directory.path, result, comparison, "the reference")
     return result
+
+
+def _half(problem: Problem) -> tuple[str, ...]:
+    if problem.window is None:
+        return ()
+    return ("compared is the front half of the window; the rows behind it lack what was left behind",)
+
+
+def _failure(directory: RunDirectory) -> tuple[str, ...]:
+    record = directory.record
+    return (f"the run failed: {record.get('reason')}",) if record.get("outcome") == "failed" else ()
 
 
 def _doubts(certificate: Certificate, limits: dict[str, float]) -> tuple[str, ...]:
@@ -235,7 +246,7 @@ def validate_against(
     whole = not any(np.isnan(values[:, given.chains - 1]).any() for values in (theirs.displacement, theirs.velocity))
     if whole and len(theirs.time) > 8 and given_table.evenly_spaced(theirs.time):
         wanted += ["amplitude", "arrival"]
-    deviations = {name: deviations[name] for name in wanted}
+    deviations = {name: deviations[name] for name in wanted if name in deviations}
     exceeded = _any_exceeded(deviations, limits)
     found: list[str] = []
     if exceeded and theirs.problem.recorded is None:

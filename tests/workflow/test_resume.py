@@ -1,6 +1,7 @@
 """Runs that were cut short and go on: bit for bit as if nothing had happened."""
 
 import contextlib
+import hashlib
 import json
 import os
 import random
@@ -345,3 +346,14 @@ def test_a_worker_that_loses_its_parent_leaves_a_restart(tmp_path):
     assert wait_until(lambda: not working_in(path))
     assert restarts.step_of(path / continuation.RESTART) > 0
     assert next_words(path, scene_file, 1) == ("running", ["--resume", path])
+
+
+def test_a_damaged_restart_is_not_gone_on_with(tmp_path):
+    restart = tmp_path / continuation.RESTART
+    restart.write_bytes(b"whole")
+    assert not restarts.intact(restart)
+    sums = tmp_path / continuation.RESTART_SUMS
+    sums.write_text(f"{'0' * 64}\n{hashlib.sha256(b'whole').hexdigest()}\n")
+    assert restarts.intact(restart)
+    restart.write_bytes(b"whale")
+    assert not restarts.intact(restart)

@@ -136,7 +136,10 @@ def test_a_deck_whose_job_has_not_begun_waits(tmp_path):
 def test_a_job_that_its_cluster_does_not_know_is_incomplete_and_goes_on_with_sbatch(state, tmp_path):
     found = status(with_state(with_deck(tmp_path / "x"), state), alps())
     assert found.state == "incomplete"
-    assert found.why == "job 7 is gone: killed, or its node lost; `sbatch job.sbatch` there goes on"
+    assert (
+        found.why
+        == "job 7 is gone: killed, or its node lost; `sbatch job.sbatch` there starts again, for there is no restart yet"
+    )
 
 
 @pytest.mark.parametrize("state", ["running", "waiting"])
@@ -188,7 +191,9 @@ def test_a_task_of_an_array_works_in_its_line_of_the_list_of_cases(tmp_path):
 def test_a_task_that_is_gone_goes_on_with_its_array(tmp_path):
     directory = with_state(with_deck(tmp_path / "x"), "running")
     (directory / job.JOB).unlink()
-    assert status(directory, alps()).why.endswith("`sbatch job.sbatch` beside cases.txt goes on")
+    assert status(directory, alps()).why.endswith(
+        "`sbatch job.sbatch` beside cases.txt starts again, for there is no restart yet"
+    )
 
 
 def test_a_directory_of_runs_stands_for_them_all(tmp_path):

@@ -74,7 +74,7 @@ def _print(found: Analysis) -> None:
     if np.isfinite(seen.energy_drift):
         print(f"energy within {seen.energy_drift:.1e}, momentum within {seen.momentum_drift:.1e} of the kick's")
         if max(seen.energy_drift, seen.momentum_drift) > ENERGY_TOLERANCE:
-            print("that is not this scene: was the deck run with another kappa or kick? Change the scene instead")
+            print(found.failure or "that is not this scene: was the deck run with another kappa or kick?")
 
 
 def _print_pulses(found: Survey) -> None:
@@ -107,10 +107,9 @@ def _print_pulses(found: Survey) -> None:
 
 def _words(character: Character) -> str:
     """What a pulse is, at the bead where it was measured."""
-    measured = (
-        f"shape {character.residual:.1e}, speed {character.speed_excess:+.1e} off the exact wave, "
-        f"amplitude varies by {character.variation:.1e}"
-    )
+    measured = f"shape {character.residual:.1e}, speed {character.speed_excess:+.1e} off the exact wave"
+    if math.isfinite(character.variation):
+        measured += f", amplitude varies by {character.variation:.1e}"
     if not math.isfinite(character.residual):
         return f"at bead {character.bead}: not recorded long enough around its passage to compare its shape"
     kind = "solitary" if character.solitary else f"not solitary ({', '.join(character.fails)})"

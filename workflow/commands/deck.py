@@ -37,5 +37,7 @@ def execute(arguments: argparse.Namespace) -> int:
         print(ranks.cost(scene.problem(), options.ranks).sentence())
         print(f"on the cluster, there: sbatch {job.JOB}    then: granchain status {arguments.output}")
         return 0
+    if scene.output.peaks:
+        print("output.peaks: found by `granchain run` only; lmp alone leaves no peaks.csv")
     print(f"run it there with: lmp -in {deck.DECK}    then: granchain analyze {arguments.output}")
     return 0

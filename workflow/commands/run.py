@@ -151,15 +151,20 @@ def _seconds(text: str) -> float:
     return value
 
 
+def _size(error: float) -> str:
+    return "-" if math.isnan(error) else f"{error:.1e}"
+
+
 def _checked(check: Check, problem: Problem) -> str:
     """The run's error in one line, in the dimensionless units that it does not depend on the scene for."""
+    near = " in the front half of the window" if problem.window is not None else ""
     where = ""
     if check.where is not None and check.where.time is not None:
         time = check.where.time * problem.scale.time
         unit = f" {problem.scale.symbol('time')}" if problem.scale.si else ""
         where = f" (bead {check.where.bead} of chain {check.where.chain}, t = {time:.5g}{unit})"
     return (
-        f"error: velocities {check.velocity:.1e} V{where}, peaks {check.amplitude:.1e} V, "
-        f"arrivals {check.arrival:.1e} T; "
+        f"error{near}: velocities {check.velocity:.1e} V{where}, peaks {_size(check.amplitude)} V, "
+        f"arrivals {_size(check.arrival)} T; "
         f"the reference is sure to {check.reference.velocity:.1e} V and {check.reference.arrival:.1e} T"
     )

@@ -129,6 +129,8 @@ class _Kept:
         self._program = _program()
         if self._folder is not None:
             try:
+                if self._folder.parent.is_dir() and any(self._folder.parent.iterdir()) and not self._folder.is_dir():
+                    raise InputError(f"{directory}: holds something else; choose another -o")
                 self._folder.mkdir(parents=True, exist_ok=True)
             except OSError as error:
                 raise InputError(f"{directory}: cannot be written to ({error.strerror})") from None

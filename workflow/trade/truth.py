@@ -115,20 +115,20 @@ def deviation(blocks: Iterable[Trajectory], reference: Iterable[Trajectory], pea
         peaks: its first passages, if they are known better than these frames show them.
     """
     finders = PeakFinder(first_only=True), PeakFinder(first_only=True)
-    velocity, last, every = 0.0, 0.0, 0.0
+    velocity, last, every, beads = 0.0, 0.0, 0.0, 0
     with np.errstate(over="ignore", invalid="ignore"):  # of a run that blew up
         for own, other in paired(blocks, reference):
             finders[0].add(own)
             if peaks is None:
                 finders[1].add(other)
             velocity = max(velocity, _largest(own.velocity - other.velocity))
-            last, every = float(own.time[-1]), own.problem.every
+            last, every, beads = float(own.time[-1]), own.problem.every, own.problem.beads
         if not math.isfinite(velocity):
             return dict.fromkeys(QUANTITIES, math.inf)
         found = finders[0].result()
     true = finders[1].result() if peaks is None else peaks
     missed = _missed(found, true, last - 2.0 * every)
-    found, true = matched(found, true)
+    found, true = matched(found, true, beads)
     amplitude = max(_largest(found.velocity - true.velocity), float(missed.velocity.max(initial=0.0)))
     arrival = math.inf if len(missed) else _largest((found.time - true.time)[sharp(true)])
     return {"velocity": velocity, "amplitude": amplitude, "arrival": arrival}

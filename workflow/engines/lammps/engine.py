@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,6 +22,9 @@ Progress = Callable[[int, int], None]
 """Called with the steps done and the bead that the front has reached."""
 
 _STOP_SECONDS = 20.0
+
+_HUNG_SECONDS = 60.0
+"""From Ctrl-C on: a segment and a restart of what fits a machine take less."""
 
 
 @dataclass(frozen=True)
@@ -101,6 +105,8 @@ def run(
         )
         assert process.stdin is not None
         assert process.stdout is not None
+        patience = threading.Timer(_HUNG_SECONDS, os.killpg, (process.pid, signal.SIGKILL))
+        patience.daemon = True
         try:
             while True:
                 try:
@@ -115,8 +121,10 @@ def run(
                         raise
                     stopped = True
                     process.stdin.close()
+                    patience.start()
             process.wait()
         finally:
+            patience.cancel()
             _end(process)
         errors.seek(0)
         complaint = next((text.strip() for text in errors if text.strip()), "")

@@ -1,5 +1,6 @@
 """Restarts of a run under way: how often, whole or not at all, and which step one goes on from."""
 
+import hashlib
 import os
 import struct
 import time
@@ -73,10 +74,34 @@ def keep(frames: Path, step: int) -> None:
             _to_disk(path)
         if step_of(unfinished) != step:
             raise OSError(f"{continuation.RESTART} cannot be written whole; is the disk full?")
+        _note_sum(unfinished)
     except OSError:
         unfinished.unlink(missing_ok=True)
         raise
     unfinished.replace(continuation.RESTART)
+
+
+def intact(path: Path) -> bool:
+    """Whether a restart is, bit for bit, one that was noted when it was written: a damaged one hangs LAMMPS."""
+    try:
+        return _sum(path) in path.with_name(continuation.RESTART_SUMS).read_text(encoding="ascii").split()
+    except (OSError, ValueError):
+        return False
+
+
+def _note_sum(unfinished: Path) -> None:
+    """Note the sum of a restart before it takes the place of another, whose sum stays until then."""
+    sums, restart = Path(continuation.RESTART_SUMS), Path(continuation.RESTART)
+    before = [_sum(restart)] if restart.is_file() else []
+    part = sums.with_name(f".{sums.name}.part")
+    part.write_text("\n".join([_sum(unfinished), *before]) + "\n", encoding="ascii")
+    _to_disk(part)
+    part.replace(sums)
+
+
+def _sum(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def step_of(path: Path) -> int | None:

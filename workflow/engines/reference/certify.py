@@ -101,7 +101,7 @@ class Certifier:
     @property
     def certificate(self) -> Certificate:
         """Bounds on the errors of the blocks that were taken."""
-        fine, coarse = matched(*(finder.result() for finder in self._finders))
+        fine, coarse = matched(self._finders[0].result(), self._finders[1].result(), self.problem.beads)
         arrival = float(np.max(np.abs(fine.time - coarse.time)[sharp(fine)], initial=0.0))
         order = None
         if len(self._velocity) > 1:
