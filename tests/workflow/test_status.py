@@ -136,10 +136,8 @@ def test_a_deck_whose_job_has_not_begun_waits(tmp_path):
 def test_a_job_that_its_cluster_does_not_know_is_incomplete_and_goes_on_with_sbatch(state, tmp_path):
     found = status(with_state(with_deck(tmp_path / "x"), state), alps())
     assert found.state == "incomplete"
-    assert (
-        found.why
-        == "job 7 is gone: killed, or its node lost; `sbatch job.sbatch` there starts again, for there is no restart yet"
-    )
+    again = "`sbatch job.sbatch` there starts again, for there is no restart yet"
+    assert found.why == f"job 7 is gone: killed, or its node lost; {again}"
 
 
 @pytest.mark.parametrize("state", ["running", "waiting"])
