@@ -109,9 +109,8 @@ def analyse(
     drawn = _draw(directory.path, found, spacetime, history) if figures else ()
     write_text(directory.path / WAVES, waves_csv(found))
     write_json(directory.path / REPORT, report(found, conservation, allowed, left))
-    record = directory.record
-    failure = f"the run failed: {record.get('reason')}" if record.get("outcome") == "failed" else ""
-    return Analysis(problem, found, conservation, conservation.frames == problem.frames + 1, drawn, left, failure)
+    complete = conservation.frames == problem.frames + 1
+    return Analysis(problem, found, conservation, complete, drawn, left, directory.failure)
 
 
 def _quietly(blocks: Iterator[Trajectory]) -> Iterator[Trajectory]:

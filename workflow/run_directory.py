@@ -255,6 +255,15 @@ class RunDirectory:
         path = self.path / RECORD
         return read_record(path) if path.is_file() else {}
 
+    @property
+    def failure(self) -> str:
+        """Why the run failed, in words; empty where it did not, or where ``run.json`` does not tell."""
+        try:
+            record = self.record
+        except InputError:
+            return ""
+        return f"the run failed: {record.get('reason')}" if record.get("outcome") == "failed" else ""
+
     def update_record(self, **changes: Any) -> None:
         """Add to ``run.json``, or with None take away."""
         record = {**self.record, **changes}

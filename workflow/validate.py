@@ -144,7 +144,7 @@ def validate(directory: RunDirectory, tolerances: dict[str, float] | None = None
     own, right = (joined(pair[side] for pair in kept) for side in (0, 1))
     exceeded = _any_exceeded(deviations, limits)
     found = causes.rounded(own, right)
-    if exceeded and problem.whole and directory.record.get("outcome") != "failed":
+    if exceeded and problem.whole and not directory.failure:
         found += causes.causes(own, right)
     result = Validation(
         problem=problem,
@@ -152,7 +152,7 @@ def validate(directory: RunDirectory, tolerances: dict[str, float] | None = None
         deviations=deviations,
         tolerances=limits,
         causes=tuple(found),
-        remarks=(*_failure(directory), *_half(problem), *_doubts(certifier.certificate, limits)),
+        remarks=(*filter(None, [directory.failure]), *_half(problem), *_doubts(certifier.certificate, limits)),
         certificate=certifier.certificate,
         interpolation=None,
         frames=comparison.frames,
@@ -166,11 +166,6 @@ def _half(problem: Problem) -> tuple[str, ...]:
     if problem.window is None:
         return ()
     return ("compared is the front half of the window; the rows behind it lack what was left behind",)
-
-
-def _failure(directory: RunDirectory) -> tuple[str, ...]:
-    record = directory.record
-    return (f"the run failed: {record.get('reason')}",) if record.get("outcome") == "failed" else ()
 
 
 def _doubts(certificate: Certificate, limits: dict[str, float]) -> tuple[str, ...]:
