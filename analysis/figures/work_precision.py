@@ -19,6 +19,8 @@ UNITS = {"velocity": "V", "amplitude": "V", "arrival": "T"}
 LEAST = 1e-14
 """Errors below this are drawn here; there are no logarithms of 0."""
 
+COLOURS = (*CHAIN_COLOURS, "0.55")
+
 
 @dataclass(frozen=True)
 class Curve:
@@ -79,7 +81,7 @@ def work_precision_figure(
 
 
 def _colour(number: int) -> str:
-    return CHAIN_COLOURS[number % len(CHAIN_COLOURS)]
+    return COLOURS[number % len(COLOURS)]
 
 
 def _shown(error: Floats) -> tuple[Floats, "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]"]:
@@ -96,7 +98,7 @@ def _draw(axis: Axes, number: int, curve: Curve, quantity: str, cost: Floats) ->
             color=_colour(number),
             marker=MARKERS[number % len(MARKERS)],
             markersize=4,
-            linestyle="-" if number < len(CHAIN_COLOURS) else "--",
+            linestyle="-" if number < len(COLOURS) else "--",
             linewidth=1.0,
             label=curve.name,
         )
