@@ -41,7 +41,7 @@ def distance_figure(problem: Problem, shared: Sharing, energies: EnergyShares, d
         lag.set_xlabel("bead" if direction > 0 else f"bead, counted from bead {problem.beads}")
         for axis, letter in zip((amplitude, energy, lag), "abc", strict=True):
             axis.set_title(f"({letter})", loc="left")
-        figure.suptitle(title(problem))
+        figure.suptitle(title(problem, each_chain=True))
     return figure
 
 

@@ -56,5 +56,5 @@ def response_figure(data: BeadHistory) -> Figure:
             axis.set_ylabel(f"$v$ ({unit_label(problem, 'velocity')})")
         axes[-1].set_xlabel(f"time $t$ ({unit_label(problem, 'time')})")
         axes[0].legend(loc="upper right", ncols=2)
-        figure.suptitle(title(problem))
+        figure.suptitle(title(problem, each_chain=True))
     return figure

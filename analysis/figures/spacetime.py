@@ -88,5 +88,5 @@ def spacetime_figure(data: SpaceTime) -> Figure:
         axes[0].set_ylabel(f"time $t$ ({unit_label(problem, 'time')})")
         bar = figure.colorbar(image, ax=list(axes), extend="max" if both_ways else "both")
         bar.set_label(f"velocity {'$|v|$' if both_ways else '$v$'} ({unit_label(problem, 'velocity')})")
-        figure.suptitle(title(problem))
+        figure.suptitle(title(problem, each_chain=True))
     return figure
