@@ -17,8 +17,7 @@ LEAST_FRAMES = 8
 
 def frames_per_block(problem: Problem) -> int:
     """Frames in one piece of a long trajectory: about 1 MB, which stays in the processor's cache, or at least 8."""
-    recorded = problem.rows if problem.recorded is None else len(problem.recorded)
-    return max(LEAST_FRAMES, BLOCK_BYTES // (16 * problem.chains * recorded))
+    return max(LEAST_FRAMES, BLOCK_BYTES // (16 * problem.chains * problem.rows_a_frame))
 
 
 @dataclass(frozen=True)

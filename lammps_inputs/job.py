@@ -240,5 +240,5 @@ def _size_lines(dump: str, every: str, frame: int) -> list[str]:
 def _frame_bytes(problem: Problem) -> int:
     """Bytes of a frame of the dump, but for 4 bytes a rank."""
     names = deck.columns(problem)
-    atoms = problem.chains * (problem.rows if problem.recorded is None else len(problem.recorded))
+    atoms = problem.chains * problem.rows_a_frame
     return 143 + len(" ".join(names)) + 8 * len(names) * atoms

@@ -83,6 +83,11 @@ class Problem:
         return self.window or self.beads
 
     @property
+    def rows_a_frame(self) -> int:
+        """Rows of beads that a frame holds."""
+        return self.rows if self.recorded is None else len(self.recorded)
+
+    @property
     def whole(self) -> bool:
         """Whether every frame holds every bead, so that the states obey the conservation laws."""
         return self.recorded is None and self.window is None

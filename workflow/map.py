@@ -18,7 +18,7 @@ import numpy as np
 
 from analysis.equipartition import sharing
 from analysis.waves import Waves
-from lammps_inputs import Coupling, InputError, Kick, Problem, Scene, coupling
+from lammps_inputs import Coupling, InputError, Kick, Problem, Scene
 from workflow.engines.lammps.mpi import cores
 from workflow.engines.reference.passages import passages
 from workflow.run_directory import write_figure, write_text
@@ -106,9 +106,8 @@ def _problem(chains: int, kappa: float, beads: int) -> Problem:
 def _waves(problem: Problem, window: int) -> Waves:
     """Leading waves; the last rows are left out, which the free end disturbs."""
     window = min(window, problem.beads + 30)
-    step = 0.1 / math.sqrt(max(1.0, problem.kappa * coupling.largest_eigenvalue(problem.chains) / 2.0))
     until = problem.beads - 5
-    waves = passages(problem, window=window, timestep=step, until_bead=until, threshold=_THRESHOLD).waves
+    waves = passages(problem, window=window, until_bead=until, threshold=_THRESHOLD).waves
     return waves.where(waves.bead <= until - 5)
 
 

@@ -102,9 +102,8 @@ def advised(problem: Problem, most: int) -> int:
 def cost(problem: Problem, ranks: int) -> Cost:
     """What a run takes on some ranks, by the model."""
     beads = problem.chains * problem.rows
-    recorded = problem.rows if problem.recorded is None else len(problem.recorded)
     columns = 3 if problem.window is None else 4
-    frame = 8.0 * columns * problem.chains * recorded
+    frame = 8.0 * columns * problem.chains * problem.rows_a_frame
     frames = frame * (problem.frames + 1)
     step = (
         STEP

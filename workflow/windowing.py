@@ -2,17 +2,13 @@
 
 from dataclasses import replace
 
-import numpy as np
-
-from lammps_inputs import Problem, Scene, coupling, window
+from lammps_inputs import Problem, Scene, window
 from workflow.engines.reference.passages import Passages, passages
 
 SAME = 1e-9
 """Largest difference of a leading peak, in units of V, from that in a window twice as wide."""
 
 WIDEST = 1024
-
-_STEP = 0.1
 
 _AROUND_KICKS = 32
 """Rows that the reference integrates at the least beyond those between the kicks."""
@@ -43,8 +39,7 @@ def with_window(scene: Scene) -> Scene:
 
 def _leading(problem: Problem, rows: int) -> Passages:
     whole = replace(problem, window=None)
-    step = _STEP / np.sqrt(max(1.0, problem.kappa * coupling.largest_eigenvalue(problem.chains) / 2.0))
-    return passages(whole, window=window.behind(rows), timestep=float(step))
+    return passages(whole, window=window.behind(rows))
 
 
 def _difference(first: Passages, second: Passages) -> float:

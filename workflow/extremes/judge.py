@@ -14,11 +14,11 @@ from analysis.conservation import Conservation
 from analysis.pairing import paired
 from analysis.peaks import THRESHOLD, PeakFinder
 from analysis.waves import Waves, leading_waves
-from lammps_inputs import Problem, coupling
+from lammps_inputs import Problem
 from workflow.engines.reference import engine
 from workflow.engines.reference.blanes_moan import BLANES_MOAN
 from workflow.engines.reference.certify import Certifier
-from workflow.engines.reference.passages import passages
+from workflow.engines.reference.passages import passages, usual_timestep
 from workflow.extremes.outcome import Truth
 from workflow.run_directory import RunDirectory
 
@@ -88,10 +88,9 @@ def _by_leading_pulse(directory: RunDirectory) -> Truth:
 
 
 def _passages(problem: Problem, refinement: float) -> Waves:
-    stiff = math.sqrt(max(1.0, problem.kappa * coupling.largest_eigenvalue(problem.chains) / 2.0))
     kicked = [bead for _, bead, _ in problem.kicks]
     window = min(problem.beads + 30, max(kicked) - min(kicked) + _WINDOW)
-    return passages(problem, window=window, timestep=0.1 / stiff / refinement).waves
+    return passages(problem, window=window, timestep=usual_timestep(problem) / refinement).waves
 
 
 def _apart(one: Waves, other: Waves) -> float:

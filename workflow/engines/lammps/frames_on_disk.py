@@ -19,8 +19,7 @@ class FramesOnDisk:
         self._every = problem.steps_per_frame
         self._first = -(-begun // self._every)
         self._size = 0
-        rows = problem.beads if problem.recorded is None else len(problem.recorded)
-        self._least = 8 * 3 * problem.chains * (problem.window or rows)
+        self._least = 8 * 3 * problem.chains * problem.rows_a_frame
 
     def whole(self, step: int) -> bool:
         """Whether the file holds every frame until a step."""

@@ -1,7 +1,6 @@
 """The leading pulse at every bead, found while LAMMPS runs: for chains whose frames nobody could keep."""
 
 import io
-import os
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -12,6 +11,7 @@ from analysis.peaks import PeakFinder
 from analysis.trajectory import Floats, Trajectory, frames_per_block
 from analysis.waves import leading_waves, to_csv
 from lammps_inputs import Problem, deck
+from workflow.engines.lammps.restarts import write_whole
 from workflow.engines.lammps.travel import Travel
 
 
@@ -61,7 +61,7 @@ class LivePeaks:
         content = io.BytesIO()
         state: dict[str, Any] = dict(self._finder.state())  # numbers only
         np.savez(content, **state)
-        _write(Path(deck.PEAKS_STATE), content.getvalue())
+        write_whole(Path(deck.PEAKS_STATE), content.getvalue())
 
     def finish(self) -> None:
         """Write ``peaks.csv``: the columns of ``waves.csv`` that need no frames."""
@@ -69,7 +69,7 @@ class LivePeaks:
             return
         self._look()
         waves = leading_waves(self._finder.result())
-        _write(Path(deck.PEAKS), to_csv(waves, self._problem.scale).encode())
+        write_whole(Path(deck.PEAKS), to_csv(waves, self._problem.scale).encode())
         Path(deck.PEAKS_STATE).unlink(missing_ok=True)
 
     def _take(self) -> None:
@@ -88,13 +88,3 @@ class LivePeaks:
         displacement, velocity = (np.array([state[k] for state in self._states]) for k in (0, 1))
         self._finder.add(Trajectory(self._problem, time, displacement, velocity))
         self._steps, self._states = [], []
-
-
-def _write(path: Path, content: bytes) -> None:
-    """Whole or not at all, and on the disk."""
-    unfinished = path.with_name(f".{path.name}.part")
-    with unfinished.open("wb") as file:
-        file.write(content)
-        file.flush()
-        os.fsync(file.fileno())
-    unfinished.replace(path)

@@ -93,10 +93,15 @@ def _note_sum(unfinished: Path) -> None:
     """Note the sum of a restart before it takes the place of another, whose sum stays until then."""
     sums, restart = Path(continuation.RESTART_SUMS), Path(continuation.RESTART)
     before = [_sum(restart)] if restart.is_file() else []
-    part = sums.with_name(f".{sums.name}.part")
-    part.write_text("\n".join([_sum(unfinished), *before]) + "\n", encoding="ascii")
-    _to_disk(part)
-    part.replace(sums)
+    write_whole(sums, ("\n".join([_sum(unfinished), *before]) + "\n").encode("ascii"))
+
+
+def write_whole(path: Path, content: bytes) -> None:
+    """Write a file whole or not at all; it is on the disk when this returns."""
+    unfinished = path.with_name(f".{path.name}.part")
+    unfinished.write_bytes(content)
+    _to_disk(unfinished)
+    unfinished.replace(path)
 
 
 def _sum(path: Path) -> str:

@@ -11,7 +11,7 @@ from analysis.conservation import Conservation
 from analysis.pairing import on_common_rows
 from analysis.peaks import PeakFinder
 from analysis.trajectory import Trajectory
-from lammps_inputs import Problem, coupling
+from lammps_inputs import Problem
 from workflow.engines.reference import engine
 from workflow.engines.reference.blanes_moan import BLANES_MOAN
 from workflow.engines.reference.scheme import Scheme
@@ -126,12 +126,10 @@ def rows_to_judge(problem: Problem) -> int | None:
         return None
     from workflow.engines.reference.passages import passages  # numba takes a third of a second to import
 
-    stiff = math.sqrt(max(1.0, problem.kappa * coupling.largest_eigenvalue(problem.chains) / 2.0))
     before_last = problem.beads - 1
     found = passages(
         replace(problem, window=None),
         window=engine.WIDER * problem.window,
-        timestep=0.1 / stiff,
         until_bead=before_last,
     )
     arrival = float(np.min(found.waves.at(before_last).arrival, initial=problem.duration))

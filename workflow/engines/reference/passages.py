@@ -5,6 +5,7 @@ maximum of its velocity, from the cubic polynomial through velocity and accelera
 below 1e-5 of V at the default step).
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +13,7 @@ from numba import njit
 
 from analysis.peaks import THRESHOLD
 from analysis.waves import Waves, with_speeds
-from lammps_inputs import Problem
+from lammps_inputs import Problem, coupling
 from workflow.engines.reference import engine
 from workflow.engines.reference.blanes_moan import BLANES_MOAN
 from workflow.engines.reference.kernel import Floats, Integers, press, step
@@ -103,11 +104,16 @@ class Passages:
     time: float
 
 
+def usual_timestep(problem: Problem) -> float:
+    """0.1, or less where the springs are stiff, in units of T: peaks are then right to below 1e-5 of V."""
+    return 0.1 / math.sqrt(max(1.0, problem.kappa * coupling.largest_eigenvalue(problem.chains) / 2.0))
+
+
 def passages(
     problem: Problem,
     *,
     window: int | None = None,
-    timestep: float = 0.1,
+    timestep: float | None = None,
     until_bead: int | None = None,
     scheme: Scheme = BLANES_MOAN,
     threshold: float = THRESHOLD,
@@ -117,7 +123,7 @@ def passages(
     Args:
         problem: what to integrate; its own time step and frames are not used, only its duration.
         window: rows that are integrated at most, those behind are let go; None for all.
-        timestep: of the scheme, in units of T.
+        timestep: of the scheme, in units of T; by default `usual_timestep`.
         until_bead: stop when every chain's pulse has passed it.
         scheme: how to integrate.
         threshold: smallest peak that counts, in units of V.
@@ -125,6 +131,7 @@ def passages(
     Raises:
         ValueError: a window that is too narrow.
     """
+    timestep = usual_timestep(problem) if timestep is None else timestep
     state = engine.make_state(problem, window)
     shape = state.x.shape
     arrival, peak = np.full(shape, np.nan), np.full(shape, np.nan)
