@@ -37,7 +37,7 @@ class Conservation:
         if not problem.whole:
             self.energy_drift = self.momentum_drift = float("nan")
             return
-        energy = motion.energy(problem, block.displacement[..., moving], velocity)
+        energy = motion.energy(problem, block.displacement[..., moving], velocity, int(block.beads[moving][0]))
         momentum = motion.momentum(velocity)
         kicked = sum(abs(velocity) for _, _, velocity in problem.kicks)
         # np.maximum, unlike max(), lets NaN through

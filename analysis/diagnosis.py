@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from analysis import motion
 from analysis.trajectory import Floats, Trajectory
-from lammps_inputs import contact
 
 SINGLE = "single precision"
 
@@ -117,8 +117,9 @@ def identify_springs(trajectory: Trajectory) -> Springs | None:
         return None
     x, v = trajectory.displacement, trajectory.velocity
     spacing = np.diff(trajectory.time)[:, np.newaxis, np.newaxis]
-    push = contact.force(x[..., :-1] - x[..., 1:] - problem.gap)
-    rate = contact.stiffness(x[..., :-1] - x[..., 1:] - problem.gap) * (v[..., :-1] - v[..., 1:])
+    overlap = motion.overlaps(problem, x)
+    push = motion.contact_force(problem, overlap, slice(None), slice(None))
+    rate = motion.contact_stiffness(problem, overlap, slice(None), slice(None)) * (v[..., :-1] - v[..., 1:])
     impulse = _integral(push, rate, spacing)
     change = np.diff(v, axis=0)
     change[..., 1:] -= impulse

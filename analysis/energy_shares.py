@@ -7,9 +7,10 @@ contacts between them.
 
 import numpy as np
 
+from analysis import motion
 from analysis.equipartition import Sharing
 from analysis.trajectory import Floats, Trajectory
-from lammps_inputs import Problem, contact, coupling
+from lammps_inputs import Problem
 
 REACH = 3.0
 """Beads; the exact wave has fallen to 1e-5 of its peak there."""
@@ -47,12 +48,8 @@ class EnergyShares:
     def _energies(self, block: Trajectory, frame: int) -> tuple[Floats, Floats]:
         x, v = block.displacement[frame], block.velocity[frame]
         kinetic = 0.5 * v * v
-        contacts = contact.energy(x[:, :-1] - x[:, 1:] - self.problem.gap)
-        total = np.sum(kinetic, axis=1) + np.sum(contacts, axis=1)
-        if self.problem.coupled:
-            springs = np.sum(coupling.energy(np.diff(x, axis=0), self.problem.kappa), axis=1)
-            total[:-1] += 0.5 * springs
-            total[1:] += 0.5 * springs
+        contacts = motion.contact_energy(self.problem, x, block.first)
+        total = motion.chain_energy(self.problem, x, v, block.first)
         inside = np.empty_like(total)
         for chain in range(self.problem.chains):
             arrivals = np.maximum.accumulate(self._shared.arrival[:, chain])

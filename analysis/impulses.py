@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from analysis import hermite, motion
 from analysis.events import Events
 from analysis.trajectory import Floats, Trajectory, joined
-from lammps_inputs import Problem, contact
+from lammps_inputs import Problem
 
 Integers = NDArray[np.int64]
 
@@ -138,7 +138,8 @@ class ImpulseMeter:
         polynomial = self._polynomial(block, overlap, rate, frame, chain, pair, spacing)
         node, weight = _gauss(spacing)
         between = np.stack([hermite.value(polynomial, np.full(len(frame), s)) for s in node])
-        push = contact.force(between) * weight[:, np.newaxis] * spacing
+        contact = chain, self._bead[pair] - 2
+        push = motion.contact_force(self.problem, between, *contact) * weight[:, np.newaxis] * spacing
         closed = np.stack([overlap[frame, chain, pair], *between, overlap[frame + 1, chain, pair]]) > TOUCH
         opening = closed[:-1] & ~closed[1:]
         before = np.cumsum(opening, axis=0)[:-1] == 0  # of each node: whether no contact has ended in this interval

@@ -9,10 +9,10 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis import hermite
+from analysis import hermite, motion
 from analysis.solitary_wave import solitary_wave
 from analysis.trajectory import Floats, Trajectory
-from lammps_inputs import Problem, contact
+from lammps_inputs import Problem
 
 Integers = NDArray[np.int64]
 
@@ -125,7 +125,9 @@ class Waveforms:
             x = block.displacement
             ahead = np.minimum(bead + 1, x.shape[2] - 1)
             overlap = x[frame, chain, bead] - x[frame, chain, ahead] - self.problem.gap
-            self.contact_energy[row, sample] = contact.energy(np.where(ahead > bead, overlap, 0.0))
+            contact = chain, block.first - 1 + np.minimum(bead, x.shape[2] - 2)
+            energy = motion.stored_in_contact(self.problem, np.where(ahead > bead, overlap, 0.0), *contact)
+            self.contact_energy[row, sample] = energy
 
     def shape(self) -> Shape:
         """What the waveforms say."""

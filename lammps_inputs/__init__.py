@@ -4,8 +4,9 @@ Imports nothing of the other two packages. Runs nothing, and reads no results.
 """
 
 from lammps_inputs.errors import InputError
+from lammps_inputs.ingredients.coupling import Coupling
 from lammps_inputs.library import find, load
-from lammps_inputs.problem import Problem
-from lammps_inputs.scene import Coupling, Kick, Material, Output, Scene
+from lammps_inputs.problem import Problem, System
+from lammps_inputs.scene import Kick, Material, Output, Scene
 
-__all__ = ["Coupling", "InputError", "Kick", "Material", "Output", "Problem", "Scene", "find", "load"]
+__all__ = ["Coupling", "InputError", "Kick", "Material", "Output", "Problem", "Scene", "System", "find", "load"]

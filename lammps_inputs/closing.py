@@ -10,8 +10,6 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from lammps_inputs import coupling
-
 Floats = NDArray[np.float64]
 
 MOST_WORK = 10**7
@@ -54,6 +52,11 @@ def never_closes(chains: int, kappa: float, gap: float, kicks: Iterable[tuple[in
     return all(_stays_open(closing, kappa, gap) for closing in relative)
 
 
+def slowest_swing(chains: int, kappa: float) -> float:
+    """Angular frequency of the slowest mode in which a row of chains swings: sqrt(2 kappa) for two."""
+    return 2.0 * math.sqrt(kappa) * math.sin(math.pi / (2.0 * chains))
+
+
 def _stays_open(closing: Floats, kappa: float, gap: float) -> bool:
     """Whether a row whose beads set out with these velocities [chain] provably never advances by the gap anywhere."""
     chains = len(closing)
@@ -61,7 +64,7 @@ def _stays_open(closing: Floats, kappa: float, gap: float) -> bool:
     swing = closing - closing.mean()
     # no bead of a row swings by more than this share of the norm of the row
     share = math.sqrt((chains - 1) / chains) * float(np.linalg.norm(swing))
-    slowest = coupling.slowest_swing(chains, kappa)
+    slowest = slowest_swing(chains, kappa)
     rounding = 1e-12 * float(np.abs(closing).max())
     if share / slowest < gap or drift + share <= rounding:
         return True

@@ -16,7 +16,9 @@ from pathlib import Path
 
 import numpy as np
 
-from lammps_inputs import contact, coupling, scheme, strict_yaml, window
+from lammps_inputs import scheme, strict_yaml, window
+from lammps_inputs.lines import Lines
+from lammps_inputs.links import Across, Along
 from lammps_inputs.numbers import text
 from lammps_inputs.problem import Problem
 from lammps_inputs.scene import Scene
@@ -98,22 +100,30 @@ def neighbour_lines(problem: Problem) -> list[str]:
     ]
 
 
+def spelling(problem: Problem) -> list[Lines]:
+    """What the laws on the links are to LAMMPS, in the order of the links.
+
+    Raises:
+        ValueError: LAMMPS has no words for one of them.
+    """
+    found = []
+    for link in problem.links:
+        kind = "along" if isinstance(link, Along) else "across" if isinstance(link, Across) else "ground"
+        spell = getattr(link.law, kind, None)
+        if spell is None:
+            raise ValueError(f"{link.name}: LAMMPS does not know this force; use the reference engine")
+        found.append(spell(link.name, problem))
+    return found
+
+
 def interactions(problem: Problem) -> list[list[str]]:
     """Contacts, and springs where there are any."""
-    contacts = [
-        "# contacts: force = overlap^1.5, no friction, no loss (LAMMPS reports no energy for this style)",
-        *contact.pair_lines(problem.diameter),
-    ]
-    springs = [
-        "# springs between chains: r0 = 0 makes them linear along the chain at any lateral distance",
-        *coupling.bond_lines(),
-    ]
-    return [contacts, springs] if problem.coupled else [contacts]
+    return [list(lines.interactions) for lines in spelling(problem) if lines.interactions]
 
 
 def motion_lines(problem: Problem, group: str) -> list[str]:
     """Newton's equation for the beads of a group."""
-    lines = [f"fix motion {group} nve"]
+    lines = [f"fix motion {group} nve", *(line for found in spelling(problem) for line in found.motion)]
     if problem.coupled:
         lines.append("fix line all lineforce 1 0 0     # beads move along their chain only")
     return lines
@@ -193,7 +203,7 @@ def number_lines(problem: Problem) -> list[str]:
         f"variable steps index {problem.steps}",
         f"variable every index {problem.steps_per_frame}   # steps from frame to frame",
         f"variable thermo index {min(max(1, problem.steps // 20), 2**31 - 1)}   # steps from line to line of the log",
-        *([f"variable kappa index {text(problem.kappa)}"] if problem.coupled else []),
+        *(line for found in spelling(problem) for line in found.variables),
     ]
 
 
@@ -213,11 +223,12 @@ def render_data(problem: Problem) -> str:
     The molecule is the chain, or in a window the row.
     """
     chains, beads, spacing = problem.chains, problem.rows, problem.spacing
+    edges = [edge for link in problem.across for edge in link.edges]
     types = 1 if problem.recorded is None else 2
     out = io.StringIO()
     out.write(f"granchain: {problem.name}\n\n{chains * beads} atoms\n{types} atom types\n")
     if problem.coupled:
-        out.write(f"{(chains - 1) * beads} bonds\n1 bond types\n")
+        out.write(f"{len(edges) * beads} bonds\n1 bond types\n")
     side = text(2.0 * spacing)
     out.write(f"\n0 {text((beads + 1) * spacing)} xlo xhi\n")
     out.write(f"-{side} {text(2.0 * spacing * chains)} ylo yhi\n-{side} {side} zlo zhi\n")
@@ -237,5 +248,7 @@ def render_data(problem: Problem) -> str:
             out.writelines(f"{first + i} {t} {size} {x} {y} 0\n" for i, (t, x) in enumerate(rows))
     if problem.coupled:
         out.write("\nBonds\n\n")
-        out.writelines(f"{atom} 1 {atom} {atom + beads}\n" for atom in range(1, (chains - 1) * beads + 1))
+        for number, (one, other) in enumerate(edges):
+            bond, lower, higher = (beads * chain + 1 for chain in (number, one, other))
+            out.writelines(f"{bond + i} 1 {lower + i} {higher + i}\n" for i in range(beads))
     return out.getvalue()

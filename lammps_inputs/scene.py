@@ -5,13 +5,16 @@ No default depends on anything but the scene, and `Scene.resolved` fills every o
 
 import math
 from collections.abc import Iterator
-from typing import Annotated, Any, Literal, Self
+from dataclasses import fields
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic import Field, create_model, field_validator, model_validator
 
 from lammps_inputs import scheme as schemes
 from lammps_inputs.closing import never_closes
-from lammps_inputs.problem import Problem
+from lammps_inputs.ingredients import INGREDIENTS, contacts
+from lammps_inputs.ingredients.base import Ingredient, Part
+from lammps_inputs.problem import Problem, System
 from lammps_inputs.scheme import SchemeName
 from lammps_inputs.timestep import default_timestep
 from lammps_inputs.units import Scale, hertz_constant, make_scale, sphere_mass
@@ -32,19 +35,7 @@ Positive = Annotated[float, Field(gt=0, le=1e30)]
 Count = Annotated[int, Field(ge=1, le=2**31 - 1)]
 
 
-class _Part(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
-
-
-class Coupling(_Part):
-    """Linear springs between neighbouring chains."""
-
-    model: Literal["linear"] = "linear"
-    stiffness: Annotated[float, Field(ge=0, le=1e30)]
-    """The paper's epsilon * alpha (kappa); N/m with a material."""
-
-
-class Kick(_Part):
+class Kick(Part):
     """An initial velocity of one bead, towards higher bead numbers when positive."""
 
     chain: Count = 1
@@ -59,7 +50,7 @@ class Kick(_Part):
         return value
 
 
-class Material(_Part):
+class Material(Part):
     """Elastic spheres in SI units; with it every other number of the scene is in SI."""
 
     radius: Positive
@@ -68,7 +59,7 @@ class Material(_Part):
     poisson_ratio: Annotated[float, Field(gt=-1, le=0.5)]
 
 
-class Output(_Part):
+class Output(Part):
     """What is recorded, and how often."""
 
     every: Positive | None = None
@@ -97,15 +88,17 @@ class Output(_Part):
         return tuple(sorted(value))
 
 
-class Scene(_Part):
-    """Identical chains of touching or gapped beads on parallel lines, hit at the start."""
+class BaseScene(Part):
+    """Identical chains of touching or gapped beads on parallel lines, hit at the start.
+
+    Beside the keys here, a scene has one for each ingredient that it names.
+    """
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$")]
     description: Annotated[str, Field(max_length=200, pattern=r"^[^\x00-\x1f\x7f-\x9f\u2028\u2029]*$")] = ""
     chains: Annotated[int, Field(ge=1, le=10**6)] = 1
     beads: Annotated[int, Field(ge=2, le=10**8)]
     gap: Annotated[float, Field(ge=0, le=1e30)] = 0.0
-    coupling: Coupling | None = None
     kick: tuple[Kick, ...]
     material: Material | None = None
     duration: Positive | None = None
@@ -149,6 +142,9 @@ class Scene(_Part):
             raise ValueError("accuracy: give either accuracy or timestep (both are given)")
         self._check_window()
         self._check_numbers()
+        for ingredient in self.ingredients:
+            ingredient.refuse(self)
+        self._check_times()
         return self
 
     def _check_window(self) -> None:
@@ -168,7 +164,7 @@ class Scene(_Part):
                 raise ValueError(f"{key}.bead: {kick.bead} is not among the first {rows} rows of the window")
 
     def _check_numbers(self) -> None:
-        """Refuse scenes whose dimensionless numbers overflow, or whose times do not fit together."""
+        """Refuse scenes whose dimensionless numbers overflow, or in which nothing happens."""
         try:
             scale = self.scale
             units = [scale.length, scale.time, scale.mass]
@@ -181,17 +177,15 @@ class Scene(_Part):
                 f"gap: {self.gap / scale.length:.3g} in dimensionless units, so wide that positions lose their digits; "
                 f"at most {MAX_LENGTH / self.beads:.3g} for {self.beads} beads"
             )
-        kicks = [(kick.chain, kick.bead, kick.velocity / scale.velocity) for kick in self.kick]
-        if never_closes(self.chains, self.kappa, self.gap / scale.length, kicks, self.beads):
+        system = self.system
+        if system.simply_coupled and never_closes(self.chains, system.kappa, system.gap, system.kicks, self.beads):
             raise ValueError(
                 f"kick: none ever closes the gap of {self.gap:g}, so nothing collides; "
                 "kick a bead towards another (bead 1 forward), or leave the gap out"
             )
-        if self.kappa > 1e12:
-            raise ValueError(
-                f"coupling.stiffness: {self.kappa:.3g} in dimensionless units, so stiff that the rows are rigid; "
-                "at most 1e12"
-            )
+
+    def _check_times(self) -> None:
+        """Refuse times that do not fit together."""
         every, steps = self._cadence()
         if steps > MAX_STEPS_PER_FRAME:
             raise ValueError(
@@ -234,9 +228,23 @@ class Scene(_Part):
         )
 
     @property
-    def kappa(self) -> float:
-        """Dimensionless coupling, 0 without springs."""
-        return 0.0 if self.coupling is None else self.coupling.stiffness / self.scale.stiffness
+    def ingredients(self) -> tuple[Ingredient, ...]:
+        """What the scene names of all that a scene may be made of."""
+        named = (getattr(self, key) for key in INGREDIENTS)
+        return tuple(ingredient for ingredient in named if ingredient is not None)
+
+    @property
+    def system(self) -> System:
+        """Beads, links and kicks, dimensionless at V = 1."""
+        scale = self.scale
+        made = [(ingredient, ingredient.links(self)) for ingredient in self.ingredients]
+        return System(
+            chains=self.chains,
+            beads=self.beads,
+            kicks=tuple((kick.chain, kick.bead, kick.velocity / scale.velocity) for kick in self.kick),
+            links=(*contacts(self.gap / scale.length), *(link for _, links in made for link in links)),
+            lacks=frozenset(fact for ingredient, links in made if links for fact in ingredient.takes_away),
+        )
 
     def _cadence(self) -> tuple[float, int]:
         """Time between frames in the scene's units, and time steps in it."""
@@ -244,12 +252,11 @@ class Scene(_Part):
         every = DEFAULT_EVERY * scale.time if self.output.every is None else self.output.every
         step = self.timestep
         if step is None:
-            energy = 0.5 * sum((kick.velocity / scale.velocity) ** 2 for kick in self.kick)
-            step = default_timestep(energy, self.kappa, self.chains, self.scheme or "verlet") * scale.time
+            step = default_timestep(self.system, self.scheme or "verlet") * scale.time
         steps = max(1, math.ceil(min(every / step, 2.0 * MAX_STEPS_PER_FRAME) * (1.0 - 1e-9)))
         return every, steps + -steps % schemes.cycle(self.scheme or "verlet")
 
-    def resolved(self) -> "Scene":
+    def resolved(self) -> Self:
         """The same scene with every default written out; resolving twice changes nothing.
 
         A time step that an accuracy asks for is no default: `workflow.settings` finds it.
@@ -274,15 +281,11 @@ class Scene(_Part):
             )
         if self.window == "auto":
             raise ValueError("this scene's window is `auto`; workflow.windowing.with_window(scene) finds its rows")
-        scale = self.scale
+        scale, system = self.scale, self.system
         every, steps = self._cadence()
         return Problem(
+            **{field.name: getattr(system, field.name) for field in fields(System)},
             name=self.name,
-            chains=self.chains,
-            beads=self.beads,
-            kicks=tuple((kick.chain, kick.bead, kick.velocity / scale.velocity) for kick in self.kick),
-            kappa=self.kappa if self.chains > 1 else 0.0,
-            gap=self.gap / scale.length,
             timestep=every / scale.time / steps,
             steps_per_frame=steps,
             frames=max(1, math.ceil(self.duration / every * (1.0 - 1e-9))),
@@ -296,7 +299,26 @@ class Scene(_Part):
 
     def plain(self) -> dict[str, Any]:
         """Nested plain data for YAML, without what the scene does not name."""
-        return dict(_named(self.model_dump(mode="json", exclude_none=True)))
+        data = self.model_dump(mode="json", exclude_none=True)
+        keys = [key for key in BaseScene.model_fields if key in data]
+        keys[keys.index("kick") : keys.index("kick")] = [key for key in INGREDIENTS if key in data]
+        return dict(_named({key: data[key] for key in keys}))
+
+
+if TYPE_CHECKING:
+
+    class Scene(BaseScene):
+        """Also with the ingredients' keys, which are known when the package is loaded."""
+
+        def __init__(self, **parts: Any) -> None: ...
+else:
+    Scene = create_model(
+        "Scene",
+        __base__=BaseScene,
+        __module__=__name__,
+        __doc__=BaseScene.__doc__,
+        **{key: (ingredient | None, None) for key, ingredient in INGREDIENTS.items()},
+    )
 
 
 def _named(data: dict[str, Any]) -> Iterator[tuple[str, Any]]:

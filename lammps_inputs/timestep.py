@@ -8,7 +8,7 @@ of coupled beads that swings about its mean with angular frequency omega is late
 
 import math
 
-from lammps_inputs import contact, coupling
+from lammps_inputs.problem import System
 from lammps_inputs.scheme import SchemeName, largest_phase
 
 DEFAULT = 0.01
@@ -41,41 +41,35 @@ _USABLE = 0.5
 """Largest part of the stability bound at which errors still fall as the law says."""
 
 
-def stability_bound(total_energy: float, kappa: float, chains: int, scheme: SchemeName = "verlet") -> float:
-    """Largest stable (mean) Verlet step, ``2 / omega_max`` for velocity Verlet, of the dimensionless problem.
-
-    ``omega_max**2 <= 4 * stiffness(largest overlap) + kappa * lambda_max`` (Gershgorin); energy bounds the overlap.
-    """
-    contacts = 4.0 * float(contact.stiffness(contact.largest_overlap(total_energy)))
-    bound: float = largest_phase(scheme) / math.sqrt(contacts + kappa * coupling.largest_eigenvalue(chains))
-    return bound
+def stability_bound(system: System, scheme: SchemeName = "verlet") -> float:
+    """Largest stable (mean) Verlet step, ``2 / omega_max`` for velocity Verlet, of a dimensionless system."""
+    return largest_phase(scheme) / system.fastest
 
 
-def default_timestep(total_energy: float, kappa: float, chains: int, scheme: SchemeName = "verlet") -> float:
+def default_timestep(system: System, scheme: SchemeName = "verlet") -> float:
     """0.01, or less where stiff springs or many kicks need it, in dimensionless time."""
-    bound = stability_bound(total_energy, kappa, chains)
+    bound = stability_bound(system)
     step = min(DEFAULT, bound / _STEPS_PER_BOUND)
-    if kappa <= 1.0 or chains == 1:
+    if system.stiffest_spring <= 1.0:
         return step
-    swing = math.sqrt(kappa * coupling.largest_eigenvalue(chains))
     if scheme == "suzuki4":
-        return min(step, _STIFF_SUZUKI / math.pow(swing, 1.25))
-    return min(step, max(_STIFF / math.pow(swing, 1.5), bound / _MOST_STEPS_PER_BOUND))
+        return min(step, _STIFF_SUZUKI / math.pow(system.swing, 1.25))
+    return min(step, max(_STIFF / math.pow(system.swing, 1.5), bound / _MOST_STEPS_PER_BOUND))
 
 
-def largest_timestep(total_energy: float, kappa: float, chains: int, scheme: SchemeName = "verlet") -> float:
+def largest_timestep(system: System, scheme: SchemeName = "verlet") -> float:
     """Half the stability bound: the largest step that is taken where an accuracy is asked for."""
-    return _USABLE * stability_bound(total_energy, kappa, chains, scheme)
+    return _USABLE * stability_bound(system, scheme)
 
 
-def timestep_for(accuracy: float, duration: float, kappa: float, chains: int, scheme: SchemeName = "verlet") -> float:
+def timestep_for(accuracy: float, duration: float, system: System, scheme: SchemeName = "verlet") -> float:
     """A (mean) step of Verlet that ends with an error below the accuracy, by the laws; all dimensionless.
 
     Measured over one to five chains, kappa from 0 to 1e3, with and without a gap, kicks at one end and at both: the
     step of velocity Verlet is 1.0 to 3.1 times as small as would just do; that of Suzuki's composition 1.5 to 4.1
     times, but with a gap it is up to 2.5 times too large. It knows no stability bound.
     """
-    swing = math.sqrt(kappa * coupling.largest_eigenvalue(chains))
+    swing = system.swing
     if scheme == "verlet":
         return math.sqrt(accuracy / (duration * (_PULSE + _SWING * swing**3)))
     twice = 2.0 * duration / accuracy  # each part is given half of the accuracy

@@ -18,6 +18,7 @@ from analysis.events import Events
 from analysis.impulses import ImpulseMeter, Impulses, from_events, relative_difference
 from analysis.trajectory import Floats, Trajectory, joined
 from lammps_inputs import Problem
+from lammps_inputs.ingredients import coupled_chains
 from lammps_inputs.units import Scale
 from workflow.engines import collisions
 from workflow.engines.reference import engine as reference
@@ -51,7 +52,18 @@ def problem_at(theta: float, kappa: float, row: int, *, every: float = 0.25, slo
     duration = row * (gap / slowest + 3.0) + 6.0 * math.pi / omega
     frames = math.ceil(duration / every)
     scale = Scale(1.0, 1.0, 1.0, si=False)
-    return Problem("gapped", 2, row + 10, ((1, 1, 1.0),), kappa, gap, every, 1, frames, None, scale)
+    return Problem(
+        name="gapped",
+        chains=2,
+        beads=row + 10,
+        kicks=((1, 1, 1.0),),
+        links=coupled_chains(2, kappa, gap),
+        timestep=every,
+        steps_per_frame=1,
+        frames=frames,
+        recorded=None,
+        scale=scale,
+    )
 
 
 def rigid_problem(theta: float, row: int) -> Problem:

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from lammps_inputs import InputError, Scene
-from lammps_inputs.coupling import slowest_swing
+from lammps_inputs.closing import slowest_swing
 from workflow.engines.reference import engine
 
 _AFTER = 6.0

@@ -2,7 +2,7 @@
 
 import math
 
-from lammps_inputs import Problem, coupling
+from lammps_inputs import Problem
 
 SPACING = 0.4
 """Time between the frames that are compared, in units of T: waves are found between them to 1e-5."""
@@ -18,8 +18,7 @@ def stride(problem: Problem, spacing: float = SPACING) -> int:
     """
     if problem.frames <= FEW:
         return 1
-    if problem.coupled:
-        swing = math.sqrt(problem.kappa * coupling.largest_eigenvalue(problem.chains))
-        spacing = min(spacing, 0.5 * math.pi / swing)
+    if problem.swing > 0.0:
+        spacing = min(spacing, 0.5 * math.pi / problem.swing)
     most = max(1, min(math.floor(spacing / problem.every * (1.0 + 1e-9)), problem.frames))
     return min(range(most, most // 2, -1), key=lambda step: problem.frames % step)

@@ -113,7 +113,7 @@ def refuse_unstable(scene: Scene, source: str = "") -> None:
         return
     scale = scene.scale
     problem = scene.model_copy(update={"until_bead": None, "duration": scale.time, "window": None}).problem()
-    bound = stability_bound(problem.energy, problem.kappa, problem.chains, problem.scheme)
+    bound = stability_bound(problem, problem.scheme)
     if problem.timestep > bound * (1.0 + 1e-9):
         unit = f" {scale.symbol('time')}" if scale.si else ""
         raise InputError(

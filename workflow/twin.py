@@ -10,7 +10,7 @@ import numpy as np
 
 from analysis.pairing import on_common_rows
 from analysis.trajectory import Trajectory
-from lammps_inputs import Problem, coupling, scheme, timestep
+from lammps_inputs import Problem, scheme, timestep
 from workflow.engines.reference import engine
 from workflow.engines.reference.blanes_moan import BLANES_MOAN
 from workflow.engines.reference.certify import Certifier
@@ -133,21 +133,20 @@ def _rows_by_time(problem: Problem) -> float:
 
 def guessed_step(problem: Problem, accuracy: float) -> float:
     """By the law of the scheme."""
-    step = timestep.timestep_for(0.7 * accuracy, problem.duration, problem.kappa, problem.chains, problem.scheme)
+    step = timestep.timestep_for(0.7 * accuracy, problem.duration, problem, problem.scheme)
     return min(step, largest_step(problem))
 
 
 def guessed_reference_steps(problem: Problem, accuracy: float) -> int:
     """Steps a frame of the reference that are usually sure enough: at its default, contacts leave it unsure by 1e-5."""
     usual = engine.default_steps_per_frame(problem)
-    swing = math.sqrt(problem.kappa * coupling.largest_eigenvalue(problem.chains))
-    contacts, swings = 1e-5 / (SURE * accuracy), 9e-8 * swing * problem.duration / (SURE * accuracy)
+    contacts, swings = 1e-5 / (SURE * accuracy), 9e-8 * problem.swing * problem.duration / (SURE * accuracy)
     return 2 * math.ceil(0.5 * usual * max(1.0, math.pow(contacts, 1.0 / _LEAST_ORDER), math.pow(swings, 0.25)))
 
 
 def largest_step(problem: Problem) -> float:
     """No step above this is tried."""
-    return timestep.largest_timestep(problem.energy, problem.kappa, problem.chains, problem.scheme)
+    return timestep.largest_timestep(problem, problem.scheme)
 
 
 def _trial(problem: Problem, cycles: int, steps: int) -> tuple[float, float]:

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from small_problems import problem, written_down
 
 from analysis.diagnosis import SINGLE, identify_springs, precision, time_shift
+from lammps_inputs.ingredients import coupled_chains
 from workflow.engines.reference import engine
 
 NUMBERS = np.random.default_rng(1).normal(size=500) * 10.0 ** np.random.default_rng(2).integers(-6, 3, 500)
@@ -91,7 +92,9 @@ LEFT_BY_CONTACTS = 2e-5
 def felt(kappa, claimed=0.1, **changes):
     """Springs identified in a run with one coupling of a problem that claims another."""
     run = engine.run(problem(kappa=kappa, **changes), steps_per_frame=16)
-    return identify_springs(replace(run, problem=replace(run.problem, kappa=claimed)))
+    return identify_springs(
+        replace(run, problem=replace(run.problem, links=coupled_chains(run.problem.chains, claimed)))
+    )
 
 
 @pytest.mark.parametrize("kappa", [0.01, 0.1, 0.5, 3.0])

@@ -4,12 +4,11 @@ import math
 
 import numpy as np
 import pytest
+from small_problems import problem
 
 from analysis.events import Events
 from analysis.impulses import from_events, measure, relative_difference
 from analysis.trajectory import joined
-from lammps_inputs import Problem
-from lammps_inputs.units import Scale
 from workflow.engines import collisions
 from workflow.engines.reference import engine
 
@@ -28,7 +27,8 @@ def make_problem(
     chains=1, beads=2, kicks=((1, 1, 1.0),), kappa=0.0, gap=1.0, duration=10.0, every=EVERY, recorded=None
 ):
     frames = math.ceil(duration / every - 1e-9)
-    return Problem("t", chains, beads, kicks, kappa, gap, every, 1, frames, recorded, Scale(1.0, 1.0, 1.0, si=False))
+    times = {"timestep": every, "steps_per_frame": 1, "frames": frames, "recorded": recorded}
+    return problem(chains=chains, beads=beads, kicks=kicks, kappa=kappa, gap=gap, **times)
 
 
 def blocks(problem):

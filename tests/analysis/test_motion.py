@@ -28,7 +28,7 @@ def random_state(like, seed=1):
 
 
 def test_an_overlap_is_positive_where_beads_press_and_counts_from_the_gap():
-    np.testing.assert_allclose(motion.overlaps(np.array([[1.0, 0.25, 0.5]]), 0.25), [[0.5, -0.5]])
+    np.testing.assert_allclose(motion.overlaps(problem(gap=0.25), np.array([[1.0, 0.25, 0.5]])), [[0.5, -0.5]])
 
 
 @pytest.mark.parametrize(("chains", "kappa", "gap"), SHAPES)

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from small_problems import problem
 from stock_lammps import scene
 
-from lammps_inputs import Kick, Problem
+from lammps_inputs import Kick
 from lammps_inputs.closing import never_closes
-from lammps_inputs.units import Scale
 from workflow.engines import collisions
 
 
@@ -62,8 +62,9 @@ def test_beads_of_a_refused_scene_never_meet():
         listed = tuple((chain, bead, float(velocity / fastest)) for (chain, bead), velocity in kicks.items())
         if never_closes(chains, kappa, gap, listed, 3):
             refused += 1
-            problem = Problem("t", chains, 3, listed, kappa, gap, 1e3, 1, 1, None, Scale(1.0, 1.0, 1.0, si=False))
-            assert len(collisions.run(problem, max_events=1)) == 0
+            times = {"timestep": 1e3, "steps_per_frame": 1, "frames": 1}
+            apart = problem(chains=chains, beads=3, kicks=listed, kappa=kappa, gap=gap, **times)
+            assert len(collisions.run(apart, max_events=1)) == 0
     assert 50 < refused < 400
 
 

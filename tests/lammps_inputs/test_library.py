@@ -93,14 +93,14 @@ def test_an_installed_scene_has_its_own_name_and_says_what_it_is(name):
 )
 def test_the_scenes_of_the_figures_have_the_numbers_of_the_paper(name, chains, kappa):
     scene = find(name)
-    assert (scene.chains, scene.kappa, scene.kick[0].velocity) == (chains, kappa, 1.0)
+    assert (scene.chains, scene.system.kappa, scene.kick[0].velocity) == (chains, kappa, 1.0)
     assert scene.beads >= 120
 
 
 def test_the_steel_scene_is_the_two_chain_scene_in_si():
     steel, reduced = find("two-chains-steel"), find("two-chains")
     assert steel.scale.si
-    assert steel.kappa == pytest.approx(reduced.kappa, rel=2e-3)  # 2.41e6 N/m has three digits
+    assert steel.system.kappa == pytest.approx(reduced.kappa, rel=2e-3)  # 2.41e6 N/m has three digits
     assert steel.problem().duration == pytest.approx(192, rel=0.03)
 
 

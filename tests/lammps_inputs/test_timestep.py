@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from small_problems import system
 
-from lammps_inputs import Coupling, Kick, Scene, contact, coupling, find, library, timestep
+from lammps_inputs import Coupling, Kick, Scene, find, laws, library, timestep
 from lammps_inputs import scheme as schemes
+from lammps_inputs.laws.hertz import Hertz
 from workflow.engines.reference import engine
 from workflow.engines.reference.certify import certified
 from workflow.engines.reference.suzuki import SUZUKI4
@@ -35,8 +37,8 @@ def cycle_growth(omega, step):
 @pytest.mark.parametrize("chains", [2, 3, 10])
 def test_with_springs_alone_verlet_is_stable_up_to_the_bound_and_not_beyond(chains):
     kappa = 0.7
-    bound = timestep.stability_bound(0.0, kappa, chains)
-    omega = math.sqrt(kappa * coupling.largest_eigenvalue(chains))
+    bound = timestep.stability_bound(system(0.0, kappa, chains))
+    omega = system(0.0, kappa, chains).swing
     assert growth(omega, 0.999 * bound) == pytest.approx(1.0, abs=1e-12)
     assert growth(omega, 1.001 * bound) > 1.05
 
@@ -45,19 +47,21 @@ def test_with_springs_alone_verlet_is_stable_up_to_the_bound_and_not_beyond(chai
 def test_no_overlaps_of_this_energy_vibrate_faster_than_the_bound(shares, chains, kappa):
     total = 0.5
     energies = total * np.array(shares) / max(1.0, sum(shares))
-    slopes = contact.stiffness((2.5 * energies) ** 0.4)
+    slopes = laws.stiffness(Hertz(), (2.5 * energies) ** 0.4)
     along = np.diff(np.eye(len(slopes) + 1), axis=0)
     across = np.diff(np.eye(chains), axis=0)
     hessian = np.kron(np.eye(chains), along.T @ (slopes[:, None] * along))
     hessian += kappa * np.kron(across.T @ across, np.eye(len(slopes) + 1))
     fastest = math.sqrt(max(np.linalg.eigvalsh(hessian)[-1], 0.0))
-    assert fastest * timestep.stability_bound(total, kappa, chains) <= 2.0 + 1e-12
+    assert fastest * timestep.stability_bound(system(total, kappa, chains)) <= 2.0 + 1e-12
 
 
 def test_the_bound_is_that_of_the_notes():
     """omega_max^2 = 6 sqrt(overlap_max) + kappa lambda_max, 0.4 overlap_max^2.5 = energy."""
     overlap = (0.5 / 0.4) ** 0.4
-    assert timestep.stability_bound(0.5, 0.1, 2) == pytest.approx(2 / math.sqrt(6 * overlap**0.5 + 0.2), rel=1e-14)
+    assert timestep.stability_bound(system(0.5, 0.1, 2)) == pytest.approx(
+        2 / math.sqrt(6 * overlap**0.5 + 0.2), rel=1e-14
+    )
 
 
 @pytest.mark.parametrize("name", library.installed())
@@ -67,13 +71,13 @@ def test_the_scenes_of_the_paper_step_by_0_01(name):
 
 @given(st.floats(1e-6, 1e6), st.floats(0.0, 1e12), st.integers(1, 100))
 def test_the_default_is_a_small_part_of_the_bound(energy, kappa, chains):
-    step = timestep.default_timestep(energy, kappa, chains)
-    assert 0.0 < step <= min(0.01, timestep.stability_bound(energy, kappa, chains) / 50)
+    step = timestep.default_timestep(system(energy, kappa, chains))
+    assert 0.0 < step <= min(0.01, timestep.stability_bound(system(energy, kappa, chains)) / 50)
 
 
 @given(st.floats(0.5, 2.0), st.floats(0.0, 1.0), st.integers(1, 100))
 def test_up_to_a_coupling_of_1_the_default_is_0_01(energy, kappa, chains):
-    assert timestep.default_timestep(energy, kappa, chains) == 0.01
+    assert timestep.default_timestep(system(energy, kappa, chains)) == 0.01
 
 
 @pytest.mark.parametrize("table", [VERLET, SUZUKI4], ids=lambda table: table.name)
@@ -99,20 +103,20 @@ def test_the_default_leaves_at_most_1e_4_where_springs_are_stiff(kappa, chains, 
 @given(st.floats(1e-10, 0.1), st.floats(1.0, 1e5), st.floats(0.0, 1e4), st.integers(1, 100))
 def test_the_law_asks_for_shorter_steps_for_more_accuracy_time_and_stiffness(accuracy, duration, kappa, chains):
     for scheme in ("verlet", "suzuki4"):
-        step = timestep.timestep_for(accuracy, duration, kappa, chains, scheme)
-        assert 0.0 < timestep.timestep_for(accuracy / 2.0, duration, kappa, chains, scheme) < step
-        assert timestep.timestep_for(accuracy, 2.0 * duration, kappa, chains, scheme) < step
-        assert timestep.timestep_for(accuracy, duration, 2.0 * kappa, chains, scheme) <= step
+        step = timestep.timestep_for(accuracy, duration, system(0.5, kappa, chains), scheme)
+        assert 0.0 < timestep.timestep_for(accuracy / 2.0, duration, system(0.5, kappa, chains), scheme) < step
+        assert timestep.timestep_for(accuracy, 2.0 * duration, system(0.5, kappa, chains), scheme) < step
+        assert timestep.timestep_for(accuracy, duration, system(0.5, 2.0 * kappa, chains), scheme) <= step
 
 
 def test_velocity_verlet_needs_ten_times_the_steps_for_a_hundredth_of_the_error():
-    few, many = (timestep.timestep_for(accuracy, 192.0, 0.1, 2) for accuracy in (1e-3, 1e-5))
+    few, many = (timestep.timestep_for(accuracy, 192.0, system(0.5, 0.1, 2)) for accuracy in (1e-3, 1e-5))
     assert few / many == pytest.approx(10.0, rel=1e-12)
 
 
 def test_with_springs_alone_suzukis_cycle_is_stable_up_to_its_bound_and_not_beyond():
-    omega = math.sqrt(0.7 * coupling.largest_eigenvalue(3))
-    bound = timestep.stability_bound(0.0, 0.7, 3, "suzuki4")
+    omega = system(0.0, 0.7, 3).swing
+    bound = timestep.stability_bound(system(0.0, 0.7, 3), "suzuki4")
     assert cycle_growth(omega, 0.999 * bound) == pytest.approx(1.0, abs=1e-9)
     assert cycle_growth(omega, 1.01 * bound) > 1.01
 

@@ -58,7 +58,9 @@ def test_kappa_is_the_spring_times_v_to_the_minus_0_4(velocity, stiffness):
         kick=(Kick(velocity=velocity),),
         until_bead=2,
     )
-    assert scene.kappa == pytest.approx(stiffness * velocity**-0.4, rel=1e-14)  # about 30 roundings of 2e-16 allowed
+    assert scene.system.kappa == pytest.approx(
+        stiffness * velocity**-0.4, rel=1e-14
+    )  # about 30 roundings of 2e-16 allowed
 
 
 @given(st.floats(1e-6, 1e6), st.floats(1e-6, 1e12), SPEEDS)

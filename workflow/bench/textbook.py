@@ -13,7 +13,7 @@ import numpy as np
 from analysis.peaks import find_peaks
 from analysis.trajectory import Trajectory
 from analysis.waves import leading_waves, to_csv
-from lammps_inputs import Problem, contact, deck
+from lammps_inputs import Problem, deck
 from lammps_inputs.numbers import text
 
 TEXT_DUMP = "chains.dump.txt"
@@ -27,7 +27,7 @@ def plain_deck(problem: Problem, *, dump: bool) -> str:
         "comm_modify vel yes",
         f"read_data {deck.DATA}",
         "set group all mass 1.0",
-        *contact.pair_lines(problem.diameter),
+        *(line for section in deck.interactions(problem) for line in section if line.startswith("pair")),
     ]
     if problem.coupled:
         lines += ["bond_style harmonic", f"bond_coeff 1 {text(problem.kappa / 2.0)} 0"]

@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from lammps_inputs import library
 from lammps_inputs.timestep import stability_bound
 from workflow.engines.lammps.mpi import cores
 
@@ -105,7 +106,7 @@ def _kappa(kappa: float) -> Cell:
 
 def _step(share: float, *, force: bool = False) -> Cell:
     """A time step as a share of the largest stable one, with frames about 0.1 apart."""
-    step = share * stability_bound(0.5, 0.1, 2)
+    step = share * stability_bound(library.from_plain(BASE, "base").system)
     output: Plain = {"every": step * max(1, round(0.1 / step))}
     name = f"{share:g} forced" if force else f"{share:g}"
     return Cell("step / bound", name, changed(BASE, timestep=step, output=output), force=force)

@@ -60,7 +60,7 @@ def cycles(problem: Problem, finest: int, own: float | None = None) -> list[tupl
         finest: cycles in the coarsest one, at most.
         own: another length to take in.
     """
-    longest = COARSEST * stability_bound(problem.energy, problem.kappa, problem.chains)
+    longest = COARSEST * stability_bound(problem)
     frames = 1
     while 2 * frames * problem.every <= longest and problem.frames // (2 * frames) >= 10:
         frames *= 2

@@ -1,13 +1,9 @@
-"""The one way in which this package compiles a function.
-
-numba's cache on disk notices a change of the file that holds a function, not of the files of those that it calls:
-whoever edits one of these modules deletes ``__pycache__`` of this folder.
-"""
+"""How this package compiles a function."""
 
 from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
-import numba
+from workflow.compiled import compiled as on_disk
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -17,4 +13,4 @@ def compiled(function: F) -> F:
 
     Inlined into its callers, since most of the time would go into counting references to the arrays it is handed.
     """
-    return cast(F, numba.njit(cache=True, error_model="numpy", forceinline=True)(function))
+    return cast(F, on_disk(error_model="numpy", forceinline=True)(function))

@@ -25,7 +25,7 @@ def fault(
     """
     if not (np.all(np.isfinite(displacement)) and np.all(np.isfinite(velocity))):
         return f"a bead's position or velocity is no longer a finite number; {_remedy(problem)}"
-    overlap = motion.overlaps(displacement, problem.gap)
+    overlap = motion.overlaps(problem, displacement)
     worst = np.unravel_index(np.argmax(overlap), overlap.shape)
     where = f"beads {worst[1] + first} and {worst[1] + first + 1} of chain {worst[0] + 1}"
     if overlap[worst] >= problem.spacing:
@@ -35,13 +35,13 @@ def fault(
             f"{where} overlap by {overlap[worst]:.3g}, more than half a diameter ({problem.diameter / 2.0:g}); "
             f"{_remedy(problem)}"
         )
-    energy = float(motion.energy(problem, displacement, velocity)) + elsewhere
+    energy = float(motion.energy(problem, displacement, velocity, first)) + elsewhere
     if abs(energy / problem.energy - 1.0) > ENERGY_TOLERANCE:
         return f"the energy has changed by {100.0 * (energy / problem.energy - 1.0):.3g}%; {_remedy(problem)}"
     return None
 
 
 def _remedy(problem: Problem) -> str:
-    bound = stability_bound(problem.energy, problem.kappa, problem.chains) * problem.scale.time
+    bound = stability_bound(problem) * problem.scale.time
     step = problem.timestep * problem.scale.time
     return f"take a smaller timestep (it is {step:.3g}, unstable above {bound:.3g})"

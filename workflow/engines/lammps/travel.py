@@ -29,7 +29,7 @@ class Travel:
         self.left_behind = 0.0
         self.heard = 0.0
         if self.first > 1:  # continued
-            self.left_behind = problem.energy - float(motion.energy(problem, *self.state()))
+            self.left_behind = problem.energy - float(motion.energy(problem, *self.state(), self.first))
         if problem.scheme != "verlet":
             self._commands([*scheme.QUIET])
 
@@ -51,10 +51,10 @@ class Travel:
             if self._variable("outrun"):
                 raise OutrunError(window.OUTRUN)
             if self._variable("near"):
-                before = float(motion.energy(problem, *self.state()))
+                before = float(motion.energy(problem, *self.state(), self.first))
                 self._commands(window.move_lines())
                 self.first = int(self._variable("tail"))
-                self.left_behind += before - float(motion.energy(problem, *self.state()))
+                self.left_behind += before - float(motion.energy(problem, *self.state(), self.first))
 
     def state(self, word: float = 0.0) -> tuple[Floats, Floats]:
         """Displacement and velocity of the rows that exist, [chain, row], the same on every rank.

@@ -3,16 +3,21 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis.trajectory import Floats, Trajectory, frames_per_block, joined
 from lammps_inputs import Problem
+from lammps_inputs.ingredients import coupled_chains
 from lammps_inputs.timestep import stability_bound
 from lammps_inputs.units import Scale
 from workflow.engines.reference.blanes_moan import BLANES_MOAN
 from workflow.engines.reference.scheme import Scheme
+
+if TYPE_CHECKING:
+    from workflow.engines.reference.forces import Forces
 
 STEPS_PER_BOUND = 15.0
 """Steps of the default scheme in the stability bound of velocity Verlet; 0.05 for the paper's scenes."""
@@ -27,13 +32,28 @@ def run(
 
 def load() -> None:
     """Load the compiled kernel, or compile it (once on a machine), so that the next run starts at once."""
-    two = Problem("load", 1, 2, ((1, 1, 1.0),), 0.0, 0.0, 0.1, 1, 1, None, Scale(1.0, 1.0, 1.0, si=False))
-    run(two)
+    run(two_beads())
+
+
+def two_beads() -> Problem:
+    """The least there is to compute."""
+    return Problem(
+        name="two-beads",
+        chains=1,
+        beads=2,
+        kicks=((1, 1, 1.0),),
+        links=coupled_chains(1, 0.0),
+        timestep=0.1,
+        steps_per_frame=1,
+        frames=1,
+        recorded=None,
+        scale=Scale(1.0, 1.0, 1.0, si=False),
+    )
 
 
 def default_steps_per_frame(problem: Problem) -> int:
     """Steps between frames, an even number, that leave an error of some 1e-6 of V or less."""
-    bound = stability_bound(problem.energy, problem.kappa, problem.chains)
+    bound = stability_bound(problem)
     return 2 * max(1, math.ceil(0.5 * problem.every * STEPS_PER_BOUND / bound * (1.0 - 1e-9)))
 
 
@@ -85,9 +105,7 @@ def blocks(
             np.array(scheme.drifts),
             problem.every / steps,
             steps,
-            state.to_left.reshape(-1),
-            state.to_right.reshape(-1),
-            problem.gap,
+            state.forces,
             recorded,
             frames_x,
             frames_v,
@@ -123,15 +141,14 @@ class State:
 
     Attributes:
         x, v: [bead + 2, chain], advanced in place.
-        to_left, to_right: stiffness of the springs, [bead + 2, chain]; empty without springs.
+        forces: on them.
         span: first and last row that may move.
         window: number of rows that are integrated at most.
     """
 
     x: Floats
     v: Floats
-    to_left: Floats
-    to_right: Floats
+    forces: "Forces"
     span: NDArray[np.int64]
     window: int
 
@@ -142,6 +159,8 @@ def make_state(problem: Problem, window: int | None) -> "State":
     Raises:
         ValueError: a window too narrow for the rows that are kicked and a pulse ahead of them.
     """
+    from workflow.engines.reference.forces import make_forces  # numba takes a third of a second to import
+
     shape = (problem.beads + 2, problem.chains)
     x, v = np.zeros(shape), np.zeros(shape)
     v[1:-1] = problem.initial_velocity().T
@@ -150,7 +169,4 @@ def make_state(problem: Problem, window: int | None) -> "State":
     least = int(span[1] - span[0]) + 30
     if window is not None and window < least:
         raise ValueError(f"a window of {window} rows is too narrow; at least {least}")
-    springs = shape if problem.coupled else (0, 0)
-    to_left, to_right = np.zeros(springs), np.zeros(springs)
-    to_left[:, 1:], to_right[:, :-1] = problem.kappa, problem.kappa
-    return State(x, v, to_left, to_right, span, problem.beads if window is None else window)
+    return State(x, v, make_forces(problem), span, problem.beads if window is None else window)

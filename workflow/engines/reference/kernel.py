@@ -5,76 +5,46 @@
 | x_i^(j)                     | ``x[i, j - 1]``       | [bead + 2, chain]             |
 | its first derivative        | ``v[i, j - 1]``       | [bead + 2, chain]             |
 | (x_{i-1} - x_i - D)+^1.5    | ``push[i, j - 1]``    | [bead + 2, chain]             |
-| epsilon * alpha             | ``to_left``, ``to_right`` | [bead + 2, chain], 0 where there is no chain |
-| D                           | ``gap``               | scalar                        |
+| everything else             | ``forces``            | see `forces`                  |
 
 All dimensionless. Row i holds bead i of every chain; rows 0 and beads + 1 stay at zero. So any range of rows is one
 piece of memory, and each loop runs over it without branches and becomes vector instructions.
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from lammps_inputs import contact
+from workflow.compiled import compiled
+from workflow.engines.reference.forces import Forces, pull, sum_of
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-_force = njit(inline="always")(contact.force)
 
-
-@njit(cache=True)
-def press(x: Floats, push: Floats, chains: int, first: int, last: int, gap: float) -> None:
+@compiled
+def press(x: Floats, push: Floats, forces: Forces, chains: int, first: int, last: int) -> None:
     """Contact force on each bead of rows first + 1 to last from the bead behind it."""
-    behind, ahead, force = x[first * chains : last * chains], x[(first + 1) * chains :], push[(first + 1) * chains :]
-    for k in range(behind.shape[0]):
-        force[k] = _force(behind[k] - ahead[k] - gap)
+    row, gap = np.uint64(chains), forces.gap
+    for k in range(np.uint64((first + 1) * chains), np.uint64((last + 1) * chains)):
+        push[k] = sum_of(forces.along, k, x[k - row] - x[k] - gap)
 
 
-@njit(cache=True)
-def _kick(v: Floats, push: Floats, factor: float, chains: int, first: int, last: int) -> None:
-    """``v += factor * contact forces`` in rows first to last, which nothing outside touches."""
-    moving, behind, ahead = (
-        v[first * chains : (last + 1) * chains],
-        push[first * chains :],
-        push[(first + 1) * chains :],
-    )
-    for k in range(moving.shape[0]):
-        moving[k] += factor * (behind[k] - ahead[k])
+@compiled
+def kick(v: Floats, push: Floats, x: Floats, forces: Forces, factor: float, chains: int, first: int, last: int) -> None:
+    """``v += factor * forces`` in rows first to last, which nothing outside touches."""
+    row = np.uint64(chains)
+    for k in range(np.uint64(first * chains), np.uint64((last + 1) * chains)):
+        v[k] += factor * (push[k] - push[k + row] - pull(forces.across, x, k) - sum_of(forces.ground, k, x[k]))
 
 
-@njit(cache=True)
-def _kick_and_pull(
-    v: Floats,
-    push: Floats,
-    x: Floats,
-    to_left: Floats,
-    to_right: Floats,
-    factor: float,
-    chains: int,
-    first: int,
-    last: int,
-) -> None:
-    """``v += factor * (contact and spring forces)`` in rows first to last."""
-    start = first * chains
-    moving, behind, ahead = v[start : (last + 1) * chains], push[start:], push[start + chains :]
-    left, here, right = x[start - 1 :], x[start:], x[start + 1 :]
-    left_spring, right_spring = to_left[start:], to_right[start:]
-    for k in range(moving.shape[0]):
-        springs = left_spring[k] * (left[k] - here[k]) + right_spring[k] * (right[k] - here[k])
-        moving[k] += factor * (behind[k] - ahead[k] + springs)
-
-
-@njit(cache=True)
+@compiled
 def _drift(x: Floats, v: Floats, factor: float, chains: int, first: int, last: int) -> None:
     """``x += factor * v`` in rows first to last."""
-    moving, velocity = x[first * chains : (last + 1) * chains], v[first * chains :]
-    for k in range(moving.shape[0]):
-        moving[k] += factor * velocity[k]
+    for k in range(np.uint64(first * chains), np.uint64((last + 1) * chains)):
+        x[k] += factor * v[k]
 
 
-@njit(cache=True)
+@compiled
 def _displaced(x: Floats, chains: int, row: int) -> bool:
     for k in range(row * chains, (row + 1) * chains):  # noqa: SIM110  numba compiles loops, not any()
         if x[k] != 0.0:
@@ -82,7 +52,7 @@ def _displaced(x: Floats, chains: int, row: int) -> bool:
     return False
 
 
-@njit(cache=True)
+@compiled
 def step(
     x: Floats,
     v: Floats,
@@ -93,9 +63,7 @@ def step(
     kicks: Floats,
     drifts: Floats,
     h: float,
-    to_left: Floats,
-    to_right: Floats,
-    gap: float,
+    forces: Forces,
     chains: int,
 ) -> bool:
     """One time step of the rows that can move; arguments as for `advance`.
@@ -107,12 +75,9 @@ def step(
         first, last = span[0], span[1]
         if kicks[stage] != 0.0:
             if stale:
-                press(x, push, chains, first, last, gap)
+                press(x, push, forces, chains, first, last)
                 stale = False
-            if to_left.shape[0] > 0:
-                _kick_and_pull(v, push, x, to_left, to_right, kicks[stage] * h, chains, first, last)
-            else:
-                _kick(v, push, kicks[stage] * h, chains, first, last)
+            kick(v, push, x, forces, kicks[stage] * h, chains, first, last)
         if stage < drifts.shape[0]:
             _drift(x, v, drifts[stage] * h, chains, first, last)
             stale = True
@@ -127,7 +92,7 @@ def step(
     return stale
 
 
-@njit(cache=True)
+@compiled
 def advance(
     x: Floats,
     v: Floats,
@@ -137,9 +102,7 @@ def advance(
     drifts: Floats,
     h: float,
     steps_per_frame: int,
-    to_left: Floats,
-    to_right: Floats,
-    gap: float,
+    forces: Forces,
     recorded: Integers,
     frames_x: Floats,
     frames_v: Floats,
@@ -156,8 +119,7 @@ def advance(
         window: number of rows that are integrated at most.
         kicks, drifts, h: the scheme and its step.
         steps_per_frame: steps between two frames.
-        to_left, to_right: stiffness of the springs to the neighbouring chains, flat; empty without springs.
-        gap: clear distance between neighbouring beads.
+        forces: of the problem.
         recorded: beads to record, counted from 1.
         frames_x, frames_v: filled, [frame, chain, bead].
     """
@@ -166,7 +128,7 @@ def advance(
     stale = True
     for frame in range(frames_x.shape[0]):
         for _ in range(steps_per_frame):
-            stale = step(x, v, push, stale, span, window, kicks, drifts, h, to_left, to_right, gap, chains)
+            stale = step(x, v, push, stale, span, window, kicks, drifts, h, forces, chains)
         for j in range(chains):
             for k in range(recorded.shape[0]):
                 frames_x[frame, j, k] = x[recorded[k] * chains + j]

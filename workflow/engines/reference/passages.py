@@ -9,33 +9,28 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from analysis.peaks import THRESHOLD
 from analysis.waves import Waves, with_speeds
-from lammps_inputs import Problem, coupling
+from lammps_inputs import Problem
+from workflow.compiled import compiled
 from workflow.engines.reference import engine
 from workflow.engines.reference.blanes_moan import BLANES_MOAN
-from workflow.engines.reference.kernel import Floats, Integers, press, step
+from workflow.engines.reference.forces import Forces
+from workflow.engines.reference.kernel import Floats, Integers, kick, press, step
 from workflow.engines.reference.scheme import Scheme
 
 
-@njit(cache=True)
-def _accelerate(
-    x: Floats, a: Floats, push: Floats, to_left: Floats, to_right: Floats, gap: float, span: Integers
-) -> None:
+@compiled
+def _accelerate(x: Floats, a: Floats, push: Floats, forces: Forces, span: Integers) -> None:
     """Accelerations [row, chain] in the rows of a span, everything flat but ``a``."""
     chains = a.shape[1]
-    press(x, push, chains, span[0], span[1], gap)
-    for row in range(span[0], span[1] + 1):
-        for j in range(chains):
-            k = row * chains + j
-            a[row, j] = push[k] - push[k + chains]
-            if to_left.shape[0] > 0:
-                a[row, j] += to_left[k] * (x[k - 1] - x[k]) + to_right[k] * (x[k + 1] - x[k])
+    press(x, push, forces, chains, span[0], span[1])
+    a[span[0] : span[1] + 1] = 0.0
+    kick(a.reshape(-1), push, x, forces, 1.0, chains, span[0], span[1])
 
 
-@njit(cache=True)
+@compiled
 def _note(
     v: Floats, a: Floats, v_before: Floats, a_before: Floats, span: Integers, time: float, h: float,
     threshold: float, arrival: Floats, peak: Floats,
@@ -64,10 +59,10 @@ def _note(
     return noted
 
 
-@njit(cache=True)
+@compiled
 def _pass(
     x: Floats, v: Floats, push: Floats, span: Integers, window: int, kicks: Floats, drifts: Floats, h: float,
-    first_step: int, steps: int, to_left: Floats, to_right: Floats, gap: float, threshold: float, arrival: Floats,
+    first_step: int, steps: int, forces: Forces, threshold: float, arrival: Floats,
     peak: Floats, a: Floats, a_before: Floats, v_before: Floats,
 ) -> float:  # fmt: skip
     """Some steps; returns the largest |velocity| that a row had when it was let go."""
@@ -80,11 +75,11 @@ def _pass(
             for j in range(chains):
                 v_before[row, j] = v_rows[row, j]
                 a_before[row, j] = a[row, j]
-        step(x, v, push, True, span, window, kicks, drifts, h, to_left, to_right, gap, chains)
+        step(x, v, push, True, span, window, kicks, drifts, h, forces, chains)
         for row in range(before, span[0]):
             for j in range(chains):
                 let_go = max(let_go, abs(v_rows[row, j]))
-        _accelerate(x, a, push, to_left, to_right, gap, span)
+        _accelerate(x, a, push, forces, span)
         _note(v_rows, a, v_before, a_before, span, (number + 1) * h, h, threshold, arrival, peak)
     return let_go
 
@@ -106,7 +101,7 @@ class Passages:
 
 def usual_timestep(problem: Problem) -> float:
     """0.1, or less where the springs are stiff, in units of T: peaks are then right to below 1e-5 of V."""
-    return 0.1 / math.sqrt(max(1.0, problem.kappa * coupling.largest_eigenvalue(problem.chains) / 2.0))
+    return 0.1 / math.sqrt(max(1.0, problem.swing**2 / 2.0))
 
 
 def passages(
@@ -147,8 +142,7 @@ def passages(
             let_go,
             _pass(
                 state.x.reshape(-1), state.v.reshape(-1), push, state.span, state.window, np.array(scheme.kicks),
-                np.array(scheme.drifts), timestep, done, count, state.to_left.reshape(-1), state.to_right.reshape(-1),
-                problem.gap, threshold, arrival, peak, *work,
+                np.array(scheme.drifts), timestep, done, count, state.forces, threshold, arrival, peak, *work,
             ),
         )  # fmt: skip
         done += count

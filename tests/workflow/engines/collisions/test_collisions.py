@@ -5,9 +5,8 @@ import math
 import numpy as np
 import pytest
 from scipy.linalg import expm
+from small_problems import problem
 
-from lammps_inputs import Problem
-from lammps_inputs.units import Scale
 from workflow.engines.collisions import run, sample, trajectory
 from workflow.engines.collisions.first_row import gap_of_eq_5
 
@@ -16,7 +15,7 @@ ABOVE = 1.0 + 4.0 * np.finfo(float).eps
 
 def make_problem(chains=2, beads=10, kicks=((1, 1, 1.0),), kappa=0.5, gap=1.0, duration=100.0, **others):
     fields = {"timestep": duration / 100, "steps_per_frame": 1, "frames": 100, "recorded": None} | others
-    return Problem("t", chains, beads, tuple(kicks), kappa, gap, scale=Scale(1.0, 1.0, 1.0, False), **fields)
+    return problem(chains=chains, beads=beads, kicks=tuple(kicks), kappa=kappa, gap=gap, **fields)
 
 
 def random_kicks(chains, beads, seed):

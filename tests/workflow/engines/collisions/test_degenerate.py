@@ -6,16 +6,15 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from small_problems import problem
 
-from lammps_inputs import Problem
-from lammps_inputs.units import Scale
 from workflow.engines.collisions import run, sample, trajectory
 from workflow.engines.collisions.first_row import motion
 
 
 def make_problem(chains=2, beads=10, kicks=((1, 1, 1.0),), kappa=0.5, gap=1.0, duration=100.0):
-    scale = Scale(1.0, 1.0, 1.0, False)
-    return Problem("t", chains, beads, tuple(kicks), kappa, gap, duration / 10, 1, 10, None, scale)
+    times = {"timestep": duration / 10, "steps_per_frame": 1, "frames": 10}
+    return problem(chains=chains, beads=beads, kicks=tuple(kicks), kappa=kappa, gap=gap, **times)
 
 
 def final(problem):

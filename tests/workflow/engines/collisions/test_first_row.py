@@ -4,14 +4,14 @@ import math
 
 import numpy as np
 import pytest
+from small_problems import problem
 
-from lammps_inputs import Problem
-from lammps_inputs.units import Scale
 from workflow.engines.collisions import first_row, run, sample
 
 
 def make_problem(chains=2, kicks=((1, 1, 1.0),), kappa=0.1, gap=100.0, duration=80.0):
-    return Problem("row", chains, 2, kicks, kappa, gap, duration, 1, 1, None, Scale(1.0, 1.0, 1.0, False))
+    times = {"timestep": duration, "steps_per_frame": 1, "frames": 1}
+    return problem(chains=chains, beads=2, kicks=kicks, kappa=kappa, gap=gap, **times)
 
 
 TIMES = np.linspace(0.0, 80.0, 1001)

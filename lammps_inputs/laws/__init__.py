@@ -1,0 +1,82 @@
+"""Laws of force on a link, one a file: plain scalar functions, and how LAMMPS spells them.
+
+A law is a `NamedTuple` of its parameters. Each parameter is a number, or an array where it differs from link to link;
+with all of them 0 a law exerts no force. Its functions take the strain ``s`` of a link and the parameters, in the order
+in which the law has them, as scalars or arrays:
+
+- ``force(s, ...)``: what drives the link's first bead back and its second forward;
+- ``energy(s, ...)``: stored by it, whose slope the force is;
+- ``stiffness(s, ...)``: slope of the force;
+- ``reach(energy, ...)``: largest strain to which an energy can bring it.
+
+They are written without branches, so that NumPy takes them as they are and the reference's kernel compiles them into
+vector instructions. Methods ``along``, ``across`` and ``ground``, where a law has them, spell it in LAMMPS on that kind
+of link (`lammps_inputs.links`). Nothing here knows of scenes or problems.
+"""
+
+from collections.abc import Callable, Iterator
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Parameter = float | NDArray[np.float64]
+"""A number, or an array over links: [chain, contact], [edge, row] or [chain, bead]."""
+
+
+class Law(Protocol):
+    """What every law has beside its parameters; it is a tuple of those."""
+
+    @property
+    def force(self) -> Callable[..., Any]:
+        """See above."""
+
+    @property
+    def energy(self) -> Callable[..., Any]:
+        """See above."""
+
+    @property
+    def stiffness(self) -> Callable[..., Any]:
+        """See above."""
+
+    @property
+    def reach(self) -> Callable[..., Any]:
+        """See above."""
+
+    def __iter__(self) -> Iterator[Any]:
+        """Over the parameters."""
+
+
+def force(law: Law, strain: Any) -> Any:
+    """Force of a law on links at a strain."""
+    return law.force(strain, *law)
+
+
+def energy(law: Law, strain: Any) -> Any:
+    """Energy that a law stores in links at a strain."""
+    return law.energy(strain, *law)
+
+
+def stiffness(law: Law, strain: Any) -> Any:
+    """Slope of the force of a law on links at a strain."""
+    return law.stiffness(strain, *law)
+
+
+def reach(law: Law, total_energy: float) -> float:
+    """Largest strain that an energy can bring any of the links to."""
+    return float(np.max(law.reach(total_energy, *law)))
+
+
+def stiffest(law: Law, total_energy: float) -> float:
+    """Largest stiffness that an energy can bring any of the links to; it grows, or stays, with the strain."""
+    return float(np.max(law.stiffness(law.reach(total_energy, *law), *law)))
+
+
+def differs(law: Law) -> bool:
+    """Whether a law differs from link to link."""
+    return any(np.ndim(parameter) > 0 for parameter in law)
+
+
+def at(law: Law, *index: Any) -> Any:
+    """The law of chosen links: parameters that differ are taken at an index of the arrays."""
+    return type(law)(*(parameter[index] if np.ndim(parameter) > 0 else parameter for parameter in law))

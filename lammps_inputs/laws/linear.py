@@ -1,0 +1,55 @@
+"""The linear spring: a force in proportion to the strain."""
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from lammps_inputs.laws import Parameter
+from lammps_inputs.lines import Lines
+from lammps_inputs.numbers import text
+
+if TYPE_CHECKING:
+    from lammps_inputs.problem import System
+
+
+class Linear(NamedTuple):
+    """``k s``."""
+
+    spring: Parameter
+    """k, in units of m / T**2."""
+
+    @staticmethod
+    def force(s: Any, spring: Any) -> Any:
+        """Proportional to the strain."""
+        return spring * s
+
+    @staticmethod
+    def energy(s: Any, spring: Any) -> Any:
+        """``k s**2 / 2``."""
+        return 0.5 * spring * s * s
+
+    @staticmethod
+    def stiffness(s: Any, spring: Any) -> Any:
+        """The same at any strain."""
+        return spring * np.ones_like(s)
+
+    @staticmethod
+    def reach(energy: Any, spring: Any) -> Any:
+        """Strain at which one spring holds the whole energy."""
+        return np.sqrt(2.0 * energy / spring)
+
+    def across(self, _name: str, _problem: "System") -> Lines:
+        """A harmonic bond, whose energy is ``K (r - r0)**2``, with ``K = k / 2`` from a deck variable.
+
+        With r0 = 0 the bond is linear in each coordinate, so the force along the chain is exactly ``-k`` times the
+        relative displacement at any lateral distance. (With r0 = the distance it would be cubic.)
+        """
+        return Lines(
+            bonds=True,
+            variables=(f"variable kappa index {text(float(self.spring))}",),
+            interactions=(
+                "# springs between chains: r0 = 0 makes them linear along the chain at any lateral distance",
+                "bond_style harmonic",
+                "bond_coeff 1 $(v_kappa/2:%.17g) 0",
+            ),
+        )

@@ -1,0 +1,129 @@
+"""The laws of a problem's links, compiled: their scalar functions, inlined into the kernel's loops.
+
+| kind of link | here     | what it is to the kernel                                                        |
+|--------------|----------|---------------------------------------------------------------------------------|
+| along        | ``along``  | tuple of laws; the contact with the bead behind, so bead 1 has one with row 0  |
+| across       | ``across`` | tuple of (distance to the other bead in memory, law)                           |
+| ground       | ``ground`` | tuple of laws                                                                  |
+
+An empty tuple costs nothing: what is not there is gone when the loop is compiled. A parameter is a number or an array
+of the shape of the state, flat; positions in memory are unsigned, which spares the loops a test for negative ones.
+"""
+
+# ruff: noqa: ARG001, ARG005  numba wants the arguments of what is overloaded, used or not
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit, types
+from numba.extending import overload
+from numpy.typing import NDArray
+
+from lammps_inputs import System, laws
+from lammps_inputs.links import Across
+
+Floats = NDArray[np.float64]
+
+
+class Forces(NamedTuple):
+    """All forces of a problem as the kernel takes them."""
+
+    along: tuple[Any, ...]
+    gap: float
+    across: tuple[tuple[Any, Any], ...]
+    ground: tuple[Any, ...]
+
+
+def make_forces(system: System) -> Forces:
+    """The forces of a system on a state [bead + 2, chain], whose rows 0 and beads + 1 stay at rest."""
+    return Forces(
+        along=tuple(_flat(link.law, system, first=2) for link in system.along),
+        gap=system.gap,
+        across=tuple(neighbour for link in system.across for neighbour in _neighbours(link, system)),
+        ground=tuple(_flat(link.law, system, first=1) for link in system.ground),
+    )
+
+
+def _flat(law: Any, system: System, *, first: int) -> Any:
+    """A law whose parameters that differ lie as the state does, those of the first link in row ``first``."""
+
+    def laid(parameter: Any) -> Any:
+        if np.ndim(parameter) == 0:
+            return float(parameter)
+        rows = np.zeros((system.beads + 2, system.chains))
+        rows[first : first + parameter.shape[1]] = parameter.T
+        return rows.reshape(-1)
+
+    return type(law)(*map(laid, law))
+
+
+def _neighbours(link: Across, system: System) -> list[tuple[Any, Any]]:
+    """(distance, law) of the springs to chains of lower numbers, the nearest last, then of higher ones.
+
+    Where a chain has no other at that distance, the law's parameters are 0, which makes no force.
+    """
+    found: dict[int, list[Floats]] = {}
+    for edge, (lower, higher) in enumerate(link.edges):
+        values = [np.broadcast_to(laws.at(link.law, edge)[k], system.beads) for k in range(len(tuple(link.law)))]
+        for here, there in ((higher, lower), (lower, higher)):
+            empty = [np.zeros((system.beads + 2, system.chains)) for _ in values]
+            for array, value in zip(found.setdefault(there - here, empty), values, strict=True):
+                array[1:-1, here] += value
+    return [
+        (np.uint64(distance % 2**64), type(link.law)(*(array.reshape(-1) for array in found[distance])))
+        for distance in sorted(found)
+    ]
+
+
+def at(parameter: Any, k: Any) -> Any:
+    """A parameter at a place in memory."""
+    raise NotImplementedError
+
+
+def force(law: Any, k: Any, strain: Any) -> Any:
+    """Force of one law at a place in memory."""
+    raise NotImplementedError
+
+
+def sum_of(laws: Any, k: Any, strain: Any) -> Any:
+    """Force of several laws on the same link."""
+    raise NotImplementedError
+
+
+def pull(across: Any, x: Any, k: Any) -> Any:
+    """Force that drives a bead back towards those of its row."""
+    raise NotImplementedError
+
+
+@overload(at, inline="always", strict=False)
+def _at(parameter: Any, k: Any) -> Any:
+    if isinstance(parameter, types.Array):
+        return lambda parameter, k: parameter[k]
+    return lambda parameter, k: parameter
+
+
+@overload(force, inline="always", strict=False)
+def _force(law: Any, k: Any, strain: Any) -> Any:
+    function = njit(inline="always")(law.instance_class.force)
+    if len(law.types) == 1:
+        return lambda law, k, strain: function(strain, at(law[0], k))
+    if len(law.types) == 2:
+        return lambda law, k, strain: function(strain, at(law[0], k), at(law[1], k))
+    return lambda law, k, strain: function(strain, at(law[0], k), at(law[1], k), at(law[2], k))
+
+
+@overload(sum_of, inline="always", strict=False)
+def _sum_of(laws: Any, k: Any, strain: Any) -> Any:
+    if len(laws) == 0:
+        return lambda laws, k, strain: 0.0
+    if len(laws) == 1:
+        return lambda laws, k, strain: force(laws[0], k, strain)
+    return lambda laws, k, strain: force(laws[0], k, strain) + sum_of(laws[1:], k, strain)
+
+
+@overload(pull, inline="always", strict=False)
+def _pull(across: Any, x: Any, k: Any) -> Any:
+    if len(across) == 0:
+        return lambda across, x, k: 0.0
+    if len(across) == 1:
+        return lambda across, x, k: force(across[0][1], k, x[k] - x[k + across[0][0]])
+    return lambda across, x, k: force(across[0][1], k, x[k] - x[k + across[0][0]]) + pull(across[1:], x, k)
