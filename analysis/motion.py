@@ -35,6 +35,14 @@ def chain_energy(system: System, displacement: Floats, velocity: Floats, first: 
     return total
 
 
+def bead_energy(system: System, displacement: Floats, velocity: Floats, first: int = 1) -> Floats:
+    """Energy of each bead, [..., chain, bead] from the same; that of a link is shared by the two beads it joins."""
+    total = np.asarray(0.5 * velocity * velocity)
+    for link in system.links:
+        link.add_bead_energy(total, displacement, first)
+    return total
+
+
 def contact_energy(system: System, displacement: Floats, first: int = 1) -> Floats:
     """Energy in each contact, [..., chain, bead - 1]."""
     return np.asarray(sum(link.energy(displacement, first) for link in system.along))

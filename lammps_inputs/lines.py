@@ -1,9 +1,10 @@
 """Lines of a deck that say what a law on a link is to LAMMPS, sorted by the place where LAMMPS wants them."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 
 @dataclass(frozen=True)
@@ -23,16 +24,24 @@ class Lines:
     bonds: bool = False
 
 
-def atoms_by_value(values: NDArray[np.float64]) -> list[tuple[tuple[float, ...], str]]:
-    """Distinct values of atoms, and which atoms have them, as LAMMPS's ``group ... id`` takes it.
+MOST_GROUPS = 24
+"""Of atoms that differ; LAMMPS has room for 32."""
+
+
+def atoms_by_value(law: Iterable[Any], shape: tuple[int, int]) -> list[tuple[tuple[float, ...], str]]:
+    """Distinct values of a law's parameters, and which atoms have them, as LAMMPS's ``group ... id`` takes it.
 
     Args:
-        values: [chain, bead, value]; atom = (chain - 1) * beads + bead.
+        law: parameters, numbers or [chain, bead].
+        shape: chains and beads; atom = (chain - 1) * beads + bead.
 
     Returns:
         Values and ranges such as ``1:60 121:180``, without atoms whose values are all 0.
+
+    Raises:
+        ValueError: more values than LAMMPS has groups for.
     """
-    flat = values.reshape(-1, values.shape[-1])
+    flat = np.stack([np.broadcast_to(parameter, shape).reshape(-1) for parameter in law], axis=-1)
     starts = np.flatnonzero(np.r_[True, np.any(flat[1:] != flat[:-1], axis=1)])
     ends = np.r_[starts[1:], len(flat)]
     ranges: dict[tuple[float, ...], list[str]] = {}
@@ -40,4 +49,6 @@ def atoms_by_value(values: NDArray[np.float64]) -> list[tuple[tuple[float, ...],
         value = tuple(flat[start].tolist())
         if any(value):
             ranges.setdefault(value, []).append(f"{start + 1}:{end}")
+    if len(ranges) > MOST_GROUPS:
+        raise ValueError(f"{len(ranges)} different values; LAMMPS has room for {MOST_GROUPS}")
     return [(value, " ".join(found)) for value, found in ranges.items()]

@@ -53,6 +53,10 @@ class Link:
         """Add the force on every bead to ``total``, of the shape of the displacements."""
         raise NotImplementedError
 
+    def add_bead_energy(self, total: Floats, displacement: Floats, first: int = 1) -> None:
+        """Add every link's energy to ``total``, [..., chain, bead]: two beads that it joins have half each."""
+        raise NotImplementedError
+
     def add_energy(self, total: Floats, displacement: Floats, first: int = 1) -> None:
         """Add the energy of every chain's links to ``total``, [..., chain]; two chains that are tied have half each."""
         total += np.sum(self.energy(displacement, first), axis=-1)
@@ -80,6 +84,12 @@ class Along(Link):
         push = laws.force(self.on(first, displacement.shape[-1]).law, self.strain(displacement))
         total[..., 1:] += push
         total[..., :-1] -= push
+
+    def add_bead_energy(self, total: Floats, displacement: Floats, first: int = 1) -> None:
+        """Add half of every contact's energy to either of its beads."""
+        half = 0.5 * self.energy(displacement, first)
+        total[..., 1:] += half
+        total[..., :-1] += half
 
     def _within(self, first: int, beads: int) -> slice:
         return slice(first - 1, first - 2 + beads)
@@ -111,6 +121,13 @@ class Across(Link):
         for edge, (one, other) in enumerate(self.edges):
             total[..., one, :] -= pull[..., edge, :]
             total[..., other, :] += pull[..., edge, :]
+
+    def add_bead_energy(self, total: Floats, displacement: Floats, first: int = 1) -> None:
+        """Add half of every spring's energy to either of its beads."""
+        half = 0.5 * self.energy(displacement, first)
+        for edge, ends in enumerate(self.edges):
+            for chain in ends:
+                total[..., chain, :] += half[..., edge, :]
 
     def add_energy(self, total: Floats, displacement: Floats, first: int = 1) -> None:
         """Add half of the energy of every spring to either of its chains."""
@@ -153,6 +170,10 @@ class Ground(Link):
     def add_force(self, total: Floats, displacement: Floats, first: int = 1) -> None:
         """Add the force on every bead."""
         total -= laws.force(self.on(first, displacement.shape[-1]).law, displacement)
+
+    def add_bead_energy(self, total: Floats, displacement: Floats, first: int = 1) -> None:
+        """Add the energy of every bead's link."""
+        total += self.energy(displacement, first)
 
 
 def largest_eigenvalue(across: Across, chains: int) -> float:

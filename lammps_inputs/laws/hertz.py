@@ -36,8 +36,8 @@ class Hertz(NamedTuple):
 
     @staticmethod
     def reach(energy: Any, strength: Any) -> Any:
-        """Overlap at which one contact holds the whole energy."""
-        return (2.5 * energy / strength) ** 0.4
+        """Overlap at which one contact holds the whole energy; 0 where there is none."""
+        return (2.5 * energy / np.where(np.asarray(strength) > 0.0, strength, np.inf)) ** 0.4
 
     def along(self, _name: str, problem: "System") -> Lines:
         """LAMMPS's Hertz force is ``Kn * sqrt(diameter / 4) * overlap**1.5`` for equal beads."""

@@ -4,8 +4,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from lammps_inputs import laws
 from lammps_inputs.laws import Parameter
-from lammps_inputs.lines import Lines
+from lammps_inputs.lines import Lines, atoms_by_value
 from lammps_inputs.numbers import text
 
 if TYPE_CHECKING:
@@ -35,8 +36,23 @@ class Linear(NamedTuple):
 
     @staticmethod
     def reach(energy: Any, spring: Any) -> Any:
-        """Strain at which one spring holds the whole energy."""
-        return np.sqrt(2.0 * energy / spring)
+        """Strain at which one spring holds the whole energy; 0 where there is none."""
+        return np.sqrt(2.0 * energy / np.where(np.asarray(spring) > 0.0, spring, np.inf))
+
+    def ground(self, name: str, problem: "System") -> Lines:
+        """A fix that holds each bead at the place where it finds it, at rest."""
+        if not laws.differs(self):
+            return Lines(
+                variables=(f"variable {name} index {text(float(self.spring))}",),
+                motion=(f"fix {name} all spring/self ${{{name}}} x",),
+            )
+        lines = []
+        for number, ((spring,), atoms) in enumerate(atoms_by_value(self, (problem.chains, problem.beads)), 1):
+            lines += [
+                f"group {name}{number} id {atoms}",
+                f"fix {name}{number} {name}{number} spring/self {text(spring)} x",
+            ]
+        return Lines(motion=tuple(lines))
 
     def across(self, _name: str, _problem: "System") -> Lines:
         """A harmonic bond, whose energy is ``K (r - r0)**2``, with ``K = k / 2`` from a deck variable.

@@ -100,7 +100,7 @@ def test_the_scenes_of_the_figures_have_the_numbers_of_the_paper(name, chains, k
 def test_the_steel_scene_is_the_two_chain_scene_in_si():
     steel, reduced = find("two-chains-steel"), find("two-chains")
     assert steel.scale.si
-    assert steel.system.kappa == pytest.approx(reduced.kappa, rel=2e-3)  # 2.41e6 N/m has three digits
+    assert steel.system.kappa == pytest.approx(reduced.system.kappa, rel=2e-3)  # 2.41e6 N/m has three digits
     assert steel.problem().duration == pytest.approx(192, rel=0.03)
 
 

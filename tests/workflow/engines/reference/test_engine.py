@@ -116,7 +116,7 @@ def test_one_chain_throws_its_first_beads_back_as_published():
 
 def test_a_contact_of_two_beads_has_the_exact_overlap_and_ends_at_the_exact_time():
     two = run(problem(chains=1, kappa=None, beads=2, duration=3.0, every=0.001), steps_per_frame=1)
-    overlap = motion.overlaps(two.displacement, 0.0)[:, 0, 0]
+    overlap = motion.overlaps(two.problem, two.displacement)[:, 0, 0]
     assert overlap.max() == pytest.approx((5 / 8) ** 0.4, abs=1e-6)  # sampled within 0.0005, curvature 1.25
     assert two.time[overlap > 0][-1] == pytest.approx(CONTACT_TIME, abs=0.0011)
     assert pytest.approx(2.438838, abs=5e-7) == CONTACT_TIME
@@ -149,7 +149,7 @@ def pressed():
 def test_a_scheme_has_its_order_while_contacts_stay_closed(scheme, steps, band):
     like = problem(beads=PRESSED, kappa=0.5)
     x, exact = integrated(pressed(), like, BLANES_MOAN, 0.5 / 256, 256)
-    assert motion.overlaps(x, 0.0).min() > 0.5
+    assert motion.overlaps(like, x).min() > 0.5
     steps = np.array(steps)
     error = [np.abs(integrated(pressed(), like, scheme, 0.5 / n, n)[1] - exact).max() for n in steps]
     assert order(0.5 / steps, error) == pytest.approx(scheme.order, abs=band)

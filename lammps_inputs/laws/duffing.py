@@ -1,0 +1,56 @@
+"""A spring that stiffens (or softens) with its strain: linear and cubic (Duffing 1918)."""
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from lammps_inputs.laws import Parameter
+from lammps_inputs.lines import Lines, atoms_by_value
+from lammps_inputs.numbers import text
+
+if TYPE_CHECKING:
+    from lammps_inputs.problem import System
+
+
+class Duffing(NamedTuple):
+    """``k s + c s**3`` with c >= 0."""
+
+    spring: Parameter
+    """k, in units of m / T**2."""
+    cubic: Parameter
+    """c, in units of m / (L T)**2."""
+
+    @staticmethod
+    def force(s: Any, spring: Any, cubic: Any) -> Any:
+        """Linear and cubic part."""
+        return spring * s + cubic * (s * s * s)
+
+    @staticmethod
+    def energy(s: Any, spring: Any, cubic: Any) -> Any:
+        """``k s**2 / 2 + c s**4 / 4``."""
+        square = s * s
+        return 0.5 * spring * square + 0.25 * cubic * square * square
+
+    @staticmethod
+    def stiffness(s: Any, spring: Any, cubic: Any) -> Any:
+        """``k + 3 c s**2``."""
+        return spring * np.ones_like(s) + 3.0 * cubic * (s * s)
+
+    @staticmethod
+    def reach(energy: Any, spring: Any, cubic: Any) -> Any:
+        """Strain at which one spring holds the whole energy; 0 where there is no spring."""
+        # s**2 is the root of c q**2 + 2 k q - 4 energy, in the form that has no difference of like numbers
+        root = spring + np.sqrt(spring * spring + 4.0 * cubic * energy)
+        return np.sqrt(4.0 * energy / np.where(root > 0.0, root, np.inf))
+
+    def ground(self, name: str, problem: "System") -> Lines:
+        """A force from a formula of the place, for which LAMMPS has no fix of its own."""
+        lines = [f"variable {name}strain atom x-((id-1)%{problem.beads}+1)*{text(problem.spacing)}"]
+        for number, ((spring, cubic), atoms) in enumerate(atoms_by_value(self, (problem.chains, problem.beads)), 1):
+            strain = f"v_{name}strain"
+            lines += [
+                f"group {name}{number} id {atoms}",
+                f"variable {name}{number} atom -({text(spring)}*{strain}+{text(cubic)}*{strain}^3)",
+                f"fix {name}{number} {name}{number} addforce v_{name}{number} 0.0 0.0",
+            ]
+        return Lines(motion=tuple(lines))
