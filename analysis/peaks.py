@@ -420,8 +420,8 @@ def _refined(parts: list[_Brackets], direction: int) -> Peaks:
         overlap=found.overlap,
         centre=time - way / velocity,
         time_error=time_error,
-        velocity_error=doubt,
-        centre_error=(found.spacing + np.abs(way / velocity)) * doubt / velocity,
+        velocity_error=np.where(at_start, 0.0, doubt),
+        centre_error=np.where(at_start, 0.0, (found.spacing + np.abs(way / velocity)) * doubt / velocity),
         direction=direction,
     )
     peaks = replace(peaks, time_error=np.where(sharp(peaks) | at_start, time_error, np.inf))
