@@ -132,7 +132,7 @@ def test_the_centre_of_the_impulse_is_when_the_velocity_passes_half_its_height(g
             low = np.flatnonzero(before & (velocity < 0.5 * own.peak_velocity[0]))[-1]
             share = (0.5 * own.peak_velocity[0] - velocity[low]) / (velocity[low + 1] - velocity[low])
             half_height = gapped.time[low] + 0.25 * share
-            # a contact lasts 2.4 T and its impulse is nearly symmetric; the other chain's spring pulls a little meanwhile
+            # a contact lasts 2.4 T, its impulse is nearly symmetric; the other chain's spring pulls a little meanwhile
             assert own.arrival[0] == pytest.approx(half_height, abs=0.2)
             assert own.arrival_error[0] < 1e-3
 
