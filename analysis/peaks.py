@@ -295,7 +295,7 @@ def _bracketed(
     block: Trajectory, frame: Integers, chain: Integers, bead: Integers, way: int, *, noisy: bool
 ) -> _Brackets:
     """Maxima whose largest frames are given. One at frame 0 stays there."""
-    spacing = _spacing(block)
+    spacing = block.spacing
     x, v = block.displacement, block.velocity
     by_equations = block.problem.recorded is None and not noisy
     if by_equations:
@@ -371,12 +371,6 @@ def _share_of_doubt(spacing: float, *, by_equations: bool) -> float:
 def _padded(polynomials: Floats) -> Floats:
     missing = _POWERS - len(polynomials)
     return np.concatenate([polynomials, np.zeros((missing, *polynomials.shape[1:]))])
-
-
-def _spacing(block: Trajectory) -> float:
-    """Time between two frames: a multiple of the problem's to the last bit, which a difference of times is not."""
-    every = block.problem.every
-    return every * max(1, round(float(block.time[1] - block.time[0]) / every))
 
 
 def _together(parts: list[_Brackets]) -> _Brackets:

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from synthetic_waves import problem, reference
 
 from analysis.conservation import Conservation
+from analysis.impulses import measure
 from analysis.peaks import PeakFinder, Peaks, find_peaks, in_mirror, sharp
 from analysis.trajectory import Trajectory, blocks
 from analysis.waves import from_csv, leading_waves, to_csv
@@ -63,6 +64,15 @@ def test_energy_is_the_same_bit_for_bit_wherever_the_blocks_are_cut(fine, places
             conservation.add(piece)
         seen.append((conservation.energy_drift, conservation.momentum_drift, conservation.front))
     assert seen[0] == seen[1]
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.lists(st.integers(1, 400), max_size=12))
+def test_impulses_are_the_same_bit_for_bit_wherever_the_blocks_are_cut(fine, places):
+    run = thinned(fine, 20)
+    whole, pieces = (measure(run.problem, parts) for parts in ([run], cut(run, places)))
+    for name in ("first", "whole", "time"):
+        assert np.array_equal(getattr(whole, name), getattr(pieces, name), equal_nan=True), name
 
 
 def test_maxima_do_not_depend_on_how_times_were_rounded(fine):
