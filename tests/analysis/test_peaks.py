@@ -130,8 +130,8 @@ def test_where_beads_fly_freely_the_time_of_the_maximum_is_not_defined(gapped):
     waves = leading_waves(peaks)
     unknown = np.isnan(waves.arrival)
     assert np.array_equal(unknown, np.isinf(waves.arrival_error))
-    assert np.count_nonzero(unknown) > 40
-    assert np.count_nonzero(np.isnan(waves.speed)) > 40
+    assert np.count_nonzero(unknown) > 10
+    assert np.count_nonzero(np.isnan(waves.speed)) > 10
 
 
 def test_the_centre_of_the_impulse_is_when_the_velocity_passes_half_its_height(gapped):
