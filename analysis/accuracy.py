@@ -1,24 +1,24 @@
 """How well a passage is found: bounds for the exact wave on a grid of times, and for noise on it, as measured."""
 
 from dataclasses import dataclass
+from typing import Any
 
 from analysis.noise import left_by_smoothing
-from analysis.peaks import FAR_APART
+from analysis.peaks import FAR_APART, on_a_grid
+from analysis.trajectory import Floats
 
 
 @dataclass(frozen=True)
 class PeakError:
-    """Bounds on the error of one passage: arrival in units of T, peak velocity in units of V."""
+    """Bounds on the error of passages: arrival in units of T, peak velocity in units of V; of the latter's shape."""
 
-    arrival: float
-    peak_velocity: float
-
-
-FLOOR = 1e-9
-"""What rounding and bisection leave."""
+    arrival: Any
+    peak_velocity: Any
 
 
-def peak_error(every: float, peak_velocity: float, *, noise: float = 0.0, all_recorded: bool = True) -> PeakError:
+def peak_error(
+    every: float, peak_velocity: float | Floats, *, noise: float = 0.0, all_recorded: bool = True
+) -> PeakError:
     """Error of an exact wave's passage found by `analysis.peaks`, four standard deviations where there is noise.
 
     Measured for peak velocities from 0.05 to 1 (with noise 0.2 to 1) and times between frames up to 1. Without noise it
@@ -30,17 +30,12 @@ def peak_error(every: float, peak_velocity: float, *, noise: float = 0.0, all_re
         noise: standard deviation of recorded displacements (L) and velocities (V).
         all_recorded: whether every bead is recorded.
     """
-    frames = every * peak_velocity**0.2  # in the wave's own time
     if noise > 0.0:
         left = left_by_smoothing(noise, every)
         far = 2.0 if every >= FAR_APART else 1.0  # displacements are used there, and add their noise
         arrival = far * 4.0 * 7.0 * left / peak_velocity + 0.5 * every**3
         return PeakError(arrival, far * 4.0 * 2.5 * left + (2e-4 + 0.2 * every**3) * peak_velocity)
-    if all_recorded:
-        arrival, relative = 4e-3 * frames**5, 2.5e-3 * frames**6
-    else:
-        arrival, relative = 4e-2 * frames**6, 1e-2 * frames**6
-    return PeakError(FLOOR + arrival / peak_velocity**0.2, FLOOR + relative * peak_velocity)
+    return PeakError(*on_a_grid(every, peak_velocity, all_recorded=all_recorded))
 
 
 def width_error(every: float) -> float:

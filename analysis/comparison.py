@@ -6,34 +6,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.conservation import Conservation
-from analysis.peaks import THRESHOLD, PeakFinder, Peaks
+from analysis.peaks import THRESHOLD, PeakFinder, Peaks, sharp
 from analysis.trajectory import Floats, Trajectory
 
 QUANTITIES = ("velocity", "displacement", "amplitude", "arrival", "energy", "momentum")
 
 MAP_CELLS = 400
 
-FREE = 0.05
-"""Overlap at its peak, over velocity**0.8, below which a bead is taken for one that flies freely (the exact solitary
-wave has 0.66). Such a velocity reaches a level and stays: when it is largest is not to be told.
-"""
-
 
 def matched(own: Peaks, other: Peaks, beads: int) -> tuple[Peaks, Peaks]:
     """First passages of two runs at the beads that both reached, in chains of so many beads.
 
-    Left out are the kicked beads' start, the last bead, which flies off, and passages not twice as high as
-    `analysis.peaks.THRESHOLD`: of those, one run may have what the other has not. Each bead has one passage at most.
+    Left out are the kicked beads' start, the last bead of the pulse's way, which flies off, and passages not twice as
+    high as `analysis.peaks.THRESHOLD`: of those, one run may have what the other has not. Each bead has one passage at
+    most.
     """
     keys = [peaks.chain * 2**40 + peaks.bead for peaks in (own, other)]
-    clear = [(peaks.velocity > 2.0 * THRESHOLD) & (peaks.bead < beads) & (peaks.time > 0.0) for peaks in (own, other)]
+    last = beads if own.direction > 0 else 1
+    clear = [(peaks.velocity > 2.0 * THRESHOLD) & (peaks.bead != last) & (peaks.time > 0.0) for peaks in (own, other)]
     both = np.intersect1d(keys[0][clear[0]], keys[1][clear[1]])
     return own.where(np.isin(keys[0], both)), other.where(np.isin(keys[1], both))
-
-
-def sharp(peaks: Peaks) -> NDArray[np.bool_]:
-    """Which passages have a time that can be told: all but those of beads that fly freely, as far as that is known."""
-    return ~(peaks.overlap < FREE * peaks.velocity**0.8)
 
 
 @dataclass(frozen=True)

@@ -29,15 +29,15 @@ class Conservation:
         problem = block.problem
         self.frames += block.frames
         self.last_time = float(block.time[-1])
-        moving = block.moving
-        velocity = block.velocity[..., moving]
+        velocity = block.velocity
         passed = np.flatnonzero(np.any(np.abs(velocity) > 1e-3, axis=(0, 1)))
         if len(passed):
-            self.front = max(self.front, int(block.beads[moving][passed[-1]]))
+            self.front = max(self.front, int(block.beads[passed[-1]]))
         if not problem.whole:
             self.energy_drift = self.momentum_drift = float("nan")
             return
-        energy = motion.energy(problem, block.displacement[..., moving], velocity, int(block.beads[moving][0]))
+        # all beads, for the order in which a sum is taken must not depend on which of them move in this block
+        energy = motion.energy(problem, block.displacement, velocity)
         momentum = motion.momentum(velocity)
         kicked = sum(abs(velocity) for _, _, velocity in problem.kicks)
         # np.maximum, unlike max(), lets NaN through

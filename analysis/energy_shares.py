@@ -22,7 +22,7 @@ class EnergyShares:
     """Collects energies when the chains' waves pass beads; for runs in which every bead is recorded.
 
     Attributes:
-        place: [instant] positions in the `Sharing`.
+        place: [instant] positions in the `Sharing`, of those at which all arrivals are defined.
         chain: [instant, chain] energy of a chain, in that of the kicks; NaN where not seen, as in a window.
         wave: [instant, chain] energy inside its leading wave, in that of the kicks; likewise.
     """
@@ -30,8 +30,12 @@ class EnergyShares:
     def __init__(self, problem: Problem, shared: Sharing) -> None:
         self.problem = problem
         self._shared = shared
-        count = min(len(shared), MAX_PLACES) if problem.recorded is None else 0
-        self.place = np.unique(np.linspace(0, max(len(shared) - 1, 0), count).round().astype(np.int64))
+        known = (
+            np.flatnonzero(np.all(np.isfinite(shared.arrival), axis=1)) if problem.recorded is None else np.arange(0)
+        )
+        count = min(len(known), MAX_PLACES)
+        self.place = known[np.unique(np.linspace(0, max(len(known) - 1, 0), count).round().astype(np.int64))]
+        self._known = known
         instant = np.mean(shared.arrival[self.place], axis=1) if count else np.zeros(0)
         self._frame = np.round(instant / problem.every).astype(np.int64)
         self.chain = np.full((len(self.place), problem.chains), np.nan)
@@ -52,8 +56,8 @@ class EnergyShares:
         total = motion.chain_energy(self.problem, x, v, block.first)
         inside = np.empty_like(total)
         for chain in range(self.problem.chains):
-            arrivals = np.maximum.accumulate(self._shared.arrival[:, chain])
-            peak = np.interp(block.time[frame], arrivals, self._shared.bead)
+            arrivals = np.maximum.accumulate(self._shared.arrival[self._known, chain])
+            peak = np.interp(block.time[frame], arrivals, self._shared.bead[self._known])
             near = np.abs(block.beads - peak) <= REACH
             between = near[:-1] & near[1:]
             inside[chain] = np.sum(kinetic[chain, near]) + np.sum(contacts[chain, between])

@@ -49,9 +49,11 @@ class Sharing:
         kicked: position of the chain that was hit hardest.
         bead: [place], counted from 1, ascending.
         arrival: [place, chain], in units of T.
+            NaN where it is not defined.
         amplitude: [place, chain] peak velocity, in units of V.
         energy: of the kicks, in units of m V**2.
         noise: standard deviation of an amplitude, in units of V; 0 for a record without noise.
+        arrival_error, amplitude_error: [place, chain] bounds on what the time between frames leaves; NaN if unknown.
     """
 
     kicked: int
@@ -60,6 +62,8 @@ class Sharing:
     amplitude: Floats
     energy: float
     noise: float = 0.0
+    arrival_error: Floats | None = None
+    amplitude_error: Floats | None = None
 
     def __len__(self) -> int:
         return len(self.bead)
@@ -77,9 +81,25 @@ class Sharing:
     @cached_property
     def spread(self) -> Floats:
         """[place] time between the first and the last chain, in passages of the exact wave of the mean amplitude."""
+        return np.asarray(np.ptp(self.arrival, axis=1) / self._passage)
+
+    @property
+    def _passage(self) -> Floats:
+        """[place] time in which the exact wave of the mean amplitude passes at half its height."""
         exact = solitary_wave()
-        passage = exact.width / exact.speed_at(np.mean(self.amplitude, axis=1))
-        return np.asarray(np.ptp(self.arrival, axis=1) / passage)
+        return np.asarray(exact.width / exact.speed_at(np.mean(self.amplitude, axis=1)))
+
+    def sure_to(self) -> tuple[float, float]:
+        """How well amplitudes (relative) and arrivals (in passages) of single waves are known over the last half beat.
+
+        Infinite where an arrival is not defined; errors that are not known count as 0.
+        """
+        if len(self) == 0 or self.arrival_error is None or self.amplitude_error is None:  # given by hand
+            return 0.0, 0.0
+        late = self.bead >= self.bead[-1] - (self.half_beat or 0.0)
+        arrival = np.where(np.isfinite(self.arrival), np.nan_to_num(self.arrival_error), np.inf)
+        relative = np.nan_to_num(self.amplitude_error) / self.amplitude
+        return float(np.max(relative[late])), float(np.max(arrival[late] / self._passage[late, np.newaxis]))
 
     @cached_property
     def wave_share(self) -> Floats:
@@ -194,12 +214,26 @@ def sharing(waves: Waves, problem: Problem, noise: float = 0.0) -> Sharing:
     kicked, hit, _ = max(problem.kicks, key=lambda kick: abs(kick[2]))
     beads = problem.recorded_beads
     place = {int(bead): k for k, bead in enumerate(beads)}
-    arrival = np.full((len(beads), problem.chains), np.nan)
-    amplitude = np.full((len(beads), problem.chains), np.nan)
     rows = np.array([place[int(bead)] for bead in waves.bead], dtype=np.int64)
-    arrival[rows, waves.chain - 1], amplitude[rows, waves.chain - 1] = waves.arrival, waves.peak_velocity
-    clear = np.all(np.isfinite(arrival), axis=1) & (beads > hit) & (beads <= problem.beads - CLEAR)
-    return Sharing(kicked - 1, beads[clear], arrival[clear], amplitude[clear], problem.energy, noise)
+
+    def side_by_side(values: Floats) -> Floats:
+        table = np.full((len(beads), problem.chains), np.nan)
+        table[rows, waves.chain - 1] = values
+        return table[clear]
+
+    clear = np.ones(len(beads), dtype=bool)
+    clear = np.all(np.isfinite(side_by_side(waves.peak_velocity)), axis=1)
+    clear &= (beads > hit) & (beads <= problem.beads - CLEAR)
+    return Sharing(
+        kicked - 1,
+        beads[clear],
+        side_by_side(waves.arrival),
+        side_by_side(waves.peak_velocity),
+        problem.energy,
+        noise,
+        side_by_side(waves.arrival_error),
+        side_by_side(waves.velocity_error),
+    )
 
 
 def _extrapolated(tops: Floats, tolerance: float) -> float | None:

@@ -34,7 +34,13 @@ def coefficients(nodes: tuple[int, ...], data: Floats, spacing: float) -> Floats
     count, derivatives = data.shape[:2]
     scaled = data * (spacing ** np.arange(derivatives)).reshape((1, derivatives) + (1,) * (data.ndim - 2))
     flat = scaled.reshape((count * derivatives, *data.shape[2:]))
-    return np.asarray(np.tensordot(_coefficients_from_data(nodes, derivatives), flat, axes=1))
+    matrix = _coefficients_from_data(nodes, derivatives)
+    # term by term: a matrix product rounds one series otherwise according to how many others there are
+    result = np.zeros_like(flat)
+    for power, row in enumerate(matrix):
+        for factor, term in zip(row, flat, strict=True):
+            result[power] += factor * term
+    return result
 
 
 def derivative(polynomials: Floats) -> Floats:
@@ -49,6 +55,11 @@ def value(polynomials: Floats, s: Floats) -> Floats:
     for coefficient in polynomials[::-1]:
         result = result * s + coefficient
     return result
+
+
+def integral(polynomials: Floats, s: Floats) -> Floats:
+    """Integrals over ``t / spacing`` from 0 to s, of the trailing shape."""
+    return s * value(polynomials / np.arange(1, len(polynomials) + 1)[:, np.newaxis], s)
 
 
 def falling_zero(polynomials: Floats, low: Floats, high: Floats) -> Floats:

@@ -128,7 +128,7 @@ class ImpulseMeter:
 
     def _integrate(self, block: Trajectory) -> None:
         """Add the impulses between the frames of a block."""
-        spacing = float(block.time[1] - block.time[0])
+        spacing = block.spacing
         overlap = self._overlaps(block)
         rate = block.velocity[..., self._pair] - block.velocity[..., self._pair + 1]
         meets = (rate[:-1] > 0.0) & (rate[1:] < 0.0) & (overlap[:-1] + rate[:-1] * spacing > TOUCH)
@@ -155,7 +155,8 @@ class ImpulseMeter:
             (self._first, push * still_first),
             (self._moment, push * still_first * when),
         ):
-            np.add.at(total, (chain, pair), values.sum(axis=0))
+            # term by term: a sum is taken in another order where a block has one entry only
+            np.add.at(total, (chain, pair), np.add.accumulate(values, axis=0)[-1])
         np.add.at(self._contacts, (chain, pair), np.sum(~closed[:-1] & closed[1:], axis=0))
         self._over = over[-1]
 

@@ -8,7 +8,7 @@ from MDAnalysis.analysis.base import AnalysisBase
 import analysis.mdanalysis_formats  # noqa: F401  registers the readers
 from analysis.peaks import THRESHOLD, PeakFinder
 from analysis.trajectory import Trajectory
-from analysis.waves import leading_waves
+from analysis.waves import leading_waves, usual_arrival
 from lammps_inputs import Problem
 
 
@@ -49,6 +49,6 @@ class LeadingWaves(AnalysisBase):  # type: ignore[misc]  # MDAnalysis has no typ
 
     def _conclude(self) -> None:
         self._pass_on()
-        waves = leading_waves(self._finder.result())
+        waves = leading_waves(self._finder.result(), usual_arrival(self._problem))
         for name in ("chain", "bead", "arrival", "peak_velocity", "speed"):
             self.results[name] = getattr(waves, name)

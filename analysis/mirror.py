@@ -16,6 +16,12 @@ from lammps_inputs import Problem
 Number = TypeVar("Number", int, NDArray[np.int64])
 
 
+def direction_of(problem: Problem) -> int:
+    """Which way the hardest kick goes, and so the leading pulse: 1 towards higher bead numbers, -1 towards lower."""
+    _, _, hardest = max(problem.kicks, key=lambda kick: abs(kick[2]))
+    return 1 if hardest > 0.0 else -1
+
+
 def mirrored_bead(problem: Problem, bead: Number) -> Number:
     """Number of a bead in the mirror; twice is the bead itself."""
     return problem.beads + 1 - bead

@@ -3,18 +3,20 @@
 Where all beads are recorded, the equation of motion gives acceleration and its rate at each frame; velocity and its
 first two derivatives at the two frames around a maximum fix a polynomial of degree five, and with displacement one of
 degree six. Where only some beads are recorded, that degree comes from displacement and velocity at four frames; where
-the record is noisy, degree three from velocity alone. Reads a run block by block, so its memory does not grow with the
-number of frames.
+the record is noisy, degree three from velocity alone. What a polynomial of a lower degree says instead tells how sure
+that is. Reads a run block by block, so its memory does not grow with the number of frames; nothing depends on where the
+blocks begin.
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis import hermite, motion
+from analysis.mirror import direction_of, mirrored_bead
 from analysis.solitary_wave import solitary_wave
 from analysis.trajectory import Floats, Trajectory, joined
 from lammps_inputs import Problem
@@ -30,8 +32,23 @@ velocity Verlet's velocities differ from the slope of its displacements by ``tim
 """
 
 
+FLOOR = 1e-9
+"""Error that rounding and bisection leave, in T and V."""
+
 APART = 1.5
 """Least distance of two maxima of a noisy record, in passages of the higher wave: its foot ends there."""
+
+
+def on_a_grid(every: Floats | float, peak_velocity: Floats | float, *, all_recorded: bool = True) -> tuple[Any, Any]:
+    """Bounds on the errors of arrival (T) and peak velocity (V) of an exact wave, found on a grid of times."""
+    frames = every * peak_velocity**0.2  # in the wave's own time
+    if all_recorded:
+        far = np.asarray(every) >= FAR_APART
+        arrival = np.where(far, 6e-4, 4e-3) * frames**5
+        relative = np.where(far, 2e-4, 2.5e-3) * frames**6
+    else:
+        arrival, relative = 4e-2 * frames**6, 1e-2 * frames**6
+    return FLOOR + arrival / peak_velocity**0.2, FLOOR + relative * peak_velocity
 
 
 @dataclass(frozen=True)
@@ -41,9 +58,15 @@ class Peaks:
     Attributes:
         chain, bead: counted from 1.
         time: of the maximum, in units of T.
-        velocity: the maximum, in units of V; always positive.
+        velocity: the maximum along ``direction``, in units of V; always positive.
         overlap: the bead's larger overlap with a neighbour at the nearest frame, in units of L, negative where both
             are apart; NaN where not all beads are recorded.
+        centre: centre in time of all the impulse that the bead was given until then, in units of T. It is ``time - x /
+            velocity`` with the displacement x at the maximum, which hardly depends on ``time``: also where a bead flies
+            on at its largest velocity, it is sharp.
+        time_error, velocity_error, centre_error: how far these may be off because of the time between frames; the time
+            of a bead that flies freely is not known at all (inf), see `sharp`.
+        direction: of the velocities: 1 towards higher bead numbers, -1 towards lower ones.
     """
 
     chain: NDArray[np.int64]
@@ -51,15 +74,37 @@ class Peaks:
     time: Floats
     velocity: Floats
     overlap: Floats
+    centre: Floats
+    time_error: Floats
+    velocity_error: Floats
+    centre_error: Floats
+    direction: int = 1
 
-    def where(self, chosen: NDArray[np.bool_]) -> "Peaks":
-        """The maxima that a mask chooses."""
-        return Peaks(
-            self.chain[chosen], self.bead[chosen], self.time[chosen], self.velocity[chosen], self.overlap[chosen]
-        )
+    def where(self, chosen: NDArray[np.bool_] | Integers) -> "Peaks":
+        """The maxima that a mask or positions choose."""
+        columns = {field.name: getattr(self, field.name)[chosen] for field in fields(self) if field.name != "direction"}
+        return replace(self, **columns)
 
     def __len__(self) -> int:
         return len(self.time)
+
+
+FREE = 0.05
+"""Overlap at its peak, over velocity**0.8, below which a bead is taken for one that flies freely (the exact solitary
+wave has 0.66). Such a velocity reaches a level and stays: when it is largest is not to be told.
+"""
+
+
+def sharp(peaks: Peaks) -> NDArray[np.bool_]:
+    """Which passages have a time that can be told: all but those of beads that fly freely, as far as that is known."""
+    return ~(peaks.overlap < FREE * peaks.velocity**0.8)
+
+
+def in_mirror(peaks: Peaks, problem: Problem) -> Peaks:
+    """The same maxima as numbered in the mirror, where they run the other way; twice is the maxima themselves."""
+    bead = mirrored_bead(problem, peaks.bead)
+    order = np.lexsort((peaks.time, bead, peaks.chain))
+    return replace(peaks, bead=bead, direction=-peaks.direction).where(order)
 
 
 class PeakFinder:
@@ -72,13 +117,24 @@ class PeakFinder:
         threshold: smallest maximum that counts, in units of V.
         first_only: whether only the first maximum of each bead is wanted, which is several times faster.
         noisy: whether the states do not obey the equation of motion, so that velocities alone are used.
+        direction: 1 for velocities towards higher bead numbers, -1 towards lower ones; None for the way of the hardest
+            kick.
     """
 
-    def __init__(self, threshold: float = THRESHOLD, *, first_only: bool = False, noisy: bool = False) -> None:
+    def __init__(
+        self,
+        threshold: float = THRESHOLD,
+        *,
+        first_only: bool = False,
+        noisy: bool = False,
+        direction: int | None = None,
+    ) -> None:
         self._threshold = threshold
         self._noisy = noisy
+        self._direction = direction
         self._found: list[_Brackets] = []
         self._carried: Trajectory | None = None
+        self._started = False
         self._first_only = first_only
         self._passed: NDArray[np.bool_] | None = None
 
@@ -86,22 +142,17 @@ class PeakFinder:
         """Take the next frames, evenly spaced in time with those before."""
         if self._carried is not None:  # a window may have moved on
             self._carried = self._carried.on(block.first, block.first + block.velocity.shape[2] - 1)
-        if self._carried is None:
-            if block.frames > 1:
-                self._keep(block, *_at_start(block, self._threshold))
-            self._search(block, block.frames - 2)
-            self._carried = block[-3:]
-        elif self._carried.frames < 3 or block.frames < 3:
-            started = self._carried.frames == 1
-            edge = joined([self._carried, block])
-            if started:
-                self._keep(edge, *_at_start(edge, self._threshold))
-            self._search(edge, edge.frames - 2)
-            self._carried = edge[-3:]
+        if self._carried is None or not self._started or block.frames < 3:
+            if self._carried is not None:
+                block = joined([self._carried, block])
+            if not self._started and block.frames >= len(_NODES):
+                self._start(block)
+            if self._started:
+                self._search(block, block.frames - 2)
         else:
             self._search(joined([self._carried, block[:3]]), 4)
             self._search(block, block.frames - 2)
-            self._carried = block[-3:]
+        self._carried = block[-3:] if self._started else block
 
     def result(self) -> Peaks:
         """The maxima of all frames so far; no frame may be added afterwards.
@@ -111,8 +162,10 @@ class PeakFinder:
         """
         if self._carried is None:
             raise ValueError("no frames to analyse")
+        if not self._started:
+            self._start(self._carried)
         self._search(self._carried, self._carried.frames - 1, low=self._carried.frames - 2)
-        return _refined(self._found)
+        return _refined(self._found, self._way(self._carried))
 
     def state(self) -> dict[str, NDArray[Any]]:
         """What `resumed` needs to go on later with the frames that follow, as arrays.
@@ -129,6 +182,7 @@ class PeakFinder:
             "displacement": self._carried.displacement,
             "velocity": self._carried.velocity,
             "first": np.array(self._carried.first),
+            "started": np.array(self._started),
             "passed": np.zeros((0, 0), dtype=bool) if self._passed is None else self._passed,
         }
 
@@ -138,15 +192,27 @@ class PeakFinder:
         self._carried = Trajectory(
             problem, state["time"], state["displacement"], state["velocity"], first=int(state["first"])
         )
+        self._started = bool(state["started"])
         self._passed = state["passed"] if state["passed"].size else None
         return self
+
+    def _way(self, block: Trajectory) -> int:
+        return direction_of(block.problem) if self._direction is None else self._direction
+
+    def _start(self, block: Trajectory) -> None:
+        """The beads that are fastest at the start."""
+        self._started = True
+        if block.frames > 1:
+            v = self._way(block) * block.velocity[:2]
+            chain, bead = np.nonzero((v[0] > self._threshold) & (v[0] >= v[1]))
+            self._keep(block, np.zeros(len(chain), dtype=np.int64), chain, bead)
 
     def _search(self, block: Trajectory, high: int, low: int = 1) -> None:
         """Maxima whose largest frame is one of ``low`` to ``high - 1``, all of which have a frame on either side."""
         if not 1 <= low < high:
             return
         moving = block.moving
-        v = block.velocity[:, :, moving]
+        v = block.velocity[:, :, moving] if self._way(block) > 0 else -block.velocity[:, :, moving]
         middle = v[low:high]
         is_peak = (middle > self._threshold) & (v[low - 1 : high - 1] < middle) & (middle >= v[low + 1 : high + 1])
         frame, chain, bead = (index.astype(np.int64) for index in np.nonzero(is_peak))
@@ -164,12 +230,12 @@ class PeakFinder:
             self._passed.flat[place[first]] = True
         if len(frame) == 0:
             return
-        self._found.append(_bracketed(block, frame, chain, bead, self._noisy))
+        self._found.append(_bracketed(block, frame, chain, bead, self._way(block), noisy=self._noisy))
 
 
-def find_peaks(blocks: Iterable[Trajectory], threshold: float = THRESHOLD) -> Peaks:
+def find_peaks(blocks: Iterable[Trajectory], threshold: float = THRESHOLD, *, direction: int | None = None) -> Peaks:
     """Maxima above a threshold in a run given as consecutive blocks of frames; see `PeakFinder`."""
-    finder = PeakFinder(threshold)
+    finder = PeakFinder(threshold, direction=direction)
     for block in blocks:
         finder.add(block)
     return finder.result()
@@ -196,6 +262,14 @@ def distinct(peaks: Peaks) -> Peaks:
     return peaks
 
 
+_NODES = (0, 1, 2, 3)
+"""Frames that fix a maximum where only some beads are recorded."""
+
+_POWERS = 7
+
+_SAMPLES = 9
+
+
 @dataclass(frozen=True)
 class _Brackets:
     """Maxima between frames: a polynomial of velocity for each, and the piece of it where the maximum lies."""
@@ -207,22 +281,30 @@ class _Brackets:
     low: Floats
     high: Floats
     overlap: Floats
+    displacement: Floats
+    """At the origin."""
     velocity: Floats
     """[power, maximum] in s = (time - origin) / spacing."""
+    doubt: Floats
+    """How far ``velocity`` may be off: a share of what a polynomial of lower degree has more, [power, maximum]."""
+    whole: NDArray[np.bool_]
+    """Whether all beads were recorded."""
 
 
-def _bracketed(block: Trajectory, frame: Integers, chain: Integers, bead: Integers, noisy: bool) -> _Brackets:
+def _bracketed(
+    block: Trajectory, frame: Integers, chain: Integers, bead: Integers, way: int, *, noisy: bool
+) -> _Brackets:
     """Maxima whose largest frames are given. One at frame 0 stays there."""
-    spacing = float(block.time[1] - block.time[0])
+    spacing = block.spacing
     x, v = block.displacement, block.velocity
     by_equations = block.problem.recorded is None and not noisy
     if by_equations:
-        rising = motion.acceleration_and_rate(block, frame, chain, bead)[0] > 0.0
+        rising = way * motion.acceleration_and_rate(block, frame, chain, bead)[0] > 0.0
         start = np.maximum(np.where(rising, frame, frame - 1), 0)
         nodes: tuple[int, ...] = (0, 1)
         low, high = np.zeros(len(frame)), np.ones(len(frame))
     else:
-        nodes = tuple(range(min(4, block.frames)))
+        nodes = _NODES[: block.frames]
         start = np.clip(frame - 1, 0, block.frames - len(nodes))
         low = np.maximum(frame - start - 1.0, 0.0)
         high = low + 2.0
@@ -232,40 +314,109 @@ def _bracketed(block: Trajectory, frame: Integers, chain: Integers, bead: Intege
         if by_equations:
             state += motion.acceleration_and_rate(block, at, chain, bead)
         states.append(state)
-    data = np.array(states)
-    if (noisy or by_equations) and spacing < FAR_APART:
-        velocity = hermite.coefficients(nodes, data[:, 1:], spacing)
+    data = way * np.array(states)
+    velocity, lower = _polynomials(nodes, data, spacing, by_equations=by_equations, noisy=noisy)
+    share = _share_of_doubt(spacing, by_equations=by_equations)
+    return _Brackets(
+        chain=chain + 1,
+        bead=block.beads[bead],
+        origin=block.time[start],
+        spacing=np.full(len(frame), spacing),
+        low=low,
+        high=np.where(frame == 0, low, high),
+        overlap=motion.larger_overlap(block, frame, chain, bead),
+        displacement=data[0, 0],
+        velocity=velocity,
+        doubt=share * (lower - velocity),
+        whole=np.full(len(frame), block.problem.recorded is None),
+    )
+
+
+def _polynomials(
+    nodes: tuple[int, ...], data: Floats, spacing: float, *, by_equations: bool, noisy: bool
+) -> tuple[Floats, Floats]:
+    """Velocity as a polynomial, and as one of a lower degree, each [power, maximum].
+
+    Args:
+        nodes: frames.
+        data: [node, derivative of the displacement, maximum].
+        spacing: time between frames.
+        by_equations: whether acceleration and its rate are there.
+        noisy: whether displacements are of no use.
+    """
+    by_velocity = hermite.coefficients(nodes, data[:, 1:], spacing)
+    by_both = hermite.derivative(hermite.coefficients(nodes, data, spacing)) / spacing
+    if noisy:
+        best, lower = (by_velocity, by_velocity) if spacing < FAR_APART else (by_both, by_both)
+    elif not by_equations:
+        best, lower = by_both, by_velocity
+    elif spacing < FAR_APART:
+        best, lower = by_velocity, hermite.coefficients(nodes, data[:, 1:3], spacing)
     else:
-        velocity = hermite.derivative(hermite.coefficients(nodes, data, spacing)) / spacing
-    velocity = np.concatenate([velocity, np.zeros((_POWERS - len(velocity), len(frame)))])
-    high = np.where(frame == 0, low, high)
-    number = block.beads[bead]
-    overlap = motion.larger_overlap(block, frame, chain, bead)
-    return _Brackets(chain + 1, number, block.time[start], np.full(len(frame), spacing), low, high, overlap, velocity)
+        best, lower = by_both, by_velocity
+    return _padded(best), _padded(lower)
 
 
-_POWERS = 7
+def _share_of_doubt(spacing: float, *, by_equations: bool) -> float:
+    """Bound on the error of the better polynomial, in what the other differs, as measured on runs of known peaks.
+
+    Measured at couplings from 0.1 to 2 and times between frames from 0.1 to 2, with all beads and with a few; the
+    errors are a third of the bound or less where frames are up to 1 T apart.
+    """
+    if not by_equations:
+        return min(0.1 * spacing**3, 0.3)
+    return 0.2 * spacing**2 if spacing < FAR_APART else 0.1
 
 
-def _at_start(block: Trajectory, threshold: float) -> tuple[Integers, Integers, Integers]:
-    """(frame, chain, bead) of the beads that are fastest at the start."""
-    v = block.velocity
-    chain, bead = np.nonzero((v[0] > threshold) & (v[0] >= v[1]))
-    return np.zeros(len(chain), dtype=np.int64), chain, bead
+def _padded(polynomials: Floats) -> Floats:
+    missing = _POWERS - len(polynomials)
+    return np.concatenate([polynomials, np.zeros((missing, *polynomials.shape[1:]))])
 
 
 def _together(parts: list[_Brackets]) -> _Brackets:
     if not parts:
         none = np.zeros(0, dtype=np.int64)
         empty = np.zeros(0)
-        return _Brackets(none, none, empty, empty, empty, empty, empty, np.zeros((_POWERS, 0)))
+        nothing = np.zeros((_POWERS, 0))
+        return _Brackets(none, none, empty, empty, empty, empty, empty, empty, nothing, nothing, empty > 0.0)
     columns = {field.name: [getattr(part, field.name) for part in parts] for field in fields(_Brackets)}
     return _Brackets(**{name: np.concatenate(column, axis=-1) for name, column in columns.items()})
 
 
-def _refined(parts: list[_Brackets]) -> Peaks:
+def _largest(polynomials: Floats, found: _Brackets) -> Floats:
+    """Largest size of a polynomial in each bracket, by some samples."""
+    shares = np.linspace(0.0, 1.0, _SAMPLES)
+    sizes = [np.abs(hermite.value(polynomials, found.low + c * (found.high - found.low))) for c in shares]
+    return np.asarray(np.max(sizes, axis=0))
+
+
+def _refined(parts: list[_Brackets], direction: int) -> Peaks:
     found = _together(parts)
-    at = hermite.falling_zero(hermite.derivative(found.velocity), found.low, found.high)
+    slope = hermite.derivative(found.velocity)
+    at = hermite.falling_zero(slope, found.low, found.high)
     time, velocity = found.origin + at * found.spacing, hermite.value(found.velocity, at)
-    order = np.lexsort((time, found.bead, found.chain))
-    return Peaks(found.chain[order], found.bead[order], time[order], velocity[order], found.overlap[order])
+    way = found.displacement + found.spacing * hermite.integral(found.velocity, at)
+    doubt = _largest(found.doubt, found)
+    curvature = -hermite.value(hermite.derivative(slope), at)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        time_error = _largest(hermite.derivative(found.doubt), found) / curvature * found.spacing
+    exact_time, exact_velocity = np.where(
+        found.whole, on_a_grid(found.spacing, velocity), on_a_grid(found.spacing, velocity, all_recorded=False)
+    )
+    doubt, time_error = doubt + exact_velocity, time_error + exact_time
+    at_start = found.low == found.high
+    time_error = np.where(at_start, 0.0, np.where(time_error >= 0.0, time_error, np.inf))
+    peaks = Peaks(
+        chain=found.chain,
+        bead=found.bead,
+        time=time,
+        velocity=velocity,
+        overlap=found.overlap,
+        centre=time - way / velocity,
+        time_error=time_error,
+        velocity_error=np.where(at_start, 0.0, doubt),
+        centre_error=np.where(at_start, 0.0, (found.spacing + np.abs(way / velocity)) * doubt / velocity),
+        direction=direction,
+    )
+    peaks = replace(peaks, time_error=np.where(sharp(peaks) | at_start, time_error, np.inf))
+    return peaks.where(np.lexsort((time, found.bead, found.chain)))

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.mirror import mirrored_bead
-from analysis.peaks import Peaks
+from analysis.peaks import Peaks, in_mirror
 from analysis.solitary_wave import solitary_wave
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
@@ -74,19 +74,20 @@ def track_pulses(
     *,
     smallest: float = SMALLEST,
     least_beads: int = LEAST_BEADS,
-    direction: int = 1,
     noise: float = 0.0,
 ) -> tuple[Pulse, ...]:
     """Every pulse in a table of passages, by chain, then by time of its first passage.
 
     Args:
-        peaks: maxima of velocity; with ``direction=-1`` those of the mirrored run.
-        problem: what was run (not mirrored).
+        peaks: maxima of velocity along the way of the pulses.
+        problem: what was run.
         smallest: largest velocity that a pulse must reach, in units of V; a quarter of it continues one.
         least_beads: recorded beads at which a pulse must be seen.
-        direction: which way the pulses run.
         noise: standard deviation of the peak velocities, in units of V; allows for arrivals that scatter.
     """
+    direction = peaks.direction
+    if direction < 0:
+        peaks = in_mirror(peaks, problem)
     recorded = problem.recorded_beads if direction > 0 else mirrored_bead(problem, problem.recorded_beads)[::-1]
     least = max(2, min(least_beads, len(recorded)))
     exact = solitary_wave()

@@ -18,7 +18,8 @@ from analysis.trajectory import Floats, Trajectory, frames_per_block
 from lammps_inputs import InputError, Problem
 
 FARTHEST = 2.0
-"""Time between frames from which on a wave, which passes a bead in 2 T, is missed; at 1 peaks are right to 1e-4."""
+"""Time between frames from which on a wave, which passes a bead in 2 T, is missed; until then peaks say how sure they
+are."""
 
 
 def rest_positions(problem: Problem) -> Floats:

@@ -4,23 +4,25 @@ A run is given as a function that starts reading it anew, block by block, so tha
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
 
+from analysis.accuracy import peak_error
 from analysis.decay_law import DecayFit, fit_decay
 from analysis.energy_shares import EnergyShares
 from analysis.equipartition import Sharing, sharing
-from analysis.mirror import mirrored, mirrored_bead, mirrored_problem
+from analysis.leading import of_pulses, opposed
+from analysis.mirror import direction_of, mirrored, mirrored_problem
 from analysis.noise import left_by_smoothing, noise_at_start, smoothed
-from analysis.peaks import THRESHOLD, PeakFinder, Peaks, distinct
+from analysis.peaks import THRESHOLD, PeakFinder, distinct
 from analysis.pulses import SMALLEST, Pulse, track_pulses
 from analysis.solitary import Character, Tolerances, characterise, measured_at, passages_of
 from analysis.trajectory import Trajectory
 from analysis.verdict import Verdict, judge
 from analysis.waveforms import Passages, Shape, Waveforms
-from analysis.waves import Waves, leading_waves
+from analysis.waves import Arrival, Waves, leading_waves, mirrored_waves, usual_arrival
 from lammps_inputs import Problem
 
 MAX_PASSAGES = 4000
@@ -45,6 +47,7 @@ class Survey:
         problem: what was run.
         direction: 1 if the hardest kick is towards higher bead numbers, else -1; the leading waves run that way, and in
             ``shared``, ``energies``, ``decay`` and ``verdict`` beads are counted along it (from the last bead if -1).
+        arrival: what an arrival of ``waves`` is; the passages of ``pulses`` are always the maxima.
         noise: standard deviation of the recorded velocities, in units of V; 0 where there is none.
         waves: leading waves; beads as numbered in the scene. With kicks from both sides, and in a noisy
             record, only what belongs to a pulse.
@@ -57,6 +60,7 @@ class Survey:
 
     problem: Problem
     direction: int
+    arrival: Arrival
     noise: float
     waves: Waves
     waveforms: Waveforms
@@ -72,7 +76,7 @@ class Survey:
         """Whether a pulse is the leading wave of its chain where it was last seen."""
         own = self.waves.of_chain(pulse.chain)
         return pulse.direction == self.direction and bool(
-            np.any((own.bead == pulse.bead[-1]) & (own.arrival == pulse.arrival[-1]))
+            np.any((own.bead == pulse.bead[-1]) & (own.time == pulse.arrival[-1]))
         )
 
 
@@ -82,6 +86,7 @@ def survey(
     *,
     watchers: Sequence[Watcher] = (),
     tolerances: Tolerances | None = None,
+    arrival: Arrival | None = None,
 ) -> Survey:
     """Find everything in a run.
 
@@ -90,6 +95,7 @@ def survey(
         problem: what was run.
         watchers: shown every block once, as recorded.
         tolerances: within which a pulse counts as solitary.
+        arrival: what counts as the arrival of a leading wave; by default `analysis.waves.usual_arrival`.
 
     Raises:
         ValueError: there was no frame.
@@ -100,26 +106,30 @@ def survey(
     noise = noise_at_start(first)
     left = left_by_smoothing(noise, problem.every)
     options: dict[str, Any] = {"threshold": max(THRESHOLD, SURE * left), "noisy": noise > 0.0}
-    forward, backward = PeakFinder(**options), PeakFinder(**options)
+    forward, backward = PeakFinder(direction=1, **options), PeakFinder(direction=-1, **options)
     last_time = _first_reading(read, problem, noise, watchers, forward, backward)
     peaks = {1: forward.result(), -1: backward.result()}
     if noise > 0.0:
         peaks = {way: distinct(found) for way, found in peaks.items()}
 
-    _, _, hardest = max(problem.kicks, key=lambda kick: abs(kick[2]))
-    direction = 1 if hardest > 0.0 else -1
+    direction = direction_of(problem)
     along = problem if direction > 0 else mirrored_problem(problem)
     smallest = max(SMALLEST, 2.0 * SURE * left)
     pulses = tuple(
-        pulse
-        for way in (1, -1)
-        for pulse in track_pulses(peaks[way], problem, smallest=smallest, direction=way, noise=left)
+        pulse for way in (1, -1) for pulse in track_pulses(peaks[way], problem, smallest=smallest, noise=left)
     )
-    opposed = any(velocity * hardest < 0.0 for _, _, velocity in problem.kicks)
-    stray = opposed or noise > 0.0
-    ahead = leading_waves(_passages(peaks[direction], pulses, problem, direction) if stray else peaks[direction])
-    shared = sharing(ahead, along, left)
-    waves = ahead if direction > 0 else _mirrored_waves(ahead, problem)
+    stray = opposed(problem) or noise > 0.0
+    ahead = of_pulses(peaks[direction], pulses) if stray else peaks[direction]
+    arrival = usual_arrival(problem) if arrival is None else arrival
+    waves = leading_waves(ahead, arrival)
+    shared = sharing(waves if direction > 0 else mirrored_waves(waves, problem), along, left)
+    if noise > 0.0:
+        error = peak_error(problem.every, waves.peak_velocity, noise=noise)
+        waves = replace(
+            waves,
+            arrival_error=waves.arrival_error + error.arrival,
+            velocity_error=waves.velocity_error + error.peak_velocity,
+        )
     at = [measured_at(pulse, problem, last_time) for pulse in pulses]
 
     chosen = np.flatnonzero(waves.bead % max(1, -(-len(waves) // MAX_PASSAGES)) == 0)
@@ -137,10 +147,11 @@ def survey(
     return Survey(
         problem=problem,
         direction=direction,
+        arrival=arrival,
         noise=noise,
         waves=waves,
         waveforms=waveforms,
-        shape=shapes.spread_out(chosen, len(waves)),
+        shape=shapes.spread_out(chosen, len(waves)).where(np.isfinite(leading_waves(ahead).arrival)),
         pulses=pulses,
         characters=characters,
         shared=shared,
@@ -165,12 +176,12 @@ def _first_reading(
             watcher.add(block)
         if noise == 0.0:
             forward.add(block)
-            backward.add(mirrored(block))
+            backward.add(block)
         last_time = float(block.time[-1])
     if noise > 0.0:
         for block in smoothed(read(), problem.every):
             forward.add(block)
-            backward.add(mirrored(block))
+            backward.add(block)
     return last_time
 
 
@@ -183,28 +194,8 @@ def _together(waves: Waves, chosen: np.ndarray[Any, np.dtype[np.int64]], directi
     return Passages(
         chain=np.concatenate([waves.chain[chosen], others.chain]),
         bead=np.concatenate([waves.bead[chosen], others.bead]),
-        arrival=np.concatenate([waves.arrival[chosen], others.arrival]),
+        arrival=np.concatenate([waves.time[chosen], others.arrival]),
         peak_velocity=np.concatenate([waves.peak_velocity[chosen], others.peak_velocity]),
         speed=np.concatenate([waves.speed[chosen], others.speed]),
         direction=np.concatenate([np.full(len(chosen), direction), others.direction]),
     )
-
-
-def _passages(peaks: Peaks, pulses: tuple[Pulse, ...], problem: Problem, direction: int) -> Peaks:
-    """The maxima that belong to pulses running one way; others are noise, or left behind by pulses from the far end."""
-    own = [pulse for pulse in pulses if pulse.direction == direction]
-    bead = [pulse.bead if direction > 0 else mirrored_bead(problem, pulse.bead) for pulse in own]
-    passages = {
-        (pulse.chain, number, time)
-        for pulse, numbers in zip(own, bead, strict=True)
-        for number, time in zip(numbers.tolist(), pulse.arrival.tolist(), strict=True)
-    }
-    rows = zip(peaks.chain.tolist(), peaks.bead.tolist(), peaks.time.tolist(), strict=True)
-    return peaks.where(np.fromiter((row in passages for row in rows), dtype=bool, count=len(peaks)))
-
-
-def _mirrored_waves(waves: Waves, problem: Problem) -> Waves:
-    """Waves found in the mirror, with the scene's bead numbers."""
-    bead = mirrored_bead(problem, waves.bead)
-    order = np.lexsort((bead, waves.chain))
-    return Waves(waves.chain, bead, waves.arrival, waves.peak_velocity, waves.speed).where(order)

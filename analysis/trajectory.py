@@ -50,6 +50,12 @@ class Trajectory:
         """Number of frames."""
         return len(self.time)
 
+    @property
+    def spacing(self) -> float:
+        """Time between two frames: a multiple of the problem's to the last bit, which a difference of times is not."""
+        every = self.problem.every
+        return every * max(1, round(float(self.time[1] - self.time[0]) / every))
+
     def __getitem__(self, frames: slice) -> "Trajectory":
         """The same trajectory, some frames of it."""
         return replace(

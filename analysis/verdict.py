@@ -1,7 +1,10 @@
 """In words: whether the chains share the pulse equally and in step, how sure that is, and how far it would take."""
 
+import math
 from dataclasses import dataclass
 from enum import Enum
+
+import numpy as np
 
 from analysis.decay_law import DecayFit
 from analysis.equipartition import Estimate, Sharing
@@ -21,6 +24,7 @@ class State(Enum):
     BEATING = "still beating"
     SHORT = "too short to tell"
     ALONE = "nothing to share"
+    UNSURE = "not to be told"
 
 
 @dataclass(frozen=True)
@@ -52,6 +56,8 @@ def judge(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict:
         )
     last = int(shared.bead[-1])
     level, in_step = shared.agrees_from(AGREEMENT), shared.in_step_from(AGREEMENT)
+    if level is not None and (doubt := _doubt(shared)):
+        return Verdict(State.UNSURE, None, None, f"{State.UNSURE.value}: {doubt}")
     if level is not None and in_step is not None:
         sentence = (
             f"{State.EQUAL.value}: amplitudes within 1% from bead {level} on, arrivals within 1% of the wave's passage "
@@ -72,6 +78,19 @@ def judge(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict:
         f"beats of {_beads(beat)} beads; {_about(expected)}"
     )
     return Verdict(State.BEATING, None, expected, sentence)
+
+
+def _doubt(shared: Sharing) -> str:
+    """Why agreement to 1% cannot be told from these waves; empty if it can."""
+    amplitude, arrival = shared.sure_to()
+    if arrival == math.inf:
+        return "beads fly freely when they are fastest, so that arrivals at the maximum are not defined"
+    if max(amplitude, arrival) > AGREEMENT:
+        return (
+            f"with frames so far apart amplitudes are sure to {amplitude:.1%} and arrivals to {arrival:.1%} of the "
+            "wave's passage only"
+        )
+    return ""
 
 
 def _too_short(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict:
@@ -99,7 +118,7 @@ def _about(expected: Estimate) -> str:
 def _step(shared: Sharing) -> float:
     beat = shared.beat_length
     length = 0.0 if beat is None else 0.5 * beat.value
-    return float(shared.spread[shared.bead >= shared.bead[-1] - length].max())
+    return float(np.nanmax(shared.spread[shared.bead >= shared.bead[-1] - length]))
 
 
 def _beads(estimate: Estimate) -> str:

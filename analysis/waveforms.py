@@ -68,6 +68,10 @@ class Shape:
         """The numbers of one passage, by name."""
         return {field.name: float(getattr(self, field.name)[k]) for field in fields(self)}
 
+    def where(self, known: NDArray[np.bool_]) -> "Shape":
+        """The same numbers where a mask says so, NaN elsewhere."""
+        return Shape(*(np.where(known, getattr(self, field.name), np.nan) for field in fields(self)))
+
     def spread_out(self, places: Integers, size: int) -> "Shape":
         """The first passages' numbers put at the places given of longer columns that hold NaN elsewhere."""
         columns = {field.name: np.full(size, np.nan) for field in fields(self)}

@@ -15,9 +15,10 @@ from analysis.recording import FARTHEST
 from analysis.solitary import Tolerances
 from analysis.survey import Survey, survey
 from analysis.trajectory import Trajectory
-from analysis.waves import Waves
+from analysis.waves import Arrival, Waves
 from lammps_inputs import InputError, Problem
 from workflow.analysis_report import last_clear_bead, report, waves_csv
+from workflow.results import Fingerprint, recorded_fingerprint
 from workflow.run_directory import REPORT, RunDirectory, write_figure, write_json, write_text
 
 if TYPE_CHECKING:
@@ -26,6 +27,9 @@ if TYPE_CHECKING:
 __all__ = ["Analysis", "analyse", "default_beads", "last_clear_bead"]
 
 WAVES = "waves.csv"
+
+LARGEST = 1e100
+"""Displacement or velocity that no run has, far from where squares overflow; dimensionless."""
 
 
 @dataclass(frozen=True)
@@ -39,6 +43,7 @@ class Analysis:
         figures: files drawn.
         left: what a window has left behind; None without a window.
         failure: why the run failed; empty where it did not.
+        altered: whether frames or snapshots are not those that the run wrote, by the fingerprint in ``run.json``.
     """
 
     problem: Problem
@@ -48,6 +53,7 @@ class Analysis:
     figures: tuple[Path, ...]
     left: LeftBehind | None
     failure: str
+    altered: bool
 
     @property
     def waves(self) -> Waves:
@@ -61,6 +67,7 @@ def analyse(
     beads: tuple[int, ...] | None = None,
     figures: bool = True,
     tolerances: Tolerances | None = None,
+    arrival: Arrival | None = None,
 ) -> Analysis:
     """Analyse what a directory holds, also of a run that was cut short.
 
@@ -69,9 +76,11 @@ def analyse(
         beads: whose velocity over time is drawn; by default three beads along the way of the pulse.
         figures: whether to draw.
         tolerances: within which a pulse is called solitary; by default 1% each.
+        arrival: what counts as the arrival of a wave; by default the maximum where it is sharp, see
+            `analysis.waves.usual_arrival`.
 
     Raises:
-        InputError: no frames, or a bead that was not recorded.
+        InputError: no frames, frames that hold what is no number, or a bead that was not recorded.
     """
     problem, allowed = directory.problem, tolerances or Tolerances()
     shown = default_beads(problem) if beads is None else beads
@@ -86,7 +95,8 @@ def analyse(
         )
     conservation = Conservation()
     left = LeftBehind() if problem.window is not None else None
-    watchers: list[Any] = [conservation]
+    fingerprint = Fingerprint()
+    watchers: list[Any] = [conservation, fingerprint]
     if left is not None:
         watchers.append(left)
     spacetime = history = None
@@ -97,11 +107,18 @@ def analyse(
         spacetime = SpaceTime(problem if problem.frames_per_snapshot is None else problem.snapshots())
         watchers += [history] if problem.frames_per_snapshot is not None else [history, spacetime]
 
-    found = survey(lambda: _quietly(directory.blocks()), problem, watchers=watchers, tolerances=allowed)
+    found = survey(
+        lambda: _sound(directory, directory.blocks()),
+        problem,
+        watchers=watchers,
+        tolerances=allowed,
+        arrival=arrival,
+    )
     if problem.frames_per_snapshot is not None:
         whole = Conservation()
-        for block in _quietly(directory.snapshots()):
+        for block in _sound(directory, directory.snapshots()):
             whole.add(block)
+            fingerprint.add(block)
             if spacetime is not None:
                 spacetime.add(block)
         spacetime = spacetime if whole.frames > 1 else None
@@ -110,14 +127,31 @@ def analyse(
     write_text(directory.path / WAVES, waves_csv(found))
     write_json(directory.path / REPORT, report(found, conservation, allowed, left))
     complete = conservation.frames == problem.frames + 1
-    return Analysis(problem, found, conservation, complete, drawn, left, directory.failure)
+    altered = recorded_fingerprint(directory) not in ("", fingerprint.sha256())
+    return Analysis(problem, found, conservation, complete, drawn, left, directory.failure, altered)
 
 
-def _quietly(blocks: Iterator[Trajectory]) -> Iterator[Trajectory]:
-    """Blocks without a warning of a cut frame at their end: that the run is incomplete is said in words."""
+def _sound(directory: RunDirectory, blocks: Iterator[Trajectory]) -> Iterator[Trajectory]:
+    """Blocks of numbers that can be computed with.
+
+    Without a warning of a cut frame at their end: that the run is incomplete is said in words.
+
+    Raises:
+        InputError: one is not finite, or so large that its square is not.
+    """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", CutDumpWarning)
-        yield from blocks
+        for block in blocks:
+            for name, values in (("displacement", block.displacement), ("velocity", block.velocity)):
+                size = max(float(values.max()), -float(values.min()))  # NaN comes through
+                if not size < LARGEST:
+                    frame, chain, bead = (int(k[0]) for k in np.nonzero(~(np.abs(values) < LARGEST)))
+                    raise InputError(
+                        f"{directory.path}: the {name} of bead {block.beads[bead]} of chain {chain + 1} is "
+                        f"{values[frame, chain, bead]:.3g} at t = {block.time[frame] * block.problem.scale.time:.6g}; "
+                        f"{directory.failure or 'the frames are damaged, or the run went wrong: run it again'}"
+                    )
+            yield block
 
 
 def default_beads(problem: Problem) -> tuple[int, ...]:

@@ -23,14 +23,15 @@ def waves_csv(found: Survey) -> str:
     | column        | what                                                                                  |
     |---------------|---------------------------------------------------------------------------------------|
     | chain, bead   | counted from 1                                                                        |
-    | arrival       | time at which the bead is fastest                                                     |
-    | peak_velocity | that velocity                                                                         |
+    | arrival       | time at which the bead is fastest, or centre of the impulse; empty if not defined     |
+    | peak_velocity | largest velocity; positive along the pulse's way, whichever that is                   |
     | speed         | beads per unit time, from the arrivals on either side                                 |
     | lag           | arrival behind the wave of the chain that was hit                                     |
     | width         | full width at half maximum of the velocity, beads                                     |
     | residual      | largest difference from the exact wave of this peak velocity, in units of it          |
     | chain_energy  | energy of the chain when the waves (on average) pass this bead, half of its springs'  |
     | wave_energy   | energy within 3 beads of the wave's peak at that time                                 |
+    | arrival_error, peak_velocity_error | how far these may be off by the time between frames, or noise    |
     """
     scale, waves = found.problem.scale, found.waves
     chain_energy, wave_energy = _energies(found)
@@ -57,6 +58,7 @@ def report(found: Survey, seen: Conservation, tolerances: Tolerances, left: Left
     | units           | the scene's units: ``SI`` or ``reduced``                                         |
     | scale           | worth of the dimensionless units of mass, length, time, velocity in the scene's  |
     | kappa           | dimensionless coupling at V = 1                                                  |
+    | arrival         | what an arrival of a wave is: ``maximum`` or ``impulse``                         |
     | noise           | standard deviation of the recorded velocities, in V; 0 for none                  |
     | window          | rows; largest velocity, in V, of a bead when it was left behind, and which bead; |
     |                 | the lowest leading wave, in V, which that must not exceed; null without a window |
@@ -76,6 +78,7 @@ def report(found: Survey, seen: Conservation, tolerances: Tolerances, left: Left
         "units": "SI" if scale.si else "reduced",
         "scale": {"mass": scale.mass, "length": scale.length, "time": scale.time, "velocity": scale.velocity},
         "kappa": problem.kappa,
+        "arrival": found.arrival,
         "noise": found.noise,
         "window": None if left is None else _window(left, found),
         "waves": [_chain_summary(found.waves, problem, chain) for chain in range(1, problem.chains + 1)],
@@ -193,11 +196,13 @@ def _chain_summary(waves: Waves, problem: Problem, chain: int) -> dict[str, Any]
         "chain": chain,
         "beads_reached": len(own),
         "bead": int(own.bead[last]),
-        "arrival": float(own.arrival[last] * scale.time),
+        "arrival": _number(float(own.arrival[last] * scale.time)),
         "peak_velocity": float(own.peak_velocity[last] * scale.velocity),
         "speed": _number(float(own.speed[last] / scale.time)),
         "peak_velocity_reduced": float(own.peak_velocity[last]),
-        "arrival_reduced": float(own.arrival[last]),
+        "arrival_reduced": _number(float(own.arrival[last])),
+        "peak_velocity_error": _number(float(own.velocity_error[last] * scale.velocity)),
+        "arrival_error": _number(float(own.arrival_error[last] * scale.time)),
     }
 
 

@@ -21,7 +21,7 @@ class Check:
     Attributes:
         velocity: largest error of any velocity.
         where: at which bead and time.
-        arrival: largest error of an arrival of the leading pulse, where `analysis.comparison.sharp`; NaN where none is.
+        arrival: largest error of an arrival of the leading pulse, where `analysis.peaks.sharp`; NaN where none is.
         amplitude: largest error of a peak velocity of the leading pulse; NaN where none was seen.
         reference: how sure the reference is of itself.
         seconds: what the check cost.

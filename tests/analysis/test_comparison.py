@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from small_problems import problem, written_down
 
-from analysis.comparison import QUANTITIES, Comparison, matched, sharp
+from analysis.comparison import QUANTITIES, Comparison, matched
 from analysis.figures.error import validation_figure
-from analysis.peaks import THRESHOLD, PeakFinder, Peaks
+from analysis.peaks import THRESHOLD, PeakFinder, Peaks, sharp
 from analysis.trajectory import blocks
 from workflow.engines.reference import engine
 from workflow.engines.reference.verlet import VERLET
@@ -103,7 +103,8 @@ def test_arrival_and_amplitude_are_those_of_the_pulse(run):
 def peaks(*entries, overlap=1.0):
     """Peaks of (chain, bead, time, velocity)."""
     chain, bead, time, velocity = (np.array(column) for column in zip(*entries, strict=True))
-    return Peaks(chain, bead, time, velocity, np.broadcast_to(overlap, len(chain)).astype(float))
+    overlaps, sure = np.broadcast_to(overlap, len(chain)).astype(float), np.zeros(len(chain))
+    return Peaks(chain, bead, time, velocity, overlaps, time, sure, sure, sure)
 
 
 def test_passages_are_matched_by_bead_without_faint_ones_the_start_and_the_last_bead():

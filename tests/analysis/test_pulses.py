@@ -7,7 +7,6 @@ from hypothesis import strategies as st
 from synthetic_waves import arrivals, exact_waves, reference
 
 from analysis.accuracy import peak_error
-from analysis.mirror import mirrored
 from analysis.noise import left_by_smoothing, smoothed
 from analysis.peaks import PeakFinder, distinct, find_peaks
 from analysis.pulses import Pulse, track_pulses
@@ -20,8 +19,7 @@ EVERY = st.floats(0.03, 1.0)
 
 
 def found_in(trajectory: Trajectory, direction: int = 1) -> tuple[Pulse, ...]:
-    seen = trajectory if direction > 0 else mirrored(trajectory)
-    return track_pulses(find_peaks(blocks(seen)), trajectory.problem, direction=direction)
+    return track_pulses(find_peaks(blocks(trajectory), direction=direction), trajectory.problem)
 
 
 def noisy_pulses(trajectory: Trajectory, noise: float) -> tuple[Pulse, ...]:

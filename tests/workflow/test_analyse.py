@@ -2,19 +2,26 @@
 
 import csv
 import json
+import math
+import os
+import shutil
+import struct
 import time
 
 import numpy as np
 import pytest
 
 from analysis.solitary_wave import solitary_wave
-from lammps_inputs import Coupling, Kick, Output, Scene
+from analysis.verdict import State
+from lammps_inputs import Coupling, Kick, Output, Scene, deck, find
 from workflow.analyse import analyse
+from workflow.binary_collisions_study import hertz_impulses, problem_at, relative_mode
 from workflow.cli import main
+from workflow.engines.collisions.first_row import THETA_OF_EQ_5
 from workflow.run import run
 
 COLUMNS = ["chain", "bead", "arrival", "peak_velocity", "speed", "lag", "width", "residual"]
-COLUMNS += ["chain_energy", "wave_energy"]
+COLUMNS += ["chain_energy", "wave_energy", "arrival_error", "peak_velocity_error"]
 
 
 def scene(**changes):
@@ -145,3 +152,72 @@ def test_analyze_prints_the_verdict_and_draws_four_figures(finished, capsys):
     for name in ("spacetime", "response", "distance", "shape"):
         assert (finished.path / f"{name}.png").read_bytes().startswith(b"\x89PNG")
         assert (finished.path / f"{name}.pdf").read_bytes().startswith(b"%PDF")
+
+
+def copy_with(finished, tmp_path, number):
+    """The run with one velocity of its last frame replaced."""
+    copy = tmp_path / "copy"
+    shutil.copytree(finished.path, copy)
+    with (copy / deck.DUMP).open("r+b") as file:
+        file.seek(-8, os.SEEK_END)
+        file.write(struct.pack("<d", number))
+    return copy
+
+
+@pytest.mark.parametrize("number", [math.nan, math.inf, -math.inf, 1e308])
+def test_frames_that_hold_what_is_no_number_are_refused_in_one_line(finished, tmp_path, capsys, number):
+    assert main(["analyze", str(copy_with(finished, tmp_path, number))]) == 2
+    said = capsys.readouterr().err.strip()
+    assert "\n" not in said
+    assert "the velocity of bead 120 of chain 2 is" in said
+    assert "at t = 170" in said
+
+
+def test_frames_that_are_not_those_of_the_run_are_told_of(finished, tmp_path, capsys):
+    main(["analyze", str(finished.path), "--no-figures"])
+    assert "fingerprint" not in capsys.readouterr().out
+    main(["analyze", str(copy_with(finished, tmp_path, 1e-9)), "--no-figures"])
+    assert "the frames are not those that the run wrote, by the fingerprint in run.json" in capsys.readouterr().out
+
+
+def test_frames_far_apart_are_said_to_leave_peaks_less_sure(finished, tmp_path, capsys):
+    main(["analyze", str(finished.path), "--no-figures"])
+    assert "sure to" not in capsys.readouterr().out
+    coarse = run(scene(output=Output(every=1.25)), tmp_path / "coarse", check=False).directory
+    assert main(["analyze", str(coarse.path), "--no-figures"]) == 0
+    assert "frames 1.25 apart: peak velocities are sure to" in capsys.readouterr().out
+
+
+def test_frames_so_far_apart_that_agreement_to_one_per_cent_cannot_be_told_get_no_verdict(tmp_path):
+    coarse = run(
+        scene(output=Output(every=2.0, beads=tuple(range(2, 120)))), tmp_path / "coarse", check=False
+    ).directory
+    told = analyse(coarse, figures=False).survey.verdict
+    assert told.state is not State.EQUAL
+
+
+@pytest.fixture(scope="module")
+def gapped(tmp_path_factory):
+    return run(find("two-chains-gapped"), tmp_path_factory.mktemp("gapped") / "run", check=False).directory
+
+
+def test_gapped_chains_that_reproduce_finds_equal_are_found_equal_and_in_step(gapped):
+    found = analyse(gapped, figures=False).survey
+    assert found.arrival == "impulse"
+    assert found.verdict.state is State.EQUAL
+    # `granchain reproduce` asks the impulses of the first contacts, which are not the peaks but level out with them
+    impulses = hertz_impulses(problem_at(THETA_OF_EQ_5, 0.1, 120))
+    assert abs(found.shared.agrees_from(0.01) - relative_mode(impulses, 10, 120).equal_from) <= 3
+    last = found.waves.at(115)
+    assert np.ptp(last.arrival) < 2e-3
+    assert last.speed == pytest.approx(115 / 779.0 * np.ones(2), rel=0.02)  # nearly the mean speed since the kick
+    assert np.isnan(found.shape.residual[found.waves.bead == 115]).all()
+
+
+def test_arrivals_at_the_maximum_of_gapped_chains_get_no_verdict_and_no_numbers(gapped, capsys):
+    assert main(["analyze", str(gapped.path), "--no-figures", "--arrival", "maximum"]) == 0
+    said = capsys.readouterr().out
+    assert "not to be told" in said
+    assert "--arrival impulse is" in said
+    late = [row for row in rows(gapped.path) if row["bead"] == "115"]
+    assert [(row["arrival"], row["speed"]) for row in late] == [("", "")] * 2

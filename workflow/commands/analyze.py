@@ -6,25 +6,44 @@ from pathlib import Path
 
 import numpy as np
 
+from analysis.equipartition import CLEAR
 from analysis.solitary import Character
 from analysis.survey import Survey
+from analysis.waves import ARRIVALS
 from lammps_inputs import InputError
 from workflow.analyse import Analysis, analyse, last_clear_bead
 from workflow.engines.lammps.checks import ENERGY_TOLERANCE
 from workflow.run_directory import RunDirectory
 from workflow.screen import print_table
 
+DOCUMENTED = 1e-4
+"""Error of a peak velocity, in V, above which the user is told."""
+
+FAR = 1.4
+"""Time between frames, in T, from which on small maxima beside larger ones were seen to be missed."""
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The directory and what to draw."""
     parser.add_argument("directory", metavar="DIR", type=Path, help="a run directory, also from a cluster")
     parser.add_argument("--beads", metavar="N,N,...", help="beads whose velocity over time is drawn")
+    parser.add_argument(
+        "--arrival",
+        choices=ARRIVALS,
+        help="a wave arrives when the bead is fastest, or at the centre of the impulse that made it so; by default "
+        "the latter where beads have gaps",
+    )
     parser.add_argument("--no-figures", action="store_true", help="write the tables only")
 
 
 def execute(arguments: argparse.Namespace) -> int:
     """Print a short table; write waves.csv, analysis.json and figures."""
-    found = analyse(RunDirectory(arguments.directory), beads=_beads(arguments.beads), figures=not arguments.no_figures)
+    found = analyse(
+        RunDirectory(arguments.directory),
+        beads=_beads(arguments.beads),
+        figures=not arguments.no_figures,
+        arrival=arguments.arrival,
+    )
     _print(found)
     names = ["waves.csv", "analysis.json", *(path.name for path in found.figures)]
     print(f"{arguments.directory}: {', '.join(names)}")
@@ -48,6 +67,10 @@ def _print(found: Analysis) -> None:
             f"incomplete: {seen.frames} of {problem.frames + 1} frames, to t = {seen.last_time * scale.time:.6g}; "
             "what there is was analysed"
         )
+    if found.altered:
+        print(
+            "the frames are not those that the run wrote, by the fingerprint in run.json: a file is damaged or changed"
+        )
     shown = [bead for bead in _rows(found) if len(waves.at(bead))]
     unit = {name: f" ({scale.symbol(name)})" if scale.si else "" for name in ("time", "velocity", "speed")}
     head = ["bead", "chain", f"arrival{unit['time']}", f"peak velocity{unit['velocity']}", f"speed{unit['speed']}"]
@@ -68,6 +91,7 @@ def _print(found: Analysis) -> None:
         if len(at) > 8:
             rows.append(["", f"... {len(at)}", "", "", ""])
     print_table(f"{problem.name}: leading pulse", head, rows)
+    _print_accuracy(found)
     _print_pulses(found.survey)
     if found.left is not None:
         print(found.left.sentence(waves))
@@ -75,6 +99,26 @@ def _print(found: Analysis) -> None:
         print(f"energy within {seen.energy_drift:.1e}, momentum within {seen.momentum_drift:.1e} of the kick's")
         if max(seen.energy_drift, seen.momentum_drift) > ENERGY_TOLERANCE:
             print(found.failure or "that is not this scene: was the deck run with another kappa or kick?")
+
+
+def _print_accuracy(found: Analysis) -> None:
+    """What arrivals are, if not the maxima; and how sure the table is, if less than to `DOCUMENTED`."""
+    problem, waves = found.problem, found.waves
+    scale = problem.scale
+    if found.survey.arrival == "impulse":
+        print("arrival: centre of the impulse until the bead is fastest")
+    elif not np.all(np.isfinite(waves.arrival[waves.bead <= problem.beads - CLEAR])):
+        print("arrivals at the maximum are not defined where beads fly freely; --arrival impulse is")
+    if len(waves) and waves.velocity_error.max() > DOCUMENTED:
+        worst = int(np.argmax(waves.velocity_error))
+        late = waves.arrival_error[np.isfinite(waves.arrival_error)].max(initial=0.0)
+        why = "the noise" if found.survey.noise else f"frames {problem.every * scale.time:.3g} apart"
+        print(
+            f"{why}: peak velocities are sure to {waves.velocity_error[worst]:.1e} V only (bead {waves.bead[worst]} of "
+            f"chain {waves.chain[worst]}), arrivals to {late:.1e} T; each one's error is in waves.csv"
+        )
+    if problem.every > FAR:
+        print(f"frames are more than {FAR * scale.time:.3g} apart: small pulses may be missed between them")
 
 
 def _print_pulses(found: Survey) -> None:

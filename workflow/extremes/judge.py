@@ -111,4 +111,4 @@ def _apart(one: Waves, other: Waves) -> float:
     i, j = ([known[key] for key in both if key[1] < foremost] for known in place)
     late = _SLOPE * one.peak_velocity[i] ** 1.2 * np.abs(one.arrival[i] - other.arrival[j])
     peaks = np.abs(one.peak_velocity[i] - other.peak_velocity[j])
-    return float(np.max(np.maximum(peaks, late), initial=0.0)) if i else math.inf
+    return float(np.max(np.fmax(peaks, late), initial=0.0)) if i else math.inf

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis import recording
-from analysis.comparison import matched, sharp
+from analysis.comparison import matched
 from analysis.pairing import paired
-from analysis.peaks import THRESHOLD, PeakFinder, Peaks
+from analysis.peaks import THRESHOLD, PeakFinder, Peaks, sharp
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem
 from workflow.engines.reference.certify import Certificate, Certifier
@@ -137,7 +137,8 @@ def deviation(blocks: Iterable[Trajectory], reference: Iterable[Trajectory], pea
 def _missed(found: Peaks, true: Peaks, until: float) -> Peaks:
     """Clear passages before some time at beads where nothing was found."""
     keys = [peaks.chain * 2**40 + peaks.bead for peaks in (found, true)]
-    clear = (true.velocity > 2.0 * THRESHOLD) & (true.bead < true.bead.max(initial=0)) & (true.time < until)
+    way = true.direction * true.bead
+    clear = (true.velocity > 2.0 * THRESHOLD) & (way < way.max(initial=-(2**40))) & (true.time < until)
     return true.where(clear & ~np.isin(keys[1], keys[0]))
 
 

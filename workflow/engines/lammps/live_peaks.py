@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from analysis.leading import leading_passages, opposed
 from analysis.peaks import PeakFinder
 from analysis.trajectory import Floats, Trajectory, frames_per_block
-from analysis.waves import leading_waves, to_csv
+from analysis.waves import leading_waves, to_csv, usual_arrival
 from lammps_inputs import Problem, deck
 from workflow.engines.lammps.restarts import write_whole
 from workflow.engines.lammps.travel import Travel
@@ -29,7 +30,7 @@ class LivePeaks:
         self._travel = travel
         self._problem = replace(problem, recorded=None)
         self._keeps = keeps
-        self._finder = PeakFinder(first_only=True)
+        self._finder = PeakFinder(first_only=not opposed(problem))
         self._size = frames_per_block(self._problem)
         self._steps: list[int] = []
         self._states: list[tuple[Floats, Floats]] = []
@@ -68,7 +69,8 @@ class LivePeaks:
         if not self._keeps:
             return
         self._look()
-        waves = leading_waves(self._finder.result())
+        peaks = leading_passages(self._finder.result(), self._problem)
+        waves = leading_waves(peaks, usual_arrival(self._problem))
         write_whole(Path(deck.PEAKS), to_csv(waves, self._problem.scale).encode())
         Path(deck.PEAKS_STATE).unlink(missing_ok=True)
 
