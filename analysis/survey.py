@@ -4,7 +4,7 @@ A run is given as a function that starts reading it anew, block by block, so tha
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -71,9 +71,9 @@ class Survey:
     def leads(self, pulse: Pulse) -> bool:
         """Whether a pulse is the leading wave of its chain where it was last seen."""
         own = self.waves.of_chain(pulse.chain)
-        return pulse.direction == self.direction and bool(
-            np.any((own.bead == pulse.bead[-1]) & (own.arrival == pulse.arrival[-1]))
-        )
+        # waves found at every bead while LAMMPS ran have the same maxima but for rounding and interpolation
+        same = np.abs(own.arrival - pulse.arrival[-1]) < 0.5 * self.problem.every
+        return pulse.direction == self.direction and bool(np.any((own.bead == pulse.bead[-1]) & same))
 
 
 def survey(
@@ -82,6 +82,7 @@ def survey(
     *,
     watchers: Sequence[Watcher] = (),
     tolerances: Tolerances | None = None,
+    leading: Waves | None = None,
 ) -> Survey:
     """Find everything in a run.
 
@@ -90,6 +91,8 @@ def survey(
         problem: what was run.
         watchers: shown every block once, as recorded.
         tolerances: within which a pulse counts as solitary.
+        leading: the leading waves, where they were found at more beads than are recorded; counts only where all kicks
+            are towards higher bead numbers.
 
     Raises:
         ValueError: there was no frame.
@@ -117,12 +120,16 @@ def survey(
     )
     opposed = any(velocity * hardest < 0.0 for _, _, velocity in problem.kicks)
     stray = opposed or noise > 0.0
-    ahead = leading_waves(_passages(peaks[direction], pulses, problem, direction) if stray else peaks[direction])
-    shared = sharing(ahead, along, left)
+    if leading is not None and not opposed and direction > 0:
+        ahead, shared = leading, sharing(leading, replace(along, recorded=None))
+    else:
+        ahead = leading_waves(_passages(peaks[direction], pulses, problem, direction) if stray else peaks[direction])
+        shared = sharing(ahead, along, left)
     waves = ahead if direction > 0 else _mirrored_waves(ahead, problem)
     at = [measured_at(pulse, problem, last_time) for pulse in pulses]
 
-    chosen = np.flatnonzero(waves.bead % max(1, -(-len(waves) // MAX_PASSAGES)) == 0)
+    seen = np.isin(waves.bead, problem.recorded_beads)
+    chosen = np.flatnonzero(seen & (waves.bead % max(1, -(-int(seen.sum()) // MAX_PASSAGES)) == 0))
     waveforms = Waveforms(problem, _together(waves, chosen, direction, passages_of(pulses, at)))
     energies = EnergyShares(along, shared)
     for block in _frames(read, problem, noise):

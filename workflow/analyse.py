@@ -1,5 +1,6 @@
 """Analyse a run directory: ``waves.csv``, ``analysis.json`` and the figures beside the frames, which are read twice."""
 
+import csv
 import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -15,8 +16,8 @@ from analysis.recording import FARTHEST
 from analysis.solitary import Tolerances
 from analysis.survey import Survey, survey
 from analysis.trajectory import Trajectory
-from analysis.waves import Waves
-from lammps_inputs import InputError, Problem
+from analysis.waves import Waves, with_speeds
+from lammps_inputs import InputError, Problem, deck
 from workflow.analysis_report import last_clear_bead, report, waves_csv
 from workflow.run_directory import REPORT, RunDirectory, write_figure, write_json, write_text
 
@@ -97,7 +98,13 @@ def analyse(
         spacetime = SpaceTime(problem if problem.frames_per_snapshot is None else problem.snapshots())
         watchers += [history] if problem.frames_per_snapshot is not None else [history, spacetime]
 
-    found = survey(lambda: _quietly(directory.blocks()), problem, watchers=watchers, tolerances=allowed)
+    found = survey(
+        lambda: _quietly(directory.blocks()),
+        problem,
+        watchers=watchers,
+        tolerances=allowed,
+        leading=_found_on_the_way(directory),
+    )
     if problem.frames_per_snapshot is not None:
         whole = Conservation()
         for block in _quietly(directory.snapshots()):
@@ -111,6 +118,29 @@ def analyse(
     write_json(directory.path / REPORT, report(found, conservation, allowed, left))
     complete = conservation.frames == problem.frames + 1
     return Analysis(problem, found, conservation, complete, drawn, left, directory.failure)
+
+
+def _found_on_the_way(directory: RunDirectory) -> Waves | None:
+    """The leading waves at every bead that LAMMPS's run has left in ``peaks.csv``; None where there are none.
+
+    Raises:
+        InputError: the file cannot be read.
+    """
+    path, problem = directory.path / deck.PEAKS, directory.problem
+    if not problem.peaks or problem.recorded is None or not path.is_file():
+        return None
+    try:
+        with path.open(newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        chain, bead = (np.array([int(row[name]) for row in rows], dtype=np.int64) for name in ("chain", "bead"))
+        arrival, peak = (np.array([float(row[name]) for row in rows]) for name in ("arrival", "peak_velocity"))
+    except (KeyError, TypeError, ValueError, OSError):
+        raise InputError(f"{path}: cannot be read as a table of peaks; delete it to analyse the frames alone") from None
+    there = (chain >= 1) & (chain <= problem.chains) & (bead >= 1) & (bead <= problem.beads)
+    order = np.lexsort((bead, chain))
+    if not np.all(there & np.isfinite(arrival) & np.isfinite(peak)) or not np.array_equal(order, np.arange(len(rows))):
+        raise InputError(f"{path}: holds what is not this scene's; delete it to analyse the frames alone")
+    return with_speeds(chain, bead, arrival / problem.scale.time, peak / problem.scale.velocity)
 
 
 def _quietly(blocks: Iterator[Trajectory]) -> Iterator[Trajectory]:
