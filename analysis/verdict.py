@@ -59,13 +59,15 @@ def judge(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict:
     if problem.chains == 1 or not problem.coupled:
         return Verdict(State.ALONE, None, None, f"{State.ALONE.value}: no chain is coupled to another")
     if len(shared) == 0:
-        return _too_short("no bead was passed in every chain, so amplitudes cannot be compared", _by_rule(problem, 0), None)
+        return _too_short(
+            "no bead was passed in every chain, so amplitudes cannot be compared", _by_rule(problem, 0), None
+        )
     last = int(shared.bead[-1])
     expected = _expected(shared, problem)
     if not _resolved(shared, problem):
         apart = int(np.diff(shared.bead).max())
-        what = f"recorded beads lie up to {apart} apart, too far to see beats, and at bead {last} amplitudes differ by "
-        what += f"{shared.mismatch[-1]:.1%}; `peaks: true` finds the pulse at every bead"
+        what = f"recorded beads lie up to {apart} apart, too far to see beats; at bead {last} amplitudes differ by "
+        what += f"{shared.mismatch[-1]:.1%}"
         return _too_short(what, expected, decay)
     level, in_step = shared.agrees_from(AGREEMENT), shared.in_step_from(AGREEMENT)
     if level is not None and in_step is not None:
