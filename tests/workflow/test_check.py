@@ -143,12 +143,13 @@ def test_the_time_step_that_is_named_divides_the_output_and_keeps_what_is_said_o
     path.write_text(strict_yaml.dump({**coarse, "timestep": float(named[1])}))
     assert main(["run", str(path), "-o", str(tmp_path / "fine")]) == 0
     assert "that is" not in capsys.readouterr().out
-    assert RunDirectory(tmp_path / "fine").record["check"]["velocity"] <= 1.01 * float(named[2]) <= 5e-4
+    left = RunDirectory(tmp_path / "fine").record["check"]["velocity"]
+    assert left <= 1.05 * float(named[2])  # which is printed with two digits
+    assert left <= 5e-4
 
 
 def test_no_time_step_is_named_where_none_keeps_it_or_a_shorter_run_stood_for_this_one(monkeypatch):
     rough = scene(chains=2, beads=40, kappa=0.1, duration=40.0)
-    monkeypatch.setattr(step_search, "MOST_WORK", 1e3)
     monkeypatch.setattr(step_search.search, "__kwdefaults__", {"most_work": 1e3})
     assert better_timestep(rough, 1e-3) == "`accuracy: 0.001` in place of `timestep` finds a shorter one"
     assert "is not reached with any time step" in better_timestep(rough, 1e-18)
