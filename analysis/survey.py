@@ -75,9 +75,9 @@ class Survey:
     def leads(self, pulse: Pulse) -> bool:
         """Whether a pulse is the leading wave of its chain where it was last seen."""
         own = self.waves.of_chain(pulse.chain)
-        return pulse.direction == self.direction and bool(
-            np.any((own.bead == pulse.bead[-1]) & (own.time == pulse.arrival[-1]))
-        )
+        # waves found at every bead while LAMMPS ran have the same maxima but for rounding and interpolation
+        same = np.abs(own.time - pulse.arrival[-1]) < 0.5 * self.problem.every
+        return pulse.direction == self.direction and bool(np.any((own.bead == pulse.bead[-1]) & same))
 
 
 def survey(
@@ -87,6 +87,7 @@ def survey(
     watchers: Sequence[Watcher] = (),
     tolerances: Tolerances | None = None,
     arrival: Arrival | None = None,
+    leading: Waves | None = None,
 ) -> Survey:
     """Find everything in a run.
 
@@ -96,6 +97,7 @@ def survey(
         watchers: shown every block once, as recorded.
         tolerances: within which a pulse counts as solitary.
         arrival: what counts as the arrival of a leading wave; by default `analysis.waves.usual_arrival`.
+        leading: the leading waves with that arrival, where they were found at more beads than are recorded.
 
     Raises:
         ValueError: there was no frame.
@@ -118,11 +120,15 @@ def survey(
     pulses = tuple(
         pulse for way in (1, -1) for pulse in track_pulses(peaks[way], problem, smallest=smallest, noise=left)
     )
-    stray = opposed(problem) or noise > 0.0
-    ahead = of_pulses(peaks[direction], pulses) if stray else peaks[direction]
     arrival = usual_arrival(problem) if arrival is None else arrival
-    waves = leading_waves(ahead, arrival)
-    shared = sharing(waves if direction > 0 else mirrored_waves(waves, problem), along, left)
+    if leading is None:
+        stray = opposed(problem) or noise > 0.0
+        ahead = of_pulses(peaks[direction], pulses) if stray else peaks[direction]
+        waves = leading_waves(ahead, arrival)
+    else:
+        waves = leading
+    every_bead = along if leading is None else replace(along, recorded=None)
+    shared = sharing(waves if direction > 0 else mirrored_waves(waves, problem), every_bead, left)
     if noise > 0.0:
         error = peak_error(problem.every, waves.peak_velocity, noise=noise)
         waves = replace(
@@ -132,7 +138,8 @@ def survey(
         )
     at = [measured_at(pulse, problem, last_time) for pulse in pulses]
 
-    chosen = np.flatnonzero(waves.bead % max(1, -(-len(waves) // MAX_PASSAGES)) == 0)
+    seen = np.isin(waves.bead, problem.recorded_beads)
+    chosen = np.flatnonzero(seen & (waves.bead % max(1, -(-int(seen.sum()) // MAX_PASSAGES)) == 0))
     waveforms = Waveforms(problem, _together(waves, chosen, direction, passages_of(pulses, at)))
     energies = EnergyShares(along, shared)
     for block in _frames(read, problem, noise):

@@ -13,8 +13,18 @@ from lammps_inputs import Problem
 AGREEMENT = 0.01
 """Mismatch of amplitudes and of arrivals (in passages of the wave) below which chains count as equal."""
 
-ONE_PER_CENT = 5.0
-"""Beads to agreement within 1%, times kappa: 3 for strong coupling, 6 at kappa = 0.1, 5 at 0.01 (two chains)."""
+RULE_CHAINS, RULE_UNSURE, RULE_LEAST_UNSURE = 20, 0.25, 5.0
+"""Most chains for which `_by_rule` was measured, and how far it is off at most: a share, but at least so many beads."""
+
+NEAR, STRONG = 0.5, 0.01
+"""Share of the way seen for which the beats' decay foretells agreement, and the weakest coupling: measured at 2 to 20
+chains. Farther ahead, and at weaker couplings, it was off by up to 1.3 times the way still to go.
+"""
+
+RESOLVED = 2.0
+"""Beads between recorded ones, times the square root of kappa, up to which beats are seen as they are: a quarter of the
+shortest, which is that of two chains.
+"""
 
 
 class State(Enum):
@@ -34,8 +44,8 @@ class Verdict:
     Attributes:
         state: in one word.
         since: bead from which on amplitudes and arrivals agree to 1%; None if they do not.
-        expected: bead from which on the amplitudes may be expected to agree to 1%, where they do not yet; None if
-            nothing is known.
+        expected: bead from which on the amplitudes may be expected to agree to 1%, where they do not yet; always ahead
+            of the last one seen; None if nothing is known.
         sentence: for people.
     """
 
@@ -50,11 +60,16 @@ def judge(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict:
     if problem.chains == 1 or not problem.coupled:
         return Verdict(State.ALONE, None, None, f"{State.ALONE.value}: no chain is coupled to another")
     if len(shared) == 0:
-        expected = _by_rule(problem)
-        return Verdict(
-            State.SHORT, None, expected, f"{State.SHORT.value}: no bead was passed in every chain; {_about(expected)}"
+        return _too_short(
+            "no bead was passed in every chain, so amplitudes cannot be compared", _by_rule(problem, 0), None
         )
     last = int(shared.bead[-1])
+    expected = _expected(shared, problem)
+    if not _resolved(shared, problem):
+        apart = int(np.diff(shared.bead).max())
+        what = f"recorded beads lie up to {apart} apart, too far to see beats; at bead {last} amplitudes differ by "
+        what += f"{shared.mismatch[-1]:.1%}"
+        return _too_short(what, expected, decay)
     level, in_step = shared.agrees_from(AGREEMENT), shared.in_step_from(AGREEMENT)
     if level is not None and (doubt := _doubt(shared)):
         return Verdict(State.UNSURE, None, None, f"{State.UNSURE.value}: {doubt}")
@@ -66,8 +81,8 @@ def judge(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict:
         return Verdict(State.EQUAL, max(level, in_step), None, sentence)
     beat = shared.beat_length
     if beat is None:
-        return _too_short(shared, problem, decay)
-    expected = shared.expected_agreement(AGREEMENT) or _by_rule(problem)
+        what = f"no whole half beat is seen to bead {last}, where amplitudes differ by {shared.mismatch[-1]:.1%}"
+        return _too_short(what, expected, decay)
     recent = shared.mismatch[shared.bead >= last - 0.5 * beat.value].max()
     if level is not None:
         what = f"amplitudes agree to 1% from bead {level} on, but arrivals differ by up to {_step(shared):.1%} of "
@@ -75,7 +90,7 @@ def judge(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict:
         return Verdict(State.BEATING, None, None, f"{State.BEATING.value}: {what}; beats of {_beads(beat)} beads")
     sentence = (
         f"{State.BEATING.value}: amplitudes differ by up to {recent:.1%} over the last half beat to bead {last}, "
-        f"beats of {_beads(beat)} beads; {_about(expected)}"
+        f"beats of {_beads(beat)} beads{_about(expected)}"
     )
     return Verdict(State.BEATING, None, expected, sentence)
 
@@ -93,26 +108,50 @@ def _doubt(shared: Sharing) -> str:
     return ""
 
 
-def _too_short(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict:
-    expected = _by_rule(problem)
+def _too_short(what: str, expected: Estimate | None, decay: DecayFit | None) -> Verdict:
     fading = ""
     if decay is not None:
         fading = f"; until then the pulse that was hit fades, as if to end after {decay.n_star:.0f} beads"
-    sentence = (
-        f"{State.SHORT.value}: {int(shared.bead[-1])} beads show no whole half beat, amplitudes differ by "
-        f"{shared.mismatch[-1]:.1%}; {_about(expected)}{fading}"
-    )
-    return Verdict(State.SHORT, None, expected, sentence)
+    return Verdict(State.SHORT, None, expected, f"{State.SHORT.value}: {what}{_about(expected)}{fading}")
 
 
-def _by_rule(problem: Problem) -> Estimate:
-    """Bead of 1% agreement by the rule 5 / kappa, which holds to a factor of 2 for two to three chains."""
-    beads = ONE_PER_CENT / problem.kappa
-    return Estimate(beads, 0.5 * beads)
+def _expected(shared: Sharing, problem: Problem) -> Estimate | None:
+    """Bead of 1% agreement, ahead of the last one seen: by the beats' decay where it is near, else by the rule."""
+    last = int(shared.bead[-1])
+    tried = problem.gap == 0.0 and problem.kappa >= STRONG and _resolved(shared, problem)
+    if problem.chains > 4:  # one hit within many chains first levels with its neighbours, and only later with all
+        tried &= all(chain in (1, problem.chains) for chain, _, _ in problem.kicks)
+    found = shared.expected_agreement(AGREEMENT) if tried else None
+    if found is not None and last < found.value <= (1.0 + NEAR) * last:
+        return found
+    return _by_rule(problem, last)
 
 
-def _about(expected: Estimate) -> str:
-    return f"agreement to 1% takes about {expected.value:.0f} +- {expected.uncertainty:.0f} beads"
+def _resolved(shared: Sharing, problem: Problem) -> bool:
+    """Whether the places lie near enough together to show beats."""
+    apart = int(np.diff(shared.bead).max(initial=1))
+    return apart == 1 or (problem.gap == 0.0 and apart <= RESOLVED / math.sqrt(problem.kappa))
+
+
+def _by_rule(problem: Problem, last: int) -> Estimate | None:
+    """Bead of 1% agreement when bead 1 of an outer chain is hit, ``10 + 5 / kappa * (chains / 2)**1.6``.
+
+    Measured at 2 to 20 chains, kappa = 0.01 to 2 (two chains: from 0.003 on): 0.8 to 1.1 times that, and never more
+    than 5 beads off where that is more. None elsewhere, and where it is not ahead of the last bead seen.
+    """
+    least = 0.003 if problem.chains == 2 else 0.01
+    outer = len(problem.kicks) == 1 and problem.kicks[0][0] in (1, problem.chains) and problem.kicks[0][1] == 1
+    measured = outer and problem.gap == 0.0 and problem.chains <= RULE_CHAINS and least <= problem.kappa <= 2.0
+    beads = 10.0 + 5.0 / problem.kappa * (problem.chains / 2.0) ** 1.6
+    if not measured or beads <= last:
+        return None
+    return Estimate(beads, max(RULE_UNSURE * beads, RULE_LEAST_UNSURE))
+
+
+def _about(expected: Estimate | None) -> str:
+    if expected is None:
+        return ""
+    return f"; they should agree to 1% from bead {expected.value:.0f} +- {math.ceil(expected.uncertainty)} on"
 
 
 def _step(shared: Sharing) -> float:

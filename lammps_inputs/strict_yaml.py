@@ -31,14 +31,29 @@ class _Loader(yaml.SafeLoader):
 
     def construct_mapping(self, node: Any, deep: bool = False) -> dict[Any, Any]:
         seen = set()
-        for key_node, _ in node.value:
+        before = None
+        for key_node, value_node in node.value:
             key = key_node.value
+            if node.flow_style and before is not None and _is_decimal_comma(before, key_node, value_node):
+                raise _refusal(
+                    f"`{before.value},{key}` has a comma, which begins another entry; "
+                    f"write a number with a point: {before.value}.{key}",
+                    key_node,
+                )
+            before = value_node
             if key_node.tag != "tag:yaml.org,2002:str" or not key.isprintable():
                 raise _refusal("keys are plain words", key_node)
             if key in seen:
                 raise _refusal(f"key {key!r} is given twice", key_node)
             seen.add(key)
         return super().construct_mapping(node, deep)
+
+
+def _is_decimal_comma(before: Any, key: Any, value: Any) -> bool:
+    """Whether an entry without a value, between braces, is what follows the comma of a number such as ``0,1``."""
+    lone = isinstance(value, yaml.ScalarNode) and value.value == ""
+    digits = isinstance(key, yaml.ScalarNode) and re.fullmatch(r"[0-9]+([eE][-+]?[0-9]+)?", key.value)
+    return bool(lone and digits and isinstance(before, yaml.ScalarNode) and re.fullmatch(r"[-+]?[0-9]+", before.value))
 
 
 def _refusal(problem: str, where: Any) -> yaml.MarkedYAMLError:

@@ -11,12 +11,13 @@ import numpy as np
 from analysis.binary_dump import CutDumpWarning
 from analysis.conservation import Conservation
 from analysis.left_behind import LeftBehind
+from analysis.mirror import direction_of
 from analysis.recording import FARTHEST
 from analysis.solitary import Tolerances
 from analysis.survey import Survey, survey
 from analysis.trajectory import Trajectory
-from analysis.waves import Arrival, Waves
-from lammps_inputs import InputError, Problem
+from analysis.waves import Arrival, Waves, from_csv, usual_arrival
+from lammps_inputs import InputError, Problem, deck
 from workflow.analysis_report import last_clear_bead, report, waves_csv
 from workflow.results import Fingerprint, recorded_fingerprint
 from workflow.run_directory import REPORT, RunDirectory, write_figure, write_json, write_text
@@ -113,6 +114,7 @@ def analyse(
         watchers=watchers,
         tolerances=allowed,
         arrival=arrival,
+        leading=_found_on_the_way(directory) if arrival in (None, usual_arrival(problem)) else None,
     )
     if problem.frames_per_snapshot is not None:
         whole = Conservation()
@@ -129,6 +131,27 @@ def analyse(
     complete = conservation.frames == problem.frames + 1
     altered = recorded_fingerprint(directory) not in ("", fingerprint.sha256())
     return Analysis(problem, found, conservation, complete, drawn, left, directory.failure, altered)
+
+
+def _found_on_the_way(directory: RunDirectory) -> Waves | None:
+    """The leading waves at every bead that LAMMPS's run has left in ``peaks.csv``; None where there are none.
+
+    Raises:
+        InputError: the file cannot be read.
+    """
+    path, problem = directory.path / deck.PEAKS, directory.problem
+    if not problem.peaks or problem.recorded is None or not path.is_file():
+        return None
+    try:
+        waves = from_csv(path.read_text(encoding="utf-8"), problem.scale, direction=direction_of(problem))
+    except (ValueError, OSError):
+        raise InputError(f"{path}: cannot be read as a table of peaks; delete it to analyse the frames alone") from None
+    chain, bead = waves.chain, waves.bead
+    there = (chain >= 1) & (chain <= problem.chains) & (bead >= 1) & (bead <= problem.beads)
+    in_order = np.array_equal(np.lexsort((bead, chain)), np.arange(len(waves)))
+    if not (in_order and np.all(there & np.isfinite(waves.peak_velocity))):
+        raise InputError(f"{path}: holds what is not this scene's; delete it to analyse the frames alone")
+    return waves
 
 
 def _sound(directory: RunDirectory, blocks: Iterator[Trajectory]) -> Iterator[Trajectory]:

@@ -113,8 +113,30 @@ def _rank(value: Any) -> tuple[int, float, str]:
     return 1, 0.0, str(value)
 
 
+def only(table: Table, where: dict[str, Any]) -> Table:
+    """The cases of a table whose fields have these values.
+
+    Raises:
+        InputError: a field is not varied, or no case is like that.
+    """
+    for name, value in where.items():
+        _refuse_unless_varied("--where", name, table)
+        known = list(dict.fromkeys(str(row[name]) for row in table.rows))
+        if all(row[name] != value for row in table.rows):
+            raise InputError(f"--where: no case has {name} = {value}; {', '.join(known)}")
+    rows = [row for row in table.rows if all(row[name] == value for name, value in where.items())]
+    if not rows:
+        raise InputError("--where: no case is all of that; leave one out")
+    return Table(table.fields, rows, table.si)
+
+
+def _refuse_unless_varied(option: str, name: str, table: Table) -> None:
+    if name not in table.fields:
+        raise InputError(f"{option}: {name!r} is not varied here; {', '.join(table.fields) or 'nothing'} is")
+
+
 def plot(
-    table: Table, directory: Path, quantity: str, over: str, beside: str | None, where: dict[str, Any]
+    table: Table, directory: Path, quantity: str, over: str, beside: str | None, title: str = ""
 ) -> tuple[Path, ...]:
     """Draw a quantity over a field, or two, as PNG and PDF into a directory.
 
@@ -124,7 +146,7 @@ def plot(
         quantity: one of `QUANTITIES`.
         over: the field along the horizontal axis.
         beside: a second field, as lines or as a map.
-        where: field -> value of the cases to draw, where more than that is varied.
+        title: which cases these are, where the table holds not all.
 
     Raises:
         InputError: no such quantity or field, nothing to draw, or several cases at one point.
@@ -135,11 +157,10 @@ def plot(
     numeric = [name for name, found in QUANTITIES.items() if found.label]
     if quantity not in numeric:
         raise InputError(f"--plot: {quantity!r} given; {', '.join(numeric)}")
-    for option, name in (("--over", over), ("--and", beside), *(("--where", name) for name in where)):
-        if name is not None and name not in table.fields:
-            raise InputError(f"{option}: {name!r} is not varied here; {', '.join(table.fields) or 'nothing'} is")
-    rows = [row for row in table.rows if all(row[name] == value for name, value in where.items())]
-    rows = [row for row in rows if row["outcome"] == "done"]
+    for option, name in (("--over", over), ("--and", beside)):
+        if name is not None:
+            _refuse_unless_varied(option, name, table)
+    rows = [row for row in table.rows if row["outcome"] == "done"]
     drawn = Table(table.fields, rows, table.si)
     for name in shown:
         if rows and not np.all(np.isfinite(drawn.numbers(name))):
@@ -154,7 +175,6 @@ def plot(
             f"with --where {others[0] if others else 'FIELD'}=VALUE, or with --and"
         )
     upwards, along, *second = [Axis(drawn.label(name), drawn.numbers(name)) for name in (quantity, *shown)]
-    title = ", ".join(f"{name} = {value}" for name, value in where.items())
     figure = swept_figure(upwards, along, second[0] if second else None, title)
     name = f"{quantity}-over-{'-and-'.join(shown)}".replace("[", "").replace("]", "")
     return write_figure(directory, name, figure)

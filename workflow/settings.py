@@ -94,6 +94,17 @@ def settle(scene: Scene, *, source: str = "", force: bool = False) -> tuple[Scen
     return _with_timestep(scene, scene.accuracy, source)
 
 
+def better_timestep(scene: Scene, accuracy: float) -> str:
+    """What to put into a scene whose run was off by more than an accuracy, in words; measured, or said not to be."""
+    try:
+        better, settings = _with_timestep(scene, accuracy, "")
+    except InputError as error:
+        return str(error)
+    if settings.measured < 1.0:
+        return f"`accuracy: {accuracy:g}` in place of `timestep` finds a shorter one"
+    return f"`timestep: {better.timestep:.12g}` leaves {settings.expected_error:.1e} V, measured on a twin of the run"
+
+
 def with_settings(scene: Scene) -> Scene:
     """The same scene with its duration and, where it asks for an accuracy, its time step written out.
 

@@ -19,6 +19,7 @@ from typing import Any, Literal
 from analysis.binary_dump import last_step
 from lammps_inputs import continuation, deck, job
 from workflow.engines.lammps.restarts import step_of
+from workflow.made_by import Made, made_by
 from workflow.queue import Queue, Queued
 from workflow.run_directory import RECORD, parts
 
@@ -107,7 +108,8 @@ def _status(directory: Path, queue: Queue | None) -> Status:
         return _of_job(directory, _read_state(told), queue, queued)
     if recorded.is_file():
         return _of_record(directory, recorded)
-    return _of_files(directory, queued)
+    made = made_by(directory)
+    return _of_files(directory, queued) if made is None else _of_many(directory, made)
 
 
 # --- jobs -------------------------------------------------------------------------------------------------------------
@@ -215,6 +217,21 @@ def _fresh(directory: Path) -> bool:
 
 
 # --- neither ----------------------------------------------------------------------------------------------------------
+
+
+def _of_many(directory: Path, made: Made) -> Status:
+    """What another command than ``run`` has made."""
+    if made.whole:
+        return Status(directory, "done", why=made.why)
+    if _newest(directory) > time.time() - _GRACE:
+        return Status(directory, "running", why=f"or was cut a moment ago: its files are minutes old; {made.why}")
+    return Status(directory, "incomplete", why=made.why)
+
+
+def _newest(directory: Path) -> float:
+    """When something was last written in a directory, or in those in it."""
+    files = [path for pattern in ("*", "*/*", "*/*/*") for path in directory.glob(pattern)]
+    return max((path.lstat().st_mtime for path in files), default=0.0)
 
 
 def _of_files(directory: Path, queued: Queued | None) -> Status:

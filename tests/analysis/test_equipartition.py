@@ -173,7 +173,7 @@ def test_verdict_knows_since_when_amplitudes_and_arrivals_agree():
 def test_verdict_without_any_place_gives_the_rule_of_thumb():
     empty = Sharing(0, np.zeros(0, dtype=np.int64), np.zeros((0, 2)), np.zeros((0, 2)), 0.5)
     verdict = judge(empty, problem(2, 0.1), None)
-    assert (verdict.state, verdict.expected.value) == (State.SHORT, pytest.approx(50.0))
+    assert (verdict.state, verdict.expected.value) == (State.SHORT, pytest.approx(60.0))
 
 
 def test_n_star_of_theory_is_that_of_the_table():

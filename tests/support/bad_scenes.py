@@ -107,6 +107,12 @@ _YAML = [
     BadScene("object of Python", scene_text(name="!!python/object/apply:os.system [ls]"), "line 1", "tags"),
     BadScene("tag on nothing", scene_text(gap='!!int ""'), "line 5", "tags"),
     BadScene("number as key", scene_text() + "3: 4\n", "line 5", "plain words"),
+    BadScene(
+        "decimal comma between braces",
+        scene_text() + "coupling: {model: linear, stiffness: 0,1}\n",
+        "line 5",
+        "write a number with a point: 0.1",
+    ),
     BadScene("list as key", scene_text() + "? [a, b]\n: 4\n", "line 5", "plain words"),
     BadScene("escape sequence as key", scene_text() + '"\\e[31m": 4\n', "line 5", "plain words"),
     BadScene("control character", scene_text() + "\x07", "", "unacceptable character"),

@@ -2,6 +2,8 @@
 
 import json
 import math
+import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,13 +11,16 @@ from stock_lammps import scene
 
 from analysis.comparison import Comparison
 from analysis.pairing import paired
-from lammps_inputs import Kick, Material
+from lammps_inputs import Kick, Material, strict_yaml
+from workflow import step_search
 from workflow.check import SPACING, check, stride
 from workflow.cli import main
+from workflow.commands.run import _judged
 from workflow.engines.reference import engine
 from workflow.engines.reference.certify import certified
 from workflow.run import run
 from workflow.run_directory import RunDirectory
+from workflow.settings import better_timestep
 
 SCENE = scene(chains=2, beads=40, kappa=0.1, duration=40.0)
 
@@ -127,3 +132,41 @@ def test_a_wrong_run_is_off_by_what_is_wrong(finished, tmp_path):
         finished.directory, tmp_path / "wrong", lambda run: (run.displacement, 1.1 * run.velocity)
     )
     assert check(RunDirectory(wrong.path)).velocity == pytest.approx(0.1, abs=1e-3)
+
+
+def test_the_time_step_that_is_named_divides_the_output_and_keeps_what_is_said_of_it(tmp_path, capsys):
+    coarse = {"name": "coarse", "beads": 12, "kick": {"velocity": 1}, "duration": 16, "output": {"every": 0.7}}
+    path = tmp_path / "scene.yaml"
+    path.write_text(strict_yaml.dump({**coarse, "timestep": 0.05}))
+    assert main(["run", str(path), "-o", str(tmp_path / "coarse")]) == 0
+    named = re.search(r"that is more than 0.0005 V; `timestep: (.*)` leaves (.*) V", capsys.readouterr().out)
+    path.write_text(strict_yaml.dump({**coarse, "timestep": float(named[1])}))
+    assert main(["run", str(path), "-o", str(tmp_path / "fine")]) == 0
+    assert "that is" not in capsys.readouterr().out
+    left = RunDirectory(tmp_path / "fine").record["check"]["velocity"]
+    assert left <= 1.05 * float(named[2])  # which is printed with two digits
+    assert left <= 5e-4
+
+
+def test_no_time_step_is_named_where_none_keeps_it_or_a_shorter_run_stood_for_this_one(monkeypatch):
+    rough = scene(chains=2, beads=40, kappa=0.1, duration=40.0)
+    monkeypatch.setattr(step_search.search, "__kwdefaults__", {"most_work": 1e3})
+    assert better_timestep(rough, 1e-3) == "`accuracy: 0.001` in place of `timestep` finds a shorter one"
+    assert "is not reached with any time step" in better_timestep(rough, 1e-18)
+
+
+@pytest.mark.parametrize(
+    ("velocity", "sure", "says"),
+    [
+        (4e-4, 1e-5, ""),
+        (4e-4, 6e-4, "cannot tell whether that is within 0.0005 V; `granchain validate` takes a surer one"),
+        (6e-4, 2e-4, "cannot tell"),
+        (9e-4, 2e-4, "that is more than 0.0005 V"),
+    ],
+)
+def test_what_the_reference_is_not_sure_of_is_not_said(velocity, sure, says, finished, capsys):
+    told = replace(finished.check, velocity=velocity, reference=replace(finished.check.reference, velocity=sure))
+    assert _judged(told, finished.directory.scene, None) == 0
+    printed = capsys.readouterr().out
+    assert says in printed
+    assert bool(says) == bool(printed)

@@ -148,6 +148,15 @@ def test_runs_without_a_sweep_are_gathered_too(copied):
     assert (found.fields, len(found.rows)) == ([], 6)
 
 
+def test_where_chooses_the_cases_of_the_table_with_and_without_a_figure(copied, capsys):
+    assert main(["collect", str(copied), "--where", "beads=24"]) == 0
+    assert "3 cases: 3 done" in capsys.readouterr().out
+    assert {row["beads"] for row in table(copied / "table.csv")} == {"24"}
+    drawn = ["--plot", "amplitude", "--over", "coupling.stiffness", "--where", "beads=20"]
+    assert main(["collect", str(copied), *drawn]) == 0
+    assert {row["beads"] for row in table(copied / "table.csv")} == {"20"}
+
+
 # --- figures ----------------------------------------------------------------------------------------------------------
 
 
@@ -171,7 +180,8 @@ def test_a_quantity_is_drawn_over_one_field_and_over_two(copied, capsys):
         (["--plot", "amplitude", "--over", "bead"], "--over: 'bead' is not varied here; beads, coupling.stiffness"),
         (["--plot", "amplitude", "--over", "beads"], "--where coupling.stiffness=VALUE"),
         (["--plot", "amplitude", "--over", "beads", "--and", "gap"], "--and: 'gap' is not varied"),
-        (["--plot", "amplitude", "--over", "beads", "--where", "beads=3"], "no case that is done"),
+        (["--plot", "amplitude", "--over", "beads", "--where", "beads=3"], "--where: no case has beads = 3; 20, 24"),
+        (["--where", "bead=3"], "--where: 'bead' is not varied here; beads, coupling.stiffness"),
         (["--plot", "amplitude", "--over", "beads", "--where", "beads"], "FIELD=VALUE"),
         (["--plot", "amplitude"], "go together"),
         (["--and", "beads"], "give --plot too"),

@@ -64,6 +64,48 @@ def alps(*jobs):
     return Queue("alps", list(jobs))
 
 
+# --- of other commands than run ---------------------------------------------------------------------------------------
+
+WHOLE = {
+    "compare": (["scene.yaml", "lammps/scene.yaml"], "compare.json"),
+    "reproduce": (["runs/two-chains-lammps/scene.yaml"], "index.html"),
+    "map": (["cases/N2_kappa0.1_beads60.json"], "map.csv"),
+    "extremes": (["cells/V_1.json"], "extremes.csv"),
+    "trade": (["trade.csv"], "trade.json"),
+}
+"""Command -> files that it writes on the way, and the one that it writes at the end."""
+
+
+def left_by(command, directory, *, whole):
+    begun, ended = WHOLE[command]
+    for name in [*begun, *([ended] if whole else [])]:
+        (directory / name).parent.mkdir(parents=True, exist_ok=True)
+        (directory / name).write_text({"trade.csv": "method,setting\n", "trade.json": '{"whole": true}'}.get(name, ""))
+    return directory
+
+
+@pytest.mark.parametrize("command", WHOLE)
+def test_a_directory_of_another_command_is_done_or_goes_on_and_never_to_be_overwritten(command, tmp_path):
+    whole = status(left_by(command, tmp_path / "whole", whole=True))
+    assert (whole.state, whole.why.startswith(f"of `granchain {command}`; ")) == ("done", True)
+    assert status(left_by(command, tmp_path / "new", whole=False)).state == "running"
+    cut = left_by(command, tmp_path / "cut", whole=False)
+    for path in sorted(cut.rglob("*"), reverse=True):
+        os.utime(path, (0, 0))
+    found = status(cut)
+    assert found.state == "incomplete"
+    assert "the same command" in found.why or f"`granchain {command} -o {cut}` goes on" in found.why
+    assert "overwrite" not in found.why + whole.why
+
+
+def test_a_finished_comparison_is_told_to_be_done(tmp_path, capsys):
+    (tmp_path / "tiny.yaml").write_text("name: tiny\nbeads: 3\nkick: {velocity: 1}\nduration: 1\n")
+    assert main(["compare", str(tmp_path / "tiny.yaml"), "-o", str(tmp_path / "c"), "--engines", "reference"]) == 0
+    capsys.readouterr()
+    assert main(["status", str(tmp_path / "c")]) == 0
+    assert capsys.readouterr().out.startswith(f"{tmp_path / 'c'}: done: of `granchain compare`; compare.json")
+
+
 # --- no run, or not yet -----------------------------------------------------------------------------------------------
 
 

@@ -161,10 +161,10 @@ def _words(character: Character) -> str:
 
 
 def _rows(found: Analysis) -> list[int]:
-    """About six recorded beads, from early to the last that the pulse passed undisturbed."""
-    recorded = found.problem.recorded_beads
+    """About six beads that a pulse was seen at, from early to the last that the pulse passed undisturbed."""
     if len(found.waves) == 0:
         return []
+    recorded = np.unique(found.waves.bead)
     last = int(found.waves.bead[last_clear_bead(found.waves, found.problem)])
     wanted = [2, 5, 10, 20, 55, 90, last] if last <= 200 else np.geomspace(5, last, 7).round().astype(int).tolist()
     near = {int(recorded[np.argmin(np.abs(recorded - bead))]) for bead in wanted if bead <= last}

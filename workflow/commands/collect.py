@@ -32,7 +32,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--plot", metavar="QUANTITY", help=f"draw one of the table's columns: {_numbers()}")
     parser.add_argument("--over", metavar="FIELD", help="over this field")
     parser.add_argument("--and", metavar="FIELD", dest="beside", help="and over this one: as lines, or as a map")
-    parser.add_argument("--where", metavar="FIELD=VALUE", action="append", default=[], help="only such cases")
+    parser.add_argument(
+        "--where",
+        metavar="FIELD=VALUE",
+        action="append",
+        default=[],
+        help="only such cases, in the table and in the figure",
+    )
 
 
 def _numbers() -> str:
@@ -43,16 +49,17 @@ def execute(arguments: argparse.Namespace) -> int:
     """Write the table and figure, print the table's head."""
     if (arguments.plot is None) != (arguments.over is None):
         raise InputError("--plot and --over go together: a quantity, and the field to draw it over")
-    if arguments.plot is None and (arguments.beside is not None or arguments.where):
-        raise InputError("--and and --where choose what --plot draws; give --plot too")
+    if arguments.plot is None and arguments.beside is not None:
+        raise InputError("--and chooses what --plot draws; give --plot too")
     where = dict(_condition(text) for text in arguments.where)
     output = arguments.output or arguments.directory / TABLE
     _refuse(output)
     with count_bar("analyse") as progress:
-        table = collecting.collect(arguments.directory, progress)
+        table = collecting.only(collecting.collect(arguments.directory, progress), where)
     figures: tuple[Path, ...] = ()
     if arguments.plot is not None:
-        figures = collecting.plot(table, output.parent, arguments.plot, arguments.over, arguments.beside, where)
+        title = ", ".join(f"{name} = {value}" for name, value in where.items())
+        figures = collecting.plot(table, output.parent, arguments.plot, arguments.over, arguments.beside, title)
     write_text(output, table.to_csv())
     _print(table, str(arguments.directory))
     print(", ".join(str(path) for path in (output, *figures)))

@@ -59,7 +59,7 @@ def _statements(
             "The waves in the chains are identical.",
             [
                 f"kappa = 0.1, bead 55: peaks differ by {_percent(spread)}",
-                *(f"{name}: within 1% from bead {bead} on" for name, bead in one_percent.items()),
+                *(f"{name}: {_within('1%', bead)}" for name, bead in one_percent.items()),
             ],
             "holds" if spread < 0.01 else "holds with a correction",
             ""
@@ -78,7 +78,7 @@ def _statements(
             [
                 f"kappa = 0.5: {final['two-chains-strong']:.4f} V, kappa = 0.1: {final['two-chains']:.4f} V "
                 f"({_percent(change)} apart)",
-                *(f"kappa = {case.kappa:g}: {case.amplitude:.4f} V, 1% from bead {case.one} on" for case in weaker),
+                *(f"kappa = {case.kappa:g}: {case.amplitude:.4f} V, {_within('1%', case.one)}" for case in weaker),
             ],
             "holds with a correction" if weaker[-1].amplitude < 0.5 * final["two-chains"] else "holds",
             "It holds between 0.1 and 0.5. With weaker coupling the distance grows as 1/kappa and the final waves "
@@ -87,7 +87,7 @@ def _statements(
         Statement(
             "Equipartition is robust in the number of chains.",
             [
-                f"N = {case.chains}: {case.amplitude:.4f} V, 10% from bead {case.ten}, 1% from bead {case.one} on"
+                f"N = {case.chains}: {case.amplitude:.4f} V, {_within('10%', case.ten)}, {_within('1%', case.one)}"
                 for case in more
             ],
             "holds" if all(case.one is not None for case in more) else "does not hold",
@@ -157,6 +157,12 @@ def _pictures(runs: dict[str, dict[str, Measured]]) -> list[Picture]:
         caption = f"Fig. {time}: velocity of bead {bead} in all chains ({name}, LAMMPS)."
         pictures.append(Picture(f"fig{time}", response_figure(run.history), caption))
     return pictures
+
+
+def _within(tolerance: str, bead: int | None) -> str:
+    if bead is None:
+        return f"not within {tolerance} for half a beat before the chains end"
+    return f"within {tolerance} from bead {bead} on"
 
 
 def _percent(share: float) -> str:

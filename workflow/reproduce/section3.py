@@ -88,7 +88,7 @@ def _statements(
                 for kappa, found in hertz.items()
                 for line in (
                     *(_pair(f"kappa = {kappa:g}, row {row}", found, row) for row in (*ROWS, 100)),
-                    f"kappa = {kappa:g}: within 1% from row {modes[kappa].equal_from} on",
+                    f"kappa = {kappa:g}: {_within(modes[kappa].equal_from)}",
                 )
             ],
             "holds" if all(mode.equal_from is not None for mode in modes.values()) else "does not hold",
@@ -114,6 +114,10 @@ def _statements(
 def _pair(label: str, found: Impulses, row: int) -> str:
     one, other = found.first[:, found.row(row)]
     return f"{label}: first impulses {one:.3f}, {other:.3f}"
+
+
+def _within(row: int | None) -> str:
+    return f"not within 1% by row {LAST}" if row is None else f"within 1% from row {row} on"
 
 
 def _at(scan: study.Scan, values: np.ndarray[tuple[int, ...], np.dtype[np.float64]], row: int) -> float:

@@ -1,9 +1,11 @@
 """The paper recomputed as one page."""
 
+import json
 import os
 import re
 import shutil
 import subprocess
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -96,3 +98,38 @@ def test_gapped_hertz_rows_come_out_as_known(report: Path) -> None:
     page = (report / "index.html").read_text()
     for line in ("kappa = 0.1, row 5: first impulses 0.342, 0.724", "kappa = 1, row 25: first impulses 0.528, 0.528"):
         assert line in page
+
+
+@pytest.mark.parametrize("name", ["two-chains", "two-chains-strong", "three-chains"])
+def test_the_verdict_on_a_run_agrees_with_the_page(name: str, report: Path, tmp_path: Path) -> None:
+    run = shutil.copytree(report / "runs" / f"{name}-lammps", tmp_path / "run")
+    assert main(["analyze", str(run), "--no-figures"]) == 0
+    found = json.loads((run / "analysis.json").read_text())["equipartition"]
+    since = found["amplitudes"]["0.01"]
+    said = "not within 1% for half a beat" if since is None else f"within 1% from bead {since} on"
+    assert f"{name}: {said}" in (report / "index.html").read_text()
+    assert (found["state"] == "equipartitioned and synchronised") == (since is not None)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "kappa"),
+    [
+        ("two-chains-gapped-strong", "1"),
+        pytest.param(
+            "two-chains-gapped",
+            "0.1",
+            marks=pytest.mark.xfail(strict=True, reason="arrivals of flat-topped pulses hop"),
+        ),
+    ],
+)
+def test_the_verdict_on_chains_with_gaps_agrees_with_the_page(
+    name: str, kappa: str, report: Path, paper: Callable[[str], Path]
+) -> None:
+    found = json.loads((paper(name) / "analysis.json").read_text())["equipartition"]
+    assert re.search(rf"kappa = {kappa}: within 1% from row [0-9]+ on", (report / "index.html").read_text())
+    assert found["state"] == "equipartitioned and synchronised"
+
+
+def test_a_bead_that_was_not_reached_is_no_number(report: Path) -> None:
+    assert "None" not in (report / "index.html").read_text()
