@@ -10,6 +10,7 @@ import numpy as np
 
 from analysis.binary_dump import CutDumpWarning
 from analysis.conservation import Conservation
+from analysis.largest_overlap import LargestOverlap, shown_by_frames
 from analysis.left_behind import LeftBehind
 from analysis.recording import FARTHEST
 from analysis.solitary import Tolerances
@@ -18,6 +19,7 @@ from analysis.trajectory import Trajectory
 from analysis.waves import Waves
 from lammps_inputs import InputError, Problem
 from workflow.analysis_report import last_clear_bead, report, waves_csv
+from workflow.contacts import Contacts, has_contacts, of_overlap
 from workflow.run_directory import REPORT, RunDirectory, write_figure, write_json, write_text
 
 if TYPE_CHECKING:
@@ -39,6 +41,7 @@ class Analysis:
         figures: files drawn.
         left: what a window has left behind; None without a window.
         failure: why the run failed; empty where it did not.
+        contacts: the hardest contact; None without a material, and of rigid beads.
     """
 
     problem: Problem
@@ -48,6 +51,7 @@ class Analysis:
     figures: tuple[Path, ...]
     left: LeftBehind | None
     failure: str
+    contacts: Contacts | None
 
     @property
     def waves(self) -> Waves:
@@ -89,6 +93,9 @@ def analyse(
     watchers: list[Any] = [conservation]
     if left is not None:
         watchers.append(left)
+    overlap = LargestOverlap() if has_contacts(directory) else None
+    if overlap is not None and shown_by_frames(problem):
+        watchers.append(overlap)
     spacetime = history = None
     if figures:
         from analysis.figures import BeadHistory, SpaceTime  # matplotlib takes half a second to import
@@ -108,9 +115,11 @@ def analyse(
         conservation.energy_drift, conservation.momentum_drift = whole.energy_drift, whole.momentum_drift
     drawn = _draw(directory.path, found, spacetime, history) if figures else ()
     write_text(directory.path / WAVES, waves_csv(found))
-    write_json(directory.path / REPORT, report(found, conservation, allowed, left))
+    hardest = None if overlap is None else of_overlap(directory.scene, overlap)
+    found_contacts = {} if hardest is None else {"contacts": hardest.plain()}
+    write_json(directory.path / REPORT, {**report(found, conservation, allowed, left), **found_contacts})
     complete = conservation.frames == problem.frames + 1
-    return Analysis(problem, found, conservation, complete, drawn, left, directory.failure)
+    return Analysis(problem, found, conservation, complete, drawn, left, directory.failure, hardest)
 
 
 def _quietly(blocks: Iterator[Trajectory]) -> Iterator[Trajectory]:
