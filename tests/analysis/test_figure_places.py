@@ -146,3 +146,28 @@ def test_the_engines_figure_has_each_bead_and_engine_where_it_says(si):
     moved = rows[1].get_lines()[1]
     assert moved.get_ydata() * unit_on(rows[1].get_ylabel(), what, "velocity") == pytest.approx([0.0, 0.5 * SPEED, 0.0])
     assert moved.get_xdata() * unit_on(rows[1].get_xlabel(), what, "time") == pytest.approx(time * what.scale.time)
+
+
+def test_a_line_marks_the_bead_from_which_on_the_chains_agree():
+    amplitude = np.full((80, 2), 0.3)
+    amplitude[:60, 0] *= 1.0 + 0.05 * np.cos(np.arange(60))
+    what = problem(False, beads=100)
+    agreeing = Sharing(0, np.arange(2, 82), np.zeros((80, 2)), amplitude, what.energy)
+    axis = distance_figure(what, agreeing, EnergyShares(what, agreeing)).axes[0]
+    (mark,) = (line for line in axis.get_lines() if not line.get_label().startswith("chain"))
+    assert set(mark.get_xdata()) == {agreeing.agrees_from(0.01)}
+    assert [text.get_text() for text in axis.texts] == [f"within 1% from bead {agreeing.agrees_from(0.01)} on"]
+
+
+@pytest.mark.parametrize(("direction", "label"), [(1, "bead"), (-1, "bead, counted from bead 10")])
+def test_beads_are_counted_from_the_end_that_was_hit(direction, label):
+    what = problem(False)
+    figure = distance_figure(what, shared(what), EnergyShares(what, shared(what)), direction)
+    assert figure.axes[2].get_xlabel() == label
+
+
+def test_the_title_tells_name_chains_coupling_and_gap():
+    what = problem(False, kappa=0.25 * SPEED**0.4, gap=0.5 * SPEED**0.8)
+    data = SpaceTime(what)
+    data.add(moving(what, 1, 1, 0))
+    assert spacetime_figure(data).get_suptitle() == "test: $N$ = 2, $\\kappa$ = 0.25, gap 0.5"
