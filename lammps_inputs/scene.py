@@ -12,6 +12,7 @@ from pydantic import Field, create_model, field_validator, model_validator
 
 from lammps_inputs import scheme as schemes
 from lammps_inputs.closing import never_closes
+from lammps_inputs.hertz_limits import WHOLE_BEAD, overlap_bounds, sound_speed
 from lammps_inputs.ingredients import INGREDIENTS, contacts
 from lammps_inputs.ingredients.base import Ingredient, Part
 from lammps_inputs.problem import Problem, System
@@ -183,6 +184,8 @@ class BaseScene(Part):
                 f"kick: none ever closes the gap of {self.gap:g}, so nothing collides; "
                 "kick a bead towards another (bead 1 forward), or leave the gap out"
             )
+        if self.material is not None:
+            self._check_contacts(self.material, system)
 
     def _check_times(self) -> None:
         """Refuse times that do not fit together."""
@@ -202,6 +205,22 @@ class BaseScene(Part):
             frames = self.duration / every
             if not frames * steps <= MAX_STEPS:
                 raise ValueError(f"duration: needs {frames * steps:.3g} time steps; at most {MAX_STEPS:.0e}")
+
+    def _check_contacts(self, ball: Material, system: System) -> None:
+        """Refuse what no contact of elastic spheres is, though the dimensionless numbers would be sane."""
+        sound = sound_speed(ball.youngs_modulus, ball.density)
+        if self.scale.velocity > sound:
+            raise ValueError(
+                f"kick: {self.scale.velocity:g} m/s is faster than sound in this material, "
+                f"sqrt(youngs_modulus / density) = {sound:.4g} m/s; contacts are Hertzian far below it"
+            )
+        least = overlap_bounds(system)[0]
+        overlap = least * self.scale.length / ball.radius
+        if overlap >= WHOLE_BEAD:
+            raise ValueError(
+                f"kick: beads would pass through each other, with an overlap of at least {overlap:.2g} times the "
+                "radius; slower kicks or a stiffer material are needed"
+            )
 
     def _check_snapshots(self, frames: float, every: float) -> None:
         if self.duration is not None and frames * every > self.duration * (1.0 + 1e-9):

@@ -1,6 +1,7 @@
 """Settings of all tests."""
 
 import os
+import signal
 
 from hypothesis import HealthCheck, settings
 
@@ -12,3 +13,7 @@ settings.register_profile(
     derandomize=bool(os.environ.get("CI")),  # chance finds are for those who can look into them
 )
 settings.load_profile("granchain")
+
+# a shell starts what runs in its background with Ctrl-C ignored, and so would be all that the tests start
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)

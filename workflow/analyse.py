@@ -10,6 +10,7 @@ import numpy as np
 
 from analysis.binary_dump import CutDumpWarning
 from analysis.conservation import Conservation
+from analysis.largest_overlap import LargestOverlap, shown_by_frames
 from analysis.left_behind import LeftBehind
 from analysis.mirror import direction_of
 from analysis.recording import FARTHEST
@@ -19,6 +20,7 @@ from analysis.trajectory import Trajectory
 from analysis.waves import Arrival, Waves, from_csv, usual_arrival
 from lammps_inputs import InputError, Problem, deck
 from workflow.analysis_report import last_clear_bead, report, waves_csv
+from workflow.contacts import Contacts, has_contacts, of_overlap
 from workflow.results import Fingerprint, recorded_fingerprint
 from workflow.run_directory import REPORT, RunDirectory, write_figure, write_json, write_text
 
@@ -45,6 +47,7 @@ class Analysis:
         left: what a window has left behind; None without a window.
         failure: why the run failed; empty where it did not.
         altered: whether frames or snapshots are not those that the run wrote, by the fingerprint in ``run.json``.
+        contacts: the hardest contact; None without a material, and of rigid beads.
     """
 
     problem: Problem
@@ -55,6 +58,7 @@ class Analysis:
     left: LeftBehind | None
     failure: str
     altered: bool
+    contacts: Contacts | None
 
     @property
     def waves(self) -> Waves:
@@ -100,6 +104,9 @@ def analyse(
     watchers: list[Any] = [conservation, fingerprint]
     if left is not None:
         watchers.append(left)
+    overlap = LargestOverlap() if has_contacts(directory) else None
+    if overlap is not None and shown_by_frames(problem):
+        watchers.append(overlap)
     spacetime = history = None
     if figures:
         from analysis.figures import BeadHistory, SpaceTime  # matplotlib takes half a second to import
@@ -127,10 +134,12 @@ def analyse(
         conservation.energy_drift, conservation.momentum_drift = whole.energy_drift, whole.momentum_drift
     drawn = _draw(directory.path, found, spacetime, history) if figures else ()
     write_text(directory.path / WAVES, waves_csv(found))
-    write_json(directory.path / REPORT, report(found, conservation, allowed, left))
+    hardest = None if overlap is None else of_overlap(directory.scene, overlap)
+    found_contacts = {} if hardest is None else {"contacts": hardest.plain()}
+    write_json(directory.path / REPORT, {**report(found, conservation, allowed, left), **found_contacts})
     complete = conservation.frames == problem.frames + 1
     altered = recorded_fingerprint(directory) not in ("", fingerprint.sha256())
-    return Analysis(problem, found, conservation, complete, drawn, left, directory.failure, altered)
+    return Analysis(problem, found, conservation, complete, drawn, left, directory.failure, altered, hardest)
 
 
 def _found_on_the_way(directory: RunDirectory) -> Waves | None:

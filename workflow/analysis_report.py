@@ -66,6 +66,8 @@ def report(found: Survey, seen: Conservation, tolerances: Tolerances, left: Left
     | equipartition   | see `equipartition`                                                              |
     | tolerances      | relative differences within which a pulse is called solitary                     |
     | pulses          | every pulse, the strongest first; see `pulse_entry`                              |
+
+    With a material `workflow.analyse` adds ``contacts``, see `workflow.contacts.Contacts`.
     """
     problem, scale = found.problem, found.problem.scale
     order = np.argsort([-character.peak_velocity for character in found.characters], kind="stable")

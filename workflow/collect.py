@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from lammps_inputs import InputError, deck
+from lammps_inputs import InputError, deck, strict_yaml
 from lammps_inputs.job import CASES
 from workflow import queue
 from workflow.engines.lammps.mpi import cores
@@ -48,10 +48,19 @@ def collect(directory: Path, progress: Callable[[int, int], None] | None = None)
         kinds.add("material" in request.scene or report.get("units") == "SI")
         swept = {name: request.swept.get(name, fields.look_up(request.scene, paths[name])) for name in names}
         outcome, reason = _outcome(states[path], report.get("complete") is True, complaints.get(path.name))
-        row = {"case": path.name, **swept, "outcome": outcome, **_quantities(report, record, request.scene)}
+        scene = request.scene or _scene(path)
+        row = {"case": path.name, **swept, "outcome": outcome, **_quantities(report, record, scene)}
         rows.append({**row, "reason": reason})
     rows.sort(key=lambda row: [_rank(row[name]) for name in names])
     return Table(names, rows, None if len(kinds) > 1 else kinds == {True})
+
+
+def _scene(directory: Path) -> dict[str, Any]:
+    """Plain data of the scene of a run that no sweep asked for; empty if it cannot be read."""
+    try:
+        return strict_yaml.load(directory / deck.SCENE)
+    except InputError:
+        return {}
 
 
 def _path(name: str, directory: Path) -> fields.Path:
@@ -99,11 +108,18 @@ def _quantities(report: dict[str, Any], record: dict[str, Any], scene: dict[str,
 
 
 def _hit(report: dict[str, Any], scene: dict[str, Any]) -> dict[str, Any]:
-    """What ``analysis.json`` says of the leading wave in the chain of the first kick."""
-    chain = fields.look_up(scene, (("kick", 1), ("chain", None))) or 1
+    """What ``analysis.json`` says of the leading wave in the chain that was hit hardest."""
+    kick = scene.get("kick")
+    kicks = [hit for hit in (kick if isinstance(kick, list | tuple) else [kick]) if isinstance(hit, dict)]
+    chain = max(kicks, key=_size, default={}).get("chain", 1)
     waves = report.get("waves")
     entries = waves if isinstance(waves, list) else []
     return next((entry for entry in entries if isinstance(entry, dict) and entry.get("chain") == chain), {})
+
+
+def _size(kick: dict[str, Any]) -> float:
+    velocity = kick.get("velocity")
+    return abs(velocity) if isinstance(velocity, int | float) else 0.0
 
 
 def _rank(value: Any) -> tuple[int, float, str]:

@@ -20,6 +20,7 @@ from analysis.recording import Writer
 from analysis.trajectory import Trajectory
 from lammps_inputs import InputError, Problem, Scene, continuation, deck
 from workflow import check as checking
+from workflow import contacts
 from workflow.engines.lammps import engine as lammps_engine
 from workflow.engines.reference import engine as reference
 from workflow.errors import EndedError, RunError
@@ -160,6 +161,9 @@ def carry_out(
             ending = _run_collisions(path, problem, progress)
         if ending["outcome"] == "done":
             ending["results"] = results(result)
+            hardest = contacts.measure(result)
+            if hardest is not None:
+                ending["contacts"] = hardest.plain()
         result.update_record(**ending, wall_seconds=time.perf_counter() - started)
     except (RunError, OSError) as error:
         reason = str(error) if isinstance(error, RunError) else f"{path}: cannot be written ({error.strerror})"

@@ -264,6 +264,14 @@ class RunDirectory:
             return ""
         return f"the run failed: {record.get('reason')}" if record.get("outcome") == "failed" else ""
 
+    @property
+    def engine(self) -> str:
+        """What computed the run: LAMMPS where ``run.json`` does not tell."""
+        try:
+            return str(self.record.get("engine", "lammps"))
+        except InputError:
+            return "lammps"
+
     def update_record(self, **changes: Any) -> None:
         """Add to ``run.json``, or with None take away."""
         record = {**self.record, **changes}

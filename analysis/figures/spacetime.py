@@ -68,6 +68,9 @@ def spacetime_figure(data: SpaceTime) -> Figure:
     far = np.all([np.abs(data.beads - bead) > 5 for bead in bright], axis=0)
     size = np.nan_to_num(np.abs(velocity))
     top = float(np.max(size[:, :, far], initial=0.0)) or float(np.max(size)) or 1.0
+    if np.ptp(np.diff(data.beads)) > 0:  # a picture's columns are equally far apart: each shows the nearest bead
+        place = np.linspace(data.beads[0], data.beads[-1], min(MAX_PIXELS, int(np.ptp(data.beads)) + 1))
+        velocity = velocity[..., np.argmin(np.abs(place[:, np.newaxis] - data.beads), axis=1)]
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(2.2 + 2.4 * chains, 4.2), layout="constrained")
         axes = figure.subplots(1, chains, sharex=True, sharey=True, squeeze=False)[0]

@@ -88,6 +88,29 @@ def test_peaks_of_three_chains_at_bead_90_are_those_of_the_table():
     assert shared.amplitude[shared.bead == 90][0] == pytest.approx([0.25525, 0.25563, 0.25596], abs=5e-6)
 
 
+def by_hand(kicked: int = 0) -> Sharing:
+    """Three chains at one bead: amplitudes 0.5, 0.25, 0.125, arriving at 10, 13, 9."""
+    return Sharing(kicked, np.array([20]), np.array([[10.0, 13.0, 9.0]]), np.array([[0.5, 0.25, 0.125]]), 0.5)
+
+
+def test_a_lag_is_positive_for_a_wave_that_comes_after_that_of_the_chain_that_was_hit():
+    assert by_hand().lag.tolist() == [[0.0, 3.0, -1.0]]
+    assert by_hand(kicked=1).lag.tolist() == [[-3.0, 0.0, -4.0]]
+
+
+def test_the_mismatch_is_the_range_over_the_mean():
+    assert by_hand().mismatch[0] == pytest.approx(0.375 / (0.875 / 3.0), rel=1e-15)
+
+
+def test_the_spread_is_the_range_of_arrivals_over_the_passage_of_a_wave_of_the_mean_amplitude():
+    # full width 1.579 beads at a speed of 0.9074701 v^0.2
+    assert by_hand().spread[0] == pytest.approx(4.0 / (1.579 / (0.9074701 * (0.875 / 3.0) ** 0.2)), rel=5e-4)
+
+
+def test_a_share_of_the_energy_is_that_of_the_exact_wave():
+    assert by_hand().wave_share[0] == pytest.approx(1.069323 * np.array([0.5, 0.25, 0.125]) ** 2 / 0.5, rel=1e-6)
+
+
 def test_lag_changes_sign_with_the_beat_and_dies_away():
     lag = run(2, 0.1).shared.lag[:, 1]
     crossings = np.flatnonzero(np.sign(lag[1:]) != np.sign(lag[:-1]))
@@ -193,6 +216,16 @@ def test_the_pulse_of_a_chain_between_two_decays_twice_as_fast():
     trajectory = reference(3, 0.002, 400, 560.0, kicks=[Kick(chain=2, velocity=1.0)])
     fit = survey(reader(trajectory), trajectory.problem).decay
     assert fit.n_star == pytest.approx(expected_n_star(0.002, 2), rel=0.02)
+
+
+@pytest.mark.parametrize(("chain", "springs"), [(1, 1), (2, 2), (3, 2), (4, 1)])
+def test_the_law_expects_a_spring_for_each_neighbour(chain, springs):
+    bead = np.arange(2, 120)
+    amplitude = np.full((118, 4), 0.01)
+    amplitude[:, chain - 1] = SINGLE_CHAIN * (1.0 - (bead - 1) / 500.0) ** 2.5
+    shared = Sharing(chain - 1, bead, np.zeros((118, 4)), amplitude, 0.5)
+    fit = fit_decay(shared, problem(4, 0.002, kicks=[Kick(chain=chain, velocity=1.0)]))
+    assert fit.expected == pytest.approx(2.709 / (0.002 * springs), rel=2e-4)
 
 
 @settings(max_examples=30)

@@ -88,3 +88,8 @@ def test_hertz_constant_is_that_of_johnson_for_equal_spheres():
 def test_a_reduced_quantity_has_no_unit_and_one_of_steel_has():
     assert units.make_scale(1.0, 1.0, 1.0, si=False).symbol("velocity") == "-"
     assert BALL.symbol("velocity") == "m/s"
+
+
+def test_every_quantity_of_steel_has_its_si_unit():
+    names = ("mass", "length", "velocity", "time", "stiffness", "force", "momentum", "energy", "speed")
+    assert [BALL.symbol(name) for name in names] == ["kg", "m", "m/s", "s", "N/m", "N", "kg m/s", "J", "beads/s"]

@@ -68,6 +68,7 @@ def _changed(kind: str, key: str, says: str, **lines: str | None) -> BadScene:
     return BadScene(kind, scene_text(**lines), key, says)
 
 
+_BALL = "{radius: 4.76e-3, density: 8000, youngs_modulus: 193e9, poisson_ratio: 0.3}"
 _STEEL = "radius: 4.76e-3, density: 8000, youngs_modulus: 193e9"
 
 _FILES = [
@@ -200,6 +201,15 @@ _VALUES = [
         "kick:",
         "check the material",
         material="{radius: 1e-200, density: 8000, youngs_modulus: 193e9, poisson_ratio: 0.3}",
+    ),
+    _changed("faster than sound", "kick:", "4912 m/s", kick="{velocity: 5000}", material=_BALL),
+    _changed("a radius for a speed", "kick:", "faster than sound", kick="{velocity: 1e6}", material=_BALL),
+    _changed(
+        "beads that pass through each other",
+        "kick:",
+        "an overlap of at least 2.9 times the radius",
+        kick="[{velocity: 4200}, {bead: 2, velocity: -4200}]",
+        material=_BALL,
     ),
     _changed(
         "spheres without stiffness",

@@ -1,8 +1,29 @@
 """Which processes there are, for tests that end some and look for those left behind."""
 
+import contextlib
+import os
+import signal
+import subprocess
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
+from typing import Any
+
+
+@contextlib.contextmanager
+def started(command: Sequence[object], **options: Any) -> Iterator[subprocess.Popen[str]]:
+    """A command in a session of its own, as from a terminal; neither it nor its pipes outlive the block.
+
+    A test that fails would otherwise leave them to the garbage collector, whose warnings fail another test.
+    """
+    words = [str(word) for word in command]
+    pipe = subprocess.PIPE
+    with subprocess.Popen(words, stdout=pipe, stderr=pipe, text=True, start_new_session=True, **options) as process:
+        try:
+            yield process
+        finally:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
 
 
 def working_in(directory: Path) -> list[int]:

@@ -29,13 +29,15 @@ def scenes(draw: st.DrawFn, *, chains: st.SearchStrategy[int] = CHAINS, ends: bo
     count = draw(chains)
     beads = draw(st.integers(2, 40))
     places = st.tuples(st.integers(1, count), st.integers(1, beads))
+    material = draw(st.none() | MATERIALS)
     speed = draw(st.floats(1e-12, 1e12))
+    if material is not None:  # slower than sound, and too slow for beads to pass through each other
+        speed = draw(st.floats(1e-12, 0.1)) * math.sqrt(material.youngs_modulus / material.density)
     signs = st.sampled_from([-1.0, -0.37, 0.1, 1.0])
     kicks = tuple(
         Kick(chain=chain, bead=bead, velocity=speed * draw(signs))
         for chain, bead in draw(st.lists(places, min_size=1, max_size=4, unique=True))
     )
-    material = draw(st.none() | MATERIALS)
     unit = Scene(name="unit", chains=count, beads=beads, kick=kicks, material=material, until_bead=1).scale
     coupling = draw(st.none() | st.floats(0.0, 1e6).map(lambda kappa: Coupling(stiffness=kappa * unit.stiffness)))
     every = draw(st.none() | st.floats(1e-3, 1e1).map(lambda time: time * unit.time))

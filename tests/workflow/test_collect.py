@@ -74,6 +74,17 @@ def test_numbers_in_the_table_are_exactly_those_of_the_cases_files(copied):
         assert float(row["speed"]) == report["waves"][0]["speed"]
 
 
+def test_the_wave_of_a_case_is_that_of_the_chain_that_was_hit(tmp_path):
+    scene = {**SCENE, "kick": {"chain": 2, "velocity": 1}, "coupling": {"stiffness": 0.2}}
+    (tmp_path / "a.yaml").write_text(strict_yaml.dump(scene))
+    assert main(["run", str(tmp_path / "a.yaml"), "-o", str(tmp_path / "s" / "a"), "--no-check"]) == 0
+    (row,) = collect(tmp_path / "s").rows
+    waves = json.loads((tmp_path / "s" / "a" / "analysis.json").read_text())["waves"]
+    assert [wave["chain"] for wave in waves] == [1, 2]
+    assert row["speed"] == waves[1]["speed"]
+    assert row["speed"] != waves[0]["speed"]
+
+
 def test_failed_interrupted_and_unfinished_cases_are_in_the_table_with_their_reason(copied, capsys):
     done, failed, interrupted, empty, *_ = sorted(copied.iterdir())
     RunDirectory(failed).update_record(outcome="failed", reason="by step 200, nonsense")

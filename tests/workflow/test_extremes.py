@@ -5,7 +5,6 @@ import json
 import math
 import os
 import signal
-import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -13,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import wrong_runs
-from processes import wait_until
+from processes import started, wait_until
 from stock_lammps import scene
 
 from lammps_inputs import InputError
@@ -294,17 +293,11 @@ def test_an_unwritable_directory_is_refused(tmp_path, capsys):
 def test_ctrl_c_keeps_what_is_done_and_leaves_nothing_behind(tmp_path):
     work, out = tmp_path / "tmp", tmp_path / "out"
     work.mkdir()
-    process = subprocess.Popen(
-        [sys.executable, "-m", "workflow.cli", "extremes", "-o", str(out)],
-        env={**os.environ, "TMPDIR": str(work)},
-        stderr=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-    )
-    assert wait_until(lambda: list(work.glob("granchain-extremes-*/run/chains.dump.bin")), 30.0)
-    os.killpg(process.pid, signal.SIGINT)
-    _, complaints = process.communicate(timeout=30)
+    command = [sys.executable, "-m", "workflow.cli", "extremes", "-o", out]
+    with started(command, env={**os.environ, "TMPDIR": str(work)}) as process:
+        assert wait_until(lambda: list(work.glob("granchain-extremes-*/run/chains.dump.bin")), 30.0)
+        os.killpg(process.pid, signal.SIGINT)
+        _, complaints = process.communicate(timeout=30)
     assert process.returncode == 130
     assert complaints == "granchain: interrupted\n"
     assert list(work.iterdir()) == []

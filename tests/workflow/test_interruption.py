@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from processes import wait_until, working_in
+from processes import started, wait_until, working_in
 from stock_lammps import scene
 
 from analysis.binary_dump import CutDumpWarning
@@ -184,8 +184,7 @@ def test_ctrl_c_before_anything_is_written_is_one_line(tmp_path):
     slow = tmp_path / "slow.yaml"
     os.mkfifo(slow)  # a scene that is being read until somebody writes it
     command = [GRANCHAIN, "run", slow, "-o", tmp_path / "run"]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    with slow.open("w"):  # waits for the reader
+    with started(command) as process, slow.open("w"):  # waits for the reader
         process.send_signal(signal.SIGINT)
         out, err = process.communicate(timeout=20)
     assert (process.returncode, out, err) == (130, "", "granchain: interrupted\n")

@@ -18,6 +18,7 @@ from kill_many import AIMS, SCENES, Tally, frames, next_words, until_done
 from processes import wait_until, working_in
 from stock_lammps import scene
 
+from analysis.binary_dump import BinaryDump
 from lammps_inputs import InputError, continuation, deck, strict_yaml
 from workflow.cli import main
 from workflow.engines.lammps import mpi, restarts
@@ -145,13 +146,17 @@ def test_frames_beyond_the_last_restart_are_computed_again_and_read_once(tmp_pat
     assert_same(tmp_path / "cut", tmp_path / "whole")
 
 
-@pytest.mark.parametrize("lost", ["frames", "end of restart", "restart", "version"])
+@pytest.mark.parametrize("lost", ["frames", "last frame", "end of restart", "restart", "version"])
 def test_without_a_whole_restart_and_all_frames_until_then_it_starts_again(lost, tmp_path):
     run(a_scene(), tmp_path / "whole", check=False)
     directory = interrupted_after(5000, a_scene(), tmp_path / "cut")
     restart = tmp_path / "cut" / continuation.RESTART
     if lost == "frames":
         os.truncate(directory.dump, directory.dump.stat().st_size // 2)
+    elif lost == "last frame":  # that of the restart itself
+        found = BinaryDump(directory.dump)
+        assert found.steps[-1] == directory.record["steps_done"] == restarts.step_of(restart)
+        os.truncate(directory.dump, directory.dump.stat().st_size // found.n_frames * (found.n_frames - 1))
     elif lost == "end of restart":
         os.truncate(restart, restart.stat().st_size - 1)
     elif lost == "restart":
@@ -257,10 +262,19 @@ def test_a_run_killed_before_its_deck_was_written_is_resumed(missing, tmp_path):
     assert_same(tmp_path / "cut", tmp_path / "whole")
 
 
-def test_files_that_were_changed_are_not_gone_on_with(tmp_path):
+@pytest.mark.parametrize(
+    ("name", "old", "new"),
+    [
+        (deck.DECK, "overlap^1.5", "overlap^1.7"),
+        (deck.DATA, "\n1 1 1 13\n", "\n1 1 1 14\n"),
+        (deck.SCENE, "0.05", "0.06"),
+    ],
+)
+def test_files_that_were_changed_are_not_gone_on_with(name, old, new, tmp_path):
     interrupted_after(1000, a_scene(), tmp_path)
-    text = (tmp_path / deck.DECK).read_text()
-    (tmp_path / deck.DECK).write_text(text.replace("overlap^1.5", "overlap^1.7"))
+    text = (tmp_path / name).read_text()
+    assert text.count(old) == 1
+    (tmp_path / name).write_text(text.replace(old, new))
     with pytest.raises(InputError, match=r"in\.chains, data\.chains are not those that the run was begun with"):
         resume(tmp_path)
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from processes import wait_until
+from processes import started, wait_until
 from sweeps import GRANCHAIN, SMALL, UNTIL, sweep, sweep_file
 
 from lammps_inputs import library
@@ -208,14 +208,9 @@ def slow(tmp_path):
     """A sweep of 12 cases of some 0.1 s each, as a command in a session of its own."""
     path = sweep_file(tmp_path, {**SMALL, "duration": 400}, beads=list(range(20, 32)))
     command = [GRANCHAIN, "sweep", path, "-o", tmp_path / "s", "--no-check"]
-    process = subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
-    )
-    assert wait_until(lambda: finished(tmp_path / "s") >= 2)
-    yield process, command, tmp_path / "s"
-    if process.poll() is None:
-        process.kill()
-        process.wait()
+    with started(command) as process:
+        assert wait_until(lambda: finished(tmp_path / "s") >= 2)
+        yield process, command, tmp_path / "s"
 
 
 def finished(directory):

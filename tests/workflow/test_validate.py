@@ -3,12 +3,14 @@
 import functools
 import json
 import shutil
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import wrong_runs
 from stock_lammps import scene
 
+from analysis.comparison import Deviation
 from analysis.recording import Writer
 from lammps_inputs import Kick, deck, find
 from workflow import validate as validation
@@ -247,6 +249,18 @@ def test_a_wrong_option_ends_in_one_line_and_exit_code_2(arguments, words, good,
 
 
 # --- tolerances and the report ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("quantity", "usual"),
+    [("velocity", 2.6e-4), ("displacement", 6.6e-4), ("amplitude", 7.7e-6), ("arrival", 5.9e-4), ("energy", 1.9e-5)],
+)
+def test_a_run_may_be_off_by_a_few_times_what_the_default_step_leaves(quantity, usual, good, tmp_path):
+    """``usual``: the largest measured in the paper's three scenes."""
+    found = validate(copied(good, tmp_path / "run"))
+    for share, passes in ((1.5, True), (8.0, False)):
+        deviations = {**found.deviations, quantity: Deviation(share * usual, share * usual)}
+        assert replace(found, deviations=deviations).exceeded(quantity) is not passes
 
 
 def test_a_tolerance_of_nothing_is_exceeded_and_only_that(good, tmp_path, capsys):

@@ -99,6 +99,8 @@ def _print(found: Analysis) -> None:
         print(f"energy within {seen.energy_drift:.1e}, momentum within {seen.momentum_drift:.1e} of the kick's")
         if max(seen.energy_drift, seen.momentum_drift) > ENERGY_TOLERANCE:
             print(found.failure or "that is not this scene: was the deck run with another kappa or kick?")
+    if found.contacts is not None:
+        print("\n".join(found.contacts.lines()))
 
 
 def _print_accuracy(found: Analysis) -> None:

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from lammps_inputs import deck, job, library
-from workflow import ranks
+from workflow import contacts, ranks
 from workflow.job_arguments import add_job_arguments, job_options, with_ranks
 from workflow.run_directory import prepare, write_text
 from workflow.settings import settle
@@ -32,6 +32,9 @@ def execute(arguments: argparse.Namespace) -> int:
         write_text(arguments.output / name, content)
     if settings is not None:
         print(f"{scene.name}: {settings.sentence(scene.problem())}")
+    hardest = contacts.at_most(scene)
+    if hardest is not None:
+        print("\n".join(hardest.lines()))
     print(f"{arguments.output}: {', '.join(files)}")
     if options is not None:
         print(ranks.cost(scene.problem(), options.ranks).sentence())

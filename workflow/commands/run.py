@@ -8,6 +8,7 @@ from typing import Any
 from lammps_inputs import InputError, Problem, Scene, library
 from workflow import run as running
 from workflow.check import Check
+from workflow.contacts import Contacts
 from workflow.engines.lammps.engine import RESTART_EVERY
 from workflow.resume import begun, resume, settings_of
 from workflow.screen import progress_bar
@@ -91,8 +92,8 @@ def _resume(arguments: argparse.Namespace) -> int:
 
 
 def _tell(result: running.Run, settings: Settings | None) -> int:
-    """Say how a run ended; exit code 1 if it was interrupted or not as accurate as asked."""
-    path, problem, record = result.directory.path, result.directory.problem, result.directory.record
+    """Say how a run ended; exit code 1 if it was interrupted, impossible or not as accurate as asked."""
+    path, record = result.directory.path, result.directory.record
     if result.outcome == "interrupted":
         print(
             f"{path}: interrupted at step {record['steps_done']} of {record['steps']}; frames are kept, and "
@@ -100,6 +101,15 @@ def _tell(result: running.Run, settings: Settings | None) -> int:
         )
         return 1
     print(f"{path}: {_done(record)}")
+    hardest = Contacts(**record["contacts"]) if "contacts" in record else None
+    if hardest is not None:
+        print("\n".join(hardest.lines()))
+    return max(_tell_error(result, settings), 0 if hardest is None or hardest.possible else 1)
+
+
+def _tell_error(result: running.Run, settings: Settings | None) -> int:
+    """Say how exact a run is; exit code 1 if not as accurate as asked."""
+    problem, record = result.directory.problem, result.directory.record
     if result.check is not None:
         print(_checked(result.check, problem))
         return _judged(result.check, result.directory.scene, settings)

@@ -61,7 +61,7 @@ QUANTITIES = {
     "wall_seconds": _run("wall_seconds", "wall time (s)"),
     "verdict": _analysis("equipartition/verdict"),
 }
-"""Columns after the swept fields and the outcome; `hit` is the chain that the first kick hits."""
+"""Columns after the swept fields and the outcome; `hit` is the chain that was hit hardest."""
 
 _UNITS = {"time": "s", "velocity": "m/s", "speed": "beads/s"}
 
@@ -72,6 +72,7 @@ _FIELD_UNITS = {
     "duration": "s",
     "timestep": "s",
     "output.every": "s",
+    "output.snapshots": "s",
     "material.radius": "m",
     "material.density": "kg/m$^3$",
     "material.youngs_modulus": "Pa",

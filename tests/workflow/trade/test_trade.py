@@ -7,13 +7,12 @@ import json
 import math
 import os
 import signal
-import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-from processes import wait_until
+from processes import started, wait_until
 
 from lammps_inputs import Scene, strict_yaml
 from workflow.cli import main
@@ -199,20 +198,14 @@ def test_a_directory_that_holds_something_is_refused(tmp_path, capsys):
 def test_an_interruption_leaves_what_was_measured(tmp_path):
     granchain = str(Path(sys.executable).with_name("granchain"))
     path = tmp_path / "out" / "trade.csv"
-    process = subprocess.Popen(
-        [granchain, "trade", written(tmp_path), "-o", str(tmp_path / "out")],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-    )
 
     def under_way():
         return path.exists() and len(measured_rows(path)) >= 3
 
-    assert wait_until(under_way, 60.0)
-    os.killpg(process.pid, signal.SIGINT)
-    _, err = process.communicate(timeout=60)
+    with started([granchain, "trade", written(tmp_path), "-o", tmp_path / "out"]) as process:
+        assert wait_until(under_way, 60.0)
+        os.killpg(process.pid, signal.SIGINT)
+        _, err = process.communicate(timeout=60)
     assert process.returncode == 130
     assert "interrupted" in err
     assert "Traceback" not in err

@@ -1,0 +1,94 @@
+"""Where Hertz's law ends: how far beads overlap, bounded before a run, and the force and pressure that belong to it.
+
+The law is that of small, elastic, slow contacts (Johnson, Contact Mechanics, 1985, sections 4.1, 6.1, 11.4). A scene
+in SI units may leave its range without any sign in the dimensionless numbers, which know neither radius nor strength.
+"""
+
+import math
+
+from lammps_inputs import laws
+from lammps_inputs.facts import Fact
+from lammps_inputs.problem import System
+
+LARGEST_OVERLAP = 0.1
+"""Over the radius. The contact's radius is then 0.22 of the bead's, and Hertz asks for a small one (Johnson, 4.1)."""
+
+WHOLE_BEAD = 2.0
+"""Overlap over the radius at which one bead's centre has reached the other's."""
+
+YIELD_PRESSURE = 1.6
+"""Peak pressure over the yield strength where a metal (Poisson's ratio 0.3) begins to flow, below the surface at 0.48
+contact radii (Johnson, 6.1, Tresca or von Mises).
+"""
+
+_TWO_BEADS = 1.25  # delta'' = -2 delta**1.5 from a speed w: 0.8 delta**2.5 = w**2 / 2
+
+
+def sound_speed(youngs_modulus: float, density: float) -> float:
+    """Speed of sound in a thin bar, ``sqrt(E / rho)`` (m/s): the slowest wave of compression in the material."""
+    return math.sqrt(youngs_modulus / density)
+
+
+def peak_pressure(overlap: float, radius: float, youngs_modulus: float, poisson_ratio: float) -> float:
+    """Pressure in the middle of a contact (Pa): ``2 E* a / (pi R*)`` with ``a**2 = R* overlap`` (Johnson, eq. 4.22-24).
+
+    For equal spheres that is ``E / (pi (1 - nu**2)) sqrt(2 overlap / R)``.
+
+    Args:
+        overlap: approach of the centres (m).
+        radius: of the beads (m).
+        youngs_modulus: E (Pa).
+        poisson_ratio: nu.
+    """
+    return youngs_modulus / (math.pi * (1.0 - poisson_ratio**2)) * math.sqrt(2.0 * overlap / radius)
+
+
+def overlap_bounds(system: System) -> tuple[float, float]:
+    """What the largest overlap of a run that lasts long enough is not below, and what it never exceeds; dimensionless.
+
+    From above: beads that belong together (one chain, or all of them with springs) keep their energy, and what their
+    centre of mass carries cannot be stored: ``0.4 overlap**2.5 <= E - P**2 / (2 M)``. Two beads reach that.
+
+    From below: a contact is opposed by its own force alone, for both neighbours press it together, and by springs,
+    whose pull on its two beads, s, their energy bounds. So where beads set out at a closing speed w, the overlap where
+    they come to rest is no less than the root of ``0.8 overlap**2.5 + s (overlap + gap) = w**2 / 2``.
+
+    Beads that other springs hold too get the bound from above by the whole energy, and none from below.
+    """
+    law = system.along[0].law
+    if not (system.simply_coupled and system.holds(Fact.MOMENTUM)):
+        return 0.0, laws.reach(law, system.energy)
+    chains, beads, kappa, coupled = system.chains, system.beads, system.kappa, system.coupled
+    velocities = {(chain, bead): velocity for chain, bead, velocity in system.kicks}
+    groups: dict[int, list[float]] = {}
+    for (chain, _), velocity in velocities.items():
+        groups.setdefault(0 if coupled else chain, []).append(velocity)
+    mass = float(beads * chains if coupled else beads)
+    storable = max(
+        0.5 * sum(velocity**2 for velocity in group) - 0.5 * sum(group) ** 2 / mass for group in groups.values()
+    )
+    closing = 0.0
+    for chain, bead in velocities:
+        for left in (bead - 1, bead):
+            if 1 <= left < beads:
+                speed = velocities.get((chain, left), 0.0) - velocities.get((chain, left + 1), 0.0)
+                closing = max(closing, speed)
+    # each of the two beads has at most two springs, and n springs of energy E pull with sqrt(2 n kappa E) at most
+    springs = min(4, 2 * (chains - 1)) if coupled else 0
+    pull = math.sqrt(2.0 * springs * kappa * max(storable, 0.0))
+    high = laws.reach(law, max(storable, 0.0))
+    return min(_comes_to_rest(closing, pull, system.gap), high), high
+
+
+def _comes_to_rest(speed: float, pull: float, gap: float) -> float:
+    """Root of ``0.8 overlap**2.5 + pull (overlap + gap) = speed**2 / 2``, from below; 0 where there is none."""
+    energy = 0.5 * speed**2 - pull * gap
+    if not energy > 0.0:
+        return 0.0
+    low, high = 0.0, math.pow(_TWO_BEADS * energy, 0.4)
+    if pull == 0.0:
+        return high
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if 0.8 * middle**2.5 + pull * middle <= energy else (low, middle)
+    return low

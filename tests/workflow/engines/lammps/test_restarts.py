@@ -1,0 +1,47 @@
+"""A restart takes the place of an earlier one when all that it needs is on the disk."""
+
+import os
+import shutil
+from pathlib import Path
+
+import pytest
+from stock_lammps import run, scene
+
+from lammps_inputs import continuation, deck
+from workflow.engines.lammps import restarts
+
+STEP = 400
+
+
+@pytest.fixture
+def ready(tmp_path, monkeypatch):
+    """In a directory with frames and a restart that LAMMPS has just written."""
+    run(scene(beads=4), tmp_path / "run", before_run=f"restart {STEP} one two")
+    monkeypatch.chdir(tmp_path / "run")
+    shutil.copy("one", continuation.UNFINISHED)
+    return Path(deck.DUMP)
+
+
+def test_frames_restart_and_its_sum_reach_the_disk_before_the_restart_takes_its_place(ready, monkeypatch):
+    order, rename = [], Path.replace
+
+    def fsync(handle):
+        order.append(Path(f"/proc/self/fd/{handle}").readlink().name)
+
+    def replace(path, target):
+        order.append(str(target))
+        rename(path, target)
+
+    monkeypatch.setattr(os, "fsync", fsync)
+    monkeypatch.setattr(Path, "replace", replace)
+    restarts.keep(ready, STEP)
+    sums = continuation.RESTART_SUMS
+    assert order == [deck.DUMP, continuation.UNFINISHED, f".{sums}.part", sums, continuation.RESTART]
+    assert restarts.intact(Path(continuation.RESTART))
+
+
+def test_a_restart_of_another_step_is_not_kept(ready):
+    with pytest.raises(OSError, match="cannot be written whole"):
+        restarts.keep(ready, STEP + 1)
+    assert not Path(continuation.UNFINISHED).exists()
+    assert not Path(continuation.RESTART).exists()
