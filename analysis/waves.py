@@ -77,17 +77,19 @@ COLUMNS = ("chain", "bead", "arrival", "peak_velocity", "speed")
 def to_csv(waves: Waves, scale: Scale, more: Mapping[str, Floats] | None = None) -> str:
     """A table in the scene's units (speed in beads per unit time); numbers round-trip, an unknown one is left empty.
 
+    SI units are named in the header, such as ``arrival (s)``.
+
     Args:
         waves: a row each, with the columns `COLUMNS`.
         scale: of the scene.
-        more: further columns by name, in the scene's units, [wave].
+        more: further columns by heading, in the scene's units, [wave].
     """
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     numbers = {
-        "arrival": waves.arrival * scale.time,
-        "peak_velocity": waves.peak_velocity * scale.velocity,
-        "speed": waves.speed / scale.time,
+        scale.heading("arrival", "time"): waves.arrival * scale.time,
+        scale.heading("peak_velocity", "velocity"): waves.peak_velocity * scale.velocity,
+        scale.heading("speed", "speed"): waves.speed / scale.time,
         **(more or {}),
     }
     writer.writerow(["chain", "bead", *numbers])

@@ -4,7 +4,17 @@ from analysis.figures.distance import distance_figure
 from analysis.figures.response import BeadHistory, response_figure
 from analysis.figures.shape import shape_figure
 from analysis.figures.spacetime import SpaceTime, spacetime_figure
-from analysis.figures.style import CHAIN_COLOURS, CHAIN_DASHES, MAX_PANELS, STYLE, Unit, axis_unit, draw_chain, shown_chains, title
+from analysis.figures.style import (
+    CHAIN_COLOURS,
+    CHAIN_DASHES,
+    MAX_PANELS,
+    STYLE,
+    Unit,
+    axis_unit,
+    draw_chain,
+    shown_chains,
+    title,
+)
 
 __all__ = [
     "CHAIN_COLOURS",

@@ -74,7 +74,9 @@ def engines_figure(problem: Problem, rows: Sequence[int], curves: Sequence[Curve
             for number, curve in enumerate(curves):
                 for place, chain in enumerate(chains):
                     values = curve.velocity[:, chain, position] * velocity.worth
-                    axis.plot(curve.time * time.worth, values, color=_colour(place), label=curve.engine, **_look(number))
+                    axis.plot(
+                        curve.time * time.worth, values, color=_colour(place), label=curve.engine, **_look(number)
+                    )
             axis.set_xlim(span[0] * time.worth, span[1] * time.worth)
             axis.set_title(f"bead {rows[position]}", loc="left")
             axis.set_ylabel(f"$v$ ({velocity.symbol})")

@@ -15,6 +15,9 @@ MAX_PIXELS = 1200
 
 PANELS_A_ROW = 4
 
+NEAR = 5
+"""Beads from one that was hit over which its first motion outshines all waves."""
+
 _MOST_LABELS = 8
 
 
@@ -29,6 +32,7 @@ class SpaceTime:
         self._stride = max(1, -(-(problem.frames + 1) // MAX_PIXELS))
         self._thin = max(1, -(-len(problem.recorded_beads) // MAX_PIXELS))
         self._seen = 0
+        self.until = 0.0  # time of the last frame, also of one that is not kept
         self._time: list[Floats] = []
         self._velocity: list[Floats] = []
 
@@ -42,6 +46,7 @@ class SpaceTime:
             frames = frames.on(1, self.problem.beads, behind=np.nan)
         self._velocity.append(frames.velocity[:, chains, :: self._thin].copy())
         self._seen += block.frames
+        self.until = float(block.time[-1])
 
     @property
     def time(self) -> Floats:
@@ -63,12 +68,14 @@ def spacetime_figure(data: SpaceTime) -> Figure:
     """Velocity in space and time, the chains side by side (the paper's Figs 1, 3 and 5).
 
     Colours diverge from a velocity of 0 and follow its square root, so that the weak tail is seen beside the pulse and
-    neither the beads that were hit nor those at the free end are cut off. Beads that are not evenly spaced stand side
+    the free end is not cut off; the scale ends where all beads do but those up to `NEAR` from one that was hit. Beads that are not evenly spaced stand side
     by side in columns of one width. Grey: where the window has left.
     """
     problem, chains = data.problem, shown_chains(data.problem)
     time = axis_unit(problem, "time", data.time[-1])
-    largest = float(np.max(np.abs(np.nan_to_num(data.velocity)), initial=0.0)) or 1.0
+    size = np.abs(np.nan_to_num(data.velocity))
+    far = np.all([np.abs(data.beads - bead) > NEAR for _, bead, _ in problem.kicks], axis=0)
+    largest = float(np.max(size[:, :, far], initial=0.0)) or float(np.max(size, initial=0.0)) or 1.0
     unit = axis_unit(problem, "velocity", largest)
     top = largest * unit.worth
     rows = -(-len(chains) // PANELS_A_ROW)
@@ -104,12 +111,13 @@ def spacetime_figure(data: SpaceTime) -> Figure:
                 _name_columns(axis, data.beads)
         for axis in axes[:, 0]:
             axis.set_ylabel(f"time $t$ ({time.symbol})")
-        bar = figure.colorbar(image, ax=list(axes.flat[: len(chains)]), ticks=_ticks(top))
+        beyond = "both" if float(np.max(size)) > largest else "neither"
+        bar = figure.colorbar(image, ax=list(axes.flat[: len(chains)]), ticks=_ticks(top), extend=beyond)
         bar.ax.yaxis.set_major_formatter("{x:.2g}")
         bar.ax.minorticks_off()
         bar.set_label(f"velocity $v$ ({unit.symbol})")
         grey = "\ngrey: the window has left" if np.isnan(data.velocity).any() else ""
-        figure.suptitle(title(problem, each_chain=True, until=float(data.time[-1])) + grey)
+        figure.suptitle(title(problem, each_chain=True, until=data.until) + grey)
     return figure
 
 

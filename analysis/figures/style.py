@@ -141,4 +141,4 @@ def chain_legend(figure: Figure, axis: Axes) -> None:
     """The chains of an axis in a row below the figure, where no curve is; none for a single chain."""
     handles, labels = axis.get_legend_handles_labels()
     if len(handles) > 1:
-        figure.legend(handles, labels, loc="outside lower center", ncols=min(len(handles), 8))
+        figure.legend(handles, labels, loc="outside lower center", ncols=min(len(handles), 4))
