@@ -162,9 +162,8 @@ def plot(
         None if error is None else drawn.numbers(error),
         np.array([QUANTITIES[quantity].path[0] == "equipartition" and row["state"] in UNSETTLED for row in rows]),
     )
-    title = ", ".join(
-        [*([table.scene] if table.scene else []), *(f"{name} = {value}" for name, value in where.items())]
-    )
+    names = [table.scene] if table.scene else []
+    title = ", ".join([*names, *(f"{name} = {value}" for name, value in where.items())])
     figure = swept_figure(upwards, along, second[0] if second else None, title)
     name = f"{quantity}-over-{'-and-'.join(shown)}".replace("[", "").replace("]", "")
     return write_figure(directory, name, figure)

@@ -1,6 +1,7 @@
 """How the chains share the pulse over the distance run: amplitude, energy, lag."""
 
 from collections.abc import Callable
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -63,7 +64,7 @@ def _draw_waves(axis: Axes, problem: Problem, shared: Sharing, energies: EnergyS
     if measured and problem.chains > 1:
         for place, chain in enumerate(shown_chains(problem)):
             draw_chain(axis, place, chain, bead, energies.wave[:, chain])
-    few = {"marker": ".", "markersize": 4} if len(shared) <= FEW else {}
+    few: dict[str, Any] = {"marker": ".", "markersize": 4} if len(shared) <= FEW else {}
     lines = axis.plot(
         shared.bead, np.sum(shared.wave_share, axis=1), color="0.65", linewidth=3.0, label="all waves, if exact", **few
     )

@@ -53,7 +53,7 @@ def response_figure(data: BeadHistory) -> Figure:
     problem = data.problem
     size = np.abs(np.nan_to_num(data.velocity)).max(axis=1, initial=0.0)  # [frame, bead]
     moved = np.flatnonzero(size.max(axis=0, initial=0.0) > STILL)
-    drawn = moved if len(moved) else np.arange(1)
+    drawn: list[int] = moved.tolist() or [0]
     time = axis_unit(problem, "time", data.time[-1])
     velocity = axis_unit(problem, "velocity", float(size.max(initial=0.0)))
     with mpl.rc_context(STYLE):
@@ -61,13 +61,12 @@ def response_figure(data: BeadHistory) -> Figure:
         axes = figure.subplots(len(drawn), 2, sharex="col", sharey="row", squeeze=False, width_ratios=(2.0, 1.0))
         spans = [_passage(data.time, size[:, number]) for number in drawn]
         close = max((axis_unit(problem, "time", high - low) for _, low, high in spans), key=lambda unit: -unit.worth)
+        then = f" {time.symbol}" if problem.scale.si else ""
         for (whole, near), number, (middle, low, high) in zip(axes, drawn, spans, strict=True):
             _draw(whole, data, number, data.time * time.worth, velocity.worth)
             inside = (data.time >= low) & (data.time <= high)
             _draw(near, data, number, (data.time - middle) * close.worth, velocity.worth, inside)
-            near.set_title(
-                f"from $t$ = {middle * time.worth:.4g} {time.symbol if problem.scale.si else ''}", loc="left"
-            )
+            near.set_title(f"from $t$ = {middle * time.worth:.4g}{then}", loc="left")
             whole.set_title(f"bead {data.beads[number]}", loc="left")
             whole.set_ylabel(f"$v$ ({velocity.symbol})")
         axes[-1, 0].set_xlabel(f"time $t$ ({time.symbol})")

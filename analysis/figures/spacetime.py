@@ -68,8 +68,8 @@ def spacetime_figure(data: SpaceTime) -> Figure:
     """Velocity in space and time, the chains side by side (the paper's Figs 1, 3 and 5).
 
     Colours diverge from a velocity of 0 and follow its square root, so that the weak tail is seen beside the pulse and
-    the free end is not cut off; the scale ends where all beads do but those up to `NEAR` from one that was hit. Beads that are not evenly spaced stand side
-    by side in columns of one width. Grey: where the window has left.
+    the free end is not cut off. The scale ends where all beads do but those up to `NEAR` from one that was hit. Beads
+    that are not evenly spaced stand side by side in columns of one width. Grey: where the window has left.
     """
     problem, chains = data.problem, shown_chains(data.problem)
     time = axis_unit(problem, "time", data.time[-1])

@@ -27,7 +27,7 @@ _WIDTH = 12.0
 
 
 def extremes_figure(outcomes: Sequence[Outcome]) -> Figure:
-    """A grid of cells: value on top, below it how the run ended and the largest error of any velocity, in units of V."""
+    """A grid of cells: value on top, below it how it ended and the largest error of any velocity in units of V."""
     rows: list[tuple[str, list[Outcome]]] = []
     for axis in dict.fromkeys(outcome.axis for outcome in outcomes if outcome.axis != _CORNERS):
         rows.append((axis, [outcome for outcome in outcomes if outcome.axis == axis]))
