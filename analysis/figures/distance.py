@@ -72,7 +72,7 @@ def _draw_waves(axis: Axes, problem: Problem, shared: Sharing, energies: EnergyS
         lines += axis.plot(bead, np.sum(energies.wave, axis=1), color="black", linewidth=1.0, label="all waves")
     axis.set_ylabel("energy of waves / all")
     axis.set_ylim(0.0, 1.05)
-    axis.legend(handles=lines, loc="lower right", bbox_to_anchor=(1.0, 0.98), ncols=2, borderaxespad=0.0)
+    axis.legend(handles=lines, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.0)
 
 
 def _draw_chains(axis: Axes, problem: Problem, shared: Sharing, energies: EnergyShares) -> None:
