@@ -42,10 +42,10 @@ class Events:
 
 
 def to_csv(events: Events, scale: Scale) -> str:
-    """A table with the columns `COLUMNS` in the scene's units; numbers round-trip."""
+    """A table with the columns `COLUMNS` in the scene's units, which the header names if SI; numbers round-trip."""
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(COLUMNS)
+    writer.writerow(_header(scale))
     columns = (
         (events.time * scale.time).tolist(),
         events.chain.tolist(),
@@ -57,6 +57,11 @@ def to_csv(events: Events, scale: Scale) -> str:
     return out.getvalue()
 
 
+def _header(scale: Scale) -> list[str]:
+    quantities = {"time": "time", "striker": "velocity", "target": "velocity"}
+    return [scale.heading(name, quantities[name]) if name in quantities else name for name in COLUMNS]
+
+
 def from_csv(path: Path, scale: Scale) -> Events:
     """The collisions that a table in the scene's units holds.
 
@@ -66,7 +71,8 @@ def from_csv(path: Path, scale: Scale) -> Events:
     try:
         with path.open(encoding="utf-8") as file:
             head = file.readline().strip()
-            if head != ",".join(COLUMNS):
+            # tables of before units were named have bare names
+            if head not in (",".join(_header(scale)), ",".join(COLUMNS)):
                 raise InputError(f"{path}: is not a table of collisions; its columns should be {', '.join(COLUMNS)}")
             lines = [line for line in file if line.strip()]
         values = np.loadtxt(lines, delimiter=",", ndmin=2) if lines else np.empty((0, len(COLUMNS)))

@@ -35,4 +35,4 @@ class LargestOverlap:
         """Take more frames into account."""
         x = block.displacement[..., block.moving]
         if x.shape[-1] > 1:
-            self.value = float(np.maximum(self.value, np.max(motion.overlaps(x, block.problem.gap))))
+            self.value = float(np.maximum(self.value, np.max(motion.overlaps(block.problem, x))))

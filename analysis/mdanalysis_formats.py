@@ -43,6 +43,9 @@ class BinaryDumpReader(ReaderBase):  # type: ignore[misc]  # MDAnalysis has no t
     - ``displacement``: ``x`` minus the positions at rest, if these are known;
 
     and ``step``, ``time`` and ``dt`` (time between the first two frames).
+
+    Frames of ours have no y, as chains are lines; positions then get the y of the chain, as in ``data.chains``, so that
+    chains are seen side by side, also in what MDAnalysis writes (XYZ, DCD, PDB, ...) for VMD or OVITO.
     """
 
     format = ["BIN", "LAMMPSBIN"]  # noqa: RUF012  MDAnalysis's own way
@@ -77,6 +80,7 @@ class BinaryDumpReader(ReaderBase):  # type: ignore[misc]  # MDAnalysis has no t
         except InputError as error:  # a ValueError, whose text MDAnalysis would swallow in a list of files
             raise OSError(str(error)) from error
         self._boxes = _boxes(self._dump)
+        self._y = None if "y" in self._columns else _lines(self._dump)
         self.n_atoms = self._dump.n_atoms
         self._reopen()
         self._read_next_timestep()
@@ -151,10 +155,26 @@ class BinaryDumpReader(ReaderBase):  # type: ignore[misc]  # MDAnalysis has no t
                 ts.positions[:, _POSITION[name]] = column
             elif name in _VELOCITY and ts.has_velocities:
                 ts.velocities[:, _VELOCITY[name]] = column
+        if self._y is not None:
+            ts.positions[:, 1] = self._y
         if ts.has_velocities:
             data["velocity"] = data["vx"]
         if self._rest is not None:
             data["displacement"] = data["x"] - self._rest
+
+
+def _lines(dump: BinaryDump) -> Floats | None:
+    """[atom] y of its chain; None for a box that is not of a ``data.chains``, see `lammps_inputs.deck.render_data`.
+
+    There the box ends one chain's distance beside the first and last chain; each chain has as many atoms, in a row.
+    """
+    (y_low, y_high), (z_low, z_high) = dump.box[0, 1:]
+    if dump.tilt is not None or y_low >= 0.0 or (z_low, z_high) != (y_low, -y_low):
+        return None
+    chains = round(float(-y_high / y_low))
+    if chains < 1 or y_high != -y_low * chains or dump.n_atoms % chains:
+        return None
+    return np.repeat(-y_low * np.arange(chains), dump.n_atoms // chains)
 
 
 def _boxes(dump: BinaryDump) -> Any:
@@ -188,11 +208,10 @@ class ChainsParser(DATAParser):  # type: ignore[misc]
         rows = [line.split() for line in sections["Atoms"]]
         if any(len(row) < 7 for row in rows):
             raise ValueError(f"{self.filename}: its Atoms are not those of a data.chains")
-        if "bonds" in header:  # hybrid sphere bond: id type x y z diameter density molecule
-            atoms = [(row[0], row[7], row[1], *row[2:5]) for row in rows]
-        else:  # sphere: id type diameter density x y z
-            _, chain = np.unique([float(row[5]) for row in rows], return_inverse=True)
-            atoms = [(row[0], str(number + 1), row[1], *row[4:7]) for row, number in zip(rows, chain, strict=True)]
+        # sphere: id type diameter density x y z; hybrid sphere bond: id type x y z diameter density molecule
+        x = 2 if len(rows[0]) == 8 else 4
+        _, chain = np.unique([float(row[x + 1]) for row in rows], return_inverse=True)
+        atoms = [(row[0], str(number + 1), row[1], *row[x : x + 3]) for row, number in zip(rows, chain, strict=True)]
         if header["atom types"].split() == ["2"]:
             atoms = [atom for atom in atoms if atom[2] == "2"]
             kept = {atom[0] for atom in atoms}

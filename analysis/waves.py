@@ -121,8 +121,13 @@ def from_csv(text: str, scale: Scale, *, direction: int = 1) -> Waves:
     try:
         chain, bead = (np.array([int(row[name]) for row in rows], dtype=np.int64) for name in ("chain", "bead"))
         arrival, peak, late, off = (
-            np.array([float(row[name] or "nan") for row in rows], dtype=np.float64)
-            for name in ("arrival", "peak_velocity", "arrival_error", "peak_velocity_error")
+            np.array([float(row[scale.heading(name, quantity)] or "nan") for row in rows], dtype=np.float64)
+            for name, quantity in (
+                ("arrival", "time"),
+                ("peak_velocity", "velocity"),
+                ("arrival_error", "time"),
+                ("peak_velocity_error", "velocity"),
+            )
         )
     except (KeyError, TypeError) as error:
         raise ValueError(f"no table of waves ({error})") from None
@@ -134,20 +139,22 @@ def from_csv(text: str, scale: Scale, *, direction: int = 1) -> Waves:
 def to_csv(waves: Waves, scale: Scale, more: Mapping[str, Floats] | None = None) -> str:
     """A table in the scene's units (speed in beads per unit time); numbers round-trip, an unknown one is left empty.
 
+    SI units are named in the header, such as ``arrival (s)``.
+
     Args:
         waves: a row each, with the columns `COLUMNS`, and last the errors of arrival and peak velocity.
         scale: of the scene.
-        more: further columns by name, in the scene's units, [wave].
+        more: further columns by heading, in the scene's units, [wave].
     """
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     numbers = {
-        "arrival": waves.arrival * scale.time,
-        "peak_velocity": waves.peak_velocity * scale.velocity,
-        "speed": waves.speed / scale.time,
+        scale.heading("arrival", "time"): waves.arrival * scale.time,
+        scale.heading("peak_velocity", "velocity"): waves.peak_velocity * scale.velocity,
+        scale.heading("speed", "speed"): waves.speed / scale.time,
         **(more or {}),
-        "arrival_error": waves.arrival_error * scale.time,
-        "peak_velocity_error": waves.velocity_error * scale.velocity,
+        scale.heading("arrival_error", "time"): waves.arrival_error * scale.time,
+        scale.heading("peak_velocity_error", "velocity"): waves.velocity_error * scale.velocity,
     }
     writer.writerow(["chain", "bead", *numbers])
     for chain, bead, *row in zip(waves.chain, waves.bead, *numbers.values(), strict=True):

@@ -63,7 +63,7 @@ def render_deck(problem: Problem) -> str:
         [
             "processors * 1 1                 # ranks divide the rows, so no row is cut",
             "newton off                       # bit for bit the same on any number of ranks",
-            f"atom_style {'hybrid sphere bond' if _bonded(problem) else 'sphere'}",
+            f"atom_style {_atom_style(problem)}",
             "boundary s f f                   # a bead thrown back is kept; no periodic images",
             *neighbour_lines(problem),
             f"read_data {DATA}",
@@ -159,6 +159,10 @@ def _bonded(problem: Problem) -> bool:
     return problem.coupled or problem.window is not None
 
 
+def _atom_style(problem: Problem) -> str:
+    return "hybrid sphere bond" if _bonded(problem) else "sphere"
+
+
 def travel_lines(problem: Problem) -> list[str]:
     """The run from start to end."""
     if problem.window is None:
@@ -237,7 +241,7 @@ def render_data(problem: Problem) -> str:
         kind[problem.recorded_beads - 1] = 2
     size = f"{text(problem.diameter)} {text(sphere_density(problem.diameter))}"
     rows = [(str(t), text(x)) for t, x in zip(kind, np.arange(1, beads + 1) * spacing, strict=True)]
-    out.write(f"\nAtoms # {'hybrid' if _bonded(problem) else 'sphere'}\n\n")
+    out.write(f"\nAtoms # {_atom_style(problem)}\n\n")
     for chain in range(chains):
         first, y = chain * beads + 1, text(2.0 * spacing * chain)
         if problem.window is not None:

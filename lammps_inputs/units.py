@@ -50,6 +50,10 @@ class Scale:
         """The unit's symbol for plots and tables: ``m/s`` or ``-``."""
         return _SI[quantity] if self.si else "-"
 
+    def heading(self, name: str, quantity: str) -> str:
+        """A column's name in a table: ``arrival (s)``, and ``arrival`` in reduced units."""
+        return f"{name} ({_SI[quantity]})" if self.si else name
+
 
 _SI = {
     "mass": "kg",

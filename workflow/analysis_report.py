@@ -20,6 +20,8 @@ from lammps_inputs import Problem
 def waves_csv(found: Survey) -> str:
     """The contents of ``waves.csv``: the leading wave of each chain at each bead, in the scene's units.
 
+    In SI the header names the units: ``arrival (s)``.
+
     | column        | what                                                                                  |
     |---------------|---------------------------------------------------------------------------------------|
     | chain, bead   | counted from 1                                                                        |
@@ -36,11 +38,11 @@ def waves_csv(found: Survey) -> str:
     scale, waves = found.problem.scale, found.waves
     chain_energy, wave_energy = _energies(found)
     more = {
-        "lag": _lag(found) * scale.time,
+        scale.heading("lag", "time"): _lag(found) * scale.time,
         "width": found.shape.width,
         "residual": found.shape.residual,
-        "chain_energy": chain_energy * found.problem.energy * scale.energy,
-        "wave_energy": wave_energy * found.problem.energy * scale.energy,
+        scale.heading("chain_energy", "energy"): chain_energy * found.problem.energy * scale.energy,
+        scale.heading("wave_energy", "energy"): wave_energy * found.problem.energy * scale.energy,
     }
     return to_csv(waves, scale, more)
 

@@ -16,7 +16,7 @@ from workflow.status import Status, status
 from workflow.sweep import fields, pool
 from workflow.sweep.directory import Asked, asked, is_analysed, read_json
 from workflow.sweep.jobs import Job
-from workflow.sweep.table import QUANTITIES, Table
+from workflow.sweep.table import QUANTITIES, UNCERTAINTIES, UNSETTLED, Table
 
 
 def collect(directory: Path, progress: Callable[[int, int], None] | None = None) -> Table:
@@ -42,9 +42,10 @@ def collect(directory: Path, progress: Callable[[int, int], None] | None = None)
     requests = {path: asked(path) or Asked({}, {}, "") for path in found}
     names = sorted({name for request in requests.values() for name in request.swept})
     paths = {name: _path(name, directory) for name in names}
-    rows, kinds = [], set()
+    rows, kinds, scenes = [], set(), set()
     for path, request in requests.items():
         report, record = read_json(path / REPORT), read_json(path / RECORD)
+        scenes.add(str(request.scene.get("name", "")))
         kinds.add("material" in request.scene or report.get("units") == "SI")
         swept = {name: request.swept.get(name, fields.look_up(request.scene, paths[name])) for name in names}
         outcome, reason = _outcome(states[path], report.get("complete") is True, complaints.get(path.name))
@@ -52,7 +53,7 @@ def collect(directory: Path, progress: Callable[[int, int], None] | None = None)
         row = {"case": path.name, **swept, "outcome": outcome, **_quantities(report, record, scene)}
         rows.append({**row, "reason": reason})
     rows.sort(key=lambda row: [_rank(row[name]) for name in names])
-    return Table(names, rows, None if len(kinds) > 1 else kinds == {True})
+    return Table(names, rows, None if len(kinds) > 1 else kinds == {True}, scenes.pop() if len(scenes) == 1 else "")
 
 
 def _scene(directory: Path) -> dict[str, Any]:
@@ -177,7 +178,7 @@ def plot(
         if name is not None:
             _refuse_unless_varied(option, name, table)
     rows = [row for row in table.rows if row["outcome"] == "done"]
-    drawn = Table(table.fields, rows, table.si)
+    drawn = Table(table.fields, rows, table.si, table.scene)
     for name in shown:
         if rows and not np.all(np.isfinite(drawn.numbers(name))):
             raise InputError(f"{name}: is not a number in every case, so it cannot be an axis")
@@ -190,7 +191,15 @@ def plot(
             f"--plot: {len(rows)} cases lie at {len(points)} points; choose among {', '.join(others)} "
             f"with --where {others[0] if others else 'FIELD'}=VALUE, or with --and"
         )
-    upwards, along, *second = [Axis(drawn.label(name), drawn.numbers(name)) for name in (quantity, *shown)]
+    along, *second = [Axis(drawn.label(name), drawn.numbers(name)) for name in shown]
+    error = UNCERTAINTIES.get(quantity)
+    upwards = Axis(
+        drawn.label(quantity),
+        drawn.numbers(quantity),
+        None if error is None else drawn.numbers(error),
+        np.array([QUANTITIES[quantity].path[0] == "equipartition" and row["state"] in UNSETTLED for row in rows]),
+    )
+    title = ", ".join(filter(None, (table.scene, title)))
     figure = swept_figure(upwards, along, second[0] if second else None, title)
     name = f"{quantity}-over-{'-and-'.join(shown)}".replace("[", "").replace("]", "")
     return write_figure(directory, name, figure)

@@ -93,10 +93,15 @@ def _write(path: Path, content: bytes) -> None:
 
 def write_figure(directory: Path, name: str, figure: "Figure") -> tuple[Path, ...]:
     """Write a figure as PNG and as PDF; returns the files."""
+    import matplotlib as mpl
+
+    from analysis.figures.style import STYLE
+
     paths = tuple(directory / f"{name}.{suffix}" for suffix in ("png", "pdf"))
     for path in paths:
         out = io.BytesIO()
-        figure.savefig(out, format=path.suffix[1:])
+        with mpl.rc_context(STYLE):  # fonts and resolution are settings of saving, not of drawing
+            figure.savefig(out, format=path.suffix[1:])
         write_bytes(path, out.getvalue())
     return paths
 

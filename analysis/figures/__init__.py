@@ -4,7 +4,17 @@ from analysis.figures.distance import distance_figure
 from analysis.figures.response import BeadHistory, response_figure
 from analysis.figures.shape import shape_figure
 from analysis.figures.spacetime import SpaceTime, spacetime_figure
-from analysis.figures.style import CHAIN_COLOURS, CHAIN_DASHES, MAX_PANELS, STYLE, draw_chain, title, unit_label
+from analysis.figures.style import (
+    CHAIN_COLOURS,
+    CHAIN_DASHES,
+    MAX_PANELS,
+    STYLE,
+    Unit,
+    axis_unit,
+    draw_chain,
+    shown_chains,
+    title,
+)
 
 __all__ = [
     "CHAIN_COLOURS",
@@ -13,11 +23,13 @@ __all__ = [
     "STYLE",
     "BeadHistory",
     "SpaceTime",
+    "Unit",
+    "axis_unit",
     "distance_figure",
     "draw_chain",
     "response_figure",
     "shape_figure",
+    "shown_chains",
     "spacetime_figure",
     "title",
-    "unit_label",
 ]

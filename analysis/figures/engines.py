@@ -2,18 +2,26 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from analysis.figures.style import CHAIN_COLOURS, MAX_PANELS, STYLE, unit_label
+from analysis.figures.style import CHAIN_COLOURS, STYLE, axis_unit, shown_chains, title
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
 
-ENGINE_DASHES: tuple[object, ...] = ("-", (0, (4, 1.5)), (0, (1, 1.2)))
-ENGINE_MARKERS = ("o", "x", "+")
+ENGINE_LOOKS: tuple[dict[str, Any], ...] = (
+    {"linestyle": "-", "linewidth": 3.5, "alpha": 0.35},
+    {"linestyle": "-", "linewidth": 1.2},
+    {"linestyle": (0, (2, 3)), "linewidth": 2.2},
+)
+"""Wide and pale, thin, and dots: each is seen where all lie on one another."""
+
+CHAIN_MARKERS = "o^sDv<>P"
 MOST_ROWS = 3
 
 
@@ -37,52 +45,75 @@ class Curve:
 def engines_figure(problem: Problem, rows: Sequence[int], curves: Sequence[Curve]) -> Figure:
     """First impulses of all rows above, one panel an engine; below the velocities of up to three rows.
 
-    Below, a colour is a chain and a dash an engine.
+    A colour and, above, a marker is a chain; below, a line style is an engine.
     """
-    scale, chains = problem.scale, min(problem.chains, MAX_PANELS)
+    chains = shown_chains(problem)
     few = len(rows) <= MOST_ROWS
     chosen = list(range(len(rows))) if few else [1, len(rows) // 2, len(rows) - 1]
+    spans = [_window(curves, position) for position in chosen]
+    time = axis_unit(problem, "time", max(high for _, high in spans))
+    velocity = axis_unit(
+        problem, "velocity", max(float(np.abs(curve.velocity[:, :, chosen]).max(initial=0.0)) for curve in curves)
+    )
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(7.5, 2.6 + 1.8 * len(chosen)), layout="constrained")
+        figure = Figure(figsize=(7.5, 3.0 + 1.8 * len(chosen)), layout="constrained")
         grid = figure.add_gridspec(1 + len(chosen), len(curves), height_ratios=[1.3] + [1.0] * len(chosen))
         first = None
         for column, curve in enumerate(curves):
             first = figure.add_subplot(grid[0, column], sharey=first)
-            for chain in range(chains):
+            for place, chain in enumerate(chains):
                 struck = np.where(curve.first[chain] > 0.0, curve.first[chain], np.nan)
-                first.plot(curve.bead, struck, ".", ms=3, color=_colour(chain), label=f"chain {chain + 1}")
+                first.plot(curve.bead, struck, **_chain_marks(place))
             first.set_title(curve.engine, loc="left")
             first.set_xlabel("bead")
             if column == 0:
-                first.set_ylabel("first impulse / $mV$")
-                first.legend(loc="center", markerscale=2)
+                first.set_ylabel("first impulse / ($m V$)")
             first.set_xlim(0, problem.beads + 1)
-        for line, position in enumerate(chosen, 1):
+        for line, (position, span) in enumerate(zip(chosen, spans, strict=True), 1):
             axis = figure.add_subplot(grid[line, :])
             for number, curve in enumerate(curves):
-                dash = ENGINE_DASHES[number % len(ENGINE_DASHES)]
-                for chain in range(chains):
-                    values = curve.velocity[:, chain, position] * scale.velocity
-                    label = curve.engine if chain == 0 else None
-                    axis.plot(curve.time * scale.time, values, color=_colour(chain), linestyle=dash, label=label)
-            axis.set_xlim(*_window(curves, position, scale.time))
+                for place, chain in enumerate(chains):
+                    values = curve.velocity[:, chain, position] * velocity.worth
+                    axis.plot(
+                        curve.time * time.worth, values, color=_colour(place), label=curve.engine, **_look(number)
+                    )
+            axis.set_xlim(span[0] * time.worth, span[1] * time.worth)
             axis.set_title(f"bead {rows[position]}", loc="left")
-            axis.set_ylabel(f"$v$ ({unit_label(problem, 'velocity')})")
-            if line == 1:
-                axis.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=len(curves))
-        axis.set_xlabel(f"time $t$ ({unit_label(problem, 'time')})")
-        coupled = f", $\\kappa$ = {problem.kappa:.4g}" if problem.coupled else ""
-        gap = f", gap {problem.gap:.4g}" if problem.gap else ""
-        figure.suptitle(f"{problem.name}: $N$ = {problem.chains}{coupled}{gap}")
+            axis.set_ylabel(f"$v$ ({velocity.symbol})")
+        axis.set_xlabel(f"time $t$ ({time.symbol})")
+        handles = [Line2D([], [], color="black", label=curve.engine, **_look(k)) for k, curve in enumerate(curves)]
+        if len(chains) > 1:
+            handles += [Line2D([], [], label=f"chain {chain + 1}", **_chain_marks(k)) for k, chain in enumerate(chains)]
+        figure.legend(handles=handles, loc="outside lower center", ncols=min(len(handles), 6))
+        figure.suptitle(title(problem, each_chain=True))
     return figure
 
 
-def _colour(chain: int) -> str:
-    return CHAIN_COLOURS[chain % len(CHAIN_COLOURS)]
+def _colour(place: int) -> str:
+    return CHAIN_COLOURS[place % len(CHAIN_COLOURS)]
 
 
-def _window(curves: Sequence[Curve], position: int, unit: float) -> tuple[float, float]:
-    """The time in which the pulse passes a row in any engine: from the first motion to the last of half the largest."""
+def _look(engine: int) -> dict[str, Any]:
+    return ENGINE_LOOKS[engine % len(ENGINE_LOOKS)]
+
+
+def _chain_marks(place: int) -> dict[str, Any]:
+    """The second chain is hollow, so that a first one under it is seen."""
+    return {
+        "color": _colour(place),
+        "marker": CHAIN_MARKERS[place % len(CHAIN_MARKERS)],
+        "markerfacecolor": "none" if place % 2 else None,
+        "markersize": 3.5 if place % 2 else 2.5,
+        "markeredgewidth": 0.6,
+        "linestyle": "none",
+    }
+
+
+def _window(curves: Sequence[Curve], position: int) -> tuple[float, float]:
+    """The time in which the pulse passes a row in any engine: from the first motion to the last of half the largest.
+
+    In units of T.
+    """
     moving = []
     for curve in curves:
         size = np.abs(curve.velocity[:, :, position]).max(axis=1)
@@ -90,4 +121,4 @@ def _window(curves: Sequence[Curve], position: int, unit: float) -> tuple[float,
             moving += [curve.time[np.argmax(size > 1e-2)], curve.time[np.flatnonzero(size > 0.5 * size.max())[-1]]]
     low, high = (min(moving), max(moving)) if moving else (0.0, float(curves[0].time[-1]))
     margin = 0.15 * (high - low) + 0.5
-    return max(0.0, low - margin) * unit, min(high + margin, float(curves[0].time[-1])) * unit
+    return max(0.0, low - margin), min(high + margin, float(curves[0].time[-1]))

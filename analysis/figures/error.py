@@ -7,7 +7,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from analysis.comparison import Deviation, ErrorMap
-from analysis.figures.style import STYLE, unit_label
+from analysis.figures.style import STYLE, axis_unit
 from lammps_inputs import Problem
 
 GOOD, BAD = "#0072B2", "#D55E00"
@@ -41,9 +41,10 @@ def _draw_map(figure: Figure, space: Axes, problem: Problem, errors: ErrorMap) -
     top = max(float(finite.max(initial=0.0)), 1e-15)
     shown = np.ma.masked_invalid(np.clip(errors.velocity, DECADES * top, None))
     last = errors.time[-1] if errors.time[-1] > errors.time[-2] else errors.time[-2] + problem.every
+    unit = axis_unit(problem, "time", float(last))
     image = space.pcolormesh(
         errors.bead - 0.5,
-        np.append(errors.time[:-1], last) * problem.scale.time,
+        np.append(errors.time[:-1], last) * unit.worth,
         shown,
         cmap="cividis",
         norm=LogNorm(DECADES * top, top),
@@ -51,7 +52,7 @@ def _draw_map(figure: Figure, space: Axes, problem: Problem, errors: ErrorMap) -
     )
     space.set_facecolor(BAD)  # shows where the error is not a number
     space.set_xlabel("bead")
-    space.set_ylabel(f"time $t$ ({unit_label(problem, 'time')})")
+    space.set_ylabel(f"time $t$ ({unit.symbol})")
     space.set_title("largest velocity error of any chain")
     figure.colorbar(image, ax=space).set_label("$|v - v_{ref}|$ / $V$")
 
@@ -64,7 +65,8 @@ def _draw_bars(bars: Axes, deviations: dict[str, Deviation], tolerances: dict[st
         shares = np.where(largest == 0.0, 0.0, largest / limits)
     lengths = np.clip(np.nan_to_num(shares, nan=np.inf, posinf=np.inf), 1e-6, 1e9)
     colours = [GOOD if share <= 1.0 else BAD for share in shares]
-    bars.barh(names, lengths, color=colours)
+    hatches = ["" if share <= 1.0 else "////" for share in shares]
+    bars.barh(names, lengths, color=colours, hatch=hatches, edgecolor="white", linewidth=0.0)
     bars.set_xscale("log")
     bars.set_xlim(min(1e-3, float(lengths.min(initial=1.0)) / 2.0), max(10.0, 2.0 * float(lengths.max(initial=1.0))))
     bars.axvline(1.0, color="black", linewidth=1.0)

@@ -55,5 +55,5 @@ def relative_mode_figure(curves: Sequence[tuple[str, NDArray[np.int64], Floats]]
         axis.set_ylim(1e-5, 1.5)
         axis.set_xlabel("row")
         axis.set_ylabel("$|I_1 - I_2| / (I_1 + I_2)$")
-        axis.legend(loc="lower right")
+        figure.legend(loc="outside lower center", ncols=len(curves))  # the curves fill the axes
     return figure

@@ -6,7 +6,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from analysis.figures.style import CHAIN_COLOURS, MAX_PANELS, STYLE, title
+from analysis.figures.style import CHAIN_COLOURS, STYLE, shown_chains, title
 from analysis.solitary_wave import solitary_wave
 from analysis.waveforms import COMPARED, Waveforms
 from lammps_inputs import Problem
@@ -22,7 +22,7 @@ def shape_figure(problem: Problem, waveforms: Waveforms, beads: Sequence[int]) -
         waveforms: of the leading waves.
         beads: one panel each.
     """
-    exact, passages = solitary_wave(), waveforms.passages
+    exact, passages, chains = solitary_wave(), waveforms.passages, shown_chains(problem)
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(1.0 + 3.2 * len(beads), 4.4), layout="constrained")
         axes = figure.subplots(2, len(beads), sharex=True, squeeze=False, height_ratios=(2.2, 1.0))
@@ -31,8 +31,8 @@ def shape_figure(problem: Problem, waveforms: Waveforms, beads: Sequence[int]) -
             xi = np.linspace(-COMPARED, COMPARED, 241)
             above.plot(xi, exact.velocity(xi), color="black", linewidth=1.0, label="exact wave")
             below.axhline(0.0, color="black", linewidth=1.0)
-            for chain in range(1, min(problem.chains, MAX_PANELS) + 1):
-                found = np.flatnonzero((passages.chain == chain) & (passages.bead == bead))
+            for place, chain in enumerate(chains):
+                found = np.flatnonzero((passages.chain == chain + 1) & (passages.bead == bead))
                 if len(found) == 0:
                     continue
                 row, peak = found[0], passages.peak_velocity[found[0]]
@@ -40,14 +40,14 @@ def shape_figure(problem: Problem, waveforms: Waveforms, beads: Sequence[int]) -
                 inside = np.isfinite(waveforms.velocity[row]) & (np.abs(ahead) <= COMPARED)
                 ahead, velocity = ahead[inside], waveforms.velocity[row, inside] / peak
                 look = {
-                    "color": CHAIN_COLOURS[(chain - 1) % len(CHAIN_COLOURS)],
-                    "marker": MARKERS[(chain - 1) % len(MARKERS)],
+                    "color": CHAIN_COLOURS[place % len(CHAIN_COLOURS)],
+                    "marker": MARKERS[place % len(MARKERS)],
                     "linestyle": "none",
                     "markersize": 3.5,
-                    "markerfacecolor": "none" if chain % 2 == 0 else None,
-                    "markevery": (chain - 1, max(1, min(problem.chains, MAX_PANELS))),
+                    "markerfacecolor": "none" if place % 2 else None,
+                    "markevery": (place, len(chains)),
                 }
-                above.plot(ahead, velocity, label=f"chain {chain}", **look)
+                above.plot(ahead, velocity, label=f"chain {chain + 1}", **look)
                 below.plot(ahead, velocity - exact.velocity(ahead), **look)
             above.set_title(f"bead {bead}", loc="left")
             if column == len(beads) - 1:
@@ -56,5 +56,5 @@ def shape_figure(problem: Problem, waveforms: Waveforms, beads: Sequence[int]) -
             below.ticklabel_format(axis="y", scilimits=(-2, 2))
         axes[0, 0].set_ylabel("velocity / peak")
         axes[1, 0].set_ylabel("minus exact wave")
-        figure.suptitle(title(problem))
+        figure.suptitle(title(problem, each_chain=True))
     return figure

@@ -2,14 +2,23 @@
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import FuncNorm
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from analysis.figures.style import MAX_PANELS, STYLE, title, unit_label
+from analysis.figures.style import STYLE, axis_unit, shown_chains, title
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem
 
 MAX_PIXELS = 1200
+
+PANELS_A_ROW = 4
+
+NEAR = 5
+"""Beads from one that was hit over which its first motion outshines all waves."""
+
+_MOST_LABELS = 8
 
 
 class SpaceTime:
@@ -23,19 +32,21 @@ class SpaceTime:
         self._stride = max(1, -(-(problem.frames + 1) // MAX_PIXELS))
         self._thin = max(1, -(-len(problem.recorded_beads) // MAX_PIXELS))
         self._seen = 0
+        self.until = 0.0  # time of the last frame, also of one that is not kept
         self._time: list[Floats] = []
         self._velocity: list[Floats] = []
 
     def add(self, block: Trajectory) -> None:
         """Take the next frames of the run."""
         first = -self._seen % self._stride
-        chains = min(self.problem.chains, MAX_PANELS)
+        chains = shown_chains(self.problem)
         self._time.append(block.time[first :: self._stride].copy())
         frames = block[first :: self._stride]
         if self.problem.window is not None:
             frames = frames.on(1, self.problem.beads, behind=np.nan)
-        self._velocity.append(frames.velocity[:, :chains, :: self._thin].copy())
+        self._velocity.append(frames.velocity[:, chains, :: self._thin].copy())
         self._seen += block.frames
+        self.until = float(block.time[-1])
 
     @property
     def time(self) -> Floats:
@@ -56,40 +67,76 @@ class SpaceTime:
 def spacetime_figure(data: SpaceTime) -> Figure:
     """Velocity in space and time, the chains side by side (the paper's Figs 1, 3 and 5).
 
-    Its magnitude where any kick is towards lower bead numbers.
+    Colours diverge from a velocity of 0 and follow its square root, so that the weak tail is seen beside the pulse and
+    the free end is not cut off. The scale ends where all beads do but those up to `NEAR` from one that was hit. Beads
+    that are not evenly spaced stand side by side in columns of one width. Grey: where the window has left.
     """
-    problem, velocity = data.problem, data.velocity * data.problem.scale.velocity
-    both_ways = any(kick < 0.0 for _, _, kick in problem.kicks)
-    if both_ways:
-        velocity = np.abs(velocity)
-    time, chains = data.time * problem.scale.time, velocity.shape[1]
-    # kicked beads and those at a free end outshine the waves: the scale ends where all beads but these do
-    bright = [1, problem.beads, *(bead for _, bead, _ in problem.kicks)]
-    far = np.all([np.abs(data.beads - bead) > 5 for bead in bright], axis=0)
-    size = np.nan_to_num(np.abs(velocity))
-    top = float(np.max(size[:, :, far], initial=0.0)) or float(np.max(size)) or 1.0
-    if np.ptp(np.diff(data.beads)) > 0:  # a picture's columns are equally far apart: each shows the nearest bead
-        place = np.linspace(data.beads[0], data.beads[-1], min(MAX_PIXELS, int(np.ptp(data.beads)) + 1))
-        velocity = velocity[..., np.argmin(np.abs(place[:, np.newaxis] - data.beads), axis=1)]
+    problem, chains = data.problem, shown_chains(data.problem)
+    time = axis_unit(problem, "time", data.time[-1])
+    size = np.abs(np.nan_to_num(data.velocity))
+    far = np.all([np.abs(data.beads - bead) > NEAR for _, bead, _ in problem.kicks], axis=0)
+    largest = float(np.max(size[:, :, far], initial=0.0)) or float(np.max(size, initial=0.0)) or 1.0
+    unit = axis_unit(problem, "velocity", largest)
+    top = largest * unit.worth
+    rows = -(-len(chains) // PANELS_A_ROW)
+    columns = -(-len(chains) // rows)
+    step = np.diff(data.beads)
+    even = len(step) > 0 and bool(np.all(step == step[0]))
+    half = 0.5 * float(data.time[-1] - data.time[0]) / max(1, len(data.time) - 1)
+    instants = ((data.time[0] - half) * time.worth, (data.time[-1] + half) * time.worth)
+    places = (data.beads[0] - 0.5 * step[0], data.beads[-1] + 0.5 * step[-1]) if even else (-0.5, len(data.beads) - 0.5)
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(2.2 + 2.4 * chains, 4.2), layout="constrained")
-        axes = figure.subplots(1, chains, sharex=True, sharey=True, squeeze=False)[0]
-        for chain, axis in enumerate(axes):
+        figure = Figure(figsize=(2.2 + 2.4 * columns, 0.6 + 3.6 * rows), layout="constrained")
+        axes = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+        for axis in axes.flat[len(chains) :]:
+            axis.remove()
+        for place, chain in enumerate(chains):
+            axis = axes.flat[place]
             image = axis.imshow(
-                velocity[:, chain],
+                data.velocity[:, place] * unit.worth,
                 origin="lower",
                 aspect="auto",
                 interpolation="nearest",
-                extent=(data.beads[0] - 0.5, data.beads[-1] + 0.5, time[0], time[-1]),
-                cmap="magma_r",
-                vmin=0.0,
-                vmax=top,
+                extent=(*places, *instants),
+                cmap="RdBu_r",
+                norm=FuncNorm((_root, _square), -top, top),
                 rasterized=True,
             )
+            axis.set_facecolor("0.75")
             axis.set_title(f"chain {chain + 1}")
-            axis.set_xlabel("bead")
-        axes[0].set_ylabel(f"time $t$ ({unit_label(problem, 'time')})")
-        bar = figure.colorbar(image, ax=list(axes), extend="max" if both_ways else "both")
-        bar.set_label(f"velocity {'$|v|$' if both_ways else '$v$'} ({unit_label(problem, 'velocity')})")
-        figure.suptitle(title(problem, each_chain=True))
+            if place + columns >= len(chains):
+                axis.set_xlabel("bead" if even else "recorded bead")
+                axis.xaxis.set_tick_params(labelbottom=True)
+            if not even:
+                _name_columns(axis, data.beads)
+        for axis in axes[:, 0]:
+            axis.set_ylabel(f"time $t$ ({time.symbol})")
+        beyond = "both" if float(np.max(size)) > largest else "neither"
+        bar = figure.colorbar(image, ax=list(axes.flat[: len(chains)]), ticks=_ticks(top), extend=beyond)
+        bar.ax.yaxis.set_major_formatter("{x:.2g}")
+        bar.ax.minorticks_off()
+        bar.set_label(f"velocity $v$ ({unit.symbol})")
+        grey = "\ngrey: the window has left" if np.isnan(data.velocity).any() else ""
+        figure.suptitle(title(problem, each_chain=True, until=data.until) + grey)
     return figure
+
+
+def _root(value: Floats) -> Floats:
+    return np.asarray(np.sign(value) * np.sqrt(np.abs(value)))
+
+
+def _square(value: Floats) -> Floats:
+    return np.asarray(np.sign(value) * np.square(value))
+
+
+def _ticks(top: float) -> list[float]:
+    """Round numbers of either sign at about the squares of even steps."""
+    sizes = [float(f"{top * share:.1g}") for share in (1.0, 0.5, 0.2, 0.05)]
+    sizes = [size for size in dict.fromkeys(sizes) if size <= top]
+    return [*(-size for size in sizes), 0.0, *reversed(sizes)]
+
+
+def _name_columns(axis: Axes, beads: NDArray[np.int64]) -> None:
+    """Write bead numbers under the columns, or under some of them."""
+    named = np.unique(np.linspace(0, len(beads) - 1, min(len(beads), _MOST_LABELS)).round().astype(int))
+    axis.set_xticks(named.tolist(), labels=[str(beads[place]) for place in named])

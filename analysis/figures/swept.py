@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -9,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.axis import XAxis, YAxis
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from analysis.figures.style import STYLE
 from analysis.trajectory import Floats
@@ -23,10 +24,25 @@ _MARKERS = "osD^v<>p"
 
 @dataclass(frozen=True)
 class Axis:
-    """What an axis shows: a label with its unit, and one number a case; NaN where there is none."""
+    """What an axis shows.
+
+    Attributes:
+        label: with its unit.
+        values: one number a case; NaN where there is none.
+        error: uncertainty of each; NaN where it is unknown, None where all are.
+        unsettled: whether a case had not come to its end state; None where that means nothing.
+    """
 
     label: str
     values: Floats
+    error: Floats | None = None
+    unsettled: NDArray[np.bool_] | None = None
+
+    @property
+    def open(self) -> NDArray[np.bool_]:
+        """Cases that have a number which may yet change."""
+        found = np.isfinite(self.values)
+        return found & self.unsettled if self.unsettled is not None else np.zeros_like(found)
 
 
 def logarithmic(values: ArrayLike) -> bool:
@@ -42,6 +58,8 @@ def logarithmic(values: ArrayLike) -> bool:
 def swept_figure(quantity: Axis, over: Axis, beside: Axis | None = None, title: str = "") -> Figure:
     """A quantity over a field, and over a second one as lines or, from nine values on, as the rows of a map.
 
+    Bars are uncertainties (lines only); cases that are not settled are hollow marks, in a map crosses.
+
     Args:
         quantity: what came of each case.
         over: the field along the horizontal axis.
@@ -51,12 +69,16 @@ def swept_figure(quantity: Axis, over: Axis, beside: Axis | None = None, title: 
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(5.5 if beside is None else 6.5, 3.8), layout="constrained")
         axis = figure.subplots()
+        notes = [title] if title else []
+        is_map = beside is not None and len(np.unique(beside.values)) > MOST_LINES
+        if np.any(quantity.open):
+            notes.append(f"{'crossed' if is_map else 'hollow'}: not settled")
         if beside is None:
             _line(axis, quantity, over, np.ones(len(over.values), dtype=bool), color="#0072B2", marker="o")
         elif len(np.unique(beside.values)) <= MOST_LINES:
             _lines(axis, quantity, over, beside)
         elif _map(figure, axis, quantity, over, beside):
-            title = "; ".join(part for part in (title, "grey: no number") if part)
+            notes.append("grey: no number")
         if beside is None or len(np.unique(beside.values)) <= MOST_LINES:
             axis.set_ylabel(quantity.label)
             finite = quantity.values[np.isfinite(quantity.values)]
@@ -67,13 +89,22 @@ def swept_figure(quantity: Axis, over: Axis, beside: Axis | None = None, title: 
                 _whole(axis.yaxis, finite)
         _scale(axis, over, "x")
         axis.set_xlabel(over.label)
-        axis.set_title(title)
+        axis.set_title("; ".join(notes))
     return figure
 
 
-def _line(axis: Axes, quantity: Axis, over: Axis, here: np.ndarray, **look: object) -> None:
-    order = np.argsort(over.values[here], kind="stable")
-    axis.plot(over.values[here][order], quantity.values[here][order], markersize=4, **look)  # type: ignore[arg-type]
+def _line(axis: Axes, quantity: Axis, over: Axis, here: NDArray[np.bool_], **look: Any) -> None:
+    chosen = np.flatnonzero(here)[np.argsort(over.values[here], kind="stable")]
+    x, y = over.values[chosen], quantity.values[chosen]
+    axis.plot(x, y, markersize=5, **look)
+    hollow = quantity.open[chosen]
+    if hollow.any():
+        marks = {"color": look["color"], "marker": look["marker"], "markerfacecolor": "white", "linestyle": "none"}
+        axis.plot(x[hollow], y[hollow], markersize=5, zorder=3, **marks)
+    if quantity.error is not None:
+        known = np.isfinite(quantity.error[chosen])
+        bars = quantity.error[chosen][known]
+        axis.errorbar(x[known], y[known], bars, fmt="none", ecolor=look["color"], elinewidth=0.9, capsize=2.5)
 
 
 def _lines(axis: Axes, quantity: Axis, over: Axis, beside: Axis) -> None:
@@ -91,6 +122,8 @@ def _map(figure: Figure, axis: Axes, quantity: Axis, over: Axis, beside: Axis) -
     columns, rows = np.unique(over.values), np.unique(beside.values)
     grid = np.full((len(rows), len(columns)), np.nan)
     grid[np.searchsorted(rows, beside.values), np.searchsorted(columns, over.values)] = quantity.values
+    axis.plot(over.values[quantity.open], beside.values[quantity.open], "x", color="white", markersize=5)
+    axis.plot(over.values[quantity.open], beside.values[quantity.open], "x", color="black", markersize=3.5)
     axis.set_facecolor("0.85")
     mesh = axis.pcolormesh(_edges(columns), _edges(rows), grid, cmap="viridis", rasterized=True)
     _scale(axis, beside, "y")

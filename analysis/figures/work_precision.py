@@ -6,7 +6,9 @@ from dataclasses import dataclass
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import XAxis, YAxis
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from analysis.figures.style import CHAIN_COLOURS, STYLE, title
 from analysis.trajectory import Floats
@@ -118,5 +120,19 @@ def _finish(axis: Axes, quantity: str, floor: float) -> None:
         max(floor, LEAST), color="black", linewidth=0.8, linestyle=(0, (2, 2)), label="the reference's own error"
     )
     axis.set_ylabel(f"largest error of {quantity} / ${UNITS[quantity]}$")
+    for setting in (axis.xaxis, axis.yaxis):
+        _label_sparsely(setting)
     axis.grid(True, which="major", color="0.93", linewidth=0.6)
     axis.set_axisbelow(True)
+
+
+def _label_sparsely(setting: XAxis | YAxis) -> None:
+    """Powers of ten, at most six; where there is hardly more than one, 2 and 5 times it as short numbers."""
+    low, high = setting.get_view_interval()
+    setting.set_major_locator(LogLocator(numticks=6))
+    if high > 30.0 * low:
+        setting.set_minor_formatter(NullFormatter())
+        return
+    setting.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
+    for of in (setting.set_major_formatter, setting.set_minor_formatter):
+        of(FuncFormatter(lambda value, _: f"{value:.3g}"))

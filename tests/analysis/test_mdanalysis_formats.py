@@ -106,10 +106,34 @@ def test_positions_and_velocities_for_viewing_lie_along_the_chain(universe: mda.
     ts = universe.trajectory[30]
     np.testing.assert_array_equal(universe.atoms.positions[:, 0], ts.data["x"].astype(np.float32))
     np.testing.assert_array_equal(universe.atoms.velocities[:, 0], ts.data["velocity"].astype(np.float32))
-    assert not universe.atoms.positions[:, 1:].any()
+    assert not universe.atoms.positions[:, 2].any()
     assert not universe.atoms.velocities[:, 1:].any()
     width = 2.0 * PROBLEM.spacing
     np.testing.assert_allclose(ts.dimensions[1:], [(1 + PROBLEM.chains) * width, 2.0 * width, 90.0, 90.0, 90.0])
+
+
+def test_chains_lie_side_by_side_as_in_the_data_file_also_in_what_mdanalysis_writes(
+    universe: mda.Universe, directory: Path, tmp_path: Path
+) -> None:
+    across = np.array([float(line.split()[3]) for line in atom_lines(directory / deck.DATA)])
+    assert sorted(set(across)) == [2.0 * PROBLEM.spacing * chain for chain in range(3)]
+    universe.atoms.write(tmp_path / "out.xyz", frames="all")
+    written = mda.Universe(tmp_path / "out.xyz")
+    assert len(written.trajectory) == 61
+    for frames in (universe, written):
+        for ts in frames.trajectory[::20]:
+            np.testing.assert_allclose(ts.positions[:, 1], across, atol=1e-4)
+
+
+def test_only_recorded_beads_lie_on_their_chains_too(tmp_path: Path) -> None:
+    run_lammps(tmp_path, SOME)
+    universe = mda.Universe(tmp_path / deck.DATA, tmp_path / deck.DUMP)
+    width = 2.0 * SOME.problem().spacing
+    np.testing.assert_array_equal(universe.atoms.positions[:, 1], np.repeat(np.arange(3.0), 3) * width)
+
+
+def atom_lines(path: Path) -> list[str]:
+    return path.read_text().split("Atoms #")[1].split("Bonds")[0].strip().splitlines()[2:]
 
 
 def test_the_text_dump_of_the_same_columns_reads_to_the_same_arrays(directory: Path, universe: mda.Universe) -> None:
@@ -253,6 +277,14 @@ def test_chains_without_springs_are_residues_too(tmp_path: Path) -> None:
         universe = mda.Universe(parser.parse())
     assert universe.atoms.resids.tolist() == [1] * 10 + [2] * 10 + [3] * 10
     assert universe.atoms.masses.tolist() == [1.0] * 30
+
+
+@pytest.mark.parametrize("coupling", [None, THREE.coupling], ids=["no springs", "springs"])
+def test_chains_of_a_window_are_residues_too(tmp_path: Path, coupling: Coupling | None) -> None:
+    deck.write(THREE.model_copy(update={"beads": 80, "window": 64, "coupling": coupling}), tmp_path)
+    with formats.ChainsParser(tmp_path / deck.DATA) as parser:
+        universe = mda.Universe(parser.parse())
+    assert universe.atoms.resids.tolist() == [1] * 64 + [2] * 64 + [3] * 64
 
 
 @pytest.mark.parametrize("scene", [SOME, LOOSE_SOME], ids=["springs", "no springs"])

@@ -17,7 +17,7 @@ import sys
 import numpy as np
 from ovito.io import import_file
 
-data = import_file("data.chains", atom_style="hybrid", atom_substyles=("sphere", "bond")).compute()
+data = import_file("data.chains").compute()  # its comment names the columns
 dump = import_file("chains.dump.bin", columns=sys.argv[1].split(","))
 last = dump.compute(dump.num_frames - 1)
 particles = last.particles

@@ -7,6 +7,7 @@ import os
 import shutil
 import struct
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,7 +15,9 @@ import pytest
 from analysis.solitary_wave import solitary_wave
 from analysis.verdict import State
 from lammps_inputs import Coupling, Kick, Output, Scene, deck, find
+from lammps_inputs.units import make_scale
 from workflow.analyse import analyse
+from workflow.analysis_report import waves_csv
 from workflow.binary_collisions_study import hertz_impulses, problem_at, relative_mode
 from workflow.cli import main
 from workflow.engines.collisions.first_row import THETA_OF_EQ_5
@@ -87,6 +90,16 @@ def test_analysis_takes_less_time_than_the_run(finished):
         return time.perf_counter() - started
 
     assert min(seconds() for _ in range(3)) < finished.record["wall_seconds"]
+
+
+def test_waves_csv_of_an_si_scene_names_its_units(found):
+    scale = make_scale(3.6e-3, 1.4e10, 1.0, si=True)
+    survey = replace(found.survey, problem=replace(found.problem, scale=scale))
+    units = {"arrival": "s", "peak_velocity": "m/s", "speed": "beads/s", "lag": "s"}
+    units |= {"chain_energy": "J", "wave_energy": "J"}
+    head, *lines = waves_csv(survey).splitlines()
+    assert head.split(",") == [f"{name} ({units[name]})" if name in units else name for name in COLUMNS]
+    assert float(lines[0].split(",")[2]) == found.waves.arrival[0] * scale.time
 
 
 def test_waves_csv_has_the_documented_columns_and_an_empty_cell_for_what_is_unknown(finished, found):

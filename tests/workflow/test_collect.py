@@ -10,6 +10,7 @@ import pytest
 
 from analysis.figures.swept import MOST_LINES, Axis, logarithmic, swept_figure
 from lammps_inputs import strict_yaml
+from workflow import collect as collecting
 from workflow.cli import main
 from workflow.collect import collect
 from workflow.run_directory import RunDirectory
@@ -249,6 +250,45 @@ def test_many_values_of_the_second_field_make_a_map_with_every_number_in_its_pla
     expected = np.arange(1.0, MOST_LINES + 2)[:, None] * np.array([0.1, 0.2, 0.4])
     expected[2, 1] = np.nan
     np.testing.assert_array_equal(np.ma.filled(mesh.get_array(), np.nan), expected)
+
+
+def test_uncertainties_are_bars_and_cases_that_are_not_settled_are_hollow():
+    x, open_ = np.array([1.0, 2.0, 3.0]), np.array([True, False, False])
+    figure = swept_figure(Axis("y", 2.0 * x, 0.1 * x, open_), Axis("x", x), title="scene")
+    axis = figure.axes[0]
+    assert axis.get_title() == "scene; hollow: not settled"
+    (hollow,) = [line for line in axis.get_lines() if line.get_markerfacecolor() == "white"]
+    np.testing.assert_array_equal(hollow.get_xydata(), [[1.0, 2.0]])
+    (bars,) = axis.collections
+    np.testing.assert_allclose([part[:, 1] for part in bars.get_segments()], np.stack([1.9 * x, 2.1 * x], axis=1))
+
+
+def test_cases_of_a_map_that_are_not_settled_are_crossed():
+    x, y = (part.ravel() for part in np.meshgrid([0.1, 0.2], np.arange(1.0, MOST_LINES + 2)))
+    figure = swept_figure(Axis("z", x * y, None, y == 3.0), Axis("x", x), Axis("y", y))
+    assert figure.axes[0].get_title() == "crossed: not settled"
+    for line in figure.axes[0].get_lines():
+        np.testing.assert_array_equal(line.get_xydata(), [[0.1, 3.0], [0.2, 3.0]])
+
+
+def test_the_collected_figure_knows_its_scene_its_bars_and_its_unsettled_cases(copied, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(collecting, "write_figure", lambda _path, _name, figure: drawn.append(figure) or ())
+    found = collect(copied)
+    collecting.plot(found, copied, "amplitude", "coupling.stiffness", None, {"beads": 20})
+    axis = drawn[0].axes[0]
+    assert axis.get_title().startswith("small, beads = 20")
+    states = [row["state"] for row in found.rows if row["beads"] == 20]
+    hollow = [len(line.get_xdata()) for line in axis.get_lines() if line.get_markerfacecolor() == "white"]
+    assert sum(hollow) == sum(state in ("still beating", "too short to tell") for state in states) > 0
+    assert len(axis.collections[0].get_segments()) == 3
+
+
+def test_columns_of_si_scenes_name_their_units_and_others_keep_their_names(swept):
+    reduced = collect(swept)
+    assert reduced.to_csv().splitlines()[0].split(",") == reduced.columns
+    head = type(reduced)(["coupling.stiffness", "beads"], [], si=True).to_csv().splitlines()[0].split(",")
+    assert {"coupling.stiffness (N/m)", "beads", "amplitude", "arrival (s)", "peak_velocity (m/s)"} <= set(head)
 
 
 def test_labels_tell_the_units_of_the_scenes(swept):

@@ -259,6 +259,7 @@ def test_every_kind_has_a_colour_and_is_drawn():
     assert set(COLOURS) == set(KINDS)
     drawn = {text.get_text() for text in extremes_figure(outcomes).axes[0].texts}
     assert {*KINDS, "axis"} <= drawn
+    assert {f"{kind.lower()} 5.0e-04" for kind in KINDS} <= drawn
 
 
 def test_the_command_writes_table_and_figure_goes_on_where_it_stopped_and_fails_for_a_wrong_cell(

@@ -88,7 +88,7 @@ def _refuse(output: Path) -> None:
 def _print(table: Table, title: str) -> None:
     columns = [*table.fields, "outcome", *_SHOWN]
     rows = [[_cell(name, row[name]) for name in columns] for row in table.rows[:_MOST_ROWS]]
-    print_table(title, columns, rows)
+    print_table(title, [table.heading(name) for name in columns], rows)
     if len(table.rows) > _MOST_ROWS:
         print(f"... and {len(table.rows) - _MOST_ROWS} more")
     outcomes = [row["outcome"] for row in table.rows]

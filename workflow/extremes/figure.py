@@ -27,7 +27,7 @@ _WIDTH = 12.0
 
 
 def extremes_figure(outcomes: Sequence[Outcome]) -> Figure:
-    """A grid of cells: value on top, below it the largest error of any velocity in units of V, or how the run ended."""
+    """A grid of cells: value on top, below it how it ended and the largest error of any velocity in units of V."""
     rows: list[tuple[str, list[Outcome]]] = []
     for axis in dict.fromkeys(outcome.axis for outcome in outcomes if outcome.axis != _CORNERS):
         rows.append((axis, [outcome for outcome in outcomes if outcome.axis == axis]))
@@ -65,5 +65,6 @@ def _draw_cell(axes: Axes, left: float, top: float, width: float, outcome: Outco
     middle = left + width / 2.0
     name = "\n".join(textwrap.wrap(outcome.value, letters))
     axes.text(middle, top + 0.36, name, ha="center", va="center", fontsize=8, fontweight="bold", color=ink)
-    below = outcome.kind.lower() if outcome.error is None else f"{outcome.error:.1e}"
+    error = "" if outcome.error is None else f" {outcome.error:.1e}"  # the word too, for those who see no colour
+    below = f"{outcome.kind.lower()}{error}"
     axes.text(middle, top + 0.76, below, ha="center", va="center", fontsize=8, color=ink)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from analysis.trajectory import Floats
+from analysis.verdict import State
 from lammps_inputs.numbers import text
 from workflow.run_directory import RECORD, REPORT
 
@@ -44,6 +45,9 @@ QUANTITIES = {
     "agree_1": _analysis("equipartition/amplitudes/0.01", "bead from which the chains agree to 1%"),
     "in_step_1": _analysis("equipartition/arrivals/0.01", "bead from which arrivals agree to 1%"),
     "beat_length": _analysis("equipartition/beat_length/value", "beat length (beads)"),
+    "beat_length_uncertainty": _analysis(
+        "equipartition/beat_length/uncertainty", "uncertainty of the beat length (beads)"
+    ),
     "energy_share": _analysis("equipartition/energy_share/measured", "share of the energy in the leading waves"),
     "state": _analysis("equipartition/state"),
     "bead": _analysis("hit/bead", "last clear bead"),
@@ -63,6 +67,12 @@ QUANTITIES = {
 }
 """Columns after the swept fields and the outcome; `hit` is the chain that was hit hardest."""
 
+UNCERTAINTIES = {"amplitude": "amplitude_uncertainty", "beat_length": "beat_length_uncertainty"}
+"""Column -> the one that holds its uncertainty, in the same unit."""
+
+UNSETTLED = (State.BEATING.value, State.SHORT.value, State.UNSURE.value)
+"""States of a case whose chains have not come to share equally, so that its numbers may yet change."""
+
 _UNITS = {"time": "s", "velocity": "m/s", "speed": "beads/s"}
 
 _FIELD_UNITS = {
@@ -74,7 +84,7 @@ _FIELD_UNITS = {
     "output.every": "s",
     "output.snapshots": "s",
     "material.radius": "m",
-    "material.density": "kg/m$^3$",
+    "material.density": "kg/m3",
     "material.youngs_modulus": "Pa",
 }
 
@@ -87,11 +97,13 @@ class Table:
         fields: what is varied in any of them.
         rows: one a case: its name as ``case``, fields, ``outcome``, quantities, ``reason``; None is unknown.
         si: whether the scenes are in SI units; None if some are and some are not.
+        scene: name of the scenes; empty if they have several.
     """
 
     fields: list[str]
     rows: list[dict[str, Any]]
     si: bool | None
+    scene: str = ""
 
     @property
     def columns(self) -> list[str]:
@@ -102,7 +114,7 @@ class Table:
         """One line a case; numbers read back exactly, and what is unknown is empty."""
         out = io.StringIO()
         writer = csv.writer(out, lineterminator="\n")
-        writer.writerow(self.columns)
+        writer.writerow([self.heading(name) for name in self.columns])
         for row in self.rows:
             writer.writerow([_written(row[name]) for name in self.columns])
         return out.getvalue()
@@ -115,17 +127,29 @@ class Table:
             dtype=np.float64,
         )
 
+    def heading(self, name: str) -> str:
+        """The name of a column in the table; with its unit where the scenes are in SI."""
+        unit = self._unit(name)
+        return f"{name} ({unit})" if self.si and unit else name
+
     def label(self, name: str) -> str:
         """What to write at an axis that shows a column."""
+        unit = self._unit(name)
         if name in self.fields:
-            unit = _FIELD_UNITS.get(re.sub(r"\[\d+\]", "", name))
             words = name.replace("_", " ").replace(".", " ")
-            if unit is None or self.si is None:
-                return words
-            return f"{words} ({unit if self.si else 'reduced'})"
-        label = QUANTITIES[name].label
-        words, bracket, unit = label.partition(" [")
-        return f"{words} ({_UNITS[unit[:-1]] if self.si else 'reduced'})" if bracket else label
+            bare = unit is None or self.si is None
+        else:
+            words, bracket, _ = QUANTITIES[name].label.partition(" [")
+            bare = not bracket
+        return words if bare else f"{words} ({unit if self.si else 'reduced'})"
+
+    def _unit(self, name: str) -> str | None:
+        """In SI, of what is in the scene's units; None of anything else."""
+        if name in self.fields:
+            return _FIELD_UNITS.get(re.sub(r"\[\d+\]", "", name))
+        label = QUANTITIES[name].label if name in QUANTITIES else ""
+        _, bracket, unit = label.partition(" [")
+        return _UNITS[unit[:-1]] if bracket else None
 
 
 def _written(value: Any) -> str:

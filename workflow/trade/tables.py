@@ -20,8 +20,9 @@ def engines_csv(points: Points, problem: Problem) -> str:
 
     ``seconds`` is the median of the repeats, or the first call where ``repeats`` is 0; ``start`` is not in it.
     """
-    time = problem.scale.time
-    head = ["method", "setting", "timestep", "every", "ranks", "window", *_errors(), "forces"]
+    scale, time = problem.scale, problem.scale.time
+    steps = [scale.heading(name, "time") for name in ("timestep", "every")]
+    head = ["method", "setting", *steps, "ranks", "window", *_errors(), "forces"]
     rows = []
     for point in points:
         job = point.setting.what
@@ -38,7 +39,7 @@ def frames_csv(points: Points, problem: Problem) -> str:
         job = point.setting.what
         own = [job.problem.every * problem.scale.time, job.format]
         rows.append([*_name(point), *own, *_measured(point, ("bytes", "run", "read")), *_timed(point)])
-    head = ["method", "setting", "every", "format", *_errors(), "bytes", "run", "read"]
+    head = ["method", "setting", problem.scale.heading("every", "time"), "format", *_errors(), "bytes", "run", "read"]
     return _csv([*head, *_TIMED, "start", "note"], rows)
 
 
