@@ -19,9 +19,6 @@ RESTART_SUMS = "chains.restart.sha256"
 UNFINISHED = "chains.restart.part"
 """A restart while it is written."""
 
-_TIMED_SINCE = 20230802
-"""Earlier releases know the time since the restart only."""
-
 
 def dump_part(number: int) -> str:
     """Name of a part of the frames, counted from 1."""
@@ -87,7 +84,7 @@ def render_continuation(problem: Problem) -> str:
             *deck.output_lines(problem, "${every}", "${dump}", "${snapshots}"),
             "# no frame before the beads are where they were",
             *(f"dump_modify {dump} delay $(step)" for dump in dumps),
-            *(f'if "$(version) < {_TIMED_SINCE}" then "dump_modify {dump} time no"' for dump in dumps),
+            *(f'if "$(version) < {window.TIMED_SINCE}" then "dump_modify {dump} time no"' for dump in dumps),
         ],
         [
             "# neighbours, ranks and order of the beads are settled at rest; then the forces where they are",
@@ -134,5 +131,4 @@ def onward_lines(problem: Problem) -> list[str]:
         return [scheme.timestep_command(problem.scheme), *travel]
     if problem.scheme == "verlet":
         return ["run ${steps} upto pre no"]
-    advance = scheme.advance_command(problem.scheme, "$(v_steps-step:%.0f)")
-    return [scheme.timestep_command(problem.scheme), *scheme.QUIET, advance, *scheme.LOUD]
+    return [*scheme.QUIET, *scheme.onward_lines(problem.scheme, "steps"), *scheme.LOUD]

@@ -68,7 +68,7 @@ def render_deck(problem: Problem) -> str:
             "set group all mass 1.0           # exact; the data file's density is within rounding",
         ],
         *interactions(problem),
-        motion_lines(problem, "all"),
+        motion_lines(problem, "all") if problem.window is None else window.FREE + motion_lines(problem, "free"),
     ]
     sections.append(
         [
@@ -153,10 +153,9 @@ def travel_lines(problem: Problem) -> list[str]:
     """The run from start to end."""
     if problem.window is None:
         return scheme.run_lines(problem.scheme, "${steps}")
-    advance = scheme.advance_command(problem.scheme, "$(v_stretch:%.0f)")
     travel = [
         window.stretch_line(problem.timestep, scheme.cycle(problem.scheme)),
-        *window.travel_lines(advance),
+        *window.travel_lines(problem.scheme),
     ]
     return travel if problem.scheme == "verlet" else [*scheme.QUIET, *travel, *scheme.LOUD]
 

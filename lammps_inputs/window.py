@@ -4,9 +4,13 @@ Nothing runs ahead of the front, and what is left far behind cannot catch up. So
 the head, with their springs. The number of the row that a bead stands for is its molecule and travels with it, into
 the dump. The rows in the window are those of the whole chains to the last bit, but for the few at the tail, as long as
 nothing that was left behind would have come back. The LAMMPS lines stand beside the numbers.
+
+A move needs new neighbours, which LAMMPS finds by where beads are. So they are found with the beads at rest, places
+parked in ``vy`` meanwhile; the forces come from a step in which no bead moves, for which the clock is put back.
 """
 
 from lammps_inputs.numbers import text
+from lammps_inputs.scheme import SchemeName, onward_lines, timestep_command
 
 LEAST_WINDOW = 64
 """Rows; at least 40 of them are behind the front."""
@@ -23,6 +27,10 @@ LOOK = 2.0
 def block(window: int) -> int:
     """Rows that are taken from the tail to the head at once."""
     return window // 4
+
+
+TIMED_SINCE = 20230802
+"""Earlier releases of LAMMPS keep the time when the number of the step is set."""
 
 
 def behind(window: int) -> int:
@@ -53,7 +61,13 @@ def setup_lines(window: int, beads: int, spacing: float) -> list[str]:
         "group left variable behind",
         f"variable row atom mol+{window}",
         f"variable place atom mol*{text(spacing)}",
+        "variable parked atom x",
+        "variable displaced atom vy",
+        f"variable timeless equal $(version)<{TIMED_SINCE}",
     ]
+
+
+FREE = ["group free union all             # beads that may move"]
 
 
 def look_lines() -> list[str]:
@@ -61,8 +75,8 @@ def look_lines() -> list[str]:
     return ["group moving clear", "group moving variable moves"]
 
 
-def move_lines() -> list[str]:
-    """Take the last rows to the head."""
+def move_lines(scheme: SchemeName) -> list[str]:
+    """Take the last rows to the head, and find neighbours, owners and forces anew; uses the group ``free``."""
     return [
         "group left clear",
         "group left variable behind",
@@ -70,28 +84,45 @@ def move_lines() -> list[str]:
         "set group left x v_place",
         "set group left vx 0.0",
         "variable tail equal $(v_tail+v_some)",
+        "set group all vy v_parked",
+        "set group all x v_place",
+        "dump_modify frames delay $(step+1)",
+        "variable before equal $(step-1)",
+        "timestep ${timestep}",
+        "reset_timestep 0",
+        "reset_timestep ${before}",
         "run 0 post no",
+        "set group all x v_displaced",
+        "set group all vy 0.0",
+        "group free clear",
+        'if "${timeless} == 1" then "timestep 0.0"',
+        "run 1 pre no post no",
+        "group free union all",
+        timestep_command(scheme),
     ]
 
 
-def travel_lines(advance: str) -> list[str]:
-    """Go on to step ``steps`` and let the window follow; for the end of a deck.
-
-    Args:
-        advance: the command that runs ``stretch`` steps.
-    """
+def travel_lines(scheme: SchemeName) -> list[str]:
+    """Go on to step ``steps`` and let the window follow; for the end of a deck."""
     return [
         "run 0 post no",
         "label travel",
         'if "$(v_stretch) == 0" then "jump SELF arrived"',
-        advance,
+        *_stretch_lines(scheme),
         *look_lines(),
         f'if "${{outrun}} == 1" then "print \'{OUTRUN}\'" "quit 1"',
         'if "${near} == 0" then "jump SELF travel"',
-        *move_lines(),
+        *move_lines(scheme),
         "jump SELF travel",
         "label arrived",
     ]
+
+
+def _stretch_lines(scheme: SchemeName) -> list[str]:
+    """Go on by ``stretch`` steps."""
+    if scheme == "verlet":
+        return ["run $(v_stretch:%.0f) pre no post no"]
+    return ["variable goal equal $(step+v_stretch:%.0f)", *onward_lines(scheme, "goal")]
 
 
 def stretch_line(timestep: float, cycle: int) -> str:
