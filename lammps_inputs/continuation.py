@@ -19,6 +19,9 @@ RESTART_SUMS = "chains.restart.sha256"
 UNFINISHED = "chains.restart.part"
 """A restart while it is written."""
 
+_TIMED_SINCE = 20230802
+"""Earlier releases know the time since the restart only."""
+
 
 def dump_part(number: int) -> str:
     """Name of a part of the frames, counted from 1."""
@@ -84,7 +87,7 @@ def render_continuation(problem: Problem) -> str:
             *deck.output_lines(problem, "${every}", "${dump}", "${snapshots}"),
             "# no frame before the beads are where they were",
             *(f"dump_modify {dump} delay $(step)" for dump in dumps),
-            *(f'if "$(version) < {window.TIMED_SINCE}" then "dump_modify {dump} time no"' for dump in dumps),
+            *(f'if "$(version) < {_TIMED_SINCE}" then "dump_modify {dump} time no"' for dump in dumps),
         ],
         [
             "# neighbours, ranks and order of the beads are settled at rest; then the forces where they are",
@@ -118,7 +121,7 @@ def _from_rest() -> list[str]:
 
 def _window_lines(problem: Problem, rows: int) -> list[str]:
     return [
-        *window.setup_lines(rows, problem.beads, problem.spacing),
+        *window.setup_lines(rows, problem.beads, problem.spacing, problem.scheme),
         f"variable tail equal $(bound(all,xmin)/{text(problem.spacing)}:%.0f)",
     ]
 

@@ -68,7 +68,7 @@ def render_deck(problem: Problem) -> str:
             "set group all mass 1.0           # exact; the data file's density is within rounding",
         ],
         *interactions(problem),
-        motion_lines(problem, "all") if problem.window is None else window.FREE + motion_lines(problem, "free"),
+        motion_lines(problem, "all"),
     ]
     sections.append(
         [
@@ -77,7 +77,7 @@ def render_deck(problem: Problem) -> str:
         ]
     )
     if problem.window is not None:
-        sections.append(window.setup_lines(problem.window, problem.beads, problem.spacing))
+        sections.append(window.setup_lines(problem.window, problem.beads, problem.spacing, problem.scheme))
     sections.append(
         [
             *([] if problem.recorded is None else ["group recorded type 2"]),

@@ -57,6 +57,11 @@ def variable_lines(scheme: SchemeName) -> list[str]:
     ]
 
 
+def step_variable(scheme: SchemeName) -> str:
+    """The LAMMPS variable that is the length of the next Verlet step."""
+    return "timestep" if scheme == "verlet" else "verlet"
+
+
 def timestep_command(scheme: SchemeName) -> str:
     """The command before the first step."""
     return "timestep ${timestep}" if scheme == "verlet" else "timestep $(v_verlet:%.17g)"

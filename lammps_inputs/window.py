@@ -5,12 +5,15 @@ the head, with their springs. The number of the row that a bead stands for is it
 the dump. The rows in the window are those of the whole chains to the last bit, but for the few at the tail, as long as
 nothing that was left behind would have come back. The LAMMPS lines stand beside the numbers.
 
-A move needs new neighbours, which LAMMPS finds by where beads are. So they are found with the beads at rest, places
-parked in ``vy`` meanwhile; the forces come from a step in which no bead moves, for which the clock is put back.
+A move needs new neighbours, which LAMMPS finds by where beads are. So they are found with the beads at rest, their
+places parked in ``vy`` meanwhile. That loses the forces, so what these do first, the half kick that the next Verlet
+step begins with, is done before. A move therefore belongs to the step that follows, and never ends a run.
 """
 
+import itertools
+
 from lammps_inputs.numbers import text
-from lammps_inputs.scheme import SchemeName, onward_lines, timestep_command
+from lammps_inputs.scheme import SchemeName, onward_lines, step_variable
 
 LEAST_WINDOW = 64
 """Rows; at least 40 of them are behind the front."""
@@ -29,13 +32,14 @@ def block(window: int) -> int:
     return window // 4
 
 
-TIMED_SINCE = 20230802
-"""Earlier releases of LAMMPS keep the time when the number of the step is set."""
-
-
 def behind(window: int) -> int:
     """Rows behind the front that exist at the least, once the window has moved."""
     return window - block(window) - HEADROOM
+
+
+def rows_for(rows: int) -> int:
+    """Rows of the least window that has so many behind the front."""
+    return next(width for width in itertools.count(LEAST_WINDOW) if behind(width) >= rows)
 
 
 def look_steps(timestep: float, cycle: int) -> int:
@@ -43,7 +47,7 @@ def look_steps(timestep: float, cycle: int) -> int:
     return max(1, int(LOOK / timestep) // cycle) * cycle
 
 
-def setup_lines(window: int, beads: int, spacing: float) -> list[str]:
+def setup_lines(window: int, beads: int, spacing: float, scheme: SchemeName) -> list[str]:
     """Variables and groups that know where the front is; ``tail`` and ``head`` are rows."""
     return [
         "# a window that follows the pulse: rows of the tail are taken, at rest, to the head; molecule = row",
@@ -63,11 +67,8 @@ def setup_lines(window: int, beads: int, spacing: float) -> list[str]:
         f"variable place atom mol*{text(spacing)}",
         "variable parked atom x",
         "variable displaced atom vy",
-        f"variable timeless equal $(version)<{TIMED_SINCE}",
+        f"variable kicked atom vx+0.5*v_{step_variable(scheme)}*fx   # by the first half of a step",
     ]
-
-
-FREE = ["group free union all             # beads that may move"]
 
 
 def look_lines() -> list[str]:
@@ -75,9 +76,10 @@ def look_lines() -> list[str]:
     return ["group moving clear", "group moving variable moves"]
 
 
-def move_lines(scheme: SchemeName) -> list[str]:
-    """Take the last rows to the head, and find neighbours, owners and forces anew; uses the group ``free``."""
+def move_lines() -> list[str]:
+    """Take the last rows to the head, and find neighbours and owners anew; a step must follow."""
     return [
+        "set group all vx v_kicked",
         "group left clear",
         "group left variable behind",
         "set group left mol v_row",
@@ -86,19 +88,9 @@ def move_lines(scheme: SchemeName) -> list[str]:
         "variable tail equal $(v_tail+v_some)",
         "set group all vy v_parked",
         "set group all x v_place",
-        "dump_modify frames delay $(step+1)",
-        "variable before equal $(step-1)",
-        "timestep ${timestep}",
-        "reset_timestep 0",
-        "reset_timestep ${before}",
         "run 0 post no",
         "set group all x v_displaced",
         "set group all vy 0.0",
-        "group free clear",
-        'if "${timeless} == 1" then "timestep 0.0"',
-        "run 1 pre no post no",
-        "group free union all",
-        timestep_command(scheme),
     ]
 
 
@@ -108,11 +100,12 @@ def travel_lines(scheme: SchemeName) -> list[str]:
         "run 0 post no",
         "label travel",
         'if "$(v_stretch) == 0" then "jump SELF arrived"',
-        *_stretch_lines(scheme),
         *look_lines(),
         f'if "${{outrun}} == 1" then "print \'{OUTRUN}\'" "quit 1"',
-        'if "${near} == 0" then "jump SELF travel"',
-        *move_lines(scheme),
+        'if "${near} == 0" then "jump SELF stay"',
+        *move_lines(),
+        "label stay",
+        *_stretch_lines(scheme),
         "jump SELF travel",
         "label arrived",
     ]

@@ -45,16 +45,22 @@ class Travel:
             return
         look = window.look_steps(problem.timestep, scheme.cycle(problem.scheme))
         while steps > 0:
+            self._follow()
             self._run(min(look, steps))
             steps -= look
-            self._commands(window.look_lines())
-            if self._variable("outrun"):
-                raise OutrunError(window.OUTRUN)
-            if self._variable("near"):
-                before = float(motion.energy(problem, *self.state()))
-                self._commands(window.move_lines(problem.scheme))
-                self.first = int(self._variable("tail"))
-                self.left_behind += before - float(motion.energy(problem, *self.state()))
+
+    def _follow(self) -> None:
+        """Look where the front is, and move the window if need be."""
+        self._commands(window.look_lines())
+        if self._variable("outrun"):
+            raise OutrunError(window.OUTRUN)
+        if self._variable("near"):
+            x, v = self.state()
+            self._commands(window.move_lines())
+            left = int(self._variable("tail")) - self.first
+            stay = motion.energy(self._problem, x[:, left:], v[:, left:])
+            self.left_behind += float(motion.energy(self._problem, x, v)) - float(stay)
+            self.first += left
 
     def state(self, word: float = 0.0) -> tuple[Floats, Floats]:
         """Displacement and velocity of the rows that exist, [chain, row], the same on every rank.
