@@ -198,7 +198,7 @@ def waves(scene: Scene, path: Path, exact: Any, end: float) -> float:
         if abs(peak) < 0.01:
             continue
         near = [exact(t)[place] for t in (max(0.0, time - 0.3), time, min(end, time + 0.3))]
-        # speeds: a pulse towards bead 1 has a positive peak_velocity
+        # a pulse towards bead 1 has a positive peak_velocity
         worst = max(worst, abs(abs(near[1]) - peak), abs(max(near, key=abs)) - peak)
     return float(worst)
 
