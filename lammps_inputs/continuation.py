@@ -121,7 +121,7 @@ def _from_rest() -> list[str]:
 
 def _window_lines(problem: Problem, rows: int) -> list[str]:
     return [
-        *window.setup_lines(rows, problem.beads, problem.spacing),
+        *window.setup_lines(rows, problem.beads, problem.spacing, problem.scheme),
         f"variable tail equal $(bound(all,xmin)/{text(problem.spacing)}:%.0f)",
     ]
 
@@ -134,5 +134,4 @@ def onward_lines(problem: Problem) -> list[str]:
         return [scheme.timestep_command(problem.scheme), *travel]
     if problem.scheme == "verlet":
         return ["run ${steps} upto pre no"]
-    advance = scheme.advance_command(problem.scheme, "$(v_steps-step:%.0f)")
-    return [scheme.timestep_command(problem.scheme), *scheme.QUIET, advance, *scheme.LOUD]
+    return [*scheme.QUIET, *scheme.onward_lines(problem.scheme, "steps"), *scheme.LOUD]

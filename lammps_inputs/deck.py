@@ -79,7 +79,7 @@ def render_deck(problem: Problem) -> str:
         ]
     )
     if problem.window is not None:
-        sections.append(window.setup_lines(problem.window, problem.beads, problem.spacing))
+        sections.append(window.setup_lines(problem.window, problem.beads, problem.spacing, problem.scheme))
     sections.append(
         [
             *([] if problem.recorded is None else ["group recorded type 2"]),
@@ -167,10 +167,9 @@ def travel_lines(problem: Problem) -> list[str]:
     """The run from start to end."""
     if problem.window is None:
         return scheme.run_lines(problem.scheme, "${steps}")
-    advance = scheme.advance_command(problem.scheme, "$(v_stretch:%.0f)")
     travel = [
         window.stretch_line(problem.timestep, scheme.cycle(problem.scheme)),
-        *window.travel_lines(advance),
+        *window.travel_lines(problem.scheme),
     ]
     return travel if problem.scheme == "verlet" else [*scheme.QUIET, *travel, *scheme.LOUD]
 

@@ -19,7 +19,7 @@ from lammps_inputs.problem import Problem, System
 from lammps_inputs.scheme import SchemeName
 from lammps_inputs.timestep import default_timestep
 from lammps_inputs.units import Scale, hertz_constant, make_scale, sphere_mass
-from lammps_inputs.window import HEADROOM, LEAST_WINDOW
+from lammps_inputs.window import HEADROOM, LEAST_WINDOW, behind, rows_for
 
 DEFAULT_EVERY = 0.1
 """Dimensionless time between frames: 19 frames in the full width at half maximum of a solitary wave of amplitude 1."""
@@ -163,6 +163,14 @@ class BaseScene(Part):
             rows = (LEAST_WINDOW if self.window == "auto" else self.window) - HEADROOM
             if kick.bead > rows:
                 raise ValueError(f"{key}.bead: {kick.bead} is not among the first {rows} rows of the window")
+        if self.window == "auto" or self.window >= self.beads:
+            return
+        first, last = (choose(kick.bead for kick in self.kick) for choose in (min, max))
+        if last - first > behind(self.window) - HEADROOM:
+            raise ValueError(
+                f"window: {self.window} rows; those of bead {first} would be left behind when bead {last} is hit, too; "
+                f"take {rows_for(last - first + HEADROOM)} or more, or auto"
+            )
 
     def _check_numbers(self) -> None:
         """Refuse scenes whose dimensionless numbers overflow, or in which nothing happens."""

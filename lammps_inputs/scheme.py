@@ -4,6 +4,7 @@ LAMMPS knows only the Verlet step. A composition is a cycle of Verlet steps of d
 LAMMPS: the length is set anew after every step. The numbers stand beside the LAMMPS lines that mean the same.
 """
 
+import itertools
 from typing import Literal
 
 SchemeName = Literal["verlet", "suzuki4"]
@@ -44,7 +45,7 @@ def largest_phase(scheme: SchemeName) -> float:
 
 
 def variable_lines(scheme: SchemeName) -> list[str]:
-    """LAMMPS variables for `run_command`; ``timestep`` is the mean step of a cycle."""
+    """LAMMPS variables for `run_lines` and `cycle_lines`; ``timestep`` is the mean step of a cycle."""
     if scheme == "verlet":
         return []
     outer, *_ = _WEIGHTS[scheme]
@@ -56,19 +57,41 @@ def variable_lines(scheme: SchemeName) -> list[str]:
     ]
 
 
+def step_variable(scheme: SchemeName) -> str:
+    """The LAMMPS variable that is the length of the next Verlet step."""
+    return "timestep" if scheme == "verlet" else "verlet"
+
+
 def timestep_command(scheme: SchemeName) -> str:
     """The command before the first step."""
     return "timestep ${timestep}" if scheme == "verlet" else "timestep $(v_verlet:%.17g)"
 
 
-def advance_command(scheme: SchemeName, steps: str) -> str:
-    """The command that goes on by some Verlet steps (a number or a LAMMPS variable) after ``run 0``."""
-    every = "" if scheme == "verlet" else ' every 1 "timestep $(v_verlet:%.17g)"'
-    return f"run {steps} pre no post no{every}"
+def cycle_lines(scheme: SchemeName) -> list[str]:
+    """One cycle of a composition, after ``run 0``: as many runs as there are lengths in a row.
+
+    ``run N pre no every 1 ...`` would do the same in one line, but begins with a setup whatever ``pre`` says, and so
+    with new neighbours and owners of beads that are no longer where they were.
+    """
+    steps = "timestep $(v_verlet:%.17g)"
+    runs = [len(list(group)) for _, group in itertools.groupby(_WEIGHTS[scheme])]
+    return [line for number in runs for line in (steps, f"run {number} pre no post no")]
+
+
+def onward_lines(scheme: SchemeName, goal: str) -> list[str]:
+    """From between two cycles to a step (a LAMMPS variable), without the setup that a run begins with; in a file."""
+    return [
+        "label cycle",
+        f'if "$(step) >= $(v_{goal}:%.0f)" then "jump SELF whole"',
+        *cycle_lines(scheme),
+        "jump SELF cycle",
+        "label whole",
+    ]
 
 
 def run_lines(scheme: SchemeName, steps: str) -> list[str]:
-    """A whole run of some Verlet steps."""
+    """A whole run of some Verlet steps, from the start with all beads at rest where they are."""
     if scheme == "verlet":
         return [f"run {steps}"]
-    return ["run 0 post no", *QUIET, advance_command(scheme, steps), *LOUD]
+    every = f'run {steps} pre no post no every 1 "timestep $(v_verlet:%.17g)"'
+    return ["run 0 post no", *QUIET, every, *LOUD]

@@ -4,9 +4,16 @@ Nothing runs ahead of the front, and what is left far behind cannot catch up. So
 the head, with their springs. The number of the row that a bead stands for is its molecule and travels with it, into
 the dump. The rows in the window are those of the whole chains to the last bit, but for the few at the tail, as long as
 nothing that was left behind would have come back. The LAMMPS lines stand beside the numbers.
+
+A move needs new neighbours, which LAMMPS finds by where beads are. So they are found with the beads at rest, their
+places parked in ``vy`` meanwhile. That loses the forces, so what these do first, the half kick that the next Verlet
+step begins with, is done before. A move therefore belongs to the step that follows, and never ends a run.
 """
 
+import itertools
+
 from lammps_inputs.numbers import text
+from lammps_inputs.scheme import SchemeName, onward_lines, step_variable
 
 LEAST_WINDOW = 64
 """Rows; at least 40 of them are behind the front."""
@@ -30,12 +37,17 @@ def behind(window: int) -> int:
     return window - block(window) - HEADROOM
 
 
+def rows_for(rows: int) -> int:
+    """Rows of the least window that has so many behind the front."""
+    return next(width for width in itertools.count(LEAST_WINDOW) if behind(width) >= rows)
+
+
 def look_steps(timestep: float, cycle: int) -> int:
     """Steps between two looks at the front, a whole number of the scheme's cycles."""
     return max(1, int(LOOK / timestep) // cycle) * cycle
 
 
-def setup_lines(window: int, beads: int, spacing: float) -> list[str]:
+def setup_lines(window: int, beads: int, spacing: float, scheme: SchemeName) -> list[str]:
     """Variables and groups that know where the front is; ``tail`` and ``head`` are rows."""
     return [
         "# a window that follows the pulse: rows of the tail are taken, at rest, to the head; molecule = row",
@@ -53,6 +65,9 @@ def setup_lines(window: int, beads: int, spacing: float) -> list[str]:
         "group left variable behind",
         f"variable row atom mol+{window}",
         f"variable place atom mol*{text(spacing)}",
+        "variable parked atom x",
+        "variable displaced atom vy",
+        f"variable kicked atom vx+0.5*v_{step_variable(scheme)}*fx   # by the first half of a step",
     ]
 
 
@@ -62,36 +77,45 @@ def look_lines() -> list[str]:
 
 
 def move_lines() -> list[str]:
-    """Take the last rows to the head."""
+    """Take the last rows to the head, and find neighbours and owners anew; a step must follow."""
     return [
+        "set group all vx v_kicked",
         "group left clear",
         "group left variable behind",
         "set group left mol v_row",
         "set group left x v_place",
         "set group left vx 0.0",
         "variable tail equal $(v_tail+v_some)",
+        "set group all vy v_parked",
+        "set group all x v_place",
         "run 0 post no",
+        "set group all x v_displaced",
+        "set group all vy 0.0",
     ]
 
 
-def travel_lines(advance: str) -> list[str]:
-    """Go on to step ``steps`` and let the window follow; for the end of a deck.
-
-    Args:
-        advance: the command that runs ``stretch`` steps.
-    """
+def travel_lines(scheme: SchemeName) -> list[str]:
+    """Go on to step ``steps`` and let the window follow; for the end of a deck."""
     return [
         "run 0 post no",
         "label travel",
         'if "$(v_stretch) == 0" then "jump SELF arrived"',
-        advance,
         *look_lines(),
         f'if "${{outrun}} == 1" then "print \'{OUTRUN}\'" "quit 1"',
-        'if "${near} == 0" then "jump SELF travel"',
+        'if "${near} == 0" then "jump SELF stay"',
         *move_lines(),
+        "label stay",
+        *_stretch_lines(scheme),
         "jump SELF travel",
         "label arrived",
     ]
+
+
+def _stretch_lines(scheme: SchemeName) -> list[str]:
+    """Go on by ``stretch`` steps."""
+    if scheme == "verlet":
+        return ["run $(v_stretch:%.0f) pre no post no"]
+    return ["variable goal equal $(step+v_stretch:%.0f)", *onward_lines(scheme, "goal")]
 
 
 def stretch_line(timestep: float, cycle: int) -> str:

@@ -9,10 +9,11 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+from analysis import recording
 from analysis.binary_dump import BinaryDump, CutDumpWarning, NoFrameError
 from lammps_inputs import InputError, Problem, continuation, deck, library
 from workflow.engines.lammps import engine as lammps_engine
-from workflow.engines.lammps import restarts
+from workflow.engines.lammps import live_peaks, restarts
 from workflow.run import ENGINES, Progress, Run, carry_out, fingerprint, measure_error
 from workflow.run_directory import (
     OWN_FILES,
@@ -125,7 +126,8 @@ def _with_its_files(path: Path) -> tuple[RunDirectory, dict[str, Any]]:
     result = begun(path)
     record = result.record
     expected = [deck.SCENE, *([deck.DECK, deck.DATA] if record["engine"] == "lammps" else [])]
-    files = {name: (path / name).read_text(encoding="utf-8") for name in expected if (path / name).is_file()}
+    # what is no text is not what was written either
+    files = {name: (path / name).read_text("utf-8", "replace") for name in expected if (path / name).is_file()}
     missing = [name for name in expected if name not in files]
     if missing and "scene" in record:  # killed before all were there
         rendered = deck.render(library.from_plain(record["scene"], str(path / RECORD)))
@@ -148,9 +150,9 @@ def _next_part(result: RunDirectory, record: dict[str, Any]) -> tuple[int, int]:
     path = result.path
     step = restarts.step_of(path / continuation.RESTART) if restarts.intact(path / continuation.RESTART) else None
     version = importlib.metadata.version("lammps")
-    if result.problem.peaks and not (path / deck.PEAKS_STATE).is_file():
-        return 1, 0
     if not step or record.get("versions", {}).get("lammps") != version or not _hold_all(path, result.problem, step):
+        return 1, 0
+    if result.problem.peaks and not live_peaks.usable(path / deck.PEAKS_STATE, result.problem, step):
         return 1, 0
     _tidy(path)
     return max(part_number(file) for file in all_parts(path)) + 1, step
@@ -158,23 +160,31 @@ def _next_part(result: RunDirectory, record: dict[str, Any]) -> tuple[int, int]:
 
 def _hold_all(path: Path, problem: Problem, step: int) -> bool:
     """Whether all frames until a step are there, and all snapshots."""
-    every = problem.steps_per_frame
-    frames = _hold(parts(path), every, step)
+    frames = _hold(parts(path), problem, step)
     if problem.frames_per_snapshot is None:
         return frames
-    return frames and _hold(parts(path, "snapshots"), every * problem.frames_per_snapshot, step)
+    return frames and _hold(parts(path, "snapshots"), problem.snapshots(), step)
 
 
-def _hold(files: list[Path], every: int, step: int) -> bool:
+def _hold(files: list[Path], problem: Problem, step: int) -> bool:
     found: set[int] = set()
-    for file in files:
-        try:
-            found.update(_index(file).steps.tolist())
-        except NoFrameError:
-            continue
-        except InputError:  # damaged
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", CutDumpWarning)
+        for file in files:
+            try:
+                found.update(BinaryDump(file).steps.tolist())
+            except NoFrameError:
+                continue
+            except InputError:  # damaged
+                return False
+        if not found.issuperset(range(0, step + 1, problem.steps_per_frame)):
             return False
-    return found.issuperset(range(0, step + 1, every))
+        try:
+            for _ in recording.blocks(files, problem):  # whether each frame holds its beads
+                pass
+        except InputError:
+            return False
+    return True
 
 
 def _tidy(path: Path) -> None:

@@ -371,3 +371,38 @@ def test_a_damaged_restart_is_not_gone_on_with(tmp_path):
     assert restarts.intact(restart)
     restart.write_bytes(b"whale")
     assert not restarts.intact(restart)
+
+
+@pytest.mark.parametrize("damage", ["junk", "another byte"])
+def test_with_damaged_peaks_a_run_starts_again(damage, tmp_path):
+    one = a_scene(recorded=(3, 7))
+    one = one.model_copy(update={"output": one.output.model_copy(update={"peaks": True})})
+    run(one, tmp_path / "whole", check=False)
+    path = interrupted_after(2000, one, tmp_path / "cut").path / deck.PEAKS_STATE
+    raw = bytearray(path.read_bytes())
+    raw[len(raw) // 3] ^= 1
+    path.write_bytes(bytes(raw) if damage == "another byte" else b"junk")
+    again = resume(tmp_path / "cut", check=False)
+    assert again.directory.record["resumed"][-1]["from_step"] == 0
+    assert (tmp_path / "cut" / deck.PEAKS).read_bytes() == (tmp_path / "whole" / deck.PEAKS).read_bytes()
+
+
+def test_with_another_atom_in_a_frame_a_run_starts_again(tmp_path):
+    dump = interrupted_after(2000, a_scene(), tmp_path / "cut").dump
+    raw = bytearray(dump.read_bytes())
+    where = raw.rindex(np.float64(5.0).tobytes())
+    raw[where : where + 8] = np.float64(6.0).tobytes()
+    dump.write_bytes(bytes(raw))
+    again = resume(tmp_path / "cut", check=False)
+    assert again.outcome == "done"
+    assert again.directory.record["resumed"][-1]["from_step"] == 0
+
+
+@pytest.mark.parametrize("name", [deck.DECK, deck.DATA])
+def test_a_deck_that_is_no_text_is_answered_in_a_line(name, tmp_path, capsys):
+    interrupted_after(2000, a_scene(), tmp_path / "cut")
+    (tmp_path / "cut" / name).write_bytes(b"\xff\xfe junk")
+    assert main(["run", "--resume", str(tmp_path / "cut")]) == 2
+    said = capsys.readouterr().err.strip()
+    assert "\n" not in said
+    assert "--overwrite" in said

@@ -98,11 +98,15 @@ def _refuse_if_queued(directory: Path, listed: list[str], known: queue.Queue | N
 
 
 def _write_case(what: Sweep, case: Case, path: Path) -> Problem:
-    """The deck of a case, unless it is there, and what a job needs beside it; a restart there is gone on from."""
+    """The deck of a case, unless it is there whole, and what a job needs beside it; a restart is gone on from."""
     scene = scene_of(what, case)
     if not all((path / name).is_file() for name in (deck.SCENE, deck.DECK, deck.DATA)):
         _write_deck(path, what, case, scene)
-    problem = load(path / deck.SCENE).problem()
+    written = load(path / deck.SCENE)
+    problem = written.problem()
+    for name, text in deck.render(written).items():
+        if (path / name).read_bytes() != text.encode("utf-8"):  # damaged
+            write_text(path / name, text)
     for name in (RECORD, *ANALYSIS_FILES):  # of a run that did not come to its end here
         (path / name).unlink(missing_ok=True)
     for name, text in job.case_files(problem).items():

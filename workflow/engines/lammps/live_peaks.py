@@ -1,6 +1,8 @@
 """The leading pulse at every bead, found while LAMMPS runs: for chains whose frames nobody could keep."""
 
 import io
+import zipfile
+import zlib
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -14,6 +16,19 @@ from analysis.waves import leading_waves, to_csv, usual_arrival
 from lammps_inputs import Problem, deck
 from workflow.engines.lammps.restarts import write_whole
 from workflow.engines.lammps.travel import Travel
+
+
+def usable(path: Path, problem: Problem, step: int) -> bool:
+    """Whether a file holds, undamaged, what was found until a step or later."""
+    try:
+        with zipfile.ZipFile(path) as file:
+            if file.testzip() is not None:
+                return False
+        with np.load(path, allow_pickle=False) as state:
+            PeakFinder().resumed(replace(problem, recorded=None), state)
+            return round(float(state["time"][-1]) / problem.timestep) >= step - step % problem.steps_per_frame
+    except (OSError, ValueError, LookupError, EOFError, NotImplementedError, zipfile.BadZipFile, zlib.error):
+        return False
 
 
 class LivePeaks:

@@ -41,20 +41,26 @@ class Travel:
         """
         problem = self._problem
         if problem.window is None:
-            self._lmp.command(scheme.advance_command(problem.scheme, str(steps)))
+            self._run(steps)
             return
         look = window.look_steps(problem.timestep, scheme.cycle(problem.scheme))
         while steps > 0:
-            self._lmp.command(scheme.advance_command(problem.scheme, str(min(look, steps))))
+            self._follow()
+            self._run(min(look, steps))
             steps -= look
-            self._commands(window.look_lines())
-            if self._variable("outrun"):
-                raise OutrunError(window.OUTRUN)
-            if self._variable("near"):
-                before = float(motion.energy(problem, *self.state(), self.first))
-                self._commands(window.move_lines())
-                self.first = int(self._variable("tail"))
-                self.left_behind += before - float(motion.energy(problem, *self.state(), self.first))
+
+    def _follow(self) -> None:
+        """Look where the front is, and move the window if need be."""
+        self._commands(window.look_lines())
+        if self._variable("outrun"):
+            raise OutrunError(window.OUTRUN)
+        if self._variable("near"):
+            x, v = self.state()
+            self._commands(window.move_lines())
+            left = int(self._variable("tail")) - self.first
+            stay = motion.energy(self._problem, x[:, left:], v[:, left:], self.first + left)
+            self.left_behind += float(motion.energy(self._problem, x, v, self.first)) - float(stay)
+            self.first += left
 
     def state(self, word: float = 0.0) -> tuple[Floats, Floats]:
         """Displacement and velocity of the rows that exist, [chain, row], the same on every rank.
@@ -74,6 +80,14 @@ class Travel:
             place = (row - 1) % problem.rows
             x, v = x[:, place], v[:, place]
         return x - row * problem.spacing, v
+
+    def _run(self, steps: int) -> None:
+        if self._problem.scheme == "verlet":
+            self._lmp.command(f"run {steps} pre no post no")
+            return
+        lines = scheme.cycle_lines(self._problem.scheme)
+        for _ in range(steps // scheme.cycle(self._problem.scheme)):
+            self._commands(lines)
 
     def _commands(self, lines: list[str]) -> None:
         for line in lines:
