@@ -13,6 +13,8 @@ from workflow.analyse import analyse
 from workflow.cli import main
 from workflow.run import run
 
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
 COLUMNS = ["chain", "bead", "arrival", "peak_velocity", "speed", "lag", "width", "residual"]
 COLUMNS += ["chain_energy", "wave_energy"]
 

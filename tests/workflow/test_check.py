@@ -17,6 +17,8 @@ from workflow.engines.reference.certify import certified
 from workflow.run import run
 from workflow.run_directory import RunDirectory
 
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
 SCENE = scene(chains=2, beads=40, kappa=0.1, duration=40.0)
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from processes import wait_until, working_in
+from processes import HANGS, wait_until, working_in
 from stock_lammps import scene
 
 from analysis.binary_dump import CutDumpWarning
@@ -47,16 +47,16 @@ class Command:
     def reach(self, file, size):
         """Wait until a file of the run has a size."""
         path = self.run / file
-        assert wait_until(lambda: path.exists() and path.stat().st_size >= size)
+        assert wait_until(lambda: path.exists() and path.stat().st_size >= size, self.process)
 
     def end(self, number):
         """Send a signal to all that a terminal would send it to, and return code, output and complaints."""
         os.killpg(self.process.pid, number)
-        out, err = self.process.communicate(timeout=20)
+        out, err = self.process.communicate(timeout=HANGS)
         return self.process.returncode, out, err
 
     def nothing_is_left(self):
-        return wait_until(lambda: not working_in(self.run), 5.0)
+        return wait_until(lambda: not working_in(self.run))
 
 
 @pytest.fixture
@@ -136,7 +136,7 @@ def test_a_killed_worker_and_its_run_leave_whole_frames(start, whole):
     command.reach("chains.dump.bin", 200_000)
     for process in working_in(command.run):
         os.kill(process, signal.SIGKILL)
-    out, err = command.process.communicate(timeout=20)
+    out, err = command.process.communicate(timeout=HANGS)
     assert (command.process.returncode, out) == (1, "")
     assert err.startswith("granchain: LAMMPS was killed by signal SIGKILL after step ")
     assert err.count("\n") == 1
@@ -187,7 +187,7 @@ def test_ctrl_c_before_anything_is_written_is_one_line(tmp_path):
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     with slow.open("w"):  # waits for the reader
         process.send_signal(signal.SIGINT)
-        out, err = process.communicate(timeout=20)
+        out, err = process.communicate(timeout=HANGS)
     assert (process.returncode, out, err) == (130, "", "granchain: interrupted\n")
     assert not (tmp_path / "run").exists()
 
@@ -201,6 +201,6 @@ def test_a_batch_systems_sigterm_ends_a_run_like_ctrl_c(tmp_path):
         while process.poll() is None and not (dump.exists() and dump.stat().st_size > 50_000):
             time.sleep(0.02)
         process.terminate()
-        process.wait(30)
+        process.wait(HANGS)
     assert process.returncode == 1
     assert json.loads((tmp_path / "r" / "run.json").read_text())["outcome"] == "interrupted"

@@ -20,6 +20,8 @@ from workflow.run import run
 from workflow.run_directory import RunDirectory
 from workflow.settings import settle, with_settings
 
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
 PAPER = ("two-chains", "two-chains-strong", "three-chains")
 
 

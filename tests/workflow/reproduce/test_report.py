@@ -7,6 +7,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from processes import HANGS
 
 from workflow.cli import main
 from workflow.reproduce.page import Section, Statement, render
@@ -73,7 +74,7 @@ def test_the_page_opens_in_a_browser_without_errors(report: Path, tmp_path: Path
         ],
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=HANGS,
         check=True,
     )
     assert "Section 2" in found.stdout
