@@ -1,6 +1,8 @@
 """Jobs that ``granchain deck --slurm`` writes, under a real Slurm with real MPI ranks."""
 
+import dataclasses
 import os
+import shutil
 import signal
 import subprocess
 
@@ -20,8 +22,8 @@ from workflow.status import status, statuses
 pytest_plugins = ("slurm",)
 
 SHORT = scene(chains=3, beads=31, kappa=0.1, duration=60.0, every=0.5)
-LONG = scene(chains=5, beads=61, kappa=0.1, duration=24000.0, every=10.0)
-"""Some ten seconds on one core."""
+LONG = scene(chains=5, beads=61, kappa=0.1, duration=10000.0, every=10.0)
+"""Some four seconds on one core."""
 
 ENDLESS = scene(chains=2, beads=60, kappa=0.1, duration=1e6, every=100.0)
 
@@ -81,8 +83,16 @@ def test_a_job_cut_by_its_time_limit_submits_itself_and_ends_bit_for_bit_as_one_
     (tmp_path / "whole").mkdir()
     deck.write(LONG, tmp_path / "whole")
     whole = subprocess.Popen([WHEEL, "-in", deck.DECK, "-screen", "none"], cwd=tmp_path / "whole")
-    directory = written(LONG, tmp_path / "job", ranks_per_node=1, time="00:01:00", margin=54)
-    cluster.submit(directory)
+    directory = written(LONG, tmp_path / "job", ranks_per_node=1, time="00:30:00", margin=54)
+    # a clock that stands still, a second before the limit of the first job and an hour before that of the next
+    clock = tmp_path / "clock" / "date"
+    clock.parent.mkdir()
+    left = "$((SLURM_JOB_END_TIME - 54 - $([ -e chains.restart ] && echo 3600 || echo 1)))"
+    clock.write_text(f'#!/bin/sh\n[ "$*" != +%s ] || exec echo {left}\nexec {shutil.which("date")} "$@"\n')
+    clock.chmod(0o755)
+    path = f"{clock.parent}:{cluster.environment['PATH']}"
+    environment = {**cluster.environment, "PATH": path, "SLURM_JOB_END_TIME": "4000000000"}
+    dataclasses.replace(cluster, environment=environment).submit(directory)
     cluster.wait()
     assert whole.wait(HANGS) == 0
     assert told(directory).state == "done", (directory / job.OUTPUT).read_text()
