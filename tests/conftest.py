@@ -1,6 +1,7 @@
 """Settings of all tests, and a quick way to run LAMMPS in them."""
 
 import os
+import signal
 from collections.abc import Iterator
 
 import pytest
@@ -13,10 +14,14 @@ from workflow.engines.lammps import engine
 settings.register_profile(
     "granchain",
     deadline=None,
+    max_examples=100 if os.environ.get("CI") else 50,
     suppress_health_check=[HealthCheck.too_slow],
     derandomize=bool(os.environ.get("CI")),  # chance finds are for those who can look into them
 )
 settings.load_profile("granchain")
+
+if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:  # of a suite in the background; commands would inherit it
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(scope="module")
