@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-HANGS = 300.0
+HANGS = 1800.0
 """Seconds after which something hangs, however busy the machine is: no claim is about them."""
 
 
