@@ -8,7 +8,6 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 import numpy as np
-from scipy.signal import savgol_coeffs, savgol_filter
 
 from analysis.trajectory import Floats, Trajectory, joined
 
@@ -44,7 +43,11 @@ def window_frames(every: float) -> int:
 def left_by_smoothing(noise: float, every: float) -> float:
     """Standard deviation of the noise that smoothing leaves, in units of V."""
     frames = window_frames(every)
-    return noise * (1.0 if frames == 1 else float(np.sqrt(savgol_coeffs(frames, DEGREE)[frames // 2])))
+    if noise == 0.0 or frames == 1:
+        return noise
+    from scipy.signal import savgol_coeffs  # a second to load, and few records have noise
+
+    return noise * float(np.sqrt(savgol_coeffs(frames, DEGREE)[frames // 2]))
 
 
 def smoothed(blocks: Iterable[Trajectory], every: float) -> Iterator[Trajectory]:
@@ -78,6 +81,8 @@ def _filtered(frames: Trajectory, window: int) -> Trajectory:
 
 def _smooth(values: Floats, window: int) -> Floats:
     """Fitted values [frame, ...]; half a window at either end from a straight line, the least noisy there."""
+    from scipy.signal import savgol_filter
+
     half = window // 2
     result: Floats = savgol_filter(values, window, DEGREE, axis=0)
     base = np.stack([np.ones(window), np.arange(window) - half], axis=1)

@@ -29,8 +29,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import make_interp_spline
-from scipy.optimize import brentq
 
 Floats = NDArray[np.float64]
 
@@ -148,6 +146,10 @@ def fixed_point(exponent: float, period: float, points_per_bead: int) -> tuple[F
 @lru_cache(maxsize=64)
 def _solved(exponent: float) -> SolitaryWave:
     """Refine the grid until it holds the whole wave; then normalise, interpolate and integrate."""
+    # most of what imports this module asks for no wave, and they take as long as all else together
+    from scipy.interpolate import make_interp_spline
+    from scipy.optimize import brentq
+
     period, per_bead = 16, 16
     while True:
         overlap, squared_speed = fixed_point(exponent, period, per_bead)

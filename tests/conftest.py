@@ -1,19 +1,32 @@
-"""Settings of all tests."""
+"""Settings of all tests, and a quick way to run LAMMPS in them."""
 
 import os
 import signal
+from collections.abc import Iterator
 
+import pytest
 from hypothesis import HealthCheck, settings
+from lammps_here import run
+
+from workflow.engines.lammps import engine
 
 # a busy machine is no failure
 settings.register_profile(
     "granchain",
     deadline=None,
+    max_examples=100 if os.environ.get("CI") else 50,
     suppress_health_check=[HealthCheck.too_slow],
     derandomize=bool(os.environ.get("CI")),  # chance finds are for those who can look into them
 )
 settings.load_profile("granchain")
 
-# a shell starts what runs in its background with Ctrl-C ignored, and so would be all that the tests start
-if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:  # of a suite in the background; commands would inherit it
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+@pytest.fixture(scope="module")
+def lammps_here() -> Iterator[None]:
+    """Runs of LAMMPS on one rank take place in this process, for tests whose claim is not about one of its own."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(engine, "run", run)
+        yield

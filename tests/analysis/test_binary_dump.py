@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from processes import HANGS
 
 from analysis import trajectory
 from analysis.binary_dump import BinaryDump, CutDumpWarning, NoFrameError
@@ -41,7 +42,7 @@ def run_lammps(directory: Path, scene: Scene, *, ranks: int = 1, extra: str = ""
 
 def lmp(directory: Path, script: str, ranks: int = 1) -> Path:
     parallel = [] if ranks == 1 else [BIN / "mpiexec", "-n", str(ranks)]
-    subprocess.run([*parallel, BIN / "lmp", "-in", script, "-screen", "none"], cwd=directory, check=True, timeout=60)
+    subprocess.run([*parallel, BIN / "lmp", "-in", script, "-screen", "none"], cwd=directory, check=True, timeout=HANGS)
     return directory / deck.DUMP
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from MDAnalysis.analysis.base import AnalysisFromFunction
 from MDAnalysis.coordinates.LAMMPS import DumpReader
+from processes import HANGS
 
 import analysis.mdanalysis_formats as formats
 from analysis import trajectory
@@ -40,7 +41,7 @@ def run_lammps(directory: Path, scene: Scene) -> Path:
     also = f"dump text all custom ${{every}} {TEXT} id x y z vx\ndump_modify text format float %.17g\n"
     (directory / deck.DECK).write_text(text.replace("thermo_style", f"{also}thermo_style", 1))
     command = [BIN / "mpiexec", "-n", "2", BIN / "lmp", "-in", deck.DECK, "-screen", "none"]
-    subprocess.run(command, cwd=directory, check=True, timeout=60)
+    subprocess.run(command, cwd=directory, check=True, timeout=HANGS)
     return directory
 
 
@@ -157,7 +158,7 @@ def test_a_sheared_box_has_the_lengths_and_angles_that_the_stock_reader_finds(tm
         "pair_style zero 1.0\npair_coeff * *\n"
         f"dump t all custom 1 {TEXT} id x y z vx vy vz\ndump b all custom 1 {deck.DUMP} id x y z vx vy vz\nrun 1\n"
     )
-    subprocess.run([BIN / "lmp", "-in", "in", "-screen", "none"], cwd=tmp_path, check=True, timeout=60)
+    subprocess.run([BIN / "lmp", "-in", "in", "-screen", "none"], cwd=tmp_path, check=True, timeout=HANGS)
     stock = DumpReader(tmp_path / TEXT, dt=1.0)
     ours = formats.BinaryDumpReader(tmp_path / deck.DUMP)
     np.testing.assert_allclose(ours[1].dimensions, stock[1].dimensions, rtol=1e-6)

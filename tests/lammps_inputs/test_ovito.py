@@ -5,6 +5,7 @@ import subprocess
 
 import numpy as np
 import pytest
+from processes import HANGS
 from stock_lammps import WHEEL, scene
 
 from analysis.binary_dump import BinaryDump
@@ -39,8 +40,8 @@ COLUMNS = {
 def test_ovito_reads_data_file_and_binary_dump_as_we_do(window, tmp_path):
     case = scene(chains=2, beads=80, kappa=0.1, duration=100.0, every=1.0, timestep=0.02, window=window)
     deck.write(case, tmp_path)
-    subprocess.run([WHEEL, "-in", deck.DECK, "-screen", "none", "-nocite"], cwd=tmp_path, check=True, timeout=60)
-    subprocess.run([PYTHON, "-c", READ, COLUMNS[window]], cwd=tmp_path, check=True, timeout=120)
+    subprocess.run([WHEEL, "-in", deck.DECK, "-screen", "none", "-nocite"], cwd=tmp_path, check=True, timeout=HANGS)
+    subprocess.run([PYTHON, "-c", READ, COLUMNS[window]], cwd=tmp_path, check=True, timeout=HANGS)
     seen, dump = np.load(tmp_path / "ovito.npz"), BinaryDump(tmp_path / deck.DUMP)
     rows = window or 80
     assert (int(seen["beads"]), int(seen["bonds"]), int(seen["frames"])) == (2 * rows, rows, dump.n_frames)

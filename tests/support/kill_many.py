@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from processes import wait_until, working_in
+from processes import HANGS, wait_until, working_in
 from stock_lammps import scene
 
 from analysis.binary_dump import BinaryDump
@@ -49,7 +49,7 @@ class Tally:
 def command(*words: object) -> "subprocess.Popen[str]":
     """``granchain run`` in a session of its own."""
     return subprocess.Popen(
-        [GRANCHAIN, "run", *(str(word) for word in words), "--no-check", "--restart-every", "0.1"],
+        [GRANCHAIN, "run", *(str(word) for word in words), "--no-check", "--restart-every", "0"],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -81,7 +81,7 @@ def struck(process: "subprocess.Popen[str]", directory: Path, aim: str, chance: 
         kill(process.pid)
         for pid in workers if aim == "all" else []:
             kill(pid)
-    process.wait(30)
+    process.wait(HANGS)
     return True
 
 
@@ -110,15 +110,15 @@ def size(directory: Path) -> int:
     return sum(path.stat().st_size for path in directory.glob("chains.dump*.bin"))
 
 
-def computes(process: "subprocess.Popen[str]", directory: Path) -> None:
-    """Wait until a command writes frames, or has ended."""
+def computes(process: "subprocess.Popen[str]", directory: Path, share: float, one: Scene) -> None:
+    """Wait until a command has added a share of all frames, or has ended."""
+    problem = one.problem()
+    some = 24.0 * problem.chains * len(problem.recorded_beads) * problem.frames * share
     before = size(directory)
-    wait_until(lambda: process.poll() is not None or size(directory) != before, 30.0)
+    wait_until(lambda: size(directory) > before + some, process)
 
 
-def until_done(
-    directory: Path, one: Scene, ranks: int, tally: Tally, chance: random.Random, *, kills: int, longest: float
-) -> None:
+def until_done(directory: Path, one: Scene, ranks: int, tally: Tally, chance: random.Random, *, kills: int) -> None:
     """Run a scene to its end, and kill it on the way."""
     scene_file = directory.with_suffix(".yaml")
     scene_file.write_text(strict_yaml.dump(one.plain()))
@@ -131,17 +131,18 @@ def until_done(
         process = command(*words)
         try:
             if left:
-                if chance.random() < 0.75:  # else it may hit the command while it still sets up
-                    computes(process, directory)
-                time.sleep(chance.uniform(0.0, longest))
+                if chance.random() < 0.75:
+                    computes(process, directory, chance.random(), one)
+                else:  # it may hit the command while it still sets up
+                    time.sleep(chance.uniform(0.0, 0.5))
                 hit = struck(process, directory, chance.choice(AIMS), chance)
                 tally.kills += hit
                 left -= hit
                 # a command that was killed alone leaves processes that see it, and end by themselves
-                assert wait_until(lambda: not working_in(directory), 20.0)
+                assert wait_until(lambda: not working_in(directory))
                 process.communicate()
             else:
-                _, err = process.communicate(timeout=120)
+                _, err = process.communicate(timeout=HANGS)
                 assert process.returncode == 0, err
         finally:
             end(process, directory)
@@ -154,14 +155,14 @@ def main(kills: int, seed: int) -> int:
     with tempfile.TemporaryDirectory() as work:
         whole = {}
         for name, (one, ranks) in SCENES.items():
-            until_done(Path(work) / name, one, ranks, Tally(), chance, kills=0, longest=0.0)
+            until_done(Path(work) / name, one, ranks, Tally(), chance, kills=0)
             whole[name] = frames(Path(work) / name)
         names = [name for name in SCENES if SCENES[name][1] <= mpi.cores()]
         while tally.kills < kills:
             name = names[tally.runs % len(names)]
             directory = Path(work) / f"{tally.runs}"
             few = min(chance.randint(1, 8), kills - tally.kills)
-            until_done(directory, *SCENES[name], tally, chance, kills=few, longest=1.5)
+            until_done(directory, *SCENES[name], tally, chance, kills=few)
             same = np.array_equal(frames(directory), whole[name])
             wrong += not same
             again = json.loads((directory / "run.json").read_text()).get("resumed", [])

@@ -9,6 +9,9 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+HANGS = 1800.0
+"""Seconds after which something hangs, however busy the machine is: no claim is about them."""
+
 
 @contextlib.contextmanager
 def started(command: Sequence[object], **options: Any) -> Iterator[subprocess.Popen[str]]:
@@ -38,11 +41,11 @@ def working_in(directory: Path) -> list[int]:
     return found
 
 
-def wait_until(condition: Callable[[], object], seconds: float = 20.0) -> bool:
-    """Whether a condition came true in time."""
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        if condition():
-            return True
-        time.sleep(0.005)
-    return bool(condition())
+def wait_until(condition: Callable[[], object], process: "subprocess.Popen[Any] | None" = None) -> bool:
+    """Whether a condition came true; where a process is to make it true, it is not waited for after its end."""
+    end = time.monotonic() + HANGS
+    while not condition():
+        if time.monotonic() > end or (process is not None and process.poll() is not None):
+            return bool(condition())
+        time.sleep(0.02)
+    return True

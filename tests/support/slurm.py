@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from processes import wait_until
+from processes import HANGS, wait_until
 
 DAEMONS = ("munged", "slurmctld", "slurmd")
 _PATH = f"{os.environ.get('PATH', '')}:/usr/sbin:/usr/bin"
@@ -33,7 +33,7 @@ class Slurm:
     def call(self, *words: object, cwd: Path | None = None) -> str:
         """Output of one of Slurm's commands."""
         done = subprocess.run(
-            [str(word) for word in words], cwd=cwd, env=self.environment, capture_output=True, text=True, timeout=60
+            [str(word) for word in words], cwd=cwd, env=self.environment, capture_output=True, text=True, timeout=HANGS
         )
         assert done.returncode == 0, done.stdout + done.stderr
         return done.stdout
@@ -46,9 +46,9 @@ class Slurm:
         """Jobs and tasks that wait or run."""
         return self.call("squeue", "-h", "-r", "-o", "%i %t").splitlines()
 
-    def wait(self, seconds: float = 60.0) -> None:
+    def wait(self) -> None:
         """Wait until all jobs have ended, also those that jobs submit."""
-        assert wait_until(lambda: time.sleep(0.1) or not self.queue(), seconds), self.queue()
+        assert wait_until(lambda: not self.queue()), self.queue()
 
 
 def missing() -> str | None:
@@ -80,7 +80,7 @@ def slurm() -> Iterator[Slurm]:
             process.terminate()
         for process in processes:
             try:
-                process.wait(20)
+                process.wait(HANGS)
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.wait()
@@ -149,11 +149,10 @@ PartitionName=main Nodes=ALL Default=YES MaxTime=INFINITE State=UP
     running = Slurm(environment)
 
     def idle() -> bool:
-        time.sleep(0.1)
         done = subprocess.run(["sinfo", "-h", "-o", "%t"], env=environment, capture_output=True, text=True)
         return done.stdout.strip() == "idle"
 
-    assert wait_until(idle, 30.0), (home / "log").read_text()[-3000:]
+    assert wait_until(idle), (home / "log").read_text()[-3000:]
     return running
 
 

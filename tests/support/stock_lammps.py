@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from processes import HANGS
 
 from analysis.binary_dump import BinaryDump
 from lammps_inputs import Coupling, Kick, Output, Problem, Scene, deck
@@ -92,7 +93,7 @@ def run(
     path.write_text(text.replace("\nrun ", f"\n{before_run}\nrun "))
     launcher = [MPIEXEC, "-n", ranks] if ranks > 1 else []
     words = [*launcher, executable, "-in", deck.DECK, "-log", deck.LOG, "-nocite", *options]
-    done = subprocess.run([str(word) for word in words], cwd=directory, capture_output=True, text=True, timeout=60)
+    done = subprocess.run([str(word) for word in words], cwd=directory, capture_output=True, text=True, timeout=HANGS)
     assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
     values = BinaryDump(directory / deck.DUMP).read()
     return Run(

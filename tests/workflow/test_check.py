@@ -22,6 +22,8 @@ from workflow.run import run
 from workflow.run_directory import RunDirectory
 from workflow.settings import better_timestep
 
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
 SCENE = scene(chains=2, beads=40, kappa=0.1, duration=40.0)
 
 

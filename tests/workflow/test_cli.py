@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from bad_scenes import BAD_SCENES, scene_text
+from processes import HANGS
 from stock_lammps import scene
 
 from lammps_inputs import library, strict_yaml
@@ -361,7 +362,7 @@ def test_show_fills_in_every_default(tmp_path, capsys):
 def test_a_reader_that_has_gone_away_leaves_no_traceback(arguments):
     reading, writing = os.pipe()
     os.close(reading)
-    done = subprocess.run([GRANCHAIN, *arguments], stdout=writing, stderr=subprocess.PIPE, text=True, timeout=60)
+    done = subprocess.run([GRANCHAIN, *arguments], stdout=writing, stderr=subprocess.PIPE, text=True, timeout=HANGS)
     os.close(writing)
     assert done.stderr.count("\n") <= 1
     assert "Traceback" not in done.stderr

@@ -12,6 +12,8 @@ from workflow import compare as comparing
 from workflow.cli import main
 from workflow.run_directory import RunDirectory
 
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
 
 @pytest.fixture(scope="module")
 def found(tmp_path_factory):

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import wrong_runs
-from processes import started, wait_until
+from processes import HANGS, started, wait_until
 from stock_lammps import scene
 
 from lammps_inputs import InputError
@@ -29,6 +29,8 @@ from workflow.extremes.judge import judge
 from workflow.extremes.outcome import KINDS, Outcome, Told, Truth, classify
 from workflow.instants import stride
 from workflow.run import run
+
+pytestmark = pytest.mark.usefixtures("lammps_here")
 
 SHORT = changed(BASE, beads=8, duration=5.0)
 
@@ -296,9 +298,9 @@ def test_ctrl_c_keeps_what_is_done_and_leaves_nothing_behind(tmp_path):
     work.mkdir()
     command = [sys.executable, "-m", "workflow.cli", "extremes", "-o", out]
     with started(command, env={**os.environ, "TMPDIR": str(work)}) as process:
-        assert wait_until(lambda: list(work.glob("granchain-extremes-*/run/chains.dump.bin")), 30.0)
+        assert wait_until(lambda: list(work.glob("granchain-extremes-*/run/chains.dump.bin")), process)
         os.killpg(process.pid, signal.SIGINT)
-        _, complaints = process.communicate(timeout=30)
+        _, complaints = process.communicate(timeout=HANGS)
     assert process.returncode == 130
     assert complaints == "granchain: interrupted\n"
     assert list(work.iterdir()) == []

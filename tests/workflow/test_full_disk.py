@@ -25,7 +25,7 @@ RANKS = [1, pytest.param(2, marks=pytest.mark.skipif(mpi.cores() < 2, reason="ne
 DENSE = scene(chains=2, beads=30, kappa=0.1, duration=250.0, every=0.1)
 """3.9 MB of frames."""
 
-SPARSE = scene(chains=3, beads=40, kappa=0.1, duration=4000.0, every=4000.0)
+SPARSE = scene(chains=3, beads=40, kappa=0.1, duration=2000.0, every=2000.0)
 """Two frames; a restart takes 25 kB, and the run some seconds."""
 
 
@@ -93,8 +93,13 @@ def test_frames_that_fill_the_disk_are_kept_and_gone_on_with(ranks, disk, tmp_pa
     assert result.directory.record["results"] == whole.record["results"]
 
 
+@pytest.fixture(scope="module")
+def whole_sparse(tmp_path_factory):
+    return run(SPARSE, tmp_path_factory.mktemp("sparse") / "whole", check=False).directory
+
+
 @pytest.mark.parametrize("ranks", RANKS)
-def test_a_restart_that_does_not_fit_leaves_the_one_before(ranks, disk, tmp_path):
+def test_a_restart_that_does_not_fit_leaves_the_one_before(ranks, disk, whole_sparse):
     directory = disk.path / "run"
 
     def fill(*_):
@@ -113,8 +118,7 @@ def test_a_restart_that_does_not_fit_leaves_the_one_before(ranks, disk, tmp_path
     result = resume(directory, check=False, ranks=1)
     assert result.directory.record["resumed"][0]["from_step"] >= seen[0]
     assert "reason" not in result.directory.record
-    whole = run(SPARSE, tmp_path / "whole", check=False).directory
-    assert result.directory.record["results"] == whole.record["results"]
+    assert result.directory.record["results"] == whole_sparse.record["results"]
 
 
 @pytest.mark.parametrize("begun", [0, 7, 10])

@@ -12,6 +12,8 @@ from workflow.engines.collisions.first_row import gap_of_eq_5, theta
 from workflow.engines.reference import engine
 from workflow.run import run
 
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
 VERLET_ERROR = 1.5e-5
 """Of velocities at the default step after a way of 120 beads."""
 

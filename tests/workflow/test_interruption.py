@@ -5,13 +5,12 @@ import os
 import signal
 import subprocess
 import sys
-import time
 import warnings
 from pathlib import Path
 
 import numpy as np
 import pytest
-from processes import started, wait_until, working_in
+from processes import HANGS, started, wait_until, working_in
 from stock_lammps import scene
 
 from analysis.binary_dump import CutDumpWarning
@@ -47,16 +46,16 @@ class Command:
     def reach(self, file, size):
         """Wait until a file of the run has a size."""
         path = self.run / file
-        assert wait_until(lambda: path.exists() and path.stat().st_size >= size)
+        assert wait_until(lambda: path.exists() and path.stat().st_size >= size, self.process)
 
     def end(self, number):
         """Send a signal to all that a terminal would send it to, and return code, output and complaints."""
         os.killpg(self.process.pid, number)
-        out, err = self.process.communicate(timeout=20)
+        out, err = self.process.communicate(timeout=HANGS)
         return self.process.returncode, out, err
 
     def nothing_is_left(self):
-        return wait_until(lambda: not working_in(self.run), 5.0)
+        return wait_until(lambda: not working_in(self.run))
 
 
 @pytest.fixture
@@ -136,7 +135,7 @@ def test_a_killed_worker_and_its_run_leave_whole_frames(start, whole):
     command.reach("chains.dump.bin", 200_000)
     for process in working_in(command.run):
         os.kill(process, signal.SIGKILL)
-    out, err = command.process.communicate(timeout=20)
+    out, err = command.process.communicate(timeout=HANGS)
     assert (command.process.returncode, out) == (1, "")
     assert err.startswith("granchain: LAMMPS was killed by signal SIGKILL after step ")
     assert err.count("\n") == 1
@@ -186,20 +185,19 @@ def test_ctrl_c_before_anything_is_written_is_one_line(tmp_path):
     command = [GRANCHAIN, "run", slow, "-o", tmp_path / "run"]
     with started(command) as process, slow.open("w"):  # waits for the reader
         process.send_signal(signal.SIGINT)
-        out, err = process.communicate(timeout=20)
+        out, err = process.communicate(timeout=HANGS)
     assert (process.returncode, out, err) == (130, "", "granchain: interrupted\n")
     assert not (tmp_path / "run").exists()
 
 
 def test_a_batch_systems_sigterm_ends_a_run_like_ctrl_c(tmp_path):
     long = tmp_path / "long.yaml"
-    long.write_text("name: long\nbeads: 200\nkick: {velocity: 1}\nduration: 5000\noutput: {every: 1}\n")
+    long.write_text("name: long\nbeads: 200\nkick: {velocity: 1}\nduration: 1e6\noutput: {every: 1}\n")
     command = [sys.executable, "-m", "workflow.cli", "run", str(long), "-o", str(tmp_path / "r"), "--no-check"]
     with subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
         dump = tmp_path / "r" / "chains.dump.bin"
-        while process.poll() is None and not (dump.exists() and dump.stat().st_size > 50_000):
-            time.sleep(0.02)
+        assert wait_until(lambda: dump.exists() and dump.stat().st_size > 50_000, process)
         process.terminate()
-        process.wait(30)
+        process.wait(HANGS)
     assert process.returncode == 1
     assert json.loads((tmp_path / "r" / "run.json").read_text())["outcome"] == "interrupted"

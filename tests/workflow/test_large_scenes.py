@@ -22,6 +22,8 @@ from workflow.resume import resume
 from workflow.run import run
 from workflow.run_directory import RunDirectory
 
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
 FEW = Output(every=0.2, beads=(5, 20), snapshots=2.0, peaks=True)
 
 
@@ -124,7 +126,7 @@ def test_a_run_that_was_killed_goes_on_to_the_same_peaks_and_snapshots(tmp_path)
     whole = run(case, tmp_path / "whole", check=False).directory
     words = ["run", "scene.yaml", "-o", "cut", "--no-check", "--restart-every", "0.05"]
     with subprocess.Popen([sys.executable, "-m", "workflow.cli", *words], cwd=tmp_path) as process:
-        assert wait_until((tmp_path / "cut" / "chains.restart").exists)
+        assert wait_until((tmp_path / "cut" / "chains.restart").exists, process)
         process.kill()
     assert not (tmp_path / "cut" / deck.PEAKS).exists()
     resume(tmp_path / "cut", check=False)

@@ -12,7 +12,12 @@ from workflow.map import make_map, run_case
 
 @pytest.mark.parametrize(
     ("chains", "kappa", "ten", "one", "amplitude"),
-    [(2, 0.5, 11, 17, 0.35934), (2, 0.1, 33, 62, 0.36524), (2, 0.01, 265, 507, 0.3196), (3, 0.1, 64, 105, 0.25559)],
+    [
+        (2, 0.5, 11, 17, 0.35934),
+        (2, 0.1, 33, 62, 0.36524),
+        pytest.param(2, 0.01, 265, 507, 0.3196, marks=pytest.mark.slow),
+        (3, 0.1, 64, 105, 0.25559),
+    ],
 )
 def test_the_known_distances_and_amplitudes_come_out(
     chains: int, kappa: float, ten: int, one: int, amplitude: float

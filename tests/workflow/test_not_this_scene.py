@@ -13,6 +13,8 @@ from workflow.run import run
 from workflow.run_directory import RunDirectory
 from workflow.validate import validate
 
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
 SMALL = scene(chains=2, beads=20, kappa=0.1, duration=20.0)
 
 

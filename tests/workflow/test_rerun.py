@@ -15,6 +15,8 @@ from workflow.results import results
 from workflow.run import run
 from workflow.run_directory import RunDirectory
 
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
 
 def a_scene(**changes):
     return scene(**{"chains": 3, "beads": 12, "kappa": 0.05, "duration": 20.0, "every": 0.5, **changes})

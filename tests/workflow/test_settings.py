@@ -20,6 +20,8 @@ from workflow.run import run
 from workflow.run_directory import RunDirectory
 from workflow.settings import settle, with_settings
 
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
 PAPER = ("two-chains", "two-chains-strong", "three-chains")
 
 
@@ -73,7 +75,11 @@ def error(problem, accuracy):
 
 @pytest.mark.parametrize(
     ("name", "accuracy"),
-    [*((name, 10.0**-digits) for name in GRID for digits in (3, 4, 5)), *((name, 1e-6) for name in PAPER)],
+    [
+        *((name, accuracy) for name in GRID for accuracy in (1e-3, 1e-5)),
+        *(pytest.param(name, 1e-4, marks=pytest.mark.slow) for name in GRID),
+        *(pytest.param(name, 1e-6, marks=pytest.mark.slow) for name in PAPER),
+    ],
 )
 def test_the_error_ends_below_what_was_asked_with_at_most_five_times_the_steps_that_would_just_do(name, accuracy):
     settled, settings = settle(asking(GRID[name], accuracy))
@@ -82,7 +88,7 @@ def test_the_error_ends_below_what_was_asked_with_at_most_five_times_the_steps_t
     assert math.sqrt(accuracy / found) <= 5.0 or settings.limited
 
 
-@pytest.mark.parametrize("accuracy", [1e-3, 1e-4, 1e-5, 1e-6])
+@pytest.mark.parametrize("accuracy", [1e-3, *(pytest.param(one, marks=pytest.mark.slow) for one in (1e-4, 1e-5)), 1e-6])
 @pytest.mark.parametrize("name", ["two-chains", "one chain", "kappa = 10", "window of 64"])
 def test_so_it_does_with_suzukis_scheme_of_which_frames_hold_whole_cycles(name, accuracy):
     settled, settings = settle(asking(GRID[name], accuracy, scheme="suzuki4"))
@@ -93,7 +99,7 @@ def test_so_it_does_with_suzukis_scheme_of_which_frames_hold_whole_cycles(name, 
     assert (accuracy / found) ** 0.4 <= 5.0 or settings.limited  # its order, from 4 down to 2.5
 
 
-@pytest.mark.parametrize("work", [0.0, 3e6, 1e7])
+@pytest.mark.parametrize("work", [0.0, 3e6, pytest.param(1e7, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(
     "changes",
     [
@@ -207,12 +213,13 @@ def test_rounding_leaves_no_more_than_is_reckoned_with(tmp_path):
     assert 0.01 * floor < np.abs(own.velocity - right.velocity).max() < floor
 
 
-def test_chaos_behind_the_front_is_refused():
+# found in the run itself, and by how much faster errors grow than in a shorter one
+@pytest.mark.parametrize("work", [pytest.param(1.5e9, marks=pytest.mark.slow), 4e8])
+def test_chaos_behind_the_front_is_refused(work):
     """Two chains, kappa = 0.01: in t = 816, beads left behind meet so often that no step tells where they end."""
     whole = scene(kappa=0.01, beads=480, duration=816.0).problem()
-    for work in (1.5e9, 4e8):  # found in the run itself, and by how much faster errors grow than in a shorter one
-        with pytest.raises(twin.UnreachableError, match="left behind meet again and again"):
-            step_search.search(whole, 1e-4, most_work=work)
+    with pytest.raises(twin.UnreachableError, match="left behind meet again and again"):
+        step_search.search(whole, 1e-4, most_work=work)
 
 
 def test_the_error_in_a_window_is_measured_where_the_pulse_is():

@@ -1,9 +1,9 @@
 """Jobs that ``granchain deck --slurm`` writes, under a real Slurm with real MPI ranks."""
 
+import dataclasses
 import os
+import shutil
 import signal
-import subprocess
-import time
 
 import numpy as np
 import pytest
@@ -21,8 +21,8 @@ from workflow.status import status, statuses
 pytest_plugins = ("slurm",)
 
 SHORT = scene(chains=3, beads=31, kappa=0.1, duration=60.0, every=0.5)
-LONG = scene(chains=5, beads=61, kappa=0.1, duration=24000.0, every=10.0)
-"""Some ten seconds on one core."""
+LONG = scene(chains=5, beads=61, kappa=0.1, duration=5000.0, every=10.0)
+"""Some three seconds on one core."""
 
 ENDLESS = scene(chains=2, beads=60, kappa=0.1, duration=1e6, every=100.0)
 
@@ -79,17 +79,21 @@ def test_a_job_of_two_ranks_ends_bit_for_bit_as_a_run_on_this_machine(cluster, t
 
 
 def test_a_job_cut_by_its_time_limit_submits_itself_and_ends_bit_for_bit_as_one_that_was_not(cluster, tmp_path):
-    (tmp_path / "whole").mkdir()
-    deck.write(LONG, tmp_path / "whole")
-    whole = subprocess.Popen([WHEEL, "-in", deck.DECK, "-screen", "none"], cwd=tmp_path / "whole")
-    directory = written(LONG, tmp_path / "job", ranks_per_node=1, time="00:01:00", margin=54)
-    cluster.submit(directory)
-    cluster.wait(120.0)
-    assert whole.wait(60) == 0
+    directory = written(LONG, tmp_path / "job", ranks_per_node=1, time="00:30:00", margin=54)
+    # a clock that stands still, a second before the limit of the first job and an hour before that of the next
+    clock = tmp_path / "clock" / "date"
+    clock.parent.mkdir()
+    left = "$((SLURM_JOB_END_TIME - 54 - $([ -e chains.restart ] && echo 3600 || echo 1)))"
+    clock.write_text(f'#!/bin/sh\n[ "$*" != +%s ] || exec echo {left}\nexec {shutil.which("date")} "$@"\n')
+    clock.chmod(0o755)
+    path = f"{clock.parent}:{cluster.environment['PATH']}"
+    environment = {**cluster.environment, "PATH": path, "SLURM_JOB_END_TIME": "4000000000"}
+    dataclasses.replace(cluster, environment=environment).submit(directory)
+    cluster.wait()
     assert told(directory).state == "done", (directory / job.OUTPUT).read_text()
     assert len(parts(directory)) > 1
     assert (np.diff(steps_of(directory)) == 1000).all()
-    assert_same(directory, RunDirectory(tmp_path / "whole").trajectory)
+    assert_same(directory, run_stock(LONG, tmp_path / "whole"))
     assert not list(directory.glob("chains.restart*"))
 
 
@@ -129,12 +133,12 @@ def test_in_an_array_a_case_that_fails_is_told_and_the_others_are_done(cluster, 
 def test_a_job_that_was_killed_is_incomplete_and_goes_on_when_submitted_again(cluster, tmp_path):
     directory = written(ENDLESS, tmp_path / "job", ranks_per_node=1)
     number = cluster.submit(directory)
-    assert wait_until((directory / "chains.restart").exists, 60.0), (directory / job.OUTPUT).read_text()
+    assert wait_until((directory / "chains.restart").exists), (directory / job.OUTPUT).read_text()
     found = told(directory)
     assert (found.state, found.steps) == ("running", 10**8)
     assert main(["status", str(directory)]) == 0
     refused = cluster.submit(directory, "--output=refused", "--job-name=second", "--overcommit")
-    assert wait_until(lambda: time.sleep(0.1) or not any(line.startswith(refused) for line in cluster.queue()), 30.0)
+    assert wait_until(lambda: not any(line.startswith(refused) for line in cluster.queue()))
     assert "computes here" in (directory / "refused").read_text()
     for process in working_in(directory):
         os.kill(process, signal.SIGKILL)
@@ -144,8 +148,8 @@ def test_a_job_that_was_killed_is_incomplete_and_goes_on_when_submitted_again(cl
     assert "job " + number + " is gone" in found.why
     assert found.step > 0
     again = cluster.submit(directory)
-    assert wait_until((directory / "chains.dump.2.bin").exists, 60.0), (directory / job.OUTPUT).read_text()
-    assert wait_until(lambda: told(directory).step > found.step, 30.0)
+    assert wait_until((directory / "chains.dump.2.bin").exists), (directory / job.OUTPUT).read_text()
+    assert wait_until(lambda: told(directory).step > found.step)
     cluster.call("scancel", again)
     cluster.wait()
     assert told(directory).state == "incomplete"

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from processes import started, wait_until
+from processes import HANGS, started, wait_until
 from sweeps import GRANCHAIN, SMALL, UNTIL, sweep, sweep_file
 
 from lammps_inputs import library
@@ -205,11 +205,11 @@ def test_an_error_of_lammps_ends_its_process_and_not_the_sweep(tmp_path, monkeyp
 
 @pytest.fixture
 def slow(tmp_path):
-    """A sweep of 12 cases of some 0.1 s each, as a command in a session of its own."""
-    path = sweep_file(tmp_path, {**SMALL, "duration": 400}, beads=list(range(20, 32)))
+    """A sweep of four short cases and a long one, as a command in a session of its own, with two cases done."""
+    path = sweep_file(tmp_path, duration=[10, 20, 30, 40, 6000])
     command = [GRANCHAIN, "sweep", path, "-o", tmp_path / "s", "--no-check"]
     with started(command) as process:
-        assert wait_until(lambda: finished(tmp_path / "s") >= 2)
+        assert wait_until(lambda: finished(tmp_path / "s") >= 2, process)
         yield process, command, tmp_path / "s"
 
 
@@ -238,18 +238,18 @@ def at_work(directory):
 def test_ctrl_c_keeps_what_is_done_and_the_same_command_does_the_rest(slow):
     process, command, directory = slow
     os.killpg(process.pid, signal.SIGINT)
-    out, err = process.communicate(timeout=20)
+    out, err = process.communicate(timeout=HANGS)
     assert (process.returncode, err) == (1, "")
     assert "interrupted: what is done is kept; the same command goes on with the rest" in out
-    assert wait_until(lambda: at_work(directory) == [], 2.0)
+    assert wait_until(lambda: at_work(directory) == [])
     kept = finished(directory)
-    assert f"{kept} of 12 cases done" in out
-    assert 2 <= kept < 12
+    assert f"{kept} of 5 cases done" in out
+    assert 2 <= kept < 5
     assert outcomes(directory)["done"] >= kept
     assert outcomes(directory).get("running", 0) == 0
-    again = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
-    assert f"12 of 12 cases done ({kept} of them before)" in again.stdout
-    assert outcomes(directory) == {"done": 12}
+    again = subprocess.run(command, capture_output=True, text=True, timeout=HANGS, check=True)
+    assert f"5 of 5 cases done ({kept} of them before)" in again.stdout
+    assert outcomes(directory) == {"done": 5}
 
 
 def test_an_interrupted_case_goes_on_from_its_restart_and_ends_as_if_it_had_not_been(tmp_path):
@@ -258,7 +258,7 @@ def test_an_interrupted_case_goes_on_from_its_restart_and_ends_as_if_it_had_not_
     command = [GRANCHAIN, "sweep", path, "-o", tmp_path / "s", "--no-check"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, start_new_session=True) as process:
         dump = case / "chains.dump.bin"
-        assert wait_until(lambda: dump.exists() and dump.stat().st_size > 20_000)
+        assert wait_until(lambda: dump.exists() and dump.stat().st_size > 20_000, process)
         os.killpg(process.pid, signal.SIGINT)
     assert RunDirectory(case).record["outcome"] == "interrupted"
     assert sweep(path, tmp_path / "s") == 0
@@ -270,15 +270,15 @@ def test_an_interrupted_case_goes_on_from_its_restart_and_ends_as_if_it_had_not_
 def test_a_killed_sweep_leaves_no_process_and_the_same_command_does_the_rest(slow):
     process, command, directory = slow
     process.kill()
-    process.communicate(timeout=20)
-    assert wait_until(lambda: at_work(directory) == [], 2.0)
+    process.communicate(timeout=HANGS)
+    assert wait_until(lambda: at_work(directory) == [])
     kept = finished(directory)
-    assert 2 <= kept < 12
-    again = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
-    assert f"12 of 12 cases done ({kept} of them before)" in again.stdout
-    assert outcomes(directory) == {"done": 12}
+    assert 2 <= kept < 5
+    again = subprocess.run(command, capture_output=True, text=True, timeout=HANGS, check=True)
+    assert f"5 of 5 cases done ({kept} of them before)" in again.stdout
+    assert outcomes(directory) == {"done": 5}
     reports = [json.loads(path.read_text()) for path in directory.glob("*/analysis.json")]
-    assert [report["complete"] for report in reports] == [True] * 12
+    assert [report["complete"] for report in reports] == [True] * 5
 
 
 def test_a_case_directory_is_a_run_directory_from_its_first_moment(tmp_path):

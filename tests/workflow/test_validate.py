@@ -19,6 +19,8 @@ from workflow.run import run
 from workflow.run_directory import RunDirectory
 from workflow.validate import FIGURES, REPORT, TOLERANCES, validate
 
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
 SCENE = scene(chains=2, beads=40, kappa=0.1, duration=40.0)
 
 
@@ -64,7 +66,9 @@ def test_a_run_that_came_back_from_a_cluster_passes(good, tmp_path, capsys):
     assert capsys.readouterr().out.splitlines()[-2] == "passed"
 
 
-@pytest.mark.parametrize("name", ["two-chains-strong", "three-chains", "two-chains-steel"])
+@pytest.mark.parametrize(
+    "name", ["two-chains-strong", "two-chains-steel", pytest.param("three-chains", marks=pytest.mark.slow)]
+)
 def test_the_papers_scenes_pass(name, paper, tmp_path):
     found = validate(copied(RunDirectory(paper(name)), tmp_path / name))
     assert found.passed

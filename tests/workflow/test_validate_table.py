@@ -15,6 +15,8 @@ from workflow.run import run
 from workflow.run_directory import RunDirectory
 from workflow.validate import REPORT, validate_against
 
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
 STEEL = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)
 UNIT = scene(material=STEEL, kick=(Kick(velocity=3.0),)).scale
 SCENES = {

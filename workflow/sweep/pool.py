@@ -14,7 +14,8 @@ from typing import Any
 
 from workflow.sweep.jobs import Job
 
-_STOP_SECONDS = 5.0
+_STOP_SECONDS = 60.0
+"""For a segment of LAMMPS and a restart, however busy the machine is; a second Ctrl-C waits no longer."""
 
 _ONE_THREAD = dict.fromkeys(
     ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "BLIS_NUM_THREADS"), "1"

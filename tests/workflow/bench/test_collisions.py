@@ -1,3 +1,7 @@
+import math
+
+import pytest
+
 from workflow.bench import collisions as bench_collisions
 
 
@@ -9,11 +13,13 @@ def test_a_crowd_has_more_collisions_than_are_timed():
 
 
 def test_the_ratios_say_what_was_measured(monkeypatch):
-    monkeypatch.setattr(bench_collisions, "EVENTS", 3_000)
-    monkeypatch.setattr(bench_collisions, "ROWS", (100, 1_000))
+    assert math.isfinite(bench_collisions.cost(bench_collisions.crowd(100), 300))
+    seconds = {100: 2e-6, 1_000: 2.5e-6}
+    monkeypatch.setattr(bench_collisions, "cost", lambda problem, _: seconds[problem.beads])
+    monkeypatch.setattr(bench_collisions, "ROWS", tuple(seconds))
     rate, growth = bench_collisions.collision_ratios()
-    assert rate.value > 0.0
-    assert rate.reached == (rate.value >= 300_000)
-    assert growth.value >= 1.0
-    assert growth.reached == (growth.value <= 1.3)
+    assert (rate.value, rate.reached) == (pytest.approx(400_000), True)
+    assert (growth.value, growth.reached) == (pytest.approx(1.25), True)
     assert "1,000 rows" in growth.name
+    seconds[1_000] = 4e-6
+    assert [ratio.reached for ratio in bench_collisions.collision_ratios()] == [False, False]

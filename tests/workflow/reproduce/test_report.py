@@ -9,6 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from processes import HANGS
 
 from workflow.cli import main
 from workflow.reproduce.page import Section, Statement, render
@@ -75,7 +76,7 @@ def test_the_page_opens_in_a_browser_without_errors(report: Path, tmp_path: Path
         ],
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=HANGS,
         check=True,
     )
     assert "Section 2" in found.stdout

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from processes import HANGS
 from small_problems import problem, written_down
 
 from analysis import recording, trajectory
@@ -18,7 +19,7 @@ from workflow.trade.truth import deviation, make_truth
 
 @pytest.fixture(scope="module")
 def truth(tmp_path_factory):
-    return make_truth(problem(beads=100, frames=1000), tmp_path_factory.mktemp("truth"), seconds=5.0)
+    return make_truth(problem(beads=100, frames=1000), tmp_path_factory.mktemp("truth"), seconds=HANGS)
 
 
 def curve(settings, name):
@@ -95,7 +96,7 @@ def test_a_reference_window_too_narrow_is_left_out_with_its_reason(truth, tmp_pa
 
 def test_rigid_beads_are_far_from_hertz_beads(tmp_path):
     own = problem(gap=2.874, beads=30, frames=800)
-    truth = make_truth(own, tmp_path, seconds=5.0)
+    truth = make_truth(own, tmp_path, seconds=HANGS)
     done = jobs.run(curve(grid.settings(own), grid.RIGID)[0].what, tmp_path)
     assert truth.errors(done.blocks())["velocity"] > 0.1
     assert math.isnan(done.forces)
@@ -109,7 +110,7 @@ def test_a_deck_that_fails_says_so(tmp_path):
 def test_the_reference_is_refined_until_it_is_sure_or_the_time_is_up(tmp_path):
     own = problem()
     steps = []
-    sure = make_truth(own, tmp_path, seconds=60.0, follow=steps.append)
+    sure = make_truth(own, tmp_path, seconds=HANGS, follow=steps.append)
     assert sure.certificate.velocity <= 1e-10
     assert steps == sorted(steps, reverse=True)
     unsure = make_truth(own, tmp_path, seconds=0.0)

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from processes import started, wait_until
+from processes import HANGS, started, wait_until
 
 from lammps_inputs import Scene, strict_yaml
 from workflow.cli import main
@@ -203,9 +203,9 @@ def test_an_interruption_leaves_what_was_measured(tmp_path):
         return path.exists() and len(measured_rows(path)) >= 3
 
     with started([granchain, "trade", written(tmp_path), "-o", tmp_path / "out"]) as process:
-        assert wait_until(under_way, 60.0)
+        assert wait_until(under_way, process)
         os.killpg(process.pid, signal.SIGINT)
-        _, err = process.communicate(timeout=60)
+        _, err = process.communicate(timeout=HANGS)
     assert process.returncode == 130
     assert "interrupted" in err
     assert "Traceback" not in err

@@ -29,7 +29,7 @@ def failure(directory, ranks=1, **options):
     message = str(caught.value)
     assert len(message.splitlines()) == 1
     assert "Traceback" not in message
-    assert wait_until(lambda: not working_in(directory), 5.0)
+    assert wait_until(lambda: not working_in(directory))
     return message
 
 
