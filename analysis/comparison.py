@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 from analysis.conservation import Conservation
 from analysis.peaks import THRESHOLD, PeakFinder, Peaks, sharp
 from analysis.trajectory import Floats, Trajectory
+from lammps_inputs import Problem
+from lammps_inputs.facts import Fact
 
 QUANTITIES = ("velocity", "displacement", "amplitude", "arrival", "energy", "momentum")
 
@@ -105,7 +107,8 @@ class Comparison:
         self._map: list[Floats] = []
         self._times: list[float] = []
         self._last_time, self._cell_beads = 0.0, np.zeros(0, dtype=np.int64)
-        self.frames = self._beads = 0
+        self.frames = 0
+        self._problem: Problem | None = None
 
     def add(self, block: Trajectory, reference: Trajectory) -> None:
         """Take the next frames of both, at the same times."""
@@ -117,7 +120,7 @@ class Comparison:
             self._peaks[1].add(reference)
             self.conservation.add(block)
         self.frames += block.frames
-        self._beads = block.problem.beads
+        self._problem = block.problem
         self._add_to_map(block, difference)
 
     def _add_to_map(self, block: Trajectory, difference: Floats) -> None:
@@ -138,16 +141,22 @@ class Comparison:
 
         The latter two are not there where no passage was seen by both.
         """
+        problem = self._problem
         with np.errstate(over="ignore", invalid="ignore"):
-            own, other = matched(self._peaks[0].result(), self._peaks[1].result(), self._beads)
+            own, other = matched(
+                self._peaks[0].result(), self._peaks[1].result(), 0 if problem is None else problem.beads
+            )
         timed = sharp(other)
         result = {"velocity": self._velocity.result(), "displacement": self._displacement.result()}
         if len(own):
             result["amplitude"] = self._of_peaks("amplitude", own.velocity - other.velocity, other)
         if np.any(timed):
             result["arrival"] = self._of_peaks("arrival", (own.time - other.time)[timed], other.where(timed))
-        result["energy"] = Deviation(self.conservation.energy_drift, float("nan"))
-        result["momentum"] = Deviation(self.conservation.momentum_drift, float("nan"))
+        kept = {"energy": (Fact.ENERGY, self.conservation.energy_drift)}
+        kept["momentum"] = (Fact.MOMENTUM, self.conservation.momentum_drift)
+        for name, (fact, drift) in kept.items():
+            if problem is None or (problem.whole and problem.holds(fact)):
+                result[name] = Deviation(drift, float("nan"))
         return result
 
     def _of_peaks(self, name: str, difference: Floats, peaks: Peaks) -> Deviation:

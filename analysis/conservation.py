@@ -4,13 +4,15 @@ import numpy as np
 
 from analysis import motion
 from analysis.trajectory import Trajectory
+from lammps_inputs.facts import Fact
 
 
 class Conservation:
     """Largest deviation of energy and momentum from the kicks', over the frames seen so far.
 
     Attributes:
-        energy_drift: relative to the energy of the kicks; NaN where not all beads are recorded, as in a window.
+        energy_drift: relative to the energy of the kicks; NaN where not all beads are recorded, as in a window, and where
+            the problem does not conserve it.
         momentum_drift: relative to the sum of the kicks' absolute momenta; NaN likewise.
         frames: number of frames seen.
         last_time: time of the last of them, in units of T.
@@ -40,6 +42,9 @@ class Conservation:
         energy = motion.energy(problem, block.displacement, velocity)
         momentum = motion.momentum(velocity)
         kicked = sum(abs(velocity) for _, _, velocity in problem.kicks)
+        for fact, drift in ((Fact.ENERGY, energy), (Fact.MOMENTUM, momentum)):
+            if not problem.holds(fact):
+                drift[:] = np.nan
         # np.maximum, unlike max(), lets NaN through
         self.energy_drift = float(np.maximum(self.energy_drift, np.max(np.abs(energy / problem.energy - 1.0))))
         self.momentum_drift = float(

@@ -15,6 +15,7 @@ import numpy as np
 from analysis.equipartition import Sharing
 from analysis.solitary_wave import solitary_wave
 from lammps_inputs import Problem
+from lammps_inputs.facts import Fact
 
 SINGLE_CHAIN = 0.6816315
 """Amplitude far down a single chain whose first bead was hit with V = 1."""
@@ -62,7 +63,7 @@ def fit_decay(shared: Sharing, problem: Problem) -> DecayFit | None:
 
     ``(v / v0)**0.4 = 1 - n / n*`` is a straight line.
     """
-    if not problem.coupled or len(problem.kicks) != 1 or len(shared) == 0:
+    if not (problem.coupled and problem.holds(Fact.PULSE)) or len(problem.kicks) != 1 or len(shared) == 0:
         return None
     chain, hit = shared.kicked, problem.kicks[0][1]
     others = np.delete(shared.amplitude, chain, axis=1).max(axis=1)

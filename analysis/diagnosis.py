@@ -1,8 +1,8 @@
 """What is wrong with a trajectory, as far as it can be told from the numbers alone.
 
-Three things are measured: to how many digits the numbers were rounded (`precision`), by how much a quantity is shifted
-in time (`time_shift`; displacement and velocity may be so by different amounts), and which springs the beads felt
-(`identify_springs`, from the change of momentum between frames, once contacts are taken away). What follows from the
+What is measured: to how many digits the numbers were rounded (`precision`), by how much a quantity is shifted in time
+(`time_shift`; displacement and velocity may be so by different amounts), and, from the change of momentum between frames,
+how strong each kind of link was (`identify_strengths`) and which springs the chains felt (`identify_springs`). What follows from the
 measurements is for others to say.
 """
 
@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis import motion
 from analysis.trajectory import Floats, Trajectory
 
 SINGLE = "single precision"
@@ -109,21 +108,18 @@ def identify_springs(trajectory: Trajectory) -> Springs | None:
     None for one chain, for fewer than ten frames, or where the chains never move apart.
 
     Between two frames, the change of a bead's velocity minus the impulse of its contacts is the impulse of its springs.
-    Summed over the chains from the first to j, all that is left is the spring between j and j + 1. Impulses are
+    Summed over the chains from the first to j, all that is left is the spring between j and j + 1 (of an open row). Impulses are
     integrals from the forces and their rates at the two frames (corrected trapezoid, order 4).
     """
     problem = trajectory.problem
-    if problem.chains < 2 or problem.recorded is not None or trajectory.frames < 10:
+    open_row = all(link.open_row for link in problem.across)
+    if problem.chains < 2 or not open_row or problem.recorded is not None or trajectory.frames < 10:
         return None
     x, v = trajectory.displacement, trajectory.velocity
     spacing = np.diff(trajectory.time)[:, np.newaxis, np.newaxis]
-    overlap = motion.overlaps(problem, x)
-    push = motion.contact_force(problem, overlap, slice(None), slice(None))
-    rate = motion.contact_stiffness(problem, overlap, slice(None), slice(None)) * (v[..., :-1] - v[..., 1:])
-    impulse = _integral(push, rate, spacing)
     change = np.diff(v, axis=0)
-    change[..., 1:] -= impulse
-    change[..., :-1] += impulse
+    for link in (*problem.along, *problem.ground):
+        link.drive(change, -_integral(link.force(x), link.force_rate(x, v), spacing))
     felt = np.cumsum(change, axis=1)[:, :-1]
     relative, relative_rate = x[:, 1:] - x[:, :-1], v[:, 1:] - v[:, :-1]
     if np.max(np.abs(relative)) < _APART:
@@ -142,6 +138,29 @@ def identify_springs(trajectory: Trajectory) -> Springs | None:
     cubic = float(np.sum(felt * cube) / np.sum(cube * cube))
     left_by_cubic = float(np.sum((felt - cubic * cube) ** 2)) / total
     return Springs(linear, cubic if left_by_cubic < 0.1 * left else 0.0, left)
+
+
+def identify_strengths(trajectory: Trajectory) -> dict[str, float] | None:
+    """How strong each kind of link was felt to be, name -> factor on the problem's own force; 1 is right.
+
+    Least squares of the change of every bead's momentum between frames on the impulses of the links, which are integrals
+    as in `identify_springs`. None for fewer than ten frames, where not all beads are recorded, and where the impulses of
+    two kinds of link cannot be told apart.
+    """
+    problem = trajectory.problem
+    if problem.recorded is not None or trajectory.frames < 10:
+        return None
+    x, v = trajectory.displacement, trajectory.velocity
+    spacing = np.diff(trajectory.time)[:, np.newaxis, np.newaxis]
+    columns = []
+    for link in problem.links:
+        column = np.zeros_like(v[1:])
+        link.drive(column, _integral(link.force(x), link.force_rate(x, v), spacing))
+        columns.append(column.reshape(-1))
+    factors, _, rank, _ = np.linalg.lstsq(np.array(columns).T, np.diff(v, axis=0).reshape(-1), rcond=1e-6)
+    if rank < len(columns):
+        return None
+    return {link.name: float(factor) for link, factor in zip(problem.links, factors, strict=True)}
 
 
 def _integral(value: Floats, rate: Floats, spacing: Floats) -> Floats:

@@ -20,6 +20,7 @@ from analysis import hermite, motion
 from analysis.events import Events
 from analysis.trajectory import Floats, Trajectory, joined
 from lammps_inputs import Problem
+from lammps_inputs.facts import Fact
 
 Integers = NDArray[np.int64]
 
@@ -42,7 +43,7 @@ class Impulses:
         contacts: how many there were.
         time: of the first contact, the mean over its force, in units of T; NaN where there was none.
         imbalance: largest difference, over the rows, between the sum of ``whole`` over the chains and the momentum that
-            the beads ahead gained, which are equal; NaN where not all beads are known.
+            the beads ahead gained, which are equal; NaN where not all beads are known, or momentum does not stay.
     """
 
     bead: Integers
@@ -116,7 +117,7 @@ class ImpulseMeter:
         if self._carried is None or self._start is None:
             raise ValueError("no frames to measure")
         imbalance = float("nan")
-        if self.problem.recorded is None:
+        if self.problem.recorded is None and self.problem.holds(Fact.MOMENTUM):
             imbalance = _imbalance(self._whole, self._carried.velocity[0] - self._start)
         with np.errstate(invalid="ignore", divide="ignore"):
             time = self._moment / self._first

@@ -4,7 +4,6 @@ The equations do not change: the last bead becomes bead 1, and displacements and
 """
 
 from dataclasses import replace
-from functools import lru_cache
 from typing import TypeVar
 
 import numpy as np
@@ -27,13 +26,13 @@ def mirrored_bead(problem: Problem, bead: Number) -> Number:
     return problem.beads + 1 - bead
 
 
-@lru_cache(maxsize=16)
 def mirrored_problem(problem: Problem) -> Problem:
     """The problem in the mirror; twice is the problem itself."""
     recorded = problem.recorded
     return replace(
         problem,
         kicks=tuple((chain, mirrored_bead(problem, bead), -velocity) for chain, bead, velocity in problem.kicks),
+        links=tuple(link.mirrored() for link in problem.links),
         recorded=None if recorded is None else tuple(mirrored_bead(problem, bead) for bead in reversed(recorded)),
     )
 

@@ -31,7 +31,7 @@ def chain_energy(system: System, displacement: Floats, velocity: Floats, first: 
     """Energy of each chain, [..., chain] from [..., chain, bead]; that of a spring is shared by its two chains."""
     total = np.asarray(np.sum(0.5 * velocity * velocity, axis=-1))
     for link in system.links:
-        link.add_energy(total, displacement, first)
+        link.add_chain_energy(total, link.energy(displacement, first))
     return total
 
 
@@ -39,7 +39,7 @@ def bead_energy(system: System, displacement: Floats, velocity: Floats, first: i
     """Energy of each bead, [..., chain, bead] from the same; that of a link is shared by the two beads it joins."""
     total = np.asarray(0.5 * velocity * velocity)
     for link in system.links:
-        link.add_bead_energy(total, displacement, first)
+        link.shared(total, link.energy(displacement, first))
     return total
 
 
@@ -72,7 +72,7 @@ def acceleration(system: System, displacement: Floats, first: int = 1) -> Floats
     """Acceleration of every bead, [..., chain, bead] from the same; every bead must be recorded (eq. 1)."""
     result = np.zeros_like(displacement)
     for link in system.links:
-        link.add_force(result, displacement, first)
+        link.drive(result, link.force(displacement, first))
     return result
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from analysis.decay_law import DecayFit
 from analysis.equipartition import Estimate, Sharing
 from lammps_inputs import Problem
+from lammps_inputs.facts import Fact
 
 AGREEMENT = 0.01
 """Mismatch of amplitudes and of arrivals (in passages of the wave) below which chains count as equal."""
@@ -35,6 +36,7 @@ class State(Enum):
     SHORT = "too short to tell"
     ALONE = "nothing to share"
     UNSURE = "not to be told"
+    NO_PULSE = "does not apply"
 
 
 @dataclass(frozen=True)
@@ -57,6 +59,8 @@ class Verdict:
 
 def judge(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict:
     """The verdict on a run. Equality must have lasted for half a beat to count."""
+    if not problem.holds(Fact.PULSE):
+        return Verdict(State.NO_PULSE, None, None, f"{State.NO_PULSE.value}: no pulse stays together in this scene")
     if problem.chains == 1 or not problem.coupled:
         return Verdict(State.ALONE, None, None, f"{State.ALONE.value}: no chain is coupled to another")
     if len(shared) == 0:

@@ -9,7 +9,7 @@ axis begins: a law that differs from link to link must know which ones it sees.
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any, Self
 
@@ -20,9 +20,10 @@ from lammps_inputs import laws
 from lammps_inputs.laws import Law
 
 Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Link:
     """Links of one kind with one law.
 
@@ -34,38 +35,68 @@ class Link:
     name: str
     law: Law
 
+    def __eq__(self, other: object) -> bool:
+        """Whether all is the same, to the last number of every array."""
+        if not isinstance(other, type(self)) or type(self.law) is not type(other.law):
+            return False
+        named = [field.name for field in fields(self) if field.name != "law"]
+        return all(getattr(self, name) == getattr(other, name) for name in named) and all(
+            map(np.array_equal, self.law, other.law)
+        )
+
+    def __hash__(self) -> int:
+        return hash((type(self), self.name, type(self.law)))
+
     def strain(self, displacement: Floats) -> Floats:
         """Of each link, from displacements [..., chain, bead]."""
         raise NotImplementedError
 
-    def on(self, first: int, beads: int) -> Self:
-        """The links among some rows, which begin with bead ``first``."""
+    def on(self, rows: slice | Integers) -> Self:
+        """The links among chosen rows, which count from 0; each is taken to be next to the one before."""
         if not laws.differs(self.law):
             return self
-        return replace(self, law=laws.at(self.law, Ellipsis, self._within(first, beads)))
+        return replace(self, law=laws.at(self.law, Ellipsis, self._links_of(rows)))
+
+    def mirrored(self) -> Self:
+        """The links with the numbers of the beads reversed."""
+        if not laws.differs(self.law):
+            return self
+        return replace(self, law=laws.at(self.law, Ellipsis, slice(None, None, -1)))
+
+    def drive(self, total: Floats, force: Floats) -> None:
+        """Add to ``total``, [..., chain, bead], what forces of the links do to the beads."""
+        raise NotImplementedError
+
+    def shared(self, total: Floats, energy: Floats) -> None:
+        """Add to ``total``, [..., chain, bead], energies of the links, of which two beads have half each."""
+        raise NotImplementedError
+
+    def add_chain_energy(self, total: Floats, energy: Floats) -> None:
+        """Add to ``total``, [..., chain], energies of the links; two chains that are tied have half each."""
+        total += np.sum(energy, axis=-1)
 
     def energy(self, displacement: Floats, first: int = 1) -> Floats:
         """Stored in each link."""
-        law = self.on(first, displacement.shape[-1]).law
-        return np.asarray(laws.energy(law, self.strain(displacement)))
+        return np.asarray(laws.energy(self._seen(displacement, first), self.strain(displacement)))
 
-    def add_force(self, total: Floats, displacement: Floats, first: int = 1) -> None:
-        """Add the force on every bead to ``total``, of the shape of the displacements."""
-        raise NotImplementedError
+    def force(self, displacement: Floats, first: int = 1) -> Floats:
+        """Of each link."""
+        return np.asarray(laws.force(self._seen(displacement, first), self.strain(displacement)))
 
-    def add_bead_energy(self, total: Floats, displacement: Floats, first: int = 1) -> None:
-        """Add every link's energy to ``total``, [..., chain, bead]: two beads that it joins have half each."""
-        raise NotImplementedError
+    def force_rate(self, displacement: Floats, velocity: Floats, first: int = 1) -> Floats:
+        """How fast the force of each link changes; the strain is linear in the displacements, but for a constant."""
+        rate = self.strain(velocity) - self.strain(np.zeros_like(velocity))
+        return np.asarray(laws.stiffness(self._seen(displacement, first), self.strain(displacement)) * rate)
 
-    def add_energy(self, total: Floats, displacement: Floats, first: int = 1) -> None:
-        """Add the energy of every chain's links to ``total``, [..., chain]; two chains that are tied have half each."""
-        total += np.sum(self.energy(displacement, first), axis=-1)
+    def _seen(self, displacement: Floats, first: int) -> Law:
+        """The law of the links among the beads of an array."""
+        return self.on(slice(first - 1, first - 1 + displacement.shape[-1])).law
 
-    def _within(self, first: int, beads: int) -> slice:
-        return slice(first - 1, first - 1 + beads)
+    def _links_of(self, rows: slice | Integers) -> slice | Integers:
+        return rows
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Along(Link):
     """Each bead with the next of its chain; [..., chain, contact], contact i being that of beads i and i + 1.
 
@@ -79,23 +110,21 @@ class Along(Link):
         """Overlap of each bead with the next; negative where they are apart."""
         return displacement[..., :-1] - displacement[..., 1:] - self.gap
 
-    def add_force(self, total: Floats, displacement: Floats, first: int = 1) -> None:
-        """Add the force on every bead."""
-        push = laws.force(self.on(first, displacement.shape[-1]).law, self.strain(displacement))
-        total[..., 1:] += push
-        total[..., :-1] -= push
+    def drive(self, total: Floats, force: Floats) -> None:
+        """Push beads of higher numbers forward, of lower ones back."""
+        total[..., 1:] += force
+        total[..., :-1] -= force
 
-    def add_bead_energy(self, total: Floats, displacement: Floats, first: int = 1) -> None:
-        """Add half of every contact's energy to either of its beads."""
-        half = 0.5 * self.energy(displacement, first)
-        total[..., 1:] += half
-        total[..., :-1] += half
+    def shared(self, total: Floats, energy: Floats) -> None:
+        """Half of every contact's energy for either of its beads."""
+        total[..., 1:] += 0.5 * energy
+        total[..., :-1] += 0.5 * energy
 
-    def _within(self, first: int, beads: int) -> slice:
-        return slice(first - 1, first - 2 + beads)
+    def _links_of(self, rows: slice | Integers) -> slice | Integers:
+        return slice(rows.start, rows.stop - 1) if isinstance(rows, slice) else rows[:-1]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Across(Link):
     """Beads of one row in two chains, for every row; [..., edge, row]. The law's force must be odd in the strain.
 
@@ -110,28 +139,26 @@ class Across(Link):
         lower, higher = self._ends
         return np.asarray(displacement[..., lower, :] - displacement[..., higher, :])
 
-    def add_force(self, total: Floats, displacement: Floats, first: int = 1) -> None:
-        """Add the force on every bead."""
-        pull = laws.force(self.on(first, displacement.shape[-1]).law, self.strain(displacement))
+    def drive(self, total: Floats, force: Floats) -> None:
+        """Pull the chain of lower number back, and the other forward."""
         lower, higher = self._ends
         if isinstance(lower, slice):
-            total[..., lower, :] -= pull
-            total[..., higher, :] += pull
+            total[..., lower, :] -= force
+            total[..., higher, :] += force
             return
         for edge, (one, other) in enumerate(self.edges):
-            total[..., one, :] -= pull[..., edge, :]
-            total[..., other, :] += pull[..., edge, :]
+            total[..., one, :] -= force[..., edge, :]
+            total[..., other, :] += force[..., edge, :]
 
-    def add_bead_energy(self, total: Floats, displacement: Floats, first: int = 1) -> None:
-        """Add half of every spring's energy to either of its beads."""
-        half = 0.5 * self.energy(displacement, first)
+    def shared(self, total: Floats, energy: Floats) -> None:
+        """Half of every spring's energy for either of its beads."""
         for edge, ends in enumerate(self.edges):
             for chain in ends:
-                total[..., chain, :] += half[..., edge, :]
+                total[..., chain, :] += 0.5 * energy[..., edge, :]
 
-    def add_energy(self, total: Floats, displacement: Floats, first: int = 1) -> None:
-        """Add half of the energy of every spring to either of its chains."""
-        springs = np.sum(self.energy(displacement, first), axis=-1)
+    def add_chain_energy(self, total: Floats, energy: Floats) -> None:
+        """Half of the energy of every spring for either of its chains."""
+        springs = np.sum(energy, axis=-1)
         for end in (0, 1):
             for edge, ends in enumerate(self.edges):
                 total[..., ends[end]] += 0.5 * springs[..., edge]
@@ -159,7 +186,7 @@ class Across(Link):
         return np.array([edges + [-1] * (width - len(edges)) for edges in found], dtype=np.int64)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Ground(Link):
     """Each bead with its place at rest; [..., chain, bead]."""
 
@@ -167,13 +194,13 @@ class Ground(Link):
         """The displacement itself."""
         return displacement
 
-    def add_force(self, total: Floats, displacement: Floats, first: int = 1) -> None:
-        """Add the force on every bead."""
-        total -= laws.force(self.on(first, displacement.shape[-1]).law, displacement)
+    def drive(self, total: Floats, force: Floats) -> None:
+        """Pull every bead back."""
+        total -= force
 
-    def add_bead_energy(self, total: Floats, displacement: Floats, first: int = 1) -> None:
-        """Add the energy of every bead's link."""
-        total += self.energy(displacement, first)
+    def shared(self, total: Floats, energy: Floats) -> None:
+        """All of it for the bead."""
+        total += energy
 
 
 def largest_eigenvalue(across: Across, chains: int) -> float:

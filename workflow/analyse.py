@@ -10,6 +10,7 @@ import numpy as np
 
 from analysis.binary_dump import CutDumpWarning
 from analysis.conservation import Conservation
+from analysis.energy_flow import EnergyFlow, Flow
 from analysis.largest_overlap import LargestOverlap, shown_by_frames
 from analysis.left_behind import LeftBehind
 from analysis.mirror import direction_of
@@ -19,7 +20,8 @@ from analysis.survey import Survey, survey
 from analysis.trajectory import Trajectory
 from analysis.waves import Arrival, Waves, from_csv, usual_arrival
 from lammps_inputs import InputError, Problem, deck
-from workflow.analysis_report import last_clear_bead, report, waves_csv
+from lammps_inputs.facts import Fact
+from workflow.analysis_report import energy_report, last_clear_bead, report, waves_csv
 from workflow.contacts import Contacts, has_contacts, of_overlap
 from workflow.results import Fingerprint, recorded_fingerprint
 from workflow.run_directory import REPORT, RunDirectory, write_figure, write_json, write_text
@@ -48,6 +50,7 @@ class Analysis:
         failure: why the run failed; empty where it did not.
         altered: whether frames or snapshots are not those that the run wrote, by the fingerprint in ``run.json``.
         contacts: the hardest contact; None without a material, and of rigid beads.
+        energy: where the energy was over time, where no pulse stays together and every bead was recorded; else None.
     """
 
     problem: Problem
@@ -59,6 +62,7 @@ class Analysis:
     failure: str
     altered: bool
     contacts: Contacts | None
+    energy: Flow | None
 
     @property
     def waves(self) -> Waves:
@@ -100,10 +104,10 @@ def analyse(
         )
     conservation = Conservation()
     left = LeftBehind() if problem.window is not None else None
+    flow = EnergyFlow(problem) if problem.whole and not problem.holds(Fact.PULSE) else None
     fingerprint = Fingerprint()
     watchers: list[Any] = [conservation, fingerprint]
-    if left is not None:
-        watchers.append(left)
+    watchers += [watcher for watcher in (left, flow) if watcher is not None]
     overlap = LargestOverlap() if has_contacts(directory) else None
     if overlap is not None and shown_by_frames(problem):
         watchers.append(overlap)
@@ -132,14 +136,16 @@ def analyse(
                 spacetime.add(block)
         spacetime = spacetime if whole.frames > 1 else None
         conservation.energy_drift, conservation.momentum_drift = whole.energy_drift, whole.momentum_drift
-    drawn = _draw(directory.path, found, spacetime, history) if figures else ()
+    energy = None if flow is None else flow.result()
+    drawn = _draw(directory.path, found, spacetime, history, energy) if figures else ()
     write_text(directory.path / WAVES, waves_csv(found))
     hardest = None if overlap is None else of_overlap(directory.scene, overlap)
     found_contacts = {} if hardest is None else {"contacts": hardest.plain()}
-    write_json(directory.path / REPORT, {**report(found, conservation, allowed, left), **found_contacts})
+    more = {**found_contacts, **({} if energy is None else {"energy": energy_report(problem, energy)})}
+    write_json(directory.path / REPORT, {**report(found, conservation, allowed, left), **more})
     complete = conservation.frames == problem.frames + 1
     altered = recorded_fingerprint(directory) not in ("", fingerprint.sha256())
-    return Analysis(problem, found, conservation, complete, drawn, left, directory.failure, altered, hardest)
+    return Analysis(problem, found, conservation, complete, drawn, left, directory.failure, altered, hardest, energy)
 
 
 def _found_on_the_way(directory: RunDirectory) -> Waves | None:
@@ -193,19 +199,21 @@ def default_beads(problem: Problem) -> tuple[int, ...]:
     return tuple(int(recorded[place]) for place in places)
 
 
-def _draw(path: Path, found: Survey, spacetime: Any, history: Any) -> tuple[Path, ...]:
-    from analysis.figures import distance_figure, response_figure, shape_figure, spacetime_figure
+def _draw(path: Path, found: Survey, spacetime: Any, history: Any, energy: Flow | None) -> tuple[Path, ...]:
+    from analysis.figures import distance_figure, energy_figure, response_figure, shape_figure, spacetime_figure
 
     problem = found.problem
     files: list[Path] = []
     makers: dict[str, Callable[[], Figure]] = {"response": lambda: response_figure(history)}
     if spacetime is not None and len(spacetime.beads) > 1:
         makers["spacetime"] = lambda: spacetime_figure(spacetime)
-    if len(found.shared) > 1:
+    if energy is not None:
+        makers["energy"] = lambda: energy_figure(problem, energy)
+    if len(found.shared) > 1 and problem.holds(Fact.PULSE):
         makers["distance"] = lambda: distance_figure(problem, found.shared, found.energies, found.direction)
     whole = np.unique(found.waves.bead[np.isfinite(found.shape.residual)])
     whole = whole[whole <= problem.beads - 5]
-    if len(whole):
+    if len(whole) and problem.holds(Fact.PULSE):
         early, late = whole[min(len(whole) - 1, int(np.searchsorted(whole, 10)))], whole[-1]
         makers["shape"] = lambda: shape_figure(problem, found.waveforms, sorted({int(early), int(late)}))
     for name, make in makers.items():

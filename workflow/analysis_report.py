@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from analysis.conservation import Conservation
+from analysis.energy_flow import Flow
 from analysis.equipartition import AGREEMENTS, Estimate
 from analysis.left_behind import LeftBehind
 from analysis.mirror import mirrored_bead
@@ -69,7 +70,8 @@ def report(found: Survey, seen: Conservation, tolerances: Tolerances, left: Left
     | tolerances      | relative differences within which a pulse is called solitary                     |
     | pulses          | every pulse, the strongest first; see `pulse_entry`                              |
 
-    With a material `workflow.analyse` adds ``contacts``, see `workflow.contacts.Contacts`.
+    Where no pulse stays together, `workflow.analyse` adds ``energy``, see `energy_report`. With a material it adds
+    ``contacts``, see `workflow.contacts.Contacts`.
     """
     problem, scale = found.problem, found.problem.scale
     order = np.argsort([-character.peak_velocity for character in found.characters], kind="stable")
@@ -89,6 +91,25 @@ def report(found: Survey, seen: Conservation, tolerances: Tolerances, left: Left
         "equipartition": equipartition(found),
         "tolerances": {name: getattr(tolerances, name) for name in ("shape", "speed", "amplitude")},
         "pulses": [pulse_entry(found, found.pulses[k], found.characters[k]) for k in order],
+    }
+
+
+def energy_report(problem: Problem, flow: Flow) -> dict[str, Any]:
+    """What ``analysis.json`` says under ``energy``, where no pulse stays together; time in the scene's units.
+
+    | key     | what                                                                                              |
+    |---------|---------------------------------------------------------------------------------------------------|
+    | time    | of some frames                                                                                    |
+    | share   | energy of each chain, in that of the kicks, [instant][chain]; two tied chains share their springs |
+    | centre  | mean number of the bead that has it; null where the chain has none                                |
+    | spread  | its standard deviation                                                                            |
+    """
+    return {
+        "time": (flow.time * problem.scale.time).tolist(),
+        **{
+            name: [[_number(value) for value in row] for row in getattr(flow, name).tolist()]
+            for name in ("share", "centre", "spread")
+        },
     }
 
 

@@ -22,7 +22,8 @@ def causes(own: Trajectory, reference: Trajectory) -> list[str]:
         own: consecutive frames of the trajectory, all beads.
         reference: the same frames, right.
     """
-    return _numbers(own) or _times(own, reference) or _start(own) or _springs(own, reference)
+    found = _numbers(own) or _times(own, reference) or _start(own)
+    return found or _strengths(own, reference) or _springs(own, reference)
 
 
 def rounded(own: Trajectory, reference: Trajectory) -> list[str]:
@@ -79,6 +80,23 @@ def _start(own: Trajectory) -> list[str]:
     unit = problem.scale.velocity
     found, right = own.velocity[0, chain, bead] * unit, problem.initial_velocity()[chain, bead] * unit
     return [f"bead {bead + 1} of chain {chain + 1} starts with velocity {found:.6g} instead of {right:.6g}"]
+
+
+def _strengths(own: Trajectory, reference: Trajectory) -> list[str]:
+    """Whether the beads were held otherwise than the scene says."""
+    if not own.problem.ground:
+        return []
+    felt, right = diagnosis.identify_strengths(own), diagnosis.identify_strengths(reference)
+    if felt is None or right is None:
+        return []
+    found = []
+    for link in own.problem.ground:
+        factor, doubt = felt[link.name] / right[link.name], 5e-4 + 3.0 * abs(right[link.name] - 1.0)
+        if abs(factor) < doubt:
+            found.append(f"the {link.name} is missing")
+        elif abs(factor - 1.0) > doubt:
+            found.append(f"the {link.name} is {factor:.4g} times as strong as the scene says")
+    return found
 
 
 def _springs(own: Trajectory, reference: Trajectory) -> list[str]:

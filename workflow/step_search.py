@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lammps_inputs import Problem
 from workflow import twin
@@ -169,10 +170,12 @@ def _shorter(problem: Problem, share: float) -> Problem:
         distance = after - before
         place[after] = place[before] + min(distance, max(_FEWEST, math.ceil(distance * share)))
     beads = place[problem.beads + 1] - 1
+    kept = _kept(marks, place)
     apart = math.ceil(problem.every)  # frames at most 1 apart, so that there are some
     return replace(
         problem,
         beads=beads,
+        links=tuple(link.on(kept) for link in problem.links),
         kicks=tuple((chain, place[bead], velocity) for chain, bead, velocity in problem.kicks),
         timestep=problem.every / apart,
         steps_per_frame=1,
@@ -180,6 +183,16 @@ def _shorter(problem: Problem, share: float) -> Problem:
         recorded=None,
         window=None if problem.window is None or problem.window >= beads else problem.window,
     )
+
+
+def _kept(marks: list[int], place: dict[int, int]) -> NDArray[np.int64]:
+    """Rows of the longer chains, from 0, that the beads of the shorter ones stand for: those near a kick or an end."""
+    kept: list[int] = []
+    for before, after in itertools.pairwise(marks):
+        count = place[after] - place[before]
+        near = count // 2
+        kept += [*range(before + 1, before + near + 1), *range(after - (count - near) + 1, after + 1)]
+    return np.array(kept[:-1], dtype=np.int64) - 1  # the last mark is beyond the last bead
 
 
 def _refuse_rounding(floor: float, most: float) -> None:

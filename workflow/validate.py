@@ -139,8 +139,6 @@ def validate(directory: RunDirectory, tolerances: dict[str, float] | None = None
             f"{directory.dump}: {error}; was the deck run with another -var every or timestep? Change the scene instead"
         ) from None
     deviations = comparison.deviations()
-    if not problem.whole:
-        deviations = {name: deviations[name] for name in deviations if name not in ("energy", "momentum")}
     own, right = (joined(pair[side] for pair in kept) for side in (0, 1))
     exceeded = _any_exceeded(deviations, limits)
     found = causes.rounded(own, right)

@@ -1,6 +1,7 @@
 """Figures of a run: data in, matplotlib Figure out. Readable in print and by colour-blind eyes; nothing is saved."""
 
 from analysis.figures.distance import distance_figure
+from analysis.figures.energy import energy_figure
 from analysis.figures.response import BeadHistory, response_figure
 from analysis.figures.shape import shape_figure
 from analysis.figures.spacetime import SpaceTime, spacetime_figure
@@ -27,6 +28,7 @@ __all__ = [
     "axis_unit",
     "distance_figure",
     "draw_chain",
+    "energy_figure",
     "response_figure",
     "shape_figure",
     "shown_chains",

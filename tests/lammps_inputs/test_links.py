@@ -35,7 +35,7 @@ def test_the_force_across_is_the_slope_of_the_energy(edges):
     link = Across("springs", Linear(0.3), edges=edges)
     displacement = np.random.default_rng(1).normal(size=(4, 3))
     force, h = np.zeros_like(displacement), 1e-5
-    link.add_force(force, displacement)
+    link.drive(force, link.force(displacement))
     for place in np.ndindex(displacement.shape):
         moved = np.zeros_like(displacement)
         moved[place] = h
@@ -48,5 +48,5 @@ def test_the_chains_shares_of_the_energy_add_up(edges):
     link = Across("springs", Linear(0.3), edges=edges)
     displacement = np.random.default_rng(2).normal(size=(5, 4, 3))
     total = np.zeros((5, 4))
-    link.add_energy(total, displacement)
+    link.add_chain_energy(total, link.energy(displacement))
     assert total.sum(axis=1) == pytest.approx(link.energy(displacement).sum(axis=(1, 2)), rel=1e-14)

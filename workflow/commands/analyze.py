@@ -6,15 +6,20 @@ from pathlib import Path
 
 import numpy as np
 
+from analysis.energy_flow import Flow
 from analysis.equipartition import CLEAR
 from analysis.solitary import Character
 from analysis.survey import Survey
 from analysis.waves import ARRIVALS
-from lammps_inputs import InputError
+from lammps_inputs import InputError, Problem
+from lammps_inputs.facts import Fact
 from workflow.analyse import Analysis, analyse, last_clear_bead
 from workflow.engines.lammps.checks import ENERGY_TOLERANCE
 from workflow.run_directory import RunDirectory
 from workflow.screen import print_table
+
+MOST_CHAINS = 8
+"""Chains that a table shows."""
 
 DOCUMENTED = 1e-4
 """Error of a peak velocity, in V, above which the user is told."""
@@ -71,7 +76,9 @@ def _print(found: Analysis) -> None:
         print(
             "the frames are not those that the run wrote, by the fingerprint in run.json: a file is damaged or changed"
         )
-    shown = [bead for bead in _rows(found) if len(waves.at(bead))]
+    if found.energy is not None:
+        _print_energy(problem, found.energy)
+    shown = [bead for bead in _rows(found) if len(waves.at(bead))] if problem.holds(Fact.PULSE) else []
     unit = {name: f" ({scale.symbol(name)})" if scale.si else "" for name in ("time", "velocity", "speed")}
     head = ["bead", "chain", f"arrival{unit['time']}", f"peak velocity{unit['velocity']}", f"speed{unit['speed']}"]
     if scale.si:
@@ -90,17 +97,36 @@ def _print(found: Analysis) -> None:
             rows.append([*row, f"{at.peak_velocity[k]:.5f}"] if scale.si else row)
         if len(at) > 8:
             rows.append(["", f"... {len(at)}", "", "", ""])
-    print_table(f"{problem.name}: leading pulse", head, rows)
-    _print_accuracy(found)
+    if problem.holds(Fact.PULSE):
+        print_table(f"{problem.name}: leading pulse", head, rows)
+        _print_accuracy(found)
     _print_pulses(found.survey)
     if found.left is not None:
         print(found.left.sentence(waves))
-    if np.isfinite(seen.energy_drift):
-        print(f"energy within {seen.energy_drift:.1e}, momentum within {seen.momentum_drift:.1e} of the kick's")
-        if max(seen.energy_drift, seen.momentum_drift) > ENERGY_TOLERANCE:
+    drifts = {"energy": seen.energy_drift, "momentum": seen.momentum_drift}
+    known = {name: drift for name, drift in drifts.items() if np.isfinite(drift)}
+    if known:
+        print(", ".join(f"{name} within {drift:.1e}" for name, drift in known.items()) + " of the kick's")
+        if max(known.values()) > ENERGY_TOLERANCE:
             print(found.failure or "that is not this scene: was the deck run with another kappa or kick?")
     if found.contacts is not None:
         print("\n".join(found.contacts.lines()))
+
+
+def _print_energy(problem: Problem, flow: Flow) -> None:
+    """Where the energy was: how much of it each chain had, and where along the chain, at the least, most and last."""
+    time = problem.scale.time
+    unit = f" ({problem.scale.symbol('time')})" if problem.scale.si else ""
+    rows = []
+    for chain in range(min(problem.chains, MOST_CHAINS)):
+        least, most = flow.extremes(chain)
+        ends = [f"{share:.4f} at {when * time:.5g}" for share, when in (least, most)]
+        place = f"{flow.centre[-1, chain]:.1f} +- {flow.spread[-1, chain]:.1f}"
+        rows.append([str(chain + 1), *ends, f"{flow.share[-1, chain]:.4f}", place])
+    if problem.chains > MOST_CHAINS:
+        rows.append([f"... {problem.chains}", "", "", "", ""])
+    head = ["chain", f"least at time{unit}", f"most at time{unit}", "at the end", "there, around bead"]
+    print_table(f"{problem.name}: share of the energy", head, rows)
 
 
 def _print_accuracy(found: Analysis) -> None:

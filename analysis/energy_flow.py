@@ -1,0 +1,73 @@
+"""Where the energy is over time: the share of each chain, its centre along the chain, and how far it is spread.
+
+For problems in which no pulse stays together, such as chains on a foundation; makes sense of any.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from analysis import motion
+from analysis.trajectory import Floats, Trajectory
+from lammps_inputs import Problem
+
+MOST_INSTANTS = 500
+
+LEAST = 1e-9
+"""Energy of a chain, in that of the kicks, below which it has no centre."""
+
+
+@dataclass(frozen=True)
+class Flow:
+    """Energy at some instants.
+
+    Attributes:
+        time: [instant], in units of T.
+        share: [instant, chain] energy of a chain (half of that of springs to others), in that of the kicks.
+        centre: [instant, chain] mean number of the bead that has it; NaN where there is none.
+        spread: [instant, chain] standard deviation of that number; likewise.
+    """
+
+    time: Floats
+    share: Floats
+    centre: Floats
+    spread: Floats
+
+    def extremes(self, chain: int) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Least and largest share of a chain (from 0) after the start, each with its time; the start if alone."""
+        later = slice(1, None) if len(self.time) > 1 else slice(None)
+        share, time = self.share[later, chain], self.time[later]
+        least, most = int(np.argmin(share)), int(np.argmax(share))
+        return (float(share[least]), float(time[least])), (float(share[most]), float(time[most]))
+
+
+class EnergyFlow:
+    """Collects a `Flow` from a run of all beads that is given block by block."""
+
+    def __init__(self, problem: Problem) -> None:
+        self._stride = -(-(problem.frames + 1) // MOST_INSTANTS)
+        self._seen = 0
+        self._found: list[tuple[Floats, Floats, Floats, Floats]] = []
+
+    def add(self, block: Trajectory) -> None:
+        """Take the next frames, from the first of the run on."""
+        chosen = slice(-self._seen % self._stride, None, self._stride)
+        self._seen += block.frames
+        x, v = block.displacement[chosen], block.velocity[chosen]
+        energy = motion.bead_energy(block.problem, x, v, block.first)
+        share = energy.sum(axis=-1) / block.problem.energy
+        with np.errstate(invalid="ignore", divide="ignore"):
+            weight = np.where(share > LEAST, 1.0, np.nan)[..., np.newaxis] * energy / energy.sum(axis=-1, keepdims=True)
+        centre = np.sum(weight * block.beads, axis=-1)
+        spread = np.sqrt(np.sum(weight * (block.beads - centre[..., np.newaxis]) ** 2, axis=-1))
+        self._found.append((block.time[chosen], share, centre, spread))
+
+    def result(self) -> Flow:
+        """Of the frames so far.
+
+        Raises:
+            ValueError: there was none.
+        """
+        if not self._found:
+            raise ValueError("no frames to measure")
+        return Flow(*(np.concatenate(part) for part in zip(*self._found, strict=True)))
