@@ -11,8 +11,8 @@ class Conservation:
     """Largest deviation of energy and momentum from the kicks', over the frames seen so far.
 
     Attributes:
-        energy_drift: relative to the energy of the kicks; NaN where not all beads are recorded, as in a window, and where
-            the problem does not conserve it.
+        energy_drift: relative to the energy of the kicks; NaN where not all beads are recorded, as in a window, and
+            where the problem does not conserve it.
         momentum_drift: relative to the sum of the kicks' absolute momenta; NaN likewise.
         frames: number of frames seen.
         last_time: time of the last of them, in units of T.

@@ -1,9 +1,9 @@
 """What is wrong with a trajectory, as far as it can be told from the numbers alone.
 
 What is measured: to how many digits the numbers were rounded (`precision`), by how much a quantity is shifted in time
-(`time_shift`; displacement and velocity may be so by different amounts), and, from the change of momentum between frames,
-how strong each kind of link was (`identify_strengths`) and which springs the chains felt (`identify_springs`). What follows from the
-measurements is for others to say.
+(`time_shift`; displacement and velocity may be so by different amounts), and, from the change of momentum between
+frames, how strong each kind of link was (`identify_strengths`) and which springs the chains felt (`identify_springs`).
+What follows from the measurements is for others to say.
 """
 
 from dataclasses import dataclass
@@ -108,8 +108,8 @@ def identify_springs(trajectory: Trajectory) -> Springs | None:
     None for one chain, for fewer than ten frames, or where the chains never move apart.
 
     Between two frames, the change of a bead's velocity minus the impulse of its contacts is the impulse of its springs.
-    Summed over the chains from the first to j, all that is left is the spring between j and j + 1 (of an open row). Impulses are
-    integrals from the forces and their rates at the two frames (corrected trapezoid, order 4).
+    Summed over the chains from the first to j, all that is left is the spring between j and j + 1 (of an open row).
+    Impulses are integrals from the forces and their rates at the two frames (corrected trapezoid, order 4).
     """
     problem = trajectory.problem
     open_row = all(link.open_row for link in problem.across)
@@ -143,9 +143,9 @@ def identify_springs(trajectory: Trajectory) -> Springs | None:
 def identify_strengths(trajectory: Trajectory) -> dict[str, float] | None:
     """How strong each kind of link was felt to be, name -> factor on the problem's own force; 1 is right.
 
-    Least squares of the change of every bead's momentum between frames on the impulses of the links, which are integrals
-    as in `identify_springs`. None for fewer than ten frames, where not all beads are recorded, and where the impulses of
-    two kinds of link cannot be told apart.
+    Least squares of the change of every bead's momentum between frames on the impulses of the links, which are
+    integrals as in `identify_springs`. None for fewer than ten frames, where not all beads are recorded, and where the
+    impulses of two kinds of link cannot be told apart.
     """
     problem = trajectory.problem
     if problem.recorded is not None or trajectory.frames < 10:

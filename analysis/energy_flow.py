@@ -14,7 +14,7 @@ from lammps_inputs import Problem
 MOST_INSTANTS = 500
 
 LEAST = 1e-9
-"""Energy of a chain, in that of the kicks, below which it has no centre."""
+"""Share of a chain below which it has no centre."""
 
 
 @dataclass(frozen=True)
@@ -23,13 +23,15 @@ class Flow:
 
     Attributes:
         time: [instant], in units of T.
-        share: [instant, chain] energy of a chain (half of that of springs to others), in that of the kicks.
+        share: [instant, chain] energy of a chain (kinetic, of its contacts and to the ground), in that of all chains.
+        between: [instant] energy in the springs between chains, in that of the kicks.
         centre: [instant, chain] mean number of the bead that has it; NaN where there is none.
         spread: [instant, chain] standard deviation of that number; likewise.
     """
 
     time: Floats
     share: Floats
+    between: Floats
     centre: Floats
     spread: Floats
 
@@ -47,7 +49,7 @@ class EnergyFlow:
     def __init__(self, problem: Problem) -> None:
         self._stride = -(-(problem.frames + 1) // MOST_INSTANTS)
         self._seen = 0
-        self._found: list[tuple[Floats, Floats, Floats, Floats]] = []
+        self._found: list[tuple[Floats, ...]] = []
 
     def add(self, block: Trajectory) -> None:
         """Take the next frames, from the first of the run on."""
@@ -55,12 +57,16 @@ class EnergyFlow:
         self._seen += block.frames
         x, v = block.displacement[chosen], block.velocity[chosen]
         energy = motion.bead_energy(block.problem, x, v, block.first)
-        share = energy.sum(axis=-1) / block.problem.energy
+        of_chain = energy.sum(axis=-1, keepdims=True)
+        share = (of_chain / of_chain.sum(axis=-2, keepdims=True))[..., 0]
+        between = np.zeros(len(x))
+        for link in block.problem.across:
+            between += np.sum(link.energy(x, block.first), axis=(-2, -1)) / block.problem.energy
         with np.errstate(invalid="ignore", divide="ignore"):
-            weight = np.where(share > LEAST, 1.0, np.nan)[..., np.newaxis] * energy / energy.sum(axis=-1, keepdims=True)
+            weight = np.where(share > LEAST, 1.0, np.nan)[..., np.newaxis] * energy / of_chain
         centre = np.sum(weight * block.beads, axis=-1)
         spread = np.sqrt(np.sum(weight * (block.beads - centre[..., np.newaxis]) ** 2, axis=-1))
-        self._found.append((block.time[chosen], share, centre, spread))
+        self._found.append((block.time[chosen], share, between, centre, spread))
 
     def result(self) -> Flow:
         """Of the frames so far.

@@ -36,9 +36,12 @@ def chain_energy(system: System, displacement: Floats, velocity: Floats, first: 
 
 
 def bead_energy(system: System, displacement: Floats, velocity: Floats, first: int = 1) -> Floats:
-    """Energy of each bead, [..., chain, bead] from the same; that of a link is shared by the two beads it joins."""
+    """Energy of each bead in its own chain, [..., chain, bead] from the same.
+
+    Two beads in contact have half of its energy each. What the springs between chains hold is nobody's.
+    """
     total = np.asarray(0.5 * velocity * velocity)
-    for link in system.links:
+    for link in (*system.along, *system.ground):
         link.shared(total, link.energy(displacement, first))
     return total
 

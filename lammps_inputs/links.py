@@ -150,12 +150,6 @@ class Across(Link):
             total[..., one, :] -= force[..., edge, :]
             total[..., other, :] += force[..., edge, :]
 
-    def shared(self, total: Floats, energy: Floats) -> None:
-        """Half of every spring's energy for either of its beads."""
-        for edge, ends in enumerate(self.edges):
-            for chain in ends:
-                total[..., chain, :] += 0.5 * energy[..., edge, :]
-
     def add_chain_energy(self, total: Floats, energy: Floats) -> None:
         """Half of the energy of every spring for either of its chains."""
         springs = np.sum(energy, axis=-1)

@@ -100,12 +100,14 @@ def energy_report(problem: Problem, flow: Flow) -> dict[str, Any]:
     | key     | what                                                                                              |
     |---------|---------------------------------------------------------------------------------------------------|
     | time    | of some frames                                                                                    |
-    | share   | energy of each chain, in that of the kicks, [instant][chain]; two tied chains share their springs |
+    | share   | energy of each chain, but for springs to others, in that of all chains, [instant][chain]           |
+    | between | energy in the springs between chains, in that of the kicks                                        |
     | centre  | mean number of the bead that has it; null where the chain has none                                |
     | spread  | its standard deviation                                                                            |
     """
     return {
         "time": (flow.time * problem.scale.time).tolist(),
+        "between": flow.between.tolist(),
         **{
             name: [[_number(value) for value in row] for row in getattr(flow, name).tolist()]
             for name in ("share", "centre", "spread")

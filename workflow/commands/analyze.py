@@ -152,6 +152,8 @@ def _print_accuracy(found: Analysis) -> None:
 def _print_pulses(found: Survey) -> None:
     """The verdict, the decay law where it was fitted, what the leading waves and other pulses are."""
     print(found.verdict.sentence)
+    if not found.problem.holds(Fact.PULSE):
+        return
     final, decay = found.shared.final, found.decay
     if final is not None:
         # the energy of exact waves; beads with gaps carry none of that kind
