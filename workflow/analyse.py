@@ -18,7 +18,8 @@ from analysis.trajectory import Trajectory
 from analysis.waves import Waves
 from lammps_inputs import InputError, Problem
 from workflow.analysis_report import last_clear_bead, report, waves_csv
-from workflow.run_directory import REPORT, RunDirectory, write_figure, write_json, write_text
+from workflow.own_files import claim
+from workflow.run_directory import REPORT, RunDirectory, figure_files, write_figure, write_json, write_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -106,7 +107,9 @@ def analyse(
                 spacetime.add(block)
         spacetime = spacetime if whole.frames > 1 else None
         conservation.energy_drift, conservation.momentum_drift = whole.energy_drift, whole.momentum_drift
-    drawn = _draw(directory.path, found, spacetime, history) if figures else ()
+    figures_of = _makers(found, spacetime, history) if figures else {}
+    claim(directory.path, (WAVES, REPORT, *figure_files(*figures_of)))
+    drawn = tuple(path for name, make in figures_of.items() for path in write_figure(directory.path, name, make()))
     write_text(directory.path / WAVES, waves_csv(found))
     write_json(directory.path / REPORT, report(found, conservation, allowed, left))
     complete = conservation.frames == problem.frames + 1
@@ -127,11 +130,11 @@ def default_beads(problem: Problem) -> tuple[int, ...]:
     return tuple(int(recorded[place]) for place in places)
 
 
-def _draw(path: Path, found: Survey, spacetime: Any, history: Any) -> tuple[Path, ...]:
+def _makers(found: Survey, spacetime: Any, history: Any) -> "dict[str, Callable[[], Figure]]":
+    """Name -> what draws the figure; those that there is something to show in."""
     from analysis.figures import distance_figure, response_figure, shape_figure, spacetime_figure
 
     problem = found.problem
-    files: list[Path] = []
     makers: dict[str, Callable[[], Figure]] = {"response": lambda: response_figure(history)}
     if spacetime is not None and len(spacetime.beads) > 1:
         makers["spacetime"] = lambda: spacetime_figure(spacetime)
@@ -142,6 +145,4 @@ def _draw(path: Path, found: Survey, spacetime: Any, history: Any) -> tuple[Path
     if len(whole):
         early, late = whole[min(len(whole) - 1, int(np.searchsorted(whole, 10)))], whole[-1]
         makers["shape"] = lambda: shape_figure(problem, found.waveforms, sorted({int(early), int(late)}))
-    for name, make in makers.items():
-        files += write_figure(path, name, make())
-    return tuple(files)
+    return makers

@@ -5,7 +5,6 @@ queue where there is one. Nothing is written.
 """
 
 import fcntl
-import json
 import os
 import platform
 import re
@@ -17,10 +16,11 @@ from pathlib import Path
 from typing import Any, Literal
 
 from analysis.binary_dump import last_step
-from lammps_inputs import continuation, deck, job
+from lammps_inputs import InputError, continuation, deck, job
 from workflow.engines.lammps.restarts import step_of
 from workflow.queue import Queue, Queued
-from workflow.run_directory import RECORD, parts
+from workflow.record import RECORD, read_record
+from workflow.run_directory import parts
 
 State = Literal["none", "written", "waiting", "running", "done", "failed", "incomplete"]
 
@@ -103,11 +103,18 @@ def _status(directory: Path, queue: Queue | None) -> Status:
         return Status(directory, "none", why="no such directory")
     queued = queue.job_in(directory) if queue is not None else None
     told, recorded = directory / job.STATE, directory / RECORD
-    if told.is_file() and not (recorded.is_file() and recorded.stat().st_mtime > told.stat().st_mtime):
-        return _of_job(directory, _read_state(told), queue, queued)
+    record: dict[str, Any] | None = {}
     if recorded.is_file():
-        return _of_record(directory, recorded)
-    return _of_files(directory, queued)
+        try:
+            record = read_record(recorded)
+        except InputError:
+            record = None
+    account = record is None or "outcome" in record  # else it only lists what is in the directory
+    if told.is_file() and not (account and recorded.stat().st_mtime > told.stat().st_mtime):
+        return _of_job(directory, _read_state(told), queue, queued)
+    if record is None:
+        return Status(directory, "failed", _last_step(directory), _steps(directory), f"{RECORD} cannot be read")
+    return _of_record(directory, record) if account else _of_files(directory, queued)
 
 
 # --- jobs -------------------------------------------------------------------------------------------------------------
@@ -167,13 +174,7 @@ def _when(told: dict[str, str]) -> str:
 # --- local runs -------------------------------------------------------------------------------------------------------
 
 
-def _of_record(directory: Path, path: Path) -> Status:
-    try:
-        record = json.loads(path.read_text(encoding="utf-8"))
-    except (ValueError, RecursionError):
-        record = None
-    if not isinstance(record, dict):
-        return Status(directory, "failed", _last_step(directory), _steps(directory), f"{RECORD} cannot be read")
+def _of_record(directory: Path, record: dict[str, Any]) -> Status:
     steps = _number(record.get("steps")) or _steps(directory)
     outcome = record.get("outcome")
     done = _number(record.get("steps_done"))

@@ -202,5 +202,5 @@ def test_a_batch_systems_sigterm_ends_a_run_like_ctrl_c(tmp_path):
             time.sleep(0.02)
         process.terminate()
         process.wait(30)
-    assert process.returncode == 1
+    assert process.returncode == 130
     assert json.loads((tmp_path / "r" / "run.json").read_text())["outcome"] == "interrupted"

@@ -12,7 +12,7 @@ from lammps_inputs import InputError
 from workflow.analyse import Analysis, analyse, last_clear_bead
 from workflow.engines.lammps.checks import ENERGY_TOLERANCE
 from workflow.run_directory import RunDirectory
-from workflow.screen import print_table
+from workflow.screen import one_line, print_table
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -27,7 +27,7 @@ def execute(arguments: argparse.Namespace) -> int:
     found = analyse(RunDirectory(arguments.directory), beads=_beads(arguments.beads), figures=not arguments.no_figures)
     _print(found)
     names = ["waves.csv", "analysis.json", *(path.name for path in found.figures)]
-    print(f"{arguments.directory}: {', '.join(names)}")
+    print(f"{one_line(arguments.directory)}: {', '.join(names)}")
     return 0
 
 

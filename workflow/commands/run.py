@@ -2,6 +2,7 @@
 
 import argparse
 import math
+import shlex
 from pathlib import Path
 from typing import Any
 
@@ -9,8 +10,9 @@ from lammps_inputs import InputError, Problem, library
 from workflow import run as running
 from workflow.check import Check
 from workflow.engines.lammps.engine import RESTART_EVERY
+from workflow.own_files import refuse_to_overwrite
 from workflow.resume import begun, resume, settings_of
-from workflow.screen import progress_bar
+from workflow.screen import one_line, progress_bar
 from workflow.settings import Settings, settle
 from workflow.validate import TOLERANCES
 
@@ -37,11 +39,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def execute(arguments: argparse.Namespace) -> int:
-    """Run, with a progress bar on a terminal; exit code 1 when interrupted."""
+    """Run, with a progress bar on a terminal; exit code 130 when interrupted."""
     if arguments.resume is not None:
         return _resume(arguments)
     if arguments.scene is None or arguments.output is None:
         raise InputError("run: needs a SCENE and -o DIR, or --resume DIR; `granchain run --help` tells more")
+    refuse_to_overwrite(arguments.scene, arguments.output)
     engine = arguments.engine or "lammps"
     force = arguments.force or engine != "lammps"  # only LAMMPS takes the scene's time step
     scene, settings = settle(library.find(arguments.scene), source=arguments.scene, force=force)
@@ -85,20 +88,20 @@ def _resume(arguments: argparse.Namespace) -> int:
             restart_every=arguments.restart_every,
         )
     if result is None:
-        print(f"{arguments.resume}: is done already")
+        print(f"{one_line(arguments.resume)}: is done already")
         return 0
     return _tell(result, settings_of(directory.record))
 
 
 def _tell(result: running.Run, settings: Settings | None) -> int:
-    """Say how a run ended; exit code 1 if it was interrupted or not as accurate as asked."""
-    path, problem, record = result.directory.path, result.directory.problem, result.directory.record
+    """Say how a run ended; exit code 130 if it was interrupted, 1 if it is not as accurate as asked."""
+    path, problem, record = one_line(result.directory.path), result.directory.problem, result.directory.record
     if result.outcome == "interrupted":
         print(
             f"{path}: interrupted at step {record['steps_done']} of {record['steps']}; frames are kept, and "
-            f"`granchain run --resume {path}` goes on"
+            f"`granchain run --resume {shlex.quote(path)}` goes on"
         )
-        return 1
+        return 130
     print(f"{path}: {_done(record)}")
     if result.check is not None:
         print(_checked(result.check, problem))
