@@ -86,8 +86,8 @@ def refuse_too_large(scene: Scene, source: str, bytes_a_bead: float, what: str =
     needed = bytes_a_bead * scene.chains * rows
     if scene.window != "auto" and needed > memory():
         raise InputError(
-            f"{source}: beads: {scene.chains} x {rows:,} beads need {needed / 1e9:.3g} GB of memory for {what}, and this "
-            f"machine has {memory() / 1e9:.3g}; take fewer, or a `window`"
+            f"{source}: beads: {scene.chains} x {rows:,} beads need {needed / 1e9:.3g} GB of memory for {what}, and "
+            f"this machine has {memory() / 1e9:.3g}; take fewer, or a `window`"
         )
 
 
