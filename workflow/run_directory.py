@@ -32,7 +32,7 @@ from typing import TYPE_CHECKING, Any
 from analysis import recording
 from analysis.trajectory import Trajectory, joined
 from lammps_inputs import InputError, Problem, Scene, continuation, deck, job, load
-from workflow.errors import EndedError
+from workflow.errors import EndedError, RunError
 from workflow.record import RECORD, read_record
 
 if TYPE_CHECKING:
@@ -110,11 +110,18 @@ def figure_files(*names: str) -> tuple[str, ...]:
 
 
 def write_figure(directory: Path, name: str, figure: "Figure") -> tuple[Path, ...]:
-    """Write a figure as PNG and as PDF; returns the files."""
+    """Write a figure as PNG and as PDF; returns the files.
+
+    Raises:
+        RunError: it holds numbers that cannot be drawn.
+    """
     paths = tuple(directory / file for file in figure_files(name))
     for path in paths:
         out = io.BytesIO()
-        figure.savefig(out, format=path.suffix[1:])
+        try:
+            figure.savefig(out, format=path.suffix[1:])
+        except OverflowError:
+            raise RunError(f"{path}: numbers near 1e308 cannot be drawn; are the frames damaged?") from None
         write_bytes(path, out.getvalue())
     return paths
 
