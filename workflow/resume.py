@@ -27,7 +27,7 @@ from workflow.run_directory import (
 )
 from workflow.settings import Settings
 
-_AGAIN = "nothing is there to go on from: run the scene again with --overwrite"
+_AGAIN = "nothing is there to go on from: run the scene again with another -o"
 
 
 def resume(
