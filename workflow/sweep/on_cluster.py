@@ -111,7 +111,7 @@ def _write_case(what: Sweep, case: Case, path: Path) -> Problem:
     for name in own.intersection(ANALYSIS_FILES):  # of a run that did not come to its end here
         (path / name).unlink(missing_ok=True)
     files = job.case_files(problem)
-    claim(path, (*run_files("lammps"), *job.OWN_FILES))
+    claim(path, job.OWN_FILES)
     write_json(path / RECORD, {"files": sorted(listed(path))})
     for name, text in files.items():
         write_text(path / name, text)
@@ -122,6 +122,7 @@ def _write_deck(path: Path, what: Sweep, case: Case, scene: Scene) -> None:
     settled, _ = settle(scene, source=f"{what.source}: case {case.name}")
     files = deck.render(settled)
     begin(path, request(what, case, scene), scene)
+    claim(path, run_files("lammps"))
     for name, text in files.items():
         write_text(path / name, text)
 
