@@ -10,7 +10,7 @@ number=${1:-1}  # of this job among those that submitted each other
 home=${SLURM_SUBMIT_DIR:-$PWD}
 task=${SLURM_ARRAY_TASK_ID:-}
 cd -- "$home" || exit 1
-exec >>job.out 2>&1
+[ ! /dev/stdout -ef /dev/null ] || exec >>job.out 2>&1
 
 whole_number() { head -n 1 "$1" 2>/dev/null | grep -x '[0-9]\{1,18\}'; }
 last_word() { sed -n "s/^$2 //p" "$1" 2>/dev/null | tail -n 1; }
