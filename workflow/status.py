@@ -209,9 +209,18 @@ def _locked(directory: Path) -> bool:
     return False
 
 
+def _only_lists(path: Path) -> bool:
+    try:
+        return path.is_file() and "outcome" not in read_record(path)
+    except InputError:
+        return False
+
+
 def _fresh(directory: Path) -> bool:
     """Whether something was written in the last minutes."""
     files = [*parts(directory), directory / RECORD]
+    if _only_lists(files[-1]):  # which is news of reports, not of the run
+        files.pop()
     return any(time.time() - path.stat().st_mtime < _GRACE for path in files if path.exists())
 
 

@@ -296,7 +296,6 @@ def test_every_option_stands_in_the_script_once_and_what_was_not_asked_does_not(
         "constraint=milan",
         "array=0-1%3",
         "output=/dev/null",
-        "open-mode=append",
     ]
     plain = job.render_job(JobOptions(), scene(beads=4).problem())[job.JOB]
     assert not re.search(r"^#SBATCH --(partition|account|qos|constraint|array)", plain, flags=re.MULTILINE)
