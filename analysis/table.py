@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from analysis.trajectory import Floats
 from lammps_inputs import InputError
+from lammps_inputs.numbers import memory
 
 KEYS = ("time", "chain", "bead")
 VALUES = ("displacement", "velocity")
@@ -87,10 +88,20 @@ def _from_npz(path: Path) -> dict[str, Floats]:
         with warnings.catch_warnings():
             warnings.simplefilter("error")  # numpy warns where it would leave out imaginary parts
             with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
+                _refuse_what_unpacks_to_too_much(path, archive.zip)
                 found = {name: archive[name] for name in (*KEYS, *VALUES) if name in archive}
                 return {name: np.asarray(values, dtype=np.float64) for name, values in found.items()}
+    except InputError:
+        raise
     except (*damage, Warning) as error:
         raise InputError(f"{path}: is not an npz of plain numbers ({error})") from None
+
+
+def _refuse_what_unpacks_to_too_much(path: Path, archive: zipfile.ZipFile) -> None:
+    """By the sizes that the archive's directory tells, beyond which nothing of an entry is unpacked."""
+    size, most = sum(entry.file_size for entry in archive.infolist()), min(MAX_BYTES, memory() // 4)
+    if size > most:
+        raise InputError(f"{path}: unpacks to {size / 1e9:.3g} GB; at most {most / 1e9:.3g} GB are read here")
 
 
 def _from_text(path: Path) -> dict[str, Floats]:

@@ -136,7 +136,9 @@ class Waveforms:
     def shape(self) -> Shape:
         """What the waveforms say."""
         passages, exact = self.passages, solitary_wave()
-        speed, peak = passages.speed[:, np.newaxis], passages.peak_velocity[:, np.newaxis]
+        # two beads may peak at one time, which is no speed of a wave
+        finite = np.where(np.isfinite(passages.speed), passages.speed, np.nan)
+        speed, peak = finite[:, np.newaxis], passages.peak_velocity[:, np.newaxis]
         late = self.time - passages.arrival[:, np.newaxis]
         watched = self._frame >= 0
         step = (self.time[:, 1] - self.time[:, 0])[:, np.newaxis] if self.time.shape[1] > 1 else np.nan
@@ -152,7 +154,7 @@ class Waveforms:
         difference = np.abs(self.velocity / peak - exact.velocity(xi))
         difference[~(watched & (np.abs(xi) <= COMPARED))] = 0.0
         return Shape(
-            width=self._duration() * passages.speed * sign,
+            width=self._duration() * finite * sign,
             momentum=travelled(self.velocity),
             energy=energy,
             residual=np.max(difference, axis=1, initial=0.0) * sign,

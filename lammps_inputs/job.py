@@ -138,8 +138,7 @@ def _script(options: JobOptions, name: str, listing: str | None = None, tasks: s
         "qos": options.qos,
         "constraint": options.constraint,
         "array": None if listing is None else tasks + limit,
-        "output": OUTPUT,
-        "open-mode": "append",
+        "output": "/dev/null",  # the script opens its own: Slurm would expand a % or backslash in the directory's name
     }
     values = {
         "ranks": options.ranks,

@@ -10,6 +10,7 @@ number=${1:-1}  # of this job among those that submitted each other
 home=${SLURM_SUBMIT_DIR:-$PWD}
 task=${SLURM_ARRAY_TASK_ID:-}
 cd -- "$home" || exit 1
+[ ! /dev/stdout -ef /dev/null ] || exec >>job.out 2>&1
 
 whole_number() { head -n 1 "$1" 2>/dev/null | grep -x '[0-9]\{1,18\}'; }
 last_word() { sed -n "s/^$2 //p" "$1" 2>/dev/null | tail -n 1; }
@@ -33,6 +34,9 @@ if [ -n "$cases" ]; then  # one task of an array: its directory is a line of a l
     exec >>job.out 2>&1
 fi
 [ -f in.chains ] && [ -f data.chains ] && [ -f in.job ] || refuse "no deck here; submit in its directory"
+for file in log.lammps chains.* job.state job.step job.frames; do
+    [ ! -L "$file" ] || refuse "$file is a link, and nothing is written through one"
+done
 
 job=${SLURM_JOB_ID:-$$}
 step=$(whole_number job.step)

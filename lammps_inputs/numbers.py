@@ -1,6 +1,7 @@
 """Small helpers for exact and readable numbers."""
 
 import math
+import os
 
 
 def power_of_two_at_least(value: float) -> float:
@@ -12,3 +13,11 @@ def power_of_two_at_least(value: float) -> float:
 def text(value: float) -> str:
     """The shortest text that reads back as exactly this number, without a trailing ``.0``."""
     return repr(float(value)).removesuffix(".0")
+
+
+def memory() -> int:
+    """Bytes of memory that this machine has; as good as endless where it does not tell."""
+    try:
+        return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    except (ValueError, OSError):
+        return 1 << 62

@@ -13,16 +13,22 @@ import yaml
 
 from lammps_inputs.errors import InputError
 
-MAX_BYTES = 1 << 20
+MAX_BYTES = 1 << 19
+MAX_VALUES = 30_000
+"""Keys, values, lists and mappings: what is read within a second or two."""
 
 
 class _Loader(yaml.SafeLoader):
     """A safe loader that refuses duplicate keys, keys that are not text, tags, anchors and aliases."""
 
     yaml_implicit_resolvers: dict[Any, Any] = {}  # noqa: RUF012  PyYAML's own attribute
+    values = 0
 
     def compose_node(self, parent: Any, index: Any) -> Any:
         event = self.peek_event()  # type: ignore[no-untyped-call]
+        self.values += 1
+        if self.values > MAX_VALUES:
+            raise _refusal(f"more than {MAX_VALUES:,} keys and values", event)
         if getattr(event, "anchor", None) is not None:
             raise _refusal("anchors and aliases are not read here; write the value out", event)
         if getattr(event, "tag", None) is not None:
@@ -91,8 +97,10 @@ def parse(text: str, source: str) -> dict[str, Any]:
         source: what to call the text in messages, usually the file's path.
 
     Raises:
-        InputError: not YAML, empty, not a mapping, a key given twice, or nested beyond reason.
+        InputError: not YAML, empty, not a mapping, a key given twice, too long, or nested beyond reason.
     """
+    if len(text) > MAX_BYTES:
+        raise InputError(f"{source}: larger than {MAX_BYTES >> 10} KiB, so hardly a scene")
     try:
         data = yaml.load(text, Loader=_Loader)
     except yaml.MarkedYAMLError as error:
@@ -113,7 +121,7 @@ def parse(text: str, source: str) -> dict[str, Any]:
 
 
 def load(path: Path) -> dict[str, Any]:
-    """Read one mapping from a file of at most 1 MiB.
+    """Read one mapping from a file of at most `MAX_BYTES`.
 
     Raises:
         InputError: the file is missing, unreadable, not text, or does not parse.
@@ -128,7 +136,7 @@ def load(path: Path) -> dict[str, Any]:
     except (OSError, ValueError) as error:
         raise InputError(f"{path}: cannot be read ({getattr(error, 'strerror', None) or error})") from None
     if len(raw) > MAX_BYTES:
-        raise InputError(f"{path}: larger than 1 MiB, so hardly a scene")
+        raise InputError(f"{path}: larger than {MAX_BYTES >> 10} KiB, so hardly a scene")
     try:
         text = raw.decode("utf-8-sig")
     except UnicodeDecodeError:

@@ -23,8 +23,9 @@ from lammps_inputs import InputError, Problem, deck
 from lammps_inputs.facts import Fact
 from workflow.analysis_report import energy_report, last_clear_bead, report, waves_csv
 from workflow.contacts import Contacts, has_contacts, of_overlap
+from workflow.own_files import claim
 from workflow.results import Fingerprint, recorded_fingerprint
-from workflow.run_directory import REPORT, RunDirectory, write_figure, write_json, write_text
+from workflow.run_directory import REPORT, RunDirectory, figure_files, write_figure, write_json, write_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -137,7 +138,9 @@ def analyse(
         spacetime = spacetime if whole.frames > 1 else None
         conservation.energy_drift, conservation.momentum_drift = whole.energy_drift, whole.momentum_drift
     energy = None if flow is None else flow.result()
-    drawn = _draw(directory.path, found, spacetime, history, energy) if figures else ()
+    figures_of = _makers(found, spacetime, history, energy) if figures else {}
+    claim(directory.path, (WAVES, REPORT, *figure_files(*figures_of)))
+    drawn = tuple(path for name, make in figures_of.items() for path in write_figure(directory.path, name, make()))
     write_text(directory.path / WAVES, waves_csv(found))
     hardest = None if overlap is None else of_overlap(directory.scene, overlap)
     found_contacts = {} if hardest is None else {"contacts": hardest.plain()}
@@ -199,11 +202,11 @@ def default_beads(problem: Problem) -> tuple[int, ...]:
     return tuple(int(recorded[place]) for place in places)
 
 
-def _draw(path: Path, found: Survey, spacetime: Any, history: Any, energy: Flow | None) -> tuple[Path, ...]:
+def _makers(found: Survey, spacetime: Any, history: Any, energy: Flow | None) -> "dict[str, Callable[[], Figure]]":
+    """Name -> what draws the figure; those that there is something to show in."""
     from analysis.figures import distance_figure, energy_figure, response_figure, shape_figure, spacetime_figure
 
     problem = found.problem
-    files: list[Path] = []
     makers: dict[str, Callable[[], Figure]] = {"response": lambda: response_figure(history)}
     if spacetime is not None and len(spacetime.beads) > 1:
         makers["spacetime"] = lambda: spacetime_figure(spacetime)
@@ -216,6 +219,4 @@ def _draw(path: Path, found: Survey, spacetime: Any, history: Any, energy: Flow 
     if len(whole) and problem.holds(Fact.PULSE):
         early, late = whole[min(len(whole) - 1, int(np.searchsorted(whole, 10)))], whole[-1]
         makers["shape"] = lambda: shape_figure(problem, found.waveforms, sorted({int(early), int(late)}))
-    for name, make in makers.items():
-        files += write_figure(path, name, make())
-    return tuple(files)
+    return makers

@@ -1,6 +1,6 @@
 """The command ``granchain``: parses, calls one command, and turns errors into one line and an exit code.
 
-Exit codes: 0 done, 1 a run or a check failed, 2 bad input.
+Exit codes: 0 done, 1 a run or a check failed, 2 bad input, 130 interrupted.
 """
 
 import argparse
@@ -46,7 +46,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code."""
     words = list(sys.argv[1:] if argv is None else argv)
     with contextlib.suppress(ValueError):  # not in the main thread
-        signal.signal(signal.SIGTERM, signal.default_int_handler)  # batch systems and `timeout`: end as at Ctrl-C
+        for ending in (signal.SIGTERM, signal.SIGQUIT, signal.SIGHUP):  # batch systems, `timeout`: end as at Ctrl-C
+            if signal.getsignal(ending) is not signal.SIG_IGN:  # nohup
+                signal.signal(ending, signal.default_int_handler)
     try:
         arguments = _parser(words[:1]).parse_args(words)
         code = int(arguments.execute(arguments))

@@ -11,10 +11,11 @@ from lammps_inputs import InputError, deck, strict_yaml
 from lammps_inputs.job import CASES
 from workflow import queue
 from workflow.engines.lammps.mpi import cores
-from workflow.run_directory import RECORD, REPORT, write_figure
+from workflow.record import RECORD
+from workflow.run_directory import REPORT, write_figure
 from workflow.status import Status, status
 from workflow.sweep import fields, pool
-from workflow.sweep.directory import Asked, asked, is_analysed, read_json
+from workflow.sweep.directory import Asked, asked, is_analysed, read_json, recorded
 from workflow.sweep.jobs import Job
 from workflow.sweep.table import QUANTITIES, UNCERTAINTIES, UNSETTLED, Table
 
@@ -44,7 +45,7 @@ def collect(directory: Path, progress: Callable[[int, int], None] | None = None)
     paths = {name: _path(name, directory) for name in names}
     rows, kinds, scenes = [], set(), set()
     for path, request in requests.items():
-        report, record = read_json(path / REPORT), read_json(path / RECORD)
+        report, record = read_json(path / REPORT), recorded(path)
         scenes.add(str(request.scene.get("name", "")))
         kinds.add("material" in request.scene or report.get("units") == "SI")
         swept = {name: request.swept.get(name, fields.look_up(request.scene, paths[name])) for name in names}

@@ -4,8 +4,9 @@ Each engine's run stands whole in a directory of its name; ``compare.json`` and 
 """
 
 import math
+import tempfile
 from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager, ExitStack, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,7 +21,18 @@ from lammps_inputs import InputError, Problem, Scene, deck, strict_yaml
 from workflow import run as running
 from workflow.engines.reference import engine as reference
 from workflow.errors import RunError
-from workflow.run_directory import EVENTS, RunDirectory, prepare, write_figure, write_json, write_text
+from workflow.own_files import prepare, replacing
+from workflow.record import RECORD
+from workflow.run_directory import (
+    EVENTS,
+    RunDirectory,
+    alone,
+    figure_files,
+    run_files,
+    write_figure,
+    write_json,
+    write_text,
+)
 from workflow.settings import settle
 
 REPORT, FIGURE = "compare.json", "compare"
@@ -129,29 +141,44 @@ def compare(
     scene, settings = settle(scene, source=scene.name, force="lammps" not in names)
     problem = scene.problem()
     rows = shown_rows(problem)
-    prepare(directory, overwrite=overwrite)
-    write_text(directory / deck.SCENE, strict_yaml.dump(scene.resolved().plain()))
-    reference.load()  # compiled before any clock runs
-    results = []
+    own = (deck.SCENE, RECORD, REPORT, *figure_files(FIGURE))
+    prepare(directory, own, overwrite=overwrite)
     for name in names:
-        with progress(name, problem) as follow:
-            ran = running.run(
-                scene,
-                directory / name,
-                engine=name,
-                overwrite=overwrite,
-                settings=settings,
-                check=False,
-                progress=follow,
-            )
-        if ran.outcome != "done":
-            raise RunError(f"{directory / name}: {ran.outcome}; nothing to compare")
-        results.append(measure(ran.directory, rows))
-    last = _last_row(results)
-    found = Comparison(problem, tuple(results), rows, last, answer(results, last))
-    write_json(directory / REPORT, plain(found))
-    _draw(directory, found)
+        if (directory / name).exists():
+            prepare(directory / name, run_files(name), overwrite=overwrite)
+    reference.load()  # compiled before any clock runs
+    # nothing of an earlier comparison is touched before the whole new one is there
+    with tempfile.TemporaryDirectory(prefix=".running-", dir=directory) as work:
+        results = []
+        for name in names:
+            path = Path(work) / name
+            with progress(name, problem) as follow:
+                ran = running.run(scene, path, engine=name, settings=settings, check=False, progress=follow)
+            if ran.outcome != "done":
+                raise RunError(f"{directory / name}: {ran.outcome}; nothing to compare")
+            results.append(measure(ran.directory, rows))
+        last = _last_row(results)
+        found = Comparison(problem, tuple(results), rows, last, answer(results, last))
+        write_text(Path(work) / deck.SCENE, strict_yaml.dump(scene.resolved().plain()))
+        write_json(Path(work) / REPORT, plain(found))
+        _draw(Path(work), found)
+        _put_in_place(Path(work), directory, own, names)
     return found
+
+
+def _put_in_place(work: Path, directory: Path, own: tuple[str, ...], names: Sequence[str]) -> None:
+    """Take all or nothing to where it belongs."""
+    with ExitStack() as all_of_them:
+        places = [(work, directory, [name for name in own if name != RECORD])]
+        for name in names:
+            (directory / name).mkdir(exist_ok=True)
+            places.append((work / name, directory / name, sorted(path.name for path in (work / name).iterdir())))
+        for _, place, files in places:
+            all_of_them.enter_context(alone(place))
+            all_of_them.enter_context(replacing(place, files))
+        for source, place, files in places:
+            for file in files:
+                (source / file).replace(place / file)
 
 
 def shown_rows(problem: Problem) -> tuple[int, ...]:

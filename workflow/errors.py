@@ -5,7 +5,8 @@ class RunError(RuntimeError):
     """A run that could not be finished or a result that is not right; its text is one line (exit code 1)."""
 
     def __init__(self, message: str) -> None:
-        super().__init__(" ".join(message.split()))
+        one_line = " ".join(message.split())
+        super().__init__("".join(c if c.isprintable() else ascii(c)[1:-1] for c in one_line))  # no terminal controls
 
 
 class EndedError(RunError):

@@ -21,7 +21,8 @@ from analysis.waves import Waves
 from lammps_inputs import Coupling, InputError, Kick, Problem, Scene
 from workflow.engines.lammps.mpi import cores
 from workflow.engines.reference.passages import passages
-from workflow.run_directory import write_figure, write_text
+from workflow.own_files import claim
+from workflow.run_directory import figure_files, write_figure, write_text
 
 COUPLINGS = tuple(float(f"{value:.3g}") for value in np.geomspace(1e-3, 2.0, 12))
 CHAINS = (2, 3, 4, 5, 6, 7, 8)
@@ -141,7 +142,9 @@ def make_map(
         raise InputError("map: couplings are positive, and chains are 2 or more")
     folder = directory / "cases"
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        directory.mkdir(parents=True, exist_ok=True)
+        claim(directory, ("cases", "map.csv", *figure_files("map")))
+        folder.mkdir(exist_ok=True)
     except OSError as error:
         raise InputError(f"{directory}: cannot be written to ({error.strerror})") from None
     wanted = [(number, float(kappa)) for number in chains for kappa in couplings]
@@ -174,7 +177,7 @@ def _read(folder: Path, chains: int, kappa: float, most_beads: int) -> Case | No
     path = _path(folder, chains, kappa, most_beads)
     try:
         return Case(**json.loads(path.read_text(encoding="utf-8")))
-    except (OSError, ValueError, TypeError):
+    except (OSError, ValueError, TypeError, RecursionError):
         return None
 
 

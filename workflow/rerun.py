@@ -11,9 +11,10 @@ import numpy as np
 from analysis.trajectory import Floats
 from lammps_inputs import InputError, Scene, library
 from workflow.engines.lammps import mpi
+from workflow.record import RECORD, read_record
 from workflow.results import SAMPLES, results, states
 from workflow.run import ENGINES, Progress, provenance, run
-from workflow.run_directory import RECORD, RunDirectory, parts, read_record
+from workflow.run_directory import RunDirectory, parts
 
 
 @dataclass(frozen=True)

@@ -14,21 +14,21 @@ from analysis.binary_dump import BinaryDump, CutDumpWarning, NoFrameError
 from lammps_inputs import InputError, Problem, continuation, deck, library
 from workflow.engines.lammps import engine as lammps_engine
 from workflow.engines.lammps import live_peaks, restarts
+from workflow.own_files import refuse_links, remove_leftovers
+from workflow.record import RECORD
 from workflow.run import ENGINES, Progress, Run, carry_out, fingerprint, measure_error
 from workflow.run_directory import (
     OWN_FILES,
-    RECORD,
     RunDirectory,
     all_parts,
     alone,
     part_number,
     parts,
-    remove_leftovers,
     write_text,
 )
 from workflow.settings import Settings
 
-_AGAIN = "nothing is there to go on from: run the scene again with --overwrite"
+_AGAIN = "nothing is there to go on from: run the scene again with another -o"
 
 
 def resume(
@@ -63,6 +63,7 @@ def resume(
     begun(path)
     with alone(path) as lock:
         remove_leftovers(path)
+        refuse_links(path)
         result, record = _with_its_files(path)
         settings = settings_of(record)
         if record["outcome"] == "done":

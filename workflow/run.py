@@ -24,14 +24,18 @@ from workflow import contacts
 from workflow.engines.lammps import engine as lammps_engine
 from workflow.engines.reference import engine as reference
 from workflow.errors import EndedError, RunError
+from workflow.own_files import prepare, refuse_links, replacing
 from workflow.results import results
-from workflow.run_directory import EVENTS, RunDirectory, alone, prepare, write_text
-from workflow.settings import Settings, certifiers, settle
+from workflow.run_directory import EVENTS, RunDirectory, alone, run_files, write_text
+from workflow.settings import Settings, certifiers, refuse_too_large, settle
 
 Progress = Callable[[int, int], None]
 
 Start = Callable[..., lammps_engine.Outcome]
 """Runs the deck in a directory, given ``ranks`` and ``progress``."""
+
+LAMMPS_BYTES = 1000
+"""Of memory, a bead; measured."""
 
 ENGINES = ("lammps", "reference", "collisions")
 
@@ -92,6 +96,8 @@ def run(
     path = Path(directory)
     if engine not in ENGINES:
         raise InputError(f"--engine: {engine!r} given; {', '.join(ENGINES[:-1])} or {ENGINES[-1]}")
+    if engine == "lammps":
+        refuse_too_large(scene, scene.name, LAMMPS_BYTES, "LAMMPS")
     scene, found_settings = settle(scene, source=scene.name, force=force or engine != "lammps")
     settings = found_settings or settings
     problem = scene.problem()
@@ -102,23 +108,25 @@ def run(
     files = deck.render(scene)
     if engine != "lammps":
         files = {deck.SCENE: files[deck.SCENE]}
-    prepare(path, overwrite=overwrite)
+    names = run_files(engine)
+    prepare(path, names, overwrite=overwrite)
     with alone(path) as lock:
-        write_text(path / deck.SCENE, files[deck.SCENE])
-        result = RunDirectory(path)
-        result.update_record(
-            outcome="running",
-            engine=engine,
-            ranks=ranks,
-            steps=problem.steps,
-            **provenance(),
-            files_sha256=fingerprint(files),
-            scene=scene.resolved().plain(),
-            **({"settings": settings.plain()} if settings is not None else {}),
-            **({"force": True} if force else {}),
-        )
-        for name, text in files.items():
-            write_text(path / name, text)
+        with replacing(path, names):
+            write_text(path / deck.SCENE, files[deck.SCENE])
+            result = RunDirectory(path)
+            result.update_record(
+                outcome="running",
+                engine=engine,
+                ranks=ranks,
+                steps=problem.steps,
+                **provenance(),
+                files_sha256=fingerprint(files),
+                scene=scene.resolved().plain(),
+                **({"settings": settings.plain()} if settings is not None else {}),
+                **({"force": True} if force else {}),
+            )
+            for name, text in files.items():
+                write_text(path / name, text)
         start = lammps or functools.partial(lammps_engine.run, restart_every=restart_every, lock=lock)
         return carry_out(result, start=start, ranks=ranks, settings=settings, check=check, progress=progress)
 
@@ -145,9 +153,11 @@ def carry_out(
         spent: wall time of earlier attempts, which this one goes on from.
 
     Raises:
+        InputError: something in the directory that it would write to is a link.
         RunError: the run failed; ``run.json`` says why, where the disk takes it.
     """
     path, problem, engine = result.path, result.problem, result.record["engine"]
+    refuse_links(path)
     started = time.perf_counter() - spent
     if check and engine == "lammps":
         # on another core while LAMMPS computes
@@ -289,7 +299,7 @@ def provenance() -> dict[str, Any]:
     """What is needed to tell where and with what something was computed."""
     return {
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
-        "command": sys.argv,
+        "command": [os.fsencode(word).decode("utf-8", "replace") for word in sys.argv],
         "host": platform.node(),
         "machine": f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores",
         "python": platform.python_version(),

@@ -11,7 +11,7 @@
 | run.json          | versions, command, host, times, outcome        |
 
 Every file is written whole under another name and then renamed, except the dump, whose frames are whole one by one.
-A directory is locked while something runs in it.
+A directory is locked while something runs in it. Which files are ours, and may be replaced: see `own_files`.
 """
 
 import fcntl
@@ -23,7 +23,7 @@ import re
 import tempfile
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -32,12 +32,12 @@ from typing import TYPE_CHECKING, Any
 from analysis import recording
 from analysis.trajectory import Trajectory, joined
 from lammps_inputs import InputError, Problem, Scene, continuation, deck, job, load
-from workflow.errors import EndedError
+from workflow.errors import EndedError, RunError
+from workflow.record import RECORD, read_record
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure  # takes a while to import
 
-RECORD = "run.json"
 EVENTS = "events.csv"
 REPORT = "analysis.json"
 
@@ -52,16 +52,33 @@ OWN_FILES = (
         deck.PEAKS_STATE,
     ),
     *job.OWN_FILES,
+    deck.SNAPSHOTS,
 )
 ANALYSIS_FILES = (
     "waves.csv",
     REPORT,
-    *(f"{name}.{suffix}" for name in ("spacetime", "response", "distance", "shape") for suffix in ("png", "pdf")),
+    *(
+        f"{name}.{suffix}"
+        for name in ("spacetime", "response", "distance", "shape", "energy")
+        for suffix in ("png", "pdf")
+    ),
     *("validation.json", "validation.png", "validation.pdf"),
+    *("compare.json", "compare.png", "compare.pdf"),
 )
 
 
+TEMPORARY = ".granchain-"
+"""In the name of a file that is being written, so that a kill leaves nothing that could be somebody else's."""
+
 _PART = re.compile(r"chains\.(dump|snapshots)(?:\.([1-9][0-9]{0,8}))?\.bin")
+
+
+def run_files(engine: str) -> tuple[str, ...]:
+    """What a run by an engine, or the deck for LAMMPS, may leave in its directory before it is analysed."""
+    if engine != "lammps":
+        return (deck.SCENE, RECORD, deck.DUMP, EVENTS)
+    return tuple(name for name in OWN_FILES if name != EVENTS and name not in job.OWN_FILES)
+
 
 _LOCK_SECONDS = 3.0
 """How long the processes of a killed run may take to end."""
@@ -80,7 +97,7 @@ def write_bytes(path: Path, content: bytes) -> None:
 
 
 def _write(path: Path, content: bytes) -> None:
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}{TEMPORARY}")
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(content)
@@ -91,17 +108,29 @@ def _write(path: Path, content: bytes) -> None:
         raise
 
 
+def figure_files(*names: str) -> tuple[str, ...]:
+    """Names of the files of figures."""
+    return tuple(f"{name}.{suffix}" for name in names for suffix in ("png", "pdf"))
+
+
 def write_figure(directory: Path, name: str, figure: "Figure") -> tuple[Path, ...]:
-    """Write a figure as PNG and as PDF; returns the files."""
+    """Write a figure as PNG and as PDF; returns the files.
+
+    Raises:
+        RunError: it holds numbers that cannot be drawn.
+    """
     import matplotlib as mpl
 
     from analysis.figures.style import STYLE
 
-    paths = tuple(directory / f"{name}.{suffix}" for suffix in ("png", "pdf"))
+    paths = tuple(directory / file for file in figure_files(name))
     for path in paths:
         out = io.BytesIO()
-        with mpl.rc_context(STYLE):  # fonts and resolution are settings of saving, not of drawing
-            figure.savefig(out, format=path.suffix[1:])
+        try:
+            with mpl.rc_context(STYLE):  # fonts and resolution are settings of saving, not of drawing
+                figure.savefig(out, format=path.suffix[1:])
+        except OverflowError:
+            raise RunError(f"{path}: numbers near 1e308 cannot be drawn; are the frames damaged?") from None
         write_bytes(path, out.getvalue())
     return paths
 
@@ -152,6 +181,27 @@ def alone(directory: Path) -> Iterator[int]:
         os.close(handle)
 
 
+@contextmanager
+def changing(path: Path) -> Iterator[None]:
+    """Read a file and write it anew with nobody else doing so in between; a run and its analysis share ``run.json``."""
+    while True:
+        try:
+            handle = os.open(path, os.O_RDONLY)
+        except OSError:  # it is not there yet, or is nobody's who writes here
+            yield
+            return
+        try:
+            with suppress(OSError):  # a file system without locks
+                fcntl.flock(handle, fcntl.LOCK_EX)
+            with suppress(OSError):
+                if not os.path.samestat(os.fstat(handle), path.stat()):
+                    continue  # it was replaced meanwhile
+            yield
+            return
+        finally:
+            os.close(handle)
+
+
 def parts(directory: Path, kind: str = "dump") -> list[Path]:
     """The files of frames there are, in order; with "snapshots" those of all beads beside frames of some."""
     found = {path: match for path in directory.iterdir() if (match := _PART.fullmatch(path.name)) and path.is_file()}
@@ -167,57 +217,6 @@ def part_number(path: Path) -> int:
     """Number of a file of frames; 0 if it is none."""
     match = _PART.fullmatch(path.name)
     return 0 if match is None else int(match[2] or 1)
-
-
-def remove_leftovers(directory: Path) -> None:
-    """Remove files that were being written when an earlier run was killed."""
-    for path in directory.iterdir():
-        whole = path.name[1:].rpartition(".")[0]  # see `write_bytes`
-        if path.name.startswith(".") and whole in (*OWN_FILES, *ANALYSIS_FILES):
-            path.unlink(missing_ok=True)
-
-
-def prepare(directory: Path, *, overwrite: bool = False) -> None:
-    """Make a directory for a new run.
-
-    Args:
-        directory: new, or empty, or with ``overwrite`` one that holds an earlier run, whose files are removed.
-        overwrite: whether an earlier run may be replaced. Files that are not a run's are never touched.
-
-    Raises:
-        InputError: the directory holds something, or cannot be made.
-    """
-    try:
-        if directory.exists() and not directory.is_dir():
-            raise InputError(f"{directory}: is a file, not a directory; choose another -o")
-        if directory.is_dir():
-            remove_leftovers(directory)
-        if directory.is_dir() and any(directory.iterdir()):
-            if not overwrite:
-                raise InputError(f"{directory}: exists and is not empty; choose another -o, or give --overwrite")
-            if not (directory / deck.SCENE).is_file():
-                raise InputError(f"{directory}: is not a run directory, so it is not overwritten; choose another -o")
-            with alone(directory):
-                for path in (*all_parts(directory), *(directory / name for name in (*OWN_FILES, *ANALYSIS_FILES))):
-                    path.unlink(missing_ok=True)
-        directory.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=directory):
-            pass
-    except OSError as error:
-        raise InputError(f"{directory}: cannot be written to ({error.strerror})") from None
-
-
-def read_record(path: Path) -> dict[str, Any]:
-    """What a ``run.json`` holds.
-
-    Raises:
-        InputError: it is not JSON.
-    """
-    try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-    except (ValueError, OSError) as error:
-        raise InputError(f"{path}: cannot be read ({error})") from None
-    return data if isinstance(data, dict) else {}
 
 
 @dataclass(frozen=True)
@@ -279,8 +278,9 @@ class RunDirectory:
 
     def update_record(self, **changes: Any) -> None:
         """Add to ``run.json``, or with None take away."""
-        record = {**self.record, **changes}
-        write_json(self.path / RECORD, {key: value for key, value in record.items() if value is not None})
+        with changing(self.path / RECORD):
+            record = {**self.record, **changes}
+            write_json(self.path / RECORD, {key: value for key, value in record.items() if value is not None})
 
     @property
     def dumps(self) -> list[Path]:

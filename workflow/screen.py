@@ -10,6 +10,11 @@ from rich.table import Table
 from lammps_inputs import Problem
 
 
+def one_line(text: object) -> str:
+    """A name as it may be printed: what is not printable, such as a line break or ESC, is escaped."""
+    return "".join(sign if sign.isprintable() else ascii(sign)[1:-1] for sign in str(text))
+
+
 @contextmanager
 def progress_bar(name: str, problem: Problem) -> Iterator[Callable[[int, int], None]]:
     """A bar of steps done, with the bead that the front has reached; on standard error, and only on a terminal."""

@@ -9,6 +9,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from lammps_inputs import InputError, Problem, Scene, library, scheme
+from lammps_inputs.numbers import memory
 from lammps_inputs.timestep import stability_bound
 from workflow import step_search
 from workflow.ending import with_duration
@@ -71,6 +72,25 @@ class Settings:
         return f"accuracy {self.accuracy:g}: timestep {step}{unit}; {how}{longer}"
 
 
+_DECK_BYTES = 250
+"""Of memory, a bead that exists, to write a deck; measured."""
+
+
+def refuse_too_large(scene: Scene, source: str, bytes_a_bead: float, what: str = "the deck") -> None:
+    """Refuse what this machine's memory does not hold, before it is tried.
+
+    Raises:
+        InputError: naming the number of beads and what they need.
+    """
+    rows = scene.beads if not isinstance(scene.window, int) else min(scene.window, scene.beads)
+    needed = bytes_a_bead * scene.chains * rows
+    if scene.window != "auto" and needed > memory():
+        raise InputError(
+            f"{source}: beads: {scene.chains} x {rows:,} beads need {needed / 1e9:.3g} GB of memory for {what}, and "
+            f"this machine has {memory() / 1e9:.3g}; take fewer, or a `window`"
+        )
+
+
 def settle(scene: Scene, *, source: str = "", force: bool = False) -> tuple[Scene, Settings | None]:
     """The scene with duration, window and time step written out, and how the step was chosen for an accuracy.
 
@@ -82,6 +102,7 @@ def settle(scene: Scene, *, source: str = "", force: bool = False) -> tuple[Scen
     Raises:
         InputError: the end is not reached, the time step is unstable, or no step keeps the accuracy.
     """
+    refuse_too_large(scene, source, _DECK_BYTES)
     if not force:
         refuse_unstable(scene, source)
     scene = with_duration(scene)

@@ -5,7 +5,6 @@ queue where there is one. Nothing is written.
 """
 
 import fcntl
-import json
 import os
 import platform
 import re
@@ -17,11 +16,12 @@ from pathlib import Path
 from typing import Any, Literal
 
 from analysis.binary_dump import last_step
-from lammps_inputs import continuation, deck, job
+from lammps_inputs import InputError, continuation, deck, job
 from workflow.engines.lammps.restarts import step_of
 from workflow.made_by import Made, made_by
 from workflow.queue import Queue, Queued
-from workflow.run_directory import RECORD, parts
+from workflow.record import RECORD, read_record
+from workflow.run_directory import parts
 
 State = Literal["none", "written", "waiting", "running", "done", "failed", "incomplete"]
 
@@ -104,10 +104,19 @@ def _status(directory: Path, queue: Queue | None) -> Status:
         return Status(directory, "none", why="no such directory")
     queued = queue.job_in(directory) if queue is not None else None
     told, recorded = directory / job.STATE, directory / RECORD
-    if told.is_file() and not (recorded.is_file() and recorded.stat().st_mtime > told.stat().st_mtime):
-        return _of_job(directory, _read_state(told), queue, queued)
+    record: dict[str, Any] | None = {}
     if recorded.is_file():
-        return _of_record(directory, recorded)
+        try:
+            record = read_record(recorded)
+        except InputError:
+            record = None
+    account = record is None or "outcome" in record  # else it only lists what is in the directory
+    if told.is_file() and not (account and recorded.stat().st_mtime > told.stat().st_mtime):
+        return _of_job(directory, _read_state(told), queue, queued)
+    if record is None:
+        return Status(directory, "failed", _last_step(directory), _steps(directory), f"{RECORD} cannot be read")
+    if account:
+        return _of_record(directory, record)
     made = made_by(directory)
     return _of_files(directory, queued) if made is None else _of_many(directory, made)
 
@@ -169,13 +178,7 @@ def _when(told: dict[str, str]) -> str:
 # --- local runs -------------------------------------------------------------------------------------------------------
 
 
-def _of_record(directory: Path, path: Path) -> Status:
-    try:
-        record = json.loads(path.read_text(encoding="utf-8"))
-    except (ValueError, RecursionError):
-        record = None
-    if not isinstance(record, dict):
-        return Status(directory, "failed", _last_step(directory), _steps(directory), f"{RECORD} cannot be read")
+def _of_record(directory: Path, record: dict[str, Any]) -> Status:
     steps = _number(record.get("steps")) or _steps(directory)
     outcome = record.get("outcome")
     done = _number(record.get("steps_done"))
@@ -210,9 +213,18 @@ def _locked(directory: Path) -> bool:
     return False
 
 
+def _only_lists(path: Path) -> bool:
+    try:
+        return path.is_file() and "outcome" not in read_record(path)
+    except InputError:
+        return False
+
+
 def _fresh(directory: Path) -> bool:
     """Whether something was written in the last minutes."""
     files = [*parts(directory), directory / RECORD]
+    if _only_lists(files[-1]):  # which is news of reports, not of the run
+        files.pop()
     return any(time.time() - path.stat().st_mtime < _GRACE for path in files if path.exists())
 
 

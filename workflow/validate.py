@@ -16,6 +16,7 @@ from analysis.trajectory import Trajectory, joined
 from lammps_inputs import InputError, Problem
 from workflow import causes, given_table
 from workflow.engines.reference.certify import Certificate, Certifier
+from workflow.own_files import claim
 from workflow.run_directory import RunDirectory, write_figure, write_json
 
 TOLERANCES = {
@@ -274,6 +275,7 @@ def _any_exceeded(deviations: dict[str, Deviation], limits: dict[str, float]) ->
 def _write(path: Path, result: Validation, comparison: Comparison, against: str) -> None:
     from analysis.figures.error import validation_figure  # matplotlib takes half a second to import
 
+    claim(path, (REPORT, *FIGURES))
     write_json(path / REPORT, result.plain())
     figure = validation_figure(result.problem, comparison.error_map, result.deviations, result.tolerances, against)
     write_figure(path, "validation", figure)

@@ -115,7 +115,8 @@ def test_what_came_back_from_a_cluster_is_analysed_and_gives_the_same_numbers(co
 
 def test_a_run_that_got_farther_since_is_analysed_again(copied):
     case = next(copied.iterdir())
-    (case / "run.json").unlink()
+    record = json.loads((case / "run.json").read_text())
+    (case / "run.json").write_text(json.dumps({"files": record["files"]}))  # as a cluster leaves it
     dump = case / "chains.dump.bin"
     whole = dump.read_bytes()
     dump.write_bytes(whole[: len(whole) // 2])

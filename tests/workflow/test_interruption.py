@@ -199,5 +199,5 @@ def test_a_batch_systems_sigterm_ends_a_run_like_ctrl_c(tmp_path):
         assert wait_until(lambda: dump.exists() and dump.stat().st_size > 50_000, process)
         process.terminate()
         process.wait(HANGS)
-    assert process.returncode == 1
+    assert process.returncode == 130
     assert json.loads((tmp_path / "r" / "run.json").read_text())["outcome"] == "interrupted"

@@ -4,6 +4,7 @@ import pytest
 
 from lammps_inputs import deck, job, site
 from workflow.cli import main
+from workflow.record import RECORD
 
 
 @pytest.fixture(autouse=True)
@@ -87,4 +88,4 @@ def test_a_deck_is_not_written_over_a_job_unless_asked_and_then_nothing_of_it_is
         (directory / name).write_text("earlier")
     assert main(["deck", "two-chains", "-o", str(directory)]) == 2
     assert main(["deck", "two-chains", "-o", str(directory), "--overwrite"]) == 0
-    assert {path.name for path in directory.iterdir()} == {deck.SCENE, deck.DECK, deck.DATA}
+    assert {path.name for path in directory.iterdir()} == {RECORD, deck.SCENE, deck.DECK, deck.DATA}

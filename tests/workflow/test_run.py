@@ -242,7 +242,7 @@ def test_overwriting_replaces_a_run_and_keeps_the_files_that_are_not_its(tmp_pat
 
 def test_a_directory_that_is_no_run_is_not_overwritten_even_when_asked(tmp_path):
     (tmp_path / "in.chains").write_text("mine")
-    with pytest.raises(InputError, match="is not a run directory, so it is not overwritten"):
+    with pytest.raises(InputError, match="nothing in it is overwritten"):
         run(small(), tmp_path, overwrite=True)
     assert contents(tmp_path) == {"in.chains": b"mine"}
 

@@ -17,7 +17,8 @@ from lammps_inputs import continuation, deck, job
 from lammps_inputs.site import JobOptions
 from workflow.cli import main
 from workflow.queue import Queue, Queued, parse
-from workflow.run_directory import RECORD, write_json
+from workflow.record import RECORD
+from workflow.run_directory import write_json
 from workflow.status import MEANING, status, statuses
 
 CASE = scene(chains=2, beads=8, kappa=0.1, duration=10.0, every=0.1)

@@ -239,7 +239,7 @@ def test_ctrl_c_keeps_what_is_done_and_the_same_command_does_the_rest(slow):
     process, command, directory = slow
     os.killpg(process.pid, signal.SIGINT)
     out, err = process.communicate(timeout=HANGS)
-    assert (process.returncode, err) == (1, "")
+    assert (process.returncode, err) == (130, "")
     assert "interrupted: what is done is kept; the same command goes on with the rest" in out
     assert wait_until(lambda: at_work(directory) == [])
     kept = finished(directory)

@@ -1,20 +1,30 @@
 """Ratios of two ways to do the same thing, measured side by side on this machine (absolute times are noise)."""
 
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
 from workflow.bench import against_usual_ways, collisions, reference, sweeps, window
 from workflow.bench.ratio import Ratio
 
-__all__ = ["Ratio", "all_ratios"]
+__all__ = ["PARTS", "Ratio", "measure"]
+
+Part = Callable[[Path], Iterator[Ratio]]
+
+PARTS: Mapping[str, Part] = {
+    "output": against_usual_ways.output_cost,
+    "check": against_usual_ways.check_cost,
+    "deck": against_usual_ways.tuned_against_plain,
+    "reader": against_usual_ways.reader_ratios,
+    "sweep": sweeps.sweep_ratios,
+    "reference": lambda _: reference.reference_against_scipy(),
+    "collisions": lambda _: collisions.collision_ratios(),
+    "window": window.window_ratios,
+}
+"""Measurements by name; all take some six minutes, and 2 GB of temporary files."""
 
 
-def all_ratios() -> Iterator[Ratio]:
-    """Every measurement, one after the other; some six minutes, and 2 GB of temporary files."""
-    with tempfile.TemporaryDirectory(prefix="granchain-bench-") as name:
-        yield from against_usual_ways.all_ratios(Path(name))
-        yield from sweeps.sweep_ratios(Path(name) / "sweep")
-    yield from reference.reference_against_scipy()
-    yield from collisions.collision_ratios()
-    yield from window.window_ratios()
+def measure(name: str) -> Iterator[Ratio]:
+    """The ratios of one part."""
+    with tempfile.TemporaryDirectory(prefix="granchain-bench-") as root:
+        yield from PARTS[name](Path(root) / name)

@@ -3,8 +3,6 @@
 import statistics
 from dataclasses import dataclass
 
-from lammps_inputs import Problem
-
 
 @dataclass(frozen=True)
 class Ratio:
@@ -12,7 +10,7 @@ class Ratio:
 
     Attributes:
         name: what is compared.
-        value: the ratio, or a time where the unit says so.
+        value: the ratio.
         goal: what it should be, in words.
         reached: whether it is.
         detail: the two measurements.
@@ -32,13 +30,10 @@ def make_ratio(
     *,
     times: list[tuple[float, float]],
     below: bool = False,
-    problem: Problem | None = None,
 ) -> Ratio:
     """A ratio of pairs of times: the median of ``values``, at least the goal, or at most it with ``below``."""
     value = statistics.median(values)
     first, second = (statistics.median(pair[side] for pair in times) for side in (0, 1))
     detail = f"{first:.4g} s, {second:.4g} s; {min(values):.3g} to {max(values):.3g}"
-    if problem is not None:
-        detail += f"; {first * 1e9 / (problem.steps * problem.chains * problem.beads):.3g} ns a bead-step"
     reached = value <= goal if below else value >= goal
     return Ratio(name, value, f"{'at most' if below else 'at least'} {goal:g}", reached, detail)

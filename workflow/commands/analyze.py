@@ -16,7 +16,7 @@ from lammps_inputs.facts import Fact
 from workflow.analyse import Analysis, analyse, last_clear_bead
 from workflow.engines.lammps.checks import ENERGY_TOLERANCE
 from workflow.run_directory import RunDirectory
-from workflow.screen import print_table
+from workflow.screen import one_line, print_table
 
 MOST_CHAINS = 8
 """Chains that a table shows."""
@@ -51,7 +51,7 @@ def execute(arguments: argparse.Namespace) -> int:
     )
     _print(found)
     names = ["waves.csv", "analysis.json", *(path.name for path in found.figures)]
-    print(f"{arguments.directory}: {', '.join(names)}")
+    print(f"{one_line(arguments.directory)}: {', '.join(names)}")
     return 0
 
 

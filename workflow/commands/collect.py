@@ -7,7 +7,7 @@ from typing import Any
 from lammps_inputs import InputError, strict_yaml
 from workflow import collect as collecting
 from workflow.run_directory import write_text
-from workflow.screen import count_bar, print_table
+from workflow.screen import count_bar, one_line, print_table
 from workflow.sweep.table import QUANTITIES, Table
 
 TABLE = "table.csv"
@@ -61,8 +61,8 @@ def execute(arguments: argparse.Namespace) -> int:
         title = ", ".join(f"{name} = {value}" for name, value in where.items())
         figures = collecting.plot(table, output.parent, arguments.plot, arguments.over, arguments.beside, title)
     write_text(output, table.to_csv())
-    _print(table, str(arguments.directory))
-    print(", ".join(str(path) for path in (output, *figures)))
+    _print(table, one_line(arguments.directory))
+    print(", ".join(one_line(path) for path in (output, *figures)))
     return 0
 
 

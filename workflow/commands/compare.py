@@ -8,7 +8,8 @@ from analysis.trajectory import Floats
 from lammps_inputs import library
 from workflow import compare as comparing
 from workflow import run as running
-from workflow.screen import print_table, progress_bar
+from workflow.own_files import refuse_to_overwrite
+from workflow.screen import one_line, print_table, progress_bar
 from workflow.settings import refuse_unstable
 
 
@@ -30,6 +31,8 @@ def execute(arguments: argparse.Namespace) -> int:
     engines = None if arguments.engines is None else tuple(arguments.engines.split(","))
     if "lammps" in comparing.engines_for(scene, engines):
         refuse_unstable(scene, arguments.scene)
+    if arguments.output is not None:
+        refuse_to_overwrite(arguments.scene, arguments.output)
     with tempfile.TemporaryDirectory(prefix="granchain-compare-") as name:
         directory = Path(name) / "compare" if arguments.output is None else arguments.output
         found = comparing.compare(
@@ -38,7 +41,9 @@ def execute(arguments: argparse.Namespace) -> int:
     _print(found)
     if arguments.output is not None:
         names = [comparing.REPORT, f"{comparing.FIGURE}.png", f"{comparing.FIGURE}.pdf"]
-        print(f"{arguments.output}: {', '.join([*names, *(f'{result.engine}/' for result in found.results)])}")
+        print(
+            f"{one_line(arguments.output)}: {', '.join([*names, *(f'{result.engine}/' for result in found.results)])}"
+        )
     return 0
 
 

@@ -6,7 +6,9 @@ from pathlib import Path
 from lammps_inputs import deck, job, library
 from workflow import contacts, ranks
 from workflow.job_arguments import add_job_arguments, job_options, with_ranks
-from workflow.run_directory import prepare, write_text
+from workflow.own_files import prepare, refuse_to_overwrite, replacing
+from workflow.run_directory import alone, run_files, write_text
+from workflow.screen import one_line
 from workflow.settings import settle
 
 
@@ -27,20 +29,23 @@ def execute(arguments: argparse.Namespace) -> int:
     if options is not None:
         options = with_ranks(options, scene.problem())
         files |= job.render_job(options, scene.problem())
-    prepare(arguments.output, overwrite=arguments.overwrite)
-    for name, content in files.items():
-        write_text(arguments.output / name, content)
+    refuse_to_overwrite(arguments.scene, arguments.output)
+    names = (*run_files("lammps"), *(job.OWN_FILES if options is not None else ()))
+    prepare(arguments.output, names, overwrite=arguments.overwrite)
+    with alone(arguments.output), replacing(arguments.output, names):
+        for name, content in files.items():
+            write_text(arguments.output / name, content)
     if settings is not None:
         print(f"{scene.name}: {settings.sentence(scene.problem())}")
     hardest = contacts.at_most(scene)
     if hardest is not None:
         print("\n".join(hardest.lines()))
-    print(f"{arguments.output}: {', '.join(files)}")
+    print(f"{one_line(arguments.output)}: {', '.join(files)}")
     if options is not None:
         print(ranks.cost(scene.problem(), options.ranks).sentence())
-        print(f"on the cluster, there: sbatch {job.JOB}    then: granchain status {arguments.output}")
+        print(f"on the cluster, there: sbatch {job.JOB}    then: granchain status {one_line(arguments.output)}")
         return 0
     if scene.output.peaks:
         print("output.peaks: found by `granchain run` only; lmp alone leaves no peaks.csv")
-    print(f"run it there with: lmp -in {deck.DECK}    then: granchain analyze {arguments.output}")
+    print(f"run it there with: lmp -in {deck.DECK}    then: granchain analyze {one_line(arguments.output)}")
     return 0

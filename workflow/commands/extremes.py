@@ -5,7 +5,7 @@ from pathlib import Path
 
 from workflow.extremes import cells as grid
 from workflow.extremes import report
-from workflow.screen import count_bar, print_table
+from workflow.screen import count_bar, one_line, print_table
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -40,5 +40,5 @@ def execute(arguments: argparse.Namespace) -> int:
     found = report.counts(outcomes)
     print(f"{len(outcomes)} cells: " + ", ".join(f"{number} {kind}" for kind, number in found.items()))
     if arguments.output is not None:
-        print(f"{arguments.output}: extremes.csv, extremes.png, extremes.pdf, cells/")
+        print(f"{one_line(arguments.output)}: extremes.csv, extremes.png, extremes.pdf, cells/")
     return 1 if found["WRONG"] else 0

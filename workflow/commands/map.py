@@ -5,7 +5,7 @@ from pathlib import Path
 
 from lammps_inputs import InputError
 from workflow import map as mapping
-from workflow.screen import count_bar, print_table
+from workflow.screen import count_bar, one_line, print_table
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -47,7 +47,7 @@ def execute(arguments: argparse.Namespace) -> int:
         ["N", "kappa", "10% from", "1% from", "amplitude", "mismatch", "beads", "window error"],
         rows,
     )
-    print(f"{arguments.output}: map.csv, map.png, map.pdf, cases/")
+    print(f"{one_line(arguments.output)}: map.csv, map.png, map.pdf, cases/")
     return 0
 
 

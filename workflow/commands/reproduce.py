@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 from workflow.reproduce.report import reproduce
+from workflow.screen import one_line
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -15,5 +16,5 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(arguments: argparse.Namespace) -> int:
     """Run what is missing, write the page and its figures."""
     path = reproduce(arguments.output, lambda line: print(line, file=sys.stderr, flush=True))
-    print(path)
+    print(one_line(path))
     return 0

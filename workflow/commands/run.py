@@ -2,6 +2,7 @@
 
 import argparse
 import math
+import shlex
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +11,9 @@ from workflow import run as running
 from workflow.check import Check
 from workflow.contacts import Contacts
 from workflow.engines.lammps.engine import RESTART_EVERY
+from workflow.own_files import refuse_to_overwrite
 from workflow.resume import begun, resume, settings_of
-from workflow.screen import progress_bar
+from workflow.screen import one_line, progress_bar
 from workflow.settings import Settings, better_timestep, settle
 from workflow.validate import TOLERANCES
 
@@ -38,11 +40,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def execute(arguments: argparse.Namespace) -> int:
-    """Run, with a progress bar on a terminal; exit code 1 when interrupted."""
+    """Run, with a progress bar on a terminal; exit code 130 when interrupted."""
     if arguments.resume is not None:
         return _resume(arguments)
     if arguments.scene is None or arguments.output is None:
         raise InputError("run: needs a SCENE and -o DIR, or --resume DIR; `granchain run --help` tells more")
+    refuse_to_overwrite(arguments.scene, arguments.output)
     engine = arguments.engine or "lammps"
     force = arguments.force or engine != "lammps"  # only LAMMPS takes the scene's time step
     scene, settings = settle(library.find(arguments.scene), source=arguments.scene, force=force)
@@ -86,20 +89,20 @@ def _resume(arguments: argparse.Namespace) -> int:
             restart_every=arguments.restart_every,
         )
     if result is None:
-        print(f"{arguments.resume}: is done already")
+        print(f"{one_line(arguments.resume)}: is done already")
         return 0
     return _tell(result, settings_of(directory.record))
 
 
 def _tell(result: running.Run, settings: Settings | None) -> int:
-    """Say how a run ended; exit code 1 if it was interrupted, impossible or not as accurate as asked."""
-    path, record = result.directory.path, result.directory.record
+    """Say how a run ended; exit code 130 if it was interrupted, 1 if impossible or not as accurate as asked."""
+    path, record = one_line(result.directory.path), result.directory.record
     if result.outcome == "interrupted":
         print(
             f"{path}: interrupted at step {record['steps_done']} of {record['steps']}; frames are kept, and "
-            f"`granchain run --resume {path}` goes on"
+            f"`granchain run --resume {shlex.quote(path)}` goes on"
         )
-        return 1
+        return 130
     print(f"{path}: {_done(record)}")
     hardest = Contacts(**record["contacts"]) if "contacts" in record else None
     if hardest is not None:

@@ -8,7 +8,7 @@ from lammps_inputs.job import JOB
 from lammps_inputs.site import JobOptions
 from workflow.engines.lammps.mpi import cores
 from workflow.job_arguments import add_job_arguments, job_options
-from workflow.screen import count_bar
+from workflow.screen import count_bar, one_line
 from workflow.sweep import carry_out, file
 
 
@@ -23,7 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def execute(arguments: argparse.Namespace) -> int:
-    """Run what is missing or failed; exit code 1 when a case failed or the sweep was interrupted."""
+    """Run what is missing or failed; exit code 1 when a case failed, 130 when the sweep was interrupted."""
     if not 1 <= arguments.jobs <= 1024:
         raise InputError(f"--jobs: {arguments.jobs} given; 1 to 1024")
     options = job_options(arguments)
@@ -45,14 +45,15 @@ def _run(what: file.Sweep, arguments: argparse.Namespace) -> int:
         print(f"{name}: {reason}")
     before = f" ({end.before} of them before)" if end.before else ""
     failed = f", {len(end.failed)} failed" if end.failed else ""
-    print(f"{arguments.output}: {end.done} of {end.cases} cases done{before}{failed}")
+    print(f"{one_line(arguments.output)}: {end.done} of {end.cases} cases done{before}{failed}")
     if end.interrupted:
         print("interrupted: what is done is kept; the same command goes on with the rest")
-    elif end.failed:
+        return 130
+    if end.failed:
         print("the same command runs those that failed again")
     else:
-        print(f"gather them with: granchain collect {arguments.output}")
-    return 1 if end.failed or end.interrupted else 0
+        print(f"gather them with: granchain collect {one_line(arguments.output)}")
+    return 1 if end.failed else 0
 
 
 def _write(what: file.Sweep, output: Path, options: JobOptions) -> int:

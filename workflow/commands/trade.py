@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 from lammps_inputs import InputError, library
-from workflow.screen import count_bar, print_table
+from workflow.screen import count_bar, one_line, print_table
 from workflow.trade import advice, report, tables
 from workflow.trade import study as studying
 from workflow.trade.conclusions import pareto
@@ -60,7 +60,7 @@ def execute(arguments: argparse.Namespace) -> int:
         )
     _print(found)
     written = [name for name in (tables.ENGINES, tables.FRAMES) if (arguments.output / name).exists()]
-    print(f"{arguments.output}: {', '.join(written + report.write(found, arguments.output))}")
+    print(f"{one_line(arguments.output)}: {', '.join(written + report.write(found, arguments.output))}")
     if not found.whole:
         raise KeyboardInterrupt
     return 0

@@ -9,7 +9,7 @@ from lammps_inputs import InputError, library
 from workflow import run as running
 from workflow import validate as validation
 from workflow.run_directory import RunDirectory
-from workflow.screen import print_table, progress_bar
+from workflow.screen import one_line, print_table, progress_bar
 from workflow.settings import settle
 
 
@@ -45,7 +45,7 @@ def execute(arguments: argparse.Namespace) -> int:
             directory, arguments.against, dimensionless=dimensionless, tolerances=tolerances
         )
     _print(found)
-    print(f"{directory.path}: {', '.join((validation.REPORT, *validation.FIGURES))}")
+    print(f"{one_line(directory.path)}: {', '.join((validation.REPORT, *validation.FIGURES))}")
     return 0 if found.passed else 1
 
 

@@ -22,7 +22,8 @@ from workflow.errors import RunError
 from workflow.extremes.cells import Cell
 from workflow.extremes.measure import measure
 from workflow.extremes.outcome import KINDS, Outcome
-from workflow.run_directory import write_figure, write_json, write_text
+from workflow.own_files import claim
+from workflow.run_directory import figure_files, write_figure, write_json, write_text
 
 Progress = Callable[..., None]
 
@@ -129,9 +130,9 @@ class _Kept:
         self._program = _program()
         if self._folder is not None:
             try:
-                if self._folder.parent.is_dir() and any(self._folder.parent.iterdir()) and not self._folder.is_dir():
-                    raise InputError(f"{directory}: holds something else; choose another -o")
-                self._folder.mkdir(parents=True, exist_ok=True)
+                self._folder.parent.mkdir(parents=True, exist_ok=True)
+                claim(self._folder.parent, ("cells", "extremes.csv", *figure_files("extremes")))
+                self._folder.mkdir(exist_ok=True)
             except OSError as error:
                 raise InputError(f"{directory}: cannot be written to ({error.strerror})") from None
 

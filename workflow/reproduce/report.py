@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from lammps_inputs import InputError
+from workflow.own_files import claim
 from workflow.reproduce import page, section2, section3
 from workflow.reproduce.runs import Say
 from workflow.run_directory import write_bytes, write_text
@@ -20,16 +21,19 @@ def reproduce(directory: Path, say: Say) -> Path:
         say: told what is going on.
 
     Raises:
-        InputError: the directory cannot be written.
+        InputError: the directory cannot be written, or holds such a file of somebody else's.
         RunError: a run failed.
     """
     runs = directory / "runs"
     try:
-        runs.mkdir(parents=True, exist_ok=True)
+        directory.mkdir(parents=True, exist_ok=True)
+        claim(directory, (runs.name, PAGE))
+        runs.mkdir(exist_ok=True)
     except OSError as error:
         raise InputError(f"{directory}: cannot be written to ({error.strerror})") from None
     sections = [build(runs, say) for build in SECTIONS]
     images = {picture.name: page.png(picture.figure) for section in sections for picture in section.pictures}
+    claim(directory, (f"{name}.png" for name in images))
     for name, image in images.items():
         write_bytes(directory / f"{name}.png", image)
     text = page.render(

@@ -7,14 +7,17 @@
 | engine   | what computes                                               |
 """
 
-import json
 from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
 from typing import Any
 
+from pydantic_core import from_json
+
 from lammps_inputs import InputError, Scene, deck, library, strict_yaml
-from workflow.run_directory import RECORD, REPORT, write_json, write_text
+from workflow.own_files import claim, listed, others, remove_leftovers
+from workflow.record import RECORD, read_record
+from workflow.run_directory import REPORT, write_json, write_text
 from workflow.status import status
 
 CASE = "case.json"
@@ -50,10 +53,18 @@ class Asked:
 def read_json(path: Path) -> dict[str, Any]:
     """A JSON object from a file; empty if there is none or it is not one."""
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
+        data = from_json(path.read_bytes(), allow_inf_nan=False)
+    except (OSError, ValueError):
         return {}
     return data if isinstance(data, dict) else {}
+
+
+def recorded(path: Path) -> dict[str, Any]:
+    """What ``run.json`` in a directory holds; empty if there is none or it cannot be read."""
+    try:
+        return read_record(path / RECORD)
+    except InputError:
+        return {}
 
 
 def asked(path: Path) -> Asked | None:
@@ -68,8 +79,8 @@ def asked(path: Path) -> Asked | None:
 def begin(path: Path, wanted: Asked, scene: Scene) -> None:
     """Make a case's directory; from then on it is a run directory that may be overwritten."""
     path.mkdir(parents=True, exist_ok=True)
-    for leftover in path.glob(f".{CASE}.*"):  # of a sweep that was killed
-        leftover.unlink(missing_ok=True)
+    remove_leftovers(path)  # of a sweep that was killed
+    claim(path, (CASE, deck.SCENE))
     write_json(path / CASE, wanted.plain())
     write_text(path / deck.SCENE, strict_yaml.dump(scene.resolved().plain()))
 
@@ -82,7 +93,7 @@ def refuse_another(path: Path, wanted: Asked, scene: Scene) -> None:
     """
     found = asked(path)
     if found is None:
-        if path.is_dir() and not any(not entry.name.startswith(f".{CASE}.") for entry in path.iterdir()):
+        if path.is_dir() and (not (rest := others(path)) or (rest == {RECORD} and CASE in _listed(path))):
             return  # interrupted before anything was written
         if path.exists() or path.is_symlink():
             raise InputError(f"{path}: exists and is not a case of a sweep; choose another -o")
@@ -97,6 +108,13 @@ def refuse_another(path: Path, wanted: Asked, scene: Scene) -> None:
         key = _first_difference(*(_without(data, _found_later(scene)) for data in (written, resolved)))
     if key is not None:
         raise InputError(f"{path}: holds this case of another scene ({key} differs); {advice}")
+
+
+def _listed(path: Path) -> set[str]:
+    try:
+        return listed(path)
+    except InputError:
+        return set()
 
 
 def _found_later(scene: Scene) -> set[str]:
@@ -131,6 +149,6 @@ def is_analysed(path: Path) -> bool:
 
 def note_failure(path: Path, reason: str) -> None:
     """Let ``run.json`` say why a case failed, where the run could not do so itself."""
-    record = read_json(path / RECORD)
+    record = recorded(path)
     if path.is_dir() and record.get("outcome") not in ("done", "failed"):
         write_json(path / RECORD, {**record, "outcome": "failed", "reason": reason})

@@ -22,7 +22,7 @@ def parse(text: str) -> Path:
     known = all_fields(Scene)
     matches = [_STEP.fullmatch(part) for part in text.split(".")] if len(text) <= 200 else []
     if not matches or not all(matches) or ".".join(match[1] for match in matches if match) not in known:
-        hint = library.suggestion(text[:200], known) or f"; it has {', '.join(known)}"
+        hint = library.suggestion(text[:200], known) or "; `granchain show two-chains` prints one with its fields"
         raise InputError(f"a scene has no field {text[:60]!r}{hint}")
     path = tuple((match[1], None if match[2] is None else int(match[2])) for match in matches if match)
     for key, number in path:

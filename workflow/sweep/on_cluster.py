@@ -8,7 +8,9 @@ from lammps_inputs import InputError, Problem, Scene, deck, job, load
 from lammps_inputs.site import JobOptions
 from workflow import queue
 from workflow.job_arguments import with_ranks
-from workflow.run_directory import ANALYSIS_FILES, RECORD, alone, write_text
+from workflow.own_files import claim, listed
+from workflow.record import RECORD
+from workflow.run_directory import ANALYSIS_FILES, alone, run_files, write_json, write_text
 from workflow.settings import settle
 from workflow.status import status
 from workflow.sweep.carry_out import make, plan, request
@@ -65,8 +67,8 @@ def write_array(
         if not todo:
             return Written(len(cases), 0, len(under_way), 0, 0)
         before = _listed(directory)
-        listed = [*before, *sorted(states.keys() - set(before))]
-        if before and len(listed) > len(before):
+        names = [*before, *sorted(states.keys() - set(before))]
+        if before and len(names) > len(before):
             _refuse_if_queued(directory, before, known)
         problems = []
         for count, case in enumerate(todo, 1):
@@ -74,11 +76,13 @@ def write_array(
             if progress is not None:
                 progress(count, len(todo))
         options = _for_all(options, problems)
-        place = {name: number for number, name in enumerate(listed)}
+        place = {name: number for number, name in enumerate(names)}
         tasks = [place[case.name] for case in todo]
-        for name, text in job.render_array(options, listed, name=problems[0].name, tasks=tasks).items():
+        files = job.render_array(options, names, name=problems[0].name, tasks=tasks)
+        claim(directory, files)
+        for name, text in files.items():
             write_text(directory / name, text)
-    return Written(len(cases), len(tasks), len(under_way), options.ranks, len(listed))
+    return Written(len(cases), len(tasks), len(under_way), options.ranks, len(names))
 
 
 def _listed(directory: Path) -> list[str]:
@@ -107,9 +111,13 @@ def _write_case(what: Sweep, case: Case, path: Path) -> Problem:
     for name, text in deck.render(written).items():
         if (path / name).read_bytes() != text.encode("utf-8"):  # damaged
             write_text(path / name, text)
-    for name in (RECORD, *ANALYSIS_FILES):  # of a run that did not come to its end here
+    own = listed(path)
+    for name in own.intersection(ANALYSIS_FILES):  # of a run that did not come to its end here
         (path / name).unlink(missing_ok=True)
-    for name, text in job.case_files(problem).items():
+    files = job.case_files(problem)
+    claim(path, job.OWN_FILES)
+    write_json(path / RECORD, {"files": sorted(listed(path))})
+    for name, text in files.items():
         write_text(path / name, text)
     return problem
 
@@ -118,6 +126,7 @@ def _write_deck(path: Path, what: Sweep, case: Case, scene: Scene) -> None:
     settled, _ = settle(scene, source=f"{what.source}: case {case.name}")
     files = deck.render(settled)
     begin(path, request(what, case, scene), scene)
+    claim(path, run_files("lammps"))
     for name, text in files.items():
         write_text(path / name, text)
 

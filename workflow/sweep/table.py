@@ -12,7 +12,8 @@ import numpy as np
 from analysis.trajectory import Floats
 from analysis.verdict import State
 from lammps_inputs.numbers import text
-from workflow.run_directory import RECORD, REPORT
+from workflow.record import RECORD
+from workflow.run_directory import REPORT
 
 
 @dataclass(frozen=True)

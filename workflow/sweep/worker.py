@@ -18,9 +18,10 @@ from lammps_inputs import InputError, continuation, library
 from workflow.analyse import analyse
 from workflow.engines.lammps import hosted
 from workflow.errors import RunError
+from workflow.record import RECORD
 from workflow.resume import resume
 from workflow.run import Run, run
-from workflow.run_directory import RECORD, RunDirectory
+from workflow.run_directory import RunDirectory
 from workflow.sweep.directory import Asked, begin
 from workflow.sweep.jobs import Job
 

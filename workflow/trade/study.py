@@ -11,7 +11,8 @@ from typing import Any
 from lammps_inputs import Problem, Scene
 from workflow.engines.lammps import mpi
 from workflow.errors import RunError
-from workflow.run_directory import prepare, write_text
+from workflow.own_files import prepare
+from workflow.run_directory import write_text
 from workflow.settings import settle
 from workflow.trade import frames, grid, harness, jobs, sizes, tables
 from workflow.trade.harness import Point

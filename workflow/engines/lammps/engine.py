@@ -112,17 +112,16 @@ def run(
                 try:
                     line = process.stdout.readline()
                     if not line:
+                        process.wait()
                         break
                     last = _message(line) or last
                     if progress is not None and "bead" in last:
                         progress(last["step"], last["bead"])
                 except KeyboardInterrupt:
-                    if stopped:
-                        raise
-                    stopped = True
-                    process.stdin.close()
-                    patience.start()
-            process.wait()
+                    if not stopped:  # a second one changes nothing: it stops already, or is killed if it hangs
+                        stopped = True
+                        process.stdin.close()
+                        patience.start()
         finally:
             patience.cancel()
             _end(process)

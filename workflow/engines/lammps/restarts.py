@@ -98,7 +98,7 @@ def _note_sum(unfinished: Path) -> None:
 
 def write_whole(path: Path, content: bytes) -> None:
     """Write a file whole or not at all; it is on the disk when this returns."""
-    unfinished = path.with_name(f".{path.name}.part")
+    unfinished = path.with_name(f".{path.name}.granchain-part")
     unfinished.write_bytes(content)
     _to_disk(unfinished)
     unfinished.replace(path)
