@@ -13,6 +13,7 @@ import os
 from lammps_inputs.ingredients.base import Ingredient
 from lammps_inputs.ingredients.contact import contacts
 from lammps_inputs.ingredients.coupling import Coupling, springs
+from lammps_inputs.ingredients.foundation import Foundation
 from lammps_inputs.links import Link
 
 OWN_INGREDIENTS = "GRANCHAIN_INGREDIENTS"
@@ -22,6 +23,7 @@ __all__ = ["INGREDIENTS", "OWN_INGREDIENTS", "Ingredient", "contacts", "coupled_
 
 INGREDIENTS: dict[str, type[Ingredient]] = {
     "coupling": Coupling,
+    "foundation": Foundation,
 }
 """Key of the scene -> what may stand there."""
 

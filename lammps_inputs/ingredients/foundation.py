@@ -1,0 +1,86 @@
+"""A foundation: every bead is held at its place by a spring, as in a chain that lies in an elastic matrix.
+
+Beats between chains on foundations, and their targeted transfer of energy: Starosvetsky, Hasan, Vakakis & Manevitch,
+SIAM J. Appl. Math. 72 (2012); Hasan et al., Granular Matter 15 (2013).
+"""
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, field_validator
+
+from lammps_inputs.facts import Fact
+from lammps_inputs.ingredients.base import Ingredient
+from lammps_inputs.laws import Law
+from lammps_inputs.laws.duffing import Duffing
+from lammps_inputs.laws.linear import Linear
+from lammps_inputs.lines import MOST_GROUPS
+from lammps_inputs.links import Ground
+
+if TYPE_CHECKING:
+    from lammps_inputs.scene import BaseScene
+
+Stiffness = Annotated[float, Field(ge=0, le=1e30)]
+Row = Annotated[int, Field(ge=1, le=10**8)]
+
+MOST = 1e12
+"""Dimensionless stiffness; beyond it the beads do not move."""
+
+
+class Foundation(Ingredient):
+    """Springs from the beads to the ground: a force ``-stiffness x - cubic x**3``."""
+
+    takes_away = frozenset({Fact.MOMENTUM, Fact.PULSE})
+
+    stiffness: Stiffness | tuple[Stiffness, ...] = 0.0
+    """Of all chains, or one for each; N/m with a material."""
+    cubic: Stiffness | tuple[Stiffness, ...] = 0.0
+    """Likewise; N/m**3 with a material."""
+    rows: tuple[Row, Row] | None = None
+    """First and last bead that has a spring; all by default."""
+
+    @field_validator("stiffness", "cubic", "rows", mode="before")
+    @classmethod
+    def _from_list(cls, value: Any) -> Any:
+        return tuple(value) if isinstance(value, list) else value
+
+    def refuse(self, scene: "BaseScene") -> None:
+        """Refuse what does not fit the chains, and a window: beads that it leaves behind swing on."""
+        if scene.window is not None:
+            raise ValueError("foundation: beads that a window leaves behind swing on for ever; leave the window out")
+        for key in ("stiffness", "cubic"):
+            given = getattr(self, key)
+            if isinstance(given, tuple) and len(given) != scene.chains:
+                raise ValueError(
+                    f"foundation.{key}: {len(given)} numbers for {scene.chains} chains; one, or one for each"
+                )
+            if isinstance(given, tuple) and len(set(given)) > MOST_GROUPS:
+                raise ValueError(f"foundation.{key}: LAMMPS has room for {MOST_GROUPS} different values")
+            if np.max(given) / self._unit(key, scene) > MOST:
+                raise ValueError(f"foundation.{key}: so stiff that the beads do not move; at most 1e12, dimensionless")
+        if self.rows is not None and not self.rows[0] <= self.rows[1] <= scene.beads:
+            first, last = self.rows
+            raise ValueError(
+                f"foundation.rows: {first} to {last} given; from a bead to a later one, within {scene.beads}"
+            )
+
+    def links(self, scene: "BaseScene") -> tuple[Ground, ...]:
+        """One spring a bead; linear where it is."""
+        stiffness, cubic = self._values("stiffness", scene), self._values("cubic", scene)
+        law: Law = Duffing(stiffness, cubic) if np.any(cubic) else Linear(stiffness)
+        return (Ground("foundation", law),) if np.any(stiffness) or np.any(cubic) else ()
+
+    def _unit(self, key: str, scene: "BaseScene") -> float:
+        scale = scene.scale
+        return scale.stiffness if key == "stiffness" else scale.stiffness / scale.length**2
+
+    def _values(self, key: str, scene: "BaseScene") -> float | NDArray[np.float64]:
+        """A number, or [chain, bead] where it differs."""
+        given = getattr(self, key)
+        if self.rows is None and (not isinstance(given, tuple) or len(set(given)) == 1):
+            return float(np.max(given)) / self._unit(key, scene)
+        values = np.zeros((scene.chains, scene.beads))
+        first, last = self.rows or (1, scene.beads)
+        values[:, first - 1 : last] = (np.array(given) / self._unit(key, scene)).reshape(-1, 1)
+        return values
