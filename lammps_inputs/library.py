@@ -78,7 +78,7 @@ def describe(error: ValidationError, model: type[BaseModel]) -> str:
 
 def _line(detail: ErrorDetails, model: type[BaseModel]) -> str:
     kind = detail["type"]
-    path = [part for part in detail["loc"] if part not in _BRANCHES]
+    path = [part for part in detail["loc"] if part not in _BRANCHES and not str(part).startswith("<")]
     key = _key(path)
     given = _short(detail["input"])
     context = detail.get("ctx", {})
@@ -100,7 +100,8 @@ def _line(detail: ErrorDetails, model: type[BaseModel]) -> str:
     return f"{key}: {message}, {given} given"
 
 
-_BRANCHES = ("literal['all']", "literal['auto']", "tuple[constrained-int, ...]", "constrained-int")
+_BRANCHES = ("literal['all']", "literal['auto']", "tuple[constrained-int, ...]", "constrained-int", "constrained-float")
+"""Of a union, which pydantic names beside the keys; so it does tags, which we write as ``<tag>``."""
 
 _PLAIN = {
     "int_type": "should be a whole number",

@@ -102,7 +102,7 @@ def engines_for(scene: Scene, asked: Sequence[str] | None) -> tuple[str, ...]:
     """
     simple = scene.system.simply_coupled
     if asked is None:
-        return tuple(name for name in (RIGID, "reference", "lammps") if name != RIGID or scene.gap > 0.0 and simple)
+        return tuple(name for name in (RIGID, "reference", "lammps") if name != RIGID or (scene.gap > 0.0 and simple))
     for name in asked:
         if name not in running.ENGINES:
             raise InputError(f"--engines: {name!r} given; of {', '.join(running.ENGINES)}, with commas between")

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, create_model, field_validator
+from pydantic import Discriminator, Field, Tag, create_model, field_validator
 
 from lammps_inputs.ingredients.base import Ingredient, Part
 from lammps_inputs.laws import Law
@@ -19,7 +19,12 @@ Floats = NDArray[np.float64]
 Stiffness = Annotated[float, Field(ge=0, le=1e30)]
 Count = Annotated[int, Field(ge=1, le=10**8)]
 Rows = tuple[Count, Count]
-Edge = tuple[Count, Count] | tuple[Count, Count, Stiffness]
+_Pair = tuple[Count, Count]
+_Own = tuple[Count, Count, Stiffness]
+Edge = Annotated[
+    Annotated[_Pair, Tag("<pair>")] | Annotated[_Own, Tag("<own>")],
+    Discriminator(lambda value: "<pair>" if isinstance(value, tuple) and len(value) <= 2 else "<own>"),
+]
 
 MOST = 1e12
 """Dimensionless stiffness; beyond it the rows are rigid."""
@@ -51,37 +56,39 @@ else:
     Ramp = create_model("Ramp", __base__=_Ramp, __module__=__name__, **_ENDS)
 
 
-class Lattice(Part):
-    """Chains that stand in a grid, numbered row by row, each tied to its neighbours above, below and beside it."""
+class Graph(Part):
+    """Which chains are tied: one of the two."""
 
-    lattice: tuple[Count, Count]
+    lattice: tuple[Count, Count] | None = None
+    """Rows and columns; chains are numbered row by row, and each is tied to those above, below and beside it."""
+    edges: tuple[Edge, ...] | None = None
+    """Pairs of chains, counted from 1; one with a third number has a stiffness of its own."""
 
-    @field_validator("lattice", mode="before")
+    @field_validator("lattice", "edges", mode="before")
     @classmethod
     def _from_list(cls, value: Any) -> Any:
         return _as_tuple(value)
 
 
-class Edges(Part):
-    """Pairs of chains, counted from 1, that are tied; one with a third number has a stiffness of its own."""
+def _told_apart(model: type[Part]) -> Discriminator:
+    """Pairs of keys and values are the model, all else is tried as the plain value."""
+    return Discriminator(lambda value: "<keys>" if isinstance(value, dict | model) else "<plain>")
 
-    edges: tuple[Edge, ...]
 
-    @field_validator("edges", mode="before")
-    @classmethod
-    def _from_list(cls, value: Any) -> Any:
-        return _as_tuple(value)
+_Stiffness = Annotated[Annotated[Stiffness, Tag("<plain>")] | Annotated[Ramp, Tag("<keys>")], _told_apart(Ramp)]
+_Name = Literal["open", "ring"]
+_Topology = Annotated[Annotated[_Name, Tag("<plain>")] | Annotated[Graph, Tag("<keys>")], _told_apart(Graph)]
 
 
 class Coupling(Ingredient):
     """Springs between chains: a force ``stiffness s + cubic s**3`` for beads of a row that are s apart."""
 
     model: Literal["linear"] = "linear"
-    stiffness: Stiffness | Ramp | None = None
+    stiffness: _Stiffness | None = None
     """The paper's epsilon * alpha (kappa); N/m with a material."""
     rows: Rows | None = None
     """First and last bead that has springs; all by default."""
-    topology: Literal["open", "ring"] | Lattice | Edges | None = None
+    topology: _Topology | None = None
     """Which chains are tied; each to the next (open) by default."""
     cubic: Stiffness | None = None
     """N/m**3 with a material."""
@@ -93,7 +100,7 @@ class Coupling(Ingredient):
 
     def refuse(self, scene: "BaseScene") -> None:
         """Refuse what does not fit the chains, springs as good as rigid, and rows that differ in a window."""
-        own = isinstance(self.topology, Edges) and all(len(edge) == 3 for edge in self.topology.edges)
+        own = bool(self._named) and all(len(edge) == 3 for edge in self._named)
         if self.stiffness is None and self.cubic is None and not own:
             raise ValueError("coupling.stiffness: is missing")
         if self.stiffness is not None and own:
@@ -128,13 +135,13 @@ class Coupling(Ingredient):
 
     def _refuse_edges(self, chains: int) -> None:
         topology = self.topology
-        if isinstance(topology, Lattice) and topology.lattice[0] * topology.lattice[1] != chains:
-            rows, columns = topology.lattice
+        if isinstance(topology, Graph) and (topology.lattice is None) == (topology.edges is None):
+            raise ValueError("coupling.topology: give either lattice or edges")
+        if self._grid is not None and self._grid[0] * self._grid[1] != chains:
+            rows, columns = self._grid
             raise ValueError(f"coupling.topology.lattice: {rows} x {columns} places for {chains} chains")
-        if not isinstance(topology, Edges):
-            return
         seen = set()
-        for number, (one, other, *_) in enumerate(topology.edges, 1):
+        for number, (one, other, *_) in enumerate(self._named, 1):
             key = f"coupling.topology.edges[{number}]"
             if max(one, other) > chains:
                 raise ValueError(f"{key}: {max(one, other)} is outside the array (chains 1 to {chains})")
@@ -157,24 +164,31 @@ class Coupling(Ingredient):
         spring, cubic = (values[holds] if isinstance(values, np.ndarray) else values for values in (spring, cubic))
         law: Law = Duffing(spring, cubic) if np.any(cubic) else Linear(spring)
         kept = tuple((lower, higher) for (lower, higher, _), tied in zip(edges, holds, strict=True) if tied)
-        grid = self.topology.lattice if isinstance(self.topology, Lattice) else None
-        return (Across("coupling", law, edges=kept, grid=grid),)
+        return (Across("coupling", law, edges=kept, grid=self._grid),)
+
+    @property
+    def _grid(self) -> tuple[int, int] | None:
+        return self.topology.lattice if isinstance(self.topology, Graph) else None
+
+    @property
+    def _named(self) -> tuple[_Pair | _Own, ...]:
+        """Edges that the scene names one by one."""
+        return (self.topology.edges or ()) if isinstance(self.topology, Graph) else ()
 
     def _edges(self, chains: int) -> list[tuple[int, int, float | None]]:
         """Pairs of tied chains, counted from 0, the lower number first, in order; and a stiffness of their own."""
-        topology = self.topology
-        if isinstance(topology, Edges):
-            named = [(edge[0] - 1, edge[1] - 1, edge[2] if len(edge) == 3 else None) for edge in topology.edges]
+        if isinstance(self.topology, Graph) and self._grid is None:
+            named = [(edge[0] - 1, edge[1] - 1, edge[2] if len(edge) == 3 else None) for edge in self._named]
             return sorted((min(one, other), max(one, other), own) for one, other, own in named)
-        if isinstance(topology, Lattice):
-            if topology.lattice[0] * topology.lattice[1] != chains:  # refused
+        if self._grid is not None:
+            if self._grid[0] * self._grid[1] != chains:  # refused
                 return []
-            places = np.arange(chains).reshape(topology.lattice)
+            places = np.arange(chains).reshape(self._grid)
             neighbours = [(places[:, :-1], places[:, 1:]), (places[:-1], places[1:])]
             found = [pair for ends in neighbours for pair in zip(*(end.ravel().tolist() for end in ends), strict=True)]
         else:
             found = [(chain, chain + 1) for chain in range(chains - 1)]
-            found += [(0, chains - 1)] if topology == "ring" and chains > 2 else []
+            found += [(0, chains - 1)] if self.topology == "ring" and chains > 2 else []
         return [(lower, higher, None) for lower, higher in sorted(found)]
 
     def _stiffness(self, edges: list[tuple[int, int, float | None]], scene: "BaseScene") -> float | Floats:
