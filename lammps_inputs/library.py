@@ -78,7 +78,7 @@ def describe(error: ValidationError, model: type[BaseModel]) -> str:
 
 def _line(detail: ErrorDetails, model: type[BaseModel]) -> str:
     kind = detail["type"]
-    path = [part for part in detail["loc"] if part not in _BRANCHES and not str(part).startswith("<")]
+    path = [part for part in detail["loc"] if part not in _BRANCHES]
     key = _key(path)
     given = _short(detail["input"])
     context = detail.get("ctx", {})
@@ -100,8 +100,11 @@ def _line(detail: ErrorDetails, model: type[BaseModel]) -> str:
     return f"{key}: {message}, {given} given"
 
 
-_BRANCHES = ("literal['all']", "literal['auto']", "tuple[constrained-int, ...]", "constrained-int", "constrained-float")
-"""Of a union, which pydantic names beside the keys; so it does tags, which we write as ``<tag>``."""
+_BRANCHES = (
+    *("literal['all']", "literal['auto']", "tuple[constrained-int, ...]", "constrained-int", "constrained-float"),
+    *("<plain>", "<keys>", "<pair>", "<own>"),
+)
+"""Of a union: what pydantic names beside the keys, and tags of ours."""
 
 _PLAIN = {
     "int_type": "should be a whole number",
