@@ -133,7 +133,7 @@ def test_a_run_that_was_interrupted_goes_on_bit_for_bit(tmp_path, foundation):
     assert RunDirectory(tmp_path / "cut").record["outcome"] == "interrupted"
     assert resume(tmp_path / "cut", check=False).outcome == "done"
     assert RunDirectory(tmp_path / "cut").record["resumed"][0]["from_step"] > 0
-    np.testing.assert_array_equal(frames(RunDirectory(tmp_path / "cut")), frames(RunDirectory(tmp_path / "whole")))
+    np.testing.assert_array_equal(frames(tmp_path / "cut"), frames(tmp_path / "whole"))
 
 
 @pytest.mark.skipif(not DEBIAN.exists(), reason="needs Debian's LAMMPS")
