@@ -53,7 +53,9 @@ class EnergyShares:
         x, v = block.displacement[frame], block.velocity[frame]
         kinetic = 0.5 * v * v
         contacts = motion.contact_energy(self.problem, x, block.first)
-        total = motion.chain_energy(self.problem, x, v, block.first)
+        total = np.sum(kinetic, axis=1) + np.sum(contacts, axis=1)
+        for link in (*self.problem.across, *self.problem.ground):
+            link.add_chain_energy(total, link.energy(x, block.first))
         inside = np.empty_like(total)
         for chain in range(self.problem.chains):
             arrivals = np.maximum.accumulate(self._shared.arrival[self._known, chain])
