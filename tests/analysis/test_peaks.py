@@ -116,6 +116,14 @@ def test_frames_up_to_half_a_unit_apart_show_maxima_to_1e_4_and_say_so(fine):
         assert found.velocity_error[found.bead < 60].max() < 1e-4
 
 
+def test_no_maximum_is_lower_than_the_frames_beside_it():
+    run = engine.run(problem(4, 10.0, 30, 40.0, 2.0))
+    peaks = find_peaks([run])
+    at = np.minimum((peaks.time / 2.0).astype(int), len(run.time) - 2)
+    for frame in (at, at + 1):
+        assert np.all(peaks.velocity > run.velocity[frame, peaks.chain - 1, peaks.bead - 1] - 2e-9)
+
+
 @pytest.fixture(scope="module")
 def gapped() -> Trajectory:
     return engine.run(problem(2, 0.1, 40, 250.0, 0.25, gap=2.8742376715100764))
