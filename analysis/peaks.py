@@ -394,6 +394,11 @@ def _refined(parts: list[_Brackets], direction: int) -> Peaks:
     found = _together(parts)
     slope = hermite.derivative(found.velocity)
     at = hermite.falling_zero(slope, found.low, found.high)
+    # between frames far apart there may be several; none that is lower than a frame is the maximum
+    frames = found.low, np.minimum(found.low + 1.0, found.high)
+    one, other = (hermite.value(found.velocity, frame) for frame in frames)
+    lower = hermite.value(found.velocity, at) < np.maximum(one, other) - FLOOR
+    at = np.where(lower, np.where(one >= other, *frames), at)
     time, velocity = found.origin + at * found.spacing, hermite.value(found.velocity, at)
     way = found.displacement + found.spacing * hermite.integral(found.velocity, at)
     doubt = _largest(found.doubt, found)

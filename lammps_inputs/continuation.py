@@ -113,8 +113,8 @@ def _rest(problem: Problem) -> str:
 
 def _from_rest() -> list[str]:
     return [
-        "variable parked atom vy",
-        "set group all x v_parked",
+        "variable displaced atom vy",
+        "set group all x v_displaced",
         "set group all vy 0.0",
     ]
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -145,7 +146,7 @@ def only(table: Table, where: dict[str, Any]) -> Table:
     rows = [row for row in table.rows if all(row[name] == value for name, value in where.items())]
     if not rows:
         raise InputError("--where: no case is all of that; leave one out")
-    return Table(table.fields, rows, table.si)
+    return replace(table, rows=rows)
 
 
 def _refuse_unless_varied(option: str, name: str, table: Table) -> None:
@@ -179,7 +180,7 @@ def plot(
         if name is not None:
             _refuse_unless_varied(option, name, table)
     rows = [row for row in table.rows if row["outcome"] == "done"]
-    drawn = Table(table.fields, rows, table.si, table.scene)
+    drawn = replace(table, rows=rows)
     for name in shown:
         if rows and not np.all(np.isfinite(drawn.numbers(name))):
             raise InputError(f"{name}: is not a number in every case, so it cannot be an axis")

@@ -12,11 +12,13 @@ from synthetic_waves import exact_waves, problem, reader, reference
 from analysis.accuracy import peak_error, width_error
 from analysis.mirror import mirrored, mirrored_problem
 from analysis.noise import noise_at_start, smoothed
+from analysis.peaks import find_peaks
 from analysis.solitary import Tolerances
 from analysis.solitary_wave import solitary_wave
 from analysis.survey import survey
 from analysis.trajectory import Trajectory, blocks, joined
 from analysis.waveforms import Passages, Waveforms
+from analysis.waves import from_csv, leading_waves, to_csv, usual_arrival
 from lammps_inputs import Kick
 from workflow.engines.reference import engine
 
@@ -198,3 +200,15 @@ def test_with_kicks_from_both_ends_the_leading_wave_is_a_pulse_and_not_what_the_
     found = survey(reader(trajectory), trajectory.problem)
     assert np.all(np.diff(found.waves.arrival) > 0.0)
     assert {pulse.direction for pulse in found.pulses} == {1, -1}
+
+
+@pytest.mark.parametrize("gap", [0.0, 0.5])
+def test_of_waves_found_on_the_way_those_have_a_shape_whose_maximum_is_known(gap):
+    whole = engine.run(problem(1, 0.0, 20, 60.0, gap=gap))
+    waves = leading_waves(find_peaks(blocks(whole)), usual_arrival(whole.problem))
+    scale = whole.problem.scale
+    few = problem(1, 0.0, 20, 60.0, recorded=(10, 20), gap=gap)
+    seen = Trajectory(few, whole.time, whole.displacement[..., [9, 19]], whole.velocity[..., [9, 19]])
+    found = survey(reader(seen), few, leading=from_csv(to_csv(waves, scale), scale))
+    shown = set(found.waves.bead[np.isfinite(found.shape.residual)].tolist())
+    assert shown == ({10} if gap == 0.0 else set())  # bead 20 flies off at its largest velocity

@@ -64,7 +64,8 @@ def test_the_bound_is_that_of_the_notes():
     )
 
 
-@pytest.mark.parametrize("name", library.installed())
+# the one left out names a shorter step, which `validate` needs there
+@pytest.mark.parametrize("name", sorted(set(library.installed()) - {"two-chains-gapped-strong"}))
 def test_the_scenes_of_the_paper_step_by_0_01(name):
     assert find(name).problem().timestep == pytest.approx(0.01, rel=1e-12)
 

@@ -19,11 +19,13 @@ def problem(
     every: float = 0.1,
     recorded: Any = "all",
     kicks: Sequence[Kick] = (Kick(velocity=1.0),),
+    gap: float = 0.0,
 ) -> Problem:
     return Scene(
         name="test",
         chains=chains,
         beads=beads,
+        gap=gap,
         coupling=Coupling(stiffness=kappa) if kappa else None,
         kick=tuple(kicks),
         duration=duration,

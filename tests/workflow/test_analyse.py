@@ -102,7 +102,7 @@ def test_waves_csv_of_an_si_scene_names_its_units(found):
     scale = make_scale(3.6e-3, 1.4e10, 1.0, si=True)
     survey = replace(found.survey, problem=replace(found.problem, scale=scale))
     units = {"arrival": "s", "peak_velocity": "m/s", "speed": "beads/s", "lag": "s"}
-    units |= {"chain_energy": "J", "wave_energy": "J"}
+    units |= {"chain_energy": "J", "wave_energy": "J", "arrival_error": "s", "peak_velocity_error": "m/s"}
     head, *lines = waves_csv(survey).splitlines()
     assert head.split(",") == [f"{name} ({units[name]})" if name in units else name for name in COLUMNS]
     assert float(lines[0].split(",")[2]) == found.waves.arrival[0] * scale.time

@@ -275,11 +275,11 @@ def test_cases_of_a_map_that_are_not_settled_are_crossed():
 def test_the_collected_figure_knows_its_scene_its_bars_and_its_unsettled_cases(copied, monkeypatch):
     drawn = []
     monkeypatch.setattr(collecting, "write_figure", lambda _path, _name, figure: drawn.append(figure) or ())
-    found = collect(copied)
-    collecting.plot(found, copied, "amplitude", "coupling.stiffness", None, {"beads": 20})
+    found = collecting.only(collect(copied), {"beads": 20})
+    collecting.plot(found, copied, "amplitude", "coupling.stiffness", None, "beads = 20")
     axis = drawn[0].axes[0]
     assert axis.get_title().startswith("small, beads = 20")
-    states = [row["state"] for row in found.rows if row["beads"] == 20]
+    states = [row["state"] for row in found.rows]
     hollow = [len(line.get_xdata()) for line in axis.get_lines() if line.get_markerfacecolor() == "white"]
     assert sum(hollow) == sum(state in ("still beating", "too short to tell") for state in states) > 0
     assert len(axis.collections[0].get_segments()) == 3

@@ -257,7 +257,7 @@ def test_the_quick_report_has_cells_of_every_axis_and_leaves_the_long_ones_out()
 
 
 def test_every_kind_has_a_colour_and_is_drawn():
-    outcomes = [Outcome("axis", kind, kind, "", 5e-4) for kind in KINDS]
+    outcomes = [Outcome("axis", kind, kind, "", 5e-4, 5e-4) for kind in KINDS]
     assert set(COLOURS) == set(KINDS)
     drawn = {text.get_text() for text in extremes_figure(outcomes).axes[0].texts}
     assert {*KINDS, "axis"} <= drawn

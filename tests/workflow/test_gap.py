@@ -82,7 +82,7 @@ def test_a_run_until_a_bead_has_all_its_impulses_from_behind(gap, kappa):
 )
 def test_the_gapped_scenes_have_the_gap_of_eq_5(name, kappa, gap):
     case = find(name)
-    assert case.kappa == kappa
+    assert case.problem().kappa == kappa
     assert case.gap == gap_of_eq_5(kappa)
     assert case.gap == pytest.approx(gap, abs=5e-4)
     assert theta(case.problem()) == pytest.approx(1.2854, abs=5e-5)

@@ -88,6 +88,12 @@ def test_the_leading_waves_are_those_of_the_whole_chains(both):
     np.testing.assert_allclose(windowed.peak_velocity[same], whole.peak_velocity[inner], rtol=0, atol=1e-12)
 
 
+def test_restarts_that_are_written_on_the_way_change_no_bit(both, tmp_path):
+    windowed = both[1]
+    again = run(windowed.scene, tmp_path / "run", check=False, restart_every=0.0).directory
+    assert again.dump.read_bytes() == windowed.dump.read_bytes()
+
+
 def test_figures_are_drawn_of_a_window(both):
     assert analyse(both[1]).figures
 
