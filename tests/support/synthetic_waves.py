@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis.solitary_wave import solitary_wave
+from analysis.shape.exact_wave import solitary_wave
 from analysis.trajectory import Trajectory, blocks
 from lammps_inputs import Coupling, Kick, Output, Problem, Scene
 from workflow.engines.reference import engine
