@@ -23,9 +23,6 @@ from numpy.typing import NDArray
 Parameter = float | NDArray[np.float64]
 """A number, or an array over links: [chain, contact], [edge, row] or [chain, bead]."""
 
-LEAST = 1e-300
-"""Stiffness that is none: an energy over it would overflow."""
-
 
 class Law(Protocol):
     """What every law has beside its parameters; it is a tuple of those."""

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from lammps_inputs.laws import LEAST, Parameter
+from lammps_inputs.laws import Parameter
 from lammps_inputs.lines import Lines, atoms_by_value, bonds_by_value, whole_contacts
 from lammps_inputs.numbers import text
 
@@ -42,7 +42,7 @@ class Duffing(NamedTuple):
         """Strain at which one spring holds the whole energy; 0 where there is no spring."""
         # s**2 is the root of c q**2 + 2 k q - 4 energy, in the form that has no difference of like numbers
         root = spring + np.sqrt(spring * spring + 4.0 * cubic * energy)
-        return np.sqrt(4.0 * energy / np.where(root > LEAST, root, np.inf))
+        return np.sqrt(4.0 * energy) / np.sqrt(np.where(root > 0.0, root, np.inf))
 
     def ground(self, name: str, problem: "System") -> Lines:
         """A force from a formula of the place, for which LAMMPS has no fix of its own."""

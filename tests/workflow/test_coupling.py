@@ -10,16 +10,17 @@ from stock_lammps import DEBIAN
 from stock_lammps import run as run_deck
 from wrong_runs import deck_run, replaced
 
-from analysis.peaks import find_peaks
-from analysis.waves import leading_waves
-from lammps_inputs import InputError, deck, find, library
-from workflow.analyse import analyse
-from workflow.causes import causes
+from analysis.tracking.leading_waves import leading_waves
+from analysis.tracking.peaks import find_peaks
+from lammps_inputs import InputError, find, library
+from lammps_inputs.decks import deck
 from workflow.engines.reference.engine import run as trajectory
-from workflow.resume import resume
-from workflow.run import run
-from workflow.settings import settle
-from workflow.validate import validate
+from workflow.prepare.settings import settle
+from workflow.runs.resume import resume
+from workflow.runs.run import run
+from workflow.verdicts.analyse import analyse
+from workflow.verdicts.causes import causes
+from workflow.verdicts.validate import validate
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 

@@ -5,10 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lammps_inputs import InputError, deck, library, strict_yaml
+from lammps_inputs import InputError, library, strict_yaml
+from lammps_inputs.decks import deck
 from lammps_inputs.laws.duffing import Duffing
 from lammps_inputs.laws.linear import Linear
-from lammps_inputs.timestep import stability_bound
+from lammps_inputs.limits.timestep import stability_bound
 
 STEEL = {"radius": 4.76e-3, "density": 8000.0, "youngs_modulus": 193e9, "poisson_ratio": 0.3}
 
