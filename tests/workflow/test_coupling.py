@@ -233,7 +233,7 @@ def test_wrong_springs_of_any_graph_are_named(name, factor, said, tmp_path):
 
 def test_a_good_run_of_any_graph_is_valid(tmp_path):
     one = scene("edges", output={"every": 0.1}, timestep=0.005)
-    assert validate(deck_run(one, tmp_path / "run"), figures=False).passed
+    assert validate(deck_run(one, tmp_path / "run")).passed
 
 
 def test_chains_that_are_tied_to_none_do_not_count(tmp_path):
