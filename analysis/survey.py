@@ -13,7 +13,7 @@ from analysis.accuracy import peak_error
 from analysis.decay_law import DecayFit, fit_decay
 from analysis.energy_shares import EnergyShares
 from analysis.equipartition import Sharing, sharing
-from analysis.leading import of_pulses, opposed
+from analysis.leading import beyond_kicks, of_pulses, opposed
 from analysis.mirror import direction_of, mirrored, mirrored_problem
 from analysis.noise import left_by_smoothing, noise_at_start, smoothed
 from analysis.peaks import THRESHOLD, PeakFinder, distinct
@@ -124,6 +124,7 @@ def survey(
     if leading is None:
         stray = opposed(problem) or noise > 0.0
         ahead = of_pulses(peaks[direction], pulses) if stray else peaks[direction]
+        ahead = beyond_kicks(ahead, problem)
         waves = leading_waves(ahead, arrival)
     else:
         waves = leading

@@ -74,5 +74,5 @@ class Walls(Ingredient):
 def _strength(kind: Kind, scene: "BaseScene") -> float:
     """Dimensionless."""
     if isinstance(kind, Face):
-        return kind.stiffness * scene.scale.length**1.5 / float(scene.scale.force)
+        return kind.stiffness / float(scene.scale.force / scene.scale.length**1.5)
     return STRENGTHS[kind]
