@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from lammps_inputs import laws
 from lammps_inputs.laws import Law
-from lammps_inputs.laws.hertz_wall import HertzWall
+from lammps_inputs.laws.wall import HertzWall
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

@@ -13,7 +13,7 @@ from pydantic import Field
 
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Ingredient, Part
-from lammps_inputs.laws.hertz_wall import HertzWall
+from lammps_inputs.laws.wall import HertzWall
 from lammps_inputs.links import Wall
 
 if TYPE_CHECKING:

@@ -125,16 +125,15 @@ def _print_forces(problem: Problem, readings: Readings) -> None:
     rows = []
     for place, gauge in enumerate(readings.gauges):
         for chain in range(min(problem.chains, MOST_CHAINS)):
-            rows.append(
-                [
-                    gauge.name if chain == 0 else "",
-                    str(chain + 1),
+            numbers = ["0", "-", "0", "-"]
+            if readings.largest[chain, place] > 0.0:
+                numbers = [
                     f"{readings.largest[chain, place] * scale.force:.6g}",
                     f"{readings.largest_at[chain, place] * scale.time:.6g}",
                     f"{readings.impulse[chain, place] * scale.momentum:.6g}",
                     f"{readings.dwell[chain, place] * scale.time:.4g}",
                 ]
-            )
+            rows.append([gauge.name if chain == 0 else "", str(chain + 1), *numbers])
     head = ["force at", "chain", f"largest{force}", f"at{time}", f"impulse{momentum}", f"dwell{time}"]
     print_table(f"{problem.name}: forces", head, rows)
 
