@@ -36,6 +36,11 @@ with hardly any force.
 PANEL = 0.05
 """Largest stretch of time for one Gauss rule of four nodes."""
 
+NEARLY = 0.99
+"""Share of the largest force that a panel's ends must have for the largest to be looked for in it: forces are round
+enough for a panel to hide 0.2%.
+"""
+
 MOST_ENTRIES = 4000
 """Stretches from frame to frame that are looked at together, which bounds the memory."""
 
@@ -250,21 +255,18 @@ class ForceMeter:
         border: Floats,
         mean: Callable[[Integers, Floats], Floats],
     ) -> None:
-        """Refine the largest of the values at borders [border, interval, chain] in the panels around it."""
-        intervals, chains = forces.shape[1:]
-        chain = np.arange(chains)
-        best = np.argmax(forces.max(axis=0), axis=0)
-        for neighbour in (-1, 0, 1):
-            interval = np.clip(best + neighbour, 0, intervals - 1)
-            values = forces[:, interval, chain]
-            top = np.argmax(values, axis=0)
-            low, high = border[np.maximum(top - 1, 0)], border[np.minimum(top + 1, len(border) - 1)]
-            entry = interval * chains + chain
-            at = _maximum(lambda s, entry=entry: mean(entry, s), low, high)  # type: ignore[misc]
-            value = mean(entry, at)
-            more = value > self._largest[:, place]
-            self._largest[more, place] = value[more]
-            self._largest_at[more, place] = (block.time[interval] + at * block.spacing)[more]
+        """Refine what is nearly the largest of the values at borders [border, interval, chain]: between them is more."""
+        value = forces.max(axis=0)
+        interval, chain = np.nonzero(value > NEARLY * np.maximum(value.max(axis=0), self._largest[:, place]))
+        top = np.argmax(forces[:, interval, chain], axis=0)
+        low, high = border[np.maximum(top - 1, 0)], border[np.minimum(top + 1, len(border) - 1)]
+        entry = interval * forces.shape[2] + chain
+        at = _maximum(lambda s: mean(entry, s), low, high)
+        found = mean(entry, at)
+        for k in np.argsort(found):
+            if found[k] > self._largest[chain[k], place]:
+                self._largest[chain[k], place] = found[k]
+                self._largest_at[chain[k], place] = block.time[interval[k]] + at[k] * block.spacing
 
     def _polynomial(self, block: Trajectory, probe: _Probe, spacing: float) -> Floats:
         """Strain in s = (time - frame's) / spacing, [power, interval * chains + chain]."""
