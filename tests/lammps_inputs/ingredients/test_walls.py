@@ -15,18 +15,20 @@ from wrong_runs import deck_run
 
 from analysis import motion
 from analysis.mirror import mirrored, mirrored_problem
-from analysis.survey import survey
+from analysis.sharing.survey import survey
 from analysis.trajectory import joined
-from lammps_inputs import InputError, deck, find, job, library
-from lammps_inputs.site import JobOptions
-from lammps_inputs.timestep import default_timestep
-from workflow.analyse import analyse
+from lammps_inputs import InputError, find, library
+from lammps_inputs.decks import deck
+from lammps_inputs.limits.timestep import default_timestep
+from lammps_inputs.slurm import job
+from lammps_inputs.slurm.site import JobOptions
 from workflow.cli import main
 from workflow.engines.reference import engine
-from workflow.resume import resume
-from workflow.run import run
-from workflow.run_directory import RunDirectory
-from workflow.validate import validate
+from workflow.runs.resume import resume
+from workflow.runs.run import run
+from workflow.runs.run_directory import RunDirectory
+from workflow.verdicts.analyse import analyse
+from workflow.verdicts.validate import validate
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
