@@ -212,8 +212,9 @@ def test_units_a_wall_of_steel_is_as_hard_as_the_kinds_say():
     ("walls", "changes", "said"),
     [
         ({}, {}, "walls: name left, right or both"),
-        ({"right": "soft"}, {}, "walls.right"),
-        ({"right": {"stiffness": 0.0}}, {}, "walls.right"),
+        ({"right": "soft"}, {}, "walls.right: should be 'bead', 'flat' or 'rigid', 'soft' given"),
+        ({"right": {"stiffness": 0.0}}, {}, "walls.right.stiffness: should be greater than 0, 0.0 given"),
+        ({"right": {"stifness": 2.0}}, {}, "walls.right.stifness: unknown key (did you mean `stiffness`?)"),
         ({"right": {"stiffness": 1e7}}, {}, "walls.right.stiffness: 1e+07 times that of two beads"),
         ({"rigth": "bead"}, {}, "walls.rigth: unknown key (did you mean `right`?)"),
         ({"right": "bead"}, {"beads": 100, "window": 64, "output": {"every": 0.5}}, "leave the window out"),
