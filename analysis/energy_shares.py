@@ -51,7 +51,7 @@ class EnergyShares:
 
     def _energies(self, block: Trajectory, frame: int) -> tuple[Floats, Floats]:
         x, v = block.displacement[frame], block.velocity[frame]
-        kinetic = 0.5 * v * v
+        kinetic = motion.kinetic_energy(self.problem, v, block.first)
         contacts = motion.contact_energy(self.problem, x, block.first)
         total = motion.chain_energy(self.problem, x, v, block.first)
         inside = np.empty_like(total)

@@ -19,9 +19,19 @@ def overlaps(system: System, displacement: Floats) -> Floats:
     return system.along[0].strain(displacement)
 
 
+def _weighed(system: System, values: Floats, first: int) -> Floats:
+    """Values of beads times their masses."""
+    return values if isinstance(system.mass, float) else values * system.mass_from(first, values)
+
+
+def kinetic_energy(system: System, velocity: Floats, first: int = 1) -> Floats:
+    """Of every bead, [..., chain, bead] from the same."""
+    return _weighed(system, np.asarray(0.5 * velocity * velocity), first)
+
+
 def energy(system: System, displacement: Floats, velocity: Floats, first: int = 1) -> Floats:
     """Total energy of states, [...] from [..., chain, bead]: kinetic, and of every link (eq. 1 integrated)."""
-    total = 0.5 * np.sum(velocity * velocity, axis=(-2, -1))
+    total = 0.5 * np.sum(_weighed(system, velocity * velocity, first), axis=(-2, -1))
     for link in system.links:
         total += np.sum(link.energy(displacement, first), axis=(-2, -1))
     return np.asarray(total)
@@ -29,7 +39,7 @@ def energy(system: System, displacement: Floats, velocity: Floats, first: int = 
 
 def chain_energy(system: System, displacement: Floats, velocity: Floats, first: int = 1) -> Floats:
     """Energy of each chain, [..., chain] from [..., chain, bead]; that of a spring is shared by its two chains."""
-    total = np.asarray(np.sum(0.5 * velocity * velocity, axis=-1))
+    total = np.asarray(np.sum(kinetic_energy(system, velocity, first), axis=-1))
     for link in system.links:
         link.add_chain_energy(total, link.energy(displacement, first))
     return total
@@ -40,7 +50,7 @@ def bead_energy(system: System, displacement: Floats, velocity: Floats, first: i
 
     Two beads in contact have half of its energy each. What the springs between chains hold is nobody's.
     """
-    total = np.asarray(0.5 * velocity * velocity)
+    total = kinetic_energy(system, velocity, first)
     for link in (*system.along, *system.ground):
         link.shared(total, link.energy(displacement, first))
     return total
@@ -66,9 +76,9 @@ def contact_stiffness(system: System, overlap: Floats, *contact: Integers | slic
     return np.asarray(sum(laws.stiffness(laws.at(link.law, *contact), overlap) for link in system.along))
 
 
-def momentum(velocity: Floats) -> Floats:
+def momentum(system: System, velocity: Floats, first: int = 1) -> Floats:
     """Total momentum along the chains, [...] from [..., chain, bead]."""
-    return np.asarray(np.sum(velocity, axis=(-2, -1)))
+    return np.asarray(np.sum(_weighed(system, velocity, first), axis=(-2, -1)))
 
 
 def acceleration(system: System, displacement: Floats, first: int = 1) -> Floats:
@@ -76,7 +86,7 @@ def acceleration(system: System, displacement: Floats, first: int = 1) -> Floats
     result = np.zeros_like(displacement)
     for link in system.links:
         link.drive(result, link.force(displacement, first))
-    return result
+    return result if isinstance(system.mass, float) else result / system.mass_from(first, result)
 
 
 def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, bead: Integers) -> tuple[Floats, Floats]:
@@ -109,6 +119,9 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
                 pulled_back(law, 1, apart, parting, partner != chain)
     for ground in problem.ground:
         pulled_back(laws.at(ground.law, chain, row), 1, here_x, here_v, np.ones(frame.shape, dtype=bool))
+    if not isinstance(problem.mass, float):
+        mass = problem.mass_of(chain, row)
+        return acceleration / mass, rate / mass
     return acceleration, rate
 
 

@@ -31,6 +31,8 @@ class Forces(NamedTuple):
     gap: float
     across: tuple[tuple[Any, Any], ...]
     ground: tuple[Any, ...]
+    lightness: Any
+    """One over the masses; an empty tuple where all are 1."""
 
 
 def make_forces(system: System) -> Forces:
@@ -40,7 +42,16 @@ def make_forces(system: System) -> Forces:
         gap=system.gap,
         across=tuple(neighbour for link in system.across for neighbour in _neighbours(link, system)),
         ground=tuple(_flat(link.law, system, first=1) for link in system.ground),
+        lightness=_lightness(system),
     )
+
+
+def _lightness(system: System) -> Any:
+    if isinstance(system.mass, float):
+        return ()
+    rows = np.ones((system.beads + 2, system.chains))
+    rows[1:-1] = 1.0 / system.mass.T
+    return rows.reshape(-1)
 
 
 def _flat(law: Any, system: System, *, first: int) -> Any:
@@ -92,6 +103,18 @@ def sum_of(laws: Any, k: Any, strain: Any) -> Any:
 def pull(across: Any, x: Any, k: Any) -> Any:
     """Force that drives a bead back towards those of its row."""
     raise NotImplementedError
+
+
+def over_mass(force: Any, lightness: Any, k: Any) -> Any:
+    """Acceleration by a force at a place in memory."""
+    raise NotImplementedError
+
+
+@overload(over_mass, inline="always", strict=False)
+def _over_mass(force: Any, lightness: Any, k: Any) -> Any:
+    if isinstance(lightness, types.Array):
+        return lambda force, lightness, k: force * lightness[k]
+    return lambda force, lightness, k: force
 
 
 @overload(at, inline="always", strict=False)
