@@ -52,7 +52,7 @@ def types_by_contact(strength: NDArray[np.float64]) -> AtomTypes:
     """
     found: dict[tuple[int, int], float] = {}
     place: dict[tuple[int, float], int] = {}
-    free: list[int] = [1]  # of each type, the lowest that may not yet have a strength with it
+    free: list[set[int]] = [{1}]  # of each type, those with which it has no strength yet
     rows: dict[bytes, NDArray[np.int64]] = {}
     for row in strength:
         if row.tobytes() in rows:
@@ -62,11 +62,13 @@ def types_by_contact(strength: NDArray[np.float64]) -> AtomTypes:
             here = types[-1]
             there = place.get((here, value))
             if there is None:
-                there = free[here - 1]
-                while there <= len(free) and (min(here, there), max(here, there)) in found:
-                    there += 1
-                free[here - 1] = there + 1
-                free += [1] * (there - len(free))
+                if not free[here - 1]:
+                    free.append(set(range(1, len(free) + 2)))
+                    for others in free[:-1]:
+                        others.add(len(free))
+                there = max(free[here - 1], key=lambda kind: (len(free[kind - 1]), -kind))
+                free[here - 1].discard(there)
+                free[there - 1].discard(here)
                 found[min(here, there), max(here, there)] = value
                 place[here, value], place[there, value] = there, here
             types.append(there)
