@@ -107,11 +107,14 @@ def track_pulses(
 
 
 def local_speed(bead: Integers, arrival: Floats) -> Floats:
-    """Beads per unit time from the arrivals on either side, [passage]; at an end one side; NaN for a single one."""
+    """Beads per unit time from the arrivals on either side, [passage]; at an end one side.
+
+    NaN for a single one, and for beads that were kicked at once: nothing runs from one to the other.
+    """
     place = np.arange(len(bead))
     ahead, behind = np.minimum(place + 1, len(bead) - 1), np.maximum(place - 1, 0)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray((bead[ahead] - bead[behind]) / (arrival[ahead] - arrival[behind]))
+    delay = arrival[ahead] - arrival[behind]
+    return np.asarray((bead[ahead] - bead[behind]) / np.where(delay == 0.0, np.nan, delay))
 
 
 @dataclass

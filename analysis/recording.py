@@ -45,7 +45,7 @@ def blocks(paths: Sequence[Path], problem: Problem, stride: int = 1) -> Iterator
             frames are missing between it and the one before.
 
     Warns:
-        CutDumpWarning: the last file ends within a frame, which is left out.
+        CutDumpWarning: the last file ends within a frame, which is left out; or one holds none, and frames are missing.
     """
     ids = atom_ids(problem).ravel()
     size = frames_per_block(problem)
@@ -83,7 +83,8 @@ def blocks(paths: Sequence[Path], problem: Problem, stride: int = 1) -> Iterator
     if empty is not None:
         if last < 0:
             raise empty
-        warnings.warn(CutDumpWarning(f"{empty}; it is passed over"), stacklevel=2)
+        if last + problem.steps_per_frame <= problem.steps:  # else it was to hold none
+            warnings.warn(CutDumpWarning(f"{empty}; it is passed over"), stacklevel=2)
 
 
 def _whole(dump: BinaryDump, chosen: slice, time: Floats, problem: Problem) -> Iterator[Trajectory]:

@@ -125,8 +125,10 @@ def survey(
         stray = opposed(problem) or noise > 0.0
         ahead = of_pulses(peaks[direction], pulses) if stray else peaks[direction]
         waves = leading_waves(ahead, arrival)
+        sharp = np.isfinite(leading_waves(ahead).arrival)
     else:
         waves = leading
+        sharp = np.isfinite(waves.arrival) & (arrival == "maximum")  # of others nobody knows when they are fastest
     every_bead = along if leading is None else replace(along, recorded=None)
     shared = sharing(waves if direction > 0 else mirrored_waves(waves, problem), every_bead, left)
     if noise > 0.0:
@@ -138,7 +140,7 @@ def survey(
         )
     at = [measured_at(pulse, problem, last_time) for pulse in pulses]
 
-    seen = np.isin(waves.bead, problem.recorded_beads)
+    seen = np.isfinite(waves.time) & np.isin(waves.bead, problem.recorded_beads)
     chosen = np.flatnonzero(seen & (waves.bead % max(1, -(-int(seen.sum()) // MAX_PASSAGES)) == 0))
     waveforms = Waveforms(problem, _together(waves, chosen, direction, passages_of(pulses, at)))
     energies = EnergyShares(along, shared)
@@ -158,7 +160,7 @@ def survey(
         noise=noise,
         waves=waves,
         waveforms=waveforms,
-        shape=shapes.spread_out(chosen, len(waves)).where(np.isfinite(leading_waves(ahead).arrival)),
+        shape=shapes.spread_out(chosen, len(waves)).where(sharp),
         pulses=pulses,
         characters=characters,
         shared=shared,

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from analysis.mirror import mirrored_bead
 from analysis.peaks import Peaks
+from analysis.pulses import local_speed
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
 from lammps_inputs.units import Scale
@@ -87,12 +88,8 @@ def with_speeds(
     """Waves whose local speeds follow from their arrivals, without errors; entries are sorted by chain, then bead."""
     speed = np.full(len(chain), np.nan)
     for number in np.unique(chain):
-        row = np.flatnonzero(chain == number)
-        if len(row) > 1:
-            ahead, behind = np.minimum(np.arange(len(row)) + 1, len(row) - 1), np.maximum(np.arange(len(row)) - 1, 0)
-            beads, times = bead[row], arrival[row]
-            with np.errstate(divide="ignore"):
-                speed[row] = direction * (beads[ahead] - beads[behind]) / (times[ahead] - times[behind])
+        row = chain == number
+        speed[row] = direction * local_speed(bead[row], arrival[row])
     unknown = np.full(len(chain), np.nan)
     return Waves(chain, bead, arrival, peak_velocity, speed, arrival, unknown, unknown)
 

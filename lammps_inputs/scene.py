@@ -146,6 +146,7 @@ class BaseScene(UnequalBeads):
         self._check_numbers()
         for ingredient in self.ingredients:
             ingredient.refuse(self)
+        self._check_motion(self.system)
         self._check_times()
         return self
 
@@ -174,7 +175,7 @@ class BaseScene(UnequalBeads):
             )
 
     def _check_numbers(self) -> None:
-        """Refuse scenes whose dimensionless numbers overflow, or in which nothing happens."""
+        """Refuse scenes whose dimensionless numbers overflow."""
         try:
             scale = self.scale
             units = [scale.length, scale.time, scale.mass]
@@ -187,7 +188,9 @@ class BaseScene(UnequalBeads):
                 f"gap: {self.gap / scale.length:.3g} in dimensionless units, so wide that positions lose their digits; "
                 f"at most {MAX_LENGTH / self.beads:.3g} for {self.beads} beads"
             )
-        system = self.system
+
+    def _check_motion(self, system: System) -> None:
+        """Refuse scenes in which nothing happens, or what no beads of the material would do."""
         if system.simply_coupled and never_closes(self.chains, system.kappa, system.gap, system.kicks, self.beads):
             raise ValueError(
                 f"kick: none ever closes the gap of {self.gap:g}, so nothing collides; "

@@ -216,7 +216,7 @@ def _makers(found: Survey, spacetime: Any, history: Any, energy: Flow | None) ->
         makers["distance"] = lambda: distance_figure(problem, found.shared, found.energies, found.direction)
     whole = np.unique(found.waves.bead[np.isfinite(found.shape.residual)])
     whole = whole[whole <= problem.beads - 5]
-    if len(whole) and problem.holds(Fact.PULSE):
+    if len(whole) and problem.holds(Fact.PULSE) and not problem.gap:
         early, late = whole[min(len(whole) - 1, int(np.searchsorted(whole, 10)))], whole[-1]
         makers["shape"] = lambda: shape_figure(problem, found.waveforms, sorted({int(early), int(late)}))
     return makers

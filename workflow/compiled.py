@@ -51,7 +51,7 @@ def cache_directory() -> Path | None:
     home = os.environ.get("HOME")
     bases = [*(Path(name) / "granchain" for name in named if name), *([Path(home, ".cache/granchain")] if home else [])]
     for base in (*bases, private):
-        place = base / f"compiled-{fingerprint(_sources())[:16]}"
+        place = base / f"compiled-{fingerprint(sources())[:16]}"
         try:
             for folder in (base, place):
                 folder.mkdir(mode=0o700, parents=True, exist_ok=True)
@@ -78,7 +78,7 @@ def fingerprint(sources: Iterable[tuple[str, bytes]]) -> str:
     return digest.hexdigest()
 
 
-def _sources() -> list[tuple[str, bytes]]:
+def sources() -> list[tuple[str, bytes]]:
     """All that is ever compiled: laws, engines, and the modules of a user's own ingredients."""
     root = Path(__file__).parents[1]
     files = [file for folder in _SOURCES for file in sorted((root / folder).rglob("*.py"))]

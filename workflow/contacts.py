@@ -4,8 +4,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from analysis.largest_overlap import LargestOverlap, shown_by_frames
-from lammps_inputs import Scene, hertz_limits
-from lammps_inputs.units import hertz_constant
+from lammps_inputs import Scene, hertz_limits, laws
 from workflow.run_directory import RunDirectory
 
 
@@ -102,7 +101,7 @@ def _contacts(scene: Scene, overlap: float, *, measured: bool) -> Contacts | Non
         measured=measured,
         radius=ball.radius,
         overlap=metres / ball.radius,
-        force=hertz_constant(ball.radius, ball.youngs_modulus, ball.poisson_ratio) * metres**1.5,
+        force=float(laws.force(scene.system.along[0].law, overlap)) * scene.scale.force,
         pressure=pressure,
         yield_strength=pressure / hertz_limits.YIELD_PRESSURE,
     )

@@ -283,11 +283,18 @@ def test_a_continuation_that_leaves_frames_out_is_refused(serial: Path, tmp_path
 
 
 def test_a_continuation_killed_before_its_first_frame_is_passed_over(serial: Path, tmp_path: Path) -> None:
+    raw = serial.read_bytes()
+    (tmp_path / "1.bin").write_bytes(raw[: len(raw) // 41 * 40])
     (tmp_path / "2.bin").write_bytes(b"")
     with pytest.warns(CutDumpWarning, match=r"2\.bin: is an empty file; it is passed over"):
-        assert whole(TWO.problem(), serial, tmp_path / "2.bin").frames == 41
+        assert whole(TWO.problem(), tmp_path / "1.bin", tmp_path / "2.bin").frames == 40
     with pytest.raises(NoFrameError, match=r"2\.bin: is an empty file"):
         whole(TWO.problem(), tmp_path / "2.bin")
+
+
+def test_a_continuation_after_the_last_frame_has_none_to_miss(serial: Path, tmp_path: Path) -> None:
+    (tmp_path / "2.bin").write_bytes(b"")
+    assert whole(TWO.problem(), serial, tmp_path / "2.bin").frames == 41  # without a warning
 
 
 def test_blocks_are_of_bounded_size_and_miss_nothing(serial: Path, monkeypatch: pytest.MonkeyPatch) -> None:

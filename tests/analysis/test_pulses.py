@@ -9,7 +9,7 @@ from synthetic_waves import arrivals, exact_waves, reference
 from analysis.accuracy import peak_error
 from analysis.noise import left_by_smoothing, smoothed
 from analysis.peaks import PeakFinder, distinct, find_peaks
-from analysis.pulses import Pulse, track_pulses
+from analysis.pulses import Pulse, local_speed, track_pulses
 from analysis.solitary_wave import solitary_wave
 from analysis.trajectory import Trajectory, blocks
 from lammps_inputs import Kick
@@ -55,6 +55,11 @@ def test_the_speed_of_a_wave_is_that_of_the_exact_law_within_the_error_of_its_ar
     speed = float(solitary_wave().speed_at(peak))
     bound = peak_error(every, peak).arrival * speed**2
     assert np.max(np.abs(pulse.speed[4:-4] - speed)) < bound
+
+
+def test_nothing_runs_between_beads_that_were_kicked_at_once():
+    speed = local_speed(np.array([1, 2, 3, 4]), np.array([0.0, 0.0, 0.5, 1.5]))
+    np.testing.assert_array_equal(speed, [np.nan, 4.0, 2.0 / 1.5, 1.0])
 
 
 @settings(max_examples=15)

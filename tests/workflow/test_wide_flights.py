@@ -14,7 +14,6 @@ from workflow.run import run
 TWO = pytest.mark.skipif(mpi.cores() < 2, reason="needs two cores")
 
 
-@pytest.mark.filterwarnings("ignore:invalid value:RuntimeWarning")
 def test_contacts_are_not_lost_between_two_segments_of_a_composition(tmp_path):
     kicks = tuple(Kick(bead=bead, velocity=velocity) for bead, velocity in ((1, 0.2), (2, 1.0), (3, 1.0)))
     case = scene(beads=12, gap=15.0, kick=kicks, duration=253.0, every=0.5, scheme="suzuki4")
@@ -28,7 +27,6 @@ def test_springs_are_not_lost_on_two_ranks_of_a_composition(tmp_path):
     np.testing.assert_array_equal(one.velocity, two.velocity)
 
 
-@pytest.mark.filterwarnings("ignore:invalid value:RuntimeWarning")
 @pytest.mark.parametrize("seed", range(4))
 def test_random_scenes_are_not_silently_wrong(seed, tmp_path):
     chance, found = random.Random(seed), None

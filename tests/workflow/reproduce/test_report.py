@@ -115,14 +115,7 @@ def test_the_verdict_on_a_run_agrees_with_the_page(name: str, report: Path, tmp_
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "kappa"),
-    [
-        ("two-chains-gapped-strong", "1"),
-        pytest.param(
-            "two-chains-gapped",
-            "0.1",
-            marks=pytest.mark.xfail(strict=True, reason="arrivals of flat-topped pulses hop"),
-        ),
-    ],
+    [("two-chains-gapped-strong", "1"), ("two-chains-gapped", "0.1")],
 )
 def test_the_verdict_on_chains_with_gaps_agrees_with_the_page(
     name: str, kappa: str, report: Path, paper: Callable[[str], Path]

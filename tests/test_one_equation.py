@@ -1,0 +1,48 @@
+"""The equation of motion stands once: only laws and ingredients know what a force is."""
+
+import io
+import re
+import tokenize
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+ALLOWED = ("lammps_inputs/laws/", "lammps_inputs/ingredients/")
+EXCEPT = {
+    "analysis/solitary_wave.py": "its own theory, for any exponent",
+    "lammps_inputs/hertz_limits.py": "where that one law ends",
+    "analysis/resample.py": "how an interpolation errs where a contact opens",
+    "workflow/bench/textbook.py": "the deck that one writes by hand, to measure against",
+}
+FORCES = re.compile(r"laws ?\. ?hertz|Hertz ?\(|gran/hertz|bond_style|bond_coeff|pair_style|spring/self|\*\* ?1\.5\b")
+
+
+def code(source: str) -> str:
+    """A source without comments and docstrings."""
+    kept, previous = [], tokenize.NEWLINE
+    for token in tokenize.generate_tokens(io.StringIO(source).readline):
+        docstring = token.type == tokenize.STRING and previous in (tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT)
+        if token.type != tokenize.COMMENT and not docstring:
+            kept.append(token.string)
+        if token.type not in (tokenize.NL, tokenize.COMMENT):
+            previous = token.type
+    return " ".join(kept)
+
+
+def files():
+    for floor in ("lammps_inputs", "analysis", "workflow"):
+        for path in sorted((ROOT / floor).rglob("*.py")):
+            name = path.relative_to(ROOT).as_posix()
+            if not name.startswith(ALLOWED) and not any(name.endswith(Path(other).name) for other in EXCEPT):
+                yield name
+
+
+@pytest.mark.parametrize("name", list(files()))
+def test_no_module_but_laws_and_ingredients_names_a_force(name):
+    assert FORCES.findall(code((ROOT / name).read_text(encoding="utf-8"))) == []
+
+
+@pytest.mark.parametrize("line", ['lines = ["pair_style gran/hertz/history 1"]', "push = overlap ** 1.5", "Hertz()"])
+def test_the_search_finds_what_it_looks_for(line):
+    assert FORCES.search(code(line))

@@ -1,0 +1,183 @@
+"""A law and an ingredient of one's own go all the way from YAML without touching the product."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from processes import HANGS
+
+TESTS = Path(__file__).parent
+
+OWN = '''
+"""A spring to the ground whose force is the fifth power of the displacement."""
+
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+from pydantic import Field
+
+from lammps_inputs.facts import Fact
+from lammps_inputs.ingredients.base import Ingredient
+from lammps_inputs.lines import Lines
+from lammps_inputs.links import Ground
+
+
+class Quintic(NamedTuple):
+    """``q s**5``."""
+
+    quintic: Any
+
+    @staticmethod
+    def force(s, quintic):
+        return quintic * (s * s * s * s * s)
+
+    @staticmethod
+    def energy(s, quintic):
+        return quintic / 6.0 * s**6
+
+    @staticmethod
+    def stiffness(s, quintic):
+        return 5.0 * quintic * s**4
+
+    @staticmethod
+    def reach(energy, quintic):
+        return (6.0 * energy / quintic) ** (1.0 / 6.0)
+
+    def ground(self, name, problem):
+        place = f"((id-1)%{problem.beads}+1)*{problem.spacing!r}"
+        return Lines(
+            motion=(
+                f"variable {name} atom -{float(self.quintic)!r}*(x-{place})^5",
+                f"fix {name} all addforce v_{name} 0.0 0.0",
+            )
+        )
+
+
+class Bed(Ingredient):
+    takes_away = frozenset({Fact.MOMENTUM, Fact.PULSE})
+
+    quintic: Annotated[float, Field(gt=0)]
+
+    def links(self, scene):
+        return (Ground("bed", Quintic(self.quintic / scene.scale.stiffness * scene.scale.length**4)),)
+
+
+INGREDIENTS = {"bed": Bed}
+'''
+
+SCENE = """
+name: bed
+chains: 2
+beads: 8
+coupling: {stiffness: 0.2}
+bed: {quintic: 1.5}
+kick: {velocity: 1.0}
+duration: 40
+output: {every: 0.1}
+"""
+
+PROGRAM = """
+import json
+from pathlib import Path
+import numpy as np
+import lammps_here as here
+from lammps_inputs import find, timestep
+from workflow.engines.reference import engine
+from workflow.resume import resume
+from workflow.run import run
+from workflow.run_directory import RunDirectory
+from workflow.validate import validate
+
+scene = find("bed.yaml")
+problem = scene.problem()
+whole = run(scene, "whole")
+run(scene, "cut", check=False, lammps=here.interrupted_after(500))
+resumed = resume("cut", check=False)
+again = RunDirectory(Path("cut")).trajectory.velocity
+reference = engine.run(problem)
+print(json.dumps({
+    "error": whole.check.velocity,
+    "sure": whole.check.reference.velocity,
+    "same": bool(np.array_equal(again, whole.trajectory.velocity)),
+    "from_step": RunDirectory(Path("cut")).record["resumed"][0]["from_step"],
+    "difference": float(np.abs(whole.trajectory.velocity - reference.velocity).max()),
+    "quantities": sorted(validate(whole.directory).deviations),
+    "bound": timestep.stability_bound(problem),
+    "ground": float(problem.ground[0].energy(reference.displacement).max()),
+    "velocity": reference.velocity[-1].tolist(),
+}))
+"""
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory):
+    path = tmp_path_factory.mktemp("own")
+    (path / "bed.py").write_text(OWN)
+    (path / "bed.yaml").write_text(SCENE)
+    paths = [str(path), str(TESTS / "support"), str(TESTS.parent)]
+    own = {"GRANCHAIN_INGREDIENTS": "bed", "PYTHONPATH": os.pathsep.join(paths)}
+    command = [sys.executable, "-c", PROGRAM]
+    done = subprocess.run(
+        command, cwd=path, env={**os.environ, **own}, capture_output=True, text=True, timeout=HANGS, check=False
+    )
+    assert done.returncode == 0, done.stderr[-3000:]
+    return path, json.loads(done.stdout.splitlines()[-1])
+
+
+def test_lammps_agrees_with_the_reference_to_the_usual_error(found):
+    assert found[1]["error"] < 5e-4
+    assert found[1]["difference"] == pytest.approx(found[1]["error"], abs=found[1]["sure"] + 1e-9)
+
+
+def test_its_energy_is_in_the_budget_which_closes_and_momentum_is_not_asked_for(found):
+    assert found[1]["ground"] > 0.01
+    assert "energy" in found[1]["quantities"]
+    assert "momentum" not in found[1]["quantities"]
+
+
+def test_it_shortens_the_stability_bound(found):
+    """omega**2 <= 6 sqrt(largest overlap) + 0.2 * 2 + 5 q s**4 at the largest s: q s**6 / 6 = 1 / 2."""
+    largest = (6.0 * 0.5 / 1.5) ** (1.0 / 6.0)
+    omega = (6.0 * 1.25**0.2 + 0.4 + 7.5 * largest**4) ** 0.5
+    assert found[1]["bound"] == pytest.approx(2.0 / omega, rel=1e-12)
+
+
+def test_an_interrupted_run_goes_on_bit_for_bit(found):
+    assert found[1]["from_step"] > 0
+    assert found[1]["same"]
+
+
+def test_the_deck_and_its_continuation_have_its_lines(found):
+    for name in ("whole/in.chains", "cut/in.continue"):
+        assert "fix bed all addforce v_bed 0.0 0.0" in (found[0] / name).read_text()
+
+
+def test_the_reference_agrees_with_an_independent_integrator(found):
+    import numpy as np
+    from scipy.integrate import solve_ivp
+
+    def rate(_, state):
+        x = state[:16].reshape(2, 8)
+        push = np.maximum(x[:, :-1] - x[:, 1:], 0.0) ** 1.5
+        force = -1.5 * x**5 - 0.2 * (x - x[::-1])
+        force[:, 1:] += push
+        force[:, :-1] -= push
+        return np.concatenate([state[16:], force.reshape(-1)])
+
+    start = np.zeros(32)
+    start[16] = 1.0
+    exact = solve_ivp(rate, (0.0, 40.0), start, method="DOP853", rtol=1e-12, atol=1e-14).y[16:, -1].reshape(2, 8)
+    np.testing.assert_allclose(found[1]["velocity"], exact, atol=2e-5)
+
+
+def test_without_the_module_the_key_is_unknown(found):
+    command = [sys.executable, "-m", "workflow.cli", "show", "bed.yaml"]
+    outside = {**os.environ, "PYTHONPATH": str(TESTS.parent)}
+    done = subprocess.run(
+        command, cwd=found[0], env=outside, capture_output=True, text=True, timeout=HANGS, check=False
+    )
+    assert done.returncode == 2
+    assert "bed: unknown key" in done.stderr

@@ -1,0 +1,110 @@
+"""Machine code is kept between processes, and never that of other sources."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from processes import HANGS
+
+from workflow import compiled
+
+ROOT = Path(__file__).parents[2]
+FLOORS = ("lammps_inputs", "analysis", "workflow")
+
+PROGRAM = """
+import lammps_inputs
+from workflow.engines.reference import engine, kernel
+print(engine.run(lammps_inputs.find("one-chain").problem().coarser(400)).velocity[-1].max())
+print(sum(kernel.advance.stats.cache_hits.values()))
+"""
+
+
+def run(tree, cache):
+    """Largest velocity at the end of a run with the sources of a tree, and whether the kernel came from the disk."""
+    own = {"PYTHONPATH": str(tree), "NUMBA_CACHE_DIR": str(cache)}
+    done = subprocess.run(
+        [sys.executable, "-c", PROGRAM],
+        env={**os.environ, **own},
+        capture_output=True,
+        text=True,
+        timeout=HANGS,
+        cwd=tree,
+    )
+    assert done.returncode == 0, done.stderr[-2000:]
+    value, hits = done.stdout.split()
+    return float(value), hits == "1"
+
+
+@pytest.mark.slow
+def test_a_changed_law_is_computed_with_though_the_old_one_is_on_the_disk(tmp_path):
+    tree = tmp_path / "tree"
+    for floor in FLOORS:
+        shutil.copytree(ROOT / floor, tree / floor, ignore=shutil.ignore_patterns("__pycache__"))
+    first, hit = run(tree, tmp_path / "cache")
+    assert not hit
+    assert run(tree, tmp_path / "cache") == (first, True)
+    law = tree / "lammps_inputs/laws/hertz.py"
+    text = law.read_text()
+    assert text.count("return strength * (closed * np.sqrt(closed))") == 1
+    law.write_text(
+        text.replace("return strength * (closed * np.sqrt(closed))", "return 2.0 * strength * (closed * closed)")
+    )
+    other, hit = run(tree, tmp_path / "cache")
+    assert not hit
+    assert other != first
+
+
+def test_any_source_or_its_name_changes_the_place():
+    plain = [("a.py", b"x = 1\n"), ("b.py", b"y = 2\n")]
+    changed = [[("a.py", b"x = 2\n"), plain[1]], [("c.py", b"x = 1\n"), plain[1]], plain[:1], plain[::-1]]
+    assert len({compiled.fingerprint(sources) for sources in [plain, *changed]}) == 5
+
+
+def test_laws_and_kernels_are_among_the_sources():
+    names = {name for name, _ in compiled.sources()}
+    assert {"lammps_inputs/laws/hertz.py", "workflow/engines/reference/kernel.py"} <= names
+    assert "workflow/engines/collisions/engine.py" in names
+
+
+@pytest.fixture
+def place(monkeypatch):
+    """Where code would be kept, given the user's cache directory and the one for temporary files."""
+
+    def asked(home, temporary):
+        for name in ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME"):
+            monkeypatch.delenv(name, raising=False)
+        monkeypatch.setenv("HOME", str(home))
+        monkeypatch.setattr(compiled.tempfile, "gettempdir", lambda: str(temporary))
+        compiled.cache_directory.cache_clear()
+        return compiled.cache_directory()
+
+    yield asked
+    compiled.cache_directory.cache_clear()
+
+
+def test_code_is_kept_in_the_users_cache(place, tmp_path):
+    assert place(tmp_path / "home", tmp_path).parent == tmp_path / "home/.cache/granchain"
+
+
+def test_without_a_home_it_is_kept_among_the_temporary_files_where_only_we_can_write(place, tmp_path):
+    (tmp_path / "home").write_text("no directory")
+    found = place(tmp_path / "home", tmp_path)
+    assert found.parent == tmp_path / f"granchain-{os.getuid()}"
+    assert found.parent.stat().st_mode & 0o077 == 0
+
+
+def test_a_directory_that_others_can_write_to_is_not_trusted(place, tmp_path):
+    (tmp_path / "home").write_text("no directory")
+    theirs = tmp_path / f"granchain-{os.getuid()}"
+    theirs.mkdir()
+    theirs.chmod(0o777)
+    assert place(tmp_path / "home", tmp_path) is None
+
+
+def test_with_no_place_at_all_functions_are_compiled_all_the_same(place, tmp_path):
+    (tmp_path / "file").write_text("no directory")
+    assert place(tmp_path / "file", tmp_path / "file") is None
+    assert compiled.compiled(lambda x: x + 1.0)(1.0) == 2.0
