@@ -224,6 +224,7 @@ def sharing(waves: Waves, problem: Problem, noise: float = 0.0) -> Sharing:
     clear = np.ones(len(beads), dtype=bool)
     clear = np.all(np.isfinite(side_by_side(waves.peak_velocity)), axis=1)
     clear &= (beads > hit) & (beads <= problem.beads - CLEAR)
+    clear &= of_one_kind(problem)[beads - 1]
     return Sharing(
         kicked - 1,
         beads[clear],
@@ -234,6 +235,21 @@ def sharing(waves: Waves, problem: Problem, noise: float = 0.0) -> Sharing:
         side_by_side(waves.arrival_error),
         side_by_side(waves.velocity_error),
     )
+
+
+def of_one_kind(problem: Problem) -> NDArray[np.bool_]:
+    """Which rows, [bead], can be compared: those of the masses that most rows have, the heavier ones of equally many.
+
+    All, if hardly two rows are of the same masses, as in tapered and disordered chains.
+    """
+    if isinstance(problem.mass, float):
+        return np.ones(problem.beads, dtype=bool)
+    kinds, which, count = np.unique(problem.mass, axis=1, return_inverse=True, return_counts=True)
+    if count.max() < 0.1 * problem.beads:
+        return np.ones(problem.beads, dtype=bool)
+    most = np.flatnonzero(count >= count.max() - 1)
+    heaviest = most[np.argmax(kinds[:, most].sum(axis=0))]
+    return np.asarray(which.reshape(-1) == heaviest)
 
 
 def _extrapolated(tops: Floats, tolerance: float) -> float | None:

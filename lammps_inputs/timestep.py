@@ -19,7 +19,9 @@ where a bead leaves the free end (it falls as the step squared).
 _STEPS_PER_BOUND = 50.0
 
 _STEPS_PER_BOUND_UNLIKE = 120.0
-"""Where light beads swing faster than the paper's, half as many again as `DEFAULT` is to these: what is left behind rattles."""
+"""Where beads differ, and light ones may swing faster; what is left behind rattles, which asks for half as many again
+as `DEFAULT` is to the paper's.
+"""
 
 _STIFF = 5e-3
 """A default step of this over ``omega**1.5`` leaves 1e-4 of V, at t = 200, in a row that swings with V / 2."""

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from analysis.binary_dump import CutDumpWarning
+from analysis.cells import CellEnergy
 from analysis.conservation import Conservation
 from analysis.energy_flow import EnergyFlow, Flow
 from analysis.largest_overlap import LargestOverlap, shown_by_frames
@@ -21,7 +22,8 @@ from analysis.trajectory import Trajectory
 from analysis.waves import Arrival, Waves, from_csv, usual_arrival
 from lammps_inputs import InputError, Problem, deck
 from lammps_inputs.facts import Fact
-from workflow.analysis_report import energy_report, last_clear_bead, report, waves_csv
+from lammps_inputs.ingredients.unequal import period
+from workflow.analysis_report import cells_report, energy_report, last_clear_bead, report, waves_csv
 from workflow.contacts import Contacts, has_contacts, of_overlap
 from workflow.own_files import claim
 from workflow.results import Fingerprint, recorded_fingerprint
@@ -52,6 +54,7 @@ class Analysis:
         altered: whether frames or snapshots are not those that the run wrote, by the fingerprint in ``run.json``.
         contacts: the hardest contact; None without a material, and of rigid beads.
         energy: where the energy was over time, where no pulse stays together and every bead was recorded; else None.
+        cells: what the pulse left behind, where beads differ and every one was recorded; else None.
     """
 
     problem: Problem
@@ -64,6 +67,7 @@ class Analysis:
     altered: bool
     contacts: Contacts | None
     energy: Flow | None
+    cells: CellEnergy | None
 
     @property
     def waves(self) -> Waves:
@@ -106,9 +110,13 @@ def analyse(
     conservation = Conservation()
     left = LeftBehind() if problem.window is not None else None
     flow = EnergyFlow(problem) if problem.whole and not problem.holds(Fact.PULSE) else None
+    cells = None
+    if problem.whole and not problem.alike and problem.holds(Fact.PULSE):
+        scene = directory.scene
+        cells = CellEnergy(problem, period(scene), tuple((one.chain, one.bead) for one in scene.replace or ()))
     fingerprint = Fingerprint()
     watchers: list[Any] = [conservation, fingerprint]
-    watchers += [watcher for watcher in (left, flow) if watcher is not None]
+    watchers += [watcher for watcher in (left, flow, cells) if watcher is not None]
     overlap = LargestOverlap() if has_contacts(directory) else None
     if overlap is not None and shown_by_frames(problem):
         watchers.append(overlap)
@@ -145,10 +153,13 @@ def analyse(
     hardest = None if overlap is None else of_overlap(directory.scene, overlap)
     found_contacts = {} if hardest is None else {"contacts": hardest.plain()}
     more = {**found_contacts, **({} if energy is None else {"energy": energy_report(problem, energy)})}
+    more |= {} if cells is None else {"cells": cells_report(problem, cells)}
     write_json(directory.path / REPORT, {**report(found, conservation, allowed, left), **more})
     complete = conservation.frames == problem.frames + 1
     altered = recorded_fingerprint(directory) not in ("", fingerprint.sha256())
-    return Analysis(problem, found, conservation, complete, drawn, left, directory.failure, altered, hardest, energy)
+    return Analysis(
+        problem, found, conservation, complete, drawn, left, directory.failure, altered, hardest, energy, cells
+    )
 
 
 def _found_on_the_way(directory: RunDirectory) -> Waves | None:

@@ -1,10 +1,12 @@
 """What an analysis writes: the columns of ``waves.csv`` and the keys of ``analysis.json``."""
 
 import math
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
+from analysis.cells import CellEnergy
 from analysis.conservation import Conservation
 from analysis.energy_flow import Flow
 from analysis.equipartition import AGREEMENTS, Estimate
@@ -70,7 +72,8 @@ def report(found: Survey, seen: Conservation, tolerances: Tolerances, left: Left
     | tolerances      | relative differences within which a pulse is called solitary                     |
     | pulses          | every pulse, the strongest first; see `pulse_entry`                              |
 
-    Where no pulse stays together, `workflow.analyse` adds ``energy``, see `energy_report`. With a material it adds
+    Where no pulse stays together, `workflow.analyse` adds ``energy``, see `energy_report`; where beads differ,
+    ``cells``, see `cells_report`. With a material it adds
     ``contacts``, see `workflow.contacts.Contacts`.
     """
     problem, scale = found.problem, found.problem.scale
@@ -115,6 +118,26 @@ def energy_report(problem: Problem, flow: Flow) -> dict[str, Any]:
     }
 
 
+def cells_report(problem: Problem, cells: CellEnergy) -> dict[str, Any]:
+    """What ``analysis.json`` says under ``cells``, where beads differ; energies in that of the kicks.
+
+    | key         | what                                                                                          |
+    |-------------|-----------------------------------------------------------------------------------------------|
+    | beads       | of a cell: what the pattern repeats                                                           |
+    | left_behind | energy that the pulse of the chain that was hit hardest leaves in every cell                  |
+    | chains      | per chain: that, between which beads, and what the pulse carries at the last; null: none ran  |
+    | replaced    | per replaced bead: energy of its chain before, at and beyond it at the end                    |
+    """
+    found = [cells.left(chain) for chain in range(1, problem.chains + 1)]
+    hit = found[max(problem.kicks, key=lambda kick: abs(kick[2]))[0] - 1]
+    return {
+        "beads": cells.period,
+        "left_behind": None if hit is None else _number(hit.per_cell),
+        "chains": [None if left is None else {**asdict(left), "per_cell": _number(left.per_cell)} for left in found],
+        "replaced": [asdict(split) for split in cells.splits()],
+    }
+
+
 def _window(left: LeftBehind, found: Survey) -> dict[str, Any]:
     return {
         "rows": found.problem.window,
@@ -135,7 +158,7 @@ def equipartition(found: Survey) -> dict[str, Any]:
     | amplitudes     | bead from which on the mismatch, (largest - smallest) / mean, stays below 0.1, 0.01, 0.001 |
     | arrivals       | the same for the spread of arrivals over the time in which the wave passes (half height)   |
     | final          | amplitude over the last half beat in V, its uncertainty, and the reduction against V       |
-    | energy_share   | of the waves at the last clear bead: exact waves of these amplitudes; measured             |
+    | energy_share   | of the waves at the last clear bead: exact waves of these amplitudes; measured                |
     | beat_length    | beads from one excess of a chain to the next, and its scatter                              |
     | decay_law      | v = v0 (1 - n / n_star)**2.5 fitted where neighbours are weak: v0 in V, n_star, its error, |
     |                | what theory expects, first and last bead, largest relative deviation; null if nowhere      |
@@ -152,7 +175,7 @@ def equipartition(found: Survey) -> dict[str, Any]:
         "arrivals": {str(tolerance): shared.in_step_from(tolerance) for tolerance in AGREEMENTS},
         "final": None if final is None else {**_known(final), "reduction": 1.0 - final.value},
         "energy_share": {
-            "exact": _number(float(np.sum(shared.wave_share[-1]))) if len(shared) else None,
+            "exact": _number(float(np.sum(shared.wave_share[-1]))) if len(shared) and found.problem.alike else None,
             "measured": _number(float(measured[-1])) if len(measured) else None,
         },
         "beat_length": _estimate(shared.beat_length),
