@@ -15,7 +15,15 @@ from lammps_inputs.closing import never_closes
 from lammps_inputs.hertz_limits import WHOLE_BEAD, overlap_bounds, sound_speed
 from lammps_inputs.ingredients import INGREDIENTS, contacts
 from lammps_inputs.ingredients.base import Ingredient, Part
-from lammps_inputs.ingredients.unequal import KEYS, UnequalBeads, masses_and_strengths
+from lammps_inputs.ingredients.unequal import (
+    Disorder,
+    Kinds,
+    Pattern,
+    Replacements,
+    Striker,
+    Taper,
+    masses_and_strengths,
+)
 from lammps_inputs.problem import Problem, System
 from lammps_inputs.scheme import SchemeName
 from lammps_inputs.timestep import default_timestep
@@ -90,7 +98,7 @@ class Output(Part):
         return tuple(sorted(value))
 
 
-class BaseScene(UnequalBeads):
+class BaseScene(Part):
     """Identical chains of touching or gapped beads on parallel lines, hit at the start.
 
     Beside the keys here, a scene has one for each ingredient that it names.
@@ -101,6 +109,12 @@ class BaseScene(UnequalBeads):
     chains: Annotated[int, Field(ge=1, le=10**6)] = 1
     beads: Annotated[int, Field(ge=2, le=10**8)]
     gap: Annotated[float, Field(ge=0, le=1e30)] = 0.0
+    kinds: Kinds | None = None
+    pattern: Pattern | None = None
+    replace: Replacements | None = None
+    taper: Taper | None = None
+    disorder: Disorder | None = None
+    striker: Striker | None = None
     kick: tuple[Kick, ...] = ()
     material: Material | None = None
     duration: Positive | None = None
@@ -340,8 +354,8 @@ class BaseScene(UnequalBeads):
     def plain(self) -> dict[str, Any]:
         """Nested plain data for YAML, without what the scene does not name."""
         data = self.model_dump(mode="json", exclude_none=True)
-        keys = [key for key in BaseScene.model_fields if key in data and key not in KEYS]
-        keys[keys.index("kick") : keys.index("kick")] = [key for key in (*INGREDIENTS, *KEYS) if key in data]
+        keys = [key for key in BaseScene.model_fields if key in data]
+        keys[keys.index("kick") : keys.index("kick")] = [key for key in INGREDIENTS if key in data]
         return dict(_named({key: data[key] for key in keys}))
 
 

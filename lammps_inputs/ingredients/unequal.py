@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, field_validator
+from pydantic import BeforeValidator, Field
 
 from lammps_inputs.ingredients.base import Part
 
@@ -111,35 +111,31 @@ class Striker(Kind):
     velocity: Positive
 
 
-class UnequalBeads(Part):
-    """Keys of a scene that say how its beads differ."""
+def _kinds_in_order(value: Any) -> Any:
+    rows = value if isinstance(value, list | tuple) else ()
+    one = bool(rows) and all(isinstance(kind, str) for kind in rows)
+    several = bool(rows) and all(
+        isinstance(row, list | tuple) and row and all(isinstance(kind, str) for kind in row) for row in rows
+    )
+    if not (one or several):
+        raise ValueError("should be a list of kinds, or a list of such lists, one for each chain")
+    return tuple(rows) if one else tuple(tuple(row) for row in rows)
 
-    kinds: dict[Name, Kind] | None = None
-    """Beads by name, for ``pattern`` and ``replace``."""
-    pattern: tuple[Any, ...] | None = None
-    """Kinds along every chain, over and over; or a list of such lists, one for each chain."""
-    replace: tuple[Replacement, ...] | None = None
-    taper: Annotated[float, Field(ge=0, lt=1)] | None = None
-    """Share by which each bead's radius is smaller than that of the one before; masses follow as the cube."""
-    disorder: Disorder | None = None
-    striker: Striker | None = None
 
-    @field_validator("pattern", mode="before")
-    @classmethod
-    def _kinds_in_order(cls, value: Any) -> Any:
-        rows = value if isinstance(value, list | tuple) else ()
-        one = bool(rows) and all(isinstance(kind, str) for kind in rows)
-        several = bool(rows) and all(
-            isinstance(row, list | tuple) and row and all(isinstance(kind, str) for kind in row) for row in rows
-        )
-        if value is not None and not (one or several):
-            raise ValueError("should be a list of kinds, or a list of such lists, one for each chain")
-        return tuple(rows) if one else tuple(tuple(row) for row in rows) if several else value
+def _one_or_several(value: Any) -> Any:
+    return tuple(value) if isinstance(value, list | tuple) else (value,)
 
-    @field_validator("replace", mode="before")
-    @classmethod
-    def _one_or_more(cls, value: Any) -> Any:
-        return tuple(value) if isinstance(value, list | tuple) else value if value is None else (value,)
+
+Kinds = dict[Name, Kind]
+"""Beads by name, for a pattern and replacements."""
+
+Pattern = Annotated[tuple[Any, ...], BeforeValidator(_kinds_in_order)]
+"""Kinds along every chain, over and over; or a list of such lists, one for each chain."""
+
+Replacements = Annotated[tuple[Replacement, ...], BeforeValidator(_one_or_several)]
+
+Taper = Annotated[float, Field(ge=0, lt=1)]
+"""Share by which each bead's radius is smaller than that of the one before; masses follow as the cube."""
 
 
 def period(scene: "BaseScene") -> int:
