@@ -1,5 +1,6 @@
 """Beads that differ: kinds, patterns, replacements, tapers, disorder, strikers; against an integrator of their own."""
 
+import itertools
 import json
 
 import lammps_here as here
@@ -175,7 +176,7 @@ def test_few_types_tell_all_contacts_apart(number):
     strength = np.random.default_rng(1).random((1, number))
     types = types_by_contact(strength)
     row = types.of[0].tolist()
-    pairs = [types.strength[min(a, b), max(a, b)] for a, b in zip(row[:-1], row[1:], strict=True)]
+    pairs = [types.strength[min(a, b), max(a, b)] for a, b in itertools.pairwise(row)]
     assert pairs == strength[0].tolist()
     assert types.count <= np.sqrt(2.0 * number) + 2.0
 
