@@ -8,9 +8,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from analysis.energy_shares import EnergyShares
-from analysis.equipartition import Sharing
 from analysis.figures.style import STYLE, axis_unit, chain_legend, draw_chain, shown_chains, title
+from analysis.sharing.energy_shares import EnergyShares
+from analysis.sharing.equipartition import Sharing
 from lammps_inputs import Problem
 
 AGREED = 0.01

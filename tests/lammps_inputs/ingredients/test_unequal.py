@@ -12,20 +12,21 @@ from stock_lammps import DEBIAN
 from stock_lammps import run as run_stock
 
 from analysis import motion
-from analysis.cells import CellEnergy
 from analysis.mirror import mirrored_problem
-from analysis.peaks import find_peaks
-from analysis.waves import leading_waves
-from lammps_inputs import InputError, deck, find, library
+from analysis.sharing.cells import CellEnergy
+from analysis.tracking.leading_waves import leading_waves
+from analysis.tracking.peaks import find_peaks
+from lammps_inputs import InputError, find, library
+from lammps_inputs.decks import deck
 from lammps_inputs.ingredients.unequal import Disorder, period
+from lammps_inputs.limits.timestep import stability_bound
 from lammps_inputs.lines import types_by_contact
-from lammps_inputs.timestep import stability_bound
-from workflow.analyse import analyse
 from workflow.engines.reference import engine
-from workflow.resume import resume
-from workflow.run import run
-from workflow.run_directory import RunDirectory
-from workflow.validate import validate
+from workflow.runs.resume import resume
+from workflow.runs.run import run
+from workflow.runs.run_directory import RunDirectory
+from workflow.verdicts.analyse import analyse
+from workflow.verdicts.validate import validate
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis.peaks import THRESHOLD
-from analysis.waves import Waves, with_speeds
+from analysis.tracking.leading_waves import Waves, with_speeds
+from analysis.tracking.peaks import THRESHOLD
 from lammps_inputs import Problem
-from lammps_inputs.timestep import stability_bound
+from lammps_inputs.limits.timestep import stability_bound
 from workflow.compiled import compiled
 from workflow.engines.reference import engine
 from workflow.engines.reference.blanes_moan import BLANES_MOAN
