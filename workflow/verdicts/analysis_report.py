@@ -74,8 +74,8 @@ def report(found: Survey, seen: Conservation, tolerances: Tolerances, left: Left
     | pulses          | every pulse, the strongest first; see `pulse_entry`                              |
 
     Where no pulse stays together, `workflow.verdicts.analyse` adds ``energy``, see `energy_report`; where beads differ,
-    ``cells``, see `cells_report`. With a material it adds ``contacts``, see `workflow.runs.contacts.Contacts`; where the
-    scene has ``output.forces``, ``forces``, see `forces_report`.
+    ``cells``, see `cells_report`. With a material it adds ``contacts``, see `workflow.runs.contacts.Contacts`; where
+    the scene has ``output.forces``, ``forces``, see `forces_report`.
     """
     problem, scale = found.problem, found.problem.scale
     order = np.argsort([-character.peak_velocity for character in found.characters], kind="stable")
