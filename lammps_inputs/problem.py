@@ -151,14 +151,36 @@ class System:
         return float(np.max(total / self.mass))
 
     def _springs(self) -> float:
-        across = (laws.stiffest(link.law, self.energy) * largest_eigenvalue(link, self.chains) for link in self.across)
-        springs = sum((*across, *(laws.stiffest(link.law, self.energy) for link in self._holding)), 0.0)
-        return springs / float(np.min(self.mass))
+        held = (laws.stiffest(link.law, self.energy) for link in self._holding)
+        return sum((*map(self._across, self.across), *held), 0.0) / float(np.min(self.mass))
 
     @property
     def _holding(self) -> tuple[Ground, ...]:
         """The springs to the ground."""
         return tuple(link for link in self.ground if not isinstance(link, Wall))
+
+    def _across(self, link: Across) -> float:
+        """Largest eigenvalue of a row of beads on links across, each as stiff as energy can make it anywhere."""
+        if not laws.differs(link.law):
+            return laws.stiffest(link.law, self.energy) * largest_eigenvalue(link, self.chains)
+        stiffness = link.law.stiffness(link.law.reach(self.energy, *link.law), *link.law)
+        return largest_eigenvalue(link, self.chains, link.of_edges(stiffness))
+
+    @property
+    def uniform(self) -> bool:
+        """Whether no law differs from link to link, so that the beads might be more."""
+        return isinstance(self.mass, float) and not any(laws.differs(link.law) for link in self.links)
+
+    @property
+    def open_row(self) -> bool:
+        """Whether the chains stand in a row, each tied to the next by equal linear springs; or none to another."""
+        return all(
+            isinstance(link.law, Linear)
+            and not laws.differs(link.law)
+            and link.open_row
+            and len(link.edges) == self.chains - 1
+            for link in self.across
+        )
 
     @property
     def simply_coupled(self) -> bool:
@@ -166,10 +188,22 @@ class System:
 
         Its beads have the mass 1.
         """
-        if not isinstance(self.mass, float):
-            return False
-        plain = all(isinstance(link.law, Linear) and not laws.differs(link.law) for link in self.across)
-        return plain and all(link.open_row for link in self.across) and not self.ground
+        return isinstance(self.mass, float) and self.open_row and not self.ground
+
+    @cached_property
+    def groups(self) -> tuple[frozenset[int], ...]:
+        """Chains, counted from 0, that are tied to each other, directly or by others; each in one group."""
+        group = {chain: {chain} for chain in range(self.chains)}
+        for one, other in (edge for link in self.across for edge in link.edges):
+            small, large = sorted((group[one], group[other]), key=len)
+            if small is not large:
+                large |= small
+                group.update(dict.fromkeys(small, large))
+        return tuple(map(frozenset, {id(members): members for members in group.values()}.values()))
+
+    def tied_to(self, chain: int) -> list[int]:
+        """Chains, counted from 0, of the group that one is in, ascending."""
+        return sorted(next(group for group in self.groups if chain in group))
 
     @property
     def diameter(self) -> float:

@@ -105,15 +105,15 @@ _APART = 1e-6
 def identify_springs(trajectory: Trajectory) -> Springs | None:
     """Fit the springs between the chains to a trajectory of all beads.
 
-    None for one chain, for fewer than ten frames, or where the chains never move apart.
+    None for one chain, for fewer than ten frames, where the chains never move apart, and where the problem ties them
+    otherwise than by equal linear springs from each to the next (`identify_strengths` knows those).
 
     Between two frames, the change of a bead's velocity minus the impulse of its contacts is the impulse of its springs.
     Summed over the chains from the first to j, all that is left is the spring between j and j + 1 (of an open row).
     Impulses are integrals from the forces and their rates at the two frames (corrected trapezoid, order 4).
     """
     problem = trajectory.problem
-    open_row = all(link.open_row for link in problem.across)
-    if problem.chains < 2 or not open_row or problem.recorded is not None or trajectory.frames < 10:
+    if problem.chains < 2 or not problem.open_row or problem.recorded is not None or trajectory.frames < 10:
         return None
     x, v = trajectory.displacement, trajectory.velocity
     spacing = np.diff(trajectory.time)[:, np.newaxis, np.newaxis]

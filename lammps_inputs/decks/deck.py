@@ -1,7 +1,8 @@
 """LAMMPS input for a scene: ``in.chains`` and ``data.chains``, rendered in memory and written once.
 
 The deck is the equation of motion and nothing else: what the scene does not name leaves no line. It runs with a stock
-``lmp`` (GRANULAR and, for coupled chains, MOLECULE) from the 29Sep2021 release on, serial or with MPI, without Python.
+``lmp`` (GRANULAR; MOLECULE for coupled chains, CLASS2 for cubic springs) from the 29Sep2021 release on, serial or with
+MPI, without Python.
 
 How the equation becomes LAMMPS:
 
@@ -17,10 +18,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lammps_inputs import scheme, strict_yaml, window
 from lammps_inputs.lines import AtomTypes, Lines
-from lammps_inputs.links import Across, Along
+from lammps_inputs.links import Across, Along, words
 from lammps_inputs.numbers import text
 from lammps_inputs.problem import Problem
 from lammps_inputs.scene import Scene
@@ -114,7 +116,7 @@ def spelling(problem: Problem) -> list[Lines]:
         spell = getattr(link.law, kind, None)
         if spell is None:
             raise ValueError(f"{link.name}: LAMMPS does not know this force; use the reference engine")
-        found.append(spell(link.name, problem))
+        found.append(spell(link if isinstance(link, Across) else link.name, problem))
     return found
 
 
@@ -203,7 +205,7 @@ def _title(problem: Problem) -> list[str]:
     if problem.gap:
         parts.append(f"gap {problem.gap:.6g}")
     if problem.coupled:
-        parts.append(f"coupling {problem.kappa:.6g}")
+        parts.append(f"coupling {words(problem.across)}")
     return [
         f"# {problem.name}: {', '.join(parts)}; dimensionless at V = 1",
         f"# lmp -in {DECK}     or: mpirun -np 4 lmp -in {DECK}     or: lmp -in {DECK} -var steps 1000",
@@ -234,6 +236,16 @@ def number_lines(problem: Problem) -> list[str]:
     ]
 
 
+def _bonds(problem: Problem) -> list[tuple[int, int, NDArray[np.int64]]]:
+    """Both chains of every edge, from 0, and the types of its bonds in the rows that exist; 0 where there is none."""
+    return [
+        (one, other, types[: problem.rows])
+        for link, lines in zip(problem.links, spelling(problem), strict=True)
+        if isinstance(link, Across) and lines.bonds is not None
+        for (one, other), types in zip(link.edges, lines.bonds, strict=True)
+    ]
+
+
 def _atom(problem: Problem, chain: int, bead: int) -> int:
     return (chain - 1) * problem.rows + bead
 
@@ -251,13 +263,14 @@ def render_data(problem: Problem) -> str:
     The molecule is the chain, or in a window the row.
     """
     chains, beads, spacing = problem.chains, problem.rows, problem.spacing
-    edges = [edge for link in problem.across for edge in link.edges]
+    bonds = _bonds(problem)
     by_contact = _types(problem)
     types = by_contact.count if by_contact is not None else 1 if problem.recorded is None else 2
     out = io.StringIO()
     out.write(f"granchain: {problem.name}\n\n{chains * beads} atoms\n{types} atom types\n")
     if problem.coupled:
-        out.write(f"{len(edges) * beads} bonds\n1 bond types\n")
+        count, kinds = sum(np.count_nonzero(kind) for *_, kind in bonds), max(int(kind.max()) for *_, kind in bonds)
+        out.write(f"{count} bonds\n{kinds} bond types\n")
     side = text(2.0 * spacing)
     out.write(f"\n0 {text((beads + 1) * spacing)} xlo xhi\n")
     out.write(f"-{side} {text(2.0 * spacing * chains)} ylo yhi\n-{side} {side} zlo zhi\n")
@@ -283,7 +296,10 @@ def render_data(problem: Problem) -> str:
             out.writelines(f"{first + i} {t} {size} {x} {y} 0\n" for i, (t, x, size) in rows)
     if problem.coupled:
         out.write("\nBonds\n\n")
-        for number, (one, other) in enumerate(edges):
-            bond, lower, higher = (beads * chain + 1 for chain in (number, one, other))
-            out.writelines(f"{bond + i} 1 {lower + i} {higher + i}\n" for i in range(beads))
+        bond = 0
+        for one, other, kind_of in bonds:
+            tied, lower, higher = np.flatnonzero(kind_of), beads * one + 1, beads * other + 1
+            numbered = enumerate(zip(tied.tolist(), kind_of[tied].tolist(), strict=True), bond + 1)
+            out.writelines(f"{number} {t} {lower + i} {higher + i}\n" for number, (i, t) in numbered)
+            bond += len(tied)
     return out.getvalue()

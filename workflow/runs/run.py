@@ -275,7 +275,8 @@ def refuse_what_it_cannot_do(engine: str, problem: Problem) -> None:
         raise InputError("--engine: `collisions` knows only beads of equal mass; use lammps or reference")
     if engine == "collisions" and not problem.simply_coupled:
         raise InputError(
-            "--engine: `collisions` knows only linear springs between neighbouring chains; use lammps or reference"
+            "--engine: `collisions` knows only equal linear springs between neighbouring chains; "
+            "use lammps or reference"
         )
     if engine == "collisions" and not problem.gap > 0.0:
         raise InputError(

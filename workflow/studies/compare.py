@@ -102,13 +102,16 @@ def engines_for(scene: Scene, asked: Sequence[str] | None) -> tuple[str, ...]:
     Raises:
         InputError: an engine that does not exist, is named twice, or cannot do what the scene names.
     """
+    simple = scene.system.simply_coupled
     if asked is None:
-        return tuple(name for name in (RIGID, "reference", "lammps") if name != RIGID or scene.gap > 0.0)
+        return tuple(name for name in (RIGID, "reference", "lammps") if name != RIGID or (scene.gap > 0.0 and simple))
     for name in asked:
         if name not in running.ENGINES:
             raise InputError(f"--engines: {name!r} given; of {', '.join(running.ENGINES)}, with commas between")
         if name == RIGID and scene.gap == 0.0:
             raise InputError("--engines: `collisions` needs a gap between the beads; give the scene `gap: ...`")
+        if name == RIGID and not simple:
+            raise InputError("--engines: `collisions` knows only equal linear springs between neighbouring chains")
     if len(set(asked)) < len(asked):
         raise InputError("--engines: one is named twice")
     return tuple(asked)

@@ -79,6 +79,9 @@ _UNITS = {"time": "s", "velocity": "m/s", "speed": "beads/s"}
 
 _FIELD_UNITS = {
     "coupling.stiffness": "N/m",
+    "coupling.stiffness.from": "N/m",
+    "coupling.stiffness.to": "N/m",
+    "coupling.cubic": "N/m3",
     "kick.velocity": "m/s",
     "gap": "m",
     "duration": "s",
