@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lammps_inputs import scheme, strict_yaml, window
+from lammps_inputs import loads, scheme, strict_yaml, window
 from lammps_inputs.lines import Lines
 from lammps_inputs.links import Across, Along
 from lammps_inputs.numbers import text
@@ -72,12 +72,13 @@ def render_deck(problem: Problem) -> str:
         *interactions(problem),
         motion_lines(problem, "all"),
     ]
-    sections.append(
-        [
-            f"set atom {_atom(problem, chain, bead)} vx ${{kick{number}}}"
-            for number, (chain, bead, _) in enumerate(problem.kicks, 1)
-        ]
-    )
+    if problem.kicks:
+        sections.append(
+            [
+                f"set atom {_atom(problem, chain, bead)} vx ${{kick{number}}}"
+                for number, (chain, bead, _) in enumerate(problem.kicks, 1)
+            ]
+        )
     if problem.window is not None:
         sections.append(window.setup_lines(problem.window, problem.beads, problem.spacing, problem.scheme))
     sections.append(
@@ -101,7 +102,7 @@ def neighbour_lines(problem: Problem) -> list[str]:
 
 
 def spelling(problem: Problem) -> list[Lines]:
-    """What the laws on the links are to LAMMPS, in the order of the links.
+    """What the laws on the links, and the loads, are to LAMMPS, in their order.
 
     Raises:
         ValueError: LAMMPS has no words for one of them.
@@ -113,7 +114,7 @@ def spelling(problem: Problem) -> list[Lines]:
         if spell is None:
             raise ValueError(f"{link.name}: LAMMPS does not know this force; use the reference engine")
         found.append(spell(link.name, problem))
-    return found
+    return [*found, *loads.lines(problem.loads, problem)]
 
 
 def interactions(problem: Problem) -> list[list[str]]:

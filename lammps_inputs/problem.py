@@ -5,9 +5,10 @@
 | N                  | ``chains``              | -                         |
 | epsilon * alpha    | ``kappa``               | m / T**2                  |
 | D                  | ``gap``                 | L                         |
-| V                  | largest of ``kicks``    | L / T; 1 by construction  |
+| V                  | largest of ``struck``   | L / T; 1 by construction  |
 """
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -18,6 +19,7 @@ from lammps_inputs import laws
 from lammps_inputs.facts import Fact
 from lammps_inputs.laws.linear import Linear
 from lammps_inputs.links import Across, Along, Ground, Link, largest_eigenvalue
+from lammps_inputs.loads import Load
 from lammps_inputs.numbers import power_of_two_at_least
 from lammps_inputs.scheme import SchemeName
 from lammps_inputs.units import Scale
@@ -35,6 +37,8 @@ class System:
     """All forces there are; contacts first."""
     lacks: frozenset[Fact] = frozenset()
     """What does not hold."""
+    loads: tuple[Load, ...] = ()
+    """Forces on beads from outside, over time."""
 
     def holds(self, fact: Fact) -> bool:
         """Whether a fact is true of this system."""
@@ -42,13 +46,23 @@ class System:
 
     @property
     def energy(self) -> float:
-        """Energy of the kicks."""
-        return 0.5 * sum(velocity**2 for _, _, velocity in self.kicks)
+        """Energy of the kicks; with loads the most that they and the kicks can put in: that of free beads."""
+        kicked = 0.5 * sum(velocity**2 for _, _, velocity in self.kicks)
+        if not self.loads:
+            return kicked
+        # a force F puts in F v at most F sqrt(2 E), so that sqrt(2 E) grows by no more than its impulse
+        return 0.5 * (math.sqrt(2.0 * kicked) + sum(load.law.total for load in self.loads)) ** 2
 
     @property
     def momentum(self) -> float:
         """Momentum of the kicks."""
         return sum(velocity for _, _, velocity in self.kicks)
+
+    @property
+    def struck(self) -> tuple[tuple[int, int, float], ...]:
+        """(chain, bead, impulse), counted from 1, of every kick and load: what sets the beads in motion."""
+        loads = ((load.chain, load.bead, float(load.impulse(load.end))) for load in self.loads)
+        return (*self.kicks, *loads)
 
     @cached_property
     def along(self) -> tuple[Along, ...]:
@@ -104,7 +118,7 @@ class System:
     def simply_coupled(self) -> bool:
         """Whether every row swings by the known modes of equal linear springs in an open row of chains, or freely."""
         plain = all(isinstance(link.law, Linear) and not laws.differs(link.law) for link in self.across)
-        return plain and all(link.open_row for link in self.across) and not self.ground
+        return plain and all(link.open_row for link in self.across) and not self.ground and not self.loads
 
     @property
     def diameter(self) -> float:

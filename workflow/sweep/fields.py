@@ -6,6 +6,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from lammps_inputs import InputError, Scene, library
+from lammps_inputs.scene import SEVERAL
 
 _STEP = re.compile(r"([a-z_]+)(?:\[([1-9][0-9]{0,5})\])?")
 
@@ -26,7 +27,7 @@ def parse(text: str) -> Path:
         raise InputError(f"a scene has no field {text[:60]!r}{hint}")
     path = tuple((match[1], None if match[2] is None else int(match[2])) for match in matches if match)
     for key, number in path:
-        if number is not None and key != "kick":
+        if number is not None and key not in SEVERAL:
             raise InputError(f"`{key}` is not a list of parts, so it takes no [{number}]")
     return path
 
@@ -52,16 +53,20 @@ def put(scene: dict[str, Any], path: Path, value: Any) -> dict[str, Any]:
     old = scene.get(key)
     if not rest and number is None:
         return {**scene, key: value}
-    if key != "kick":
+    if key not in SEVERAL or (key != "kick" and old is None):
         return {**scene, key: put(_mapping(old, key), rest, value)}
     kicks = list(old) if isinstance(old, list | tuple) else [old]
     if number is None and len(kicks) > 1:
-        raise InputError(f"the scene has {len(kicks)} kicks; say which, as in `kick[1]`")
+        raise InputError(f"the scene has {len(kicks)} {_plural(key, len(kicks))}; say which, as in `{key}[1]`")
     place = (number or 1) - 1
     if place >= len(kicks):
-        raise InputError(f"the scene has {len(kicks)} kick{'s' * (len(kicks) > 1)}, so no `kick[{number}]`")
+        raise InputError(f"the scene has {len(kicks)} {_plural(key, len(kicks))}, so no `{key}[{number}]`")
     kicks[place] = put(_mapping(kicks[place], key), rest, value) if rest else value
     return {**scene, key: kicks}
+
+
+def _plural(key: str, count: int) -> str:
+    return key if count == 1 else f"{key}es" if key.endswith("h") else f"{key}s"
 
 
 def _mapping(value: Any, key: str) -> dict[str, Any]:
