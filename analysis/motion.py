@@ -71,11 +71,16 @@ def momentum(velocity: Floats) -> Floats:
     return np.asarray(np.sum(velocity, axis=(-2, -1)))
 
 
-def acceleration(system: System, displacement: Floats, first: int = 1) -> Floats:
-    """Acceleration of every bead, [..., chain, bead] from the same; every bead must be recorded (eq. 1)."""
+def acceleration(system: System, displacement: Floats, first: int = 1, *, time: Floats | None = None) -> Floats:
+    """Acceleration of every bead, [..., chain, bead] from the same; every bead must be recorded (eq. 1).
+
+    Forces from outside are left out where no times, [...], are given.
+    """
     result = np.zeros_like(displacement)
     for link in system.links:
         link.drive(result, link.force(displacement, first))
+    for load in system.loads if time is not None else ():
+        result[..., load.chain - 1, load.bead - first] += load.force(time)
     return result
 
 
@@ -109,6 +114,10 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
                 pulled_back(law, 1, apart, parting, partner != chain)
     for ground in problem.ground:
         pulled_back(laws.at(ground.law, chain, row), 1, here_x, here_v, np.ones(frame.shape, dtype=bool))
+    for load in problem.loads:
+        here, time = (chain == load.chain - 1) & (row == load.bead - 1), block.time[frame]
+        acceleration += np.where(here, load.force(time), 0.0)
+        rate += np.where(here, load.rate(time), 0.0)
     return acceleration, rate
 
 

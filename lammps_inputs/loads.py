@@ -89,7 +89,7 @@ def _lines(load: Load, name: str, problem: "Problem") -> Lines:
     return Lines(
         variables=variables,
         motion=(
-            f"# push on bead {load.bead} of chain {load.chain}: the mean of its force over the step around each instant",
+            f"# push on bead {load.bead} of chain {load.chain}: mean of the force over the step around each instant",
             f"variable {name}before equal (step-0.5)*v_timestep",
             f"variable {name}after equal (step+0.5)*v_timestep",
             f"variable {name}from equal {within(f'v_{name}before')}",

@@ -35,7 +35,8 @@ def with_duration(scene: Scene) -> Scene:
         return scene
     # the reference integrates with the scene's own cadence, but records the one bead that matters
     gap = scene.gap / scene.scale.length
-    limit = _SLOWEST * (scene.until_bead + 10) * (1.0 + gap) * scene.scale.time
+    pushed = max((load.end for load in scene.system.loads), default=0.0)
+    limit = (_SLOWEST * (scene.until_bead + 10) * (1.0 + gap) + pushed) * scene.scale.time
     trial = scene.model_copy(
         update={
             "until_bead": None,
@@ -50,7 +51,7 @@ def with_duration(scene: Scene) -> Scene:
     coupled = problem.coupled
     reached = np.zeros(problem.chains, dtype=bool)
     reached[:] = not coupled
-    for chain, _, _ in problem.kicks:
+    for chain, _, _ in problem.struck:
         reached[chain - 1] = False
     share = 1.0 if scene.until_bead == scene.beads else 0.5
     largest = np.zeros(problem.chains)

@@ -271,6 +271,8 @@ def refuse_what_it_cannot_do(engine: str, problem: Problem) -> None:
     if engine != "lammps" and problem.window is not None:
         raise InputError(f"--engine: only lammps records a window, not {engine}; leave `window` out of the scene")
     if engine == "collisions" and not problem.simply_coupled:
+        if problem.loads:
+            raise InputError("--engine: `collisions` knows no forces over time such as a push; use lammps or reference")
         raise InputError(
             "--engine: `collisions` knows only linear springs between neighbouring chains; use lammps or reference"
         )

@@ -1,5 +1,6 @@
 """Pushes: forces on single beads from outside, over time, from the start on: a hammer, or what a sensor recorded."""
 
+import itertools
 import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
@@ -69,7 +70,7 @@ class Push(Ingredient):
             return value
         if not 2 <= len(value) <= MOST_POINTS:
             raise ValueError(f"has {len(value)} points; 2 to {MOST_POINTS} are needed")
-        for (before, _), (after, _) in zip(value[:-1], value[1:], strict=True):
+        for (before, _), (after, _) in itertools.pairwise(value):
             if not after > before:
                 raise ValueError(f"times must increase; {after:g} follows {before:g}")
         if value[-1][1] != 0.0 or (value[0][1] != 0.0 and value[0][0] > 0.0):

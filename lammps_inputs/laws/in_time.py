@@ -11,6 +11,7 @@ as scalars or arrays, and are written without branches:
 within the time in which the force acts.
 """
 
+# ruff: noqa: ARG004  every function of a law takes all of its parameters
 import math
 from collections.abc import Callable
 from typing import Any, NamedTuple, Protocol
