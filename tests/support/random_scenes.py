@@ -19,13 +19,13 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from analysis.waves import usual_arrival
+from analysis.tracking.leading_waves import usual_arrival
 from lammps_inputs import Coupling, InputError, Kick, Material, Output, Scene
-from workflow.analyse import analyse
 from workflow.engines.lammps import mpi
 from workflow.errors import RunError
-from workflow.resume import resume
-from workflow.run import run
+from workflow.runs.resume import resume
+from workflow.runs.run import run
+from workflow.verdicts.analyse import analyse
 
 STATED = 3.0
 """Times what the run states (its error and the reference's own) that count as said: it looks at some frames only."""
