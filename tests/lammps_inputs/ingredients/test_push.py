@@ -66,7 +66,8 @@ def test_in_si_the_numbers_are_newtons_and_seconds():
     steel = "material: {radius: 4.76e-3, density: 8000, youngs_modulus: 193.0e+9, poisson_ratio: 0.3}"
     one = library.from_plain(
         yaml.safe_load(
-            f"name: hammer\nbeads: 20\nduration: 1.0e-3\npush: {{peak: 100, duration: 1.0e-4, shape: half-sine}}\n{steel}"
+            "name: hammer\nbeads: 20\nduration: 1.0e-3\n"
+            f"push: {{peak: 100, duration: 1.0e-4, shape: half-sine}}\n{steel}"
         ),
         "x",
     )
