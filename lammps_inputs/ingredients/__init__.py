@@ -15,6 +15,7 @@ from lammps_inputs.ingredients.contact import contacts
 from lammps_inputs.ingredients.coupling import Coupling, springs
 from lammps_inputs.ingredients.foundation import Foundation
 from lammps_inputs.ingredients.push import Push
+from lammps_inputs.ingredients.walls import Walls
 from lammps_inputs.links import Link
 
 OWN_INGREDIENTS = "GRANCHAIN_INGREDIENTS"
@@ -26,6 +27,7 @@ INGREDIENTS: dict[str, type[Ingredient]] = {
     "coupling": Coupling,
     "foundation": Foundation,
     "push": Push,
+    "walls": Walls,
 }
 """Key of the scene -> what may stand there."""
 
