@@ -72,11 +72,16 @@ def momentum(system: System, velocity: Floats, first: int = 1) -> Floats:
     return np.asarray(np.sum(_weighed(system, velocity, first), axis=(-2, -1)))
 
 
-def acceleration(system: System, displacement: Floats, first: int = 1) -> Floats:
-    """Acceleration of every bead, [..., chain, bead] from the same; every bead must be recorded (eq. 1)."""
+def acceleration(system: System, displacement: Floats, first: int = 1, *, time: Floats | None = None) -> Floats:
+    """Acceleration of every bead, [..., chain, bead] from the same; every bead must be recorded (eq. 1).
+
+    Forces from outside are left out where no times, [...], are given.
+    """
     result = np.zeros_like(displacement)
     for link in system.links:
         link.drive(result, link.force(displacement, first))
+    for load in system.loads if time is not None else ():
+        result[..., load.chain - 1, load.bead - first] += load.force(time)
     return result if isinstance(system.mass, float) else result / system.mass_from(first, result)
 
 
@@ -112,6 +117,10 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
         law = laws.at(ground.law, chain, row)
         acceleration -= laws.force(law, here_x)
         rate -= laws.stiffness(law, here_x) * here_v
+    for load in problem.loads:
+        here, time = (chain == load.chain - 1) & (row == load.bead - 1), block.time[frame]
+        acceleration += np.where(here, load.force(time), 0.0)
+        rate += np.where(here, load.rate(time), 0.0)
     if not isinstance(problem.mass, float):
         mass = problem.mass_of(chain, row)
         return acceleration / mass, rate / mass

@@ -5,9 +5,10 @@
 | N                  | ``chains``              | -                         |
 | epsilon * alpha    | ``kappa``               | m / T**2                  |
 | D                  | ``gap``                 | L                         |
-| V                  | largest of ``kicks``    | L / T; 1 by construction  |
+| V                  | largest of ``struck``   | L / T; 1 by construction  |
 """
 
+import math
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any
@@ -19,6 +20,7 @@ from lammps_inputs import laws
 from lammps_inputs.facts import Fact
 from lammps_inputs.laws.linear import Linear
 from lammps_inputs.links import Across, Along, Ground, Link, Wall, largest_eigenvalue
+from lammps_inputs.loads import Load
 from lammps_inputs.numbers import power_of_two_at_least
 from lammps_inputs.scheme import SchemeName
 from lammps_inputs.units import Scale
@@ -38,6 +40,8 @@ class System:
     """1 where all beads have the reference bead's, else [chain, bead]."""
     lacks: frozenset[Fact] = frozenset()
     """What does not hold."""
+    loads: tuple[Load, ...] = ()
+    """Forces on beads from outside, over time."""
 
     def __eq__(self, other: object) -> bool:
         """Whether all is the same, to the last number of every array."""
@@ -68,8 +72,12 @@ class System:
 
     @property
     def energy(self) -> float:
-        """Energy of the kicks."""
-        return 0.5 * sum(self._kicked_mass(kick) * kick[2] ** 2 for kick in self.kicks)
+        """Energy of the kicks; with loads the most that they and the kicks can put in: that of free beads."""
+        kicked = 0.5 * sum(self._kicked_mass(kick) * kick[2] ** 2 for kick in self.kicks)
+        if not self.loads:
+            return kicked
+        # a force F puts in F v at most F sqrt(2 E), so that sqrt(2 E) grows by no more than its impulse
+        return 0.5 * (math.sqrt(2.0 * kicked) + sum(load.law.total for load in self.loads)) ** 2
 
     @property
     def momentum(self) -> float:
@@ -83,6 +91,12 @@ class System:
 
     def _kicked_mass(self, kick: tuple[int, int, float]) -> float:
         return float(self.mass_of(kick[0] - 1, kick[1] - 1))
+
+    @property
+    def struck(self) -> tuple[tuple[int, int, float], ...]:
+        """(chain, bead, impulse), counted from 1, of every kick and load: what sets the beads in motion."""
+        loads = ((load.chain, load.bead, float(load.impulse(load.end))) for load in self.loads)
+        return (*self.kicks, *loads)
 
     @cached_property
     def along(self) -> tuple[Along, ...]:
@@ -188,7 +202,7 @@ class System:
 
         Its beads have the mass 1.
         """
-        return isinstance(self.mass, float) and self.open_row and not self.ground
+        return isinstance(self.mass, float) and self.open_row and not self.ground and not self.loads
 
     @cached_property
     def groups(self) -> tuple[frozenset[int], ...]:

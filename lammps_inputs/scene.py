@@ -8,9 +8,10 @@ from collections.abc import Iterator
 from dataclasses import fields
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import Field, create_model, field_validator, model_validator
+from pydantic import BeforeValidator, Field, create_model, field_validator, model_validator
 
 from lammps_inputs import scheme as schemes
+from lammps_inputs.facts import Fact
 from lammps_inputs.force_readout import Forces
 from lammps_inputs.ingredients import INGREDIENTS, contacts
 from lammps_inputs.ingredients.base import Ingredient, Part
@@ -41,6 +42,9 @@ MAX_STEPS_PER_FRAME = 10**9
 
 MAX_LENGTH = 1e9
 """Dimensionless; positions up to here resolve overlaps of order 1 to 1e-7."""
+
+SEVERAL = {"kick", "replace", *(key for key, ingredient in INGREDIENTS.items() if ingredient.several)}
+"""Keys that may hold a list of parts."""
 
 Positive = Annotated[float, Field(gt=0, le=1e30)]
 Count = Annotated[int, Field(ge=1, le=2**31 - 1)]
@@ -134,15 +138,16 @@ class BaseScene(Part):
 
     @field_validator("kick", mode="before")
     @classmethod
-    def _one_or_several(cls, value: Any) -> Any:
-        return tuple(value) if isinstance(value, list | tuple) else (value,)
+    def _from_one(cls, value: Any) -> Any:
+        return _one_or_several(value) or ()
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
         if self.chains * self.beads > 2**31 - 1:
             raise ValueError(f"beads: {self.chains} x {self.beads} beads are more than LAMMPS numbers (2147483647)")
-        if not self.kicks:
-            raise ValueError("kick: is missing; at least one bead must be hit, or a striker be there")
+        if not self.kicks and not self._speed() > 0.0:
+            missing = "" if "kick" in self.model_fields_set else "is missing; "
+            raise ValueError(f"kick: {missing}at least one bead must be hit, or a striker or a push be there")
         for number, kick in enumerate(self.kicks):
             key = _kick_key(self, number)
             if kick.chain > self.chains:
@@ -211,6 +216,10 @@ class BaseScene(Part):
 
     def _check_motion(self, system: System) -> None:
         """Refuse scenes in which nothing happens, or what no beads of the material would do."""
+        if system.loads and not isinstance(system.mass, float):
+            raise ValueError("push: only beads of one mass can be pushed; leave either out")
+        if system.walls and not system.alike:
+            raise ValueError("walls: are those of equal beads; leave either out")
         if system.simply_coupled and never_closes(self.chains, system.kappa, system.gap, system.kicks, self.beads):
             raise ValueError(
                 f"kick: none ever closes the gap of {self.gap:g}, so nothing collides; "
@@ -274,7 +283,7 @@ class BaseScene(Part):
     @property
     def scale(self) -> Scale:
         """What one dimensionless unit is worth in this scene's units."""
-        velocity = max(abs(kick.velocity) for kick in self.kicks)
+        velocity = self._speed()
         if self.material is None:
             return make_scale(1.0, 1.0, velocity, si=False)
         ball = self.material
@@ -285,11 +294,19 @@ class BaseScene(Part):
             si=True,
         )
 
+    def _speed(self) -> float:
+        """V: of the fastest kick, or of a bead that has been given the impulse of a push."""
+        ball = self.material
+        mass = 1.0 if ball is None else sphere_mass(ball.radius, ball.density)
+        given = (ingredient.speed(mass) for ingredient in self.ingredients)
+        return max((*(abs(kick.velocity) for kick in self.kicks), *given), default=0.0)
+
     @property
     def ingredients(self) -> tuple[Ingredient, ...]:
         """What the scene names of all that a scene may be made of."""
         named = (getattr(self, key) for key in INGREDIENTS)
-        return tuple(ingredient for ingredient in named if ingredient is not None)
+        lists = (each if isinstance(each, tuple) else (each,) for each in named if each is not None)
+        return tuple(ingredient for each in lists for ingredient in each)
 
     @property
     def system(self) -> System:
@@ -297,13 +314,16 @@ class BaseScene(Part):
         scale = self.scale
         mass, strength = masses_and_strengths(self)
         made = [(ingredient, ingredient.links(self)) for ingredient in self.ingredients]
+        loads = tuple(load for ingredient in self.ingredients for load in ingredient.loads(self))
+        taken = {fact for ingredient, links in made if links for fact in ingredient.takes_away}
         return System(
             chains=self.chains,
             beads=self.beads,
             kicks=tuple((kick.chain, kick.bead, kick.velocity / scale.velocity) for kick in self.kicks),
             mass=mass,
             links=(*contacts(self.gap / scale.length, strength), *(link for _, links in made for link in links)),
-            lacks=frozenset(fact for ingredient, links in made if links for fact in ingredient.takes_away),
+            lacks=frozenset(taken | ({Fact.SECOND_ORDER} if any(load.law.jumps for load in loads) else set())),
+            loads=loads,
         )
 
     def _cadence(self) -> tuple[float, int]:
@@ -367,6 +387,17 @@ class BaseScene(Part):
         return dict(_named({key: data[key] for key in keys}))
 
 
+def _one_or_several(value: Any) -> Any:
+    return tuple(value) if isinstance(value, list | tuple) else None if value is None else (value,)
+
+
+def _annotation(ingredient: type[Ingredient]) -> Any:
+    """Of an ingredient's key in a scene."""
+    if not ingredient.several:
+        return ingredient | None
+    return Annotated[tuple[ingredient, ...] | None, BeforeValidator(_one_or_several)]  # type: ignore[valid-type]
+
+
 if TYPE_CHECKING:
 
     class Scene(BaseScene):
@@ -379,7 +410,7 @@ else:
         __base__=BaseScene,
         __module__=__name__,
         __doc__=BaseScene.__doc__,
-        **{key: (ingredient | None, None) for key, ingredient in INGREDIENTS.items()},
+        **{key: (_annotation(ingredient), None) for key, ingredient in INGREDIENTS.items()},
     )
 
 
@@ -393,7 +424,9 @@ def _kick_key(scene: BaseScene, number: int) -> str:
 
 def _named(data: dict[str, Any]) -> Iterator[tuple[str, Any]]:
     for key, value in data.items():
-        if key in ("kick", "replace") and len(value) == 1:
+        if key == "kick" and not value:
+            continue
+        if key in SEVERAL and len(value) == 1:
             yield key, value[0]
         elif not (key == "description" and value == "") and not (key == "gap" and value == 0.0) and value != []:
             yield key, value

@@ -54,7 +54,7 @@ class Sharing:
         arrival: [place, chain], in units of T.
             NaN where it is not defined.
         amplitude: [place, chain] peak velocity, in units of V.
-        energy: of the kicks, in units of m V**2.
+        energy: put in by kicks and forces from outside, in units of m V**2; NaN where that is not known.
         noise: standard deviation of an amplitude, in units of V; 0 for a record without noise.
         arrival_error, amplitude_error: [place, chain] bounds on what the time between frames leaves; NaN if unknown.
     """
@@ -116,7 +116,7 @@ class Sharing:
 
     @cached_property
     def wave_share(self) -> Floats:
-        """[place, chain] energy of the exact wave of this amplitude, in that of the kicks; 0 where no wave counts."""
+        """[place, chain] energy of the exact wave of this amplitude, in that put in; 0 where no wave counts."""
         return np.nan_to_num(solitary_wave().energy_at(self.amplitude) / self.energy)
 
     @cached_property
@@ -224,7 +224,7 @@ def sharing(waves: Waves, problem: Problem, noise: float = 0.0) -> Sharing:
         problem: what was run.
         noise: standard deviation of an amplitude, in units of V.
     """
-    kicked, hit, _ = max(problem.kicks, key=lambda kick: abs(kick[2]))
+    kicked, hit, _ = max(problem.struck, key=lambda blow: abs(blow[2]))
     beads = problem.recorded_beads
     place = {int(bead): k for k, bead in enumerate(beads)}
     rows = np.array([place[int(bead)] for bead in waves.bead], dtype=np.int64)

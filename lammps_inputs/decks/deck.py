@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from lammps_inputs import scheme, strict_yaml, window
+from lammps_inputs import loads, scheme, strict_yaml, window
 from lammps_inputs.lines import AtomTypes, Lines
 from lammps_inputs.links import Across, Along, words
 from lammps_inputs.numbers import text
@@ -76,12 +76,13 @@ def render_deck(problem: Problem) -> str:
         *interactions(problem),
         motion_lines(problem, "all"),
     ]
-    sections.append(
-        [
-            f"set atom {_atom(problem, chain, bead)} vx ${{kick{number}}}"
-            for number, (chain, bead, _) in enumerate(problem.kicks, 1)
-        ]
-    )
+    if problem.kicks:
+        sections.append(
+            [
+                f"set atom {_atom(problem, chain, bead)} vx ${{kick{number}}}"
+                for number, (chain, bead, _) in enumerate(problem.kicks, 1)
+            ]
+        )
     if problem.window is not None:
         sections.append(window.setup_lines(problem.window, problem.beads, problem.spacing, problem.scheme))
     sections.append(
@@ -105,7 +106,7 @@ def neighbour_lines(problem: Problem) -> list[str]:
 
 
 def spelling(problem: Problem) -> list[Lines]:
-    """What the laws on the links are to LAMMPS, in the order of the links.
+    """What the laws on the links, and the loads, are to LAMMPS, in their order.
 
     Raises:
         ValueError: LAMMPS has no words for one of them.
@@ -117,7 +118,7 @@ def spelling(problem: Problem) -> list[Lines]:
         if spell is None:
             raise ValueError(f"{link.name}: LAMMPS does not know this force; use the reference engine")
         found.append(spell(link if isinstance(link, Across) else link.name, problem))
-    return found
+    return [*found, *loads.lines(problem.loads, problem)]
 
 
 def interactions(problem: Problem) -> list[list[str]]:

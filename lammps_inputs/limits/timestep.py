@@ -16,6 +16,9 @@ DEFAULT = 0.01
 where a bead leaves the free end (it falls as the step squared).
 """
 
+SHORTEST_LOAD = 1e-4
+"""Shorter forces from outside are kicks to any step: their beads are late by half of their duration at most."""
+
 _STEPS_PER_BOUND = 50.0
 
 _STEPS_PER_BOUND_UNLIKE = 120.0
@@ -52,9 +55,12 @@ def stability_bound(system: System, scheme: SchemeName = "verlet") -> float:
 
 
 def default_timestep(system: System, scheme: SchemeName = "verlet") -> float:
-    """0.01, or less where stiff springs or many kicks need it, in dimensionless time."""
+    """0.01, or less where stiff springs, many kicks or short forces from outside need it, in dimensionless time."""
     bound = stability_bound(system)
     step = min(DEFAULT, bound / (_STEPS_PER_BOUND if system.alike else _STEPS_PER_BOUND_UNLIKE))
+    for load in system.loads:  # an impulse of 1 that begins within a step leaves up to step**2 / (8 duration)
+        if load.end > SHORTEST_LOAD:
+            step = min(step, DEFAULT * math.sqrt(load.end))
     if system.stiffest_spring <= 1.0:
         return step
     if scheme == "suzuki4":

@@ -8,11 +8,9 @@ from typing import Any
 from pydantic import BaseModel
 
 from lammps_inputs import InputError, Scene, library
+from lammps_inputs.scene import SEVERAL
 
 _STEP = re.compile(r"([A-Za-z_][A-Za-z0-9_]*)(?:\[([1-9][0-9]{0,5})\])?")
-
-_LISTS = ("kick", "replace")
-"""Keys that hold one part, or a list of such."""
 
 _NAMED = ("kinds",)
 """Keys that hold parts by names of the user's."""
@@ -37,7 +35,7 @@ def parse(text: str) -> Path:
         raise InputError(f"a scene has no field {text[:60]!r}{hint}")
     path = tuple((match[1], None if match[2] is None else int(match[2])) for match in matches if match)
     for key, number in path:
-        if number is not None and key not in _LISTS:
+        if number is not None and key not in SEVERAL:
             raise InputError(f"`{key}` is not a list of parts, so it takes no [{number}]")
     return path
 
@@ -63,21 +61,20 @@ def put(scene: dict[str, Any], path: Path, value: Any) -> dict[str, Any]:
     old = scene.get(key)
     if not rest and number is None:
         return {**scene, key: value}
-    if key not in _LISTS:
+    if key not in SEVERAL or (key != "kick" and old is None):
         return {**scene, key: put(_mapping(old, key), rest, value)}
     kicks = list(old) if isinstance(old, list | tuple) else [old]
     if number is None and len(kicks) > 1:
-        raise InputError(f"the scene has {len(kicks)} {_several(key)}; say which, as in `{key}[1]`")
+        raise InputError(f"the scene has {len(kicks)} {_plural(key, len(kicks))}; say which, as in `{key}[1]`")
     place = (number or 1) - 1
     if place >= len(kicks):
-        word = key if len(kicks) == 1 else _several(key)
-        raise InputError(f"the scene has {len(kicks)} {word}, so no `{key}[{number}]`")
+        raise InputError(f"the scene has {len(kicks)} {_plural(key, len(kicks))}, so no `{key}[{number}]`")
     kicks[place] = put(_mapping(kicks[place], key), rest, value) if rest else value
     return {**scene, key: kicks}
 
 
-def _several(key: str) -> str:
-    return "kicks" if key == "kick" else f"entries of {key}"
+def _plural(key: str, count: int) -> str:
+    return key if count == 1 else f"{key}es" if key.endswith("h") else f"{key}s"
 
 
 def _mapping(value: Any, key: str) -> dict[str, Any]:

@@ -11,12 +11,13 @@ from analysis.gauges.forces import Readings
 from analysis.mirror import mirrored_bead
 from analysis.sharing.cells import CellEnergy
 from analysis.sharing.energy_flow import Flow
-from analysis.sharing.equipartition import AGREEMENTS, Estimate
+from analysis.sharing.equipartition import AGREEMENTS, CLEAR, Estimate
 from analysis.sharing.is_solitary import Character, Tolerances
 from analysis.sharing.survey import Survey
 from analysis.tracking.leading_waves import Waves, to_csv
 from analysis.tracking.left_behind import LeftBehind
 from analysis.tracking.pulses import Pulse
+from analysis.tracking.train import Train, train_of
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
 
@@ -45,8 +46,8 @@ def waves_csv(found: Survey) -> str:
         scale.heading("lag", "time"): _lag(found) * scale.time,
         "width": found.shape.width,
         "residual": found.shape.residual,
-        scale.heading("chain_energy", "energy"): chain_energy * found.problem.energy * scale.energy,
-        scale.heading("wave_energy", "energy"): wave_energy * found.problem.energy * scale.energy,
+        scale.heading("chain_energy", "energy"): chain_energy * found.shared.energy * scale.energy,
+        scale.heading("wave_energy", "energy"): wave_energy * found.shared.energy * scale.energy,
     }
     return to_csv(waves, scale, more)
 
@@ -69,6 +70,7 @@ def report(found: Survey, seen: Conservation, tolerances: Tolerances, left: Left
     | window          | rows; largest velocity, in V, of a bead when it was left behind, and which bead; |
     |                 | the lowest leading wave, in V, which that must not exceed; null without a window |
     | waves           | per chain: beads reached, and at the last whole one its arrival, peak velocity, speed |
+    | train           | pulses that followed each other in the chain that was hit; see `train_report`    |
     | equipartition   | see `equipartition`                                                              |
     | tolerances      | relative differences within which a pulse is called solitary                     |
     | pulses          | every pulse, the strongest first; see `pulse_entry`                              |
@@ -92,9 +94,46 @@ def report(found: Survey, seen: Conservation, tolerances: Tolerances, left: Left
         "noise": found.noise,
         "window": None if left is None else _window(left, found),
         "waves": [_chain_summary(found.waves, problem, chain) for chain in range(1, problem.chains + 1)],
+        "train": train_report(found),
         "equipartition": equipartition(found),
         "tolerances": {name: getattr(tolerances, name) for name in ("shape", "speed", "amplitude")},
         "pulses": [pulse_entry(found, found.pulses[k], found.characters[k]) for k in order],
+    }
+
+
+def train(found: Survey) -> Train | None:
+    """The pulses of the chain that was hit, where the leading one was last clear of the ends; None if it never was."""
+    chain, beads = found.shared.kicked + 1, found.problem.beads
+    own = found.waves.of_chain(chain)
+    clear = own.bead[(own.bead > CLEAR) & (own.bead <= beads - CLEAR)]
+    if len(clear) == 0:
+        return None
+    return train_of(found.pulses, chain, found.direction, int(clear.max() if found.direction > 0 else clear.min()))
+
+
+def train_report(found: Survey) -> dict[str, Any] | None:
+    """What ``analysis.json`` says under ``train``, in the scene's units; null if no pulse was tracked as far.
+
+    | key            | what                                                            |
+    |----------------|-----------------------------------------------------------------|
+    | chain, bead    | where                                                           |
+    | pulses         | number of pulses that passed it                                 |
+    | arrival        | of each                                                         |
+    | peak_velocity  | of each, positive along its way                                 |
+    | ratio          | that over the first one's                                       |
+    | spacing        | time from each to the next                                      |
+    """
+    seen, scale = train(found), found.problem.scale
+    if seen is None or len(seen) == 0:
+        return None
+    return {
+        "chain": seen.chain,
+        "bead": seen.bead,
+        "pulses": len(seen),
+        "arrival": (seen.arrival * scale.time).tolist(),
+        "peak_velocity": (seen.peak_velocity * scale.velocity).tolist(),
+        "ratio": seen.ratio.tolist(),
+        "spacing": (seen.spacing * scale.time).tolist(),
     }
 
 

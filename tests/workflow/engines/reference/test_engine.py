@@ -45,6 +45,7 @@ def integrated(state, like, scheme, h, steps):
         np.array(scheme.kicks),
         np.array(scheme.drifts),
         h,
+        0,
         steps,
         state.forces,
         np.arange(1, like.beads + 1),
