@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import System, laws
-from lammps_inputs.links import Across
 
 Integers = NDArray[np.int64]
 
@@ -25,14 +24,6 @@ def energy(system: System, displacement: Floats, velocity: Floats, first: int = 
     for link in system.links:
         total += np.sum(link.energy(displacement, first), axis=(-2, -1))
     return np.asarray(total)
-
-
-def chain_energy(system: System, displacement: Floats, velocity: Floats, first: int = 1) -> Floats:
-    """Energy of each chain, [..., chain] from [..., chain, bead]; that of a spring is shared by its two chains."""
-    total = np.asarray(np.sum(0.5 * velocity * velocity, axis=-1))
-    for link in system.links:
-        link.add_chain_energy(total, link.energy(displacement, first))
-    return total
 
 
 def bead_energy(system: System, displacement: Floats, velocity: Floats, first: int = 1) -> Floats:
@@ -88,38 +79,30 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
     here_x, here_v = x[frame, chain, bead], v[frame, chain, bead]
     acceleration, rate = np.zeros_like(here_x), np.zeros_like(here_x)
 
-    def pulled_back(law: laws.Law, sign: int, strain: Floats, strain_rate: Floats, there: NDArray[np.bool_]) -> None:
-        nonlocal acceleration, rate
-        acceleration -= np.where(there, sign * laws.force(law, strain), 0.0)
-        rate -= np.where(there, sign * laws.stiffness(law, strain) * strain_rate, 0.0)
-
     row = block.first - 1 + bead
     for side in (-1, 1):
+        other = bead + side
+        there = (other >= 0) & (other < x.shape[2])
+        other = np.where(there, other, bead)
         for contact in problem.along:
-            other = bead + side
-            there = (other >= 0) & (other < x.shape[2])
-            other = np.where(there, other, bead)
-            law = laws.at(contact.law, chain, np.clip(np.minimum(row, row + side), 0, problem.beads - 2))
-            strain = side * (here_x - x[frame, chain, other]) - contact.gap
-            pulled_back(law, side, strain, side * (here_v - v[frame, chain, other]), there)
+            law = contact.law
+            if laws.differs(law):
+                law = laws.at(law, chain, np.clip(np.minimum(row, row + side), 0, problem.beads - 2))
+            overlap = side * (here_x - x[frame, chain, other]) - contact.gap
+            closing = side * (here_v - v[frame, chain, other])
+            acceleration -= np.where(there, side * laws.force(law, overlap), 0.0)
+            rate -= np.where(there, side * laws.stiffness(law, overlap) * closing, 0.0)
         for spring in problem.across:
-            for edge, partner in partners(spring, problem.chains, side, chain):
-                law = laws.at(spring.law, edge, row)
-                apart, parting = here_x - x[frame, partner, bead], here_v - v[frame, partner, bead]
-                pulled_back(law, 1, apart, parting, partner != chain)
+            for edge, partner in spring.partners(problem.chains, side):
+                law = laws.at(spring.law, edge[chain], row) if laws.differs(spring.law) else spring.law
+                there_x, there_v = x[frame, partner[chain], bead], v[frame, partner[chain], bead]
+                acceleration -= laws.force(law, here_x - there_x)  # none where a chain is its own partner
+                rate -= laws.stiffness(law, here_x - there_x) * (here_v - there_v)
     for ground in problem.ground:
-        pulled_back(laws.at(ground.law, chain, row), 1, here_x, here_v, np.ones(frame.shape, dtype=bool))
+        law = laws.at(ground.law, chain, row)
+        acceleration -= laws.force(law, here_x)
+        rate -= laws.stiffness(law, here_x) * here_v
     return acceleration, rate
-
-
-def partners(link: Across, chains: int, side: int, chain: Integers) -> list[tuple[Integers, Integers]]:
-    """Edges of chosen chains, and the chains at their other ends: of lower (side -1) or higher number.
-
-    As many pairs as any chain has; where a chain has fewer, its partner is itself.
-    """
-    table = link.partners(chains, side)[chain]
-    ends = np.array(link.edges)[:, 0 if side < 0 else 1]
-    return [(edge, np.where(edge >= 0, ends[edge], chain)) for edge in np.moveaxis(table, -1, 0)]
 
 
 def larger_overlap(block: Trajectory, frame: Integers, chain: Integers, bead: Integers) -> Floats:

@@ -8,6 +8,7 @@ Arrays are [..., chain, bead]. Functions of arrays that hold only some rows take
 axis begins: a law that differs from link to link must know which ones it sees.
 """
 
+import functools
 import math
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
@@ -171,13 +172,25 @@ class Across(Link):
         ends = np.array(self.edges).reshape(count, 2)
         return ends[:, 0], ends[:, 1]
 
-    def partners(self, chains: int, side: int) -> NDArray[np.int64]:
-        """Edges to the chains of lower (side -1) or higher number, [chain, place]; -1 where there are no more."""
-        found: list[list[int]] = [[] for _ in range(chains)]
-        for edge, (lower, higher) in enumerate(self.edges):
-            found[higher if side < 0 else lower].append(edge)
-        width = max(map(len, found), default=0)
-        return np.array([edges + [-1] * (width - len(edges)) for edges in found], dtype=np.int64)
+    def partners(self, chains: int, side: int) -> list[tuple[Integers, Integers]]:
+        """Edges of every chain, [chain], to others of lower (side -1) or higher number, and the chains at their ends.
+
+        As many pairs as any chain has; where a chain has fewer, its edge is -1 and its partner itself.
+        """
+        return _partners(self.edges, chains, side)
+
+
+@functools.lru_cache(maxsize=16)
+def _partners(edges: tuple[tuple[int, int], ...], chains: int, side: int) -> list[tuple[Integers, Integers]]:
+    found: list[list[tuple[int, int]]] = [[] for _ in range(chains)]
+    for number, (lower, higher) in enumerate(edges):
+        here, there = (higher, lower) if side < 0 else (lower, higher)
+        found[here].append((number, there))
+    width = max(map(len, found), default=0)
+    table = np.array(
+        [[*ends, *[(-1, chain)] * (width - len(ends))] for chain, ends in enumerate(found)], dtype=np.int64
+    )
+    return [(table[:, place, 0], table[:, place, 1]) for place in range(width)]
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 from pydantic import Field, create_model, field_validator, model_validator
 
 from lammps_inputs import scheme as schemes
-from lammps_inputs.closing import never_closes
-from lammps_inputs.hertz_limits import WHOLE_BEAD, overlap_bounds, sound_speed
 from lammps_inputs.ingredients import INGREDIENTS, contacts
 from lammps_inputs.ingredients.base import Ingredient, Part
+from lammps_inputs.limits.closing import never_closes
+from lammps_inputs.limits.hertz import WHOLE_BEAD, overlap_bounds, sound_speed
+from lammps_inputs.limits.timestep import default_timestep
 from lammps_inputs.problem import Problem, System
 from lammps_inputs.scheme import SchemeName
-from lammps_inputs.timestep import default_timestep
 from lammps_inputs.units import Scale, hertz_constant, make_scale, sphere_mass
 from lammps_inputs.window import HEADROOM, LEAST_WINDOW, behind, rows_for
 
@@ -106,7 +106,8 @@ class BaseScene(Part):
     until_bead: Count | None = None
     timestep: Positive | None = None
     accuracy: Annotated[float, Field(ge=1e-10, le=0.1)] | None = None
-    """Largest error of any recorded velocity, in units of V; `workflow.settings` finds the time step that keeps it."""
+    """Largest error of any recorded velocity, in units of V; `workflow.prepare.settings` finds the time step that keeps
+    it."""
     scheme: SchemeName | None = None
     """Velocity Verlet if none is named; the time step is the mean Verlet step of a cycle."""
     window: Literal["auto"] | Annotated[int, Field(ge=LEAST_WINDOW, le=10**8)] | None = None
@@ -289,7 +290,7 @@ class BaseScene(Part):
     def resolved(self) -> Self:
         """The same scene with every default written out; resolving twice changes nothing.
 
-        A time step that an accuracy asks for is no default: `workflow.settings` finds it.
+        A time step that an accuracy asks for is no default: `workflow.prepare.settings` finds it.
         """
         every, steps = self._cadence()
         output = self.output.model_copy(update={"every": every})
@@ -300,17 +301,19 @@ class BaseScene(Part):
         """The dimensionless problem at V = 1.
 
         Raises:
-            ValueError: the scene ends at a bead, or asks for an accuracy; `workflow.settings.with_settings` finds the
-                duration and the time step.
+            ValueError: the scene ends at a bead, or asks for an accuracy; `workflow.prepare.settings.with_settings`
+                finds the duration and the time step.
         """
         if self.duration is None:
-            raise ValueError("this scene ends at a bead; workflow.ending.with_duration(scene) finds its duration")
+            raise ValueError(
+                "this scene ends at a bead; workflow.prepare.duration.with_duration(scene) finds its duration"
+            )
         if self.accuracy is not None:
             raise ValueError(
-                "this scene asks for an accuracy; workflow.settings.with_settings(scene) finds its time step"
+                "this scene asks for an accuracy; workflow.prepare.settings.with_settings(scene) finds its time step"
             )
         if self.window == "auto":
-            raise ValueError("this scene's window is `auto`; workflow.windowing.with_window(scene) finds its rows")
+            raise ValueError("this scene's window is `auto`; workflow.prepare.window.with_window(scene) finds its rows")
         scale, system = self.scale, self.system
         every, steps = self._cadence()
         return Problem(

@@ -86,10 +86,10 @@ import numpy as np
 import lammps_here as here
 from lammps_inputs import find, timestep
 from workflow.engines.reference import engine
-from workflow.resume import resume
-from workflow.run import run
-from workflow.run_directory import RunDirectory
-from workflow.validate import validate
+from workflow.runs.resume import resume
+from workflow.runs.run import run
+from workflow.runs.run_directory import RunDirectory
+from workflow.verdicts.validate import validate
 
 scene = find("bed.yaml")
 problem = scene.problem()

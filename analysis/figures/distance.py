@@ -8,9 +8,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from analysis.energy_shares import EnergyShares
-from analysis.equipartition import Sharing
 from analysis.figures.style import STYLE, axis_unit, chain_legend, draw_chain, shown_chains, title
+from analysis.sharing.energy_shares import EnergyShares
+from analysis.sharing.equipartition import Sharing
 from lammps_inputs import Problem
 
 AGREED = 0.01
@@ -65,9 +65,10 @@ def _draw_waves(axis: Axes, problem: Problem, shared: Sharing, energies: EnergyS
         for place, chain in enumerate(shown_chains(problem)):
             draw_chain(axis, place, chain, bead, energies.wave[:, chain])
     few: dict[str, Any] = {"marker": ".", "markersize": 4} if len(shared) <= FEW else {}
-    lines = axis.plot(
-        shared.bead, np.sum(shared.wave_share, axis=1), color="0.65", linewidth=3.0, label="all waves, if exact", **few
-    )
+    lines = []
+    if not problem.gap:  # what runs down beads with gaps is no exact wave
+        exact = np.sum(shared.wave_share, axis=1)
+        lines += axis.plot(shared.bead, exact, color="0.65", linewidth=3.0, label="all waves, if exact", **few)
     if measured:
         lines += axis.plot(bead, np.sum(energies.wave, axis=1), color="black", linewidth=1.0, label="all waves")
     axis.set_ylabel("energy of waves / all")

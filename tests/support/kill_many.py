@@ -20,7 +20,7 @@ import numpy as np
 from processes import HANGS, wait_until, working_in
 from stock_lammps import scene
 
-from analysis.binary_dump import BinaryDump
+from analysis.files.binary_dump import BinaryDump
 from lammps_inputs import Scene, strict_yaml
 from workflow.engines.lammps import mpi
 

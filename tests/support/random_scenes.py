@@ -26,11 +26,11 @@ from scipy.integrate import solve_ivp
 from scipy.signal import find_peaks
 
 from lammps_inputs import Coupling, InputError, Kick, Material, Output, Scene
-from workflow.analyse import analyse
 from workflow.engines.lammps import engine, mpi
 from workflow.errors import RunError
-from workflow.resume import resume
-from workflow.run import Run, run
+from workflow.runs.resume import resume
+from workflow.runs.run import Run, run
+from workflow.verdicts.analyse import analyse
 
 FLOOR = 1e-5
 """Of V, and of T: below it nothing counts."""
@@ -39,7 +39,7 @@ FINE = 0.02
 """Time in T between the states in which maxima are looked for; a parabola through three is then good to 1e-7 V."""
 
 SMALLEST = 2e-3
-"""Of V: maxima that a table must have; `analysis.peaks.THRESHOLD` twice."""
+"""Of V: maxima that a table must have; `analysis.tracking.peaks.THRESHOLD` twice."""
 
 
 # --- an integrator and a reader of its own ----------------------------------------------------------------------------

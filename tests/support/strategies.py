@@ -5,7 +5,7 @@ import math
 from hypothesis import strategies as st
 
 from lammps_inputs import Coupling, Kick, Material, Output, Scene
-from lammps_inputs.closing import never_closes
+from lammps_inputs.limits.closing import never_closes
 
 NAMES = st.from_regex(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}", fullmatch=True)
 

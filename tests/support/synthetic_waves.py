@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis.solitary_wave import solitary_wave
+from analysis.shape.exact_wave import solitary_wave
 from analysis.trajectory import Trajectory, blocks
 from lammps_inputs import Coupling, Kick, Output, Problem, Scene
 from workflow.engines.reference import engine
@@ -19,11 +19,13 @@ def problem(
     every: float = 0.1,
     recorded: Any = "all",
     kicks: Sequence[Kick] = (Kick(velocity=1.0),),
+    gap: float = 0.0,
 ) -> Problem:
     return Scene(
         name="test",
         chains=chains,
         beads=beads,
+        gap=gap,
         coupling=Coupling(stiffness=kappa) if kappa else None,
         kick=tuple(kicks),
         duration=duration,

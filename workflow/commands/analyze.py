@@ -6,17 +6,17 @@ from pathlib import Path
 
 import numpy as np
 
-from analysis.energy_flow import Flow
-from analysis.equipartition import CLEAR
-from analysis.solitary import Character
-from analysis.survey import Survey
-from analysis.waves import ARRIVALS
+from analysis.sharing.energy_flow import Flow
+from analysis.sharing.equipartition import CLEAR
+from analysis.sharing.is_solitary import Character
+from analysis.sharing.survey import Survey
+from analysis.tracking.leading_waves import ARRIVALS
 from lammps_inputs import InputError, Problem
 from lammps_inputs.facts import Fact
-from workflow.analyse import Analysis, analyse, last_clear_bead
-from workflow.engines.lammps.checks import ENERGY_TOLERANCE
-from workflow.run_directory import RunDirectory
+from workflow.engines.lammps.invariants import ENERGY_TOLERANCE
+from workflow.runs.run_directory import RunDirectory
 from workflow.screen import one_line, print_table
+from workflow.verdicts.analyse import Analysis, analyse, last_clear_bead
 
 MOST_CHAINS = 8
 """Chains that a table shows."""

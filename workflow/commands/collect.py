@@ -5,9 +5,9 @@ from pathlib import Path
 from typing import Any
 
 from lammps_inputs import InputError, strict_yaml
-from workflow import collect as collecting
-from workflow.run_directory import write_text
+from workflow.runs.run_directory import write_text
 from workflow.screen import count_bar, one_line, print_table
+from workflow.sweep import collect as collecting
 from workflow.sweep.table import QUANTITIES, Table
 
 TABLE = "table.csv"

@@ -6,11 +6,11 @@ from pathlib import Path
 
 from analysis.trajectory import Floats
 from lammps_inputs import library
-from workflow import compare as comparing
-from workflow import run as running
-from workflow.own_files import refuse_to_overwrite
+from workflow.prepare.settings import refuse_unstable
+from workflow.runs import run as running
+from workflow.runs.own_files import refuse_to_overwrite
 from workflow.screen import one_line, print_table, progress_bar
-from workflow.settings import refuse_unstable
+from workflow.studies import compare as comparing
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

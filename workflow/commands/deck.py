@@ -3,13 +3,16 @@
 import argparse
 from pathlib import Path
 
-from lammps_inputs import deck, job, library
-from workflow import contacts, ranks
-from workflow.job_arguments import add_job_arguments, job_options, with_ranks
-from workflow.own_files import prepare, refuse_to_overwrite, replacing
-from workflow.run_directory import alone, run_files, write_text
+from lammps_inputs import library
+from lammps_inputs.decks import deck
+from lammps_inputs.slurm import job
+from workflow.cluster import ranks
+from workflow.cluster.job_arguments import add_job_arguments, job_options, with_ranks
+from workflow.prepare.settings import settle
+from workflow.runs import contacts
+from workflow.runs.own_files import prepare, refuse_to_overwrite, replacing
+from workflow.runs.run_directory import alone, run_files, write_text
 from workflow.screen import one_line
-from workflow.settings import settle
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

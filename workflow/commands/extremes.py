@@ -3,9 +3,9 @@
 import argparse
 from pathlib import Path
 
-from workflow.extremes import cells as grid
-from workflow.extremes import report
 from workflow.screen import count_bar, one_line, print_table
+from workflow.studies.extremes import cells as grid
+from workflow.studies.extremes import report
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -4,8 +4,8 @@ import argparse
 from pathlib import Path
 
 from lammps_inputs import InputError
-from workflow import map as mapping
 from workflow.screen import count_bar, one_line, print_table
+from workflow.studies import map as mapping
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

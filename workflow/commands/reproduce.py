@@ -4,8 +4,8 @@ import argparse
 import sys
 from pathlib import Path
 
-from workflow.reproduce.report import reproduce
 from workflow.screen import one_line
+from workflow.studies.reproduce.report import reproduce
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -4,7 +4,7 @@ import argparse
 import tempfile
 from pathlib import Path
 
-from workflow.rerun import Original, Rerun, original, rerun
+from workflow.runs.rerun import Original, Rerun, original, rerun
 from workflow.screen import progress_bar
 
 

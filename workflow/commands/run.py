@@ -7,15 +7,15 @@ from pathlib import Path
 from typing import Any
 
 from lammps_inputs import InputError, Problem, Scene, library
-from workflow import run as running
-from workflow.check import Check
-from workflow.contacts import Contacts
 from workflow.engines.lammps.engine import RESTART_EVERY
-from workflow.own_files import refuse_to_overwrite
-from workflow.resume import begun, resume, settings_of
+from workflow.prepare.settings import Settings, better_timestep, settle
+from workflow.runs import run as running
+from workflow.runs.check import Check
+from workflow.runs.contacts import Contacts
+from workflow.runs.own_files import refuse_to_overwrite
+from workflow.runs.resume import begun, resume, settings_of
 from workflow.screen import one_line, progress_bar
-from workflow.settings import Settings, better_timestep, settle
-from workflow.validate import TOLERANCES
+from workflow.verdicts.validate import TOLERANCES
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -4,7 +4,7 @@ import argparse
 
 from lammps_inputs import library, strict_yaml
 from lammps_inputs.numbers import text
-from workflow.settings import settle
+from workflow.prepare.settings import settle
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

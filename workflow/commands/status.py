@@ -9,8 +9,8 @@ from pathlib import Path
 from rich.console import Console
 from rich.text import Text
 
-from workflow import queue
-from workflow.status import Status, statuses
+from workflow.cluster import queue
+from workflow.runs.status import Status, statuses
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -4,10 +4,10 @@ import argparse
 from pathlib import Path
 
 from lammps_inputs import InputError
-from lammps_inputs.job import JOB
-from lammps_inputs.site import JobOptions
+from lammps_inputs.slurm.job import JOB
+from lammps_inputs.slurm.site import JobOptions
+from workflow.cluster.job_arguments import add_job_arguments, job_options
 from workflow.engines.lammps.mpi import cores
-from workflow.job_arguments import add_job_arguments, job_options
 from workflow.screen import count_bar, one_line
 from workflow.sweep import carry_out, file
 

@@ -7,10 +7,10 @@ from pathlib import Path
 
 from lammps_inputs import InputError, library
 from workflow.screen import count_bar, one_line, print_table
-from workflow.trade import advice, report, tables
-from workflow.trade import study as studying
-from workflow.trade.conclusions import pareto
-from workflow.trade.study import Study
+from workflow.studies.trade import advice, report, tables
+from workflow.studies.trade import study as studying
+from workflow.studies.trade.conclusions import pareto
+from workflow.studies.trade.study import Study
 
 LARGE = 1e9
 """Bytes of frames above which a scene is said to be large."""

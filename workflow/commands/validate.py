@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 
 from lammps_inputs import InputError, library
-from workflow import run as running
-from workflow import validate as validation
-from workflow.run_directory import RunDirectory
+from workflow.prepare.settings import settle
+from workflow.runs import run as running
+from workflow.runs.run_directory import RunDirectory
 from workflow.screen import one_line, print_table, progress_bar
-from workflow.settings import settle
+from workflow.verdicts import validate as validation
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

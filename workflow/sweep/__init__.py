@@ -2,5 +2,5 @@
 
 `file` is what a user writes, `fields` the dotted paths in a scene, `cases` the scenes that follow and their names,
 `directory` what a case's directory holds, `pool` the processes, `worker` one of them, `carry_out` the sweep
-itself; `on_cluster` writes it for Slurm, and `table` is what is gathered.
+itself; `on_cluster` writes it for Slurm, `collect` gathers the cases into one `table`.
 """

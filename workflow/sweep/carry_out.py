@@ -5,14 +5,14 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from analysis.recording import FARTHEST
+from analysis.files.recording import FARTHEST
 from lammps_inputs import InputError, Scene
-from lammps_inputs.job import CASES
-from workflow import queue
+from lammps_inputs.slurm.job import CASES
+from workflow.cluster import queue
 from workflow.engines.lammps.mpi import cores
 from workflow.errors import RunError
-from workflow.run_directory import alone
-from workflow.status import status
+from workflow.runs.run_directory import alone
+from workflow.runs.status import status
 from workflow.sweep import directory as directories
 from workflow.sweep import pool
 from workflow.sweep.cases import Case, all_cases, scene_of
@@ -136,7 +136,7 @@ def _refuse_what_cannot_run(where: str, engine: str, scene: Scene) -> None:
             f"{where}: output.every: waves between frames are missed; at most {limit:.4g} ({every:g} given)"
         )
     if engine == "lammps" and scene.timestep is not None:
-        from workflow.settings import refuse_unstable  # numba, below it, takes a third of a second to import
+        from workflow.prepare.settings import refuse_unstable  # numba, below it, takes a third of a second to import
 
         refuse_unstable(scene, where)
     if engine != "lammps" and scene.window is not None:

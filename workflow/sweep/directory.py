@@ -14,11 +14,12 @@ from typing import Any
 
 from pydantic_core import from_json
 
-from lammps_inputs import InputError, Scene, deck, library, strict_yaml
-from workflow.own_files import claim, listed, others, remove_leftovers
-from workflow.record import RECORD, read_record
-from workflow.run_directory import REPORT, write_json, write_text
-from workflow.status import status
+from lammps_inputs import InputError, Scene, library, strict_yaml
+from lammps_inputs.decks import deck
+from workflow.runs.own_files import claim, listed, others, remove_leftovers
+from workflow.runs.record import RECORD, read_record
+from workflow.runs.run_directory import REPORT, write_json, write_text
+from workflow.runs.status import status
 
 CASE = "case.json"
 

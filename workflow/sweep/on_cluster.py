@@ -4,15 +4,17 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from lammps_inputs import InputError, Problem, Scene, deck, job, load
-from lammps_inputs.site import JobOptions
-from workflow import queue
-from workflow.job_arguments import with_ranks
-from workflow.own_files import claim, listed
-from workflow.record import RECORD
-from workflow.run_directory import ANALYSIS_FILES, alone, run_files, write_json, write_text
-from workflow.settings import settle
-from workflow.status import status
+from lammps_inputs import InputError, Problem, Scene, load
+from lammps_inputs.decks import deck
+from lammps_inputs.slurm import job
+from lammps_inputs.slurm.site import JobOptions
+from workflow.cluster import queue
+from workflow.cluster.job_arguments import with_ranks
+from workflow.prepare.settings import settle
+from workflow.runs.own_files import claim, listed
+from workflow.runs.record import RECORD
+from workflow.runs.run_directory import ANALYSIS_FILES, alone, run_files, write_json, write_text
+from workflow.runs.status import status
 from workflow.sweep.carry_out import make, plan, request
 from workflow.sweep.cases import Case, scene_of
 from workflow.sweep.directory import begin

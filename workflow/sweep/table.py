@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from analysis.sharing.verdict import State
 from analysis.trajectory import Floats
-from analysis.verdict import State
 from lammps_inputs.numbers import text
-from workflow.record import RECORD
-from workflow.run_directory import REPORT
+from workflow.runs.record import RECORD
+from workflow.runs.run_directory import REPORT
 
 
 @dataclass(frozen=True)

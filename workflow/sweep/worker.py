@@ -14,16 +14,17 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from lammps_inputs import InputError, continuation, library
-from workflow.analyse import analyse
+from lammps_inputs import InputError, library
+from lammps_inputs.decks import continuation
 from workflow.engines.lammps import hosted
 from workflow.errors import RunError
-from workflow.record import RECORD
-from workflow.resume import resume
-from workflow.run import Run, run
-from workflow.run_directory import RunDirectory
+from workflow.runs.record import RECORD
+from workflow.runs.resume import resume
+from workflow.runs.run import Run, run
+from workflow.runs.run_directory import RunDirectory
 from workflow.sweep.directory import Asked, begin
 from workflow.sweep.jobs import Job
+from workflow.verdicts.analyse import analyse
 
 
 def main() -> int:

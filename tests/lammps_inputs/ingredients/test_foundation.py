@@ -11,15 +11,17 @@ from stock_lammps import DEBIAN
 from stock_lammps import run as run_stock
 from wrong_runs import deck_run
 
-from analysis.energy_flow import EnergyFlow
-from lammps_inputs import InputError, deck, find, job, library
-from lammps_inputs.site import JobOptions
-from workflow.analyse import analyse
+from analysis.sharing.energy_flow import EnergyFlow
+from lammps_inputs import InputError, find, library
+from lammps_inputs.decks import deck
+from lammps_inputs.slurm import job
+from lammps_inputs.slurm.site import JobOptions
 from workflow.engines.reference import engine
-from workflow.resume import resume
-from workflow.run import run
-from workflow.run_directory import RunDirectory
-from workflow.validate import validate
+from workflow.runs.resume import resume
+from workflow.runs.run import run
+from workflow.runs.run_directory import RunDirectory
+from workflow.verdicts.analyse import analyse
+from workflow.verdicts.validate import validate
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 

@@ -14,7 +14,7 @@ UNITS = {
     "output.every": "s",
     "output.snapshots": "s",
     "material.radius": "m",
-    "material.density": "kg/m$^3$",
+    "material.density": "kg/m3",
     "material.youngs_modulus": "Pa",
 }
 

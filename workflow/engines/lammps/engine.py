@@ -83,7 +83,7 @@ def run(
 
     Raises:
         EndedError: LAMMPS was killed, or the disk is full.
-        RunError: LAMMPS failed, or a state of the run did not pass `checks`.
+        RunError: LAMMPS failed, or a state of the run did not pass `invariants`.
     """
     command = [sys.executable, "-P", "-m", "workflow.engines.lammps.worker", str(part), repr(float(restart_every))]
     if ranks > 1:

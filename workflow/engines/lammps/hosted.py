@@ -8,7 +8,8 @@ import os
 from pathlib import Path
 from typing import Any
 
-from lammps_inputs import deck, load
+from lammps_inputs import load
+from lammps_inputs.decks import deck
 from workflow.engines.lammps import mpi, worker
 from workflow.engines.lammps.engine import RESTART_EVERY, Outcome, Progress
 from workflow.errors import RunError
@@ -45,7 +46,7 @@ def run(
 
     Raises:
         LammpsError: LAMMPS failed; this process should end.
-        RunError: a state of the run did not pass `checks`, or the disk is full.
+        RunError: a state of the run did not pass `invariants`, or the disk is full.
     """
     assert ranks == 1
     os.chdir(directory)

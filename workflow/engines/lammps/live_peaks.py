@@ -9,11 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from analysis.leading import leading_passages, opposed
-from analysis.peaks import PeakFinder
+from analysis.tracking.leading_waves import leading_waves, to_csv, usual_arrival
+from analysis.tracking.peaks import PeakFinder
+from analysis.tracking.which_leads import leading_passages, opposed
 from analysis.trajectory import Floats, Trajectory, frames_per_block
-from analysis.waves import leading_waves, to_csv, usual_arrival
-from lammps_inputs import Problem, deck
+from lammps_inputs import Problem
+from lammps_inputs.decks import deck
 from workflow.engines.lammps.restarts import write_whole
 from workflow.engines.lammps.travel import Travel
 

@@ -7,7 +7,8 @@ import time
 from pathlib import Path
 from typing import Any
 
-from lammps_inputs import Problem, continuation
+from lammps_inputs import Problem
+from lammps_inputs.decks import continuation
 
 EVERY = 30.0
 """Seconds of work that a kill may cost; a run that takes less writes none."""

@@ -19,8 +19,9 @@ from typing import Any
 
 import numpy as np
 
-from lammps_inputs import Problem, continuation, deck, load, scheme, window
-from workflow.engines.lammps import checks, mpi, restarts
+from lammps_inputs import Problem, load, scheme, window
+from lammps_inputs.decks import continuation, deck
+from workflow.engines.lammps import invariants, mpi, restarts
 from workflow.engines.lammps.frames_on_disk import FramesOnDisk
 from workflow.engines.lammps.live_peaks import LivePeaks
 from workflow.engines.lammps.travel import Travel
@@ -111,7 +112,7 @@ def segments(
         if report.speaks and not on_disk.whole(done):
             reason = f"{frames} does not hold all frames until step {done}; is the disk full?"
             return {"end": "failed", "reason": reason, "disk": True}
-        wrong = checks.fault(problem, displacement, velocity, first=travel.first, elsewhere=travel.left_behind)
+        wrong = invariants.fault(problem, displacement, velocity, first=travel.first, elsewhere=travel.left_behind)
         if wrong is not None:
             return {"end": "failed", "reason": f"by step {done}, {wrong}", "step": done}
         moving = np.flatnonzero(np.any(np.abs(velocity) > 1e-3, axis=0))

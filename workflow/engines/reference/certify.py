@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from analysis.comparison import matched
+from analysis.against.difference import matched
+from analysis.against.pairing import on_common_rows
 from analysis.conservation import Conservation
-from analysis.pairing import on_common_rows
-from analysis.peaks import PeakFinder, sharp
+from analysis.tracking.peaks import PeakFinder, sharp
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem
 from workflow.engines.reference import engine
@@ -35,7 +35,7 @@ class Certificate:
         steps_per_frame: of the run that it certifies.
         velocity: its largest error is below this, in units of V, as far as `SAFETY` goes: so many times the largest
             difference from the run with half as many steps.
-        arrival: the same for the leading pulse's arrivals, in units of T, where `analysis.peaks.sharp`.
+        arrival: the same for the leading pulse's arrivals, in units of T, where `analysis.tracking.peaks.sharp`.
         energy, momentum: largest deviations from the kicks'.
         order: measured from a third run with a quarter of the steps; None where it was not asked for.
     """

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from analysis.trajectory import Floats, Trajectory, frames_per_block, joined
 from lammps_inputs import Problem
 from lammps_inputs.ingredients import coupled_chains
-from lammps_inputs.timestep import stability_bound
+from lammps_inputs.limits.timestep import stability_bound
 from lammps_inputs.units import Scale
 from workflow.engines.reference.blanes_moan import BLANES_MOAN
 from workflow.engines.reference.scheme import Scheme
@@ -126,7 +126,7 @@ def _recorded(problem: Problem, state: "State", ahead: float) -> NDArray[np.int6
     if problem.window is None:
         return problem.recorded_beads
     front = int(state.span[1])
-    first = max(1, front - problem.window // 2)  # see `analysis.pairing.near_the_front`
+    first = max(1, front - problem.window // 2)  # see `analysis.against.pairing.near_the_front`
     # the front advances by a row in a unit of time at most
     return np.arange(first, min(problem.beads, front + math.ceil(ahead) + problem.window) + 1)
 

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis.peaks import THRESHOLD
-from analysis.waves import Waves, with_speeds
+from analysis.tracking.leading_waves import Waves, with_speeds
+from analysis.tracking.peaks import THRESHOLD
 from lammps_inputs import Problem
 from workflow.compiled import compiled
 from workflow.engines.reference import engine

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from stock_lammps import run, scene
 
-from lammps_inputs import continuation, deck
+from lammps_inputs.decks import continuation, deck
 from workflow.engines.lammps import restarts
 
 STEP = 400

@@ -10,11 +10,12 @@ import pytest
 from processes import wait_until, working_in
 from stock_lammps import scene
 
-from lammps_inputs import Kick, deck
+from lammps_inputs import Kick
+from lammps_inputs.decks import deck
 from workflow.engines.lammps import engine, mpi
 from workflow.errors import RunError
-from workflow.run import run
-from workflow.run_directory import RunDirectory
+from workflow.runs.run import run
+from workflow.runs.run_directory import RunDirectory
 
 RANKS = [1, pytest.param(2, marks=pytest.mark.skipif(mpi.cores() < 2, reason="needs two cores"))]
 
@@ -169,7 +170,7 @@ def test_a_killed_rank_ends_the_other_and_is_told(which, tmp_path):
     assert re.match(r"LAMMPS ended with exit code 9 after step \d+\.", message)
 
 
-@pytest.mark.filterwarnings("ignore::analysis.binary_dump.CutDumpWarning")  # the last frame may be cut
+@pytest.mark.filterwarnings("ignore::analysis.files.binary_dump.CutDumpWarning")  # the last frame may be cut
 def test_a_killed_run_is_recorded_as_failed_and_its_frames_are_kept(tmp_path):
     with pytest.raises(RunError):
         run(LONG, tmp_path, progress=to_workers(tmp_path, kill))

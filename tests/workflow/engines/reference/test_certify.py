@@ -11,9 +11,9 @@ import pytest
 from scipy.integrate import solve_ivp
 from small_problems import problem
 
-from analysis.comparison import Comparison
+from analysis.against.difference import Difference
+from analysis.against.pairing import paired
 from analysis.motion import acceleration
-from analysis.pairing import paired
 from analysis.trajectory import joined
 from lammps_inputs import find
 from workflow.engines.reference import engine
@@ -21,7 +21,7 @@ from workflow.engines.reference.blanes_moan import BLANES_MOAN
 from workflow.engines.reference.certify import SAFETY, Certifier, certified
 from workflow.engines.reference.verlet import VERLET
 from workflow.errors import RunError
-from workflow.run_directory import RunDirectory
+from workflow.runs.run_directory import RunDirectory
 
 PAPER = find("two-chains").problem()
 
@@ -145,12 +145,12 @@ def measured():
     results = []
     for scene in SCENES:
         certifier = Certifier(scene)
-        comparison = Comparison(dict.fromkeys(("velocity", "displacement", "amplitude", "arrival"), math.inf))
+        difference = Difference(dict.fromkeys(("velocity", "displacement", "amplitude", "arrival"), math.inf))
         for block, finer in paired(
             certifier.blocks(), engine.blocks(scene, steps_per_frame=16 * certifier.steps_per_frame)
         ):
-            comparison.add(block, finer)
-        results.append((certifier.certificate, comparison.deviations()))
+            difference.add(block, finer)
+        results.append((certifier.certificate, difference.deviations()))
     return results
 
 

@@ -9,8 +9,8 @@ from scipy.integrate import solve_ivp
 from stock_lammps import scene
 
 from analysis import motion
-from analysis.peaks import find_peaks
-from analysis.waves import leading_waves
+from analysis.tracking.leading_waves import leading_waves
+from analysis.tracking.peaks import find_peaks
 from lammps_inputs import Kick, Output, find
 from workflow.engines.reference.blanes_moan import BLANES_MOAN
 from workflow.engines.reference.certify import Certifier
@@ -18,7 +18,7 @@ from workflow.engines.reference.engine import blocks, make_state, run
 from workflow.engines.reference.kernel import advance
 from workflow.engines.reference.scheme import Scheme
 from workflow.engines.reference.verlet import VERLET
-from workflow.run_directory import RunDirectory
+from workflow.runs.run_directory import RunDirectory
 
 SCHEMES = [VERLET, BLANES_MOAN]
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from analysis.peaks import find_peaks
-from analysis.waves import leading_waves
+from analysis.tracking.leading_waves import leading_waves
+from analysis.tracking.peaks import find_peaks
 from lammps_inputs import Coupling, Kick, Problem, Scene
 from workflow.engines.reference import engine
 from workflow.engines.reference.passages import passages

@@ -1,0 +1,191 @@
+"""How far a trajectory is from a reference of the same scene, quantity by quantity, and where it goes wrong."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.conservation import Conservation
+from analysis.tracking.peaks import THRESHOLD, PeakFinder, Peaks, sharp
+from analysis.trajectory import Floats, Trajectory
+from lammps_inputs import Problem
+from lammps_inputs.facts import Fact
+
+QUANTITIES = ("velocity", "displacement", "amplitude", "arrival", "energy", "momentum")
+
+MAP_CELLS = 400
+
+
+def matched(own: Peaks, other: Peaks, beads: int) -> tuple[Peaks, Peaks]:
+    """First passages of two runs at the beads that both reached, in chains of so many beads.
+
+    Left out are the kicked beads' start, the last bead of the pulse's way, which flies off, and passages not twice as
+    high as `analysis.tracking.peaks.THRESHOLD`: of those, one run may have what the other has not. Each bead has one
+    passage at most.
+    """
+    keys = [peaks.chain * 2**40 + peaks.bead for peaks in (own, other)]
+    last = beads if own.direction > 0 else 1
+    clear = [(peaks.velocity > 2.0 * THRESHOLD) & (peaks.bead != last) & (peaks.time > 0.0) for peaks in (own, other)]
+    both = np.intersect1d(keys[0][clear[0]], keys[1][clear[1]])
+    return own.where(np.isin(keys[0], both)), other.where(np.isin(keys[1], both))
+
+
+@dataclass(frozen=True)
+class Place:
+    """A bead of a chain at a time (dimensionless); time is None for what belongs to no instant."""
+
+    chain: int
+    bead: int
+    time: float | None
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """One quantity's difference from the reference.
+
+    Attributes:
+        largest, rms: over all beads and frames, or all waves; dimensionless.
+        where: of the largest.
+        first: first place, in time, where the tolerance is exceeded; None if it never is.
+    """
+
+    largest: float
+    rms: float
+    where: Place | None = None
+    first: Place | None = None
+
+
+@dataclass
+class _Running:
+    """Largest, mean square and first excess of one quantity over blocks."""
+
+    tolerance: float
+    largest: float = 0.0
+    squares: float = 0.0
+    count: int = 0
+    where: Place | None = None
+    first: Place | None = None
+
+    def add(self, block: Trajectory, difference: Floats) -> None:
+        size = np.abs(difference)
+        worst = int(np.argmax(size))
+        if not (size.flat[worst] <= self.largest or np.isnan(self.largest)):  # NaN counts as largest
+            self.largest = float(size.flat[worst])
+            self.where = _place(block, worst)
+        self.squares += float(np.sum(difference * difference))
+        self.count += difference.size
+        if self.first is None and not self.largest <= self.tolerance:
+            exceeding = ~(size <= self.tolerance)
+            self.first = _place(block, int(np.argmax(exceeding)))
+
+    def result(self) -> Deviation:
+        return Deviation(self.largest, float(np.sqrt(self.squares / max(1, self.count))), self.where, self.first)
+
+
+def _place(block: Trajectory, position: int) -> Place:
+    frame, chain, bead = np.unravel_index(position, block.velocity.shape)
+    return Place(int(chain) + 1, int(block.beads[bead]), float(block.time[frame]))
+
+
+@dataclass
+class Difference:
+    """Accumulates the difference of two trajectories over pairs of blocks; `deviations` says how far apart they are.
+
+    Args:
+        tolerances: quantity -> largest difference that is let pass, dimensionless; the keys are `QUANTITIES`.
+    """
+
+    tolerances: dict[str, float]
+    _velocity: _Running = field(init=False)
+    _displacement: _Running = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._velocity = _Running(self.tolerances["velocity"])
+        self._displacement = _Running(self.tolerances["displacement"])
+        self._peaks = (PeakFinder(first_only=True), PeakFinder(first_only=True))
+        self.conservation = Conservation()
+        self._map: list[Floats] = []
+        self._times: list[float] = []
+        self._last_time, self._cell_beads = 0.0, np.zeros(0, dtype=np.int64)
+        self.frames = 0
+        self._problem: Problem | None = None
+
+    def add(self, block: Trajectory, reference: Trajectory) -> None:
+        """Take the next frames of both, at the same times."""
+        with np.errstate(over="ignore", invalid="ignore"):  # of a run that blew up
+            difference = block.velocity - reference.velocity
+            self._velocity.add(block, difference)
+            self._displacement.add(block, block.displacement - reference.displacement)
+            self._peaks[0].add(block)
+            self._peaks[1].add(reference)
+            self.conservation.add(block)
+        self.frames += block.frames
+        self._problem = block.problem
+        self._add_to_map(block, difference)
+
+    def _add_to_map(self, block: Trajectory, difference: Floats) -> None:
+        """Keep the largest |velocity difference| over chains, in at most some hundred cells either way."""
+        frames_a_cell = max(1, -(-(block.problem.frames + 1) // MAP_CELLS))
+        beads = block.problem.recorded_beads
+        thin = max(1, -(-len(beads) // MAP_CELLS))
+        size = np.full((block.frames, len(beads)), np.nan)
+        size[:, block.first - 1 : block.first - 1 + difference.shape[2]] = np.abs(difference).max(axis=1)
+        for start in range(0, len(size), frames_a_cell):
+            row = size[start : start + frames_a_cell].max(axis=0)
+            self._map.append(np.fmax.reduceat(row, np.arange(0, len(row), thin)))
+            self._times.append(float(block.time[start]))
+        self._last_time, self._cell_beads = float(block.time[-1]), np.append(beads[::thin], beads[-1] + 1)
+
+    def deviations(self) -> dict[str, Deviation]:
+        """Deviation of every quantity in `QUANTITIES`; amplitudes and arrivals are the leading pulse's.
+
+        The latter two are not there where no passage was seen by both.
+        """
+        problem = self._problem
+        with np.errstate(over="ignore", invalid="ignore"):
+            own, other = matched(
+                self._peaks[0].result(), self._peaks[1].result(), 0 if problem is None else problem.beads
+            )
+        timed = sharp(other)
+        result = {"velocity": self._velocity.result(), "displacement": self._displacement.result()}
+        if len(own):
+            result["amplitude"] = self._of_peaks("amplitude", own.velocity - other.velocity, other)
+        if np.any(timed):
+            result["arrival"] = self._of_peaks("arrival", (own.time - other.time)[timed], other.where(timed))
+        kept = {"energy": (Fact.ENERGY, self.conservation.energy_drift)}
+        kept["momentum"] = (Fact.MOMENTUM, self.conservation.momentum_drift)
+        for name, (fact, drift) in kept.items():
+            if problem is None or (problem.whole and problem.holds(fact)):
+                result[name] = Deviation(drift, float("nan"))
+        return result
+
+    def _of_peaks(self, name: str, difference: Floats, peaks: Peaks) -> Deviation:
+        size = np.abs(difference)
+
+        def place(k: int) -> Place:
+            return Place(int(peaks.chain[k]), int(peaks.bead[k]), float(peaks.time[k]))
+
+        exceeding = np.flatnonzero(~(size <= self.tolerances[name]))
+        first = place(int(exceeding[np.argmin(peaks.time[exceeding])])) if len(exceeding) else None
+        rms = float(np.sqrt(np.mean(difference**2)))
+        return Deviation(float(size.max()), rms, place(int(np.argmax(size))), first)
+
+    @property
+    def error_map(self) -> "ErrorMap":
+        """Where the velocities differ, in cells of some frames by some beads."""
+        return ErrorMap(np.array([*self._times, self._last_time]), self._cell_beads, np.array(self._map))
+
+
+@dataclass(frozen=True)
+class ErrorMap:
+    """Largest |velocity difference| of any chain in cells of space and time.
+
+    Attributes:
+        time: of the first frame of each cell and of the last frame of all, [cell + 1].
+        bead: first bead of each cell, counted from 1, and the one after the last bead of all, [bead cell + 1].
+        velocity: [cell, bead cell].
+    """
+
+    time: Floats
+    bead: NDArray[np.int64]
+    velocity: Floats

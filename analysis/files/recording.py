@@ -1,0 +1,185 @@
+"""A run's frames in a file: dumps read as a trajectory, block by block, and frames written as LAMMPS writes them.
+
+Knows which atom is which bead: atom = (chain - 1) * beads + bead, at rest at bead * spacing. The file format is in
+`binary_dump`.
+"""
+
+import struct
+import warnings
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.files.binary_dump import MAGIC, BinaryDump, CutDumpWarning, NoFrameError
+from analysis.trajectory import Floats, Trajectory, frames_per_block
+from lammps_inputs import InputError, Problem
+
+FARTHEST = 2.0
+"""Time between frames from which on a wave, which passes a bead in 2 T, is missed; until then peaks say how sure they
+are."""
+
+
+def rest_positions(problem: Problem) -> Floats:
+    """[recorded bead] where LAMMPS has the beads at the start, to the last bit."""
+    return np.asarray(problem.recorded_beads * problem.spacing, dtype=np.float64)
+
+
+def atom_ids(problem: Problem) -> NDArray[np.int64]:
+    """[chain, recorded bead] numbers of the recorded atoms: (chain - 1) * rows + row, all rows in a window."""
+    row = problem.recorded_beads if problem.window is None else np.arange(1, problem.window + 1)
+    return np.arange(problem.chains)[:, np.newaxis] * problem.rows + row
+
+
+def blocks(paths: Sequence[Path], problem: Problem, stride: int = 1) -> Iterator[Trajectory]:
+    """One or more dumps of a run, in order, as blocks of `trajectory.frames_per_block` frames.
+
+    With a stride, frames in between are left unread. A step that several files hold (the run was continued) comes from
+    the first of them; so does a file that ends within a frame if another follows. A file without a whole frame is
+    passed over if another has one.
+
+    Raises:
+        InputError: a file is no binary dump or damaged, holds other atoms than the problem, or its steps go back, or
+            frames are missing between it and the one before.
+
+    Warns:
+        CutDumpWarning: the last file ends within a frame, which is left out; or one holds none, and frames are missing.
+    """
+    ids = atom_ids(problem).ravel()
+    size = frames_per_block(problem)
+    last, seen = -1, 0
+    empty: NoFrameError | None = None
+    for path in paths:
+        try:
+            with warnings.catch_warnings():
+                if path != paths[-1]:
+                    warnings.simplefilter("ignore", CutDumpWarning)
+                dump = BinaryDump(path)
+        except NoFrameError as error:
+            empty = error
+            continue
+        if not np.array_equal(dump.ids, ids):
+            recorded = "all" if problem.recorded is None else f"{len(problem.recorded)} recorded"
+            raise InputError(
+                f"{path}: its {dump.n_atoms} atoms are not the {len(ids)} of {problem.name} "
+                f"({problem.chains} chains, {recorded} of {problem.beads} beads)"
+            )
+        if not np.all(np.diff(dump.steps) > 0):
+            raise InputError(f"{path}: its steps go back, so it is not one run")
+        _check_times(path, dump, problem)
+        new = int(np.searchsorted(dump.steps, last, side="right"))
+        missing = int(dump.steps[new]) - last - problem.steps_per_frame if last >= 0 and new < dump.n_frames else 0
+        if missing > 0:
+            raise InputError(f"{path}: goes on at step {dump.steps[new]}, but the file before ends at step {last}")
+        first = new + (-seen) % stride
+        seen += dump.n_frames - new
+        for start in range(first, dump.n_frames, size * stride):
+            chosen = slice(start, start + size * stride, stride)
+            time = dump.steps[chosen] / problem.steps_per_frame * problem.every
+            yield from (_whole if problem.window is None else _windowed)(dump, chosen, time, problem)
+        last = max(last, int(dump.steps[-1]))
+    if empty is not None:
+        if last < 0:
+            raise empty
+        if last + problem.steps_per_frame <= problem.steps:  # else it was to hold none
+            warnings.warn(CutDumpWarning(f"{empty}; it is passed over"), stacklevel=2)
+
+
+def _whole(dump: BinaryDump, chosen: slice, time: Floats, problem: Problem) -> Iterator[Trajectory]:
+    """Some frames of all recorded beads, as one block."""
+    values = dump.read(chosen.start, chosen.stop, chosen.step, columns=("x", "vx"))
+    shape = (len(time), *atom_ids(problem).shape)
+    values[:, 0] -= np.tile(rest_positions(problem), problem.chains)
+    yield Trajectory(problem, time, values[:, 0].reshape(shape), values[:, 1].reshape(shape))
+
+
+def _windowed(dump: BinaryDump, chosen: slice, time: Floats, problem: Problem) -> Iterator[Trajectory]:
+    """Some frames of a window, as a block for each place that it stands at.
+
+    Row r stands for the atoms of the (r - 1) modulo the window's rows, since it moves by taking rows over its length.
+    """
+    values = dump.read(chosen.start, chosen.stop, chosen.step, columns=("mol", "x", "vx"))
+    values = values.reshape(len(time), 3, problem.chains, problem.rows)
+    tail = values[:, 0].min(axis=(1, 2)).astype(np.int64)
+    for frames in np.split(np.arange(len(time)), np.flatnonzero(np.diff(tail)) + 1):
+        row = np.arange(tail[frames[0]], tail[frames[0]] + problem.rows)
+        found = values[frames][..., (row - 1) % problem.rows]
+        if not np.all(found[:, 0] == row):
+            raise InputError(f"{dump.path}: frame {chosen.start + frames[0]}: its molecules are not rows of a window")
+        displacement = found[:, 1] - row * problem.spacing
+        yield Trajectory(problem, time[frames], displacement, found[:, 2], first=int(row[0]))
+
+
+def _check_times(path: Path, dump: BinaryDump, problem: Problem) -> None:
+    """Refuse frames at other times than the scene's: everything that is measured would be wrong."""
+    advice = "was the deck run with -var timestep or every? Change the scene instead"
+    step = problem.timestep
+    if dump.times is not None and dump.steps[-1] > 0:
+        step = float(dump.times[-1] / dump.steps[-1])
+        if abs(step / problem.timestep - 1.0) > 1e-9:
+            raise InputError(f"{path}: has a time step of {step:.6g}, its scene of {problem.timestep:.6g}; {advice}")
+    apart = np.unique(np.diff(dump.steps))
+    if len(apart) and (len(apart) > 1 or apart[0] != problem.steps_per_frame):
+        asked = problem.steps_per_frame
+        raise InputError(f"{path}: has frames {apart[0]} steps apart, its scene asks for {asked}; {advice}")
+
+
+class Writer:
+    """Writes a binary dump as LAMMPS does for ``id x vx``; each frame is on its way to the disk when `append` returns.
+
+    Use it in a ``with`` statement, or `close` it.
+    """
+
+    def __init__(self, path: Path | str, problem: Problem) -> None:
+        """Begin a dump of the recorded beads; an existing file is replaced."""
+        self._rest = rest_positions(problem)
+        self._timestep = problem.timestep
+        ids = atom_ids(problem)
+        self._rows = np.empty((*ids.shape, 3), dtype="<f8")
+        self._rows[:, :, 0] = ids
+        width = 2.0 * problem.spacing
+        self._lateral = (-width, width * problem.chains, -width, width)
+        self._file = Path(path).open("wb")  # noqa: SIM115  closed by `close`
+
+    def append(self, step: int, displacement: Floats, velocity: Floats) -> None:
+        """Write one frame.
+
+        Args:
+            step: number of the time step.
+            displacement: [chain, recorded bead].
+            velocity: [chain, recorded bead].
+
+        Raises:
+            ValueError: an array has another shape.
+        """
+        rows = self._rows
+        for values in (displacement, velocity):
+            if values.shape != rows.shape[:2]:
+                raise ValueError(f"array of shape {values.shape}; [chain, recorded bead] is {rows.shape[:2]}")
+        rows[:, :, 1] = self._rest + displacement
+        rows[:, :, 2] = velocity
+        x = rows[:, :, 1]
+        names = b"id x vx"
+        atoms = x.size
+        header = struct.pack(
+            f"<2i2q7i6d2ibdi{len(names)}s2i",
+            *(1, 2, step, atoms),
+            *(0, 2, 2, 1, 1, 1, 1),  # orthogonal; boundary s f f
+            *(x.min(), x.max(), *self._lateral),
+            *(3, 0, 1, step * self._timestep, len(names), names),
+            *(1, rows.size),
+        )
+        self._file.write(MAGIC + header + rows.tobytes())
+        self._file.flush()
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()

@@ -1,0 +1,1 @@
+"""MDAnalysis reads our run directories and finds the leading waves; nothing else of ours needs it."""

@@ -1,0 +1,183 @@
+"""Velocity of chosen beads while a pulse passes them, collected in a second reading of a run, and what it says.
+
+Each passage is watched for `REACH` beads of travel either side of the peak in at most `SAMPLES` frames, so that memory
+depends on the number of passages only, not on how finely a run was recorded.
+"""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis import hermite, motion
+from analysis.shape.exact_wave import solitary_wave
+from analysis.trajectory import Floats, Trajectory
+from lammps_inputs import Problem
+
+Integers = NDArray[np.int64]
+
+REACH = 4.0
+"""Half the watched stretch, in beads of travel; the exact wave has fallen to 1e-10 of its peak there."""
+
+COMPARED = 3.0
+"""Half the stretch on which the shape is compared; the exact wave has fallen to 1e-5."""
+
+SAMPLES = 128
+"""Largest number of frames kept of a passage."""
+
+
+@dataclass(frozen=True)
+class Passages:
+    """What is to be watched: one entry per passage of a pulse at a recorded bead.
+
+    Attributes:
+        chain, bead: counted from 1.
+        arrival, peak_velocity, speed, direction: of the passage, see `analysis.tracking.pulses.Pulse`.
+    """
+
+    chain: Integers
+    bead: Integers
+    arrival: Floats
+    peak_velocity: Floats
+    speed: Floats
+    direction: Integers
+
+    def __len__(self) -> int:
+        return len(self.bead)
+
+
+@dataclass(frozen=True)
+class Shape:
+    """What the waveforms of passages say, one entry per passage; NaN where the run does not show it whole.
+
+    Attributes:
+        width: full width at half maximum of the velocity, in beads: its duration times the local speed. How well, says
+            `analysis.tracking.accuracy.width_error`: on coarse grids far worse than the rest.
+        momentum: in units of m V.
+        energy: kinetic and of the contacts, in units of m V**2; where only some beads are recorded, 9/5 of the kinetic
+            energy, as in the exact wave.
+        residual: largest difference from the exact wave of the same peak velocity, in units of that.
+    """
+
+    width: Floats
+    momentum: Floats
+    energy: Floats
+    residual: Floats
+
+    def entry(self, k: int) -> dict[str, float]:
+        """The numbers of one passage, by name."""
+        return {field.name: float(getattr(self, field.name)[k]) for field in fields(self)}
+
+    def where(self, known: NDArray[np.bool_]) -> "Shape":
+        """The same numbers where a mask says so, NaN elsewhere."""
+        return Shape(*(np.where(known, getattr(self, field.name), np.nan) for field in fields(self)))
+
+    def spread_out(self, places: Integers, size: int) -> "Shape":
+        """The first passages' numbers put at the places given of longer columns that hold NaN elsewhere."""
+        columns = {field.name: np.full(size, np.nan) for field in fields(self)}
+        for name, column in columns.items():
+            column[places] = getattr(self, name)[: len(places)]
+        return Shape(**columns)
+
+
+class Waveforms:
+    """Collects the waveforms of passages from a run that is given piece by piece. Frames are evenly spaced.
+
+    Attributes:
+        passages: what is watched.
+        time: [passage, sample], in units of T; regularly spaced, also where there is no frame.
+        velocity: [passage, sample] along the pulse's direction, in units of V; NaN where there is no frame.
+        contact_energy: [passage, sample] energy of the contact with the bead of the next higher number, in units of
+            m V**2; NaN likewise, and where not all beads are recorded.
+    """
+
+    def __init__(self, problem: Problem, passages: Passages) -> None:
+        self.problem = problem
+        self.passages = passages
+        every = problem.every
+        speed = np.where(np.isfinite(passages.speed) & (passages.speed > 0.0), passages.speed, np.nan)
+        speed = np.where(np.isnan(speed), solitary_wave().speed_at(passages.peak_velocity), speed)
+        frames = np.ceil(REACH / speed / every)
+        stride = np.maximum(1, np.ceil(2.0 * frames / SAMPLES)).astype(np.int64)
+        half = np.minimum(np.ceil(frames / stride), SAMPLES // 2).astype(np.int64)
+        centre = np.round(passages.arrival / every).astype(np.int64)
+        offset = np.arange(-int(half.max(initial=0)), int(half.max(initial=0)) + 1)
+        self._frame = centre[:, np.newaxis] + offset * stride[:, np.newaxis]
+        self._frame[np.abs(offset) > half[:, np.newaxis]] = -1
+        self._first, self._last = centre - half * stride, centre + half * stride
+        self.time = (centre[:, np.newaxis] + offset * stride[:, np.newaxis]) * every
+        self.velocity = np.full(self._frame.shape, np.nan)
+        self.contact_energy = np.full(self._frame.shape, np.nan)
+        self._column = np.searchsorted(problem.recorded_beads, passages.bead)
+        self._seen = 0
+
+    def add(self, block: Trajectory) -> None:
+        """Take the next frames, from the first of the run on."""
+        start, end = self._seen, self._seen + block.frames
+        self._seen = end
+        passing = np.flatnonzero((self._first < end) & (self._last >= start))
+        if len(passing) == 0:
+            return
+        row, sample = np.nonzero((self._frame[passing] >= start) & (self._frame[passing] < end))
+        row = passing[row]
+        here = (self._column[row] >= block.first - 1) & (self._column[row] < block.first - 1 + block.velocity.shape[2])
+        row, sample = row[here], sample[here]
+        frame, chain = self._frame[row, sample] - start, self.passages.chain[row] - 1
+        bead = self._column[row] - (block.first - 1)
+        self.velocity[row, sample] = self.passages.direction[row] * block.velocity[frame, chain, bead]
+        if self.problem.recorded is None:
+            x = block.displacement
+            ahead = np.minimum(bead + 1, x.shape[2] - 1)
+            overlap = x[frame, chain, bead] - x[frame, chain, ahead] - self.problem.gap
+            contact = chain, block.first - 1 + np.minimum(bead, x.shape[2] - 2)
+            energy = motion.stored_in_contact(self.problem, np.where(ahead > bead, overlap, 0.0), *contact)
+            self.contact_energy[row, sample] = energy
+
+    def shape(self) -> Shape:
+        """What the waveforms say."""
+        passages, exact = self.passages, solitary_wave()
+        # two beads may peak at one time, which is no speed of a wave
+        finite = np.where(np.isfinite(passages.speed), passages.speed, np.nan)
+        speed, peak = finite[:, np.newaxis], passages.peak_velocity[:, np.newaxis]
+        late = self.time - passages.arrival[:, np.newaxis]
+        watched = self._frame >= 0
+        step = (self.time[:, 1] - self.time[:, 0])[:, np.newaxis] if self.time.shape[1] > 1 else np.nan
+        whole = ~np.any(watched & np.isnan(self.velocity), axis=1)
+        sign = np.where(whole, 1.0, np.nan)
+
+        def travelled(values: Floats) -> Floats:
+            return np.asarray(np.sum(np.where(watched, values, 0.0) * speed * step, axis=1) * sign)
+
+        kinetic = travelled(0.5 * self.velocity**2)
+        energy = kinetic + travelled(self.contact_energy) if self.problem.recorded is None else 1.8 * kinetic
+        xi = exact.speed_at(peak) * late
+        difference = np.abs(self.velocity / peak - exact.velocity(xi))
+        difference[~(watched & (np.abs(xi) <= COMPARED))] = 0.0
+        return Shape(
+            width=self._duration() * finite * sign,
+            momentum=travelled(self.velocity),
+            energy=energy,
+            residual=np.max(difference, axis=1, initial=0.0) * sign,
+        )
+
+    def _duration(self) -> Floats:
+        """Time for which the velocity exceeds half its peak, [passage]; NaN where it does not fall so far."""
+        above = self.velocity - 0.5 * self.passages.peak_velocity[:, np.newaxis]
+        backwards = self._half_time(above[:, ::-1], (self.passages.arrival[:, np.newaxis] - self.time)[:, ::-1])
+        return self._half_time(above, self.time - self.passages.arrival[:, np.newaxis]) + backwards
+
+    def _half_time(self, above: Floats, time: Floats) -> Floats:
+        """When a row first falls through zero after time 0, by a polynomial through the six samples around; or NaN."""
+        nodes = (0, 1, 2, 3, 4, 5)
+        row, size = np.arange(len(above)), above.shape[1]
+        fallen = (time > 0.0) & (above <= 0.0)
+        if size < len(nodes):
+            return np.full(len(above), np.nan)
+        first = np.where(np.any(fallen, axis=1), np.argmax(fallen, axis=1), 0)
+        start = np.clip(first - 3, 0, size - len(nodes))
+        data = np.array([above[row, start + node] for node in nodes])[:, np.newaxis]
+        step = time[row, start + 1] - time[row, start]
+        low = np.maximum((first - 1 - start).astype(float), -time[row, start] / step)
+        at = hermite.falling_zero(hermite.coefficients(nodes, data, 1.0), low, (first - start).astype(float))
+        found = np.any(fallen, axis=1) & np.all(np.isfinite(data[:, 0]), axis=0)
+        return np.where(found, time[row, start] + at * step, np.nan)

@@ -1,0 +1,93 @@
+"""The decay of a pulse in a weakly coupled chain, before its neighbours have taken their share.
+
+Each row that the pulse leaves behind keeps ``kappa / 2 * shift**2`` in every spring of the chain; the exact wave has
+the shift ``1.840249 v**0.8`` and the energy ``1.069323 v**2``. Equating the loss per bead gives::
+
+    v(n) = v0 * (1 - n / n*)**2.5        n* = 10 * energy / (shift**2 * kappa * springs) * v0**0.4
+
+with v0 = 0.6816315 V, the amplitude in a single chain: n* = 2.709 V**0.4 / kappa for a chain with one neighbour.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from analysis.shape.exact_wave import solitary_wave
+from analysis.sharing.equipartition import Sharing
+from lammps_inputs import Problem
+from lammps_inputs.facts import Fact
+
+SINGLE_CHAIN = 0.6816315
+"""Amplitude far down a single chain whose first bead was hit with V = 1."""
+
+FIRST = 10
+"""Beads after which the wave has formed."""
+
+LARGEST_NEIGHBOUR = 0.3
+"""Largest amplitude of another chain, in that of the chain that was hit, for which the law is fitted."""
+
+LEAST_BEADS = 10
+"""Recorded beads needed for a fit."""
+
+
+@dataclass(frozen=True)
+class DecayFit:
+    """The law fitted to the leading wave of the chain that was hit, v0 and n* free.
+
+    Attributes:
+        first, last: beads of the fit, counted from 1.
+        v0: amplitude at the kick, in units of V; 0.6816315 expected.
+        n_star: beads at which the pulse would end, counted from the bead that was hit.
+        n_star_error: standard error of the fit.
+        expected: n* from theory.
+        deviation: largest relative difference of an amplitude from the fitted law.
+    """
+
+    first: int
+    last: int
+    v0: float
+    n_star: float
+    n_star_error: float
+    expected: float
+    deviation: float
+
+
+def expected_n_star(kappa: float, springs: int = 1) -> float:
+    """Beads at which the law ends for V = 1 and a chain with this many neighbours."""
+    exact = solitary_wave()
+    return float(10.0 * exact.energy / (exact.shift**2 * kappa * springs) * SINGLE_CHAIN**0.4)
+
+
+def fit_decay(shared: Sharing, problem: Problem) -> DecayFit | None:
+    """The law fitted where it holds; None if it does not for ten recorded beads, or if several beads were hit.
+
+    ``(v / v0)**0.4 = 1 - n / n*`` is a straight line.
+    """
+    if not (problem.coupled and problem.holds(Fact.PULSE)) or len(problem.kicks) != 1 or len(shared) == 0:
+        return None
+    chain, hit = shared.kicked, problem.kicks[0][1]
+    others = np.delete(shared.amplitude, chain, axis=1).max(axis=1)
+    regime = others < LARGEST_NEIGHBOUR * shared.amplitude[:, chain]
+    ahead = shared.bead >= hit + FIRST
+    ended = np.flatnonzero(ahead & ~regime)
+    used = np.flatnonzero(ahead)[: None if len(ended) == 0 else int(ended[0] - np.argmax(ahead))]
+    if len(used) < LEAST_BEADS:
+        return None
+    way, amplitude = (shared.bead[used] - hit).astype(float), shared.amplitude[used, chain]
+    (slope, intercept), covariance = np.polyfit(way, amplitude**0.4, 1, cov=True)
+    if slope >= 0.0:
+        return None
+    n_star = float(-intercept / slope)
+    law = (intercept + slope * way) ** 2.5
+    springs = (chain > 0) + (chain < problem.chains - 1)
+    relative = covariance[0, 0] / slope**2 + covariance[1, 1] / intercept**2
+    relative -= 2.0 * covariance[0, 1] / (slope * intercept)
+    return DecayFit(
+        first=int(shared.bead[used[0]]),
+        last=int(shared.bead[used[-1]]),
+        v0=float(intercept**2.5),
+        n_star=n_star,
+        n_star_error=n_star * float(np.sqrt(max(relative, 0.0))),
+        expected=expected_n_star(problem.kappa, springs),
+        deviation=float(np.max(np.abs(law / amplitude - 1.0))),
+    )

@@ -1,0 +1,242 @@
+"""How chains come to share a pulse: amplitudes, arrivals and beats of their leading waves over the distance run.
+
+Definitions, all over the chains at one bead: mismatch = (largest - smallest) / mean of the leading peak velocities;
+lag = arrival behind that of the chain that was hit; spread = (latest - earliest arrival) over the time in which the
+exact wave passes at half its height. Agreement to a tolerance begins at the first bead from which on the mismatch stays
+below it.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.shape.exact_wave import solitary_wave
+from analysis.tracking.leading_waves import Waves
+from analysis.trajectory import Floats
+from lammps_inputs import Problem
+
+Integers = NDArray[np.int64]
+
+AGREEMENTS = (0.1, 0.01, 0.001)
+"""Tolerances for which the bead of agreement is stated."""
+
+CLEAR = 5
+"""Beads before the free end from which on a pulse feels it."""
+
+SMALLEST_BEAT = 1e-5
+"""Relative deviation below which a change of sign is no beat."""
+
+LEAST_TAIL = 5
+"""Places over which the final amplitude is taken at least."""
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A number and its uncertainty, in the unit of the number."""
+
+    value: float
+    uncertainty: float
+
+
+@dataclass(frozen=True)
+class Sharing:
+    """The leading waves side by side, at every recorded bead that all chains' waves passed clear of the free end.
+
+    Attributes:
+        kicked: position of the chain that was hit hardest.
+        bead: [place], counted from 1, ascending.
+        arrival: [place, chain], in units of T.
+            NaN where it is not defined.
+        amplitude: [place, chain] peak velocity, in units of V.
+        energy: of the kicks, in units of m V**2.
+        noise: standard deviation of an amplitude, in units of V; 0 for a record without noise.
+        arrival_error, amplitude_error: [place, chain] bounds on what the time between frames leaves; NaN if unknown.
+    """
+
+    kicked: int
+    bead: Integers
+    arrival: Floats
+    amplitude: Floats
+    energy: float
+    noise: float = 0.0
+    arrival_error: Floats | None = None
+    amplitude_error: Floats | None = None
+
+    def __len__(self) -> int:
+        return len(self.bead)
+
+    @cached_property
+    def mismatch(self) -> Floats:
+        """[place]; 0 for a single chain."""
+        return np.asarray(np.ptp(self.amplitude, axis=1) / np.mean(self.amplitude, axis=1))
+
+    @cached_property
+    def lag(self) -> Floats:
+        """[place, chain], in units of T; 0 in the chain that was hit, positive for a later wave."""
+        return self.arrival - self.arrival[:, [self.kicked]]
+
+    @cached_property
+    def spread(self) -> Floats:
+        """[place] time between the first and the last chain, in passages of the exact wave of the mean amplitude."""
+        return np.asarray(np.ptp(self.arrival, axis=1) / self._passage)
+
+    @property
+    def _passage(self) -> Floats:
+        """[place] time in which the exact wave of the mean amplitude passes at half its height."""
+        exact = solitary_wave()
+        return np.asarray(exact.width / exact.speed_at(np.mean(self.amplitude, axis=1)))
+
+    def sure_to(self) -> tuple[float, float]:
+        """How well amplitudes (relative) and arrivals (in passages) of single waves are known over the last half beat.
+
+        Infinite where an arrival is not defined; errors that are not known count as 0.
+        """
+        if len(self) == 0 or self.arrival_error is None or self.amplitude_error is None:  # given by hand
+            return 0.0, 0.0
+        late = self.bead >= self.bead[-1] - (self.half_beat or 0.0)
+        arrival = np.where(np.isfinite(self.arrival), np.nan_to_num(self.arrival_error), np.inf)
+        relative = np.nan_to_num(self.amplitude_error) / self.amplitude
+        return float(np.max(relative[late])), float(np.max(arrival[late] / self._passage[late, np.newaxis]))
+
+    @cached_property
+    def wave_share(self) -> Floats:
+        """[place, chain] energy of the exact wave of this amplitude, in that of the kicks."""
+        return solitary_wave().energy_at(self.amplitude) / self.energy
+
+    @cached_property
+    def beats(self) -> Floats:
+        """Beads, in fractions, where the wave of the chain that was hit passes the chains' mean, downwards or upwards.
+
+        Changes of sign after which the deviation stays below `SMALLEST_BEAT` or three times the noise are left out.
+        """
+        if len(self) < 2:
+            return np.zeros(0)
+        mean = np.mean(self.amplitude, axis=1)
+        deviation = self.amplitude[:, self.kicked] / mean - 1.0
+        large = np.flatnonzero(np.abs(deviation) > np.maximum(SMALLEST_BEAT, 3.0 * self.noise / mean))
+        if len(large) < 2:
+            return np.zeros(0)
+        bead, deviation = self.bead[large], deviation[large]
+        change = np.flatnonzero(np.sign(deviation[1:]) != np.sign(deviation[:-1]))
+        before, after = deviation[change], deviation[change + 1]
+        return np.asarray(bead[change] + (bead[change + 1] - bead[change]) * before / (before - after))
+
+    @cached_property
+    def beat_length(self) -> Estimate | None:
+        """Beads from one excess of a chain to its next; None before half a beat was seen.
+
+        Mean over the half beats seen, with the standard deviation from one to another (one alone: half of it).
+        """
+        half = np.diff(self.beats)
+        if len(half) == 0:
+            return None
+        scatter = float(np.std(half, ddof=1)) if len(half) > 1 else 0.5 * float(half[0])
+        return Estimate(2.0 * float(np.mean(half)), 2.0 * scatter)
+
+    @cached_property
+    def half_beat(self) -> float | None:
+        """Beads in the last half beat seen; None before there was one."""
+        half = np.diff(self.beats)
+        return float(half[-1]) if len(half) else None
+
+    def agrees_from(self, tolerance: float) -> int | None:
+        """First bead from which on the amplitudes agree; None if they do not, or not for as long as half a beat."""
+        return self._holds_from(self.mismatch < tolerance)
+
+    def in_step_from(self, tolerance: float) -> int | None:
+        """First bead from which on the arrivals agree to a share of the wave's passage; None likewise."""
+        return self._holds_from(self.spread < tolerance)
+
+    def _holds_from(self, good: NDArray[np.bool_]) -> int | None:
+        bad = np.flatnonzero(~good)
+        start = int(bad[-1]) + 1 if len(bad) else 0
+        if start >= len(self) or self.amplitude.shape[1] < 2:
+            return None
+        if self.half_beat is None or self.bead[-1] - self.bead[start] < self.half_beat:
+            return None
+        return int(self.bead[start])
+
+    @cached_property
+    def final(self) -> Estimate | None:
+        """Amplitude over the last half beat: mean over beads and chains, and the largest deviation from it, in V."""
+        if len(self) == 0:
+            return None
+        length = self.half_beat if self.half_beat is not None else 0.1 * (self.bead[-1] - self.bead[0])
+        tail = min(int(np.searchsorted(self.bead, self.bead[-1] - length)), max(0, len(self) - LEAST_TAIL))
+        amplitude = self.amplitude[tail:]
+        mean = float(np.mean(amplitude))
+        return Estimate(mean, max(float(np.max(np.abs(amplitude - mean))), self.noise))
+
+    def expected_agreement(self, tolerance: float) -> Estimate | None:
+        """Bead from which on the amplitudes may be expected to agree, by the decay of the last few beats' mismatch.
+
+        The uncertainty is the difference to what the last two half beats alone say, or, if only two were seen, half the
+        distance still to go; at least half a beat and 5% of that distance, and what follows from a top that lies up to
+        half a bead beside a recorded one. None without two whole half beats, or if the beats do not decay.
+        """
+        tops = self._tops()
+        if len(tops) < 2:
+            return None
+        estimates = [_extrapolated(tops[-count:], tolerance) for count in (2, 3)]
+        if estimates[0] is None or estimates[1] is None:
+            return None
+        value = max(estimates[1], float(tops[-1, 0]))
+        other = abs(estimates[0] - value) if len(tops) > 2 else 0.5 * abs(value - float(tops[-1, 0]))
+        ahead, span = value - float(tops[-1, 0]), float(np.ptp(tops[-3:, 0]))
+        half = float(self.half_beat or 0.0)
+        missed = 1.0 - math.cos(0.5 * math.pi / max(1.0, half))
+        decay = span / max(math.log(tops[-3:, 1].max() / tops[-1, 1]), 1e-9)
+        beside = missed * min(decay, value) * (1.0 + ahead / span)
+        return Estimate(value, max(other, 0.05 * ahead + half + beside))
+
+    def _tops(self) -> Floats:
+        """[half beat, (bead, mismatch)] where the mismatch is largest between two changes of sign."""
+        rows = []
+        for low, high in zip(self.beats[:-1], self.beats[1:], strict=True):
+            inside = np.flatnonzero((self.bead >= low) & (self.bead <= high))
+            if len(inside):
+                top = inside[np.argmax(self.mismatch[inside])]
+                rows.append((float(self.bead[top]), float(self.mismatch[top])))
+        return np.array(rows).reshape(-1, 2)
+
+
+def sharing(waves: Waves, problem: Problem, noise: float = 0.0) -> Sharing:
+    """The leading waves of a run side by side; those that run towards higher numbers, ahead of the bead that was hit.
+
+    Args:
+        waves: leading waves.
+        problem: what was run.
+        noise: standard deviation of an amplitude, in units of V.
+    """
+    kicked, hit, _ = max(problem.kicks, key=lambda kick: abs(kick[2]))
+    beads = problem.recorded_beads
+    place = {int(bead): k for k, bead in enumerate(beads)}
+    rows = np.array([place[int(bead)] for bead in waves.bead], dtype=np.int64)
+
+    def side_by_side(values: Floats) -> Floats:
+        table = np.full((len(beads), problem.chains), np.nan)
+        table[rows, waves.chain - 1] = values
+        return table[clear]
+
+    clear = np.ones(len(beads), dtype=bool)
+    clear = np.all(np.isfinite(side_by_side(waves.peak_velocity)), axis=1)
+    clear &= (beads > hit) & (beads <= problem.beads - CLEAR)
+    return Sharing(
+        kicked - 1,
+        beads[clear],
+        side_by_side(waves.arrival),
+        side_by_side(waves.peak_velocity),
+        problem.energy,
+        noise,
+        side_by_side(waves.arrival_error),
+        side_by_side(waves.velocity_error),
+    )
+
+
+def _extrapolated(tops: Floats, tolerance: float) -> float | None:
+    """Bead at which an exponential through (bead, mismatch) rows reaches a tolerance; None if it does not fall."""
+    slope, intercept = np.polyfit(tops[:, 0], np.log(tops[:, 1]), 1)
+    return float((np.log(tolerance) - intercept) / slope) if slope < 0.0 else None

@@ -1,0 +1,119 @@
+"""Whether a pulse is the exact solitary wave: its shape, its speed and its constancy, each against a tolerance."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from analysis.mirror import mirrored_bead
+from analysis.shape.exact_wave import solitary_wave
+from analysis.shape.waveforms import REACH, Passages
+from analysis.sharing.equipartition import CLEAR
+from analysis.tracking.pulses import Pulse
+from analysis.trajectory import Floats
+from lammps_inputs import Problem
+
+CONSTANT_OVER = 10
+"""Beads over which the amplitude must be constant."""
+
+
+@dataclass(frozen=True)
+class Tolerances:
+    """Largest relative differences from the exact wave at which a pulse still counts as one.
+
+    Attributes:
+        shape: velocity over time against the exact wave of the same peak, in units of the peak.
+        speed: against the exact law at this peak velocity.
+        amplitude: (largest - smallest) / mean peak velocity over the last ten beads.
+    """
+
+    shape: float = 0.01
+    speed: float = 0.01
+    amplitude: float = 0.01
+
+
+@dataclass(frozen=True)
+class Character:
+    """What a pulse is at one of its beads, the last at which all of it was seen clear of the chain's end.
+
+    Attributes:
+        bead: where, counted from 1.
+        arrival, peak_velocity, speed: there, in units of T, V, beads / T.
+        width, momentum, energy, residual: see `analysis.shape.waveforms.Shape`.
+        speed_excess: relative to the exact law at this peak velocity.
+        variation: (largest - smallest) / mean peak velocity over the ten beads up to this one; NaN if it ran less.
+        fails: which of shape, speed, amplitude differ by more than the tolerances, or could not be measured.
+    """
+
+    bead: int
+    arrival: float
+    peak_velocity: float
+    speed: float
+    width: float
+    momentum: float
+    energy: float
+    residual: float
+    speed_excess: float
+    variation: float
+    fails: tuple[str, ...]
+
+    @property
+    def solitary(self) -> bool:
+        """Whether it is the exact wave within the tolerances."""
+        return not self.fails
+
+
+def measured_at(pulse: Pulse, problem: Problem, last_time: float) -> int:
+    """Position in a pulse of the last passage clear of the chain's end and recorded whole; the last, if none is."""
+    way = pulse.bead if pulse.direction > 0 else mirrored_bead(problem, pulse.bead)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        watched = np.ceil(REACH / solitary_wave().speed_at(pulse.peak_velocity) / problem.every) + 1.0
+        over = pulse.arrival + watched * problem.every
+    good = np.flatnonzero((way <= problem.beads - CLEAR) & (over < last_time))
+    return int(good[-1]) if len(good) else len(pulse) - 1
+
+
+def passages_of(pulses: tuple[Pulse, ...], at: list[int]) -> Passages:
+    """The passages of pulses at the positions given, one each."""
+
+    def column(name: str) -> Floats:
+        return np.array([getattr(pulse, name)[k] for pulse, k in zip(pulses, at, strict=True)], dtype=np.float64)
+
+    return Passages(
+        chain=np.array([pulse.chain for pulse in pulses], dtype=np.int64),
+        bead=column("bead").astype(np.int64),
+        arrival=column("arrival"),
+        peak_velocity=column("peak_velocity"),
+        speed=column("speed"),
+        direction=np.array([pulse.direction for pulse in pulses], dtype=np.int64),
+    )
+
+
+def characterise(pulse: Pulse, at: int, shape: dict[str, float], tolerances: Tolerances | None = None) -> Character:
+    """Judge a pulse at one of its passages.
+
+    Args:
+        pulse: which.
+        at: position of the passage.
+        shape: width, momentum, energy, residual of that passage.
+        tolerances: what counts as equal.
+    """
+    allowed = tolerances or Tolerances()
+    peak, speed = float(pulse.peak_velocity[at]), float(pulse.speed[at])
+    excess = speed / float(solitary_wave().speed_at(peak)) - 1.0
+    near = np.abs(pulse.bead[: at + 1] - pulse.bead[at]) <= CONSTANT_OVER
+    recent = pulse.peak_velocity[: at + 1][near]
+    way = np.abs(pulse.bead[: at + 1][near][0] - pulse.bead[at])
+    variation = float(np.ptp(recent) / np.mean(recent)) if len(recent) > 1 and way > 0.5 * CONSTANT_OVER else np.nan
+    differences = {"shape": shape["residual"], "speed": abs(excess)}
+    if np.isfinite(variation):  # too few beads recorded to tell otherwise
+        differences["amplitude"] = variation
+    return Character(
+        bead=int(pulse.bead[at]),
+        arrival=float(pulse.arrival[at]),
+        peak_velocity=peak,
+        speed=speed,
+        **shape,
+        speed_excess=excess,
+        variation=variation,
+        fails=tuple(name for name, value in differences.items() if not value <= getattr(allowed, name)),
+    )

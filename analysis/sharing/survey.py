@@ -1,0 +1,211 @@
+"""Everything that is found in a run by reading it twice: first its peaks, then the states around them.
+
+A run is given as a function that starts reading it anew, block by block, so that it need not fit into memory.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Protocol
+
+import numpy as np
+
+from analysis.mirror import direction_of, mirrored, mirrored_problem
+from analysis.shape.waveforms import Passages, Shape, Waveforms
+from analysis.sharing.decay_law import DecayFit, fit_decay
+from analysis.sharing.energy_shares import EnergyShares
+from analysis.sharing.equipartition import Sharing, sharing
+from analysis.sharing.is_solitary import Character, Tolerances, characterise, measured_at, passages_of
+from analysis.sharing.verdict import Verdict, judge
+from analysis.tracking.accuracy import peak_error
+from analysis.tracking.leading_waves import Arrival, Waves, leading_waves, mirrored_waves, usual_arrival
+from analysis.tracking.noise import left_by_smoothing, noise_at_start, smoothed
+from analysis.tracking.peaks import THRESHOLD, PeakFinder, distinct
+from analysis.tracking.pulses import SMALLEST, Pulse, track_pulses
+from analysis.tracking.which_leads import of_pulses, opposed
+from analysis.trajectory import Trajectory
+from lammps_inputs import Problem
+
+MAX_PASSAGES = 4000
+"""Leading passages whose waveform is kept; beyond, every second bead, every third, ..."""
+
+SURE = 5.0
+"""Standard deviations of the noise that a peak must exceed."""
+
+
+class Watcher(Protocol):
+    """Anything that is shown a run block by block."""
+
+    def add(self, block: Trajectory, /) -> None:
+        """Take the next frames."""
+
+
+@dataclass(frozen=True)
+class Survey:
+    """What is in a run.
+
+    Attributes:
+        problem: what was run.
+        direction: 1 if the hardest kick is towards higher bead numbers, else -1; the leading waves run that way, and in
+            ``shared``, ``energies``, ``decay`` and ``verdict`` beads are counted along it (from the last bead if -1).
+        arrival: what an arrival of ``waves`` is; the passages of ``pulses`` are always the maxima.
+        noise: standard deviation of the recorded velocities, in units of V; 0 where there is none.
+        waves: leading waves; beads as numbered in the scene. With kicks from both sides, and in a noisy
+            record, only what belongs to a pulse.
+        waveforms: velocity over time around the passages of ``waves``, then of ``pulses``.
+        shape: what those waveforms say of each wave, entry by entry of ``waves``; NaN where not measured.
+        pulses: every pulse that was found, either way.
+        characters: of each pulse, where it was last seen whole.
+        shared, energies, decay, verdict: how the chains share the leading pulse.
+    """
+
+    problem: Problem
+    direction: int
+    arrival: Arrival
+    noise: float
+    waves: Waves
+    waveforms: Waveforms
+    shape: Shape
+    pulses: tuple[Pulse, ...]
+    characters: tuple[Character, ...]
+    shared: Sharing
+    energies: EnergyShares
+    decay: DecayFit | None
+    verdict: Verdict
+
+    def leads(self, pulse: Pulse) -> bool:
+        """Whether a pulse is the leading wave of its chain where it was last seen."""
+        own = self.waves.of_chain(pulse.chain)
+        # waves found at every bead while LAMMPS ran have the same maxima but for rounding and interpolation
+        same = np.abs(own.time - pulse.arrival[-1]) < 0.5 * self.problem.every
+        return pulse.direction == self.direction and bool(np.any((own.bead == pulse.bead[-1]) & same))
+
+
+def survey(
+    read: Callable[[], Iterable[Trajectory]],
+    problem: Problem,
+    *,
+    watchers: Sequence[Watcher] = (),
+    tolerances: Tolerances | None = None,
+    arrival: Arrival | None = None,
+    leading: Waves | None = None,
+) -> Survey:
+    """Find everything in a run.
+
+    Args:
+        read: starts reading the run: consecutive blocks of frames, the first frame being the start.
+        problem: what was run.
+        watchers: shown every block once, as recorded.
+        tolerances: within which a pulse counts as solitary.
+        arrival: what counts as the arrival of a leading wave; by default
+            `analysis.tracking.leading_waves.usual_arrival`.
+        leading: the leading waves with that arrival, where they were found at more beads than are recorded.
+
+    Raises:
+        ValueError: there was no frame.
+    """
+    first = next(iter(read()), None)
+    if first is None:
+        raise ValueError("no frames to analyse")
+    noise = noise_at_start(first)
+    left = left_by_smoothing(noise, problem.every)
+    options: dict[str, Any] = {"threshold": max(THRESHOLD, SURE * left), "noisy": noise > 0.0}
+    forward, backward = PeakFinder(direction=1, **options), PeakFinder(direction=-1, **options)
+    last_time = _first_reading(read, problem, noise, watchers, forward, backward)
+    peaks = {1: forward.result(), -1: backward.result()}
+    if noise > 0.0:
+        peaks = {way: distinct(found) for way, found in peaks.items()}
+
+    direction = direction_of(problem)
+    along = problem if direction > 0 else mirrored_problem(problem)
+    smallest = max(SMALLEST, 2.0 * SURE * left)
+    pulses = tuple(
+        pulse for way in (1, -1) for pulse in track_pulses(peaks[way], problem, smallest=smallest, noise=left)
+    )
+    arrival = usual_arrival(problem) if arrival is None else arrival
+    if leading is None:
+        stray = opposed(problem) or noise > 0.0
+        ahead = of_pulses(peaks[direction], pulses) if stray else peaks[direction]
+        waves = leading_waves(ahead, arrival)
+        sharp = np.isfinite(leading_waves(ahead).arrival)
+    else:
+        waves = leading
+        sharp = np.isfinite(waves.arrival) & (arrival == "maximum")  # of others nobody knows when they are fastest
+    every_bead = along if leading is None else replace(along, recorded=None)
+    shared = sharing(waves if direction > 0 else mirrored_waves(waves, problem), every_bead, left)
+    if noise > 0.0:
+        error = peak_error(problem.every, waves.peak_velocity, noise=noise)
+        waves = replace(
+            waves,
+            arrival_error=waves.arrival_error + error.arrival,
+            velocity_error=waves.velocity_error + error.peak_velocity,
+        )
+    at = [measured_at(pulse, problem, last_time) for pulse in pulses]
+
+    seen = np.isfinite(waves.time) & np.isin(waves.bead, problem.recorded_beads)
+    chosen = np.flatnonzero(seen & (waves.bead % max(1, -(-int(seen.sum()) // MAX_PASSAGES)) == 0))
+    waveforms = Waveforms(problem, _together(waves, chosen, direction, passages_of(pulses, at)))
+    energies = EnergyShares(along, shared)
+    for block in _frames(read, problem, noise):
+        waveforms.add(block)
+        energies.add(block if direction > 0 else mirrored(block))
+    shapes = waveforms.shape()
+    characters = tuple(
+        characterise(pulse, place, shapes.entry(len(chosen) + number), tolerances)
+        for number, (pulse, place) in enumerate(zip(pulses, at, strict=True))
+    )
+    decay = fit_decay(shared, along)
+    return Survey(
+        problem=problem,
+        direction=direction,
+        arrival=arrival,
+        noise=noise,
+        waves=waves,
+        waveforms=waveforms,
+        shape=shapes.spread_out(chosen, len(waves)).where(sharp),
+        pulses=pulses,
+        characters=characters,
+        shared=shared,
+        energies=energies,
+        decay=decay,
+        verdict=judge(shared, along, decay),
+    )
+
+
+def _first_reading(
+    read: Callable[[], Iterable[Trajectory]],
+    problem: Problem,
+    noise: float,
+    watchers: Sequence[Watcher],
+    forward: PeakFinder,
+    backward: PeakFinder,
+) -> float:
+    """Show the run to all; a noisy one once as recorded and once smoothed. Returns the time of the last frame."""
+    last_time = 0.0
+    for block in read():
+        for watcher in watchers:
+            watcher.add(block)
+        if noise == 0.0:
+            forward.add(block)
+            backward.add(block)
+        last_time = float(block.time[-1])
+    if noise > 0.0:
+        for block in smoothed(read(), problem.every):
+            forward.add(block)
+            backward.add(block)
+    return last_time
+
+
+def _frames(read: Callable[[], Iterable[Trajectory]], problem: Problem, noise: float) -> Iterator[Trajectory]:
+    yield from smoothed(read(), problem.every) if noise > 0.0 else read()
+
+
+def _together(waves: Waves, chosen: np.ndarray[Any, np.dtype[np.int64]], direction: int, others: Passages) -> Passages:
+    """Some of the leading waves' passages, followed by others."""
+    return Passages(
+        chain=np.concatenate([waves.chain[chosen], others.chain]),
+        bead=np.concatenate([waves.bead[chosen], others.bead]),
+        arrival=np.concatenate([waves.time[chosen], others.arrival]),
+        peak_velocity=np.concatenate([waves.peak_velocity[chosen], others.peak_velocity]),
+        speed=np.concatenate([waves.speed[chosen], others.speed]),
+        direction=np.concatenate([np.full(len(chosen), direction), others.direction]),
+    )

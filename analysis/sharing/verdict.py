@@ -1,0 +1,168 @@
+"""In words: whether the chains share the pulse equally and in step, how sure that is, and how far it would take."""
+
+import math
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from analysis.sharing.decay_law import DecayFit
+from analysis.sharing.equipartition import Estimate, Sharing
+from lammps_inputs import Problem
+from lammps_inputs.facts import Fact
+
+AGREEMENT = 0.01
+"""Mismatch of amplitudes and of arrivals (in passages of the wave) below which chains count as equal."""
+
+RULE_CHAINS, RULE_UNSURE, RULE_LEAST_UNSURE = 20, 0.25, 5.0
+"""Most chains for which `_by_rule` was measured, and how far it is off at most: a share, but at least so many beads."""
+
+NEAR, STRONG = 0.5, 0.01
+"""Share of the way seen for which the beats' decay foretells agreement, and the weakest coupling: measured at 2 to 20
+chains. Farther ahead, and at weaker couplings, it was off by up to 1.3 times the way still to go.
+"""
+
+RESOLVED = 2.0
+"""Beads between recorded ones, times the square root of kappa, up to which beats are seen as they are: a quarter of the
+shortest, which is that of two chains.
+"""
+
+
+class State(Enum):
+    """What a run shows."""
+
+    EQUAL = "equipartitioned and synchronised"
+    BEATING = "still beating"
+    SHORT = "too short to tell"
+    ALONE = "nothing to share"
+    UNSURE = "not to be told"
+    NO_PULSE = "does not apply"
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What a run shows of equipartition.
+
+    Attributes:
+        state: in one word.
+        since: bead from which on amplitudes and arrivals agree to 1%; None if they do not.
+        expected: bead from which on the amplitudes may be expected to agree to 1%, where they do not yet; always ahead
+            of the last one seen; None if nothing is known.
+        sentence: for people.
+    """
+
+    state: State
+    since: int | None
+    expected: Estimate | None
+    sentence: str
+
+
+def judge(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict:
+    """The verdict on a run. Equality must have lasted for half a beat to count."""
+    if not problem.holds(Fact.PULSE):
+        return Verdict(State.NO_PULSE, None, None, f"{State.NO_PULSE.value}: no pulse stays together in this scene")
+    if problem.chains == 1 or not problem.coupled:
+        return Verdict(State.ALONE, None, None, f"{State.ALONE.value}: no chain is coupled to another")
+    if len(shared) == 0:
+        return _too_short(
+            "no bead was passed in every chain, so amplitudes cannot be compared", _by_rule(problem, 0), None
+        )
+    last = int(shared.bead[-1])
+    expected = _expected(shared, problem)
+    if not _resolved(shared, problem):
+        apart = int(np.diff(shared.bead).max())
+        what = f"recorded beads lie up to {apart} apart, too far to see beats; at bead {last} amplitudes differ by "
+        what += f"{shared.mismatch[-1]:.1%}"
+        return _too_short(what, expected, decay)
+    level, in_step = shared.agrees_from(AGREEMENT), shared.in_step_from(AGREEMENT)
+    if level is not None and (doubt := _doubt(shared)):
+        return Verdict(State.UNSURE, None, None, f"{State.UNSURE.value}: {doubt}")
+    if level is not None and in_step is not None:
+        sentence = (
+            f"{State.EQUAL.value}: amplitudes within 1% from bead {level} on, arrivals within 1% of the wave's passage "
+            f"from bead {in_step} on (seen to bead {last})"
+        )
+        return Verdict(State.EQUAL, max(level, in_step), None, sentence)
+    beat = shared.beat_length
+    if beat is None:
+        what = f"no whole half beat is seen to bead {last}, where amplitudes differ by {shared.mismatch[-1]:.1%}"
+        return _too_short(what, expected, decay)
+    recent = shared.mismatch[shared.bead >= last - 0.5 * beat.value].max()
+    if level is not None:
+        what = f"amplitudes agree to 1% from bead {level} on, but arrivals differ by up to {_step(shared):.1%} of "
+        what += "the wave's passage over the last half beat"
+        return Verdict(State.BEATING, None, None, f"{State.BEATING.value}: {what}; beats of {_beads(beat)} beads")
+    sentence = (
+        f"{State.BEATING.value}: amplitudes differ by up to {recent:.1%} over the last half beat to bead {last}, "
+        f"beats of {_beads(beat)} beads{_about(expected)}"
+    )
+    return Verdict(State.BEATING, None, expected, sentence)
+
+
+def _doubt(shared: Sharing) -> str:
+    """Why agreement to 1% cannot be told from these waves; empty if it can."""
+    amplitude, arrival = shared.sure_to()
+    if arrival == math.inf:
+        return "beads fly freely when they are fastest, so that arrivals at the maximum are not defined"
+    if max(amplitude, arrival) > AGREEMENT:
+        return (
+            f"with frames so far apart amplitudes are sure to {amplitude:.1%} and arrivals to {arrival:.1%} of the "
+            "wave's passage only"
+        )
+    return ""
+
+
+def _too_short(what: str, expected: Estimate | None, decay: DecayFit | None) -> Verdict:
+    fading = ""
+    if decay is not None:
+        fading = f"; until then the pulse that was hit fades, as if to end after {decay.n_star:.0f} beads"
+    return Verdict(State.SHORT, None, expected, f"{State.SHORT.value}: {what}{_about(expected)}{fading}")
+
+
+def _expected(shared: Sharing, problem: Problem) -> Estimate | None:
+    """Bead of 1% agreement, ahead of the last one seen: by the beats' decay where it is near, else by the rule."""
+    last = int(shared.bead[-1])
+    tried = problem.gap == 0.0 and problem.kappa >= STRONG and _resolved(shared, problem)
+    if problem.chains > 4:  # one hit within many chains first levels with its neighbours, and only later with all
+        tried &= all(chain in (1, problem.chains) for chain, _, _ in problem.kicks)
+    found = shared.expected_agreement(AGREEMENT) if tried else None
+    if found is not None and last < found.value <= (1.0 + NEAR) * last:
+        return found
+    return _by_rule(problem, last)
+
+
+def _resolved(shared: Sharing, problem: Problem) -> bool:
+    """Whether the places lie near enough together to show beats."""
+    apart = int(np.diff(shared.bead).max(initial=1))
+    return apart == 1 or (problem.gap == 0.0 and apart <= RESOLVED / math.sqrt(problem.kappa))
+
+
+def _by_rule(problem: Problem, last: int) -> Estimate | None:
+    """Bead of 1% agreement when bead 1 of an outer chain is hit, ``10 + 5 / kappa * (chains / 2)**1.6``.
+
+    Measured at 2 to 20 chains, kappa = 0.01 to 2 (two chains: from 0.003 on): 0.8 to 1.1 times that, and never more
+    than 5 beads off where that is more. None elsewhere, and where it is not ahead of the last bead seen.
+    """
+    least = 0.003 if problem.chains == 2 else 0.01
+    outer = len(problem.kicks) == 1 and problem.kicks[0][0] in (1, problem.chains) and problem.kicks[0][1] == 1
+    measured = outer and problem.gap == 0.0 and problem.chains <= RULE_CHAINS and least <= problem.kappa <= 2.0
+    beads = 10.0 + 5.0 / problem.kappa * (problem.chains / 2.0) ** 1.6
+    if not measured or beads <= last:
+        return None
+    return Estimate(beads, max(RULE_UNSURE * beads, RULE_LEAST_UNSURE))
+
+
+def _about(expected: Estimate | None) -> str:
+    if expected is None:
+        return ""
+    return f"; they should agree to 1% from bead {expected.value:.0f} +- {math.ceil(expected.uncertainty)} on"
+
+
+def _step(shared: Sharing) -> float:
+    beat = shared.beat_length
+    length = 0.0 if beat is None else 0.5 * beat.value
+    return float(np.nanmax(shared.spread[shared.bead >= shared.bead[-1] - length]))
+
+
+def _beads(estimate: Estimate) -> str:
+    return f"{estimate.value:.1f} +- {estimate.uncertainty:.1f}"

@@ -1,0 +1,161 @@
+"""The leading pulse at every bead: the first passage above the threshold, its peak, and its local speed."""
+
+import csv
+import io
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.mirror import mirrored_bead
+from analysis.tracking.peaks import Peaks
+from analysis.tracking.pulses import local_speed
+from analysis.trajectory import Floats
+from lammps_inputs import Problem
+from lammps_inputs.units import Scale
+
+
+@dataclass(frozen=True)
+class Waves:
+    """Leading pulse of each chain at each bead that it reached, sorted by chain, then bead.
+
+    Attributes:
+        chain, bead: counted from 1.
+        arrival: when the pulse passes the bead, in units of T, by one of `ARRIVALS`; NaN where that is not defined.
+        peak_velocity: largest velocity along the pulse's way, in units of V; positive whichever way it runs.
+        speed: beads per unit time along that way, from the arrivals at the recorded beads on either side (at an end:
+            one side); NaN where only one bead of the chain was reached.
+        time: at which the bead is fastest, in units of T, whether or not that is sharp.
+        arrival_error, velocity_error: how far arrival and peak velocity may be off because of the time between frames.
+    """
+
+    chain: NDArray[np.int64]
+    bead: NDArray[np.int64]
+    arrival: Floats
+    peak_velocity: Floats
+    speed: Floats
+    time: Floats
+    arrival_error: Floats
+    velocity_error: Floats
+
+    def __len__(self) -> int:
+        return len(self.bead)
+
+    def at(self, bead: int) -> "Waves":
+        """The chains' leading pulses at one bead."""
+        return self.where(self.bead == bead)
+
+    def of_chain(self, chain: int) -> "Waves":
+        """One chain's leading pulse at all beads."""
+        return self.where(self.chain == chain)
+
+    def where(self, chosen: NDArray[np.bool_] | NDArray[np.int64]) -> "Waves":
+        """The entries that a mask or positions choose."""
+        return Waves(**{field.name: getattr(self, field.name)[chosen] for field in fields(self)})
+
+
+Arrival = Literal["maximum", "impulse"]
+
+ARRIVALS: tuple[Arrival, ...] = ("maximum", "impulse")
+"""What an arrival may be: when the bead is fastest; or the centre in time of the impulse that made it so.
+
+The first is not defined where beads fly freely at their largest velocity, as between the contacts of chains with gaps.
+"""
+
+
+def usual_arrival(problem: Problem) -> Arrival:
+    """The maximum, where it is sharp: in chains that touch."""
+    return "impulse" if problem.gap > 0.0 else "maximum"
+
+
+def leading_waves(peaks: Peaks, arrival: Arrival = "maximum") -> Waves:
+    """The first peak of every bead, which is the pulse that runs ahead of all others."""
+    place = np.stack([peaks.chain, peaks.bead])
+    first = np.ones(len(peaks), dtype=bool)
+    first[1:] = np.any(place[:, 1:] != place[:, :-1], axis=0)
+    found = peaks.where(first)
+    time, error = (found.time, found.time_error) if arrival == "maximum" else (found.centre, found.centre_error)
+    defined = np.where(np.isfinite(error), time, np.nan)
+    waves = with_speeds(found.chain, found.bead, defined, found.velocity, direction=found.direction)
+    return replace(waves, time=found.time, arrival_error=error, velocity_error=found.velocity_error)
+
+
+def with_speeds(
+    chain: NDArray[np.int64], bead: NDArray[np.int64], arrival: Floats, peak_velocity: Floats, *, direction: int = 1
+) -> Waves:
+    """Waves whose local speeds follow from their arrivals, without errors; entries are sorted by chain, then bead."""
+    speed = np.full(len(chain), np.nan)
+    for number in np.unique(chain):
+        row = chain == number
+        speed[row] = direction * local_speed(bead[row], arrival[row])
+    unknown = np.full(len(chain), np.nan)
+    return Waves(chain, bead, arrival, peak_velocity, speed, arrival, unknown, unknown)
+
+
+def mirrored_waves(waves: Waves, problem: Problem) -> Waves:
+    """The same waves as numbered in the mirror; twice is the waves themselves."""
+    bead = mirrored_bead(problem, waves.bead)
+    return replace(waves, bead=bead).where(np.lexsort((bead, waves.chain)))
+
+
+COLUMNS = ("chain", "bead", "arrival", "peak_velocity", "speed")
+
+
+def from_csv(text: str, scale: Scale, *, direction: int = 1) -> Waves:
+    """The waves of a table that `to_csv` wrote; an arrival that is not given is not defined.
+
+    Args:
+        text: the table.
+        scale: of the scene.
+        direction: which way the waves run.
+
+    Raises:
+        ValueError: it is no such table.
+    """
+    rows = list(csv.DictReader(io.StringIO(text)))
+    try:
+        chain, bead = (np.array([int(row[name]) for row in rows], dtype=np.int64) for name in ("chain", "bead"))
+        arrival, peak, late, off = (
+            np.array([float(row[scale.heading(name, quantity)] or "nan") for row in rows], dtype=np.float64)
+            for name, quantity in (
+                ("arrival", "time"),
+                ("peak_velocity", "velocity"),
+                ("arrival_error", "time"),
+                ("peak_velocity_error", "velocity"),
+            )
+        )
+    except (KeyError, TypeError) as error:
+        raise ValueError(f"no table of waves ({error})") from None
+    waves = with_speeds(chain, bead, arrival / scale.time, peak / scale.velocity, direction=direction)
+    late = np.where(np.isnan(arrival), np.inf, late / scale.time)
+    return replace(waves, arrival_error=late, velocity_error=off / scale.velocity)
+
+
+def to_csv(waves: Waves, scale: Scale, more: Mapping[str, Floats] | None = None) -> str:
+    """A table in the scene's units (speed in beads per unit time); numbers round-trip, an unknown one is left empty.
+
+    SI units are named in the header, such as ``arrival (s)``.
+
+    Args:
+        waves: a row each, with the columns `COLUMNS`, and last the errors of arrival and peak velocity.
+        scale: of the scene.
+        more: further columns by heading, in the scene's units, [wave].
+    """
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    numbers = {
+        scale.heading("arrival", "time"): waves.arrival * scale.time,
+        scale.heading("peak_velocity", "velocity"): waves.peak_velocity * scale.velocity,
+        scale.heading("speed", "speed"): waves.speed / scale.time,
+        **(more or {}),
+        scale.heading("arrival_error", "time"): waves.arrival_error * scale.time,
+        scale.heading("peak_velocity_error", "velocity"): waves.velocity_error * scale.velocity,
+    }
+    writer.writerow(["chain", "bead", *numbers])
+    for chain, bead, *row in zip(waves.chain, waves.bead, *numbers.values(), strict=True):
+        writer.writerow(
+            [int(chain), int(bead), *("" if not np.isfinite(number) else repr(float(number)) for number in row)]
+        )
+    return out.getvalue()

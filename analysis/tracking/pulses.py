@@ -1,0 +1,184 @@
+"""Compressive pulses: passages at single beads linked into what runs along a chain.
+
+A maximum of a bead's velocity is a passage; it belongs to the pulse whose speed brings it there at that time. A maximum
+without contact pressure, such as that of a bead that swings on its spring, is no passage. Pulses that run towards lower
+numbers are found in the mirror (`analysis.mirror`).
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.mirror import mirrored_bead
+from analysis.shape.exact_wave import solitary_wave
+from analysis.tracking.peaks import Peaks, in_mirror
+from analysis.trajectory import Floats
+from lammps_inputs import Problem
+
+Integers = NDArray[np.int64]
+
+SMALLEST = 0.02
+"""Largest velocity that a pulse must have somewhere, in units of V."""
+
+LEAST_BEADS = 5
+"""Recorded beads at which a pulse must be seen (or all, where fewer are recorded)."""
+
+LONGEST_GAP = 3
+"""Recorded beads in a row at which a pulse may be missing, as where two pulses cross."""
+
+PRESSED = 0.2
+"""Share of the exact wave's overlap at the passage of its peak that a passage must show."""
+
+LATEST, EARLIEST = 1.8, 0.3
+"""Bounds on a passage's delay from the bead before, over the delay of the exact wave of this amplitude."""
+
+UNSTEADIEST = 0.7
+"""Bound on the change of that quotient from one passage to the next."""
+
+SCATTER = 30.0
+"""Allowed change of a delay by noise, in T for noise as large as the amplitude; an arrival scatters by 5 to 10."""
+
+FAINTEST = 0.35
+"""Bound on the ratio of amplitudes of two passages that follow each other."""
+
+
+@dataclass(frozen=True)
+class Pulse:
+    """One pulse, bead by bead in the order in which it meets them.
+
+    Attributes:
+        chain: counted from 1.
+        direction: 1 towards higher bead numbers, -1 towards lower ones.
+        bead: [passage], counted from 1; at most `LONGEST_GAP` recorded beads are left out in a row.
+        arrival: [passage] time at which the bead is fastest, in units of T.
+        peak_velocity: [passage] that velocity along ``direction``, in units of V.
+        speed: [passage] beads per unit time from the passages on either side (at an end: one side), positive.
+    """
+
+    chain: int
+    direction: int
+    bead: Integers
+    arrival: Floats
+    peak_velocity: Floats
+    speed: Floats
+
+    def __len__(self) -> int:
+        return len(self.bead)
+
+
+def track_pulses(
+    peaks: Peaks,
+    problem: Problem,
+    *,
+    smallest: float = SMALLEST,
+    least_beads: int = LEAST_BEADS,
+    noise: float = 0.0,
+) -> tuple[Pulse, ...]:
+    """Every pulse in a table of passages, by chain, then by time of its first passage.
+
+    Args:
+        peaks: maxima of velocity along the way of the pulses.
+        problem: what was run.
+        smallest: largest velocity that a pulse must reach, in units of V; a quarter of it continues one.
+        least_beads: recorded beads at which a pulse must be seen.
+        noise: standard deviation of the peak velocities, in units of V; allows for arrivals that scatter.
+    """
+    direction = peaks.direction
+    if direction < 0:
+        peaks = in_mirror(peaks, problem)
+    recorded = problem.recorded_beads if direction > 0 else mirrored_bead(problem, problem.recorded_beads)[::-1]
+    least = max(2, min(least_beads, len(recorded)))
+    exact = solitary_wave()
+    pressed = PRESSED * exact.overlap(0.5) * peaks.velocity**0.8
+    passages = peaks.where((peaks.velocity > 0.25 * smallest) & ~(peaks.overlap < pressed))
+    found = []
+    for chain in np.unique(passages.chain):
+        own = passages.where(passages.chain == chain)
+        for track in _linked(own, recorded, noise):
+            if len(track) >= least and np.max(own.velocity[track]) >= smallest:
+                bead, arrival = own.bead[track], own.time[track]
+                speed = local_speed(bead, arrival)
+                if direction < 0:
+                    bead = mirrored_bead(problem, bead)
+                found.append(Pulse(int(chain), direction, bead, arrival, own.velocity[track], speed))
+    return tuple(sorted(found, key=lambda pulse: (pulse.chain, pulse.arrival[0])))
+
+
+def local_speed(bead: Integers, arrival: Floats) -> Floats:
+    """Beads per unit time from the arrivals on either side, [passage]; at an end one side.
+
+    NaN for a single one, and for beads that were kicked at once: nothing runs from one to the other.
+    """
+    place = np.arange(len(bead))
+    ahead, behind = np.minimum(place + 1, len(bead) - 1), np.maximum(place - 1, 0)
+    delay = arrival[ahead] - arrival[behind]
+    return np.asarray((bead[ahead] - bead[behind]) / np.where(delay == 0.0, np.nan, delay))
+
+
+@dataclass
+class _Track:
+    """A pulse while it is followed.
+
+    Attributes:
+        passages: positions in the table.
+        pace: the last delay over the exact wave's; with noise a mean.
+        bound: how far the next may be from it.
+    """
+
+    passages: list[int]
+    pace: float = 1.0
+    bound: float = np.inf
+
+
+def _linked(peaks: Peaks, recorded: Integers, noise: float) -> Iterator[list[int]]:
+    """Positions in the table of the passages of one chain, pulse by pulse. Beads are taken in ascending order."""
+    exact = solitary_wave()
+    starts = np.searchsorted(peaks.bead, recorded)
+    ends = np.searchsorted(peaks.bead, recorded, side="right")
+    place = np.searchsorted(recorded, peaks.bead)
+    open_tracks: list[_Track] = []
+    for number, (start, end) in enumerate(zip(starts, ends, strict=True)):
+        if start < end and open_tracks:
+            last = np.array([track.passages[-1] for track in open_tracks])
+            pace = np.array([[track.pace] for track in open_tracks])
+            bound = np.array([[track.bound] for track in open_tracks])
+            here = np.arange(start, end)
+            amplitude = np.sqrt(peaks.velocity[last][:, np.newaxis] * peaks.velocity[here])
+            way = (recorded[number] - peaks.bead[last])[:, np.newaxis]
+            delay = (peaks.time[here] - peaks.time[last][:, np.newaxis]) * exact.speed_at(amplitude) / way
+            ratio = peaks.velocity[here] / peaks.velocity[last][:, np.newaxis]
+            ratio = np.minimum(ratio, 1.0 / ratio)
+            cost = (delay - pace) ** 2 + 0.1 * np.log(ratio) ** 2
+            slack = SCATTER * noise / amplitude * exact.speed_at(amplitude) / way
+            far = (np.abs(delay - pace) > bound + slack) | (delay < EARLIEST - slack) | (delay > LATEST + slack)
+            cost[far | (ratio < FAINTEST)] = np.inf
+            taken = set()
+            for row, column in _cheapest_pairs(cost):
+                track = open_tracks[row]
+                track.passages.append(int(here[column]))
+                steady = noise > 0.0 and np.isfinite(track.bound)
+                track.pace = 0.5 * (track.pace + delay[row, column]) if steady else float(delay[row, column])
+                track.bound = UNSTEADIEST
+                taken.add(column)
+        else:
+            taken = set()
+        open_tracks += [_Track([k]) for k in range(int(start), int(end)) if k - start not in taken]
+        for track in [track for track in open_tracks if number - place[track.passages[-1]] > LONGEST_GAP]:
+            open_tracks.remove(track)
+            yield track.passages
+    for track in open_tracks:
+        yield track.passages
+
+
+def _cheapest_pairs(cost: Floats) -> Iterator[tuple[int, int]]:
+    """Pairs (row, column) of finite cost, the cheapest first, each row and column once."""
+    rows, columns = np.nonzero(np.isfinite(cost))
+    used_rows, used_columns = set(), set()
+    for k in np.argsort(cost[rows, columns], kind="stable"):
+        row, column = int(rows[k]), int(columns[k])
+        if row not in used_rows and column not in used_columns:
+            used_rows.add(row)
+            used_columns.add(column)
+            yield row, column

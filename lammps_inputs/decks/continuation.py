@@ -1,0 +1,138 @@
+"""LAMMPS input that goes on from a restart: ``in.continue``, and the lines that write the restart.
+
+The continued run is bit for bit the uninterrupted one, on any number of ranks. Which beads are neighbours, which rank
+owns them and in which order their forces are added up is settled once, with the beads at rest. So a restart holds the
+beads at rest: each one's place is parked in its ``vy``, which is zero by construction, and is taken from there when
+LAMMPS has settled everything as at the start. The forces at those places are computed by a step in which no bead moves.
+
+Frames of a continued run stand in ``chains.dump.bin``, ``chains.dump.2.bin``, ``chains.dump.3.bin`` and so on; the
+first one that a step stands in counts.
+"""
+
+from lammps_inputs import scheme, window
+from lammps_inputs.decks import deck
+from lammps_inputs.numbers import text
+from lammps_inputs.problem import Problem
+
+CONTINUE = "in.continue"
+RESTART = "chains.restart"
+RESTART_SUMS = "chains.restart.sha256"
+UNFINISHED = "chains.restart.part"
+"""A restart while it is written."""
+
+_TIMED_SINCE = 20230802
+"""Earlier releases know the time since the restart only."""
+
+
+def dump_part(number: int) -> str:
+    """Name of a part of the frames, counted from 1."""
+    return deck.DUMP if number == 1 else f"chains.dump.{number}.bin"
+
+
+def snapshots_part(number: int) -> str:
+    """Name of a part of the snapshots, counted from 1."""
+    return deck.SNAPSHOTS if number == 1 else f"chains.snapshots.{number}.bin"
+
+
+def restart_lines(problem: Problem, file: str = UNFINISHED) -> list[str]:
+    """Write a restart between two runs, and change nothing: the next one may go on with ``run ... pre no``.
+
+    The caller renames the file to `RESTART` when it is whole. In a scheme of several substeps the step must be one
+    between two cycles.
+    """
+    return [
+        "variable parked atom x",
+        f"variable rest atom {_rest(problem)}",
+        "set group all vy v_parked",
+        "set group all x v_rest",
+        f"write_restart {file} noinit",
+        *_from_rest(),
+    ]
+
+
+def render_continuation(problem: Problem) -> str:
+    """The text of ``in.continue``.
+
+    Variables to set: ``restart``, the file to read; ``dump`` (and ``snapshots``), the file to write frames to, of a new
+    name each time; ``steps``, the last step of the whole run.
+    """
+    recorded = [] if problem.recorded is None else ["group recorded type 2"]
+    dumps = ["frames"] if problem.frames_per_snapshot is None else ["frames", "snapshots"]
+    sections = [
+        [
+            f"# {problem.name}, continued bit for bit from a restart, on any number of ranks",
+            f"# lmp -in {CONTINUE}     or: lmp -in {CONTINUE} -var dump {dump_part(3)}, to continue once more",
+        ],
+        [
+            f"variable restart index {RESTART}",
+            f"variable dump index {dump_part(2)}",
+            *([f"variable snapshots index {snapshots_part(2)}"] if "snapshots" in dumps else []),
+            *deck.number_lines(problem),
+            *scheme.variable_lines(problem.scheme),
+        ],
+        [
+            "processors * 1 1                 # ranks divide the rows, so no row is cut",
+            "newton off                       # bit for bit the same on any number of ranks",
+            *deck.neighbour_lines(problem),
+            "read_restart ${restart}          # beads at rest; vy is where they are",
+        ],
+        *deck.interactions(problem),
+        [
+            "group free empty",
+            "group free clear                 # a continued run's restart has this group",
+            *deck.motion_lines(problem, "free"),
+        ],
+        *([] if problem.window is None else [_window_lines(problem, problem.window)]),
+        [
+            *recorded,
+            *deck.output_lines(problem, "${every}", "${dump}", "${snapshots}"),
+            "# no frame before the beads are where they were",
+            *(f"dump_modify {dump} delay $(step)" for dump in dumps),
+            *(f'if "$(version) < {_TIMED_SINCE}" then "dump_modify {dump} time no"' for dump in dumps),
+        ],
+        [
+            "# neighbours, ranks and order of the beads are settled at rest; then the forces where they are",
+            "timestep ${timestep}",
+            "variable before equal $(step-1)",
+            "reset_timestep 0                 # the time is that of the step",
+            "reset_timestep ${before}",
+            "run 0 post no",
+            *_from_rest(),
+            "run 1 pre no post no",
+            "group free union all",
+        ],
+        onward_lines(problem),
+    ]
+    return "\n\n".join("\n".join(lines) for lines in sections) + "\n"
+
+
+def _rest(problem: Problem) -> str:
+    """Where LAMMPS had a bead at rest, to the last bit."""
+    row = "mol" if problem.window is not None else f"((id-1)%{problem.rows}+1)"
+    return f"{row}*{text(problem.spacing)}"
+
+
+def _from_rest() -> list[str]:
+    return [
+        "variable displaced atom vy",
+        "set group all x v_displaced",
+        "set group all vy 0.0",
+    ]
+
+
+def _window_lines(problem: Problem, rows: int) -> list[str]:
+    return [
+        *window.setup_lines(rows, problem.beads, problem.spacing, problem.scheme),
+        f"variable tail equal $(bound(all,xmin)/{text(problem.spacing)}:%.0f)",
+    ]
+
+
+def onward_lines(problem: Problem) -> list[str]:
+    """To the step ``steps``, without the setup that a run begins with."""
+    if problem.window is not None:
+        travel = deck.travel_lines(problem)
+        travel.remove("run 0 post no")  # the setup
+        return [scheme.timestep_command(problem.scheme), *travel]
+    if problem.scheme == "verlet":
+        return ["run ${steps} upto pre no"]
+    return [*scheme.QUIET, *scheme.onward_lines(problem.scheme, "steps"), *scheme.LOUD]

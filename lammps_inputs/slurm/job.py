@@ -1,0 +1,244 @@
+"""Slurm jobs: a deck, or a list of them as one array, run to the end by jobs that submit each other.
+
+| file          | what                                                                                  |
+|---------------|---------------------------------------------------------------------------------------|
+| job.sbatch    | asks for nodes and time, checks before it computes, goes on until done (``job.sh``)    |
+| in.job        | the deck, or its continuation, for as long as the time limit lets it; then a restart    |
+| in.continue   | see `continuation`                                                                    |
+| cases.txt     | of an array: one directory a line                                                     |
+| job.state     | left by the job: what state the run is in, for `granchain status`                      |
+| job.step      | left by the job: the step that the run has safely reached                              |
+| job.frames    | left by the job: which frames belong to the restart                                    |
+| job.out       | what the job says                                                                      |
+
+The deck itself is not touched. Every text that comes from a user is checked by a pattern and quoted.
+"""
+
+import hashlib
+import importlib.resources
+import re
+import shlex
+from collections.abc import Sequence
+from pathlib import Path
+
+from lammps_inputs import scheme, window
+from lammps_inputs.decks import deck
+from lammps_inputs.decks.continuation import CONTINUE, onward_lines, render_continuation, restart_lines
+from lammps_inputs.errors import InputError
+from lammps_inputs.problem import Problem
+from lammps_inputs.slurm.site import JobOptions
+
+JOB = "job.sbatch"
+INPUT = "in.job"
+CASES = "cases.txt"
+STATE = "job.state"
+STEP = "job.step"
+OUTPUT = "job.out"
+
+OWN_FILES = (
+    JOB,
+    INPUT,
+    STATE,
+    STEP,
+    OUTPUT,
+    "job.frames",
+    ".job.check",
+    ".job.reserve",
+    ".job.in",
+    ".job.keep",
+    ".job.yes",
+    ".job.no",
+    ".job.kept",
+)
+"""What a job has and leaves in the directory of a run, beside the run's own files."""
+
+_DIRECTORY = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._=,+-]{0,254}")
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}")
+_MAX_CASES = 100_000
+
+
+def render_job(options: JobOptions, problem: Problem) -> dict[str, str]:
+    """File name -> text of what a job needs beside the deck, in the deck's directory.
+
+    Raises:
+        InputError: more ranks than rows, or the scene asks for what only `granchain run` does.
+    """
+    if options.ranks > problem.rows:
+        raise InputError(f"--ranks-per-node: {options.ranks} ranks in all, but ranks divide the {problem.rows} rows")
+    return {JOB: _script(options, problem.name), **case_files(problem)}
+
+
+def case_files(problem: Problem) -> dict[str, str]:
+    """File name -> text of what the directory of one case needs beside its deck, in an array or alone.
+
+    Raises:
+        InputError: the scene asks for what only `granchain run` does.
+    """
+    if problem.peaks:
+        raise InputError("output.peaks: only `granchain run` finds them, not a job of lmp alone; leave it out")
+    return {INPUT: render_input(problem), CONTINUE: render_continuation(problem)}
+
+
+def render_array(
+    options: JobOptions, cases: Sequence[str], *, name: str = "sweep", tasks: Sequence[int] | None = None
+) -> dict[str, str]:
+    """File name -> text of one array over directories that each hold a deck and `case_files`.
+
+    The files belong into the directory that the cases are relative to, and the array is submitted there. A case that is
+    done is passed over. The array refuses to run with another list of cases than it was made for.
+
+    Args:
+        options: what every task asks for.
+        cases: directories, relative, with `/` between their parts.
+        name: of the job.
+        tasks: numbers of the cases to do, from 0; all by default.
+
+    Raises:
+        InputError: no cases, too many, one twice, or a directory with another name than letters, digits and ``._=,+-``.
+    """
+    if not 0 < len(cases) <= _MAX_CASES:
+        raise InputError(f"an array of {len(cases)} cases; 1 to {_MAX_CASES} are possible")
+    seen = set()
+    for case in cases:
+        if not all(_DIRECTORY.fullmatch(part) for part in case.split("/")):
+            raise InputError(f"{case!r}: not a relative directory of letters, digits and `._=,+-`")
+        if case in seen:
+            raise InputError(f"{case!r}: is in the list of cases twice")
+        seen.add(case)
+    numbers = range(len(cases)) if tasks is None else sorted(set(tasks))
+    if not numbers or numbers[0] < 0 or numbers[-1] >= len(cases):
+        raise InputError(f"tasks of an array: numbers from 0 to {len(cases) - 1}, {list(numbers)[:5]} given")
+    listing = "".join(f"{case}\n" for case in cases)
+    return {JOB: _script(options, name, listing, _ranges(numbers)), CASES: listing}
+
+
+def _ranges(numbers: Sequence[int]) -> str:
+    """Ascending numbers as Slurm reads them, such as ``0-3,7``."""
+    found: list[list[int]] = []
+    for number in numbers:
+        if found and number == found[-1][1] + 1:
+            found[-1][1] = number
+        else:
+            found.append([number, number])
+    return ",".join(str(first) if first == last else f"{first}-{last}" for first, last in found)
+
+
+def _script(options: JobOptions, name: str, listing: str | None = None, tasks: str = "") -> str:
+    if not _NAME.fullmatch(name):
+        raise InputError(f"{name!r}: not a name for a job; letters, digits, `.`, `_`, `-`, at most 64")
+    limit = "" if options.array_limit is None else f"%{options.array_limit}"
+    asked = {
+        "job-name": name,
+        "nodes": options.nodes,
+        "ntasks": options.ranks,
+        "ntasks-per-node": options.ranks_per_node or 1,
+        "cpus-per-task": 1,
+        "time": options.time,
+        "partition": options.partition,
+        "account": options.account,
+        "qos": options.qos,
+        "constraint": options.constraint,
+        "array": None if listing is None else tasks + limit,
+        "output": "/dev/null",  # the script opens its own: Slurm would expand a % or backslash in the directory's name
+    }
+    values = {
+        "ranks": options.ranks,
+        "time_limit": options.limit,
+        "margin": options.stop_before,
+        "checkpoint": options.checkpoint,
+        "max_jobs": options.max_jobs,
+        "lmp": options.lmp,
+        "cases": "" if listing is None else CASES,
+        "cases_sum": "" if listing is None else hashlib.sha256(listing.encode()).hexdigest(),
+    }
+    lines = [
+        "#!/bin/bash",
+        *(f"#SBATCH --{key}={value}" for key, value in asked.items() if value is not None),
+        "",
+        f"# In this directory: sbatch {JOB}    How far it is: granchain status .",
+        *(f"{key}={shlex.quote(str(value))}" for key, value in values.items()),
+        f"launch=({shlex.join(options.launch)})",
+        f"modules=({shlex.join(options.modules)})",
+        "",
+    ]
+    body = Path(str(importlib.resources.files("lammps_inputs.slurm") / "job.sh")).read_text(encoding="utf-8")
+    return "\n".join(lines) + "\n" + body
+
+
+def render_input(problem: Problem) -> str:
+    """The text of ``in.job``.
+
+    Time is looked at between two runs of ``look`` steps, and all ranks must see the same: so atoms vote, and a sum over
+    all ranks counts them.
+    """
+    whole = problem.frames_per_snapshot
+    save = [
+        *restart_lines(problem),
+        "shell sh .job.keep ${dump} $(v_dump_bytes:%.0f)"
+        + ("" if whole is None else " ${snapshots} $(v_snapshots_bytes:%.0f)"),
+        "variable kept delete",
+        "variable kept file .job.kept",
+        'if "${kept} == lost" then "quit 3"',
+    ]
+    cycle = scheme.cycle(problem.scheme)
+    grain = cycle if problem.window is None else window.look_steps(problem.timestep, cycle)
+    tell = f'print "$(step:%.0f)" file {STEP} screen no'
+    sections = [
+        [
+            f"# Used by {JOB}: ${{part}} to its end, or until ${{seconds}} have passed and a restart is left.",
+            f"log {deck.LOG} append",
+            "timer timeout ${seconds} every 2000000000   # counts from here, and never ends a run by itself",
+        ],
+        [
+            "variable steps equal step        # the part sets up and goes no further",
+            "include ${part}",
+        ],
+        [
+            "variable untimed equal $((step>0)&&(version<20230802))   # such a part has frames without their time",
+            *_size_lines("dump", "v_every", _frame_bytes(problem)),
+            *(
+                []
+                if whole is None
+                else _size_lines("snapshots", f"({whole}*v_every)", _frame_bytes(problem.snapshots()))
+            ),
+            "variable kept string none",
+            f"variable left equal {problem.steps}-step",
+            f"variable stride equal $(ceil(v_look/{grain})*{grain})",
+            "variable next equal (v_left<v_stride)*v_left+(v_left>=v_stride)*v_stride",
+            "variable over atom timeremain<=0.0   # some releases stop at 0",
+            "group late empty",
+            "variable looks loop ${rounds}",
+        ],
+        [
+            "label again",
+            "variable steps equal $(step+v_next:%.0f)",
+            *onward_lines(problem),
+            'if "${left} == 0" then "jump SELF end"',
+            "group late clear",
+            "group late variable over",
+            'if "$(count(late)) > 0" then "jump SELF end"',
+            "next looks",
+            "jump SELF again",
+            *save,
+            tell,
+            "variable looks loop ${rounds}",
+            "jump SELF again",
+        ],
+        ["label end", *save, tell],
+    ]
+    return "\n\n".join("\n".join(lines) for lines in sections) + "\n"
+
+
+def _size_lines(dump: str, every: str, frame: int) -> list[str]:
+    """Variables for the bytes that the part of a dump must have by its frames."""
+    return [
+        f"variable {dump}_first equal $(ceil(step/{every}))",
+        f"variable {dump}_bytes equal (floor(step/{every})-v_{dump}_first+1)*({frame}+4*v_ranks-8*v_untimed)",
+    ]
+
+
+def _frame_bytes(problem: Problem) -> int:
+    """Bytes of a frame of the dump, but for 4 bytes a rank."""
+    names = deck.columns(problem)
+    atoms = problem.chains * problem.rows_a_frame
+    return 143 + len(" ".join(names)) + 8 * len(names) * atoms

@@ -1,0 +1,248 @@
+"""Figures hold what they were given, labelled, and warn of nothing."""
+
+import io
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from small_problems import problem as small
+from synthetic_waves import reader, reference
+
+from analysis.figures import (
+    CHAIN_DASHES,
+    MAX_PANELS,
+    BeadHistory,
+    SpaceTime,
+    axis_unit,
+    distance_figure,
+    response_figure,
+    shape_figure,
+    shown_chains,
+    spacetime_figure,
+)
+from analysis.sharing.survey import survey
+from lammps_inputs import Kick
+from lammps_inputs.units import make_scale
+from workflow.runs.run_directory import write_figure
+
+
+@pytest.fixture(scope="module")
+def found():
+    trajectory = reference(2, 0.1, 60, 80.0)
+    return survey(reader(trajectory), trajectory.problem)
+
+
+def curves(axis):
+    """Label -> curve of an axis; reference lines are left out."""
+    return {line.get_label(): line for line in axis.get_lines() if not line.get_label().startswith("_")}
+
+
+def legends(figure):
+    """Labels in all legends of a figure."""
+    found = [*figure.legends, *(legend for axis in figure.axes if (legend := axis.get_legend()))]
+    return [text.get_text() for legend in found for text in legend.get_texts()]
+
+
+def history(trajectory, beads, frames=None):
+    data = BeadHistory(trajectory.problem, beads)
+    data.add(trajectory[:frames])
+    return data
+
+
+def spacetime(trajectory, frames=None):
+    data = SpaceTime(trajectory.problem)
+    data.add(trajectory[:frames])
+    return data
+
+
+def steel(trajectory):
+    """The same run of steel beads hit at 1 cm/s."""
+    problem = trajectory.problem
+    return replace(trajectory, problem=replace(problem, scale=make_scale(3.6e-3, 1.4e10, 0.01, si=True)))
+
+
+def test_distance_figure_shows_amplitudes_energies_and_lags(found):
+    amplitude, waves, chains, lag = distance_figure(found.problem, found.shared, found.energies).axes
+    for k, name in enumerate(("chain 1", "chain 2")):
+        assert np.array_equal(curves(amplitude)[name].get_ydata(), found.shared.amplitude[:, k])
+        assert np.array_equal(curves(waves)[name].get_ydata(), found.energies.wave[:, k])
+        assert np.array_equal(curves(chains)[name].get_ydata(), found.energies.chain[:, k])
+        assert np.array_equal(curves(lag)[name].get_ydata(), found.shared.lag[:, k])
+    assert lag.get_ylabel() == "lag behind chain 1 (reduced)"
+    assert lag.get_xlabel() == "bead"
+
+
+def test_chains_differ_by_dash_in_every_panel_so_that_grey_tells_them(found):
+    for axis in distance_figure(found.problem, found.shared, found.energies).axes:
+        one, two = (curves(axis)[name] for name in ("chain 1", "chain 2"))
+        assert one.get_linestyle() != two.get_linestyle()
+    assert len({str(dash) for dash in CHAIN_DASHES}) == MAX_PANELS
+
+
+@pytest.mark.parametrize("chains", [1, 2, 5])
+@pytest.mark.parametrize("recorded", ["all", (4, 11, 20)])
+def test_every_entry_of_a_legend_has_a_curve_and_no_axes_are_empty(chains, recorded):
+    trajectory = reference(chains, 0.2, 30, 40.0, recorded=recorded)
+    result = survey(reader(trajectory), trajectory.problem)
+    for figure in (
+        distance_figure(result.problem, result.shared, result.energies, result.direction),
+        response_figure(history(trajectory, (4, 11, 20))),
+    ):
+        drawn = {name for axis in figure.axes for name in curves(axis)}
+        assert set(legends(figure)) <= drawn
+        assert ("chain 1" in legends(figure)) == (chains > 1)
+        assert all(any(len(line.get_xdata()) for line in axis.get_lines()) for axis in figure.axes)
+
+
+def test_no_legend_lies_over_data():
+    trajectory = reference(9, 0.2, 30, 40.0)
+    result = survey(reader(trajectory), trajectory.problem)
+    figure = distance_figure(result.problem, result.shared, result.energies)
+    figure.draw_without_rendering()
+    boxes = [legend.get_window_extent() for legend in figure.legends]
+    boxes += [legend.get_window_extent() for axis in figure.axes if (legend := axis.get_legend())]
+    assert len(boxes) == 2
+    for axis in figure.axes:
+        inside = axis.get_window_extent()
+        assert all(min(inside.y1, box.y1) - max(inside.y0, box.y0) < 1.0 for box in boxes)
+
+
+@pytest.mark.parametrize("hit", [1, 9, 14, 20])
+def test_of_many_chains_the_one_that_was_hit_is_shown_and_the_title_says_which(hit):
+    trajectory = reference(20, 0.2, 20, 5.0, kicks=[Kick(chain=hit, velocity=1.0)])
+    shown = shown_chains(trajectory.problem)
+    assert (len(shown), shown) == (MAX_PANELS, sorted(set(shown)))
+    assert {0, 19, hit - 1} <= set(shown)
+    for figure in (spacetime_figure(spacetime(trajectory)), response_figure(history(trajectory, (1,)))):
+        assert f"(chains {', '.join(str(chain + 1) for chain in shown)} are shown)" in figure.get_suptitle()
+    panels = spacetime_figure(spacetime(trajectory)).axes[:MAX_PANELS]
+    assert [axis.get_title() for axis in panels] == [f"chain {chain + 1}" for chain in shown]
+    fastest = [float(axis.get_images()[0].get_array().max()) for axis in panels]
+    assert fastest.index(max(fastest)) == shown.index(hit - 1)
+    lines = curves(response_figure(history(trajectory, (1,))).axes[0])
+    assert np.array_equal(lines[f"chain {hit}"].get_ydata(), trajectory.velocity[:, hit - 1, 0])
+
+
+def test_velocities_of_both_signs_are_seen_and_only_the_bead_that_was_hit_is_cut_off():
+    trajectory = reference(2, 0.1, 60, 110.0)
+    panel = spacetime_figure(spacetime(trajectory)).axes[0]
+    (image,) = panel.get_images()
+    low, high = image.get_clim()
+    assert low == -high
+    far = trajectory.velocity[:, :, 6:]
+    assert high == pytest.approx(np.abs(far).max())
+    shade = image.norm(np.array([-0.06, 0.0, 0.06])).tolist()
+    assert shade[1] == 0.5
+    assert min(0.5 - shade[0], shade[2] - 0.5) > 0.1  # the tail is a good part of the scale away from nothing
+
+
+def test_every_bead_and_instant_of_a_space_time_picture_is_where_its_axes_say():
+    trajectory = reference(2, 0.1, 30, 40.0)
+    (image,) = spacetime_figure(spacetime(trajectory)).axes[1].get_images()
+    left, right, bottom, top = image.get_extent()
+    values = image.get_array()
+    frames, beads = values.shape
+    assert left + (right - left) * (10 + 0.5) / beads == pytest.approx(11.0)
+    assert bottom + (top - bottom) * (100 + 0.5) / frames == pytest.approx(trajectory.time[100])
+    assert values[100, 10] == trajectory.velocity[100, 1, 10]
+
+
+def test_beads_that_are_not_evenly_spaced_are_named_columns():
+    trajectory = reference(1, 0.0, 30, 40.0, recorded=(4, 11, 30))
+    axis = spacetime_figure(spacetime(trajectory)).axes[0]
+    assert [(text.get_position()[0], text.get_text()) for text in axis.get_xticklabels()] == [
+        (0, "4"), (1, "11"), (2, "30")
+    ]  # fmt: skip
+    assert axis.get_xlabel() == "recorded bead"
+
+
+def test_beside_the_whole_run_the_passage_is_shown_close_up(found):
+    trajectory = reference(2, 0.1, 60, 80.0)
+    whole, near = response_figure(history(trajectory, (50,))).axes
+    assert np.ptp(curves(whole)["chain 1"].get_xdata()) == pytest.approx(80.0)
+    x, y = curves(near)["chain 1"].get_data()
+    assert np.ptp(x) < 15.0
+    at = found.waves.at(50)
+    assert y.max() == pytest.approx(at.peak_velocity[0], abs=2e-3)
+    assert abs(x[np.argmax(y)]) < 0.5
+    assert near.get_title(loc="left").startswith("from $t$ = ")
+
+
+def test_a_cut_run_says_so_and_beads_that_have_not_moved_are_named_not_drawn():
+    trajectory = reference(2, 0.1, 60, 80.0)
+    figure = response_figure(history(trajectory, (10, 50, 60), frames=len(trajectory.time) // 4))
+    assert [axis.get_title(loc="left") for axis in figure.axes[::2]] == ["bead 10"]
+    assert "beads 50, 60 have not moved" in figure.get_suptitle()
+    for cut in (figure, spacetime_figure(spacetime(trajectory, len(trajectory.time) // 4))):
+        assert "cut short at 25% of its time" in cut.get_suptitle()
+    assert "cut short" not in spacetime_figure(spacetime(trajectory)).get_suptitle()
+
+
+def test_si_axes_have_prefixed_units_and_numbers_without_powers_of_ten():
+    trajectory = steel(reference(2, 0.1, 60, 80.0))
+    result = survey(reader(trajectory), trajectory.problem)
+    figures = [
+        spacetime_figure(spacetime(trajectory)),
+        response_figure(history(trajectory, (10, 50))),
+        distance_figure(result.problem, result.shared, result.energies),
+    ]
+    time, velocity, lag = (
+        figures[0].axes[0].get_ylabel(), figures[1].axes[0].get_ylabel(), figures[2].axes[-1].get_ylabel()
+    )  # fmt: skip
+    assert (time, velocity) == ("time $t$ (ms)", "$v$ (mm/s)")
+    assert lag == "lag behind chain 1 (\N{MICRO SIGN}s)"
+    for figure in figures:
+        figure.draw_without_rendering()
+        for axis in figure.axes:
+            assert axis.xaxis.get_offset_text().get_text() == axis.yaxis.get_offset_text().get_text() == ""
+    line = curves(figures[1].axes[0])["chain 1"]
+    scale = trajectory.problem.scale
+    np.testing.assert_allclose(line.get_xdata(), 1e3 * scale.time * trajectory.time)
+    np.testing.assert_allclose(line.get_ydata(), 1e3 * scale.velocity * trajectory.velocity[:, 0, 9])
+
+
+@pytest.mark.parametrize(
+    ("velocity", "symbol", "worth"),
+    [
+        (3.0, "m/s", 3.0),
+        (2e-3, "mm/s", 2.0),
+        (5e-6, "\N{MICRO SIGN}m/s", 5.0),
+        (2e3, "km/s", 2.0),
+        (1e-30, "pm/s", 1e-18),
+    ],
+)
+def test_units_have_the_prefix_that_leaves_one_to_three_digits(velocity, symbol, worth):
+    problem = replace(small(), scale=make_scale(1.0, 1.0, velocity, si=True))
+    unit = axis_unit(problem, "velocity", 1.0)
+    assert unit.symbol == symbol
+    assert unit.worth == pytest.approx(worth)
+
+
+def test_letters_in_a_pdf_can_be_searched_and_embedded(tmp_path):
+    write_figure(tmp_path, "f", response_figure(history(reference(1, 0.0, 10, 8.0), (5,))))
+    pdf = (tmp_path / "f.pdf").read_bytes()
+    assert b"/CIDFontType2" in pdf  # Type 42
+    assert b"/Type3" not in pdf
+
+
+def test_shape_figure_shows_the_samples_on_the_exact_wave(found):
+    figure = shape_figure(found.problem, found.waveforms, [10, 50])
+    above, late = figure.axes[:2]
+    assert [axis.get_title(loc="left") for axis in (above, late)] == ["bead 10", "bead 50"]
+    exact = late.get_lines()[0]
+    for line in late.get_lines()[1:]:
+        difference = line.get_ydata() - np.interp(line.get_xdata(), exact.get_xdata(), exact.get_ydata())
+        assert np.max(np.abs(difference)) < 0.03
+
+
+@pytest.mark.parametrize("kicks", [[Kick(velocity=1.0)], [Kick(bead=30, velocity=-1.0)]])
+@pytest.mark.parametrize("chains", [1, 2, 9])
+@pytest.mark.parametrize("recorded", ["all", (4, 11, 20)])
+def test_any_scene_can_be_drawn(kicks, chains, recorded):
+    trajectory = reference(chains, 0.1, 30, 40.0, recorded=recorded, kicks=kicks)
+    result = survey(reader(trajectory), trajectory.problem)
+    for figure in (
+        distance_figure(result.problem, result.shared, result.energies, result.direction),
+        shape_figure(result.problem, result.waveforms, [11, 20]),
+    ):
+        figure.savefig(io.BytesIO(), format="png")

@@ -1,0 +1,63 @@
+import numpy as np
+import pytest
+
+from analysis.files import events
+from analysis.files.events import Events
+from lammps_inputs import InputError
+from lammps_inputs.units import make_scale
+
+SI = make_scale(3.6e-3, 6.9e9, 0.7, si=True)
+
+
+def some(count):
+    random = np.random.default_rng(count)
+    time, striker = np.cumsum(random.random(count)), random.uniform(0.1, 1.0, count)
+    return Events(
+        time, random.integers(1, 4, count), random.integers(1, 99, count), striker, striker - random.random(count)
+    )
+
+
+@pytest.mark.parametrize("count", [0, 1, 500])
+def test_a_table_of_collisions_reads_back(count, tmp_path):
+    path = tmp_path / "events.csv"
+    written = some(count)
+    path.write_text(events.to_csv(written, SI))
+    read = events.from_csv(path, SI)
+    assert len(read) == count
+    for name in events.COLUMNS:
+        # the scale is multiplied in and divided out: two roundings
+        np.testing.assert_allclose(getattr(read, name), getattr(written, name), rtol=5e-16)
+
+
+def test_a_table_is_in_the_units_of_the_scene():
+    written = Events(np.array([2.0]), np.array([1]), np.array([3]), np.array([0.5]), np.array([0.25]))
+    head, line = events.to_csv(written, SI).splitlines()
+    assert head == "time (s),chain,row,striker (m/s),target (m/s)"
+    assert events.to_csv(written, make_scale(1.0, 1.0, 1.0, si=False)).startswith("time,chain,row,striker,target\n")
+    assert [float(number) for number in line.split(",")] == [2.0 * SI.time, 1.0, 3.0, 0.5 * 0.7, 0.25 * 0.7]
+
+
+def test_a_table_of_before_units_were_named_is_read_too(tmp_path):
+    path = tmp_path / "events.csv"
+    path.write_text("time,chain,row,striker,target\n1.0,1,2,0.5,0.25\n")
+    assert events.from_csv(path, SI).time == 1.0 / SI.time
+
+
+def test_the_impulse_is_what_is_handed_on():
+    assert Events(*(np.array([value]) for value in (0.0, 1, 1, 0.75, 0.25))).impulse == 0.5
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [("a,b\n1,2\n", "its columns should be time"), ("time,chain,row,striker,target\n1,x\n", "not a table")],
+)
+def test_another_table_is_refused(text, says, tmp_path):
+    path = tmp_path / "events.csv"
+    path.write_text(text)
+    with pytest.raises(InputError, match=says):
+        events.from_csv(path, SI)
+
+
+def test_a_missing_table_is_refused(tmp_path):
+    with pytest.raises(InputError, match="cannot be read"):
+        events.from_csv(tmp_path / "events.csv", SI)

@@ -1,0 +1,41 @@
+"""Frames of a run in one file or several, some of them or all."""
+
+import numpy as np
+import pytest
+from stock_lammps import scene
+
+from analysis.files.recording import Writer, blocks
+from analysis.trajectory import joined
+
+PROBLEM = scene(chains=2, beads=3, duration=2.0, every=0.1).problem()
+
+
+def written(directory, *parts):
+    """Files of frames; frame k is displaced by k / 64 and moves at k."""
+    paths = []
+    for number, frames in enumerate(parts, 1):
+        paths.append(directory / f"{number}.bin")
+        with Writer(paths[-1], PROBLEM) as writer:
+            for frame in frames:
+                writer.append(frame * PROBLEM.steps_per_frame, np.full((2, 3), frame / 64), np.full((2, 3), frame))
+    return paths
+
+
+@pytest.mark.parametrize("stride", [1, 2, 3, 5, 7])
+@pytest.mark.parametrize(
+    "parts",
+    [
+        [range(21)],
+        [range(10), range(10, 21)],
+        [range(11), range(11, 21)],
+        [range(12), range(9, 21)],  # computed again, and read from the first
+        [range(4), range(4, 5), range(5, 21)],
+    ],
+    ids=["one file", "two of ten", "two of eleven", "overlapping", "three"],
+)
+def test_every_stride_th_frame_of_the_run_is_read_wherever_files_end(parts, stride, tmp_path):
+    found = joined(blocks(written(tmp_path, *parts), PROBLEM, stride))
+    wanted = np.arange(0, 21, stride)
+    np.testing.assert_array_equal(found.velocity[:, 1, 2], wanted)
+    np.testing.assert_array_equal(found.displacement[:, 0, 0], wanted / 64)
+    np.testing.assert_allclose(found.time, 0.1 * wanted, rtol=1e-14)

@@ -1,0 +1,253 @@
+"""A user's table comes back number for number, and whatever is no table ends in one line."""
+
+import contextlib
+import io
+import zipfile
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from analysis.files import table
+from lammps_inputs import InputError
+
+NUMBERS = st.floats(allow_nan=False, allow_infinity=False)
+
+
+@st.composite
+def grids(draw):
+    """(time, chains, beads, displacement or None, velocity or None) with every place filled."""
+    time = np.array(sorted(draw(st.lists(NUMBERS, min_size=1, max_size=5, unique=True))))
+    time = np.unique(time + 0.0)  # -0 and 0 are one time
+    chains = np.array(sorted(draw(st.sets(st.integers(1, 9), min_size=1, max_size=3))))
+    beads = np.array(sorted(draw(st.sets(st.integers(1, 10**6), min_size=1, max_size=4))))
+    shape = (len(time), len(chains), len(beads))
+    present = draw(st.sampled_from([(True, True), (True, False), (False, True)]))
+    return (
+        time,
+        chains,
+        beads,
+        *(draw(arrays(np.float64, shape, elements=NUMBERS)) if is_in else None for is_in in present),
+    )
+
+
+def long_columns(grid):
+    """The columns of a table of a grid."""
+    time, chains, beads, displacement, velocity = grid
+    places = [axis.ravel() for axis in np.meshgrid(time, chains, beads, indexing="ij")]
+    columns = dict(zip(("time", "chain", "bead"), places, strict=True))
+    for name, values in (("displacement", displacement), ("velocity", velocity)):
+        if values is not None:
+            columns[name] = values.ravel()
+    return columns
+
+
+def as_text(columns, between, order, head=""):
+    names = list(columns)
+    rows = [between.join(repr(columns[name][k].item()) for name in names) for k in order]
+    return "\n".join([head + between.join(names), *rows]) + "\n"
+
+
+def same(found, grid):
+    for own, given_ in zip(
+        (found.time, found.chains, found.beads, found.displacement, found.velocity), grid, strict=True
+    ):
+        if given_ is None:
+            assert own is None
+        else:
+            np.testing.assert_array_equal(own, given_)
+
+
+def read_or_refused(path):
+    """Load whatever is there; `InputError` makes its text one line."""
+    with contextlib.suppress(InputError):
+        table.load(path)
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory):
+    return tmp_path_factory.mktemp("table") / "table.dat"
+
+
+@given(grids(), st.sampled_from([",", " ", "\t", ", "]), st.sampled_from(["", "# ", "#", "\ufeff"]), st.randoms())
+def test_text_comes_back_number_for_number_in_any_order_of_rows(path, grid, between, head, random):
+    columns = long_columns(grid)
+    order = list(range(len(columns["time"])))
+    random.shuffle(order)
+    path.write_text(as_text(columns, between, order, head), encoding="utf-8")
+    same(table.load(path), grid)
+
+
+@given(grids())
+def test_an_npz_of_columns_comes_back_number_for_number(path, grid):
+    with path.open("wb") as file:
+        np.savez_compressed(file, **long_columns(grid))
+    same(table.load(path), grid)
+
+
+@given(grids(), st.randoms())
+def test_an_npz_of_a_grid_comes_back_with_chains_and_beads_in_order(path, grid, random):
+    time, chains, beads, *values = grid
+    by_chain, by_bead = random.sample(range(len(chains)), len(chains)), random.sample(range(len(beads)), len(beads))
+    shuffled = {
+        name: value[:, by_chain][:, :, by_bead]
+        for name, value in zip(("displacement", "velocity"), values, strict=True)
+        if value is not None
+    }
+    with path.open("wb") as file:
+        np.savez(file, time=time, chain=chains[by_chain], bead=beads[by_bead], **shuffled)
+    same(table.load(path), grid)
+
+
+def test_an_npz_of_a_grid_without_numbers_counts_from_one(path):
+    with path.open("wb") as file:
+        np.savez(file, time=np.arange(3.0), velocity=np.ones((3, 2, 4)))
+    found = table.load(path)
+    assert found.chains.tolist() == [1, 2]
+    assert found.beads.tolist() == [1, 2, 3, 4]
+
+
+@given(grids(), st.data())
+def test_rows_that_are_left_out_are_nan(path, grid, data):
+    columns = long_columns(grid)
+    count = len(columns["time"])
+    kept = sorted(data.draw(st.sets(st.integers(0, count - 1), min_size=1)))
+    path.write_text(as_text(columns, ",", kept), encoding="utf-8")
+    found = table.load(path)
+    for name in set(columns) & set(table.VALUES):
+        known = getattr(found, name)
+        assert np.isfinite(known).sum() == len(kept)
+        np.testing.assert_array_equal(known[np.isfinite(known)], columns[name][kept])
+
+
+def test_other_columns_are_passed_over_even_of_text(path):
+    path.write_text('"","time","chain","bead","velocity","who"\n0,0.5,1,2,-0.25,me\n1,1.5,1,2,0.125,you\n')
+    found = table.load(path)
+    assert found.time.tolist() == [0.5, 1.5]
+    assert found.velocity.ravel().tolist() == [-0.25, 0.125]
+
+
+HEAD = "time,chain,bead,velocity\n"
+WRONG = {
+    "empty file": ("", "names no column"),
+    "no header": ("0,1,1,0.5\n", "names no column"),
+    "header only": (HEAD, "holds no row"),
+    "comments only": (HEAD + "# nothing\n", "holds no row"),
+    "no bead": ("time,chain,velocity\n0,1,1\n", "no column 'bead'"),
+    "no time": ("chain,bead,velocity\n1,1,1\n", "no column 'time'"),
+    "no values": ("time,chain,bead\n0,1,1\n", "neither a displacement nor a velocity"),
+    "a name twice": ("time,time,chain,bead,velocity\n0,0,1,1,1\n", "names 'time' twice"),
+    "a place twice": (HEAD + "0,1,1,1\n0,1,1,2\n", "given twice"),
+    "too few columns": (HEAD + "0,1,1\n", "4 names in the first line, but 3 columns in line 2"),
+    "a short row": (HEAD + "0,1,1,1\n0,1,2\n", "but 3 columns in line 3"),
+    "a long row": (HEAD + "0,1,1,1,7\n", "but 5 columns in line 2"),
+    "a word": (HEAD + "0,1,1,fast\n", "fast"),
+    "nothing for a number": (HEAD + "0,1,1,\n", "could not convert"),
+    "decimal comma": ("time;chain;bead;velocity\n0,0;1;1;0,5\n", "names no column"),
+    "NaN": (HEAD + "0,1,1,1\n0,1,2,nan\n", "'velocity' holds nan in row 2"),
+    "infinite": (HEAD + "0,1,1,-inf\n", "'velocity' holds -inf in row 1"),
+    "overflow": (HEAD + "0,1,1,1e999\n", "'velocity' holds inf in row 1"),
+    "NaN for a time": (HEAD + "nan,1,1,1\n", "'time' holds nan"),
+    "half a bead": (HEAD + "0,1,1.5,1\n", "'bead' holds what is not the number of a bead"),
+    "negative chain": (HEAD + "0,-1,1,1\n", "'chain' holds what is not the number of a chain"),
+    "huge bead": (HEAD + "0,1,1e300,1\n", "'bead' holds what is not"),
+    "a LAMMPS dump": ("ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n2\n", "names no column"),
+    "binary": ("\x00\x01\x02", "names no column"),
+}
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_what_is_wrong_with_a_text_is_said_in_one_line(case, path):
+    text, words = WRONG[case]
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError) as error:
+        table.load(path)
+    assert words in str(error.value)
+    assert str(path) in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def grid_of(**changes):
+    return {"time": np.arange(3.0), "velocity": np.ones((3, 2, 4)), **changes}
+
+
+def columns_of(**changes):
+    return {"time": np.arange(3.0), "chain": np.ones(3), "bead": np.ones(3), "velocity": np.ones(3), **changes}
+
+
+WRONG_ARRAYS = {
+    "nothing of ours": ({"a": np.ones(3)}, "neither a displacement nor a velocity"),
+    "no arrays": ({}, "neither a displacement nor a velocity"),
+    "pickled": (columns_of(velocity=np.array([None, {}, 1])), "not an npz of plain numbers"),
+    "text": (columns_of(velocity=np.array(["a", "b", "c"])), "not an npz of plain numbers"),
+    "complex": (columns_of(velocity=np.ones(3, complex)), "not an npz of plain numbers"),
+    "records": (columns_of(velocity=np.zeros(3, [("a", "f8"), ("b", "f8")])), "not an npz of plain numbers"),
+    "other lengths": (columns_of(velocity=np.ones(4)), "different lengths"),
+    "a matrix": (columns_of(velocity=np.ones((3, 2))), "different lengths"),
+    "one number": (columns_of(velocity=np.float64(1.0)), "different lengths"),
+    "empty": (columns_of(velocity=np.ones(0)), "'velocity' is empty"),
+    "empty grid": (grid_of(velocity=np.ones((3, 0, 4))), "'velocity' is empty"),
+    "grid without times": (grid_of(time=np.ones((3, 1))), "do not fit together"),
+    "grids of two shapes": (grid_of(displacement=np.ones((3, 2, 5))), "do not fit together"),
+    "times that go back": (grid_of(time=np.array([0.0, 2.0, 1.0])), "not ascending"),
+    "a time twice": (grid_of(time=np.array([0.0, 1.0, 1.0])), "not ascending"),
+    "too few chains": (grid_of(chain=np.array([1])), "do not number"),
+    "a chain twice": (grid_of(chain=np.array([1, 1])), "named twice"),
+    "half a bead": (grid_of(bead=np.array([1, 1.5, 2, 3])), "'bead' holds what is not"),
+    "NaN": (grid_of(velocity=np.full((3, 2, 4), np.nan)), "'velocity' holds nan in row 1, 1, 1"),
+    "every row of its own": (
+        {name: np.arange(2000.0) for name in ("time", "chain", "bead", "velocity")},
+        "2000 times of 2000 chains and 2000 beads are too many",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", WRONG_ARRAYS)
+def test_what_is_wrong_with_an_npz_is_said_in_one_line(case, path):
+    content, words = WRONG_ARRAYS[case]
+    with path.open("wb") as file:
+        np.savez(file, **content)
+    with pytest.raises(InputError) as error:
+        table.load(path)
+    assert words in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_a_zip_of_something_else_is_no_table(path):
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("velocity", "not an array")
+    with pytest.raises(InputError, match="not an npz of plain numbers"):
+        table.load(path)
+
+
+@pytest.mark.parametrize("words", ["no such file", "is a directory"])
+def test_a_path_that_is_no_file_is_said(words, tmp_path):
+    with pytest.raises(InputError, match=f"(?i){words}"):
+        table.load(tmp_path if "directory" in words else tmp_path / "none.csv")
+
+
+@pytest.mark.parametrize("compressed", [False, True])
+@settings(max_examples=100)
+@given(st.data())
+def test_a_damaged_npz_is_read_or_refused(path, compressed, data):
+    out = io.BytesIO()
+    (np.savez_compressed if compressed else np.savez)(out, **columns_of())
+    content = bytearray(out.getvalue())
+    for place in data.draw(st.lists(st.integers(2, len(content) - 1), max_size=4)):
+        content[place] = data.draw(st.integers(0, 255))
+    path.write_bytes(content[: data.draw(st.integers(4, len(content)))])
+    read_or_refused(path)
+
+
+@given(st.text(max_size=80))
+def test_any_text_after_a_header_is_read_or_refused(path, rows):
+    path.write_text(HEAD + rows, encoding="utf-8", errors="surrogatepass")
+    read_or_refused(path)
+
+
+@given(st.binary(max_size=80))
+def test_any_bytes_are_read_or_refused(path, content):
+    path.write_bytes(content)
+    read_or_refused(path)

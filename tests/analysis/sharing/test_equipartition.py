@@ -1,0 +1,271 @@
+"""Known beads of agreement, and synthetic sharings of known mismatch, beat and decay."""
+
+import functools
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from synthetic_waves import problem, reader, reference
+
+from analysis.sharing.decay_law import SINGLE_CHAIN, expected_n_star, fit_decay
+from analysis.sharing.equipartition import Sharing
+from analysis.sharing.survey import Survey, survey
+from analysis.sharing.verdict import State, judge
+from lammps_inputs import Coupling, Kick, Output, Scene
+
+RUNS = {
+    (2, 0.5): (120, 192.0),
+    (2, 0.1): (120, 192.0),
+    (2, 0.01): (640, 900.0),
+    (3, 0.1): (150, 230.0),
+}
+
+
+@functools.cache
+def run(chains: int, kappa: float) -> Survey:
+    trajectory = reference(chains, kappa, *RUNS[chains, kappa])
+    return survey(reader(trajectory), trajectory.problem)
+
+
+def beating(level: float, beat: float, decay: float, last: int = 200, first: int = 2) -> Sharing:
+    """Two chains whose amplitudes beat about a level and come to agree: cos(2 pi n / beat) exp(-n / decay)."""
+    bead = np.arange(first, last + 1)
+    deviation = 0.5 * np.cos(2.0 * np.pi * bead / beat) * np.exp(-bead / decay)
+    amplitude = level * np.stack([1.0 + deviation, 1.0 - deviation], axis=1)
+    arrival = np.stack([bead / 0.74, bead / 0.74], axis=1)
+    return Sharing(0, bead, arrival, amplitude, 0.5)
+
+
+@pytest.mark.parametrize(
+    ("chains", "kappa", "tolerance", "bead"),
+    [
+        (2, 0.5, 0.1, 11),
+        (2, 0.5, 0.01, 17),
+        (2, 0.1, 0.1, 33),
+        (2, 0.1, 0.01, 62),
+        (3, 0.1, 0.1, 64),
+        (3, 0.1, 0.01, 105),
+    ],
+)
+def test_chains_agree_from_the_bead_of_the_table(chains, kappa, tolerance, bead):
+    assert run(chains, kappa).shared.agrees_from(tolerance) == bead
+
+
+@pytest.mark.parametrize(("tolerance", "bead"), [(0.1, 265), (0.01, 507)])
+def test_weakly_coupled_chains_agree_from_the_bead_of_the_table_within_one_per_cent(tolerance, bead):
+    assert run(2, 0.01).shared.agrees_from(tolerance) == pytest.approx(bead, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("chains", "kappa", "peak"), [(2, 0.5, 0.35934), (2, 0.1, 0.36524), (2, 0.01, 0.3196), (3, 0.1, 0.25559)]
+)
+def test_final_amplitude_is_that_of_the_table_and_within_its_own_uncertainty(chains, kappa, peak):
+    final = run(chains, kappa).shared.final
+    assert final.value == pytest.approx(peak, abs=5e-5)
+    assert abs(final.value - peak) <= final.uncertainty + 5e-6
+
+
+@pytest.mark.parametrize(("kappa", "share"), [(0.5, 0.552), (0.1, 0.571), (0.01, 0.437)])
+def test_share_of_the_energy_in_the_waves_is_that_of_the_table_by_amplitude_and_by_measurement(kappa, share):
+    found = run(2, kappa)
+    assert np.sum(found.shared.wave_share[-1]) == pytest.approx(share, abs=1e-3)
+    assert np.sum(found.energies.wave[-1]) == pytest.approx(share, abs=1e-3)
+
+
+def test_energies_of_the_chains_add_up_to_that_of_the_kick():
+    assert np.allclose(np.sum(run(3, 0.1).energies.chain, axis=1), 1.0, rtol=0, atol=1e-5)
+
+
+def test_no_wave_holds_more_than_its_chain():
+    energies = run(2, 0.1).energies
+    assert np.all(energies.wave <= energies.chain + 1e-12)
+
+
+def test_peaks_of_three_chains_at_bead_90_are_those_of_the_table():
+    shared = run(3, 0.1).shared
+    assert shared.amplitude[shared.bead == 90][0] == pytest.approx([0.25525, 0.25563, 0.25596], abs=5e-6)
+
+
+def by_hand(kicked: int = 0) -> Sharing:
+    """Three chains at one bead: amplitudes 0.5, 0.25, 0.125, arriving at 10, 13, 9."""
+    return Sharing(kicked, np.array([20]), np.array([[10.0, 13.0, 9.0]]), np.array([[0.5, 0.25, 0.125]]), 0.5)
+
+
+def test_a_lag_is_positive_for_a_wave_that_comes_after_that_of_the_chain_that_was_hit():
+    assert by_hand().lag.tolist() == [[0.0, 3.0, -1.0]]
+    assert by_hand(kicked=1).lag.tolist() == [[-3.0, 0.0, -4.0]]
+
+
+def test_the_mismatch_is_the_range_over_the_mean():
+    assert by_hand().mismatch[0] == pytest.approx(0.375 / (0.875 / 3.0), rel=1e-15)
+
+
+def test_the_spread_is_the_range_of_arrivals_over_the_passage_of_a_wave_of_the_mean_amplitude():
+    # full width 1.579 beads at a speed of 0.9074701 v^0.2
+    assert by_hand().spread[0] == pytest.approx(4.0 / (1.579 / (0.9074701 * (0.875 / 3.0) ** 0.2)), rel=5e-4)
+
+
+def test_a_share_of_the_energy_is_that_of_the_exact_wave():
+    assert by_hand().wave_share[0] == pytest.approx(1.069323 * np.array([0.5, 0.25, 0.125]) ** 2 / 0.5, rel=1e-6)
+
+
+def test_lag_changes_sign_with_the_beat_and_dies_away():
+    lag = run(2, 0.1).shared.lag[:, 1]
+    crossings = np.flatnonzero(np.sign(lag[1:]) != np.sign(lag[:-1]))
+    assert np.diff(crossings[:5]) == pytest.approx(14.0, abs=2.0)
+    assert abs(lag[0]) > 2.0
+    assert abs(lag[-1]) < 0.002
+
+
+@pytest.mark.parametrize(("kappa", "beat"), [(0.5, 10.0), (0.1, 28.5), (0.01, 98.0)])
+def test_beats_are_as_long_as_they_look(kappa, beat):
+    assert run(2, kappa).shared.beat_length.value == pytest.approx(beat, rel=0.03)
+
+
+@settings(max_examples=50)
+@given(st.floats(12.0, 60.0), st.floats(0.2, 0.5), st.floats(30.0, 200.0))
+def test_a_known_beat_is_measured_within_its_scatter(beat, level, decay):
+    found = beating(level, beat, decay).beat_length
+    assert found.value == pytest.approx(beat, rel=2e-3)
+    assert found.uncertainty < 0.01 * beat
+
+
+@settings(max_examples=50)
+@given(st.floats(12.0, 40.0), st.floats(20.0, 50.0))
+def test_agreement_is_foretold_within_its_uncertainty(beat, decay):
+    whole, cut = (beating(0.36, beat, decay, last) for last in (400, 100))
+    agreed, expected = whole.agrees_from(0.01), cut.expected_agreement(0.01)
+    assert abs(expected.value - agreed) <= expected.uncertainty
+
+
+def test_agreement_needs_half_a_beat_to_count():
+    shared = beating(0.36, 40.0, 1e9, 70)
+    near_zero = shared.mismatch < 0.1
+    assert near_zero[-1]
+    assert shared.agrees_from(0.1) is None
+
+
+def test_agreement_that_is_lost_again_begins_after_the_loss():
+    amplitude = np.full((100, 2), 0.3)
+    amplitude[:60, 0] *= 1.0 + 0.05 * np.cos(np.arange(60))
+    shared = Sharing(0, np.arange(2, 102), np.zeros((100, 2)), amplitude, 0.5)
+    last_bad = int(np.flatnonzero(shared.mismatch >= 0.01)[-1])
+    assert shared.agrees_from(0.01) == shared.bead[last_bad + 1]
+
+
+def test_noise_makes_no_beats():
+    rng = np.random.default_rng(3)
+    amplitude = 0.36 + 1e-3 * rng.standard_normal((100, 2))
+    assert len(Sharing(0, np.arange(2, 102), np.zeros((100, 2)), amplitude, 0.5, 1e-3).beats) <= 1
+
+
+@pytest.mark.parametrize(
+    ("chains", "kappa", "beads", "duration", "state"),
+    [
+        (2, 0.5, 120, 192.0, State.EQUAL),
+        (2, 0.1, 120, 192.0, State.EQUAL),
+        (2, 0.1, 50, 75.0, State.BEATING),
+        (3, 0.1, 120, 192.0, State.BEATING),
+        (2, 0.005, 200, 280.0, State.SHORT),
+        (2, 0.1, 120, 3.0, State.SHORT),
+        (1, 0.0, 50, 60.0, State.ALONE),
+        (2, 0.0, 50, 60.0, State.ALONE),
+    ],
+)
+def test_verdict(chains, kappa, beads, duration, state):
+    trajectory = reference(chains, kappa, beads, duration)
+    verdict = survey(reader(trajectory), trajectory.problem).verdict
+    assert verdict.state is state
+    assert verdict.sentence.startswith(state.value)
+
+
+@pytest.mark.parametrize(("beads", "duration"), [(60, 85.0), (50, 75.0), (40, 62.0)])
+def test_a_run_that_ended_early_foretells_the_bead_of_agreement_within_its_uncertainty(beads, duration):
+    trajectory = reference(2, 0.1, beads, duration)
+    expected = survey(reader(trajectory), trajectory.problem).verdict.expected
+    assert abs(expected.value - 62) <= expected.uncertainty
+
+
+def test_verdict_knows_since_when_amplitudes_and_arrivals_agree():
+    found = run(2, 0.1)
+    assert found.verdict.since == max(found.shared.agrees_from(0.01), found.shared.in_step_from(0.01))
+
+
+def test_verdict_without_any_place_gives_the_rule_of_thumb():
+    empty = Sharing(0, np.zeros(0, dtype=np.int64), np.zeros((0, 2)), np.zeros((0, 2)), 0.5)
+    verdict = judge(empty, problem(2, 0.1), None)
+    assert (verdict.state, verdict.expected.value) == (State.SHORT, pytest.approx(60.0))
+
+
+def test_n_star_of_theory_is_that_of_the_table():
+    assert expected_n_star(0.01) == pytest.approx(2.709 / 0.01, rel=2e-4)
+    assert expected_n_star(0.01, 2) == pytest.approx(expected_n_star(0.01) / 2.0, rel=1e-15)
+
+
+def test_a_weakly_coupled_pulse_decays_by_the_law():
+    trajectory = reference(2, 0.002, 400, 560.0)
+    fit = survey(reader(trajectory), trajectory.problem).decay
+    assert fit.n_star == pytest.approx(fit.expected, rel=0.01)
+    assert fit.v0 == pytest.approx(SINGLE_CHAIN, rel=0.005)
+    assert fit.deviation < 2e-3
+
+
+def test_the_pulse_of_a_chain_between_two_decays_twice_as_fast():
+    trajectory = reference(3, 0.002, 400, 560.0, kicks=[Kick(chain=2, velocity=1.0)])
+    fit = survey(reader(trajectory), trajectory.problem).decay
+    assert fit.n_star == pytest.approx(expected_n_star(0.002, 2), rel=0.02)
+
+
+@pytest.mark.parametrize(("chain", "springs"), [(1, 1), (2, 2), (3, 2), (4, 1)])
+def test_the_law_expects_a_spring_for_each_neighbour(chain, springs):
+    bead = np.arange(2, 120)
+    amplitude = np.full((118, 4), 0.01)
+    amplitude[:, chain - 1] = SINGLE_CHAIN * (1.0 - (bead - 1) / 500.0) ** 2.5
+    shared = Sharing(chain - 1, bead, np.zeros((118, 4)), amplitude, 0.5)
+    fit = fit_decay(shared, problem(4, 0.002, kicks=[Kick(chain=chain, velocity=1.0)]))
+    assert fit.expected == pytest.approx(2.709 / (0.002 * springs), rel=2e-4)
+
+
+@settings(max_examples=30)
+@given(st.floats(1e-4, 5e-3), st.floats(0.98, 1.02))
+def test_a_known_decay_is_fitted_exactly(kappa, factor):
+    n_star = factor * expected_n_star(kappa)
+    bead = np.arange(2, 120)
+    first = SINGLE_CHAIN * (1.0 - (bead - 1) / n_star) ** 2.5
+    shared = Sharing(0, bead, np.zeros((118, 2)), np.stack([first, 0.1 * first], axis=1), 0.5)
+    fit = fit_decay(shared, problem(2, kappa))
+    assert fit.n_star == pytest.approx(n_star, rel=1e-9)
+    assert fit.v0 == pytest.approx(SINGLE_CHAIN, rel=1e-9)
+
+
+def test_the_decay_law_is_not_fitted_where_chains_share():
+    assert run(2, 0.1).decay is None
+
+
+def test_a_mirrored_scene_is_found_the_same():
+    trajectory = reference(2, 0.1, 80, 110.0, kicks=[Kick(bead=80, velocity=-1.0)])
+    straight = reference(2, 0.1, 80, 110.0)
+    mirror, plain = (survey(reader(each), each.problem) for each in (trajectory, straight))
+    assert (mirror.direction, plain.direction) == (-1, 1)
+    assert mirror.shared.amplitude == pytest.approx(plain.shared.amplitude, rel=1e-9)
+    assert np.array_equal(np.sort(81 - mirror.waves.bead[mirror.waves.chain == 1]), plain.waves.of_chain(1).bead)
+    assert mirror.verdict.sentence == plain.verdict.sentence
+
+
+@pytest.mark.parametrize("speed", [0.01, 20.0])
+def test_the_kicks_speed_changes_nothing_but_the_units(speed):
+    kappa = 0.1 * speed**0.4
+    scene = Scene(
+        name="scaled",
+        chains=2,
+        beads=80,
+        coupling=Coupling(stiffness=kappa),
+        kick=(Kick(velocity=speed),),
+        duration=110.0 * speed**-0.2,
+        output=Output(every=0.1 * speed**-0.2),
+    )
+    scaled, plain = scene.problem(), problem(2, 0.1, 80, 110.0)
+    assert math.isclose(scaled.kappa, plain.kappa, rel_tol=1e-12)
+    assert math.isclose(scaled.every, plain.every, rel_tol=1e-12)

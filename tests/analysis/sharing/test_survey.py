@@ -1,0 +1,214 @@
+"""The whole reading of a run: waveforms against the exact wave, what is called solitary, noise, memory."""
+
+import tracemalloc
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from synthetic_waves import exact_waves, problem, reader, reference
+
+from analysis.mirror import mirrored, mirrored_problem
+from analysis.shape.exact_wave import solitary_wave
+from analysis.shape.waveforms import Passages, Waveforms
+from analysis.sharing.is_solitary import Tolerances
+from analysis.sharing.survey import survey
+from analysis.tracking.accuracy import peak_error, width_error
+from analysis.tracking.leading_waves import from_csv, leading_waves, to_csv, usual_arrival
+from analysis.tracking.noise import noise_at_start, smoothed
+from analysis.tracking.peaks import find_peaks
+from analysis.trajectory import Trajectory, blocks, joined
+from lammps_inputs import Kick
+from workflow.engines.reference import engine
+
+EXACT = solitary_wave()
+
+
+def shape_of(trajectory: Trajectory, peak: float, arrival: float, bead: int = 20, direction: int = 1):
+    speed = float(EXACT.speed_at(peak))
+    at = arrival + (bead - 1 if direction > 0 else trajectory.problem.beads - bead) / speed
+    passages = Passages(*(np.array([number]) for number in (1, bead, at, peak, speed, direction)))
+    waveforms = Waveforms(trajectory.problem, passages)
+    for block in blocks(trajectory):
+        waveforms.add(block)
+    return waveforms.shape()
+
+
+@settings(max_examples=25)
+@given(st.floats(0.05, 1.0), st.floats(0.01, 0.3), st.floats(6.0, 15.0), st.sampled_from([1, -1]))
+def test_an_exact_wave_has_the_momentum_energy_and_shape_of_the_exact_wave(peak, every, arrival, direction):
+    shape = shape_of(exact_waves([(peak, arrival)], every=every, direction=direction), peak, arrival, 20, direction)
+    assert shape.momentum[0] == pytest.approx(float(EXACT.momentum_at(peak)), rel=1e-5)
+    assert shape.energy[0] == pytest.approx(float(EXACT.energy_at(peak)), rel=1e-5)
+    assert shape.residual[0] < 1e-9
+
+
+@settings(max_examples=50)
+@given(st.floats(0.05, 1.0), st.floats(0.01, 1.0), st.floats(6.0, 15.0))
+def test_width_is_within_its_stated_error_on_any_grid(peak, every, arrival):
+    trajectory = exact_waves([(peak, arrival)], every=every)
+    width = shape_of(trajectory, peak, arrival).width[0]
+    assert width == pytest.approx(EXACT.width, rel=width_error(trajectory.problem.every))
+
+
+def test_with_few_beads_recorded_the_energy_is_that_of_the_virial_theorem():
+    shape = shape_of(exact_waves([(0.5, 8.0)], recorded=(5, 20, 30)), 0.5, 8.0)
+    assert shape.energy[0] == pytest.approx(float(EXACT.energy_at(0.5)), rel=1e-5)
+
+
+@settings(max_examples=20)
+@given(st.floats(0.1, 1.0), st.floats(0.5, 2.0))
+def test_a_wave_that_is_too_wide_has_the_width_put_in_and_a_residual(peak, stretch):
+    trajectory = exact_waves([(peak, 8.0)])
+    time = trajectory.time[:, np.newaxis, np.newaxis]
+    speed = float(EXACT.speed_at(peak))
+    xi = (np.arange(40) - speed * (time - 8.0)) / stretch
+    stretched = Trajectory(trajectory.problem, trajectory.time, trajectory.displacement, peak * EXACT.velocity(xi))
+    bead = 26  # far enough in for the widest to be seen whole
+    shape = shape_of(stretched, peak, 8.0, bead)
+    assert shape.width[0] == pytest.approx(stretch * EXACT.width, rel=1e-3)
+    grid = np.linspace(-2.9, 2.9, 400)
+    expected = np.max(np.abs(EXACT.velocity(grid / stretch) - EXACT.velocity(grid)))
+    assert shape.residual[0] == pytest.approx(expected, rel=0.15, abs=1e-6)
+
+
+def test_a_passage_that_the_run_does_not_show_whole_has_no_shape():
+    trajectory = exact_waves([(0.5, 8.0)])
+    shape = shape_of(trajectory[: int(32.5 / 0.1)], 0.5, 8.0, 20)
+    assert np.isnan([shape.width[0], shape.momentum[0], shape.energy[0], shape.residual[0]]).all()
+
+
+def test_waves_are_solitary_once_equipartitioned():
+    trajectory = reference(2, 0.1)
+    found = survey(reader(trajectory), trajectory.problem)
+    leading = [c for p, c in zip(found.pulses, found.characters, strict=True) if found.leads(p)]
+    assert len(leading) == 2
+    assert all(character.solitary for character in leading)
+    late = found.waves.bead[: len(found.shape.residual)] == 110
+    assert np.all(found.shape.residual[late] < 1e-3)
+
+
+def test_waves_that_still_beat_fail_by_shape_and_amplitude():
+    trajectory = reference(2, 0.1, 40, 50.0)
+    found = survey(reader(trajectory), trajectory.problem)
+    for pulse, character in zip(found.pulses, found.characters, strict=True):
+        if found.leads(pulse):
+            assert {"shape", "amplitude"} <= set(character.fails)
+
+
+def test_a_tolerance_decides_what_is_solitary():
+    trajectory = reference(1, 0.0, 40, 50.0)
+    strict = survey(reader(trajectory), trajectory.problem, tolerances=Tolerances(shape=1e-12))
+    assert strict.characters[0].fails == ("shape",)
+    assert survey(reader(trajectory), trajectory.problem).characters[0].fails == ()
+
+
+def test_a_pulse_that_could_not_be_measured_is_not_called_solitary():
+    trajectory = reference(1, 0.0, 40, 8.0)
+    found = survey(reader(trajectory), trajectory.problem)
+    assert all(not character.solitary for character in found.characters)
+
+
+def noisy(trajectory: Trajectory, noise: float) -> Trajectory:
+    rng = np.random.default_rng(11)
+    x, v = (
+        values + noise * rng.standard_normal(values.shape) for values in (trajectory.displacement, trajectory.velocity)
+    )
+    return Trajectory(trajectory.problem, trajectory.time, x, v)
+
+
+@pytest.mark.parametrize("noise", [1e-3, 1e-2])
+def test_a_noisy_run_gives_the_same_waves_within_the_noise(noise):
+    clean = reference(2, 0.1, 80, 110.0)
+    dirty = noisy(clean, noise)
+    found, exact = (survey(reader(each), each.problem) for each in (dirty, clean))
+    assert found.noise == pytest.approx(noise, rel=0.2)
+    assert exact.noise == 0.0
+    assert np.array_equal(found.shared.bead[8:], exact.shared.bead[8:])
+    assert np.max(np.abs(found.shared.amplitude - exact.shared.amplitude)[8:]) < 5.0 * noise
+    error = peak_error(0.1, float(exact.shared.amplitude.min()), noise=noise)
+    assert np.max(np.abs(found.shared.arrival - exact.shared.arrival)[8:]) < error.arrival
+    assert found.verdict.sentence.split(":")[0] in {exact.verdict.state.value, "still beating"}
+
+
+def test_smoothing_block_by_block_is_smoothing_at_once():
+    trajectory = exact_waves([(0.5, 8.0)], noise=0.01)
+    once = joined(smoothed([trajectory], trajectory.problem.every))
+    pieces = [trajectory[start : start + 37] for start in range(0, trajectory.frames, 37)]
+    split = joined(smoothed(pieces, trajectory.problem.every))
+    assert np.array_equal(split.time, trajectory.time)
+    assert np.allclose(split.velocity, once.velocity, rtol=0, atol=1e-12)
+
+
+def test_a_clean_record_has_no_noise():
+    assert noise_at_start(reference(2, 0.1, 20, 5.0)) == 0.0
+
+
+def test_the_mirror_of_the_mirror_is_the_run_itself():
+    trajectory = reference(2, 0.1, 20, 5.0, recorded=(2, 3, 11))
+    twice = mirrored(mirrored(trajectory))
+    assert mirrored_problem(trajectory.problem).recorded == (10, 18, 19)
+    assert twice.problem == trajectory.problem
+    assert np.array_equal(twice.displacement, trajectory.displacement)
+    assert np.array_equal(twice.velocity, trajectory.velocity)
+
+
+def test_a_run_in_pieces_of_any_size_gives_the_same():
+    trajectory = reference(2, 0.1, 60, 80.0)
+    whole = survey(lambda: [trajectory], trajectory.problem)
+    pieces = [trajectory[start : start + 7] for start in range(0, trajectory.frames, 7)]
+    parts = survey(lambda: pieces, trajectory.problem)
+    for name in ("arrival", "peak_velocity", "speed"):
+        assert np.allclose(getattr(whole.waves, name), getattr(parts.waves, name), rtol=1e-11, atol=1e-12)
+    assert np.allclose(whole.shape.residual, parts.shape.residual, rtol=0, atol=1e-11, equal_nan=True)
+    assert np.allclose(whole.energies.wave, parts.energies.wave, rtol=0, atol=1e-12)
+    assert whole.verdict.since == parts.verdict.since
+
+
+def test_memory_does_not_grow_with_the_number_of_frames():
+    def peak_memory(every: float) -> int:
+        what = problem(2, 0.1, 60, 80.0, every)
+
+        def read() -> Iterator[Trajectory]:
+            yield from engine.blocks(what)
+
+        survey(read, what)  # caches fill
+        tracemalloc.start()
+        survey(read, what)
+        _, peak = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+        return peak
+
+    assert peak_memory(0.01) < 1.2 * peak_memory(0.1)
+
+
+@pytest.mark.parametrize("kicks", [[Kick(velocity=-1.0)], [Kick(velocity=1.0, bead=5)], [Kick(velocity=-1.0, bead=5)]])
+@pytest.mark.parametrize("frames", [1, 2, 3, 40])
+def test_any_run_however_short_is_surveyed_without_a_word(kicks, frames):
+    trajectory = reference(2, 0.1, 10, 4.0, kicks=kicks)[:frames]
+    survey(reader(trajectory), trajectory.problem)
+
+
+def test_a_run_without_frames_is_refused():
+    with pytest.raises(ValueError, match="no frames"):
+        survey(lambda: [], problem(2, 0.1, 10, 4.0))
+
+
+def test_with_kicks_from_both_ends_the_leading_wave_is_a_pulse_and_not_what_the_other_left_behind():
+    trajectory = reference(1, 0.0, 100, 140.0, kicks=[Kick(velocity=1.0), Kick(bead=100, velocity=-0.7)])
+    found = survey(reader(trajectory), trajectory.problem)
+    assert np.all(np.diff(found.waves.arrival) > 0.0)
+    assert {pulse.direction for pulse in found.pulses} == {1, -1}
+
+
+@pytest.mark.parametrize("gap", [0.0, 0.5])
+def test_of_waves_found_on_the_way_those_have_a_shape_whose_maximum_is_known(gap):
+    whole = engine.run(problem(1, 0.0, 20, 60.0, gap=gap))
+    waves = leading_waves(find_peaks(blocks(whole)), usual_arrival(whole.problem))
+    scale = whole.problem.scale
+    few = problem(1, 0.0, 20, 60.0, recorded=(10, 20), gap=gap)
+    seen = Trajectory(few, whole.time, whole.displacement[..., [9, 19]], whole.velocity[..., [9, 19]])
+    found = survey(reader(seen), few, leading=from_csv(to_csv(waves, scale), scale))
+    shown = set(found.waves.bead[np.isfinite(found.shape.residual)].tolist())
+    assert shown == ({10} if gap == 0.0 else set())  # bead 20 flies off at its largest velocity

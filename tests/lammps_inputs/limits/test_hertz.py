@@ -1,0 +1,120 @@
+"""Bounds of the overlap against exact motion, and Hertz's pressures against published numbers."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from stock_lammps import scene
+
+from lammps_inputs import Kick, Material, System
+from lammps_inputs.ingredients import coupled_chains
+from lammps_inputs.limits import hertz
+from lammps_inputs.limits.hertz import overlap_bounds, peak_pressure, sound_speed
+from lammps_inputs.units import hertz_constant
+from workflow.engines.reference import engine
+
+STEEL = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)
+
+SHORT = 0.02**2 / 4 * 2
+"""How far frames 0.02 apart fall short of an overlap below 3, relatively: sqrt(overlap) every**2 / 4."""
+
+
+def bounds_of(chains, beads, kappa, gap, kicks):
+    links = coupled_chains(chains, kappa, gap)
+    return overlap_bounds(System(chains=chains, beads=beads, kicks=tuple(kicks), links=links))
+
+
+def bounds(problem):
+    return overlap_bounds(problem)
+
+
+def largest(problem):
+    x = engine.run(problem).displacement
+    return (x[..., :-1] - x[..., 1:]).max() - problem.gap
+
+
+def test_two_beads_that_collide_reach_both_bounds():
+    low, high = bounds(scene(beads=2).problem())
+    assert low == pytest.approx(0.625**0.4, rel=1e-15)
+    assert high == pytest.approx(0.625**0.4, rel=1e-15)
+
+
+CASES = {
+    "one chain": {"beads": 20},
+    "two chains": {"beads": 20, "chains": 2, "kappa": 0.1},
+    "two stiff chains": {"beads": 12, "chains": 2, "kappa": 2.0},
+    "five chains, the middle one hit": {"beads": 8, "chains": 5, "kappa": 0.3, "kick": (Kick(chain=3, velocity=1.0),)},
+    "gap": {"beads": 8, "gap": 1.0},
+    "coupled gap": {"beads": 8, "gap": 0.3, "chains": 2, "kappa": 0.01},
+    "head on": {"beads": 10, "kick": (Kick(velocity=1.0), Kick(bead=2, velocity=-0.9))},
+    "in a row": {"beads": 6, "kick": tuple(Kick(bead=bead, velocity=1.0) for bead in (1, 2, 3))},
+    "two chains without springs": {"beads": 6, "chains": 2, "kick": (Kick(velocity=0.1), Kick(chain=2, velocity=1.0))},
+    "pulled apart": {"beads": 6, "kick": (Kick(velocity=-1.0), Kick(bead=2, velocity=0.2))},
+}
+
+
+@pytest.mark.parametrize("case", CASES.values(), ids=CASES)
+def test_the_largest_overlap_lies_between_the_bounds(case):
+    problem = scene(**{"duration": 8.0, "every": 0.02, **case}).problem()
+    low, high = bounds(problem)
+    assert low * (1.0 - SHORT) <= largest(problem) <= high * (1.0 + 1e-6)  # the reference keeps energy to 1e-6
+
+
+@given(st.integers(1, 4), st.floats(0.0, 3.0), st.floats(0.0, 0.5), st.lists(st.floats(-1.0, 1.0), min_size=3))
+def test_the_lower_bound_is_never_above_the_upper(chains, kappa, gap, velocities):
+    kicks = [(1 + k % chains, 1 + k // chains, velocity) for k, velocity in enumerate(velocities)]
+    low, high = bounds_of(chains, len(velocities) + 1, kappa, gap, kicks)
+    assert 0.0 <= low <= high
+
+
+def test_a_common_velocity_of_all_beads_changes_no_bound():
+    at_rest, moving = ([(1, 1, 1.0 + u), (1, 2, u), (1, 3, u)] for u in (0.0, 0.5))
+    assert bounds_of(1, 3, 0.0, 0.0, moving) == pytest.approx(bounds_of(1, 3, 0.0, 0.0, at_rest), rel=1e-14)
+
+
+def test_beads_that_nothing_presses_have_no_least_overlap():
+    assert bounds_of(1, 4, 0.0, 0.0, [(1, 1, -1.0)])[0] == 0.0
+
+
+def test_springs_that_may_stop_a_bead_within_the_gap_leave_no_least_overlap():
+    assert bounds_of(2, 4, 1.0, 10.0, [(1, 1, 1.0)])[0] == 0.0
+
+
+def test_the_pressure_is_the_published_one_of_two_spheres():
+    """code_aster, V6.04.222: two spheres of 50 mm (E = 20 GPa, nu = 0.3) approach by 4 mm: 2798.3 MPa."""
+    assert peak_pressure(4e-3, 50e-3, 20e9, 0.3) == pytest.approx(2798.3e6, abs=0.05e6)
+
+
+def test_the_pressure_carries_the_force():
+    """A semi-ellipsoid of pressure on a disc of radius a: F = 2/3 p0 pi a^2, a^2 = R overlap / 2 (Johnson 4.22)."""
+    overlap, radius = 1e-5, 4.76e-3
+    force = hertz_constant(radius, 193e9, 0.3) * overlap**1.5
+    pressure = peak_pressure(overlap, radius, 193e9, 0.3)
+    assert 2 / 3 * pressure * math.pi * radius * overlap / 2 == pytest.approx(force, rel=1e-14)
+
+
+def test_yield_begins_at_1_6_times_the_yield_strength():
+    """Tresca, on the axis of the contact below the surface (Johnson 3.45): largest |stress_z - stress_r| is Y."""
+    z = np.linspace(0.01, 2.0, 2000)  # in contact radii
+    axial = -1.0 / (1.0 + z**2)
+    radial = -1.3 * (1.0 - z * np.arctan(1.0 / z)) + 0.5 / (1.0 + z**2)
+    difference = np.abs(radial - axial)
+    assert 1.0 / difference.max() == pytest.approx(hertz.YIELD_PRESSURE, abs=0.02)
+    assert z[difference.argmax()] == pytest.approx(0.48, abs=0.01)
+
+
+def test_sound_in_steel_runs_at_4_9_km_a_second():
+    assert sound_speed(STEEL.youngs_modulus, STEEL.density) == pytest.approx(4911.7, abs=0.1)
+
+
+def test_a_kick_as_fast_as_sound_is_the_fastest_allowed():
+    sound = sound_speed(STEEL.youngs_modulus, STEEL.density)
+    scene(material=STEEL, kick=(Kick(velocity=sound),))
+    with pytest.raises(ValueError, match="faster than sound"):
+        scene(material=STEEL, kick=(Kick(velocity=-sound * (1.0 + 1e-12)),))
+
+
+def test_reduced_units_know_no_speed_of_sound():
+    assert scene(kick=(Kick(velocity=1e12),)).scale.velocity == 1e12

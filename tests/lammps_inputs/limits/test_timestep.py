@@ -1,0 +1,128 @@
+"""The stability bound of velocity Verlet."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from small_problems import system
+
+from lammps_inputs import Coupling, Kick, Scene, find, laws, library
+from lammps_inputs import scheme as schemes
+from lammps_inputs.laws.hertz import Hertz
+from lammps_inputs.limits import timestep
+from workflow.engines.reference import engine
+from workflow.engines.reference.certify import certified
+from workflow.engines.reference.suzuki import SUZUKI4
+from workflow.engines.reference.verlet import VERLET
+
+
+def growth(omega, step):
+    """Size of the larger eigenvalue of one Verlet step of an oscillator: 1 when stable."""
+    square = (omega * step) ** 2
+    verlet = [[1 - square / 2, step], [-(omega**2) * step * (1 - square / 4), 1 - square / 2]]
+    return max(abs(np.linalg.eigvals(verlet)))
+
+
+def cycle_growth(omega, step):
+    """The same of a cycle of Suzuki's five Verlet steps, per cycle; ``step`` is their mean."""
+    state = np.eye(2)
+    for weight in schemes.weights("suzuki4"):
+        h = 5.0 * weight * step
+        square = (omega * h) ** 2
+        state = np.array([[1 - square / 2, h], [-(omega**2) * h * (1 - square / 4), 1 - square / 2]]) @ state
+    return max(abs(np.linalg.eigvals(state)))
+
+
+@pytest.mark.parametrize("chains", [2, 3, 10])
+def test_with_springs_alone_verlet_is_stable_up_to_the_bound_and_not_beyond(chains):
+    kappa = 0.7
+    bound = timestep.stability_bound(system(0.0, kappa, chains))
+    omega = system(0.0, kappa, chains).swing
+    assert growth(omega, 0.999 * bound) == pytest.approx(1.0, abs=1e-12)
+    assert growth(omega, 1.001 * bound) > 1.05
+
+
+@given(st.lists(st.floats(0.0, 1.0), min_size=1, max_size=12), st.integers(1, 5), st.floats(0.0, 100.0))
+def test_no_overlaps_of_this_energy_vibrate_faster_than_the_bound(shares, chains, kappa):
+    total = 0.5
+    energies = total * np.array(shares) / max(1.0, sum(shares))
+    slopes = laws.stiffness(Hertz(), (2.5 * energies) ** 0.4)
+    along = np.diff(np.eye(len(slopes) + 1), axis=0)
+    across = np.diff(np.eye(chains), axis=0)
+    hessian = np.kron(np.eye(chains), along.T @ (slopes[:, None] * along))
+    hessian += kappa * np.kron(across.T @ across, np.eye(len(slopes) + 1))
+    fastest = math.sqrt(max(np.linalg.eigvalsh(hessian)[-1], 0.0))
+    assert fastest * timestep.stability_bound(system(total, kappa, chains)) <= 2.0 + 1e-12
+
+
+def test_the_bound_is_that_of_the_notes():
+    """omega_max^2 = 6 sqrt(overlap_max) + kappa lambda_max, 0.4 overlap_max^2.5 = energy."""
+    overlap = (0.5 / 0.4) ** 0.4
+    assert timestep.stability_bound(system(0.5, 0.1, 2)) == pytest.approx(
+        2 / math.sqrt(6 * overlap**0.5 + 0.2), rel=1e-14
+    )
+
+
+# the one left out names a shorter step, which `validate` needs there
+@pytest.mark.parametrize("name", sorted(set(library.installed()) - {"two-chains-gapped-strong"}))
+def test_the_scenes_of_the_paper_step_by_0_01(name):
+    assert find(name).problem().timestep == pytest.approx(0.01, rel=1e-12)
+
+
+@given(st.floats(1e-6, 1e6), st.floats(0.0, 1e12), st.integers(1, 100))
+def test_the_default_is_a_small_part_of_the_bound(energy, kappa, chains):
+    step = timestep.default_timestep(system(energy, kappa, chains))
+    assert 0.0 < step <= min(0.01, timestep.stability_bound(system(energy, kappa, chains)) / 50)
+
+
+@given(st.floats(0.5, 2.0), st.floats(0.0, 1.0), st.integers(1, 100))
+def test_up_to_a_coupling_of_1_the_default_is_0_01(energy, kappa, chains):
+    assert timestep.default_timestep(system(energy, kappa, chains)) == 0.01
+
+
+@pytest.mark.parametrize("table", [VERLET, SUZUKI4], ids=lambda table: table.name)
+@pytest.mark.parametrize("kappa", [1.01, 3.0, 10.0, 100.0])
+@pytest.mark.parametrize("chains", [2, 3])
+def test_the_default_leaves_at_most_1e_4_where_springs_are_stiff(kappa, chains, table):
+    stiff = Scene(
+        name="a",
+        chains=chains,
+        beads=6,
+        coupling=Coupling(stiffness=kappa),
+        kick=(Kick(velocity=1.0),),
+        duration=200.0,
+        scheme=table.name,
+    )
+    problem = stiff.problem()
+    cycles = problem.steps_per_frame // len(table.drifts)
+    runs = engine.blocks(problem, scheme=table, steps_per_frame=cycles)
+    right = certified(problem, 1e-5).blocks()
+    assert max(np.abs(a.velocity - b.velocity).max() for a, b in zip(runs, right, strict=True)) < 1.1e-4
+
+
+@given(st.floats(1e-10, 0.1), st.floats(1.0, 1e5), st.floats(0.0, 1e4), st.integers(1, 100))
+def test_the_law_asks_for_shorter_steps_for_more_accuracy_time_and_stiffness(accuracy, duration, kappa, chains):
+    for scheme in ("verlet", "suzuki4"):
+        step = timestep.timestep_for(accuracy, duration, system(0.5, kappa, chains), scheme)
+        assert 0.0 < timestep.timestep_for(accuracy / 2.0, duration, system(0.5, kappa, chains), scheme) < step
+        assert timestep.timestep_for(accuracy, 2.0 * duration, system(0.5, kappa, chains), scheme) < step
+        assert timestep.timestep_for(accuracy, duration, system(0.5, 2.0 * kappa, chains), scheme) <= step
+
+
+def test_velocity_verlet_needs_ten_times_the_steps_for_a_hundredth_of_the_error():
+    few, many = (timestep.timestep_for(accuracy, 192.0, system(0.5, 0.1, 2)) for accuracy in (1e-3, 1e-5))
+    assert few / many == pytest.approx(10.0, rel=1e-12)
+
+
+def test_with_springs_alone_suzukis_cycle_is_stable_up_to_its_bound_and_not_beyond():
+    omega = system(0.0, 0.7, 3).swing
+    bound = timestep.stability_bound(system(0.0, 0.7, 3), "suzuki4")
+    assert cycle_growth(omega, 0.999 * bound) == pytest.approx(1.0, abs=1e-9)
+    assert cycle_growth(omega, 1.01 * bound) > 1.01
+
+
+def test_a_stiff_scene_gets_a_shorter_step():
+    stiff = {"name": "a", "chains": 2, "beads": 9, "kick": {"velocity": 1.0}, "coupling": {"stiffness": 1e6}}
+    assert Scene.model_validate({**stiff, "until_bead": 9}).resolved().timestep < 1e-4

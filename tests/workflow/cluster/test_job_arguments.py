@@ -1,0 +1,92 @@
+"""``granchain deck --slurm``: what it writes and says, and what it refuses."""
+
+import pytest
+
+from lammps_inputs.decks import deck
+from lammps_inputs.slurm import job, site
+from workflow.cli import main
+from workflow.runs.record import RECORD
+
+
+@pytest.fixture(autouse=True)
+def no_site(monkeypatch, tmp_path):
+    """No defaults of whoever runs the tests."""
+    monkeypatch.delenv(site.VARIABLE, raising=False)
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+
+
+def asked(script):
+    return [line.removeprefix("#SBATCH --") for line in script.splitlines() if line.startswith("#SBATCH --")]
+
+
+def test_a_job_is_added_and_the_deck_is_byte_for_byte_the_one_without(tmp_path, capsys):
+    plain, with_job = tmp_path / "plain", tmp_path / "job"
+    assert main(["deck", "two-chains", "-o", str(plain)]) == 0
+    assert main(["deck", "two-chains", "-o", str(with_job), "--slurm"]) == 0
+    for name in (deck.DECK, deck.DATA, deck.SCENE):
+        assert (plain / name).read_bytes() == (with_job / name).read_bytes()
+    assert {path.name for path in with_job.iterdir()} - {path.name for path in plain.iterdir()} == {
+        *(job.JOB, job.INPUT, "in.continue"),
+    }
+    said = capsys.readouterr().out
+    assert "1 rank of 240 beads: about " in said
+    assert "sbatch job.sbatch    then: granchain status" in said
+
+
+def test_options_stand_in_the_script_and_win_over_the_site(tmp_path):
+    sites = tmp_path / "site.yaml"
+    sites.write_text("partition: long\naccount: grains\ntime: 01:00:00\n")
+    words = ["--slurm", "--site", str(sites), "--partition", "short", "--nodes", "2", "--ranks-per-node", "4"]
+    words += [
+        "--module",
+        "gcc/13",
+        "--module",
+        "lammps",
+        "--lmp",
+        "/opt/my lammps/lmp",
+        "--launcher",
+        "mpirun -np {ranks}",
+    ]
+    assert main(["deck", "two-chains", "-o", str(tmp_path / "run"), *words]) == 0
+    script = (tmp_path / "run" / job.JOB).read_text()
+    assert {"partition=short", "account=grains", "time=01:00:00", "nodes=2", "ntasks=8"} <= set(asked(script))
+    assert "lmp='/opt/my lammps/lmp'\nc" in script
+    assert "\nlaunch=(mpirun -np 8)\nmodules=(gcc/13 lammps)\n" in script
+
+
+def test_the_environment_names_a_site(tmp_path, monkeypatch):
+    sites = tmp_path / "site.yaml"
+    sites.write_text("account: grains\n")
+    monkeypatch.setenv(site.VARIABLE, str(sites))
+    assert main(["deck", "two-chains", "-o", str(tmp_path / "run"), "--slurm"]) == 0
+    assert "account=grains" in asked((tmp_path / "run" / job.JOB).read_text())
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["--nodes", "2"], "--nodes: is for a job; add --slurm"),
+        (["--module", "gcc"], "--module: is for a job; add --slurm"),
+        (["--site", "x.yaml"], "--site: is for a job; add --slurm"),
+        (["--slurm", "--site", "nowhere.yaml"], "nowhere.yaml: no such file"),
+        (["--slurm", "--time", "90"], "--time: should be HH:MM:SS or D-HH:MM:SS, from a minute to a year ('90' given)"),
+        (["--slurm", "--module", "a b"], "--module: a module should be one word such as lammps/2025.07"),
+        (["--slurm", "--nodes", "100", "--ranks-per-node", "100"], "--ranks-per-node: 10000 ranks in all"),
+    ],
+)
+def test_a_mistake_is_one_line_and_nothing_is_written(words, says, tmp_path, capsys):
+    assert main(["deck", "two-chains", "-o", str(tmp_path / "run"), *words]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith(f"granchain: {says}")
+    assert len(said.splitlines()) == 1
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_deck_is_not_written_over_a_job_unless_asked_and_then_nothing_of_it_is_left(tmp_path):
+    directory = tmp_path / "run"
+    assert main(["deck", "two-chains", "-o", str(directory), "--slurm"]) == 0
+    for name in (job.STATE, job.STEP, job.OUTPUT, "job.frames", "chains.dump.bin", "chains.dump.2.bin"):
+        (directory / name).write_text("earlier")
+    assert main(["deck", "two-chains", "-o", str(directory)]) == 2
+    assert main(["deck", "two-chains", "-o", str(directory), "--overwrite"]) == 0
+    assert {path.name for path in directory.iterdir()} == {RECORD, deck.SCENE, deck.DECK, deck.DATA}

@@ -1,0 +1,97 @@
+"""The advice on ranks and cost, held against real runs; and that ranks do not change a bit of the result."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from small_problems import problem
+from stock_lammps import WHEEL, run, scene
+
+from lammps_inputs import find
+from lammps_inputs.decks import continuation, deck
+from lammps_inputs.library import installed
+from workflow.cluster import ranks
+
+PEAK_MEMORY = f"""
+import resource, subprocess
+subprocess.run([{str(WHEEL)!r}, "-in", "in.both", "-screen", "none"], check=True)
+print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * 1024)
+"""
+
+
+def many(beads, coupled=True, chains=100):
+    return problem(chains=chains, beads=beads // chains, kappa=0.1 if coupled else 0.0)
+
+
+@pytest.mark.parametrize("name", installed())
+def test_the_scenes_of_the_paper_are_too_small_for_a_second_rank(name):
+    case = find(name).model_copy(update={"until_bead": None, "duration": 1.0})
+    assert ranks.advised(case.problem(), 64) == 1
+
+
+@given(st.integers(2, 10**6), st.integers(1, 10**4), st.integers(1, 4096), st.booleans())
+def test_no_rank_has_fewer_beads_than_its_messages_are_worth_or_fewer_than_twenty_rows(beads, chains, most, coupled):
+    what = problem(chains=chains, beads=beads, kappa=0.1 if coupled else 0.0)
+    advised = ranks.advised(what, most)
+    assert 1 <= advised <= most
+    if advised > 1:
+        assert chains * beads / advised >= ranks.least_beads(what)
+        assert beads / advised >= ranks.LEAST_ROWS
+
+
+@pytest.mark.parametrize("coupled", [True, False])
+def test_a_rank_with_the_least_beads_spends_a_tenth_of_its_time_on_messages(coupled):
+    what = many(10**6, coupled)
+    work = ranks.least_beads(what) * ranks.bead_seconds(what)
+    assert work / (work + ranks.MESSAGES) == pytest.approx(ranks.EFFICIENCY, rel=1e-3)
+
+
+def test_a_hundred_million_beads_on_paper():
+    cost = ranks.cost(many(10**8, chains=1000), 1000)
+    assert cost.sentence().startswith("1000 ranks of 100000 beads: ")
+    assert "2 ms a step" in cost.sentence()
+    assert "140 GB of memory" in cost.sentence()
+    assert "(2.4 GB each)" in cost.sentence()
+
+
+@pytest.mark.parametrize(
+    "case", [scene(chains=10, beads=2000, kappa=0.1), scene(beads=20_000)], ids=["coupled", "lone"]
+)
+def test_bytes_of_a_frame_of_a_restart_and_of_memory_are_those_of_a_real_run(case, tmp_path):
+    case = case.model_copy(update={"duration": 1.0})
+    deck.write(case, tmp_path)
+    lines = [f"include {deck.DECK}", *continuation.restart_lines(case.problem())]
+    (tmp_path / "in.both").write_text("\n".join(lines) + "\n")
+    done = subprocess.run([sys.executable, "-c", PEAK_MEMORY], cwd=tmp_path, capture_output=True, text=True, check=True)
+    cost = ranks.cost(case.problem(), 1)
+    assert cost.frames == pytest.approx((tmp_path / deck.DUMP).stat().st_size, rel=0.01)
+    assert cost.restart == pytest.approx((tmp_path / continuation.UNFINISHED).stat().st_size, rel=0.25)
+    assert 0.5 * cost.memory < int(done.stdout) < 1.2 * cost.memory
+
+
+@pytest.mark.parametrize("count", [2, 4])
+@pytest.mark.parametrize("changes", [{}, {"chains": 4, "kappa": 0.1}, {"chains": 2, "kappa": 0.1, "gap": 0.3}], ids=str)
+def test_more_ranks_even_than_cores_change_no_bit(changes, count, tmp_path):
+    case = scene(beads=16, duration=0.5, **changes)
+    one, more = run(case, tmp_path / "one"), run(case, tmp_path / "more", ranks=count)
+    assert f"  {count} by 1 by 1 MPI processor grid" in more.log
+    assert (more.x == one.x).all()
+    assert (more.vx == one.vx).all()
+
+
+def test_a_row_on_the_border_of_two_ranks_may_add_up_its_springs_in_another_order(tmp_path):
+    """Only with four chains or more, whose inner beads have two springs and two contacts: rounding, and no more."""
+    case = scene(chains=5, beads=61, kappa=0.1, duration=100.0, every=1.0)
+    one, two = run(case, tmp_path / "one"), run(case, tmp_path / "two", ranks=2)
+    np.testing.assert_allclose(two.velocity, one.velocity, rtol=0, atol=1e-15)
+
+
+def test_times_and_bytes_are_told_in_units_that_people_read():
+    times = [3e-7, 5e-5, 2e-3, 1.0, 90.0, 4000.0, 1e5, 1e9]
+    assert [ranks._duration(one) for one in times] == [
+        *("0.3 us", "50 us", "2 ms", "1 s", "90 s", "67 min", "28 h", "11574 days"),
+    ]
+    assert [ranks._bytes(one) for one in (10, 3.3e9, 1.4e11)] == ["10 bytes", "3.3 GB", "140 GB"]

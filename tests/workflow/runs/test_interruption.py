@@ -1,0 +1,203 @@
+"""Runs that are killed or interrupted at any moment: what they computed is kept and reads, and is called incomplete."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+from processes import HANGS, started, wait_until, working_in
+from stock_lammps import scene
+
+from analysis.files.binary_dump import CutDumpWarning
+from lammps_inputs import strict_yaml
+from workflow.cli import main
+from workflow.engines.lammps import mpi
+from workflow.runs.run import run
+from workflow.runs.run_directory import RunDirectory
+
+GRANCHAIN = str(Path(sys.executable).with_name("granchain"))
+
+LONG = scene(chains=2, beads=120, kappa=0.1, duration=1e5, every=1.0)
+"""Three quarters of a minute in LAMMPS."""
+
+TWO = pytest.mark.skipif(mpi.cores() < 2, reason="needs two cores")
+
+
+class Command:
+    """``granchain run`` in a session of its own, as from a terminal."""
+
+    def __init__(self, directory, ranks=1):
+        self.run = directory / "run"
+        scene_file = directory / "long.yaml"
+        scene_file.write_text(strict_yaml.dump(LONG.plain()))
+        self.process = subprocess.Popen(
+            [GRANCHAIN, "run", scene_file, "-o", self.run, "--ranks", str(ranks)],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            start_new_session=True,
+        )
+
+    def reach(self, file, size):
+        """Wait until a file of the run has a size."""
+        path = self.run / file
+        assert wait_until(lambda: path.exists() and path.stat().st_size >= size, self.process)
+
+    def end(self, number):
+        """Send a signal to all that a terminal would send it to, and return code, output and complaints."""
+        os.killpg(self.process.pid, number)
+        out, err = self.process.communicate(timeout=HANGS)
+        return self.process.returncode, out, err
+
+    def nothing_is_left(self):
+        return wait_until(lambda: not working_in(self.run))
+
+
+@pytest.fixture
+def start(tmp_path):
+    """Starts a command that does not outlive the test."""
+    commands = []
+
+    def starting(ranks=1):
+        commands.append(Command(tmp_path, ranks))
+        return commands[-1]
+
+    yield starting
+    for command in commands:
+        if command.process.poll() is None:
+            command.end(signal.SIGKILL)
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """The first hundred frames of the same run, not interrupted."""
+    short = LONG.model_copy(update={"duration": 100.0})
+    return run(short, tmp_path_factory.mktemp("whole"), check=False).trajectory
+
+
+def assert_frames_are_those_of(whole, directory):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", CutDumpWarning)  # the last frame may be cut
+        found = RunDirectory(directory).trajectory
+    count = min(found.frames, whole.frames)
+    assert count > 0
+    np.testing.assert_array_equal(found.velocity[:count], whole.velocity[:count])
+    np.testing.assert_array_equal(found.displacement[:count], whole.displacement[:count])
+
+
+def frames_of_incomplete_analysis(directory, capsys):
+    assert main(["analyze", str(directory), "--no-figures"]) == 0
+    report = json.loads((directory / "analysis.json").read_text())
+    found, wanted = report["frames"]
+    assert report["complete"] is False
+    assert wanted == 100001
+    assert f"incomplete: {found} of 100001 frames" in capsys.readouterr().out
+    return found
+
+
+# --- SIGKILL ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("size", "ranks"), [(1, 1), (2_000_000, 1), pytest.param(100_000, 2, marks=TWO)])
+def test_what_a_killed_run_had_dumped_reads_and_analyses_as_incomplete(size, ranks, start, whole, capsys):
+    command = start(ranks)
+    command.reach("chains.dump.bin", size)
+    assert command.end(signal.SIGKILL)[0] == -signal.SIGKILL
+    assert command.nothing_is_left()
+    assert_frames_are_those_of(whole, command.run)
+    assert frames_of_incomplete_analysis(command.run, capsys) > 0
+    assert RunDirectory(command.run).record["outcome"] == "running"
+
+
+@pytest.mark.parametrize("file", ["scene.yaml", "run.json"])
+def test_a_run_killed_at_its_beginning_leaves_a_directory_that_says_what_it_lacks(file, start, capsys):
+    command = start()
+    command.reach(file, 1)
+    command.end(signal.SIGKILL)
+    assert command.nothing_is_left()
+    code = main(["analyze", str(command.run), "--no-figures"])
+    out, err = capsys.readouterr()
+    if (command.run / "chains.dump.bin").exists():  # LAMMPS was faster than the signal
+        assert code == 0
+        assert out.startswith("incomplete: ")
+    else:
+        assert code == 2
+        assert err == f"granchain: {command.run}: holds no chains.dump.bin; run the deck first\n"
+
+
+def test_a_killed_worker_and_its_run_leave_whole_frames(start, whole):
+    command = start()
+    command.reach("chains.dump.bin", 200_000)
+    for process in working_in(command.run):
+        os.kill(process, signal.SIGKILL)
+    out, err = command.process.communicate(timeout=HANGS)
+    assert (command.process.returncode, out) == (1, "")
+    assert err.startswith("granchain: LAMMPS was killed by signal SIGKILL after step ")
+    assert err.count("\n") == 1
+    assert_frames_are_those_of(whole, command.run)
+
+
+def test_a_frame_cut_in_two_is_left_out(tmp_path, capsys):
+    result = run(LONG.model_copy(update={"duration": 20.0}), tmp_path, check=False)
+    os.truncate(result.directory.dump, result.directory.dump.stat().st_size - 1000)
+    assert main(["analyze", str(tmp_path), "--no-figures"]) == 0
+    assert "incomplete: 20 of 21 frames, to t = 19;" in capsys.readouterr().out
+
+
+def test_a_killed_run_can_be_overwritten_by_a_new_one(start):
+    command = start()
+    command.reach("chains.dump.bin", 1)
+    command.end(signal.SIGKILL)
+    assert command.nothing_is_left()
+    short = LONG.model_copy(update={"duration": 5.0})
+    assert run(short, command.run, overwrite=True, check=False).trajectory.frames == 6
+    assert RunDirectory(command.run).record["outcome"] == "done"
+
+
+# --- Ctrl-C -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("size", "ranks"), [(1, 1), pytest.param(100_000, 2, marks=TWO)])
+def test_ctrl_c_ends_a_run_with_one_line_and_its_frames(size, ranks, start, whole, capsys):
+    command = start(ranks)
+    command.reach("chains.dump.bin", size)
+    code, out, err = command.end(signal.SIGINT)
+    record = RunDirectory(command.run).record
+    assert (code, err) == (1, "")
+    assert out == (
+        f"{command.run}: interrupted at step {record['steps_done']} of 10000000; frames are kept, and "
+        f"`granchain run --resume {command.run}` goes on\n"
+    )
+    assert command.nothing_is_left()
+    assert record["outcome"] == "interrupted"
+    assert_frames_are_those_of(whole, command.run)
+    assert frames_of_incomplete_analysis(command.run, capsys) == record["steps_done"] // 100 + 1
+
+
+def test_ctrl_c_before_anything_is_written_is_one_line(tmp_path):
+    slow = tmp_path / "slow.yaml"
+    os.mkfifo(slow)  # a scene that is being read until somebody writes it
+    command = [GRANCHAIN, "run", slow, "-o", tmp_path / "run"]
+    with started(command) as process, slow.open("w"):  # waits for the reader
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=HANGS)
+    assert (process.returncode, out, err) == (130, "", "granchain: interrupted\n")
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_batch_systems_sigterm_ends_a_run_like_ctrl_c(tmp_path):
+    long = tmp_path / "long.yaml"
+    long.write_text("name: long\nbeads: 200\nkick: {velocity: 1}\nduration: 1e6\noutput: {every: 1}\n")
+    command = [sys.executable, "-m", "workflow.cli", "run", str(long), "-o", str(tmp_path / "r"), "--no-check"]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
+        dump = tmp_path / "r" / "chains.dump.bin"
+        assert wait_until(lambda: dump.exists() and dump.stat().st_size > 50_000, process)
+        process.terminate()
+        process.wait(HANGS)
+    assert process.returncode == 130
+    assert json.loads((tmp_path / "r" / "run.json").read_text())["outcome"] == "interrupted"

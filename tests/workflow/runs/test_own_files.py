@@ -1,0 +1,201 @@
+"""Only files that run.json lists are replaced or removed, and what a failure interrupts is put back."""
+
+import json
+import signal
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lammps_inputs import InputError, Kick, Scene, strict_yaml
+from lammps_inputs.decks import deck
+from workflow.cli import main
+from workflow.runs.own_files import claim, prepare, remove_leftovers, replacing
+from workflow.runs.record import RECORD, read_record
+from workflow.runs.run import run
+from workflow.runs.run_directory import RunDirectory, write_text
+
+
+def scene(duration: float = 1.0) -> Scene:
+    return Scene(name="small", beads=4, kick=(Kick(velocity=1.0),), duration=duration)
+
+
+def scene_file(path: Path) -> Path:
+    path.write_text("# mine\n" + strict_yaml.dump(scene().plain()))
+    return path
+
+
+def contents(directory: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in directory.iterdir() if path.is_file()}
+
+
+@pytest.mark.parametrize("options", [[], ["--overwrite"]])
+@pytest.mark.parametrize("command", ["run", "deck", "compare"])
+def test_a_project_folder_is_left_as_it_is(
+    tmp_path: Path, command: str, options: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene_file(tmp_path / "scene.yaml")
+    for name in (".scene.yaml.swp", ".log.lammps.bak", ".run.json.orig", "waves.csv", "peaks.csv", "shape.png"):
+        (tmp_path / name).write_text("mine")
+    before = contents(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    assert main([command, "scene.yaml", "-o", ".", *options]) == 2
+    assert contents(tmp_path) == before
+
+
+def test_a_scene_of_an_earlier_run_is_not_overwritten_by_its_own_run(tmp_path: Path) -> None:
+    run(scene(), tmp_path, engine="reference")
+    before = scene_file(tmp_path / "scene.yaml").read_bytes()
+    words = ["run", str(tmp_path / "scene.yaml"), "-o", str(tmp_path), "--overwrite", "--engine", "reference"]
+    assert main(words) == 2
+    assert (tmp_path / "scene.yaml").read_bytes() == before
+
+
+def test_overwriting_removes_what_is_listed_and_nothing_else(tmp_path: Path) -> None:
+    run(scene(), tmp_path, engine="reference")
+    claim(tmp_path, ["waves.csv"])
+    write_text(tmp_path / "waves.csv", "ours")
+    for name in ("shape.png", ".run.json.orig"):
+        (tmp_path / name).write_text("mine")
+    run(scene(2.0), tmp_path, engine="reference", overwrite=True)
+    assert not (tmp_path / "waves.csv").exists()
+    assert (tmp_path / "shape.png").read_text() == (tmp_path / ".run.json.orig").read_text() == "mine"
+
+
+@pytest.mark.parametrize("command", ["analyze", "validate"])
+def test_a_report_does_not_replace_a_file_of_the_users(
+    tmp_path: Path, command: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run(scene(), tmp_path, engine="reference")
+    for name in ("waves.csv", "validation.json"):
+        (tmp_path / name).write_text("mine")
+    assert main([command, str(tmp_path)]) == 2
+    assert "is not listed in run.json" in capsys.readouterr().err
+    assert (tmp_path / "waves.csv").read_text() == (tmp_path / "validation.json").read_text() == "mine"
+
+
+def test_a_report_replaces_its_own_files(tmp_path: Path) -> None:
+    run(scene(), tmp_path, engine="reference")
+    assert main(["analyze", str(tmp_path), "--no-figures"]) == 0
+    assert main(["analyze", str(tmp_path), "--no-figures"]) == 0
+
+
+def test_a_map_does_not_replace_a_file_of_the_users(tmp_path: Path) -> None:
+    (tmp_path / "map.csv").write_text("mine")
+    assert main(["map", "-o", str(tmp_path)]) == 2
+    assert contents(tmp_path) == {"map.csv": b"mine"}
+
+
+def test_what_was_there_is_put_back_when_overwriting_fails(tmp_path: Path) -> None:
+    run(scene(), tmp_path, engine="reference")
+    before = contents(tmp_path)
+    names = ("scene.yaml", "in.chains")
+
+    def overwrite() -> None:
+        with replacing(tmp_path, names):
+            for name in names:
+                write_text(tmp_path / name, "new")
+            raise OSError(28, "No space left on device")
+
+    with pytest.raises(InputError, match="left as it was"):
+        overwrite()
+    assert contents(tmp_path) == before
+
+
+@pytest.mark.parametrize("moved", [1, 3])
+def test_what_was_there_is_put_back_after_a_kill(tmp_path: Path, moved: int) -> None:
+    run(scene(), tmp_path, engine="reference")
+    before = contents(tmp_path)
+    aside = tmp_path / ".granchain-before-abc"
+    aside.mkdir()
+    for name in ["chains.dump.bin", "scene.yaml", RECORD][:moved]:
+        (tmp_path / name).rename(aside / name)
+    if moved == 3:
+        (tmp_path / RECORD).write_text(json.dumps({"files": [RECORD, "scene.yaml", "in.chains"]}))
+        (tmp_path / "in.chains").write_text("new")
+    remove_leftovers(tmp_path)
+    assert contents(tmp_path) == before
+    assert not aside.exists()
+
+
+def test_a_directory_where_a_run_names_its_file_is_refused_before_anything_is_touched(tmp_path: Path) -> None:
+    run(scene(), tmp_path, engine="reference")
+    (tmp_path / "events.csv").mkdir()
+    record = read_record(tmp_path / RECORD)
+    (tmp_path / RECORD).write_text(json.dumps({**record, "files": sorted({*record["files"]} - {"events.csv"})}))
+    before = contents(tmp_path)
+    with pytest.raises(InputError, match=r"events\.csv: is not listed"):
+        prepare(tmp_path, ["events.csv"], overwrite=True)
+    assert contents(tmp_path) == before
+
+
+@pytest.mark.parametrize("name", [deck.LOG, "chains.dump.2.bin"])
+def test_nothing_is_written_through_a_link(tmp_path: Path, name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    directory = run(scene(), tmp_path / "run", check=False).directory
+    directory.update_record(outcome="interrupted")
+    (directory.path / name).unlink(missing_ok=True)
+    (directory.path / name).symlink_to(tmp_path / "victim")
+    assert main(["run", "--resume", str(directory.path)]) == 2
+    assert "is a link" in capsys.readouterr().err
+    assert not (tmp_path / "victim").exists()
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        '{"ranks": Infinity}',
+        '{"ranks": 1e400}',
+        '{"wall_seconds": 1e400}',
+        '{"wall_seconds": "3"}',
+        '{"settings": {"accuracy": "x"}}',
+        '{"results": {"frames": 1, "sha256": "", "samples": "x"}}',
+        '{"started": "0001-01-01T00:00:00"}x',
+        '{"host": "\\ud800"}',
+        '{"results": ' + "[" * 100_000,
+        '{"files": ["../../home"]}',
+        "[]",
+    ],
+)
+@pytest.mark.parametrize("words", [["status"], ["rerun"], ["run", "--resume"]])
+def test_a_hostile_record_is_refused_in_one_line(
+    tmp_path: Path, text: str, words: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "scene.yaml").write_text(strict_yaml.dump(scene().resolved().plain()))
+    (tmp_path / RECORD).write_text(text)
+    assert main([*words, str(tmp_path)]) in (1, 2)
+    out, err = capsys.readouterr()
+    assert (out + err).count("\n") == 1
+    assert "cannot be read" in out + err
+
+
+def test_names_are_printed_without_what_moves_a_terminal(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    directory = tmp_path / "a\n\x1b[2J"
+    words = ["run", str(scene_file(tmp_path / "s.yaml")), "-o", str(directory), "--engine", "reference"]
+    assert main(words) == 0
+    out = capsys.readouterr().out
+    assert "\x1b" not in out
+    assert out.count("\n") == 1
+
+
+def test_more_beads_than_memory_holds_are_refused_beforehand(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "s.yaml"
+    path.write_text(strict_yaml.dump(scene().plain() | {"chains": 20, "beads": 100_000_000}))
+    assert main(["run", str(path), "-o", str(tmp_path / "run")]) == 2
+    assert "need 500 GB of memory" in capsys.readouterr().err
+
+
+def test_frames_with_the_largest_numbers_end_in_a_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    directory: RunDirectory = run(scene(), tmp_path, engine="reference").directory
+    data = bytearray(directory.dump.read_bytes())
+    data[-8:] = np.float64(1e308).tobytes()
+    directory.dump.write_bytes(data)
+    with np.errstate(all="ignore"):
+        assert main(["analyze", str(tmp_path)]) in (0, 1)
+    assert capsys.readouterr().err.count("\n") <= 1
+
+
+def test_the_signal_of_a_terminal_ends_a_command_as_ctrl_c_does(tmp_path: Path) -> None:
+    assert main(["status", str(tmp_path)]) == 1
+    assert signal.getsignal(signal.SIGQUIT) is signal.default_int_handler

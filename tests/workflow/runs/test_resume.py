@@ -1,0 +1,417 @@
+"""Runs that were cut short and go on: bit for bit as if nothing had happened."""
+
+import contextlib
+import hashlib
+import json
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import lammps_here
+import numpy as np
+import pytest
+from kill_many import AIMS, SCENES, Tally, frames, next_words, until_done
+from processes import HANGS, wait_until, working_in
+from stock_lammps import scene
+
+from analysis.files.binary_dump import BinaryDump
+from lammps_inputs import InputError, strict_yaml
+from lammps_inputs.decks import continuation, deck
+from workflow.cli import main
+from workflow.engines.lammps import mpi, restarts
+from workflow.runs.own_files import claim
+from workflow.runs.results import results
+from workflow.runs.resume import resume
+from workflow.runs.run import run
+from workflow.runs.run_directory import RunDirectory, alone, parts
+
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
+TWO = pytest.mark.skipif(mpi.cores() < 2, reason="needs two cores")
+GRANCHAIN = str(Path(sys.executable).with_name("granchain"))
+
+
+def a_scene(**changes):
+    """Three chains, whose forces add up in an order that shows in the last bit."""
+    return scene(**{"chains": 3, "beads": 12, "kappa": 0.05, "duration": 200.0, "every": 0.5, **changes})
+
+
+def interrupted_after(step, one, directory, **options):
+    """A run that is interrupted at the first report after a step, and ends at the next."""
+    if not options:
+        run(one, directory, check=False, lammps=lammps_here.interrupted_after(step))
+        return RunDirectory(directory)
+
+    def progress(done, _):
+        if done >= step and not sent:
+            sent.append(done)
+            os.kill(os.getpid(), signal.SIGINT)
+
+    sent = []
+    run(one, directory, check=False, progress=progress, **options)
+    return RunDirectory(directory)
+
+
+def assert_same(directory, whole):
+    np.testing.assert_array_equal(frames(directory), frames(whole))
+    left, right = (RunDirectory(path).record["results"] for path in (directory, whole))
+    assert left == right == results(RunDirectory(directory))
+
+
+# --- Ctrl-C -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("changes", [{}, {"scheme": "suzuki4"}, {"chains": 2, "beads": 200, "window": 64}])
+def test_an_interrupted_run_goes_on_bit_for_bit_from_where_it_was(changes, tmp_path):
+    one = a_scene(**changes)
+    run(one, tmp_path / "whole", check=False)
+    directory = interrupted_after(5000, one, tmp_path / "cut")
+    step = directory.record["steps_done"]
+    assert restarts.step_of(directory.path / continuation.RESTART) == step
+    result = resume(tmp_path / "cut")
+    assert result.outcome == "done"
+    assert [again["from_step"] for again in result.directory.record["resumed"]] == [step]
+    assert_same(tmp_path / "cut", tmp_path / "whole")
+    assert result.check.velocity > 0.0
+    assert not (tmp_path / "cut" / continuation.RESTART).exists()
+
+
+def test_snapshots_of_all_beads_go_on_too(tmp_path):
+    one = a_scene(beads=20, recorded=(3, 7))
+    one = one.model_copy(update={"output": one.output.model_copy(update={"snapshots": 20.0})})
+    run(one, tmp_path / "whole", check=False)
+    interrupted_after(5000, one, tmp_path / "cut")
+    resume(tmp_path / "cut", check=False)
+    assert_same(tmp_path / "cut", tmp_path / "whole")
+    assert len(list((tmp_path / "cut").glob("chains.snapshots*.bin"))) == 2
+    left, right = (frames(tmp_path / name, "chains.snapshots*.bin") for name in ("cut", "whole"))
+    assert left.shape == (11, 3, 60)
+    np.testing.assert_array_equal(left, right)
+
+
+@TWO
+def test_two_ranks_are_interrupted_and_go_on_as_one_or_two(tmp_path):
+    run(a_scene(duration=600.0), tmp_path / "whole", check=False)
+    interrupted_after(1000, a_scene(duration=600.0), tmp_path / "cut", ranks=2)
+    shutil.copytree(tmp_path / "cut", tmp_path / "other")
+    resume(tmp_path / "cut", check=False)
+    resume(tmp_path / "other", check=False, ranks=1)
+    for name in ("cut", "other"):
+        assert_same(tmp_path / name, tmp_path / "whole")
+
+
+@pytest.mark.parametrize("engine", ["reference", "collisions"])
+def test_other_engines_start_again(engine, tmp_path):
+    one = a_scene(gap=1.0, duration=40.0)
+    run(one, tmp_path / "whole", engine=engine)
+    shutil.copytree(tmp_path / "whole", tmp_path / "cut")
+    directory = RunDirectory(tmp_path / "cut")
+    os.truncate(directory.dump, 5000)
+    directory.update_record(outcome="running")
+    assert resume(tmp_path / "cut").outcome == "done"
+    assert directory.record["resumed"][0]["from_step"] == 0
+    assert_same(tmp_path / "cut", tmp_path / "whole")
+
+
+def test_wall_time_is_that_of_all_parts(tmp_path):
+    directory = interrupted_after(5000, a_scene(), tmp_path / "cut")
+    before = directory.record["wall_seconds"]
+    started = time.perf_counter()
+    resume(tmp_path / "cut", check=False)
+    assert before < directory.record["wall_seconds"] < before + time.perf_counter() - started
+
+
+# --- SIGKILL ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", [name for name in SCENES if SCENES[name][1] <= mpi.cores()])
+def test_runs_killed_at_random_are_resumed_bit_for_bit(name, tmp_path):
+    one, ranks = SCENES[name]
+    one = one.model_copy(update={"duration": one.duration / 8.0})
+    seed = random.randrange(10**6)
+    chance, tally = random.Random(seed), Tally()
+    until_done(tmp_path / "whole", one, ranks, Tally(), chance, kills=0)
+    until_done(tmp_path / "cut", one, ranks, tally, chance, kills=2)
+    assert tally.states.keys() <= {"not begun", "running", "failed", "done"}
+    assert np.array_equal(frames(tmp_path / "cut"), frames(tmp_path / "whole")), f"seed {seed}, aims {AIMS}"
+
+
+def test_frames_beyond_the_last_restart_are_computed_again_and_read_once(tmp_path):
+    run(a_scene(), tmp_path / "whole", check=False)
+    directory = interrupted_after(5000, a_scene(), tmp_path / "cut")
+    step = directory.record["steps_done"]
+    whole = (tmp_path / "whole" / deck.DUMP).read_bytes()
+    size = len(whole) // 401
+    kept = (step // 50 + 10) * size  # nine frames beyond the restart, and a cut one
+    directory.dump.write_bytes(whole[: kept + 77])
+    resume(tmp_path / "cut", check=False)
+    assert directory.dumps[0].stat().st_size == kept
+    assert_same(tmp_path / "cut", tmp_path / "whole")
+
+
+@pytest.mark.parametrize("lost", ["frames", "last frame", "end of restart", "restart", "version"])
+def test_without_a_whole_restart_and_all_frames_until_then_it_starts_again(lost, tmp_path):
+    run(a_scene(), tmp_path / "whole", check=False)
+    directory = interrupted_after(5000, a_scene(), tmp_path / "cut")
+    restart = tmp_path / "cut" / continuation.RESTART
+    if lost == "frames":
+        os.truncate(directory.dump, directory.dump.stat().st_size // 2)
+    elif lost == "last frame":  # that of the restart itself
+        found = BinaryDump(directory.dump)
+        assert found.steps[-1] == directory.record["steps_done"] == restarts.step_of(restart)
+        os.truncate(directory.dump, directory.dump.stat().st_size // found.n_frames * (found.n_frames - 1))
+    elif lost == "end of restart":
+        os.truncate(restart, restart.stat().st_size - 1)
+    elif lost == "restart":
+        restart.unlink()
+    else:  # another LAMMPS may not read it, or sum up in another order
+        directory.update_record(versions={**directory.record["versions"], "lammps": "2025.7.22.1"})
+    resume(tmp_path / "cut", check=False)
+    assert [again["from_step"] for again in directory.record["resumed"]] == [0]
+    assert_same(tmp_path / "cut", tmp_path / "whole")
+
+
+def test_a_run_that_ends_in_seconds_writes_no_restart(tmp_path):
+    written = []
+    run(
+        a_scene(duration=100.0),
+        tmp_path / "run",
+        check=False,
+        progress=lambda *_: written.extend((tmp_path / "run").glob("*restart*")),
+    )
+    assert not written
+
+
+@TWO
+@pytest.mark.parametrize("which", range(4))
+def test_whoever_is_killed_of_a_run_on_two_ranks_nobody_is_left(which, tmp_path):
+    scene_file = tmp_path / "long.yaml"
+    scene_file.write_text(strict_yaml.dump(a_scene(duration=6e5).plain()))
+    process = start(scene_file, "-o", tmp_path / "run", "--ranks", 2)
+    try:
+        assert wait_until(lambda: (tmp_path / "run" / deck.DUMP).exists(), process)
+        everybody = sorted(working_in(tmp_path / "run"))  # mpiexec, its proxy and two ranks
+        assert len(everybody) == 4
+        os.kill(everybody[which], signal.SIGKILL)
+        _, err = process.communicate(timeout=HANGS)
+        assert process.returncode == 1
+        assert err.startswith("granchain: LAMMPS ")
+        assert err.endswith(f"; `granchain run --resume {tmp_path / 'run'}` goes on from there\n")
+        assert wait_until(lambda: not working_in(tmp_path / "run"))
+    finally:
+        for pid in [process.pid, *working_in(tmp_path / "run")]:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGKILL)
+        process.communicate()
+
+
+# --- what resume says -------------------------------------------------------------------------------------------------
+
+
+def said(words, capsys):
+    """Exit code and the one line that a command said."""
+    code = main([str(word) for word in words])
+    out, err = capsys.readouterr()
+    (line,) = (out + err).splitlines()
+    return code, line
+
+
+def test_a_run_that_is_done_is_left_as_it_is(tmp_path, capsys):
+    run(a_scene(duration=4.0), tmp_path, check=False)
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    words = ["run", "--resume", tmp_path, "--no-check"]
+    assert said(words, capsys) == (0, f"{tmp_path}: is done already")
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+def test_the_error_is_measured_where_only_that_is_missing(tmp_path, capsys):
+    run(a_scene(duration=20.0), tmp_path, check=False)
+    assert main(["run", "--resume", str(tmp_path)]) == 0
+    assert "error: velocities" in capsys.readouterr().out
+    assert RunDirectory(tmp_path).record["check"]["velocity"] > 0.0
+
+
+def test_the_command_says_from_which_step_it_went_on(tmp_path, capsys):
+    directory = interrupted_after(5000, a_scene(), tmp_path)
+    code, line = said(["run", "--resume", tmp_path, "--no-check"], capsys)
+    assert code == 0
+    assert f"20000 steps, gone on with from step {directory.record['resumed'][0]['from_step']}, in" in line
+
+
+@pytest.mark.parametrize("left", [[], [".run.json.granchain-abcd1234"], ["scene.yaml"]])
+def test_a_run_killed_in_its_first_milliseconds_is_told_and_can_be_run_again(left, tmp_path, capsys):
+    path = tmp_path / "run"
+    path.mkdir()
+    scene_file = tmp_path / "scene.yaml"
+    scene_file.write_text(strict_yaml.dump(a_scene(duration=4.0).plain()))
+    for name in left:
+        claim(path, [name] if name == "scene.yaml" else [])  # the list of files is written before them
+        shutil.copy(scene_file, path / name)
+    code, line = said(["run", "--resume", path], capsys)
+    assert code == 2
+    assert "run the scene" in line
+    words = ["run", scene_file, "-o", path, "--no-check", *(["--overwrite"] if "scene.yaml" in left else [])]
+    assert said(words, capsys)[0] == 0
+    assert not list(path.glob(".*"))
+
+
+@pytest.mark.parametrize("missing", [["in.chains", "data.chains"], ["data.chains"]])
+def test_a_run_killed_before_its_deck_was_written_is_resumed(missing, tmp_path):
+    run(a_scene(duration=4.0), tmp_path / "whole", check=False)
+    shutil.copytree(tmp_path / "whole", tmp_path / "cut")
+    for name in (*missing, deck.DUMP):
+        (tmp_path / "cut" / name).unlink()
+    RunDirectory(tmp_path / "cut").update_record(outcome="running")
+    resume(tmp_path / "cut", check=False)
+    assert_same(tmp_path / "cut", tmp_path / "whole")
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new"),
+    [
+        (deck.DECK, "overlap^1.5", "overlap^1.7"),
+        (deck.DATA, "\n1 1 1 13\n", "\n1 1 1 14\n"),
+        (deck.SCENE, "0.05", "0.06"),
+    ],
+)
+def test_files_that_were_changed_are_not_gone_on_with(name, old, new, tmp_path):
+    interrupted_after(1000, a_scene(), tmp_path)
+    text = (tmp_path / name).read_text()
+    assert text.count(old) == 1
+    (tmp_path / name).write_text(text.replace(old, new))
+    with pytest.raises(InputError, match=r"in\.chains, data\.chains are not those that the run was begun with"):
+        resume(tmp_path)
+
+
+@pytest.mark.parametrize(
+    "content", ["", "{", "[]", "{}", '{"engine": "lammps", "outcome": "running", "ranks": 1, "started": "x"}']
+)
+def test_a_record_that_a_loss_of_power_left_empty_is_told(content, tmp_path, capsys):
+    deck.write(a_scene(), tmp_path)
+    (tmp_path / "run.json").write_text(content)
+    code, line = said(["run", "--resume", tmp_path], capsys)
+    assert code == 2
+    assert "run.json" in line
+    assert "run the scene again with another -o" in line
+
+
+@pytest.mark.parametrize("words", [["two-chains"], ["-o", "x"], ["--engine", "lammps"], ["--overwrite"], ["--force"]])
+def test_what_a_resumed_run_cannot_be_told_is_refused(words, tmp_path, capsys):
+    code, line = said(["run", "--resume", tmp_path, *words], capsys)
+    assert code == 2
+    assert "--resume: goes on as the run was begun, so leave out" in line
+
+
+@pytest.mark.parametrize("words", [[], ["two-chains"], ["-o", "x"]])
+def test_a_run_needs_a_scene_and_a_directory(words, capsys):
+    code, line = said(["run", *words], capsys)
+    assert code == 2
+    assert "needs a SCENE and -o DIR, or --resume DIR" in line
+
+
+# --- one at a time ----------------------------------------------------------------------------------------------------
+
+
+def start(*words):
+    return subprocess.Popen(
+        [GRANCHAIN, "run", *map(str, words), "--no-check"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+
+
+def test_two_resumes_at_once_do_not_meet(tmp_path, monkeypatch):
+    monkeypatch.setattr("workflow.runs.run_directory._LOCK_SECONDS", 0.2)
+    interrupted_after(1000, a_scene(duration=6e5), tmp_path)
+    process = start("--resume", tmp_path)
+    try:
+        assert wait_until(lambda: len(parts(tmp_path)) == 2, process)
+        before = json.loads((tmp_path / "run.json").read_text())
+        with pytest.raises(InputError, match="a run is under way in it"):
+            resume(tmp_path)
+        with pytest.raises(InputError, match="a run is under way in it"):
+            run(a_scene(), tmp_path, overwrite=True)
+        assert json.loads((tmp_path / "run.json").read_text()) == before
+        # the worker outlives its parent for a moment, in which nobody else may write
+        os.kill(process.pid, signal.SIGSTOP)
+        (worker,) = (pid for pid in working_in(tmp_path))
+        os.kill(worker, signal.SIGSTOP)
+        process.kill()
+        process.wait(HANGS)
+        with pytest.raises(InputError, match="a run is under way in it"), alone(tmp_path):
+            pass
+        os.kill(worker, signal.SIGCONT)
+        assert wait_until(lambda: not working_in(tmp_path))
+        with alone(tmp_path):
+            pass
+    finally:
+        for pid in [process.pid, *working_in(tmp_path)]:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGKILL)
+        process.communicate()
+
+
+def test_a_worker_that_loses_its_parent_leaves_a_restart(tmp_path):
+    scene_file = tmp_path / "long.yaml"
+    scene_file.write_text(strict_yaml.dump(a_scene(duration=6e5).plain()))
+    path = tmp_path / "run"
+    process = start(scene_file, "-o", path)
+    assert wait_until(lambda: path.is_dir() and (path / deck.DUMP).exists(), process)
+    process.kill()
+    process.communicate()
+    assert wait_until(lambda: not working_in(path))
+    assert restarts.step_of(path / continuation.RESTART) > 0
+    assert next_words(path, scene_file, 1) == ("running", ["--resume", path])
+
+
+def test_a_damaged_restart_is_not_gone_on_with(tmp_path):
+    restart = tmp_path / continuation.RESTART
+    restart.write_bytes(b"whole")
+    assert not restarts.intact(restart)
+    sums = tmp_path / continuation.RESTART_SUMS
+    sums.write_text(f"{'0' * 64}\n{hashlib.sha256(b'whole').hexdigest()}\n")
+    assert restarts.intact(restart)
+    restart.write_bytes(b"whale")
+    assert not restarts.intact(restart)
+
+
+@pytest.mark.parametrize("damage", ["junk", "another byte"])
+def test_with_damaged_peaks_a_run_starts_again(damage, tmp_path):
+    one = a_scene(recorded=(3, 7))
+    one = one.model_copy(update={"output": one.output.model_copy(update={"peaks": True})})
+    run(one, tmp_path / "whole", check=False)
+    path = interrupted_after(2000, one, tmp_path / "cut").path / deck.PEAKS_STATE
+    raw = bytearray(path.read_bytes())
+    raw[len(raw) // 3] ^= 1
+    path.write_bytes(bytes(raw) if damage == "another byte" else b"junk")
+    again = resume(tmp_path / "cut", check=False)
+    assert again.directory.record["resumed"][-1]["from_step"] == 0
+    assert (tmp_path / "cut" / deck.PEAKS).read_bytes() == (tmp_path / "whole" / deck.PEAKS).read_bytes()
+
+
+def test_with_another_atom_in_a_frame_a_run_starts_again(tmp_path):
+    dump = interrupted_after(2000, a_scene(), tmp_path / "cut").dump
+    raw = bytearray(dump.read_bytes())
+    where = raw.rindex(np.float64(5.0).tobytes())
+    raw[where : where + 8] = np.float64(6.0).tobytes()
+    dump.write_bytes(bytes(raw))
+    again = resume(tmp_path / "cut", check=False)
+    assert again.outcome == "done"
+    assert again.directory.record["resumed"][-1]["from_step"] == 0
+
+
+@pytest.mark.parametrize("name", [deck.DECK, deck.DATA])
+def test_a_deck_that_is_no_text_is_answered_in_a_line(name, tmp_path, capsys):
+    interrupted_after(2000, a_scene(), tmp_path / "cut")
+    (tmp_path / "cut" / name).write_bytes(b"\xff\xfe junk")
+    assert main(["run", "--resume", str(tmp_path / "cut")]) == 2
+    said = capsys.readouterr().err.strip()
+    assert "\n" not in said
+    assert "--overwrite" in said

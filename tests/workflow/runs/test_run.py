@@ -1,0 +1,295 @@
+"""From a scene to the waves through real LAMMPS: the published numbers, and what a run leaves and refuses."""
+
+import csv
+import importlib.metadata
+import json
+import sys
+
+import numpy as np
+import pytest
+from stock_lammps import scene
+
+from analysis.motion import overlaps
+from lammps_inputs import InputError, Kick, Material, find
+from workflow.engines.lammps import mpi
+from workflow.runs.run import fingerprint, run
+from workflow.runs.run_directory import RunDirectory
+from workflow.verdicts.analyse import analyse
+
+two_ranks = pytest.mark.skipif(mpi.cores() < 2, reason="needs two cores")
+
+STEEL = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)
+
+VERLET_ERROR = 1.5e-5
+"""Of velocities at the default step; published numbers of five digits add half of the last."""
+
+
+def small(**changes):
+    """Twelve rows, a thousand steps."""
+    return scene(**{"chains": 2, "beads": 12, "kappa": 0.1, "duration": 10.0, **changes})
+
+
+def waves(directory):
+    """waves.csv as (chain, bead) -> row of numbers."""
+    with (directory / "waves.csv").open() as file:
+        return {(int(row["chain"]), int(row["bead"])): row for row in csv.DictReader(file)}
+
+
+def peaks(directory, bead):
+    return [float(row["peak_velocity"]) for (_, number), row in sorted(waves(directory).items()) if number == bead]
+
+
+# --- the numbers of the paper's scenes -------------------------------------------------
+
+
+def test_two_chains_have_the_published_peaks_at_bead_55(paper):
+    assert peaks(paper("two-chains"), 55) == pytest.approx([0.36892, 0.36157], abs=5e-5)
+
+
+@pytest.mark.parametrize(
+    ("bead", "published"),
+    [
+        (5, (0.5011, 0.3529)),
+        (10, (0.3223, 0.4630)),
+        (20, (0.3351, 0.3993)),
+        (30, (0.3964, 0.3329)),
+        (40, (0.3548, 0.3761)),
+    ],
+)
+def test_two_chains_have_the_published_peaks_on_the_way(bead, published, paper):
+    assert peaks(paper("two-chains"), bead) == pytest.approx(published, abs=5e-5 + VERLET_ERROR)
+
+
+def test_strongly_coupled_chains_share_the_pulse_to_1e_4_at_bead_55(paper):
+    first, second = peaks(paper("two-chains-strong"), 55)
+    assert abs(first - second) < 1e-4
+    assert first == pytest.approx(0.3593, abs=1e-4)
+
+
+def test_three_chains_have_the_published_peaks_at_bead_90(paper):
+    assert peaks(paper("three-chains"), 90) == pytest.approx([0.25525, 0.25563, 0.25596], abs=5e-5)
+
+
+def test_one_chain_has_the_published_solitary_wave_at_bead_55(paper):
+    wave = waves(paper("one-chain"))[1, 55]
+    assert float(wave["peak_velocity"]) == pytest.approx(0.68163, abs=5e-6 + VERLET_ERROR)
+    assert float(wave["speed"]) == pytest.approx(0.84051, abs=5e-6 + VERLET_ERROR)
+
+
+def test_one_chain_passes_the_beads_at_the_published_times(paper):
+    found = waves(paper("one-chain"))
+    for bead in (25, 55, 90):
+        # Verlet's wave is slower or faster by 1.5e-5 at most, which adds up along the way
+        late = 5e-6 + VERLET_ERROR * bead
+        assert float(found[1, bead]["arrival"]) == pytest.approx(0.77532 + (bead - 1) / 0.8405088, abs=late)
+
+
+def test_steel_chains_are_the_two_chain_scene_to_the_digits_of_their_coupling(paper):
+    steel, reduced = (
+        json.loads((paper(name) / "analysis.json").read_text()) for name in ("two-chains-steel", "two-chains")
+    )
+    assert steel["units"] == "SI"
+    for one, other in zip(steel["waves"], reduced["waves"], strict=True):
+        assert one["peak_velocity"] == one["peak_velocity_reduced"]  # V is 1 m/s
+        assert one["peak_velocity_reduced"] == pytest.approx(other["peak_velocity"], rel=2e-3)  # kappa is 0.1 to 2e-3
+
+
+def test_a_steel_chain_has_the_speed_and_the_force_of_its_material(tmp_path):
+    steel = scene(beads=60, material=STEEL, duration=0.8e-3)
+    result = run(steel, tmp_path / "run", check=False)
+    found = analyse(result.directory, figures=False).waves
+    length = 2 * STEEL.radius
+    assert found.at(40).speed[0] / steel.scale.time * length == pytest.approx(654, abs=0.5)
+    strongest = overlaps(result.trajectory.problem, result.trajectory.displacement)[:, 0, 29:49].max(axis=0) ** 1.5
+    # the largest of samples 0.1 T apart, a full width of 2.3 T: 0.05**2 / 2 * 5 low at most
+    assert strongest.max() * steel.scale.force == pytest.approx(189, abs=0.5 + 189 * 0.006)
+
+
+# --- scaling ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("speed", [1e-12, 1e12, -1e12])
+def test_a_run_at_any_v_is_a_scaled_copy_of_the_run_at_1(speed, tmp_path):
+    found = []
+    for v in (float(np.sign(speed)), speed):
+        stretch = abs(v) ** -0.2
+        scaled = small(
+            kick=(Kick(bead=6, velocity=v),), duration=10 * stretch, every=0.1 * stretch, kappa=0.1 * abs(v) ** 0.4
+        )
+        trajectory = run(scaled, tmp_path / f"{v:g}", check=False).trajectory
+        scale = scaled.scale
+        found.append(
+            (
+                trajectory.time * scale.time / stretch,
+                trajectory.displacement * scale.length / abs(v) ** 0.8,
+                trajectory.velocity * scale.velocity / abs(v),
+            )
+        )
+    # each of 1000 steps rounds positions below 64, by 4e-15 at most, in both runs; frequencies are below 3
+    for one, other in zip(*found, strict=True):
+        np.testing.assert_allclose(one, other, rtol=0, atol=3 * 2 * 1000 * 4e-15)
+
+
+def test_waves_are_reported_in_the_units_of_the_scene(tmp_path):
+    slow = small(kick=(Kick(velocity=1e-5),), duration=100.0, kappa=1e-3)  # V**-0.2 = 10, V**0.4 = 0.01
+    for name, one in (("slow", slow), ("unit", small())):
+        result = run(one, tmp_path / name, check=False)
+        analyse(result.directory, figures=False)
+    found, unit = waves(tmp_path / "slow"), waves(tmp_path / "unit")
+    for place in unit:
+        for column, factor in (("peak_velocity", 1e-5), ("arrival", 10.0), ("speed", 0.1)):
+            assert float(found[place][column]) == pytest.approx(factor * float(unit[place][column]), rel=1e-7)
+
+
+# --- what a run leaves ------------------------------------------------------------------------------------------------
+
+
+def test_run_json_says_what_was_computed_with_what_and_how_it_ended(paper):
+    record = RunDirectory(paper("two-chains")).record
+    assert record["outcome"] == "done"
+    assert record["steps_done"] == record["steps"] == 19200
+    assert record["ranks"] == 1
+    assert record["command"] == sys.argv
+    assert record["python"] == ".".join(map(str, sys.version_info[:3]))
+    assert record["versions"]["lammps"] == importlib.metadata.version("lammps")
+    assert f"LAMMPS ({_as_date(record['lammps'])}" in (paper("two-chains") / "log.lammps").read_text()
+    assert 0.0 < record["engine_seconds"] < record["wall_seconds"]
+    assert record["host"]
+    assert record["started"].endswith("+00:00")
+
+
+def _as_date(version):
+    months = "Jan Feb Mar Apr May Jun Jul Aug Sep Oct Nov Dec".split()  # noqa: SIM905
+    return f"{version % 100} {months[version // 100 % 100 - 1]} {version // 10000}"
+
+
+def test_run_json_has_the_fingerprint_of_the_files_that_lammps_was_given(paper):
+    directory = paper("two-chains")
+    files = {name: (directory / name).read_text() for name in ("scene.yaml", "in.chains", "data.chains")}
+    assert RunDirectory(directory).record["files_sha256"] == fingerprint(files)
+    assert fingerprint({**files, "in.chains": files["in.chains"] + " "}) != fingerprint(files)
+
+
+def test_a_run_directory_holds_its_scene(paper):
+    assert RunDirectory(paper("two-chains")).scene == find("two-chains").resolved()
+
+
+def test_a_run_has_every_frame_it_was_asked_for(tmp_path):
+    result = run(small(every=0.25, recorded=(3, 7)), tmp_path / "run", check=False)
+    assert result.trajectory.velocity.shape == (41, 2, 2)
+    np.testing.assert_array_equal(result.trajectory.time, 0.25 * np.arange(41))
+
+
+def test_a_trajectory_is_read_when_it_is_asked_for(tmp_path):
+    result = run(small(), tmp_path / "run", check=False)
+    (tmp_path / "run" / "chains.dump.bin").unlink()
+    with pytest.raises(InputError, match=r"holds no chains\.dump\.bin"):
+        _ = result.trajectory
+
+
+@pytest.mark.parametrize("bead", [1, 12, 40])
+def test_a_run_until_a_bead_ends_soon_after_its_peaks(bead, tmp_path):
+    ended = small(beads=40, until_bead=bead, duration=None)
+    result = run(ended, tmp_path / "run", check=False)
+    fastest = analyse(result.directory, figures=False).waves.at(bead).time  # also of the last bead, which flies on
+    assert len(fastest) == 2
+    assert fastest.max() + 1.0 < result.trajectory.time[-1] < fastest.max() + 10.0
+
+
+def test_a_run_until_a_bead_has_the_peaks_of_a_longer_run(tmp_path):
+    ended, longer = (
+        analyse(run(one, tmp_path / name, check=False).directory, figures=False).waves.at(12).peak_velocity
+        for name, one in (
+            ("ended", small(beads=40, until_bead=12, duration=None)),
+            ("longer", small(beads=40, duration=30.0)),
+        )
+    )
+    np.testing.assert_array_equal(ended, longer)
+
+
+def test_a_pulse_that_never_arrives_is_refused(tmp_path):
+    backwards = small(kick=(Kick(bead=1, velocity=-1.0),), until_bead=12, duration=None)
+    with pytest.raises(InputError, match="until_bead: bead 12 is not passed in every chain"):
+        run(backwards, tmp_path / "run")
+    assert not (tmp_path / "run").exists()
+
+
+# --- directories ------------------------------------------------------------------------------------------------------
+
+
+def contents(directory):
+    return {path.name: path.read_bytes() for path in directory.iterdir()}
+
+
+def test_an_existing_run_is_never_overwritten(paper):
+    before = contents(paper("two-chains"))
+    with pytest.raises(InputError, match="exists and is not empty"):
+        run(small(), paper("two-chains"))
+    assert contents(paper("two-chains")) == before
+
+
+def test_overwriting_replaces_a_run_and_keeps_the_files_that_are_not_its(tmp_path):
+    first = run(small(), tmp_path, check=False)
+    analyse(first.directory, figures=False)
+    (tmp_path / "notes.txt").write_text("mine")
+    (tmp_path / "data").mkdir()
+    second = run(small(duration=2.0), tmp_path, overwrite=True, check=False)
+    assert second.trajectory.time[-1] == 2.0
+    assert (tmp_path / "notes.txt").read_text() == "mine"
+    assert (tmp_path / "data").is_dir()
+    assert not (tmp_path / "waves.csv").exists()
+
+
+def test_a_directory_that_is_no_run_is_not_overwritten_even_when_asked(tmp_path):
+    (tmp_path / "in.chains").write_text("mine")
+    with pytest.raises(InputError, match="nothing in it is overwritten"):
+        run(small(), tmp_path, overwrite=True)
+    assert contents(tmp_path) == {"in.chains": b"mine"}
+
+
+def test_a_run_goes_into_an_empty_directory(tmp_path):
+    assert run(small(), tmp_path, check=False).outcome == "done"
+
+
+def test_a_directory_with_any_name_will_do(tmp_path):
+    path = tmp_path / "a 'b' \"c\" ${x} $(1+1) #; é" / "d"
+    assert run(small(), path, check=False).trajectory.frames == 101
+
+
+# --- ranks ------------------------------------------------------------------------------------------------------------
+
+
+@two_ranks
+@pytest.mark.parametrize("chains", [1, 3])
+def test_two_ranks_compute_bit_for_bit_what_one_computes(chains, tmp_path):
+    one, two = (
+        run(small(chains=chains), tmp_path / str(ranks), ranks=ranks, check=False).trajectory for ranks in (1, 2)
+    )
+    np.testing.assert_array_equal(one.displacement, two.displacement)
+    np.testing.assert_array_equal(one.velocity, two.velocity)
+
+
+@two_ranks
+def test_two_ranks_are_two_and_not_two_copies(tmp_path):
+    run(small(), tmp_path / "run", ranks=2, check=False)
+    assert "on 2 procs" in (tmp_path / "run" / "log.lammps").read_text()
+
+
+@pytest.mark.parametrize(
+    ("ranks", "says"), [(0, "at least 1"), (-2, "at least 1"), (mpi.cores() + 1, f"{mpi.cores()} cores are available")]
+)
+def test_a_number_of_ranks_that_cannot_be_used_is_refused(ranks, says, tmp_path):
+    with pytest.raises(InputError, match=rf"--ranks: {ranks} given.*{says}"):
+        run(small(), tmp_path / "run", ranks=ranks)
+    assert not (tmp_path / "run").exists()
+
+
+def test_progress_ends_with_the_last_step_and_the_bead_that_the_front_reached(tmp_path):
+    seen = []
+    result = run(small(beads=40), tmp_path / "run", check=False, progress=lambda *now: seen.append(now))
+    steps, beads = zip(*seen, strict=True)
+    assert list(steps) == sorted(steps)
+    assert steps[-1] == 1000
+    moving = np.flatnonzero((np.abs(result.trajectory.velocity[-1]) > 1e-3).any(axis=0))
+    assert list(beads) == sorted(beads)
+    assert beads[-1] == moving[-1] + 1

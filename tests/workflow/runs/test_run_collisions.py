@@ -1,0 +1,113 @@
+"""A scene of rigid beads: the same run directory as of any engine, and a list of its collisions."""
+
+import math
+
+import numpy as np
+import pytest
+from stock_lammps import scene
+
+from analysis.files import events
+from lammps_inputs import InputError
+from workflow.cli import main
+from workflow.engines import collisions
+from workflow.runs.run import run
+from workflow.runs.run_directory import RunDirectory
+from workflow.verdicts.analyse import analyse
+
+
+def gapped(**changes):
+    return scene(**{"chains": 2, "beads": 12, "kappa": 0.5, "gap": 1.0, "duration": 40.0, **changes})
+
+
+@pytest.fixture(scope="module")
+def directory(tmp_path_factory):
+    path = tmp_path_factory.mktemp("collisions") / "run"
+    assert run(gapped(), path, engine="collisions").outcome == "done"
+    return RunDirectory(path)
+
+
+def test_a_run_leaves_its_scene_frames_collisions_and_record(directory):
+    assert {path.name for path in directory.path.iterdir()} == {
+        "scene.yaml",
+        "chains.dump.bin",
+        "events.csv",
+        "run.json",
+    }
+    record = directory.record
+    assert (record["engine"], record["outcome"]) == ("collisions", "done")
+    assert record["steps_done"] == record["steps"]
+    assert "check" not in record
+
+
+def test_the_collisions_of_a_run_are_those_of_the_engine(directory):
+    table, exact = (
+        events.from_csv(directory.path / "events.csv", directory.problem.scale),
+        collisions.run(directory.problem),
+    )
+    assert directory.record["collisions"] == len(table) == len(exact) > 20
+    for name in events.COLUMNS:
+        np.testing.assert_array_equal(getattr(table, name), getattr(exact, name))  # all scales are 1 here
+
+
+def test_the_frames_of_a_run_are_the_exact_motion(directory):
+    frames, exact = directory.trajectory, collisions.trajectory(collisions.run(directory.problem))
+    np.testing.assert_array_equal(frames.velocity, exact.velocity)
+    # the file holds positions, rounded at 12 * 5 or below
+    np.testing.assert_allclose(frames.displacement, exact.displacement, rtol=0, atol=np.spacing(64.0))
+
+
+def test_blocks_are_the_trajectory_cut():
+    problem = gapped(chains=3, beads=700, duration=60.0).problem()
+    found = collisions.run(problem)
+    parts = list(collisions.blocks(found))
+    whole = collisions.trajectory(found)
+    assert len(parts) > 3
+    np.testing.assert_array_equal(np.concatenate([part.velocity for part in parts]), whole.velocity)
+    np.testing.assert_array_equal(np.concatenate([part.time for part in parts]), whole.time)
+
+
+def test_a_run_of_rigid_beads_is_analysed_like_any(directory):
+    found = analyse(directory, figures=False)
+    assert found.complete
+    assert found.conservation.energy_drift < 1e-12
+    assert found.conservation.momentum_drift < 1e-13
+    # bead 2 of chain 1 is struck first at the root of (t + sin t) / 2 = 1 and leaves with (1 + cos t) / 2
+    assert math.isfinite(found.waves.at(2).peak_velocity[0])
+
+
+def test_recorded_beads_are_those_of_the_scene(tmp_path):
+    some = run(gapped(recorded=(3, 7)), tmp_path / "run", engine="collisions").trajectory
+    whole = collisions.trajectory(collisions.run(gapped().problem()))
+    np.testing.assert_array_equal(some.velocity, whole.velocity[:, :, [2, 6]])
+
+
+def test_overwriting_removes_the_collisions_of_an_earlier_run(tmp_path):
+    run(gapped(), tmp_path / "run", engine="collisions")
+    run(gapped(duration=2.0), tmp_path / "run", engine="reference", overwrite=True)
+    assert not (tmp_path / "run" / "events.csv").exists()
+
+
+def test_the_command_says_how_many_collisions_there_were(tmp_path, capsys):
+    assert main(["run", "two-chains-gapped", "--engine", "collisions", "-o", str(tmp_path / "run")]) == 0
+    out = capsys.readouterr().out
+    assert "collisions of rigid beads in " in out
+    assert "events.csv" in out
+    lines = (tmp_path / "run" / "events.csv").read_text().splitlines()
+    assert f": {len(lines) - 1} collisions" in out
+    assert main(["analyze", str(tmp_path / "run"), "--no-figures"]) == 0
+
+
+def test_beads_that_touch_are_refused_before_anything_runs(tmp_path, capsys):
+    assert main(["run", "two-chains", "--engine", "collisions", "-o", str(tmp_path / "run")]) == 2
+    assert "--engine: `collisions` moves rigid beads, which need a gap" in capsys.readouterr().err
+    assert not (tmp_path / "run").exists()
+
+
+def test_ranks_are_for_lammps(tmp_path):
+    with pytest.raises(InputError, match="--ranks"):
+        run(gapped(), tmp_path / "run", engine="collisions", ranks=2)
+
+
+def test_an_unknown_engine_is_refused(tmp_path):
+    with pytest.raises(InputError, match="'gromacs' given; lammps, reference or collisions"):
+        run(gapped(), tmp_path / "run", engine="gromacs")

@@ -1,0 +1,335 @@
+"""Every state that a directory can be in has its name, and what to do next is said, without Slurm on this machine."""
+
+import fcntl
+import json
+import os
+import platform
+import time
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from small_problems import problem
+from stock_lammps import scene
+
+from analysis.files.recording import Writer
+from lammps_inputs.decks import continuation, deck
+from lammps_inputs.slurm import job
+from lammps_inputs.slurm.site import JobOptions
+from workflow.cli import main
+from workflow.cluster.queue import Queue, Queued, parse
+from workflow.runs.record import RECORD
+from workflow.runs.run_directory import write_json
+from workflow.runs.status import MEANING, status, statuses
+
+CASE = scene(chains=2, beads=8, kappa=0.1, duration=10.0, every=0.1)
+STEPS = CASE.problem().steps
+
+
+def with_deck(directory):
+    directory.mkdir(exist_ok=True)
+    deck.write(CASE, directory)
+    return directory
+
+
+def with_frames(directory, last, name=deck.DUMP):
+    """Frames until one, as LAMMPS would have written them."""
+    zero = CASE.problem().initial_velocity() * 0.0
+    with Writer(directory / name, problem()) as writer:
+        for frame in range(last + 1):
+            writer.append(frame * CASE.problem().steps_per_frame, zero, zero)
+    return directory
+
+
+def aged(directory, seconds=3600.0):
+    """As it would be an hour later."""
+    for path in directory.iterdir():
+        os.utime(path, (time.time() - seconds,) * 2)
+    return directory
+
+
+def with_state(directory, state, *, reason="", ends=3600.0, number="7", step=0):
+    now = int(time.time())
+    lines = {"state": state, "step": step, "steps": STEPS, "job": number, "number": 1, "ranks": 1, "cluster": "alps"}
+    (directory / job.JOB).write_text("")
+    lines |= {"host": "n12", "time": now, "ends": int(now + ends), "reason": reason}
+    (directory / job.STATE).write_text("".join(f"{key} {value}\n" for key, value in lines.items()))
+    return directory
+
+
+def with_record(directory, **record):
+    write_json(directory / RECORD, {"engine": "lammps", "steps": STEPS, "host": platform.node(), **record})
+    return directory
+
+
+def alps(*jobs):
+    return Queue("alps", list(jobs))
+
+
+# --- of other commands than run ---------------------------------------------------------------------------------------
+
+WHOLE = {
+    "compare": (["scene.yaml", "lammps/scene.yaml"], "compare.json"),
+    "reproduce": (["runs/two-chains-lammps/scene.yaml"], "index.html"),
+    "map": (["cases/N2_kappa0.1_beads60.json"], "map.csv"),
+    "extremes": (["cells/V_1.json"], "extremes.csv"),
+    "trade": (["trade.csv"], "trade.json"),
+}
+"""Command -> files that it writes on the way, and the one that it writes at the end."""
+
+
+def left_by(command, directory, *, whole):
+    begun, ended = WHOLE[command]
+    for name in [*begun, *([ended] if whole else [])]:
+        (directory / name).parent.mkdir(parents=True, exist_ok=True)
+        (directory / name).write_text({"trade.csv": "method,setting\n", "trade.json": '{"whole": true}'}.get(name, ""))
+    return directory
+
+
+@pytest.mark.parametrize("command", WHOLE)
+def test_a_directory_of_another_command_is_done_or_goes_on_and_never_to_be_overwritten(command, tmp_path):
+    whole = status(left_by(command, tmp_path / "whole", whole=True))
+    assert (whole.state, whole.why.startswith(f"of `granchain {command}`; ")) == ("done", True)
+    assert status(left_by(command, tmp_path / "new", whole=False)).state == "running"
+    cut = left_by(command, tmp_path / "cut", whole=False)
+    for path in sorted(cut.rglob("*"), reverse=True):
+        os.utime(path, (0, 0))
+    found = status(cut)
+    assert found.state == "incomplete"
+    assert "the same command" in found.why or f"`granchain {command} -o {cut}` goes on" in found.why
+    assert "overwrite" not in found.why + whole.why
+
+
+def test_a_finished_comparison_is_told_to_be_done(tmp_path, capsys):
+    (tmp_path / "tiny.yaml").write_text("name: tiny\nbeads: 3\nkick: {velocity: 1}\nduration: 1\n")
+    assert main(["compare", str(tmp_path / "tiny.yaml"), "-o", str(tmp_path / "c"), "--engines", "reference"]) == 0
+    capsys.readouterr()
+    assert main(["status", str(tmp_path / "c")]) == 0
+    assert capsys.readouterr().out.startswith(f"{tmp_path / 'c'}: done: of `granchain compare`; compare.json")
+
+
+# --- no run, or not yet -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("make", [lambda _: None, lambda path: path.mkdir(), lambda path: path.write_text("")])
+def test_what_holds_no_run_is_called_none(make, tmp_path):
+    make(tmp_path / "x")
+    assert status(tmp_path / "x").state == "none"
+
+
+def test_a_deck_that_was_not_run_is_written_and_it_is_said_how_to_start_it(tmp_path):
+    found = status(with_deck(tmp_path / "x"))
+    assert (found.state, found.why) == ("written", "`lmp -in in.chains` there starts it")
+    for name, text in job.render_job(JobOptions(), CASE.problem()).items():
+        (tmp_path / "x" / name).write_text(text)
+    assert status(tmp_path / "x").why == "`sbatch job.sbatch` there starts it"
+
+
+def test_a_run_killed_before_it_wrote_more_than_its_scene_is_incomplete(tmp_path):
+    directory = with_deck(tmp_path / "x")
+    (directory / deck.DECK).unlink()
+    assert status(directory).state == "incomplete"
+
+
+# --- a deck run by hand -----------------------------------------------------------------------------------------------
+
+
+def test_a_deck_whose_last_frame_is_there_is_done(tmp_path):
+    assert status(aged(with_frames(with_deck(tmp_path / "x"), 100))).state == "done"
+
+
+def test_a_deck_whose_frames_end_early_is_incomplete_and_how_far_is_told(tmp_path):
+    found = status(aged(with_frames(with_deck(tmp_path / "x"), 30)))
+    assert (found.state, found.step, found.steps) == ("incomplete", 300, STEPS)
+    assert "starts it anew" in found.why
+    (tmp_path / "x" / continuation.RESTART).write_text("")
+    assert "in.continue" in status(tmp_path / "x").why
+
+
+def test_the_parts_of_a_continued_run_count_together(tmp_path):
+    directory = with_frames(with_deck(tmp_path / "x"), 30)
+    with_frames(directory, 60, continuation.dump_part(2))
+    (directory / continuation.dump_part(3)).write_bytes(b"")
+    assert status(aged(directory)).step == 600
+
+
+def test_a_frame_that_is_cut_does_not_count(tmp_path):
+    directory = with_frames(with_deck(tmp_path / "x"), 30)
+    with (directory / deck.DUMP).open("r+b") as file:
+        file.truncate(file.seek(0, 2) - 1)
+    assert status(aged(directory)).step == 290
+
+
+# --- jobs -------------------------------------------------------------------------------------------------------------
+
+
+def test_a_job_in_the_queue_waits_and_one_on_a_node_runs(tmp_path):
+    directory = with_state(with_deck(tmp_path / "x"), "running", reason="computes", step=20)
+    here = directory.resolve()
+    assert status(directory, alps(Queued("7", True, here))).state == "waiting"
+    found = status(with_frames(directory, 30), alps(Queued("7", False, here)))
+    assert (found.state, found.step, found.why) == ("running", 300, "job 7, computes")
+
+
+def test_a_deck_whose_job_has_not_begun_waits(tmp_path):
+    directory = with_deck(tmp_path / "x")
+    assert status(directory, alps(Queued("7", True, directory.resolve()))).state == "waiting"
+
+
+@pytest.mark.parametrize("state", ["running", "waiting"])
+def test_a_job_that_its_cluster_does_not_know_is_incomplete_and_goes_on_with_sbatch(state, tmp_path):
+    found = status(with_state(with_deck(tmp_path / "x"), state), alps())
+    assert found.state == "incomplete"
+    again = "`sbatch job.sbatch` there starts again, for there is no restart yet"
+    assert found.why == f"job 7 is gone: killed, or its node lost; {again}"
+
+
+@pytest.mark.parametrize("state", ["running", "waiting"])
+@pytest.mark.parametrize("queue", [None, Queue("elsewhere")], ids=["no Slurm", "another cluster's"])
+def test_where_its_queue_cannot_be_asked_a_job_is_what_it_said_last(state, queue, tmp_path):
+    found = status(with_state(with_deck(tmp_path / "x"), state), queue)
+    assert found.state == state
+    assert "as it was told on" in found.why
+
+
+def test_a_job_past_its_time_limit_is_incomplete_even_where_its_queue_cannot_be_asked(tmp_path):
+    found = status(with_state(with_deck(tmp_path / "x"), "running", ends=-3600.0))
+    assert found.state == "incomplete"
+    assert "past its time limit" in found.why
+
+
+@pytest.mark.parametrize("state", ["failed", "incomplete"])
+def test_why_a_job_ended_is_told_with_what_to_do(state, tmp_path):
+    found = status(with_state(with_deck(tmp_path / "x"), state, reason="ERROR: Lost atoms"), alps())
+    assert found.state == state
+    assert found.why.startswith("ERROR: Lost atoms; `sbatch job.sbatch` there ")
+
+
+def test_a_failed_job_that_was_submitted_again_waits(tmp_path):
+    directory = with_state(with_deck(tmp_path / "x"), "failed")
+    assert status(directory, alps(Queued("8", True, directory.resolve()))).state == "waiting"
+
+
+def test_a_job_that_is_done_is_done_whatever_the_queue_says(tmp_path):
+    directory = with_state(with_deck(tmp_path / "x"), "done", step=STEPS)
+    assert status(directory, alps(Queued("8", True, directory.resolve()))).state == "done"
+
+
+def test_a_task_of_an_array_works_in_its_line_of_the_list_of_cases(tmp_path):
+    (tmp_path / job.CASES).write_text("a\nb\n")
+    text = f"11|R|0|{tmp_path}\n12|PD|1|{tmp_path}\n13|PD|9|{tmp_path}\n14|CG|N/A|{tmp_path}/c\n"
+    queue = parse("alps", text)
+    assert [(one.number, one.waiting, one.directory.name) for one in queue.jobs] == [
+        ("11", False, "a"),
+        ("12", True, "b"),
+        ("13", True, tmp_path.name),
+        ("14", False, "c"),
+    ]
+    for name in ("a", "b"):
+        with_deck(tmp_path / name)
+    assert [one.state for one in statuses([tmp_path], queue)] == ["running", "waiting"]
+
+
+def test_a_task_that_is_gone_goes_on_with_its_array(tmp_path):
+    directory = with_state(with_deck(tmp_path / "x"), "running")
+    (directory / job.JOB).unlink()
+    assert status(directory, alps()).why.endswith(
+        "`sbatch job.sbatch` beside cases.txt starts again, for there is no restart yet"
+    )
+
+
+def test_a_directory_of_runs_stands_for_them_all(tmp_path):
+    (tmp_path / job.CASES).write_text("c\na\n")
+    for name in "abc":
+        with_deck(tmp_path / name)
+    (tmp_path / "other").mkdir()
+    assert [one.directory.name for one in statuses([tmp_path], None)] == ["c", "a", "b"]
+
+
+# --- local runs -------------------------------------------------------------------------------------------------------
+
+
+def test_a_local_run_that_is_done_is_done(tmp_path):
+    assert status(with_record(with_deck(tmp_path / "x"), outcome="done", steps_done=STEPS)).state == "done"
+
+
+def test_a_local_run_that_failed_says_why(tmp_path):
+    found = status(with_record(with_deck(tmp_path / "x"), outcome="failed", reason="no \x1b[31mway"))
+    assert (found.state, found.why) == ("failed", "no  [31mway")
+
+
+def test_an_interrupted_local_run_can_go_on(tmp_path):
+    found = status(with_record(with_deck(tmp_path / "x"), outcome="interrupted", steps_done=300))
+    assert (found.state, found.step) == ("incomplete", 300)
+    assert f"granchain run --resume {tmp_path}" in found.why
+
+
+def test_a_local_run_under_way_holds_its_directory_and_a_killed_one_does_not(tmp_path):
+    directory = with_record(with_deck(tmp_path / "x"), outcome="running")
+    handle = os.open(directory, os.O_RDONLY)
+    fcntl.flock(handle, fcntl.LOCK_EX)
+    assert status(directory).state == "running"
+    os.close(handle)
+    found = status(directory)
+    assert found.state == "incomplete"
+    assert found.why.startswith("killed; `granchain run --resume")
+
+
+def test_a_run_on_another_machine_runs_while_it_writes(tmp_path):
+    directory = with_frames(with_record(with_deck(tmp_path / "x"), outcome="running", host="elsewhere"), 20)
+    assert status(directory).state == "running"
+    assert status(aged(directory)).state == "incomplete"
+
+
+def test_of_a_job_and_a_local_run_the_later_one_counts(tmp_path):
+    directory = with_record(with_state(with_deck(tmp_path / "x"), "incomplete"), outcome="done", steps_done=STEPS)
+    os.utime(directory / job.STATE, (1e9, 1e9))
+    assert status(directory).state == "done"
+    os.utime(directory / RECORD, (9e8, 9e8))
+    assert status(directory, alps()).state == "incomplete"
+
+
+# --- anything ---------------------------------------------------------------------------------------------------------
+
+
+@given(st.sampled_from([RECORD, job.STATE, deck.DECK, deck.DUMP, deck.SCENE, job.CASES]), st.binary(max_size=300))
+def test_whatever_stands_in_a_file_the_state_has_a_name_and_one_printable_line(tmp_path_factory, name, content):
+    directory = with_frames(with_deck(tmp_path_factory.mktemp("x")), 3)
+    (directory / name).write_bytes(content)
+    for queue in (None, alps()):
+        found = status(directory, queue)
+        assert found.state in MEANING
+        assert found.why.isprintable()
+
+
+@given(
+    st.dictionaries(
+        st.sampled_from(["outcome", "steps", "steps_done", "host", "engine", "reason"]),
+        st.none() | st.integers() | st.floats() | st.text() | st.sampled_from(["running", "failed", "done"]),
+    )
+)
+def test_whatever_a_record_says_the_state_has_a_name(tmp_path_factory, record):
+    directory = with_deck(tmp_path_factory.mktemp("x"))
+    (directory / RECORD).write_text(json.dumps(record))
+    found = status(directory)
+    assert found.state in MEANING
+    assert found.why.isprintable()
+
+
+def test_the_command_prints_a_line_each_and_their_counts(tmp_path, capsys):
+    with_record(with_deck(tmp_path / "a"), outcome="done", steps_done=STEPS)
+    with_record(with_deck(tmp_path / "b"), outcome="failed", reason="no way")
+    assert main(["status", str(tmp_path / "a"), str(tmp_path / "b")]) == 1
+    assert capsys.readouterr().out.splitlines() == [
+        f"{tmp_path}/a: done, {STEPS} steps",
+        f"{tmp_path}/b: failed: no way",
+        "2 directories: 1 done, 1 failed",
+    ]
+    assert main(["status", str(tmp_path / "a")]) == 0
+
+
+def test_the_command_prints_json(tmp_path, capsys):
+    with_record(with_deck(tmp_path / "a"), outcome="done", steps_done=STEPS)
+    assert main(["status", "--json", str(tmp_path / "a")]) == 0
+    (found,) = json.loads(capsys.readouterr().out)
+    assert (found["state"], found["step"]) == ("done", STEPS)

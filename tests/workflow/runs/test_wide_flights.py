@@ -1,0 +1,46 @@
+"""Beads that fly far from where they were: every way to run a scene keeps their contacts and springs."""
+
+import random
+
+import numpy as np
+import pytest
+import random_scenes
+from stock_lammps import scene
+
+from lammps_inputs import Kick
+from workflow.engines.lammps import mpi
+from workflow.runs.run import run
+
+TWO = pytest.mark.skipif(mpi.cores() < 2, reason="needs two cores")
+
+
+def test_contacts_are_not_lost_between_two_segments_of_a_composition(tmp_path):
+    kicks = tuple(Kick(bead=bead, velocity=velocity) for bead, velocity in ((1, 0.2), (2, 1.0), (3, 1.0)))
+    case = scene(beads=12, gap=15.0, kick=kicks, duration=253.0, every=0.5, scheme="suzuki4")
+    assert random_scenes.judge(case, tmp_path / "run")[0] in ("right", "told")
+
+
+@TWO
+def test_springs_are_not_lost_on_two_ranks_of_a_composition(tmp_path):
+    case = scene(chains=2, beads=3, kappa=0.0018, kick=(Kick(bead=2, velocity=1.0),), duration=20.0, scheme="suzuki4")
+    one, two = (run(case, tmp_path / str(ranks), ranks=ranks, check=False).trajectory for ranks in (1, 2))
+    np.testing.assert_array_equal(one.velocity, two.velocity)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_random_scenes_are_not_silently_wrong(seed, tmp_path):
+    chance, found = random.Random(seed), None
+    while found is None:
+        try:
+            found = random_scenes.draw(chance, seed)
+        except ValueError:
+            continue
+    assert random_scenes.judge(found, tmp_path / "run", cut=seed % 2 == 0)[0] in ("right", "told")
+
+
+@pytest.mark.parametrize("beads", [(1, 56), (1, 34)])
+def test_a_window_that_would_leave_a_kick_behind_is_refused(beads):
+    kicks = tuple(Kick(bead=bead, velocity=velocity) for bead, velocity in zip(beads, (1.0, 0.001), strict=True))
+    with pytest.raises(ValueError, match="would be left behind"):
+        scene(beads=300, kick=kicks, window=64)
+    assert scene(beads=300, kick=kicks, window=128).problem().window == 128

@@ -1,0 +1,41 @@
+"""What the benchmarks compare must compute the same."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from analysis.tracking.leading_waves import leading_waves
+from analysis.tracking.peaks import find_peaks
+from lammps_inputs.decks import deck
+from workflow.runs.run import run
+from workflow.studies.bench import against_usual_ways as bench
+from workflow.studies.bench import reference, textbook
+from workflow.studies.bench.ratio import make_ratio
+
+
+def test_the_textbook_way_finds_the_same_waves(tmp_path: Path) -> None:
+    scene = bench.paper_scene(30.0)
+    problem = scene.problem()
+    plain = tmp_path / "plain"
+    plain.mkdir()
+    (plain / deck.DATA).write_text(textbook.plain_data(problem))
+    bench.lammps_seconds(plain, textbook.plain_deck(problem, dump=True))
+    textbook.read_and_analyse(plain, problem)
+    table = np.genfromtxt(plain / "waves.csv", delimiter=",", names=True)
+    waves = leading_waves(find_peaks([run(scene, tmp_path / "ours", check=False).trajectory]))
+    np.testing.assert_array_equal(table["bead"], waves.bead)
+    # the neighbour lists differ, so sums are taken in other orders
+    np.testing.assert_allclose(table["peak_velocity"], waves.peak_velocity, atol=1e-11)
+
+
+def test_the_reference_reaches_in_one_run_what_scipy_reaches() -> None:
+    problem = bench.paper_scene(5.0).problem()
+    difference = np.abs(reference.last_velocities(problem, 16) - reference.scipy_velocities(problem, 1e-12))
+    assert np.max(difference) < 1e-8
+
+
+@pytest.mark.parametrize(("value", "reached"), [(2.0, False), (3.0, True)])
+def test_a_ratio_says_whether_it_reached_its_goal(value: float, reached: bool) -> None:
+    ratio = make_ratio("x", [value], 2.5, times=[(1.0, value)])
+    assert ratio.reached is reached

@@ -1,0 +1,307 @@
+"""The report on extremes: it sees what is silently wrong, and says nothing against what is right."""
+
+import csv
+import json
+import math
+import os
+import signal
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import wrong_runs
+from processes import HANGS, started, wait_until
+from stock_lammps import scene
+
+from lammps_inputs import InputError
+from lammps_inputs.laws.linear import Linear
+from workflow.cli import main
+from workflow.engines.lammps import mpi
+from workflow.engines.reference.certify import rows_to_judge
+from workflow.errors import RunError
+from workflow.prepare.instants import stride
+from workflow.runs import check as checking
+from workflow.runs.run import run
+from workflow.studies.extremes import cells, measure, report
+from workflow.studies.extremes.cells import BASE, Cell, changed, grid, scaled, springs
+from workflow.studies.extremes.figure import COLOURS, extremes_figure
+from workflow.studies.extremes.outcome import KINDS, Outcome, Told, TrueError, classify
+from workflow.studies.extremes.true_error import judge
+
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
+SHORT = changed(BASE, beads=8, duration=5.0)
+
+REFUSED = Cell("gap", "1e9", changed(SHORT, gap=1e9))
+
+
+def named(axis, value):
+    """A cell of the grid."""
+    (found,) = (cell for cell in grid() if (cell.axis, cell.value) == (axis, value))
+    return found
+
+
+# --- what a cell is called --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("kind", "told", "truth"),
+    [
+        ("RIGHT", Told(1e-5, 1e-6), 1e-5),
+        ("RIGHT", Told(1e-3, 1e-3), 1e-5),  # says more than is true
+        ("RIGHT", None, 1e-5),
+        ("RIGHT", Told(0.0, 0.0), 1e-9),
+        ("TOLD", Told(0.1, 1e-3), 0.1),
+        ("TOLD", Told(1e-4, 0.1), 0.1),  # says how unsure it is
+        ("TOLD", Told(math.nan, 0.0), math.nan),
+        ("WRONG", None, 1e-3),
+        ("WRONG", None, math.nan),
+        ("WRONG", Told(1e-5, 1e-6), 1e-3),
+        ("WRONG", Told(1e-5, 1e-6), math.nan),
+        ("WRONG", Told(1e-2, 1e-6), 2e-2),  # large, but still half of what is true
+        ("WRONG", Told(1e-7, 1e-8), 1e-5),  # as right as asked, and not as right as said
+    ],
+)
+def test_a_run_that_ended_is_right_or_told_or_wrong(kind, told, truth):
+    assert classify(5e-4, told, TrueError(truth, 0.0, "reference"))[0] == kind
+
+
+def test_what_the_judge_is_not_sure_of_is_not_held_against_a_run():
+    assert classify(5e-4, Told(1e-5, 1e-6), TrueError(1e-4, 1e-4, "reference"))[0] == "RIGHT"
+    assert classify(5e-4, Told(1e-5, 1e-6), TrueError(1e-4, 1e-6, "reference"))[0] == "WRONG"
+
+
+@pytest.mark.parametrize(
+    ("error", "kind"), [(InputError("no"), "REFUSED"), (RunError("no"), "STOPPED"), (ValueError("no"), "WRONG")]
+)
+def test_a_run_that_ends_by_an_error_is_refused_or_stopped_or_a_crash(error, kind, monkeypatch):
+    def fail(*_, **__):
+        raise error
+
+    monkeypatch.setattr(measure, "run", fail)
+    found = measure.measure(Cell("x", "y", SHORT))
+    assert found.kind == kind
+    assert "no" in found.why
+
+
+def test_what_keeps_the_judge_from_judging_is_not_taken_for_a_refusal(monkeypatch):
+    def fail(*_, **__):
+        raise InputError("other beads")
+
+    monkeypatch.setattr(measure, "judge", fail)
+    assert measure.measure(Cell("x", "y", SHORT)).kind == "WRONG"
+
+
+# --- planted errors ---------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def wrong_kappa(tmp_path_factory):
+    """A run whose deck has springs one per cent stiffer than its scene."""
+    path = tmp_path_factory.mktemp("planted") / "run"
+    return wrong_runs.deck_run(scene(chains=2, beads=30, kappa=0.1, duration=30.0), path, wrong_runs.ONE_PERCENT_MORE)
+
+
+def test_a_deck_with_the_wrong_springs_is_silently_wrong(wrong_kappa):
+    truth = judge(wrong_kappa, 1e-5)
+    assert truth.by == "reference"
+    assert classify(measure.PROMISED, None, truth)[0] == "WRONG"
+
+
+def test_the_leading_pulse_alone_shows_the_wrong_springs(wrong_kappa):
+    truth = judge(wrong_kappa, 1e-5, longest=0.0)
+    assert truth.by == "leading pulse"
+    assert truth.error <= judge(wrong_kappa, 1e-5).error
+    assert classify(measure.PROMISED, None, truth)[0] == "WRONG"
+
+
+def test_wrong_springs_that_a_run_tells_of_are_told_and_wrong_once_it_is_silent(monkeypatch):
+    right = Linear.across
+
+    def wrong(*arguments):
+        lines = right(*arguments)
+        return replace(lines, interactions=tuple(line.replace("kappa/2", "kappa*0.51") for line in lines.interactions))
+
+    monkeypatch.setattr(Linear, "across", wrong)
+    honest = measure.measure(Cell("x", "y", BASE))
+    assert honest.kind == "TOLD"
+    check = checking.check
+
+    def lie(*arguments):
+        return replace(check(*arguments), velocity=1e-5)
+
+    monkeypatch.setattr(checking, "check", lie)
+    assert measure.measure(Cell("x", "y", BASE)).kind == "WRONG"
+
+
+@pytest.fixture(scope="module")
+def good(tmp_path_factory):
+    return run(scene(chains=2, beads=8, kappa=0.1, duration=20.0), tmp_path_factory.mktemp("good") / "run").directory
+
+
+def test_the_leading_pulse_finds_no_fault_with_a_good_run(good):
+    assert judge(good, 1e-5, longest=0.0).error <= judge(good, 1e-5).error + 1e-6
+
+
+def test_one_bit_more_than_one_rank_computes_is_found(good, tmp_path):
+    other = wrong_runs.rewritten(
+        good, tmp_path / "other", lambda own: (own.displacement, np.nextafter(own.velocity, 2))
+    )
+    cell = Cell("ranks", "2", {}, ranks=2)
+    assert "differs from one rank" in measure._fault(cell, other, tmp_path)
+    assert measure._fault(cell, good, tmp_path / "again") is None
+
+
+def test_energy_that_grows_is_found(good, tmp_path):
+    cell = Cell("steps", "2000", {}, drift=True)
+    assert measure._fault(cell, good, tmp_path) is None
+    growing = wrong_runs.rewritten(
+        good, tmp_path / "growing", lambda own: (own.displacement, own.velocity * (1 + 1e-6 * own.time[:, None, None]))
+    )
+    assert "the energy drifts" in measure._fault(cell, growing, tmp_path)
+
+
+def test_a_run_that_is_not_the_scaled_copy_is_found(tmp_path):
+    slow = scaled(SHORT, 1e-6)
+    other = changed(slow, coupling={"stiffness": 1.0001 * slow["coupling"]["stiffness"]})
+    directory = run(measure.library.from_plain(other, "scene"), tmp_path / "run", check=False).directory
+    assert "differs from the scaled run" in measure._fault(Cell("V", "1e-6", slow, scaling=True), directory, tmp_path)
+
+
+# --- a small grid, for real -------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("kind", "cell"),
+    [
+        *(("RIGHT", named("V", value)) for value in ("1e-12", "1", "1e+12")),
+        *(("RIGHT", named("kappa", value)) for value in ("0", "1e-08", "1")),
+        ("RIGHT", Cell("kappa", "1e4", changed(SHORT, coupling=springs(1e4), duration=0.1))),
+        ("STOPPED", named("step / bound", "0.99")),
+        ("REFUSED", named("step / bound", "1.01")),
+        ("STOPPED", named("step / bound", "1.5 forced")),
+        ("TOLD", named("step / bound", "0.5")),
+        ("RIGHT", named("beads", "2")),
+        ("RIGHT", named("diameter", "2^20")),
+        ("TOLD", named("diameter", "2^35")),  # digits drown
+        ("STOPPED", named("diameter", "2^40")),
+        ("STOPPED", named("diameter", "2^0")),  # beads are no longer than their overlaps
+        ("REFUSED", named("gap", "1e+09")),
+        ("RIGHT", named("corners", "V 1e-30")),
+    ],
+    ids=lambda one: f"{one.axis} {one.value}" if isinstance(one, Cell) else one,
+)
+def test_a_cell_ends_as_it_should(kind, cell):
+    found = measure.measure(cell)
+    assert (found.kind, found.why) == (kind, found.why)
+    assert found.why or kind == "RIGHT"
+    assert kind != "RIGHT" or found.error <= found.asked
+
+
+@pytest.mark.skipif(mpi.cores() < 2, reason="needs two cores")
+def test_two_ranks_are_right():
+    assert measure.measure(Cell("ranks", "2", SHORT, ranks=2)).kind == "RIGHT"
+
+
+def test_stiff_springs_are_checked_in_every_phase_of_their_swing():
+    # 0.4 T are nine swings to a percent, so frames 0.4 apart show no error
+    stiff = changed(SHORT, coupling=springs(1e4), timestep=2e-4, output={"every": 0.1}, duration=0.5)
+    found = measure.measure(Cell("kappa", "1e4", stiff))
+    assert found.kind == "TOLD"
+    assert found.told == pytest.approx(found.error, rel=0.01)
+
+
+def test_an_accuracy_is_kept_in_every_phase_of_a_swing():
+    cell = named("corners", "accuracy, a swing each 5 frames")
+    found = measure.measure(replace(cell, scene=changed(cell.scene, beads=8, duration=0.5)))
+    assert found.kind == "RIGHT"
+
+
+@pytest.mark.parametrize(("duration", "rows"), [(250.0, None), (600.0, 200)])
+def test_a_window_that_has_stood_at_the_end_for_long_is_judged_by_the_whole_chains(duration, rows):
+    problem = scene(chains=2, beads=200, kappa=0.05, window=64, duration=duration).problem()
+    assert rows_to_judge(problem) == rows
+    assert rows_to_judge(replace(problem, window=None)) is None
+
+
+@pytest.mark.parametrize(
+    ("frames", "every", "left"), [(7, 0.1, 0), (100, 0.1, 0), (5, 3.0, 0), (400, 0.1, 0), (401, 0.1, 1), (403, 0.1, 1)]
+)
+def test_the_last_frame_is_checked_or_the_one_before(frames, every, left):
+    problem = scene(beads=9, duration=frames * every, every=every).problem()
+    assert problem.frames == frames
+    assert problem.frames % stride(problem) == left
+
+
+@pytest.mark.parametrize("bead", [20, 50])
+def test_an_automatic_window_takes_in_kicks_that_are_far_apart(bead):
+    kicks = [{"velocity": 1.0}, {"velocity": 0.7, "bead": bead}]
+    far = changed(BASE, beads=150, kick=kicks, window="auto", duration=20.0, output={"every": 0.5})
+    assert measure.measure(Cell("window", "two kicks", far)).kind == "RIGHT"
+
+
+# --- the report -------------------------------------------------------------------------------------------------------
+
+
+def test_no_two_cells_share_a_file():
+    names = [report._Kept._path(Path(), cell) for cell in grid()]
+    assert len(set(names)) == len(names)
+
+
+def test_the_quick_report_has_cells_of_every_axis_and_leaves_the_long_ones_out():
+    quick = [cell for cell in grid() if report.cost(cell) <= report.QUICK]
+    assert {cell.axis for cell in quick} == {cell.axis for cell in grid()}
+    assert len(quick) < len(grid())
+
+
+def test_every_kind_has_a_colour_and_is_drawn():
+    outcomes = [Outcome("axis", kind, kind, "", 5e-4, 5e-4) for kind in KINDS]
+    assert set(COLOURS) == set(KINDS)
+    drawn = {text.get_text() for text in extremes_figure(outcomes).axes[0].texts}
+    assert {*KINDS, "axis"} <= drawn
+    assert {f"{kind.lower()} 5.0e-04" for kind in KINDS} <= drawn
+
+
+def test_the_command_writes_table_and_figure_goes_on_where_it_stopped_and_fails_for_a_wrong_cell(
+    tmp_path, capsys, monkeypatch
+):
+    monkeypatch.setattr(cells, "grid", lambda: [Cell("beads", "8", SHORT), REFUSED])
+    monkeypatch.setattr(report, "_program", lambda: "this one")
+    command = ["extremes", "-o", str(tmp_path)]
+    assert main(command) == 0
+    out = capsys.readouterr().out
+    assert "2 cells: 1 RIGHT, 0 TOLD, 1 REFUSED, 0 STOPPED, 0 WRONG" in out
+    assert "REFUSED gap 1e9: scene: gap: 1e+09 in dimensionless units" in out
+    with (tmp_path / "extremes.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [row["kind"] for row in rows] == ["RIGHT", "REFUSED"]
+    assert (tmp_path / "extremes.png").stat().st_size > 10_000
+    kept = tmp_path / "cells" / "beads_8.json"
+    data = json.loads(kept.read_text())
+    kept.write_text(json.dumps({**data, "outcome": {**data["outcome"], "kind": "WRONG", "why": "planted"}}))
+    assert main(command) == 1  # taken from the file
+    assert "WRONG beads 8: planted" in capsys.readouterr().out
+    kept.write_text(json.dumps({**json.loads(kept.read_text()), "of": "another program"}))
+    assert main(command) == 0  # measured again
+
+
+def test_an_unwritable_directory_is_refused(tmp_path, capsys):
+    (tmp_path / "file").write_text("")
+    assert main(["extremes", "--quick", "-o", str(tmp_path / "file" / "x")]) == 2
+    assert "cannot be written to" in capsys.readouterr().err
+
+
+def test_ctrl_c_keeps_what_is_done_and_leaves_nothing_behind(tmp_path):
+    work, out = tmp_path / "tmp", tmp_path / "out"
+    work.mkdir()
+    command = [sys.executable, "-m", "workflow.cli", "extremes", "-o", out]
+    with started(command, env={**os.environ, "TMPDIR": str(work)}) as process:
+        assert wait_until(lambda: list(work.glob("granchain-extremes-*/run/chains.dump.bin")), process)
+        os.killpg(process.pid, signal.SIGINT)
+        _, complaints = process.communicate(timeout=HANGS)
+    assert process.returncode == 130
+    assert complaints == "granchain: interrupted\n"
+    assert list(work.iterdir()) == []
+    assert all(json.loads(path.read_text())["outcome"]["kind"] in KINDS for path in (out / "cells").iterdir())

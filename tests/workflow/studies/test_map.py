@@ -1,0 +1,72 @@
+"""Equipartition over coupling and number of chains."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from lammps_inputs import InputError
+from workflow.cli import main
+from workflow.studies.map import make_map, run_case
+
+
+@pytest.mark.parametrize(
+    ("chains", "kappa", "ten", "one", "amplitude"),
+    [
+        (2, 0.5, 11, 17, 0.35934),
+        (2, 0.1, 33, 62, 0.36524),
+        pytest.param(2, 0.01, 265, 507, 0.3196, marks=pytest.mark.slow),
+        (3, 0.1, 64, 105, 0.25559),
+    ],
+)
+def test_the_known_distances_and_amplitudes_come_out(
+    chains: int, kappa: float, ten: int, one: int, amplitude: float
+) -> None:
+    case = run_case(chains, kappa)
+    assert (case.ten, case.one) == (ten, one)
+    assert case.amplitude == pytest.approx(amplitude, abs=5e-5)
+
+
+def test_a_chain_too_short_to_level_out_says_so() -> None:
+    case = run_case(2, 0.01, most_beads=100)
+    assert case.one is None
+    assert case.beads == 100
+
+
+def test_every_case_agrees_with_a_window_twice_as_wide() -> None:
+    assert run_case(2, 0.05).window_error <= 1e-6
+
+
+@pytest.mark.slow
+def test_a_map_goes_on_where_it_stopped(tmp_path: Path) -> None:
+    make_map(tmp_path, (0.2, 0.5), (2,))
+    kept, gone = sorted((tmp_path / "cases").iterdir())
+    marked = {**json.loads(kept.read_text()), "amplitude": 0.123}
+    kept.write_text(json.dumps(marked))
+    gone.unlink()
+    amplitudes = [case.amplitude for case in make_map(tmp_path, (0.2, 0.5), (2,))]
+    assert 0.123 in amplitudes  # taken from the file, not computed again
+    assert gone.exists()
+
+
+@pytest.mark.slow
+def test_the_command_prints_a_table_and_writes_the_figure(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["map", "-o", str(tmp_path / "m"), "--couplings", "0.5,1", "--chains", "2,3"]) == 0
+    assert "1% from" in capsys.readouterr().out
+    assert (tmp_path / "m" / "map.png").stat().st_size > 10_000
+    assert len((tmp_path / "m" / "map.csv").read_text().splitlines()) == 5
+
+
+@pytest.mark.parametrize("bad", [["--couplings", "x"], ["--chains", "1"], ["--couplings", "-1"], ["--most-beads", "3"]])
+def test_bad_choices_are_one_line_and_exit_code_2(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], bad: list[str]
+) -> None:
+    assert main(["map", "-o", str(tmp_path / "m"), *bad]) == 2
+    assert len(capsys.readouterr().err.splitlines()) == 1
+    assert not (tmp_path / "m").exists()
+
+
+def test_an_unwritable_directory_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="cannot be written"):
+        make_map(tmp_path / "file" / "m", (0.5,), (2,))

@@ -1,0 +1,112 @@
+"""What section 3 of the paper says, measured: the numbers that the report is written from."""
+
+import math
+
+import numpy as np
+import pytest
+
+from workflow.engines.collisions.first_row import THETA_OF_EQ_5
+from workflow.studies import rigid_rows as study
+
+
+def test_the_sentence_after_eq_5_does_not_hold():
+    found = study.first_row(THETA_OF_EQ_5)
+    np.testing.assert_allclose(found.phase, [math.pi / 2.0, math.pi], rtol=1e-14)
+    np.testing.assert_allclose(found.striker, [0.5, 0.75], rtol=1e-14)
+    np.testing.assert_allclose(found.target, [0.0, 0.25], rtol=0, atol=1e-14)
+    assert found.other_bead == pytest.approx((math.pi - 2.0) / (math.pi + 2.0), rel=1e-14)
+
+
+def test_chains_that_never_meet_in_one_of_them_say_so():
+    with pytest.raises(ValueError, match="never meet"):
+        study.first_row(math.pi * (1.0 + 4.0 * np.finfo(float).eps))  # stays in chain 1
+
+
+@pytest.fixture(scope="module")
+def limit():
+    return study.rigid_limit()
+
+
+def test_gapped_hertz_beads_become_rigid_as_the_root_of_kappa(limit):
+    # a contact over a swing; the next order is another root of kappa, 1e-3 to 1e-2 here, times numbers of order 1
+    assert limit.rate == pytest.approx([0.5, 0.5, 0.5], abs=0.05)
+
+
+def test_the_difference_from_rigid_beads_falls_tenfold_in_two_decades_of_kappa(limit):
+    np.testing.assert_allclose(limit.difference[-3] / limit.difference[-1], 10.0, rtol=0.2)
+
+
+def test_at_the_couplings_of_the_paper_hertz_beads_are_far_from_rigid(limit):
+    assert limit.kappa[0] == 0.1
+    assert limit.difference[0].min() > 0.2
+
+
+def test_a_bead_that_is_passed_in_one_model_and_struck_in_the_other_comes_before_the_limit(limit):
+    assert np.any(limit.hertz[1:3, 1, 0] == 0.0)
+    assert limit.rigid[1, 0] > 0.5
+
+
+@pytest.fixture(scope="module")
+def scanned():
+    return study.scan(np.linspace(0.05, 7.95, 160))
+
+
+def test_no_theta_keeps_rigid_chains_equal(scanned):
+    assert len(scanned.keeping(20, 30)) == 0
+
+
+def test_rigid_chains_agree_at_one_row_by_chance_only(scanned):
+    by_row = [len(scanned.agreeing(bead)) for bead in range(2, 31)]
+    # uniform differences between 0 and 2 would be below 0.01 in 1 of 200
+    assert np.mean(by_row) < 0.02 * len(scanned.theta)
+
+
+def test_rigid_chains_that_come_to_agree_drift_apart_again():
+    """The best theta found: a dozen rows within 1%, apart by more than the mean ten rows later."""
+    one = study.scan([1.376], 42)
+    assert one.first[0, :, one.bead == 25][0] == pytest.approx([0.28982, 0.28922], abs=5e-6)
+    assert one.keeping(18, 29) == [1.376]
+    assert len(one.keeping(20, 30)) == 0
+    assert one.difference()[0, one.bead == 41] > 1.0
+
+
+def test_late_rigid_rows_belong_to_the_arithmetic():
+    theta = np.linspace(0.05, 7.95, 80)
+    assert np.mean(study.sensitivity(theta) > 0.01) > 0.5
+    assert np.mean(study.sensitivity(theta, bead=3) > 0.01) < 0.1
+
+
+@pytest.mark.parametrize(("kappa", "equal_from", "last"), [(1.0, 12, 60), (0.1, 63, 110)])
+def test_gapped_hertz_chains_become_equal(kappa, equal_from, last):
+    impulses = study.hertz_impulses(study.problem_at(THETA_OF_EQ_5, kappa, last))
+    found = study.relative_mode(impulses, 5, last)
+    assert found.equal_from == equal_from
+    assert 0.0 < found.rows_per_e < 20.0
+
+
+def test_the_relative_mode_of_a_known_decay_is_found():
+    impulses = study.hertz_impulses(study.problem_at(THETA_OF_EQ_5, 1.0, 40))
+    decay = 0.3 * np.exp(-impulses.bead / 7.0)
+    known = impulses.__class__(
+        impulses.bead, np.array([1.0 + decay, 1.0 - decay]), impulses.whole, impulses.contacts, impulses.time, 0.0
+    )
+    found = study.relative_mode(known, 5, 40)
+    assert found.rows_per_e == pytest.approx(7.0, rel=1e-9)
+    np.testing.assert_allclose(found.difference, decay[3:39], rtol=1e-12)
+    assert found.misfit[0] < 1e-10 < found.misfit[1]
+
+
+def test_relative_mode_without_decay_never_becomes_equal():
+    impulses = study.rigid_impulses(study.rigid_problem(2.0, 30))
+    assert study.relative_mode(impulses, 5, 30).equal_from is None
+
+
+def test_histories_of_both_models_cover_the_same_rows_and_time():
+    problem = study.problem_at(THETA_OF_EQ_5, 1.0, 25)
+    rigid, hertz = study.rigid_history(problem), study.hertz_history(problem)
+    np.testing.assert_array_equal(rigid.time, hertz.time)
+    assert rigid.velocity.shape == hertz.velocity.shape == (problem.frames + 1, 2, 2)
+    assert rigid.rows == (5, 25)
+    # Hertz bead 25 moves freely between its contacts, with its impulse as velocity
+    peak = hertz.velocity[:, :, 1].max(axis=0)
+    np.testing.assert_allclose(peak, hertz.impulses.first[:, hertz.impulses.row(25)], rtol=0, atol=0.01)

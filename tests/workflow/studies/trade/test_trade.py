@@ -1,0 +1,227 @@
+"""`granchain trade` on a small scene, from the command to its files."""
+
+import contextlib
+import csv
+import io
+import json
+import math
+import os
+import signal
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from processes import HANGS, started, wait_until
+
+from lammps_inputs import Scene, strict_yaml
+from workflow.cli import main
+from workflow.engines.lammps import mpi
+from workflow.engines.reference import engine
+from workflow.runs.run import run
+from workflow.studies.trade import grid, sizes
+from workflow.studies.trade.study import plain_problem
+
+SCENE = {
+    "name": "small",
+    "chains": 2,
+    "beads": 10,
+    "coupling": {"stiffness": 0.1},
+    "kick": {"velocity": 1.0},
+    "duration": 12.0,
+    "output": {"every": 0.1},
+}
+
+
+ERRORS = ("velocity_error", "amplitude_error", "arrival_error")
+
+
+def written(directory, **changes):
+    path = directory / "scene.yaml"
+    path.write_text(strict_yaml.dump({**SCENE, **changes}))
+    return str(path)
+
+
+@pytest.fixture(scope="module", params=[pytest.param("", marks=pytest.mark.slow)])
+def found(tmp_path_factory):
+    """What the command says, its table, its report and its directory."""
+    directory = tmp_path_factory.mktemp("trade")
+    with pytest.MonkeyPatch.context() as patch, contextlib.redirect_stdout(io.StringIO()) as out:
+        patch.setattr(grid, "FINEST", {"verlet": 32, "suzuki4": 4, "blanes-moan": 8})
+        patch.setattr(sizes, "FACTORS", (1,))
+        assert (
+            main(["trade", written(directory), "-o", str(directory / "out"), "--repeats", "1", "--budget", "600"]) == 0
+        )
+    rows = table(directory / "out" / "trade.csv")
+    report = json.loads((directory / "out" / "trade.json").read_text())
+    return out.getvalue(), rows, report, directory / "out"
+
+
+def table(path):
+    return list(csv.DictReader(io.StringIO(path.read_text())))
+
+
+def of(rows, method):
+    return [row for row in rows if row["method"] == method]
+
+
+def velocity(row):
+    return float(row["velocity_error"])
+
+
+def test_every_choice_is_measured(found):
+    methods = {row["method"] for row in found[1]}
+    always = {"LAMMPS verlet", "LAMMPS suzuki4", "reference blanes-moan", "reference suzuki4", "reference verlet"}
+    assert methods == (always | {"LAMMPS ranks"} if mpi.cores() > 1 else always)
+    assert all(velocity(row) > 0.0 for row in found[1])
+
+
+@pytest.mark.parametrize("engine", ["LAMMPS", "reference"])
+def test_verlet_has_order_two(engine, found):
+    # orders come in halves, for contacts open and close; a quarter tells 2 from what is next to it
+    order = found[2]["orders"][f"{engine} verlet"]["velocity"]
+    assert order["points"] >= 4
+    assert order["value"] == pytest.approx(2.0, abs=0.25)
+
+
+@pytest.mark.parametrize("scheme", ["verlet", "suzuki4"])
+def test_lammps_and_the_reference_make_the_same_errors_with_the_same_scheme(scheme, found):
+    ours = {row["forces"]: velocity(row) for row in of(found[1], f"reference {scheme}")}
+    theirs = {row["forces"]: velocity(row) for row in of(found[1], f"LAMMPS {scheme}")}
+    both = set(ours) & set(theirs)
+    assert len(both) >= 3
+    for forces in both:
+        # positions of 40 hold some 1e-14, amplified by some hundreds of steps of chaos-free motion
+        assert theirs[forces] == pytest.approx(ours[forces], abs=1e-10)
+
+
+def test_the_error_of_lammps_is_its_difference_from_a_much_finer_reference(found, tmp_path):
+    scene = Scene.model_validate(SCENE)
+    exact = engine.run(scene.problem(), steps_per_frame=400)
+    own = run(scene, tmp_path / "run", check=False).trajectory
+    error = float(np.abs(own.velocity - exact.velocity).max())
+    row = next(row for row in of(found[1], "LAMMPS verlet") if float(row["timestep"]) == pytest.approx(0.01))
+    assert velocity(row) == pytest.approx(error, abs=found[2]["reference"]["velocity"])
+
+
+def test_the_reference_is_surer_than_any_error_it_judges(found):
+    sure = found[2]["reference"]["velocity"]
+    assert sure <= 1e-10
+    assert min(map(velocity, found[1])) > 10.0 * sure
+    assert f"The reference is sure to {sure:.1e} V" in found[0]
+
+
+@pytest.mark.skipif(mpi.cores() < 2, reason="needs two cores")
+def test_ranks_change_no_error(found):
+    one, two = of(found[1], "LAMMPS ranks")[:2]
+    assert [one[name] for name in ERRORS] == [two[name] for name in ERRORS]
+
+
+def test_the_table_has_the_spread_and_the_first_call_apart(found):
+    for row in found[1]:
+        low, middle, high = (float(row[name]) for name in ("seconds_min", "seconds", "seconds_max"))
+        assert 0.0 < low <= middle <= high
+        assert float(row["seconds_first"]) > 0.0
+        assert float(row["start"]) > 0.0
+        assert int(row["repeats"]) == 1
+    for point, row in zip(found[2]["engines"], found[1], strict=True):
+        seconds = {each["seconds"] for each in point["repeats"]}
+        assert seconds == {float(row["seconds_min"]), float(row["seconds_max"])}
+
+
+def test_forces_are_counted(found):
+    for row in found[1]:
+        steps = 12.0 / float(row["timestep"])
+        stages = 6 if "blanes" in row["method"] else 5 if row["method"] == "reference suzuki4" else 1
+        assert float(row["forces"]) == pytest.approx(steps * stages)
+
+
+def test_one_sentence_of_advice_for_each_accuracy(found):
+    lines = found[0].splitlines()
+    for accuracy in ("1e-02", "1e-04", "1e-06", "1e-08"):
+        (line,) = [line for line in lines if line.startswith(f"{accuracy}: ")]
+        assert "timestep: " in line or "nothing measured reaches it" in line or "no measured time step" in line
+    assert any(line.startswith("In LAMMPS suzuki4 ") for line in lines)
+
+
+def test_what_is_advised_is_within_the_accuracy_and_nothing_cheaper_is(found):
+    (line,) = [line for line in found[0].splitlines() if line.startswith("1e-04: ")]
+    enough = [row for row in of(found[1], "LAMMPS verlet") + of(found[1], "LAMMPS suzuki4") if velocity(row) <= 1e-4]
+    enough += [row for row in of(found[1], "LAMMPS ranks") if velocity(row) <= 1e-4]
+    best = min(enough, key=lambda row: float(row["seconds"]))
+    assert f"timestep: {float(best['timestep']):.6g}`" in line
+
+
+def test_the_figure_and_the_tables_are_all_that_is_left(found):
+    assert {path.name for path in found[3].iterdir()} == {
+        "trade.csv", "frames.csv", "trade.json", "trade.png", "trade.pdf"
+    }  # fmt: skip
+    assert (found[3] / "trade.png").stat().st_size > 10_000
+
+
+def test_text_loses_digits_or_time_and_binary_frames_neither(found):
+    rows = {row["setting"]: row for row in table(found[3] / "frames.csv")}
+    # velocities below 1 with six digits
+    assert 0.0 < velocity(rows["text %g"]) <= 5e-7 * (1.0 + 1e-9)
+    assert velocity(rows["text %.17g"]) == velocity(rows["binary"]) == 0.0
+    assert float(rows["text %.17g"]["arrival_error"]) == float(rows["binary"]["arrival_error"])
+    assert float(rows["text %.17g"]["bytes"]) > float(rows["binary"]["bytes"])
+
+
+def test_seldom_frames_find_arrivals_worse(found):
+    rows = [row for row in table(found[3] / "frames.csv") if row["method"] == "frames"]
+    every = [float(row["every"]) for row in rows]
+    assert every == sorted(every, reverse=True)
+    assert float(rows[0]["arrival_error"]) > 10.0 * float(rows[-1]["arrival_error"])
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [(["--budget", "0"], "above 0"), (["--budget", "nan"], "above 0"), (["--repeats", "-1"], "0 or more")],
+)
+def test_bad_choices_are_one_line_and_exit_code_2(options, says, tmp_path, capsys):
+    assert main(["trade", written(tmp_path), "-o", str(tmp_path / "out"), *options]) == 2
+    err = capsys.readouterr().err
+    assert says in err
+    assert len(err.splitlines()) == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_directory_that_holds_something_is_refused(tmp_path, capsys):
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "mine").write_text("kept")
+    assert main(["trade", written(tmp_path), "-o", str(tmp_path / "out")]) == 2
+    assert "not empty" in capsys.readouterr().err
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["mine"]
+
+
+@pytest.mark.slow
+def test_an_interruption_leaves_what_was_measured(tmp_path):
+    granchain = str(Path(sys.executable).with_name("granchain"))
+    path = tmp_path / "out" / "trade.csv"
+
+    def under_way():
+        return path.exists() and len(measured_rows(path)) >= 3
+
+    with started([granchain, "trade", written(tmp_path), "-o", tmp_path / "out"]) as process:
+        assert wait_until(under_way, process)
+        os.killpg(process.pid, signal.SIGINT)
+        _, err = process.communicate(timeout=HANGS)
+    assert process.returncode == 130
+    assert "interrupted" in err
+    assert "Traceback" not in err
+    assert len(measured_rows(path)) >= 3
+    report = json.loads((tmp_path / "out" / "trade.json").read_text())
+    assert not report["whole"]
+    assert not [path for path in (tmp_path / "out").iterdir() if path.name.startswith(".")]
+
+
+def measured_rows(path):
+    return [row for row in table(path) if row["velocity_error"] and math.isfinite(velocity(row))]
+
+
+def test_a_scene_that_asks_for_an_accuracy_or_a_scheme_is_measured_as_it_would_be_run():
+    step = plain_problem(Scene.model_validate({**SCENE, "accuracy": 1e-3})).timestep
+    assert step > plain_problem(Scene.model_validate({**SCENE, "accuracy": 1e-5})).timestep
+    problem = plain_problem(Scene.model_validate({**SCENE, "scheme": "suzuki4"}))
+    assert (problem.scheme, problem.timestep) == ("verlet", 0.01)

@@ -1,0 +1,303 @@
+"""The table of a sweep, and its figures: every case in one line, with the numbers that its files hold."""
+
+import csv
+import json
+import os
+import shutil
+
+import numpy as np
+import pytest
+
+from analysis.figures.swept import MOST_LINES, Axis, logarithmic, swept_figure
+from lammps_inputs import strict_yaml
+from workflow.cli import main
+from workflow.runs.run_directory import RunDirectory
+from workflow.sweep import collect as collecting
+from workflow.sweep.collect import collect
+
+SCENE = {
+    "name": "small",
+    "chains": 2,
+    "beads": 20,
+    "kick": {"velocity": 1},
+    "duration": 30,
+}
+
+
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory):
+    """A finished sweep of six cases."""
+    folder = tmp_path_factory.mktemp("sweep")
+    vary = {"coupling.stiffness": [0.2, 0.4, 0.8], "beads": [20, 24]}
+    (folder / "sweep.yaml").write_text(strict_yaml.dump({"scene": SCENE, "vary": vary}))
+    assert main(["sweep", str(folder / "sweep.yaml"), "-o", str(folder / "s"), "--jobs", "1"]) == 0
+    return folder / "s"
+
+
+@pytest.fixture
+def copied(swept, tmp_path):
+    """A copy of it that may be spoiled."""
+    return shutil.copytree(swept, tmp_path / "s")
+
+
+def table(path):
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def refusal(words, capsys):
+    assert main([str(word) for word in words]) == 2
+    out, err = capsys.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    return err
+
+
+def test_the_table_has_a_line_per_case_ordered_by_value(copied, capsys):
+    assert main(["collect", str(copied)]) == 0
+    assert "6 cases: 6 done" in capsys.readouterr().out
+    values = [(row["beads"], row["coupling.stiffness"]) for row in table(copied / "table.csv")]
+    assert values == [(beads, stiffness) for beads in ("20", "24") for stiffness in ("0.2", "0.4", "0.8")]
+
+
+def test_numbers_in_the_table_are_exactly_those_of_the_cases_files(copied):
+    assert main(["collect", str(copied), "-o", str(copied / "mine.csv")]) == 0
+    for row in table(copied / "mine.csv"):
+        report = json.loads((copied / row["case"] / "analysis.json").read_text())
+        record = json.loads((copied / row["case"] / "run.json").read_text())
+        shared = report["equipartition"]
+        assert row["outcome"] == "done"
+        assert float(row["amplitude"]) == shared["final"]["value"]
+        assert row["agree_10"] == str(shared["amplitudes"]["0.1"] or "")
+        assert float(row["energy_share"]) == shared["energy_share"]["measured"]
+        assert row["verdict"] == shared["verdict"]
+        assert float(row["error_velocity"]) == record["check"]["velocity"]
+        assert float(row["wall_seconds"]) == record["wall_seconds"]
+        assert float(row["speed"]) == report["waves"][0]["speed"]
+
+
+def test_the_wave_of_a_case_is_that_of_the_chain_that_was_hit(tmp_path):
+    scene = {**SCENE, "kick": {"chain": 2, "velocity": 1}, "coupling": {"stiffness": 0.2}}
+    (tmp_path / "a.yaml").write_text(strict_yaml.dump(scene))
+    assert main(["run", str(tmp_path / "a.yaml"), "-o", str(tmp_path / "s" / "a"), "--no-check"]) == 0
+    (row,) = collect(tmp_path / "s").rows
+    waves = json.loads((tmp_path / "s" / "a" / "analysis.json").read_text())["waves"]
+    assert [wave["chain"] for wave in waves] == [1, 2]
+    assert row["speed"] == waves[1]["speed"]
+    assert row["speed"] != waves[0]["speed"]
+
+
+def test_failed_interrupted_and_unfinished_cases_are_in_the_table_with_their_reason(copied, capsys):
+    done, failed, interrupted, empty, *_ = sorted(copied.iterdir())
+    RunDirectory(failed).update_record(outcome="failed", reason="by step 200, nonsense")
+    (failed / "analysis.json").unlink()
+    RunDirectory(interrupted).update_record(outcome="interrupted")
+    for name in ("run.json", "analysis.json", "chains.dump.bin"):
+        (empty / name).unlink()
+    assert main(["collect", str(copied)]) == 0
+    assert "6 cases: 3 done, 1 failed, 1 incomplete, 1 written" in capsys.readouterr().out
+    found = {row["case"]: (row["outcome"], row["amplitude"], row["reason"]) for row in table(copied / "table.csv")}
+    assert found[failed.name] == ("failed", "", "by step 200, nonsense")
+    assert found[interrupted.name][0] == "incomplete"
+    assert found[interrupted.name][2].startswith("interrupted; ")
+    assert found[empty.name] == ("written", "", "`lmp -in in.chains` there starts it")
+    assert found[done.name][0] == "done"
+
+
+def test_what_came_back_from_a_cluster_is_analysed_and_gives_the_same_numbers(copied):
+    before = collect(copied).rows
+    for path in copied.iterdir():
+        for name in ("run.json", "analysis.json", "waves.csv"):
+            (path / name).unlink()
+    after = collect(copied).rows
+    assert [row["outcome"] for row in after] == ["done"] * 6
+    assert [row["amplitude"] for row in after] == [row["amplitude"] for row in before]
+
+
+def test_a_run_that_got_farther_since_is_analysed_again(copied):
+    case = next(copied.iterdir())
+    record = json.loads((case / "run.json").read_text())
+    (case / "run.json").write_text(json.dumps({"files": record["files"]}))  # as a cluster leaves it
+    dump = case / "chains.dump.bin"
+    whole = dump.read_bytes()
+    dump.write_bytes(whole[: len(whole) // 2])
+    assert main(["analyze", str(case), "--no-figures"]) == 0
+    os.utime(dump, (0, 0))  # nobody writes it at the moment
+    assert {row["outcome"] for row in collect(copied).rows if row["case"] == case.name} == {"incomplete"}
+    dump.write_bytes(whole)
+    assert {row["outcome"] for row in collect(copied).rows} == {"done"}
+    assert json.loads((case / "analysis.json").read_text())["complete"] is True
+
+
+def test_frames_that_cannot_be_analysed_are_one_cases_matter(copied):
+    case = next(copied.iterdir())
+    (case / "analysis.json").unlink()
+    (case / "chains.dump.bin").write_bytes(b"nonsense" * 100)
+    found = {row["case"]: row for row in collect(copied).rows}
+    assert found[case.name]["outcome"] == "not analysed"
+    assert "is not a LAMMPS binary dump" in found[case.name]["reason"]
+    assert [row["outcome"] for row in found.values()].count("done") == 5
+
+
+@pytest.mark.parametrize("content", [b"", b"{", b"[]", b"\xff", b'{"complete": 3}', b"[" * 10**6])
+def test_a_spoiled_analysis_is_made_again(content, copied):
+    case = next(copied.iterdir())
+    before = collect(copied).rows
+    (case / "analysis.json").write_bytes(content)
+    assert collect(copied).rows == before
+
+
+def test_files_of_somebody_else_that_hold_other_things_leave_blanks(copied):
+    case = next(copied.iterdir())
+    (case / "analysis.json").write_bytes(b'{"complete": true, "equipartition": 3, "waves": {"a": 1}}')
+    (case / "run.json").write_bytes(b'{"outcome": "done", "check": [1], "steps": "many", "engine": {}}')
+    row = next(row for row in collect(copied).rows if row["case"] == case.name)
+    assert {row[name] for name in ("amplitude", "error_velocity", "steps", "speed", "engine", "verdict")} == {None}
+
+
+def test_runs_without_a_sweep_are_gathered_too(copied):
+    for path in copied.iterdir():
+        (path / "case.json").unlink()
+    found = collect(copied)
+    assert (found.fields, len(found.rows)) == ([], 6)
+
+
+def test_where_chooses_the_cases_of_the_table_with_and_without_a_figure(copied, capsys):
+    assert main(["collect", str(copied), "--where", "beads=24"]) == 0
+    assert "3 cases: 3 done" in capsys.readouterr().out
+    assert {row["beads"] for row in table(copied / "table.csv")} == {"24"}
+    drawn = ["--plot", "amplitude", "--over", "coupling.stiffness", "--where", "beads=20"]
+    assert main(["collect", str(copied), *drawn]) == 0
+    assert {row["beads"] for row in table(copied / "table.csv")} == {"20"}
+
+
+# --- figures ----------------------------------------------------------------------------------------------------------
+
+
+def test_a_quantity_is_drawn_over_one_field_and_over_two(copied, capsys):
+    name = "amplitude-over-coupling.stiffness"
+    assert main(["collect", str(copied), "--plot", "amplitude", "--over", "coupling.stiffness", "--and", "beads"]) == 0
+    assert f"{name}-and-beads.pdf" in capsys.readouterr().out
+    assert (
+        main(["collect", str(copied), "--plot", "amplitude", "--over", "coupling.stiffness", "--where", "beads=24"])
+        == 0
+    )
+    for file in (f"{name}.png", f"{name}.pdf", f"{name}-and-beads.png", f"{name}-and-beads.pdf"):
+        assert (copied / file).stat().st_size > 5_000
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        (["--plot", "amplitud", "--over", "beads"], "--plot: 'amplitud' given; amplitude, "),
+        (["--plot", "verdict", "--over", "beads"], "--plot: 'verdict' given; amplitude, "),
+        (["--plot", "amplitude", "--over", "bead"], "--over: 'bead' is not varied here; beads, coupling.stiffness"),
+        (["--plot", "amplitude", "--over", "beads"], "--where coupling.stiffness=VALUE"),
+        (["--plot", "amplitude", "--over", "beads", "--and", "gap"], "--and: 'gap' is not varied"),
+        (["--plot", "amplitude", "--over", "beads", "--where", "beads=3"], "--where: no case has beads = 3; 20, 24"),
+        (["--where", "bead=3"], "--where: 'bead' is not varied here; beads, coupling.stiffness"),
+        (["--plot", "amplitude", "--over", "beads", "--where", "beads"], "FIELD=VALUE"),
+        (["--plot", "amplitude"], "go together"),
+        (["--and", "beads"], "give --plot too"),
+        (["-o", "table.parquet"], "the table is CSV"),
+        (["-o", "nowhere/table.csv"], "no such directory"),
+    ],
+)
+def test_what_cannot_be_drawn_or_written_is_one_line_and_nothing_is_written(options, says, copied, monkeypatch, capsys):
+    monkeypatch.chdir(copied.parent)
+    before = sorted(copied.parent.rglob("*"))
+    assert says in refusal(["collect", copied, *options], capsys)
+    assert sorted(copied.parent.rglob("*")) == before
+
+
+def test_a_table_of_the_users_is_not_overwritten_and_one_of_ours_is(copied, capsys):
+    mine = copied / "mine.csv"
+    mine.write_text("a,b\n1,2\n")
+    assert "not a table of granchain's" in refusal(["collect", copied, "-o", mine], capsys)
+    assert mine.read_text() == "a,b\n1,2\n"
+    assert main(["collect", str(copied)]) == main(["collect", str(copied)]) == 0
+
+
+@pytest.mark.parametrize("place", ["nowhere", "."])
+def test_a_directory_without_cases_is_one_line(place, tmp_path, capsys):
+    refusal(["collect", tmp_path / place], capsys)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("values", "log"),
+    [
+        ([0.05, 0.1, 0.2], True),
+        (np.geomspace(1e-3, 10, 20).tolist(), True),
+        ([2, 3, 4, 5], False),
+        (np.linspace(0.1, 1, 10).tolist(), False),
+        ([0, 0.1, 1], False),
+        ([-1, 1, 10], False),
+        ([1, 1000], False),
+        ([0.1, 0.1], False),
+    ],
+)
+def test_an_axis_is_logarithmic_where_its_values_are_spaced_by_a_factor(values, log):
+    assert logarithmic(values) is log
+    numbers = np.array(values, dtype=float)
+    figure = swept_figure(Axis("y", numbers), Axis("x", numbers))
+    assert figure.axes[0].get_xscale() == ("log" if log else "linear")
+
+
+def test_many_values_of_the_second_field_make_a_map_with_every_number_in_its_place():
+    x, y = (part.ravel() for part in np.meshgrid([0.1, 0.2, 0.4], np.arange(1.0, MOST_LINES + 2)))
+    keep = ~((x == 0.2) & (y == 3.0))
+    figure = swept_figure(Axis("z", (x * y)[keep]), Axis("x", x[keep]), Axis("y", y[keep]))
+    (mesh,) = figure.axes[0].collections
+    expected = np.arange(1.0, MOST_LINES + 2)[:, None] * np.array([0.1, 0.2, 0.4])
+    expected[2, 1] = np.nan
+    np.testing.assert_array_equal(np.ma.filled(mesh.get_array(), np.nan), expected)
+
+
+def test_uncertainties_are_bars_and_cases_that_are_not_settled_are_hollow():
+    x, open_ = np.array([1.0, 2.0, 3.0]), np.array([True, False, False])
+    figure = swept_figure(Axis("y", 2.0 * x, 0.1 * x, open_), Axis("x", x), title="scene")
+    axis = figure.axes[0]
+    assert axis.get_title() == "scene; hollow: not settled"
+    (hollow,) = [line for line in axis.get_lines() if line.get_markerfacecolor() == "white"]
+    np.testing.assert_array_equal(hollow.get_xydata(), [[1.0, 2.0]])
+    (bars,) = axis.collections
+    np.testing.assert_allclose([part[:, 1] for part in bars.get_segments()], np.stack([1.9 * x, 2.1 * x], axis=1))
+
+
+def test_cases_of_a_map_that_are_not_settled_are_crossed():
+    x, y = (part.ravel() for part in np.meshgrid([0.1, 0.2], np.arange(1.0, MOST_LINES + 2)))
+    figure = swept_figure(Axis("z", x * y, None, y == 3.0), Axis("x", x), Axis("y", y))
+    assert figure.axes[0].get_title() == "crossed: not settled"
+    for line in figure.axes[0].get_lines():
+        np.testing.assert_array_equal(line.get_xydata(), [[0.1, 3.0], [0.2, 3.0]])
+
+
+def test_the_collected_figure_knows_its_scene_its_bars_and_its_unsettled_cases(copied, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(collecting, "write_figure", lambda _path, _name, figure: drawn.append(figure) or ())
+    found = collecting.only(collect(copied), {"beads": 20})
+    collecting.plot(found, copied, "amplitude", "coupling.stiffness", None, "beads = 20")
+    axis = drawn[0].axes[0]
+    assert axis.get_title().startswith("small, beads = 20")
+    states = [row["state"] for row in found.rows]
+    hollow = [len(line.get_xdata()) for line in axis.get_lines() if line.get_markerfacecolor() == "white"]
+    assert sum(hollow) == sum(state in ("still beating", "too short to tell") for state in states) > 0
+    assert len(axis.collections[0].get_segments()) == 3
+
+
+def test_columns_of_si_scenes_name_their_units_and_others_keep_their_names(swept):
+    reduced = collect(swept)
+    assert reduced.to_csv().splitlines()[0].split(",") == reduced.columns
+    head = type(reduced)(["coupling.stiffness", "beads"], [], si=True).to_csv().splitlines()[0].split(",")
+    assert {"coupling.stiffness (N/m)", "beads", "amplitude", "arrival (s)", "peak_velocity (m/s)"} <= set(head)
+
+
+def test_labels_tell_the_units_of_the_scenes(swept):
+    reduced = collect(swept)
+    assert reduced.label("coupling.stiffness") == "coupling stiffness (reduced)"
+    assert reduced.label("beads") == "beads"
+    assert reduced.label("speed") == "speed at the last clear bead (reduced)"
+    si = type(reduced)(["coupling.stiffness", "kick[2].velocity"], [], si=True)
+    assert si.label("coupling.stiffness") == "coupling stiffness (N/m)"
+    assert si.label("kick[2].velocity") == "kick[2] velocity (m/s)"
+    assert si.label("speed") == "speed at the last clear bead (beads/s)"

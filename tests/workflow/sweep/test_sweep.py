@@ -1,0 +1,287 @@
+"""Sweeps: nothing computed twice, nothing lost, nothing silently another scene."""
+
+import json
+import os
+import signal
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from processes import HANGS, started, wait_until
+from sweeps import GRANCHAIN, SMALL, UNTIL, sweep, sweep_file
+
+from lammps_inputs import library
+from workflow.engines.lammps import hosted
+from workflow.errors import RunError
+from workflow.runs.run import run
+from workflow.runs.run_directory import RunDirectory, alone
+from workflow.sweep import pool
+from workflow.sweep.directory import Asked, begin
+from workflow.sweep.jobs import Job
+
+# --- running ----------------------------------------------------------------------------------------------------------
+
+
+def test_a_swept_case_is_bit_for_bit_the_scene_run_alone(tmp_path):
+    path = sweep_file(tmp_path, coupling__stiffness=[0.1, 0.2])
+    assert sweep(path, tmp_path / "s") == 0
+    swept = RunDirectory(tmp_path / "s" / "coupling.stiffness=0.2").trajectory
+    alone = run(library.from_plain({**SMALL, "coupling": {"stiffness": 0.2}}, ""), tmp_path / "alone", check=False)
+    np.testing.assert_array_equal(swept.velocity, alone.trajectory.velocity)
+    np.testing.assert_array_equal(swept.displacement, alone.trajectory.displacement)
+
+
+@pytest.mark.parametrize("engine", ["reference", "collisions"])
+def test_other_engines_sweep_too(engine, tmp_path):
+    path = sweep_file(tmp_path, {**SMALL, "gap": 0.1}, engine=engine, beads=[12])
+    assert sweep(path, tmp_path / "s") == 0
+    assert RunDirectory(tmp_path / "s" / "beads=12").record["engine"] == engine
+
+
+def test_a_scene_that_ends_at_a_bead_sweeps_and_is_recognised_again(tmp_path, capsys):
+    path = sweep_file(tmp_path, UNTIL, beads=[12])
+    assert sweep(path, tmp_path / "s") == 0
+    assert sweep(path, tmp_path / "s") == 0
+    assert "1 of 1 cases done (1 of them before)" in capsys.readouterr().out
+
+
+@pytest.fixture(scope="module")
+def done(tmp_path_factory):
+    """A finished sweep of two cases: its file and directory."""
+    folder = tmp_path_factory.mktemp("sweep")
+    path = sweep_file(folder, coupling__stiffness=[0.1, 0.2])
+    assert sweep(path, folder / "s") == 0
+    return path, folder / "s"
+
+
+def stamps(directory):
+    return {path: path.stat().st_mtime_ns for path in directory.rglob("*") if path.is_file()}
+
+
+def test_a_finished_sweep_is_not_computed_again(done):
+    path, directory = done
+    before = stamps(directory)
+    assert sweep(path, directory) == 0
+    assert stamps(directory) == before
+
+
+def test_what_is_missing_failed_or_cut_short_is_computed_again_and_nothing_else(tmp_path):
+    path = sweep_file(tmp_path, coupling__stiffness=[0.1, 0.2, 0.3, 0.4, 0.5])
+    assert sweep(path, tmp_path / "s") == 0
+    kept, unanalysed, failed, killed, gone = sorted((tmp_path / "s").iterdir())
+    (unanalysed / "analysis.json").unlink()
+    RunDirectory(failed).update_record(outcome="failed")
+    RunDirectory(killed).update_record(outcome="running")
+    for file in gone.iterdir():
+        file.unlink()  # killed before anything was written
+    before = stamps(tmp_path / "s")
+    assert sweep(path, tmp_path / "s") == 0
+    changed = {path.parent for path, stamp in stamps(tmp_path / "s").items() if before.get(path) != stamp}
+    assert changed == {unanalysed, failed, killed, gone}
+    assert before[unanalysed / "run.json"] == (unanalysed / "run.json").stat().st_mtime_ns
+    assert before[kept / "run.json"] == (kept / "run.json").stat().st_mtime_ns
+
+
+def test_added_values_are_computed_and_cases_no_longer_named_stay(tmp_path, capsys):
+    assert sweep(sweep_file(tmp_path, beads=[10, 11]), tmp_path / "s") == 0
+    assert sweep(sweep_file(tmp_path, beads=[11, 12]), tmp_path / "s") == 0
+    assert "2 of 2 cases done (1 of them before)" in capsys.readouterr().out
+    assert {path.name for path in (tmp_path / "s").iterdir()} == {"beads=10", "beads=11", "beads=12"}
+
+
+@pytest.mark.parametrize(
+    ("change", "engine", "says"),
+    [({"duration": 12}, "lammps", "duration differs"), ({}, "reference", "computed by lammps, not reference")],
+)
+def test_the_same_case_of_another_sweep_is_refused_before_anything_runs(change, engine, says, done, tmp_path, capsys):
+    _, directory = done
+    before = stamps(directory)
+    path = sweep_file(tmp_path, {**SMALL, **change}, engine=engine, coupling__stiffness=[0.05, 0.1])
+    assert sweep(path, directory) == 2
+    assert says in capsys.readouterr().err
+    assert stamps(directory) == before
+
+
+def test_a_case_whose_scene_was_changed_by_hand_is_refused(tmp_path, capsys):
+    path = sweep_file(tmp_path, beads=[12])
+    case = tmp_path / "s" / "beads=12"
+    assert sweep(path, tmp_path / "s") == 0
+    scene = case / "scene.yaml"
+    scene.write_text(scene.read_text().replace("stiffness: 0.1", "stiffness: 0.2"))
+    assert sweep(path, tmp_path / "s") == 2
+    assert f"{case}: holds this case of another scene (coupling differs)" in capsys.readouterr().err
+
+
+def test_a_directory_of_somebody_elses_is_left_alone(tmp_path, capsys):
+    (tmp_path / "thesis").mkdir()
+    (tmp_path / "thesis" / "chapter.tex").write_text("mine")
+    assert sweep(sweep_file(tmp_path, beads=[12]), tmp_path / "thesis") == 2
+    assert "not the directory of a sweep" in capsys.readouterr().err
+    assert [path.name for path in (tmp_path / "thesis").iterdir()] == ["chapter.tex"]
+
+
+def test_two_sweeps_do_not_share_a_directory(done, monkeypatch, capsys):
+    path, directory = done
+    monkeypatch.setattr("workflow.runs.run_directory._LOCK_SECONDS", 0.0)
+    with alone(directory):
+        assert sweep(path, directory) == 2
+    assert "a run is under way in it" in capsys.readouterr().err
+
+
+# --- failures ---------------------------------------------------------------------------------------------------------
+
+
+def test_a_failing_case_among_good_ones_is_told_in_one_line_and_tried_again(tmp_path, capsys):
+    scene = {**SMALL, "duration": 200, "output": {"every": 1.4}}
+    path = sweep_file(tmp_path, scene, timestep=[0.01, 0.1, 0.7])
+    for before in ("", " (2 of them before)"):
+        assert sweep(path, tmp_path / "s") == 1
+        out, err = capsys.readouterr()
+        assert err == ""
+        told, count, _ = out.splitlines()
+        assert told.startswith("timestep=0.7: by step 200, the energy has changed by ")
+        assert count == f"{tmp_path / 's'}: 2 of 3 cases done{before}, 1 failed"
+    found = {path.name: RunDirectory(path).record["outcome"] for path in (tmp_path / "s").iterdir()}
+    assert found == {"timestep=0.01": "done", "timestep=0.1": "done", "timestep=0.7": "failed"}
+
+
+def test_a_pulse_that_does_not_arrive_is_its_cases_failure(tmp_path, capsys):
+    path = sweep_file(tmp_path, UNTIL, kick__velocity=[1, -1])
+    assert sweep(path, tmp_path / "s") == 1
+    assert "kick.velocity=-1: until_bead: bead 8 is not passed" in capsys.readouterr().out
+    assert RunDirectory(tmp_path / "s" / "kick.velocity=-1").record["outcome"] == "failed"
+
+
+def job(directory, **changes):
+    return Job(str(directory), Asked({}, {**SMALL, **changes}, "lammps"), check=False, figures=False)
+
+
+def test_a_process_that_dies_is_one_failed_case_and_the_others_go_on(tmp_path):
+    jobs = iter(
+        [(name, job(tmp_path / name, duration=3e6 if name == "long" else 10)) for name in ("long", "a", "b", "c")]
+    )
+    found = {}
+    answers = pool.answers(jobs, 2)
+    for name, answer in answers:
+        found[name] = answer
+        if name == "b":  # the other process is in the long case, or comes to it
+            assert wait_until(lambda: in_directory(tmp_path / "long"))
+            (victim,) = in_directory(tmp_path / "long")
+            os.kill(victim, signal.SIGABRT)
+    assert {name: answer["end"] for name, answer in found.items()} == {
+        "long": "failed",
+        "a": "done",
+        "b": "done",
+        "c": "done",
+    }
+    assert "was killed by signal SIGABRT" in found["long"]["reason"]
+    assert children() == []
+
+
+def in_directory(directory):
+    return [pid for pid in children() if Path(f"/proc/{pid}/cwd").readlink() == directory]
+
+
+def children():
+    """Processes that this one has started and that still are."""
+    found = Path(f"/proc/self/task/{os.getpid()}/children").read_text().split()
+    return [int(pid) for pid in found if b"workflow.sweep.worker" in Path(f"/proc/{pid}/cmdline").read_bytes()]
+
+
+def test_an_error_of_lammps_ends_its_process_and_not_the_sweep(tmp_path, monkeypatch):
+    scene = library.from_plain(SMALL, "")
+    done = run(scene, tmp_path / "run", check=False)
+    deck = tmp_path / "run" / "in.chains"
+    deck.write_text(deck.read_text().replace("fix motion all nve", "fix motion all nonsense"))
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(hosted.LammpsError, match="LAMMPS: ERROR: Unrecognized fix style 'nonsense'") as failure:
+        hosted.run(done.directory.path)
+    assert isinstance(failure.value, RunError)
+
+
+# --- interruption -----------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def slow(tmp_path):
+    """A sweep of four short cases and a long one, as a command in a session of its own, with two cases done."""
+    path = sweep_file(tmp_path, duration=[10, 20, 30, 40, 6000])
+    command = [GRANCHAIN, "sweep", path, "-o", tmp_path / "s", "--no-check"]
+    with started(command) as process:
+        assert wait_until(lambda: finished(tmp_path / "s") >= 2, process)
+        yield process, command, tmp_path / "s"
+
+
+def finished(directory):
+    return len(list(directory.glob("*/analysis.json")))
+
+
+def outcomes(directory):
+    records = [json.loads(path.read_text())["outcome"] for path in directory.glob("*/run.json")]
+    return {outcome: records.count(outcome) for outcome in records}
+
+
+def at_work(directory):
+    """Processes that work below a directory."""
+    found = []
+    for process in Path("/proc").glob("[0-9]*"):
+        try:
+            found += (
+                [(process / "cmdline").read_text()] if (process / "cwd").readlink().is_relative_to(directory) else []
+            )
+        except OSError:
+            continue
+    return found
+
+
+def test_ctrl_c_keeps_what_is_done_and_the_same_command_does_the_rest(slow):
+    process, command, directory = slow
+    os.killpg(process.pid, signal.SIGINT)
+    out, err = process.communicate(timeout=HANGS)
+    assert (process.returncode, err) == (130, "")
+    assert "interrupted: what is done is kept; the same command goes on with the rest" in out
+    assert wait_until(lambda: at_work(directory) == [])
+    kept = finished(directory)
+    assert f"{kept} of 5 cases done" in out
+    assert 2 <= kept < 5
+    assert outcomes(directory)["done"] >= kept
+    assert outcomes(directory).get("running", 0) == 0
+    again = subprocess.run(command, capture_output=True, text=True, timeout=HANGS, check=True)
+    assert f"5 of 5 cases done ({kept} of them before)" in again.stdout
+    assert outcomes(directory) == {"done": 5}
+
+
+def test_an_interrupted_case_goes_on_from_its_restart_and_ends_as_if_it_had_not_been(tmp_path):
+    scene = {**SMALL, "duration": 6000, "output": {"every": 1.0}}
+    path, case = sweep_file(tmp_path, scene, beads=[12]), tmp_path / "s" / "beads=12"
+    command = [GRANCHAIN, "sweep", path, "-o", tmp_path / "s", "--no-check"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, start_new_session=True) as process:
+        dump = case / "chains.dump.bin"
+        assert wait_until(lambda: dump.exists() and dump.stat().st_size > 20_000, process)
+        os.killpg(process.pid, signal.SIGINT)
+    assert RunDirectory(case).record["outcome"] == "interrupted"
+    assert sweep(path, tmp_path / "s") == 0
+    assert RunDirectory(case).record["resumed"][0]["from_step"] > 0
+    whole = run(library.from_plain(scene, ""), tmp_path / "whole", check=False).trajectory
+    np.testing.assert_array_equal(RunDirectory(case).trajectory.velocity, whole.velocity)
+
+
+def test_a_killed_sweep_leaves_no_process_and_the_same_command_does_the_rest(slow):
+    process, command, directory = slow
+    process.kill()
+    process.communicate(timeout=HANGS)
+    assert wait_until(lambda: at_work(directory) == [])
+    kept = finished(directory)
+    assert 2 <= kept < 5
+    again = subprocess.run(command, capture_output=True, text=True, timeout=HANGS, check=True)
+    assert f"5 of 5 cases done ({kept} of them before)" in again.stdout
+    assert outcomes(directory) == {"done": 5}
+    reports = [json.loads(path.read_text()) for path in directory.glob("*/analysis.json")]
+    assert [report["complete"] for report in reports] == [True] * 5
+
+
+def test_a_case_directory_is_a_run_directory_from_its_first_moment(tmp_path):
+    scene = library.from_plain(SMALL, "")
+    begin(tmp_path / "case", Asked({}, SMALL, "lammps"), scene)
+    assert RunDirectory(tmp_path / "case").scene == scene.resolved()

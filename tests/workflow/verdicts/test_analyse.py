@@ -1,0 +1,243 @@
+"""LAMMPS runs analysed: on the exact wave, on any grid, in documented files."""
+
+import csv
+import json
+import math
+import os
+import shutil
+import struct
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from analysis.shape.exact_wave import solitary_wave
+from analysis.sharing.verdict import State
+from lammps_inputs import Coupling, Kick, Output, Scene, find
+from lammps_inputs.decks import deck
+from lammps_inputs.units import make_scale
+from workflow.cli import main
+from workflow.engines.collisions.first_row import THETA_OF_EQ_5
+from workflow.runs.run import run
+from workflow.runs.run_directory import RunDirectory
+from workflow.studies.rigid_rows import hertz_impulses, problem_at, relative_mode
+from workflow.verdicts.analyse import analyse
+from workflow.verdicts.analysis_report import waves_csv
+
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
+COLUMNS = ["chain", "bead", "arrival", "peak_velocity", "speed", "lag", "width", "residual"]
+COLUMNS += ["chain_energy", "wave_energy", "arrival_error", "peak_velocity_error"]
+
+
+def scene(**changes):
+    options = {
+        "name": "test",
+        "chains": 2,
+        "beads": 120,
+        "coupling": Coupling(stiffness=0.1),
+        "kick": (Kick(velocity=1.0),),
+        "duration": 170.0,
+        "output": Output(every=0.1),
+    }
+    return Scene(**{**options, **changes})
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    return run(scene(), tmp_path_factory.mktemp("analyse") / "fine").directory
+
+
+@pytest.fixture(scope="module")
+def found(finished):
+    return analyse(finished, figures=False)
+
+
+def rows(path):
+    with (path / "waves.csv").open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_waves_in_lammps_lie_on_the_exact_speed_law_once_equipartitioned(found):
+    waves = found.waves.where((found.waves.bead >= 100) & (found.waves.bead <= 115))
+    assert len(waves) == 32
+    assert np.max(np.abs(waves.speed / solitary_wave().speed_at(waves.peak_velocity) - 1.0)) < 1e-4
+
+
+def test_waves_in_lammps_have_the_exact_shape_once_equipartitioned(found):
+    late = (found.waves.bead >= 90) & (found.waves.bead <= 115)
+    assert np.max(found.survey.shape.residual[late]) < 1e-3
+    assert found.survey.shape.width[late] == pytest.approx(solitary_wave().width, abs=1e-3)
+
+
+def test_a_lammps_run_equipartitions_at_the_beads_of_the_table(found):
+    shared = found.survey.shared
+    assert (shared.agrees_from(0.1), shared.agrees_from(0.01)) == (33, 62)
+    assert shared.final.value == pytest.approx(0.36524, abs=2e-5)
+
+
+def test_output_ten_times_coarser_changes_amplitudes_by_less_than_1e_4_and_arrivals_by_less_than_1e_3(found, tmp_path):
+    coarse = analyse(run(scene(output=Output(every=1.0), timestep=0.01), tmp_path / "coarse").directory, figures=False)
+    fine = {(c, b): k for k, (c, b) in enumerate(zip(found.waves.chain, found.waves.bead, strict=True))}
+    own = coarse.waves.bead <= 115
+    place = [fine[key] for key in zip(coarse.waves.chain[own], coarse.waves.bead[own], strict=True)]
+    assert np.max(np.abs(coarse.waves.peak_velocity[own] - found.waves.peak_velocity[place])) < 1e-4
+    assert np.max(np.abs(coarse.waves.arrival[own] - found.waves.arrival[place])) < 1e-3
+    assert coarse.survey.shared.agrees_from(0.01) == 62
+
+
+def test_an_analysis_reads_the_start_and_then_every_frame_twice_at_most(finished, monkeypatch):
+    seen, blocks = [], RunDirectory.blocks
+
+    def counted(self, stride=1):
+        for block in blocks(self, stride):
+            seen.append(block.frames)
+            yield block
+
+    monkeypatch.setattr(RunDirectory, "blocks", counted)
+    analyse(finished, figures=False)
+    assert sum(seen) <= seen[0] + 2 * (finished.problem.frames + 1)
+
+
+def test_waves_csv_of_an_si_scene_names_its_units(found):
+    scale = make_scale(3.6e-3, 1.4e10, 1.0, si=True)
+    survey = replace(found.survey, problem=replace(found.problem, scale=scale))
+    units = {"arrival": "s", "peak_velocity": "m/s", "speed": "beads/s", "lag": "s"}
+    units |= {"chain_energy": "J", "wave_energy": "J", "arrival_error": "s", "peak_velocity_error": "m/s"}
+    head, *lines = waves_csv(survey).splitlines()
+    assert head.split(",") == [f"{name} ({units[name]})" if name in units else name for name in COLUMNS]
+    assert float(lines[0].split(",")[2]) == found.waves.arrival[0] * scale.time
+
+
+def test_waves_csv_has_the_documented_columns_and_an_empty_cell_for_what_is_unknown(finished, found):
+    table = rows(finished.path)
+    assert list(table[0]) == COLUMNS
+    assert len(table) == len(found.waves)
+    at_60 = next(row for row in table if row["chain"] == "2" and row["bead"] == "60")
+    hit = next(row for row in table if row["chain"] == "1" and row["bead"] == "60")
+    assert float(at_60["lag"]) == pytest.approx(float(at_60["arrival"]) - float(hit["arrival"]), abs=1e-12)
+    assert float(at_60["width"]) == pytest.approx(1.579, abs=0.01)
+    assert 0.0 < float(at_60["wave_energy"]) < float(at_60["chain_energy"]) < 0.5
+    assert table[0]["chain_energy"] == ""
+
+
+def test_analysis_json_holds_the_verdict_and_the_pulses(finished, found):
+    report = json.loads((finished.path / "analysis.json").read_text())
+    shared = report["equipartition"]
+    assert shared["state"] == "equipartitioned and synchronised"
+    assert shared["amplitudes"] == {"0.1": 33, "0.01": 62, "0.001": 90}
+    assert shared["final"]["reduction"] == pytest.approx(0.6348, abs=1e-4)
+    assert shared["energy_share"]["exact"] == pytest.approx(0.571, abs=1e-3)
+    assert shared["energy_share"]["measured"] == pytest.approx(0.571, abs=1e-3)
+    assert report["tolerances"] == {"shape": 0.01, "speed": 0.01, "amplitude": 0.01}
+    assert len(report["pulses"]) == len(found.survey.pulses)
+    assert [pulse["leading"] for pulse in report["pulses"]][:3] == [True, True, False]
+    assert all(pulse["solitary"] for pulse in report["pulses"][:2])
+
+
+def test_quantities_in_the_files_are_in_the_units_of_the_scene(found, tmp_path):
+    kick = Kick(velocity=2.0)
+    fast = scene(
+        kick=(kick,),
+        coupling=Coupling(stiffness=0.1 * 2.0**0.4),
+        duration=170.0 * 2.0**-0.2,
+        output=Output(every=0.1 * 2.0**-0.2),
+    )
+    directory = run(fast, tmp_path / "fast").directory
+    analyse(directory, figures=False)
+    row = next(row for row in rows(directory.path) if row["chain"] == "2" and row["bead"] == "60")
+    wave = found.waves.at(60).of_chain(2)
+    assert float(row["peak_velocity"]) == pytest.approx(2.0 * wave.peak_velocity[0], rel=1e-5)
+    assert float(row["arrival"]) == pytest.approx(2.0**-0.2 * wave.arrival[0], rel=1e-5)
+    expected = 4.0 * 1.069323 * float(wave.peak_velocity[0]) ** 2
+    assert float(row["wave_energy"]) == pytest.approx(expected, rel=0.01)
+    pulse = json.loads((directory.path / "analysis.json").read_text())["pulses"][0]
+    assert pulse["energy"] == pytest.approx(1.069323 * pulse["peak_velocity"] ** 2, rel=1e-3)
+    assert pulse["momentum"] == pytest.approx(1.669971 * pulse["peak_velocity"], rel=1e-3)
+
+
+def test_a_run_of_few_recorded_beads_is_analysed(tmp_path):
+    beads = tuple(range(5, 116, 5))
+    few = analyse(run(scene(output=Output(every=0.1, beads=beads)), tmp_path / "few").directory, figures=False)
+    assert few.survey.verdict.state.value == "equipartitioned and synchronised"
+    assert few.survey.shared.final.value == pytest.approx(0.36524, abs=2e-4)
+
+
+def test_analyze_prints_the_verdict_and_draws_four_figures(finished, capsys):
+    assert main(["analyze", str(finished.path)]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert any(line.startswith("equipartitioned and synchronised: amplitudes within 1% from bead 62") for line in lines)
+    assert sum("solitary at bead 115" in line for line in lines) == 2
+    assert len(lines) < 30
+    for name in ("spacetime", "response", "distance", "shape"):
+        assert (finished.path / f"{name}.png").read_bytes().startswith(b"\x89PNG")
+        assert (finished.path / f"{name}.pdf").read_bytes().startswith(b"%PDF")
+
+
+def copy_with(finished, tmp_path, number):
+    """The run with one velocity of its last frame replaced."""
+    copy = tmp_path / "copy"
+    shutil.copytree(finished.path, copy)
+    with (copy / deck.DUMP).open("r+b") as file:
+        file.seek(-8, os.SEEK_END)
+        file.write(struct.pack("<d", number))
+    return copy
+
+
+@pytest.mark.parametrize("number", [math.nan, math.inf, -math.inf, 1e308])
+def test_frames_that_hold_what_is_no_number_are_refused_in_one_line(finished, tmp_path, capsys, number):
+    assert main(["analyze", str(copy_with(finished, tmp_path, number))]) == 2
+    said = capsys.readouterr().err.strip()
+    assert "\n" not in said
+    assert "the velocity of bead 120 of chain 2 is" in said
+    assert "at t = 170" in said
+
+
+def test_frames_that_are_not_those_of_the_run_are_told_of(finished, tmp_path, capsys):
+    main(["analyze", str(finished.path), "--no-figures"])
+    assert "fingerprint" not in capsys.readouterr().out
+    main(["analyze", str(copy_with(finished, tmp_path, 1e-9)), "--no-figures"])
+    assert "the frames are not those that the run wrote, by the fingerprint in run.json" in capsys.readouterr().out
+
+
+def test_frames_far_apart_are_said_to_leave_peaks_less_sure(finished, tmp_path, capsys):
+    main(["analyze", str(finished.path), "--no-figures"])
+    assert "sure to" not in capsys.readouterr().out
+    coarse = run(scene(output=Output(every=1.25)), tmp_path / "coarse", check=False).directory
+    assert main(["analyze", str(coarse.path), "--no-figures"]) == 0
+    assert "frames 1.25 apart: peak velocities are sure to" in capsys.readouterr().out
+
+
+def test_frames_so_far_apart_that_agreement_to_one_per_cent_cannot_be_told_get_no_verdict(tmp_path):
+    coarse = run(
+        scene(output=Output(every=2.0, beads=tuple(range(2, 120)))), tmp_path / "coarse", check=False
+    ).directory
+    told = analyse(coarse, figures=False).survey.verdict
+    assert told.state is not State.EQUAL
+
+
+@pytest.fixture(scope="module")
+def gapped(tmp_path_factory):
+    return run(find("two-chains-gapped"), tmp_path_factory.mktemp("gapped") / "run", check=False).directory
+
+
+def test_gapped_chains_that_reproduce_finds_equal_are_found_equal_and_in_step(gapped):
+    found = analyse(gapped, figures=False).survey
+    assert found.arrival == "impulse"
+    assert found.verdict.state is State.EQUAL
+    # `granchain reproduce` asks the impulses of the first contacts, which are not the peaks but level out with them
+    impulses = hertz_impulses(problem_at(THETA_OF_EQ_5, 0.1, 120))
+    assert abs(found.shared.agrees_from(0.01) - relative_mode(impulses, 10, 120).equal_from) <= 3
+    last = found.waves.at(115)
+    assert np.ptp(last.arrival) < 2e-3
+    assert last.speed == pytest.approx(115 / 779.0 * np.ones(2), rel=0.02)  # nearly the mean speed since the kick
+    assert np.isnan(found.shape.residual[found.waves.bead == 115]).all()
+
+
+def test_arrivals_at_the_maximum_of_gapped_chains_get_no_verdict_and_no_numbers(gapped, capsys):
+    assert main(["analyze", str(gapped.path), "--no-figures", "--arrival", "maximum"]) == 0
+    said = capsys.readouterr().out
+    assert "not to be told" in said
+    assert "--arrival impulse is" in said
+    late = [row for row in rows(gapped.path) if row["bead"] == "115"]
+    assert [(row["arrival"], row["speed"]) for row in late] == [("", "")] * 2

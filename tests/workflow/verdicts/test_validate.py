@@ -1,0 +1,316 @@
+"""Good runs pass; wrong ones are caught and named; what a validation says on the screen, in a file and as exit code."""
+
+import functools
+import json
+import shutil
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import wrong_runs
+from stock_lammps import scene
+
+from analysis.against.difference import Deviation
+from analysis.files.recording import Writer
+from lammps_inputs import Kick, find
+from lammps_inputs.decks import deck
+from workflow.cli import main
+from workflow.runs.run import run
+from workflow.runs.run_directory import RunDirectory
+from workflow.verdicts import validate as validation
+from workflow.verdicts.validate import FIGURES, REPORT, TOLERANCES, validate
+
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
+SCENE = scene(chains=2, beads=40, kappa=0.1, duration=40.0)
+
+
+@pytest.fixture(autouse=True)
+def _without_figures(request, monkeypatch):
+    """Drawing takes longer than all else, so only a few tests draw."""
+    if "drawn" not in request.fixturenames:
+        monkeypatch.setattr(validation, "FIGURES", ())
+
+
+@pytest.fixture
+def drawn():
+    """Figures are drawn in the tests that ask for this."""
+
+
+@pytest.fixture(scope="module")
+def good(tmp_path_factory):
+    """The deck of `SCENE`, run by plain ``lmp``."""
+    return wrong_runs.deck_run(SCENE, tmp_path_factory.mktemp("validate") / "good")
+
+
+def copied(directory, path):
+    shutil.copytree(directory.path, path)
+    return RunDirectory(path)
+
+
+def frames_written(directory, frames):
+    """The same run, of which only the first frames are there."""
+    trajectory = directory.trajectory
+    with Writer(directory.path / deck.DUMP, directory.problem) as writer:
+        for frame in range(frames):
+            step = frame * directory.problem.steps_per_frame
+            writer.append(step, trajectory.displacement[frame], trajectory.velocity[frame])
+    return directory
+
+
+# --- good runs --------------------------------------------------------------------------------------------------------
+
+
+def test_a_run_that_came_back_from_a_cluster_passes(good, tmp_path, capsys):
+    assert not (good.path / "run.json").exists()
+    assert main(["validate", str(copied(good, tmp_path / "run").path)]) == 0
+    assert capsys.readouterr().out.splitlines()[-2] == "passed"
+
+
+@pytest.mark.parametrize(
+    "name", ["two-chains-strong", "two-chains-steel", pytest.param("three-chains", marks=pytest.mark.slow)]
+)
+def test_the_papers_scenes_pass(name, paper, tmp_path):
+    found = validate(copied(RunDirectory(paper(name)), tmp_path / name))
+    assert found.passed
+    assert found.causes == ()
+
+
+def test_a_run_of_the_reference_passes_without_any_difference(tmp_path):
+    found = validate(run(SCENE, tmp_path / "run", engine="reference").directory)
+    assert found.passed
+    # positions below 256 were rounded on their way into the dump
+    assert max(found.deviations[name].largest for name in ("velocity", "displacement", "arrival")) < 1e-12
+    assert found.certificate.velocity > 1e-9
+
+
+@pytest.mark.parametrize("gap", [0.0, 0.1])
+def test_a_run_of_some_beads_passes_without_energy_and_momentum(gap, tmp_path):
+    found = validate(
+        wrong_runs.deck_run(
+            scene(chains=2, beads=40, kappa=0.1, gap=gap, duration=40.0, recorded=(2, 9, 25)), tmp_path / "run"
+        )
+    )
+    assert found.passed
+    assert list(found.deviations) == ["velocity", "displacement", "amplitude", "arrival"]
+
+
+def test_numbers_far_from_zero_are_not_taken_for_rounded(tmp_path):
+    far = scene(beads=4000, duration=20.0, kick=(Kick(bead=3990, velocity=1.0),))
+    assert validate(wrong_runs.deck_run(far, tmp_path / "run")).causes == ()
+
+
+def test_motion_in_round_numbers_is_not_taken_for_rounding(tmp_path):
+    free = scene(beads=40, gap=50.0, duration=40.0, kick=(Kick(bead=2, velocity=1.0),))
+    assert validate(wrong_runs.deck_run(free, tmp_path / "run")).passed
+
+
+@pytest.mark.usefixtures("drawn")
+def test_a_scene_is_run_and_validated(tmp_path, capsys):
+    path = tmp_path / "scene.yaml"
+    path.write_text("name: quick\nbeads: 12\nkick: {velocity: 1}\nuntil_bead: 9\n")
+    assert main(["validate", str(path), "-o", str(tmp_path / "out")]) == 0
+    assert capsys.readouterr().out.splitlines()[-2] == "passed"
+    assert {REPORT, *FIGURES, deck.DUMP, "run.json"} <= {file.name for file in (tmp_path / "out").iterdir()}
+
+
+# --- wrong runs, each named -------------------------------------------------------------------------------------------
+
+WRONG = {
+    "cubic coupling": (wrong_runs.CUBIC, "coupling is cubic"),
+    "kappa 1% more": (wrong_runs.ONE_PERCENT_MORE, "the coupling is 0.101 instead of 0.1"),
+    "a missing spring": (wrong_runs.without_spring(8), "no spring in row 8 between chains 1 and 2"),
+    "no springs": (
+        wrong_runs.replaced(deck.DECK, "kappa index 0.1\n", "kappa index 0\n"),
+        "the chains are not coupled, though the scene says 0.1",
+    ),
+    "another kick": (
+        wrong_runs.replaced(deck.DECK, "kick1 index 1 ", "kick1 index 1.01 "),
+        "bead 1 of chain 1 starts with velocity 1.01 instead of 1",
+    ),
+    "float32 positions": (wrong_runs.in_single_precision, "positions have only single precision"),
+    "a %g dump": (wrong_runs.printed_with_g, "velocities have only 6 digits"),
+    "half-step velocities": (wrong_runs.at_half_steps, "velocities are those of 0.49 time steps before the positions"),
+    "a shifted time": (wrong_runs.a_frame_early, "all frames are shown 0.1 earlier than they are"),
+    "not a number": (
+        lambda run: (run.displacement, np.where(run.time[:, None, None] > 30.05, np.nan, run.velocity)),
+        "from t = 30.1 on",
+    ),
+}
+
+
+@functools.cache
+def _wrong(case, good, root):
+    change, _ = WRONG[case]
+    path = root / case.replace(" ", "-")
+    rewrites = (wrong_runs.in_single_precision, wrong_runs.printed_with_g, wrong_runs.at_half_steps)
+    if change in (*rewrites, wrong_runs.a_frame_early) or case == "not a number":
+        return wrong_runs.rewritten(good, path, change)
+    return wrong_runs.deck_run(SCENE, path, change)
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_a_wrong_run_is_caught_and_named(case, good, tmp_path, capsys):
+    directory = _wrong(case, good, tmp_path)
+    assert main(["validate", str(directory.path)]) == 1
+    said = capsys.readouterr().out
+    assert "NOT passed" in said
+    assert WRONG[case][1] in said
+    report = json.loads((directory.path / REPORT).read_text())
+    assert report["passed"] is False
+    assert any(WRONG[case][1] in cause for cause in report["causes"])
+
+
+def test_the_first_wrong_bead_and_time_are_named(good, tmp_path, capsys):
+    def struck(trajectory):
+        velocity = trajectory.velocity.copy()
+        velocity[123:, 1, 6] += 0.01
+        return trajectory.displacement, velocity
+
+    main(["validate", str(wrong_runs.rewritten(good, tmp_path / "run", struck).path)])
+    assert "first wrong: velocity of bead 7, chain 2, at t = 12.3" in capsys.readouterr().out.splitlines()
+
+
+def test_every_cause_is_named_in_the_units_of_the_scene(tmp_path):
+    steel = find("two-chains-steel").model_copy(update={"beads": 20, "duration": 3e-4})
+    kappa = f"{steel.problem().kappa!r}"
+    edit = wrong_runs.replaced(deck.DECK, f"kappa index {kappa}\n", f"kappa index {1.02 * float(kappa)!r}\n")
+    (cause,) = validate(wrong_runs.deck_run(steel, tmp_path / "run", edit)).causes
+    assert cause == "the coupling is 2.458e+06 instead of 2.41e+06"
+
+
+# --- runs that are not whole, or of something else --------------------------------------------------------------------
+
+
+def test_an_interrupted_run_is_said_incomplete_and_does_not_pass(good, tmp_path, capsys):
+    part = frames_written(copied(good, tmp_path / "part"), 200)
+    with (part.path / deck.DUMP).open("ab") as file:
+        file.write((good.path / deck.DUMP).read_bytes()[:1000])  # killed within a frame
+    assert main(["validate", str(part.path)]) == 1
+    out = capsys.readouterr()
+    assert "incomplete: 200 of 401 frames" in out.out.splitlines()
+    assert out.out.splitlines()[-2] == "NOT passed"
+    assert out.err == ""
+    report = json.loads((part.path / REPORT).read_text())
+    assert (report["complete"], report["frames"]) == (False, [200, 401])
+    assert not any(quantity["exceeded"] for quantity in report["quantities"].values())
+    assert report["reference"]["velocity"] < 1e-4
+
+
+def test_a_deck_run_for_fewer_steps_is_incomplete(tmp_path):
+    found = validate(wrong_runs.deck_run(SCENE, tmp_path / "run", None, "-var", "steps", "1000"))
+    assert (found.complete, found.frames) == (False, 101)
+
+
+@pytest.mark.parametrize(
+    ("case", "words"),
+    [
+        ("no dump", "holds no chains.dump.bin"),
+        ("empty dump", "is an empty file"),
+        ("other cadence", "was the deck run with -var timestep or every"),
+        ("other scene", "its 80 atoms are not the 82"),
+        ("no scene", "not a run directory"),
+    ],
+)
+def test_a_directory_that_cannot_be_validated_ends_in_one_line_and_exit_code_2(case, words, good, tmp_path, capsys):
+    directory = copied(good, tmp_path / "run")
+    if case == "no dump":
+        (directory.path / deck.DUMP).unlink()
+    elif case == "empty dump":
+        (directory.path / deck.DUMP).write_bytes(b"")
+    elif case == "other cadence":
+        frames = wrong_runs.deck_run(SCENE, tmp_path / "other", None, "-var", "every", "5")
+        shutil.copy(frames.path / deck.DUMP, directory.path)
+    elif case == "other scene":
+        deck.write(SCENE.model_copy(update={"beads": 41}), directory.path)
+    else:
+        (directory.path / deck.SCENE).unlink()
+    assert main(["validate", str(directory.path)]) == 2
+    error = capsys.readouterr().err
+    assert words in error
+    assert error.count("\n") == 1
+    assert not (directory.path / REPORT).exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["two-chains"], "-o: two-chains is a scene"),
+        (["two-chainz"], "did you mean `two-chains`?"),
+        (["{run}", "-o", "x"], "-o: is for a scene"),
+        (["{run}", "--tolerance", "speed=1"], "'speed' given; one of velocity"),
+        (["{run}", "--tolerance", "velocity"], "'velocity' given; a number such as velocity=1e-4"),
+        (["{run}", "--tolerance", "velocity=-1"], "'velocity=-1' given"),
+        (["{run}", "--tolerance", "velocity=nan"], "'velocity=nan' given"),
+        (["{run}", "--against", "{run}/none.csv"], "cannot be read (No such file"),
+        (["{run}", "--units", "feet"], "invalid choice: 'feet'"),
+    ],
+)
+def test_a_wrong_option_ends_in_one_line_and_exit_code_2(arguments, words, good, capsys):
+    assert main(["validate", *(argument.format(run=good.path) for argument in arguments)]) == 2
+    error = capsys.readouterr().err
+    assert words in error
+    assert error.count("\n") == 1
+
+
+# --- tolerances and the report ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("quantity", "usual"),
+    [("velocity", 2.6e-4), ("displacement", 6.6e-4), ("amplitude", 7.7e-6), ("arrival", 5.9e-4), ("energy", 1.9e-5)],
+)
+def test_a_run_may_be_off_by_a_few_times_what_the_default_step_leaves(quantity, usual, good, tmp_path):
+    """``usual``: the largest measured in the paper's three scenes."""
+    found = validate(copied(good, tmp_path / "run"))
+    for share, passes in ((1.5, True), (8.0, False)):
+        deviations = {**found.deviations, quantity: Deviation(share * usual, share * usual)}
+        assert replace(found, deviations=deviations).exceeded(quantity) is not passes
+
+
+def test_a_tolerance_of_nothing_is_exceeded_and_only_that(good, tmp_path, capsys):
+    directory = copied(good, tmp_path / "run")
+    assert main(["validate", str(directory.path), "--tolerance", "arrival=0", "--tolerance", "velocity=inf"]) == 1
+    report = json.loads((directory.path / REPORT).read_text())
+    assert [name for name, found in report["quantities"].items() if found["exceeded"]] == ["arrival"]
+    assert "EXCEEDED" in capsys.readouterr().out
+
+
+def test_the_report_holds_every_quantity_with_its_tolerance_and_places(good, tmp_path):
+    directory = copied(good, tmp_path / "run")
+    found = validate(directory, {"velocity": 1e-9})
+    report = json.loads((directory.path / REPORT).read_text(), parse_constant=pytest.fail)
+    assert report == json.loads(json.dumps(report, allow_nan=False))
+    assert set(report) == {
+        *("passed", "against", "complete", "frames", "compared", "quantities", "causes", "remarks", "reference"),
+        "interpolation_error",
+    }
+    assert {name: quantity["tolerance"] for name, quantity in report["quantities"].items()} == {
+        **TOLERANCES,
+        "velocity": 1e-9,
+    }
+    velocity = report["quantities"]["velocity"]
+    assert velocity["largest"] == found.deviations["velocity"].largest
+    assert velocity["first"]["time"] <= velocity["where"]["time"]
+    assert report["quantities"]["energy"]["rms"] is None
+    assert report["reference"]["velocity"] == found.certificate.velocity
+
+
+def test_the_velocity_error_is_that_of_an_independent_comparison(good, tmp_path):
+    from workflow.engines.reference import engine
+
+    found = validate(copied(good, tmp_path / "run"))
+    own, fine = good.trajectory, engine.run(good.problem, steps_per_frame=64)
+    error = np.abs(own.velocity - fine.velocity)
+    assert found.deviations["velocity"].largest == pytest.approx(error.max(), abs=2.0 * found.certificate.velocity)
+    assert found.deviations["velocity"].rms == pytest.approx(
+        np.sqrt(np.mean(error**2)), abs=2.0 * found.certificate.velocity
+    )
+
+
+@pytest.mark.usefixtures("drawn")
+def test_overwriting_a_run_takes_its_validation_away(good, tmp_path):
+    directory = copied(good, tmp_path / "run")
+    validate(directory)
+    run(scene(beads=4, duration=1.0), directory.path, overwrite=True, check=False)
+    assert not {REPORT, *FIGURES} & {file.name for file in directory.path.iterdir()}

@@ -1,0 +1,275 @@
+"""A run against a user's own trajectory: columns, grids, other times, other units; what a bad table is said to be."""
+
+import json
+
+import numpy as np
+import pytest
+import wrong_runs
+from stock_lammps import scene
+
+from lammps_inputs import Kick, Material
+from workflow.cli import main
+from workflow.engines.reference import engine
+from workflow.runs.run import run
+from workflow.runs.run_directory import RunDirectory
+from workflow.verdicts import validate as validation
+from workflow.verdicts.validate import REPORT, validate_against
+
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
+STEEL = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)
+UNIT = scene(material=STEEL, kick=(Kick(velocity=3.0),)).scale
+SCENES = {
+    "reduced": scene(chains=2, beads=25, kappa=0.1, duration=25.0),
+    "SI": scene(
+        chains=2,
+        beads=25,
+        material=STEEL,
+        kick=(Kick(velocity=3.0),),
+        kappa=0.1 * UNIT.stiffness,
+        duration=25.0 * UNIT.time,
+    ),
+}
+
+
+@pytest.fixture(autouse=True)
+def _without_figures(monkeypatch):
+    """Drawing takes longer than all else; ``test_validate.py`` looks at the figures."""
+    monkeypatch.setattr(validation, "FIGURES", ())
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory):
+    """Units -> the same run through LAMMPS."""
+    root = tmp_path_factory.mktemp("table")
+    return {name: run(wanted, root / name, check=False).directory for name, wanted in SCENES.items()}
+
+
+@pytest.fixture(scope="module")
+def exact(runs):
+    """The reference at the frames, and at instants 0.0602 apart."""
+    problem = runs["reduced"].problem
+    return engine.run(problem.coarser(1), steps_per_frame=16), engine.run(
+        scene(chains=2, beads=25, kappa=0.1, duration=24.9, every=0.0602).problem(), steps_per_frame=4
+    )
+
+
+def columns(trajectory, units=(1.0, 1.0, 1.0), beads=None, chains=None):
+    """A table of a trajectory, long."""
+    number = np.arange(1, trajectory.problem.chains + 1)
+    time, chain, bead = np.meshgrid(trajectory.time * units[0], number, trajectory.beads, indexing="ij")
+    values = {
+        "time": time,
+        "chain": chain,
+        "bead": bead,
+        "displacement": trajectory.displacement * units[1],
+        "velocity": trajectory.velocity * units[2],
+    }
+    kept = np.isin(bead, beads or bead) & np.isin(chain, chains or chain)
+    return {name: value[kept] for name, value in values.items()}
+
+
+def csv(path, table, form="%.17g", between=",", names=("time", "chain", "bead", "displacement", "velocity")):
+    np.savetxt(
+        path, np.column_stack([table[name] for name in names]), form, between, header=between.join(names), comments=""
+    )
+    return path
+
+
+SI = (UNIT.time, UNIT.length, UNIT.velocity)
+
+
+@pytest.mark.parametrize("between", [",", " "])
+def test_a_table_at_other_times_passes(between, runs, exact, tmp_path):
+    found = validate_against(runs["reduced"], csv(tmp_path / "own.csv", columns(exact[1]), between=between))
+    assert found.passed
+    assert list(found.deviations) == ["displacement", "velocity", "amplitude", "arrival"]
+    assert found.compared == exact[1].frames
+    assert 0.0 < found.interpolation[1] < 1e-4
+    assert found.remarks == ()
+
+
+def test_a_table_in_si_passes_for_a_scene_in_si(runs, exact, tmp_path):
+    found = validate_against(runs["SI"], csv(tmp_path / "own.csv", columns(exact[1], SI)))
+    assert found.passed
+
+
+def test_a_dimensionless_table_passes_for_a_scene_in_si(runs, exact, tmp_path, capsys):
+    path = csv(tmp_path / "own.csv", columns(exact[1]))
+    assert main(["validate", str(runs["SI"].path), "--against", str(path), "--units", "dimensionless"]) == 0
+    assert "against" in capsys.readouterr().out
+
+
+def test_units_do_not_change_what_is_found(runs, exact, tmp_path):
+    found = [
+        validate_against(runs[name], csv(tmp_path / f"{name}.csv", columns(exact[1], units)))
+        for name, units in (("reduced", (1.0, 1.0, 1.0)), ("SI", SI))
+    ]
+    for quantity, deviation in found[0].deviations.items():
+        assert found[1].deviations[quantity].largest == pytest.approx(deviation.largest, abs=1e-11)
+
+
+def test_the_error_against_a_table_is_the_runs_own_within_interpolation(runs, exact, tmp_path):
+    at_frames = validate_against(runs["reduced"], csv(tmp_path / "a.csv", columns(exact[0])))
+    between = validate_against(runs["reduced"], csv(tmp_path / "b.csv", columns(exact[1])))
+    assert at_frames.interpolation is None
+    error = np.max(np.abs(runs["reduced"].trajectory.velocity - exact[0].velocity))
+    assert at_frames.deviations["velocity"].largest == pytest.approx(error, rel=1e-9)
+    # the largest error lies between frames as likely as at one: 0.1 apart it changes by less than (2 pi 0.05 / 3.5)^2
+    assert between.deviations["velocity"].largest == pytest.approx(error, rel=0.01, abs=between.interpolation[1])
+
+
+@pytest.mark.parametrize("kind", ["long", "grid"])
+def test_an_npz_says_the_same_as_text(kind, runs, exact, tmp_path):
+    fine = exact[1]
+    content = (
+        columns(fine)
+        if kind == "long"
+        else {"time": fine.time, "displacement": fine.displacement, "velocity": fine.velocity}
+    )
+    np.savez(tmp_path / "own.npz", **content)
+    found = validate_against(runs["reduced"], tmp_path / "own.npz")
+    again = validate_against(runs["reduced"], csv(tmp_path / "own.csv", columns(fine)))
+    assert found.deviations == again.deviations
+
+
+@pytest.mark.parametrize("name", ["displacement", "velocity"])
+def test_one_quantity_alone_is_compared_alone(name, runs, exact, tmp_path):
+    path = csv(tmp_path / "own.csv", columns(exact[1]), names=("bead", "time", name, "chain"))
+    found = validate_against(runs["reduced"], path)
+    assert found.passed
+    assert list(found.deviations) == [name]
+
+
+def test_some_beads_of_one_chain_are_compared_alone(runs, exact, tmp_path):
+    table = columns(exact[1], beads=[3, 17], chains=[2])
+    table["velocity"] = table["velocity"] + np.where(table["bead"] == 17, 0.01, 0.0)
+    found = validate_against(runs["reduced"], csv(tmp_path / "own.csv", table))
+    assert not found.passed
+    where = found.deviations["velocity"].where
+    assert (where.chain, where.bead) == (2, 17)
+    assert found.deviations["velocity"].largest == pytest.approx(0.01, abs=2e-4)
+
+
+def test_a_table_with_holes_is_compared_where_it_has_rows(runs, exact, tmp_path):
+    table = columns(exact[1])
+    kept = np.random.default_rng(1).uniform(size=len(table["time"])) < 0.7
+    found = validate_against(runs["reduced"], csv(tmp_path / "own.csv", {k: v[kept] for k, v in table.items()}))
+    assert found.passed
+    assert list(found.deviations) == ["displacement", "velocity"]
+
+
+@pytest.mark.parametrize("frames", [slice(0, 1), slice(50, 51), slice(5, 7)])
+def test_a_single_instant_or_two_are_compared(frames, runs, exact, tmp_path):
+    found = validate_against(runs["reduced"], csv(tmp_path / "own.csv", columns(exact[1][frames])))
+    assert found.passed
+
+
+def test_times_of_six_digits_are_let_pass(runs, exact, tmp_path):
+    table = columns(exact[0], SI)
+    table["time"] = wrong_runs.six_digits(table["time"])
+    path = csv(tmp_path / "own.csv", table)
+    found = validate_against(runs["SI"], path)
+    # a time that is off by 5e-6 of itself, at most 25, at an acceleration below 1
+    assert found.deviations["velocity"].largest < 5e-4
+    assert "arrival" in found.deviations
+
+
+# --- wrong ones -------------------------------------------------------------------------------------------------------
+
+
+def test_a_table_printed_with_g_is_remarked_and_counts_by_its_effect(runs, exact, tmp_path, capsys):
+    path = csv(tmp_path / "own.csv", columns(exact[1]), form="%g")
+    assert main(["validate", str(runs["reduced"].path), "--against", str(path)]) == 0
+    out = capsys.readouterr().out.splitlines()
+    assert f"note: velocities in {path} have only 6 digits" in out
+    assert f"note: displacements in {path} have only 6 digits" in out
+
+
+def test_a_table_from_positions_printed_with_g_is_caught_and_named(runs, exact, tmp_path):
+    fine = exact[1]
+    rest = fine.beads * fine.problem.spacing
+    far = np.vectorize(lambda value: float(f"{value:.4g}"))(fine.displacement + rest) - rest
+    np.savez(tmp_path / "own.npz", time=fine.time, displacement=far, velocity=fine.velocity)
+    found = validate_against(runs["reduced"], tmp_path / "own.npz")
+    assert found.exceeded("displacement")
+    assert any("displacements in" in remark and "decimals" in remark for remark in found.remarks)
+
+
+WRONG = {
+    "a shifted time": (
+        lambda fine: {"time": fine.time[:-1], "velocity": fine.velocity[1:], "displacement": fine.displacement[1:]},
+        "all frames are shown 0.06 later than they are",
+    ),
+    "half-step velocities": (
+        lambda fine: {
+            "time": fine.time,
+            "displacement": fine.displacement,
+            "velocity": wrong_runs.at_half_steps(fine)[1],
+        },
+        "velocities are those of",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_a_table_that_is_wrong_in_time_is_caught_and_named(case, runs, exact, tmp_path):
+    np.savez(tmp_path / "own.npz", **WRONG[case][0](exact[1]))
+    found = validate_against(runs["reduced"], tmp_path / "own.npz")
+    assert not found.passed
+    assert any(WRONG[case][1] in cause for cause in found.causes)
+
+
+def test_a_table_of_another_coupling_is_caught_and_named(runs, tmp_path):
+    other = engine.run(scene(chains=2, beads=25, kappa=0.101, duration=25.0).problem(), steps_per_frame=16)
+    found = validate_against(runs["reduced"], csv(tmp_path / "own.csv", columns(other)))
+    assert not found.passed
+    assert any("own.csv: the coupling is 0.101 instead of 0.1" in cause for cause in found.causes)
+
+
+def test_a_table_in_other_units_is_asked_about(runs, exact, tmp_path):
+    found = validate_against(runs["reduced"], csv(tmp_path / "own.csv", columns(exact[1], (1e-5, 1e-5, 1.0))))
+    assert not found.passed
+    assert any("is it in other units?" in remark for remark in found.remarks)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (
+            lambda t: t | {"time": t["time"] * 2.0},
+            "reach beyond the run's 0 to 25 (dimensionless); if the table is in other units",
+        ),
+        (lambda t: t | {"chain": t["chain"] + 1}, "has chain 3, but the scene has chains 1 to 2"),
+        (lambda t: t | {"chain": t["chain"] - 1}, "has chain 0, but"),
+        (lambda t: t | {"bead": t["bead"] + 1}, "has bead 26, which the run did not record"),
+        (lambda t: t | {"velocity": np.where(t["bead"] == 3, np.nan, t["velocity"])}, "'velocity' holds nan in row 3"),
+    ],
+)
+def test_a_table_that_does_not_fit_ends_in_one_line_and_exit_code_2(change, words, runs, exact, tmp_path, capsys):
+    path = csv(tmp_path / "own.csv", change(columns(exact[0][::10])))
+    assert main(["validate", str(runs["reduced"].path), "--against", str(path)]) == 2
+    error = capsys.readouterr().err
+    assert words in error
+    assert error.count("\n") == 1
+
+
+def test_a_table_beyond_an_interrupted_run_says_so(runs, exact, tmp_path, capsys):
+    part = wrong_runs.rewritten(
+        runs["reduced"], tmp_path / "part", lambda run: (run.displacement[:100], run.velocity[:100])
+    )
+    path = csv(tmp_path / "own.csv", columns(exact[1]))
+    assert main(["validate", str(part.path), "--against", str(path)]) == 2
+    assert capsys.readouterr().err.endswith("; the run is incomplete\n")
+    early = csv(tmp_path / "early.csv", columns(exact[1][:100]))
+    assert main(["validate", str(part.path), "--against", str(early)]) == 1
+    assert "incomplete: 100 of 251 frames" in capsys.readouterr().out.splitlines()
+    report = json.loads((part.path / REPORT).read_text())
+    assert not any(quantity["exceeded"] for quantity in report["quantities"].values())
+
+
+def test_a_run_of_three_frames_is_too_short_to_interpolate(tmp_path, capsys):
+    short = run(scene(beads=4, duration=0.2), tmp_path / "run", check=False).directory
+    (tmp_path / "own.csv").write_text("time,chain,bead,velocity\n0.05,1,1,1\n")
+    assert main(["validate", str(RunDirectory(short.path).path), "--against", str(tmp_path / "own.csv")]) == 2
+    assert "3 frames are too few" in capsys.readouterr().err

@@ -1,0 +1,191 @@
+"""Of many scenes, what ``analyze`` must say of the run, and what it must not.
+
+Beads of agreement (``agrees``) are those of chains so long that they were reached, run by the reference with a window
+(`workflow.studies.map`); all other numbers follow from the scene. Most rows are run by the reference engine, on coarse
+frames.
+"""
+
+import json
+import re
+from dataclasses import dataclass, field
+from typing import Any
+
+import pytest
+
+from analysis.sharing.verdict import State
+from lammps_inputs import library, strict_yaml
+from lammps_inputs.units import hertz_constant, make_scale, sphere_mass
+from workflow.cli import main
+
+EQUAL, BEATING, SHORT, ALONE = State.EQUAL, State.BEATING, State.SHORT, State.ALONE
+
+STEEL = {"radius": 4.76e-3, "density": 8000, "youngs_modulus": 193e9, "poisson_ratio": 0.3}
+
+GAP = 0.9089137578630695
+"""Of eq. 5 at kappa = 1."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """A scene and what is to be said of it.
+
+    Attributes:
+        name: of the row.
+        state: of the verdict.
+        chains, beads, kappa, until: of the scene; it ends at this time.
+        agrees: bead from which on amplitudes agree to 1%; None where nobody knows.
+        foretold: whether that bead must be foretold within its uncertainty; where not, it must not be named.
+        more: further keys of the scene.
+        engine: what runs it.
+        kept: part of the frames that is kept, as in a run that was cut.
+        says, never: patterns of what is printed.
+    """
+
+    name: str
+    state: State
+    chains: int
+    beads: int
+    kappa: float
+    until: float
+    agrees: int | None = None
+    foretold: bool = False
+    more: dict[str, Any] = field(default_factory=dict)
+    engine: str = "reference"
+    kept: float = 1.0
+    says: tuple[str, ...] = ()
+    never: tuple[str, ...] = ()
+
+    def scene(self) -> dict[str, Any]:
+        coupling = {"coupling": {"model": "linear", "stiffness": self.kappa}} if self.kappa else {}
+        every = {"output": {"every": 0.5}}
+        scene = {"name": self.name, "chains": self.chains, "beads": self.beads, **coupling, **every}
+        return {**scene, "kick": {"velocity": 1.0}, "duration": self.until, **self.more}
+
+
+def hit(*kicks):
+    return {"kick": [dict(zip(("chain", "bead", "velocity"), kick, strict=True)) for kick in kicks]}
+
+
+def recorded(*beads, **more):
+    return {"output": {"every": 0.5, "beads": list(beads), **more}}
+
+
+def in_steel(velocity, kappa=0.1):
+    """Steel, hit so fast; its stiffness and times for a dimensionless coupling and duration."""
+    mass = sphere_mass(STEEL["radius"], STEEL["density"])
+    constant = hertz_constant(STEEL["radius"], STEEL["youngs_modulus"], STEEL["poisson_ratio"])
+    scale = make_scale(mass, constant, velocity, si=True)
+    time = scale.time
+    return {
+        "material": STEEL,
+        "coupling": {"model": "linear", "stiffness": kappa * scale.stiffness},
+        "kick": {"velocity": velocity},
+        "duration": 160.0 * time,
+        "output": {"every": 0.5 * time},
+    }
+
+
+ROWS = (
+    # two chains, strong to weak
+    Row("two-2", EQUAL, 2, 40, 2.0, 58.0, 8),
+    Row("two-1", EQUAL, 2, 40, 1.0, 58.0, 13),
+    Row("two-0.5", EQUAL, 2, 50, 0.5, 72.0, 17),
+    Row("two-0.5-short", BEATING, 2, 19, 0.5, 24.0, 17, foretold=True),
+    Row("two-0.2", EQUAL, 2, 80, 0.2, 112.0, 37),
+    Row("two-0.1", EQUAL, 2, 100, 0.1, 140.0, 62),
+    Row("two-0.1-short", BEATING, 2, 50, 0.1, 75.0, 62, foretold=True),
+    Row("two-0.1-shorter", SHORT, 2, 20, 0.1, 30.0, 62, foretold=True),
+    Row("two-0.05", BEATING, 2, 90, 0.05, 125.0, 115, foretold=True),
+    Row("two-0.01", BEATING, 2, 150, 0.01, 205.0, 507, foretold=True),
+    Row("two-0.003", SHORT, 2, 100, 0.003, 135.0, 1606, foretold=True, says=("fades",)),
+    Row("two-0.001", SHORT, 2, 100, 0.001, 130.0, says=("fades",), never=("beats of",)),
+    Row("two-0", ALONE, 2, 30, 0.0, 45.0),
+    Row("one", ALONE, 1, 60, 0.0, 80.0, says=("solitary at bead 55",)),
+    Row("barely-begun", SHORT, 2, 40, 0.1, 3.0, 62, foretold=True, says=("no bead was passed in every chain",)),
+    # more chains
+    Row("three-0.1", BEATING, 3, 120, 0.1, 170.0, 105, never=("within 1% from",)),
+    Row("three-0.1-short", BEATING, 3, 90, 0.1, 130.0, 105, foretold=True),
+    Row("three-0.5", EQUAL, 3, 60, 0.5, 90.0, 30),
+    Row("three-middle", EQUAL, 3, 80, 0.1, 115.0, 43, more=hit((2, 1, 1.0))),
+    Row("four-0.5", EQUAL, 4, 70, 0.5, 105.0, 40),
+    Row("five-0.2", BEATING, 5, 80, 0.2, 115.0, 126, foretold=True),
+    Row("five-second", BEATING, 5, 36, 0.2, 55.0, 109, more=hit((2, 1, 1.0))),
+    Row("eight-0.5", BEATING, 8, 60, 0.5, 95.0, 100, foretold=True),
+    Row("twelve-1", BEATING, 12, 60, 1.0, 100.0, 97, foretold=True),
+    Row("twenty-0.2", SHORT, 20, 76, 0.2, 130.0, 983, foretold=True, never=(r"25 \+- ", "beats of")),
+    Row("twenty-middle", BEATING, 20, 81, 0.2, 130.0, more=hit((10, 1, 1.0))),
+    Row("twenty-2", BEATING, 20, 60, 2.0, 105.0, 119, foretold=True),
+    # kicks
+    Row("backwards", EQUAL, 2, 50, 0.5, 72.0, 17, more=hit((1, 50, -1.0))),
+    Row("two-kicks", BEATING, 2, 45, 0.1, 65.0, 62, more=hit((1, 1, 1.0), (2, 1, 0.5))),
+    Row("both-ends", BEATING, 2, 60, 0.1, 100.0, more=hit((1, 1, 1.0), (1, 60, -1.0)), never=("should agree",)),
+    Row("both-ends-weaker", BEATING, 2, 60, 0.1, 100.0, more=hit((1, 1, 1.0), (2, 60, -0.5)), never=("should agree",)),
+    Row("within", EQUAL, 2, 110, 0.1, 150.0, 66, more=hit((1, 5, 1.0))),
+    # what is recorded
+    Row("few", SHORT, 2, 100, 0.1, 140.0, 62, more=recorded(10, 50, 90), says=("too far",), never=("beats of",)),
+    Row("few-at-the-zeros", SHORT, 2, 100, 0.1, 140.0, 62, more=recorded(*range(9, 96, 14)), never=("beats of",)),
+    Row("every-fifth", EQUAL, 2, 100, 0.1, 140.0, more=recorded(*range(5, 100, 5))),
+    Row("few-and-peaks", EQUAL, 2, 100, 0.1, 140.0, 62, more=recorded(10, 50, 90, peaks=True), engine="lammps"),
+    Row("two-and-peaks", BEATING, 2, 50, 0.1, 75.0, 62, True, recorded(10, 40, peaks=True), engine="lammps"),
+    Row("window", EQUAL, 2, 120, 0.1, 165.0, 62, more={"window": 64}, engine="lammps"),
+    Row("cut", BEATING, 2, 100, 0.1, 140.0, 62, True, kept=0.5, says=("incomplete",), never=("solitary at bead 95",)),
+    Row("cut-at-once", SHORT, 2, 100, 0.1, 140.0, 62, True, kept=0.02, says=("incomplete",)),
+    # SI
+    Row("steel-slow", EQUAL, 2, 100, 0.1, 0.0, 62, more=in_steel(0.01)),
+    Row("steel", BEATING, 2, 50, 0.1, 0.0, 62, True, more=in_steel(1.0)),
+    # gaps
+    Row("gap-strong", EQUAL, 2, 60, 1.0, 200.0, more={"gap": GAP}, never=("should agree",)),
+    Row("gap-weak", EQUAL, 2, 100, 0.1, 720.0, more={"gap": GAP * 10**0.5}, never=("should agree",)),
+    Row("gap-one", ALONE, 1, 40, 0.0, 100.0, more={"gap": 1.0}),
+    Row("gap-wide", SHORT, 2, 10, 1.0, 30.0, more={"gap": 100.0}, says=("no bead was passed",), never=("should",)),
+    Row("rigid", BEATING, 2, 60, 1.0, 200.0, more={"gap": GAP}, engine="collisions", never=("equipartitioned",)),
+)
+
+
+@pytest.fixture(params=[pytest.param(row, id=row.name) for row in ROWS])
+def told(request, tmp_path, capsys):
+    """A row, what ``analyze`` prints of it, and its analysis.json."""
+    row = request.param
+    (tmp_path / "scene.yaml").write_text(strict_yaml.dump(row.scene()))
+    words = ["run", str(tmp_path / "scene.yaml"), "-o", str(tmp_path / "run"), "--engine", row.engine, "--no-check"]
+    assert main(words) == 0
+    dump = tmp_path / "run" / "chains.dump.bin"
+    whole = dump.read_bytes()
+    dump.write_bytes(whole[: int(row.kept * len(whole))])
+    capsys.readouterr()
+    assert main(["analyze", str(tmp_path / "run"), "--no-figures"]) == 0
+    return row, capsys.readouterr().out, json.loads((tmp_path / "run" / "analysis.json").read_text())
+
+
+def test_what_is_said_holds(told):
+    row, printed, report = told
+    shared = report["equipartition"]
+    assert shared["state"] == row.state.value
+    assert printed.count(shared["verdict"]) == 1
+    for pattern in row.says:
+        assert re.search(pattern, printed)
+    for pattern in row.never:
+        assert not re.search(pattern, printed)
+    expected = shared["expected"]
+    assert (expected is not None) == ("should agree" in printed) == row.foretold
+    if expected is not None:
+        assert abs(expected["value"] - row.agrees) <= expected["uncertainty"]
+    if row.state is EQUAL and row.agrees is not None:
+        assert shared["amplitudes"]["0.01"] == row.agrees
+        assert f"amplitudes within 1% from bead {row.agrees} on" in printed
+    if row.state is not EQUAL:
+        assert "equipartitioned" not in printed
+
+
+@pytest.mark.parametrize("absurd", [{"kick": {"velocity": 5e3}}, {"kick": {"velocity": 1e6}}])
+def test_what_steel_does_not_do_is_refused(absurd, tmp_path):
+    scene = Row("absurd", EQUAL, 2, 20, 0.1, 0.0, more={**in_steel(1.0), **absurd}).scene()
+    (tmp_path / "scene.yaml").write_text(strict_yaml.dump(scene))
+    assert main(["run", str(tmp_path / "scene.yaml"), "-o", str(tmp_path / "run"), "--engine", "reference"]) == 2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", sorted(library.installed()))
+def test_every_installed_scene_passes_validate(name, paper, capsys):
+    assert main(["validate", str(paper(name))]) == 0
+    assert capsys.readouterr().out.count("\npassed\n") == 1

@@ -1,0 +1,47 @@
+"""What every state of a run must satisfy. LAMMPS itself reports none of these: it computes on with wrong numbers."""
+
+import numpy as np
+
+from analysis import motion
+from analysis.trajectory import Floats
+from lammps_inputs import Problem
+from lammps_inputs.limits.timestep import stability_bound
+
+ENERGY_TOLERANCE = 0.02
+"""Relative deviation of the energy beyond which a run is stopped; at the default step it stays near 1e-5."""
+
+
+def fault(
+    problem: Problem, displacement: Floats, velocity: Floats, *, first: int = 1, elsewhere: float = 0.0
+) -> str | None:
+    """What is wrong with a state, in words that tell what to do; None if nothing is.
+
+    Args:
+        problem: what is computed.
+        displacement: [chain, row].
+        velocity: [chain, row].
+        first: bead that the rows begin with.
+        elsewhere: energy of the beads that are not in these rows.
+    """
+    if not (np.all(np.isfinite(displacement)) and np.all(np.isfinite(velocity))):
+        return f"a bead's position or velocity is no longer a finite number; {_remedy(problem)}"
+    overlap = motion.overlaps(problem, displacement)
+    worst = np.unravel_index(np.argmax(overlap), overlap.shape)
+    where = f"beads {worst[1] + first} and {worst[1] + first + 1} of chain {worst[0] + 1}"
+    if overlap[worst] >= problem.spacing:
+        return f"{where} have passed through each other; {_remedy(problem)}"
+    if overlap[worst] >= problem.diameter / 2.0:
+        return (
+            f"{where} overlap by {overlap[worst]:.3g}, more than half a diameter ({problem.diameter / 2.0:g}); "
+            f"{_remedy(problem)}"
+        )
+    energy = float(motion.energy(problem, displacement, velocity, first)) + elsewhere
+    if abs(energy / problem.energy - 1.0) > ENERGY_TOLERANCE:
+        return f"the energy has changed by {100.0 * (energy / problem.energy - 1.0):.3g}%; {_remedy(problem)}"
+    return None
+
+
+def _remedy(problem: Problem) -> str:
+    bound = stability_bound(problem) * problem.scale.time
+    step = problem.timestep * problem.scale.time
+    return f"take a smaller timestep (it is {step:.3g}, unstable above {bound:.3g})"

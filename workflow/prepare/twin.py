@@ -1,0 +1,207 @@
+"""A twin of a LAMMPS run: the reference's kernel with LAMMPS's table of coefficients, step for step the same.
+
+It costs a tenth of LAMMPS. So the error of a run can be measured before the run, beside the certified reference.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from analysis.against.pairing import on_common_rows
+from analysis.trajectory import Trajectory
+from lammps_inputs import Problem, scheme
+from lammps_inputs.limits import timestep
+from workflow.engines.reference import engine
+from workflow.engines.reference.blanes_moan import BLANES_MOAN
+from workflow.engines.reference.certify import Certifier
+from workflow.engines.reference.suzuki import SUZUKI4
+from workflow.engines.reference.verlet import VERLET
+from workflow.prepare.instants import stride
+
+TABLES = {"verlet": VERLET, "suzuki4": SUZUKI4}
+"""By the name of the scheme in LAMMPS."""
+
+SURE = 0.25
+"""Part of the accuracy to which the reference is certified."""
+
+CADENCE = 0.05
+"""Time between the instants that are compared, if frames are not farther apart."""
+
+_AIM, _HIGHEST, _LOWEST = 0.6, 0.75, 0.3
+"""Parts of the accuracy: the error that is aimed at, and the range of errors that will do."""
+
+_MOST_TRIALS = 12
+
+_LEAST_ORDER = 2.5
+"""Of every scheme of higher order than 2, at small steps, for contacts open and close."""
+
+
+CHAOS = (
+    "in so long a run beads that were left behind meet again and again, which amplifies any error; "
+    "record beads near the front only, or follow them with `window: auto`"
+)
+
+
+@dataclass(frozen=True)
+class Measured:
+    """Steps that keep an accuracy in a problem, as measured; dimensionless.
+
+    Attributes:
+        timestep: mean Verlet step of LAMMPS.
+        reference_timestep: step of the reference, which is sure to `SURE` of the accuracy.
+        error: largest error of any velocity.
+        limited: whether the step could not be longer for the frames or the stability bound.
+    """
+
+    timestep: float
+    reference_timestep: float
+    error: float
+    limited: bool
+
+
+class UnreachableError(Exception):
+    """No step keeps the accuracy; says why."""
+
+
+def measure(problem: Problem, accuracy: float, most_work: float) -> Measured | None:
+    """Measure the error at a first guess of the step, carry that to the accuracy by the order, measure again.
+
+    Args:
+        problem: what is to be run; its own time step does not count.
+        accuracy: largest error of any recorded velocity.
+        most_work: forces on beads that this may take.
+
+    Returns:
+        Steps that keep the accuracy, with an error above 0.3 of it where that can be; None if it takes too much work.
+
+    Raises:
+        UnreachableError: the problem has no solution of that accuracy.
+    """
+    problem = _coarse(problem)
+    cycle = scheme.cycle(problem.scheme)
+    fewest, cycles = (
+        max(1, math.ceil(problem.every / (cycle * step) * (1.0 - 1e-9)))
+        for step in (largest_step(problem), guessed_step(problem, accuracy))
+    )
+    steps = guessed_reference_steps(problem, accuracy)
+    errors: dict[int, float] = {}
+    certificates: dict[int, float] = {}
+    good: dict[int, Measured] = {}
+    spent = 0.0
+    for _ in range(_MOST_TRIALS):
+        spent += work(problem, cycles * cycle, steps)
+        if spent > most_work:
+            return None
+        error, certificates[steps] = _trial(problem, cycles, steps)
+        sure = certificates[steps] <= SURE * accuracy
+        if sure and error <= _HIGHEST * accuracy:
+            good[cycles] = Measured(problem.every / (cycles * cycle), problem.every / steps, error, cycles == fewest)
+            if error >= _LOWEST * accuracy or cycles == fewest:
+                break
+        if error > 2.0 * certificates[steps] or sure:
+            errors[cycles] = error
+            cycles = _better(cycles, error / accuracy, _order(errors, problem), fewest)
+            if cycles in good:
+                break
+        if not sure:
+            steps = _surer(certificates, accuracy)
+    if not good:
+        raise UnreachableError("contacts amplify errors too much")
+    return good[min(good)]
+
+
+def _coarse(problem: Problem) -> Problem:
+    """With the frames that are compared."""
+    return problem.coarser(stride(problem, CADENCE))
+
+
+def work(problem: Problem, verlet_steps: int, reference_steps: int) -> float:
+    """Forces on beads with so many steps a frame: of the twin, and of the reference at two steps."""
+    forces = verlet_steps + 1.5 * BLANES_MOAN.forces_per_step * reference_steps
+    return problem.chains * _rows_by_time(problem) / problem.every * forces
+
+
+def _rows_by_time(problem: Problem) -> float:
+    """Integral over time of the number of rows that have moved, roughly: pulses run a row a unit of time at most."""
+    first, last = min(bead for _, bead, _ in problem.kicks), max(bead for _, bead, _ in problem.kicks)
+    time = np.linspace(0.0, problem.duration, 101)
+    rows = np.minimum(problem.beads, last + time) - np.maximum(1.0, first - time) + 1.0
+    if problem.window is not None:
+        rows = np.minimum(rows, engine.WIDER * problem.window)
+    return float(np.mean(rows) * problem.duration)
+
+
+def guessed_step(problem: Problem, accuracy: float) -> float:
+    """By the law of the scheme."""
+    step = timestep.timestep_for(0.7 * accuracy, problem.duration, problem, problem.scheme)
+    return min(step, largest_step(problem))
+
+
+def guessed_reference_steps(problem: Problem, accuracy: float) -> int:
+    """Steps a frame of the reference that are usually sure enough: at its default, contacts leave it unsure by 1e-5."""
+    usual = engine.default_steps_per_frame(problem)
+    contacts, swings = 1e-5 / (SURE * accuracy), 9e-8 * problem.swing * problem.duration / (SURE * accuracy)
+    return 2 * math.ceil(0.5 * usual * max(1.0, math.pow(contacts, 1.0 / _LEAST_ORDER), math.pow(swings, 0.25)))
+
+
+def largest_step(problem: Problem) -> float:
+    """No step above this is tried."""
+    return timestep.largest_timestep(problem, problem.scheme)
+
+
+def _trial(problem: Problem, cycles: int, steps: int) -> tuple[float, float]:
+    """Largest difference of any velocity of the twin from the reference, and the reference's certificate."""
+    certifier = Certifier(problem, steps_per_frame=steps)
+    runs = engine.blocks(problem, scheme=TABLES[problem.scheme], steps_per_frame=cycles)
+    largest = 0.0
+    with np.errstate(over="ignore", invalid="ignore"):
+        for own, right in zip(runs, certifier.blocks(), strict=True):
+            largest = max(largest, _difference(*on_common_rows(own, right)))
+    return largest, certifier.certificate.velocity
+
+
+def _difference(own: Trajectory, right: Trajectory) -> float:
+    found = float(np.max(np.abs(own.velocity - right.velocity)))
+    return found if found <= 2.0 else 2.0  # a run that blew up, or NaN
+
+
+def _better(cycles: int, part: float, order: float, fewest: int) -> int:
+    """Cycles a frame for the error that is aimed at, where so many leave an error of this part of the accuracy."""
+    better = math.ceil(cycles * math.pow(part / _AIM, 1.0 / order))
+    if cycles > 1 and part * math.pow(cycles / (cycles - 1), order) <= _HIGHEST:
+        better = min(better, cycles - 1)
+    return max(fewest, better)
+
+
+def _order(errors: dict[int, float], problem: Problem) -> float:
+    """Order of convergence as measured last, within what the scheme can have."""
+    highest = float(TABLES[problem.scheme].order)
+    if len(errors) < 2:
+        return highest
+    (few, large), (many, small) = sorted(list(errors.items())[-2:])
+    if not large > small > 0.0:
+        return highest
+    return min(highest, max(2.0, math.log(large / small) / math.log(many / few)))
+
+
+def certificate(problem: Problem, steps: int) -> float:
+    """How sure the reference is with so many steps a frame."""
+    certifier = Certifier(problem, steps_per_frame=steps)
+    for _ in certifier.blocks():
+        pass
+    return certifier.certificate.velocity
+
+
+def _surer(certificates: dict[int, float], accuracy: float) -> int:
+    """Steps of the reference, an even number, that should do, if those that were tried (steps -> certificate) do not.
+
+    Raises:
+        UnreachableError: six times as many steps have left the reference hardly surer.
+    """
+    steps, certificate = max(certificates.items())
+    for fewer, before in certificates.items():
+        if steps >= 6 * fewer and certificate > max(before / 3.0, accuracy * SURE):
+            raise UnreachableError(f"not even the reference is surer than {certificate:.0e} V: {CHAOS}")
+    ratio: float = 1.1 * (certificate / (SURE * accuracy)) ** (1.0 / _LEAST_ORDER)
+    return 2 * math.ceil(0.5 * steps * min(6.0, max(1.25, ratio)))

@@ -1,0 +1,85 @@
+"""The error of a run, measured when it has ended, by the reference at some of its frames."""
+
+import math
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass, replace
+
+from analysis.against.difference import Deviation, Difference, Place
+from analysis.against.pairing import paired
+from analysis.trajectory import Trajectory
+from lammps_inputs import Problem
+from workflow.engines.reference import engine
+from workflow.engines.reference.certify import Certificate
+from workflow.prepare.instants import SPACING, stride
+from workflow.prepare.settings import Settings, certifiers
+from workflow.prepare.twin import CADENCE
+from workflow.runs.run_directory import RunDirectory
+
+
+@dataclass(frozen=True)
+class Check:
+    """What a run's error was found to be, dimensionless.
+
+    Attributes:
+        velocity: largest error of any velocity, in frames and snapshots.
+        where: at which bead and time.
+        arrival: largest error of an arrival of the leading pulse, where `analysis.tracking.peaks.sharp`; NaN where none
+            is.
+        amplitude: largest error of a peak velocity of the leading pulse; NaN where none was seen.
+        reference: how sure the reference is of itself.
+        seconds: what the check cost.
+    """
+
+    velocity: float
+    where: Place | None
+    arrival: float
+    amplitude: float
+    reference: Certificate
+    seconds: float
+
+    def plain(self) -> dict[str, object]:
+        """For ``run.json``."""
+        return asdict(self)
+
+
+def check(directory: RunDirectory, settings: Settings | None = None) -> Check:
+    """Compare a run with the certified reference.
+
+    Args:
+        directory: the run.
+        settings: the accuracy that was asked for, if one was: the reference is then surer than that by far, and the
+            frames are compared as closely spaced as when the time step was chosen.
+
+    Raises:
+        InputError: the run has no frames.
+    """
+    engine.load()  # takes its time once in a process, whatever is checked
+    started = time.perf_counter()
+    problem = directory.problem
+    step = stride(problem, SPACING if settings is None else CADENCE)
+    found, certificate = _compared(problem.coarser(step), lambda: directory.blocks(step), settings)
+    velocity = found["velocity"]
+    if problem.frames_per_snapshot is not None:
+        others, sure = _compared(problem.snapshots(), directory.snapshots, settings)
+        velocity = max(velocity, others["velocity"], key=lambda deviation: deviation.largest)
+        certificate = replace(certificate, velocity=max(certificate.velocity, sure.velocity))
+    return Check(
+        velocity=velocity.largest,
+        where=velocity.where,
+        arrival=found["arrival"].largest if "arrival" in found else math.nan,
+        amplitude=found["amplitude"].largest if "amplitude" in found else math.nan,
+        reference=certificate,
+        seconds=time.perf_counter() - started,
+    )
+
+
+def _compared(
+    problem: Problem, frames: Callable[[], Iterator[Trajectory]], settings: Settings | None
+) -> tuple[dict[str, Deviation], Certificate]:
+    """Frames against the reference, quantity by quantity, and how sure that is of itself."""
+    for certifier in certifiers(problem, settings):
+        difference = Difference(dict.fromkeys(("velocity", "displacement", "amplitude", "arrival"), math.inf))
+        for block, reference in paired(frames(), certifier.blocks()):
+            difference.add(block, reference)
+    return difference.deviations(), certifier.certificate

@@ -1,0 +1,108 @@
+"""How hard the beads of an SI scene press on each other, and whether that is still Hertz's law."""
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from analysis.largest_overlap import LargestOverlap, shown_by_frames
+from lammps_inputs import Scene, laws
+from lammps_inputs.limits import hertz
+from workflow.runs.run_directory import RunDirectory
+
+
+@dataclass(frozen=True)
+class Contacts:
+    """The hardest contact of a run.
+
+    Attributes:
+        measured: whether the frames show it; else the numbers are what energy and momentum allow at most.
+        radius: of the beads, in m.
+        overlap: largest approach of two centres, over the radius.
+        force: in N.
+        pressure: in the middle of the contact, in Pa.
+        yield_strength: in Pa; a metal that has less would not stay elastic.
+    """
+
+    measured: bool
+    radius: float
+    overlap: float
+    force: float
+    pressure: float
+    yield_strength: float
+
+    def plain(self) -> dict[str, Any]:
+        """For ``run.json`` and ``analysis.json``."""
+        return asdict(self)
+
+    @property
+    def possible(self) -> bool:
+        """Whether no bead's centre was seen to reach the next one's."""
+        return not (self.measured and self.overlap >= hertz.WHOLE_BEAD)
+
+    def lines(self) -> list[str]:
+        """What there is to say, and a warning where Hertz's law ends."""
+        most = "reach" if self.measured else "are at most"
+        found = [
+            f"contacts: overlaps {most} {self.overlap:.2g} of the radius ({self.radius:g} m), "
+            f"forces {self.force:.2g} N, pressures {self.pressure:.2g} Pa; elastic only if the yield strength is above "
+            f"{self.yield_strength:.2g} Pa (yield begins at {hertz.YIELD_PRESSURE} times it: Johnson, Contact "
+            "Mechanics, 1985, 6.1)"
+        ]
+        if not self.possible:
+            found.append("beads have passed through each other: this is no motion of beads of this material")
+        elif self.overlap > hertz.LARGEST_OVERLAP:
+            word = "is" if self.measured else "may be"
+            found.append(
+                f"that {word} beyond Hertz's law, which wants contacts small against the beads: overlaps below about "
+                f"{hertz.LARGEST_OVERLAP} of the radius (Johnson, 4.1)"
+            )
+        return found
+
+
+def at_most(scene: Scene) -> Contacts | None:
+    """What energy and momentum allow, before anything runs; None without a material."""
+    problem = scene.problem()
+    _, high = hertz.overlap_bounds(problem)
+    return _contacts(scene, high, measured=False)
+
+
+def of_overlap(scene: Scene, largest: LargestOverlap) -> Contacts | None:
+    """What was found in the frames, or the bound where they do not show it; None without a material."""
+    if not shown_by_frames(scene.problem()):
+        return at_most(scene)
+    return _contacts(scene, max(largest.value, 0.0), measured=True)
+
+
+def measure(directory: RunDirectory) -> Contacts | None:
+    """The hardest contact of a run; None without a material, and for rigid beads.
+
+    Raises:
+        InputError: there are no frames.
+    """
+    if not has_contacts(directory):
+        return None
+    largest = LargestOverlap()
+    if shown_by_frames(directory.problem):
+        for block in directory.blocks():
+            largest.add(block)
+    return of_overlap(directory.scene, largest)
+
+
+def has_contacts(directory: RunDirectory) -> bool:
+    """Whether the run has contacts in SI units."""
+    return directory.scene.material is not None and directory.engine != "collisions"
+
+
+def _contacts(scene: Scene, overlap: float, *, measured: bool) -> Contacts | None:
+    ball = scene.material
+    if ball is None:
+        return None
+    metres = overlap * scene.scale.length
+    pressure = hertz.peak_pressure(metres, ball.radius, ball.youngs_modulus, ball.poisson_ratio)
+    return Contacts(
+        measured=measured,
+        radius=ball.radius,
+        overlap=metres / ball.radius,
+        force=float(laws.force(scene.system.along[0].law, overlap)) * scene.scale.force,
+        pressure=pressure,
+        yield_strength=pressure / hertz.YIELD_PRESSURE,
+    )

@@ -1,0 +1,216 @@
+"""Which files of a directory are ours: ``run.json`` lists them, and only those are ever replaced or removed.
+
+A name is listed before its file is written, and only where no file of that name stands. What an overwritten run left
+is put aside until the new one has all that it begins with, and put back where that fails, also at the next start after
+a kill.
+"""
+
+import os
+import re
+import shutil
+import stat
+import tempfile
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from lammps_inputs import InputError
+from lammps_inputs.decks import deck
+from workflow.runs.record import RECORD, read_record
+from workflow.runs.run_directory import (
+    ANALYSIS_FILES,
+    OWN_FILES,
+    TEMPORARY,
+    all_parts,
+    changing,
+    part_number,
+    write_json,
+)
+
+_TEMPORARY = re.compile(rf"\..+{re.escape(TEMPORARY)}[a-z0-9_]{{4,8}}")
+_ASIDE, _GONE = f"{TEMPORARY}before-", f"{TEMPORARY}gone-"
+"""Directories with what a new run takes the place of: until it has begun, and then until it is removed."""
+
+_REPLACED = frozenset((*OWN_FILES, *ANALYSIS_FILES))
+"""What a new run takes the place of, where it is listed; other files that are listed stay."""
+
+
+def listed(directory: Path) -> set[str]:
+    """Names of the files that ``run.json`` calls ours; it is itself among them if it is ours.
+
+    Raises:
+        InputError: it cannot be read.
+    """
+    path = directory / RECORD
+    return set(read_record(path).get("files", ())) if path.is_file() else set()
+
+
+def claim(directory: Path, names: Iterable[str]) -> None:
+    """List files that are about to be written.
+
+    Raises:
+        InputError: one of them stands there and is not listed; the message says so.
+    """
+    path, wanted = directory / RECORD, list(dict.fromkeys(names))
+    with changing(path):
+        try:
+            record = read_record(path) if os.path.lexists(path) else {"files": [RECORD]}
+        except InputError:
+            _refuse_others(directory, wanted, set())
+            return  # a damaged one is no hindrance, but takes no list
+        own = set(record.get("files", ()))
+        _refuse_others(directory, wanted, own)
+        if RECORD not in own and "outcome" not in record:
+            raise InputError(f"{path}: was not written by granchain, which needs that name; choose another directory")
+        if not own.issuperset(wanted):
+            before = path.stat() if path.is_file() else None
+            record["files"] = sorted(own.union(wanted, [RECORD]))
+            write_json(path, record)
+            if before is not None:  # that tells of the run, and there is nothing new of it
+                os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns))
+
+
+def _refuse_others(directory: Path, names: Iterable[str], own: set[str]) -> None:
+    for name in names:
+        if name not in own and os.path.lexists(directory / name):
+            raise InputError(
+                f"{directory / name}: is not listed in {RECORD} as written by granchain, so it is not replaced; "
+                "move it away, or choose another directory"
+            )
+
+
+def prepare(directory: Path, names: Iterable[str] = (), *, overwrite: bool = False) -> None:
+    """See that a directory can take new files, and make it; nothing in it is touched.
+
+    Args:
+        directory: new, or empty, or with ``overwrite`` one whose ``run.json`` lists what is to be replaced.
+        names: of the files to come.
+        overwrite: whether files of ours may be replaced.
+
+    Raises:
+        InputError: the directory holds something else, or cannot be made.
+    """
+    try:
+        if directory.exists() and not directory.is_dir():
+            raise InputError(f"{directory}: is a file, not a directory; choose another -o")
+        directory.mkdir(parents=True, exist_ok=True)
+        if others(directory):
+            if not overwrite:
+                raise InputError(f"{directory}: exists and is not empty; choose another -o, or give --overwrite")
+            own = listed(directory)
+            if RECORD not in own and not list(directory.glob(f"{_ASIDE}*")):
+                raise InputError(
+                    f"{directory}: holds no {RECORD} that lists the files of an earlier run, so nothing in it is "
+                    "overwritten; choose another -o"
+                )
+            _refuse_others(directory, names, own)
+        with tempfile.TemporaryFile(dir=directory):
+            pass
+    except OSError as error:
+        raise InputError(f"{directory}: cannot be written to ({error.strerror})") from None
+
+
+def refuse_to_overwrite(source: str, directory: Path) -> None:
+    """See that a scene's own file is not the one that its run would write.
+
+    Raises:
+        InputError: it is.
+    """
+    path = Path(source)
+    try:
+        same = path.is_file() and path.samefile(directory / deck.SCENE)
+    except (OSError, ValueError):
+        return
+    if same:
+        raise InputError(
+            f"-o: {source} stands in {directory}, where a run writes a {deck.SCENE} of its own; choose another -o"
+        )
+
+
+def others(directory: Path) -> set[str]:
+    """Names of what a directory holds, without what a kill may leave behind and nobody else gives such a name."""
+    names = {path.name for path in directory.iterdir()}
+    return {name for name in names if not (_TEMPORARY.fullmatch(name) or name.startswith((_ASIDE, _GONE)))}
+
+
+@contextmanager
+def replacing(directory: Path, names: Iterable[str]) -> Iterator[None]:
+    """Write the first files of something new in a directory that was prepared and is locked.
+
+    What the files of the earlier run were is put aside meanwhile, removed when all is written, and put back on failure.
+
+    Args:
+        directory: see `prepare`.
+        names: of the files to come.
+
+    Raises:
+        InputError: the directory cannot be written to.
+    """
+    wanted = list(names)
+    aside = None
+    try:
+        remove_leftovers(directory)
+        own = listed(directory)
+        _refuse_others(directory, wanted, own)
+        if own:
+            aside = Path(tempfile.mkdtemp(prefix=_ASIDE, dir=directory))
+            _move(directory, aside, own)
+        kept = own.difference(_REPLACED)
+        write_json(directory / RECORD, {"files": sorted({RECORD, *kept, *wanted})})
+        yield
+    except BaseException as error:
+        if aside is not None:
+            _put_back(directory, aside)
+        else:
+            for name in (*wanted, RECORD):
+                (directory / name).unlink(missing_ok=True)
+        if isinstance(error, OSError):
+            left = f"{directory}: cannot be written to ({error.strerror}); it is left as it was"
+            raise InputError(left) from None
+        raise
+    if aside is not None:
+        gone = aside.rename(directory / aside.name.replace(_ASIDE, _GONE))
+        shutil.rmtree(gone, ignore_errors=True)
+
+
+def _move(directory: Path, aside: Path, own: set[str]) -> None:
+    """Put the files of a run aside, its list as the last: where that is aside, everything is."""
+    names = sorted(own.intersection(_REPLACED))
+    if deck.DUMP in own:
+        names += [path.name for path in all_parts(directory) if path.name not in names]
+    for name in (*(name for name in names if name != RECORD), RECORD):
+        if os.path.lexists(directory / name):
+            (directory / name).rename(aside / name)
+
+
+def _put_back(directory: Path, aside: Path) -> None:
+    """Take away what was written since files were put aside, and put these back."""
+    if (aside / RECORD).exists() and (directory / RECORD).exists():
+        kept = listed(aside).difference(_REPLACED)
+        for name in listed(directory) - kept - {RECORD}:
+            (directory / name).unlink(missing_ok=True)
+    for path in sorted(aside.iterdir(), key=lambda path: path.name == RECORD):
+        path.replace(directory / path.name)
+    aside.rmdir()
+
+
+def remove_leftovers(directory: Path) -> None:
+    """Remove files that were being written when an earlier run was killed; finish what it did with files put aside."""
+    for path in directory.glob(f"{_ASIDE}*"):
+        _put_back(directory, path)
+    for path in directory.glob(f"{_GONE}*"):
+        shutil.rmtree(path, ignore_errors=True)
+    for path in directory.iterdir():
+        if _TEMPORARY.fullmatch(path.name):
+            path.unlink(missing_ok=True)
+
+
+def refuse_links(directory: Path) -> None:
+    """See that nothing that a run writes goes elsewhere.
+
+    Raises:
+        InputError: one of its files is a link, or no file.
+    """
+    for path in directory.iterdir():
+        if (path.name in OWN_FILES or part_number(path)) and not stat.S_ISREG(path.lstat().st_mode):
+            raise InputError(f"{path}: is a link or no file, and nothing is written through one; put a file there")

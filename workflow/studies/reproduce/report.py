@@ -1,0 +1,47 @@
+"""Makes the report: builds every section, writes the figures and the page."""
+
+from pathlib import Path
+
+from lammps_inputs import InputError
+from workflow.runs.own_files import claim
+from workflow.runs.run_directory import write_bytes, write_text
+from workflow.studies.reproduce import page, section2, section3
+from workflow.studies.reproduce.runs import Say
+
+PAGE = "index.html"
+
+SECTIONS = (section2.build, section3.build)
+
+
+def reproduce(directory: Path, say: Say) -> Path:
+    """Compute the paper's numbers and figures and write them to a directory; finished runs in it are used again.
+
+    Args:
+        directory: made if need be.
+        say: told what is going on.
+
+    Raises:
+        InputError: the directory cannot be written, or holds such a file of somebody else's.
+        RunError: a run failed.
+    """
+    runs = directory / "runs"
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        claim(directory, (runs.name, PAGE))
+        runs.mkdir(exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{directory}: cannot be written to ({error.strerror})") from None
+    sections = [build(runs, say) for build in SECTIONS]
+    images = {picture.name: page.png(picture.figure) for section in sections for picture in section.pictures}
+    claim(directory, (f"{name}.png" for name in images))
+    for name, image in images.items():
+        write_bytes(directory / f"{name}.png", image)
+    text = page.render(
+        "Pulse equipartition in coupled granular chains, recomputed",
+        "Every number and figure on this page was computed when it was made: nothing is copied from the paper but its "
+        "statements. Velocities are in units of the kick V, times in units of T.",
+        sections,
+        images,
+    )
+    write_text(directory / PAGE, text)
+    return directory / PAGE

@@ -1,0 +1,226 @@
+"""What a study says, in sentences: which setting for which accuracy, and what else is worth choosing."""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from lammps_inputs import Problem
+from workflow.studies.trade import conclusions, grid
+from workflow.studies.trade.certified import Certified
+from workflow.studies.trade.harness import Point
+from workflow.studies.trade.study import Study
+
+ACCURACIES = (1e-2, 1e-4, 1e-6, 1e-8)
+
+WELL_ABOVE = 10.0
+"""Errors over the reference's own from which on they are told by the measurement."""
+
+Points = Sequence[Point[Any]]
+
+
+def sentences(study: Study) -> list[str]:
+    """Everything that was found, one sentence a line."""
+    truth = study.truth
+    if truth is None:
+        return list(study.notes)
+    found = [certificate(study, truth)]
+    found += left_out(study)
+    found += [advice(study, truth, accuracy) for accuracy in ACCURACIES]
+    found += suzuki(study, truth) + ranks(study) + windows(study) + rigid(study) + frames(study)
+    return found + study.notes
+
+
+def comparable(points: Points) -> list[Point[Any]]:
+    """Measured points whose errors are those of all beads."""
+    return [point for point in points if point.measured and grid.is_whole(point.setting.curve)]
+
+
+def certificate(study: Study, truth: Certified) -> str:
+    """How sure the reference is, and which errors are not well above that."""
+    floor = truth.floors["velocity"]
+    near = [point for point in study.engines if point.measured and point.errors["velocity"] < WELL_ABOVE * floor]
+    said = f"The reference is sure to {floor:.1e} V and {truth.floors['arrival']:.1e} T"
+    if not near:
+        return f"{said}, less than a tenth of every error of velocities."
+    return f"{said}; errors of velocities that are less than ten times that, and so not well known, are marked ~."
+
+
+def advice(study: Study, truth: Certified, accuracy: float) -> str:
+    """Which engine and settings are the cheapest that keep an accuracy of all velocities; and in LAMMPS."""
+    floor = truth.floors["velocity"]
+    points = comparable(study.engines)
+    own = [point for point in points if point.setting.curve.startswith(grid.LAMMPS)]
+    best, lammps = (
+        conclusions.cheapest(group, accuracy, "velocity", "seconds", floor=floor) for group in (points, own)
+    )
+    if best is None:
+        nearest = min(points, key=lambda point: point.errors["velocity"], default=None)
+        if nearest is None:
+            return f"{accuracy:.0e}: nothing was measured."
+        return f"{accuracy:.0e}: nothing measured reaches it; the nearest is {_says(nearest, study.problem)}."
+    said = f"{accuracy:.0e}: {_says(best, study.problem)}"
+    if lammps is None:
+        nearest = min(own, key=lambda point: point.errors["velocity"], default=None)
+        least = "" if nearest is None else f", the nearest is {_says(nearest, study.problem)}"
+        return f"{said}; no measured time step of LAMMPS reaches it{least}."
+    return f"{said}." if lammps is best else f"{said}; with LAMMPS {_says(lammps, study.problem)}."
+
+
+def _says(point: Point[Any], problem: Problem) -> str:
+    """A setting as a user would ask for it, its error, and its cost."""
+    job, scale = point.setting.what, problem.scale
+    unit = f" {scale.symbol('time')}" if scale.si else ""
+    step = _dividing(job.problem.timestep * scale.time, job.problem.steps_per_frame)
+    if job.engine == "lammps":
+        scheme = "" if job.problem.scheme == "verlet" else f"scheme: {job.problem.scheme}, "
+        how = f"`{scheme}timestep: {step}`{unit}"
+        how += f" on {job.ranks} ranks" if job.ranks > 1 else ""
+    elif job.engine == "reference":
+        how = f"reference {job.scheme.name} at a step of {step}{unit}"
+    else:
+        how = grid.RIGID
+    if job.problem.every > problem.every * (1.0 + 1e-9):
+        how += f" and frames {job.problem.every * scale.time:.6g} apart"
+    return f"{how} ({point.errors['velocity']:.1e} V, {point.cost('seconds'):.2g} s)"
+
+
+def _dividing(step: float, count: int) -> str:
+    """A time step in as few digits as divide the time between frames well enough for a scene."""
+    if count == 1:
+        return f"{step:.6g}"
+    texts = (f"{step:.{digits}g}" for digits in range(2, 17))
+    return next((text for text in texts if abs(float(text) / step - 1.0) < 5e-10), repr(step))
+
+
+def left_out(study: Study) -> list[str]:
+    """What was not measured, and why, a sentence for each method."""
+    said = []
+    everything = [*study.engines, *study.frames]
+    for name in dict.fromkeys(point.setting.curve for point in everything):
+        points = [point for point in everything if point.setting.curve == name and point.left_out]
+        if points:
+            first = points[0]
+            more = f", and {len(points) - 1} more" if len(points) > 1 else ""
+            said.append(f"Left out: {name}, {first.setting.label} ({first.left_out}){more}.")
+    return said
+
+
+def suzuki(study: Study, truth: Certified) -> list[str]:
+    """From which accuracy and size on suzuki4 beats Verlet in LAMMPS."""
+    floor = WELL_ABOVE * truth.floors["velocity"]
+    curves = {
+        name: [point for point in study.engines if point.setting.curve == f"{grid.LAMMPS}{name}"]
+        for name in ("suzuki4", "verlet")
+    }
+    atoms = study.problem.chains * study.problem.beads
+    measured = [conclusions.pairs(points, "velocity", "seconds", floor) for points in curves.values()]
+    found = conclusions.better_from(measured[0], measured[1])
+    said = [f"In LAMMPS suzuki4 {_where(found)}, for the {atoms} beads of this scene."]
+    # the reference makes the same errors with the same forces, and is not too dear to be run at the finest steps
+    forces = {
+        name: conclusions.pairs(
+            [*points, *_curve(study.engines, f"{grid.REFERENCE}{name}")], "velocity", "forces", floor
+        )
+        for name, points in curves.items()
+    }
+    for size in study.sizes if found is None or found[0] == 0.0 else study.sizes[1:]:
+        costs = [[(error, count * size.seconds[name]) for error, count in forces[name]] for name in curves]
+        said.append(
+            f"By the cost of its steps with {size.atoms} beads, {_ratio(size.seconds)} that of Verlet's, and errors as "
+            f"here, it {_where(conclusions.better_from(*costs))}."
+        )
+    return said
+
+
+def _ratio(seconds: dict[str, float]) -> str:
+    return f"{seconds['suzuki4'] / seconds['verlet']:.2g} times"
+
+
+def _where(found: tuple[float, float, float] | None) -> str:
+    if found is None:
+        return "and Verlet have no error in common here, so which is cheaper is not told"
+    start, low, high = found
+    if start == 0.0:
+        return f"does not beat Verlet down to an error of {low:.1e} V, the least that both reach here"
+    if start >= high * (1.0 - 1e-9):
+        return f"beats Verlet at all errors that both reach here ({low:.1e} to {high:.1e} V)"
+    return f"beats Verlet from an error of {start:.1e} V on downwards"
+
+
+def ranks(study: Study) -> list[str]:
+    """What more ranks gain."""
+    points = _curve(study.engines, f"{grid.LAMMPS}{grid.RANKS}")
+    if len(points) < 2:
+        return []
+    one, best = points[0], min(points, key=lambda point: point.cost("seconds"))
+    same = all(point.errors == one.errors for point in points)
+    errors = "the errors are the same" if same else "THE ERRORS DIFFER"
+    if best is one:
+        return [f"More ranks than one make LAMMPS slower here ({_times(points)}); {errors}."]
+    return [f"{best.setting.label} take {best.cost('seconds') / one.cost('seconds'):.2g} of the time of one; {errors}."]
+
+
+def _times(points: Points) -> str:
+    return ", ".join(f"{point.setting.label} {point.cost('seconds'):.2g} s" for point in points)
+
+
+def windows(study: Study) -> list[str]:
+    """What windows gain, and lose, near the front."""
+    said = []
+    for engine in (grid.LAMMPS, grid.REFERENCE):
+        points = _curve(study.engines, f"{engine}{grid.WINDOW}")
+        if len(points) < 2 or points[-1].setting.value < study.problem.beads:
+            continue
+        *narrow, whole = points
+        best = min(narrow, key=lambda point: point.cost("seconds"))
+        share = best.cost("seconds") / whole.cost("seconds")
+        worse = any(best.errors[name] > 1.01 * whole.errors[name] for name in whole.errors)
+        lost = f"but leaves an error of {best.errors['velocity']:.1e} V" if worse else "and costs no accuracy"
+        said.append(
+            f"{engine.strip()}: a window of {best.setting.label} takes {share:.2g} of the time of all "
+            f"{study.problem.beads} {lost} near the front."
+        )
+    return said
+
+
+def rigid(study: Study) -> list[str]:
+    """What the collision model is worth."""
+    points = _curve(study.engines, grid.RIGID)
+    if not points:
+        return []
+    error = points[0].errors
+    reached = math.isfinite(error["arrival"])
+    late = f"arrivals by {error['arrival']:.2g} T" if reached else "and their pulse does not reach all beads"
+    return [
+        f"Rigid beads, in {points[0].cost('seconds'):.2g} s, miss velocities by {error['velocity']:.2g} V, amplitudes "
+        f"by {error['amplitude']:.2g} V, {late}: another model, not a less accurate one."
+    ]
+
+
+def frames(study: Study) -> list[str]:
+    """What seldom frames and text lose, and text costs."""
+    said = []
+    points = _curve(study.frames, "frames")
+    for accuracy in (1e-2, 1e-4) if points else ():
+        good = [point for point in points if max(point.errors["amplitude"], point.errors["arrival"]) <= accuracy]
+        if good:
+            widest = max(good, key=lambda point: point.setting.value)
+            every = widest.setting.value * study.problem.scale.time
+            said.append(
+                f"Frames {every:.4g} apart show amplitudes and arrivals to {accuracy:.0e} "
+                f"({widest.cost('bytes') / 1e6:.2g} MB)."
+            )
+        else:
+            said.append(f"No frames measured show amplitudes and arrivals of all beads to {accuracy:.0e}.")
+    formats = _curve(study.frames, "format")
+    for text in formats[1:]:
+        binary = formats[0]
+        ratio = text.cost("seconds") / binary.cost("seconds")
+        moved = text.errors != binary.errors
+        lost = f"and arrivals read to {text.errors['arrival']:.1e} T" if moved else "and nothing is lost"
+        said.append(f"As {text.setting.label}, running and reading take {ratio:.2g} times as long as binary, {lost}.")
+    return said
+
+
+def _curve(points: Points, name: str) -> list[Point[Any]]:
+    return [point for point in points if point.setting.curve == name and point.measured]

@@ -1,0 +1,174 @@
+"""Error against cost of everything that can be chosen for a scene, measured on this machine, written as it comes."""
+
+import os
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from lammps_inputs import Problem, Scene
+from workflow.engines.lammps import mpi
+from workflow.errors import RunError
+from workflow.prepare.settings import settle
+from workflow.runs.own_files import prepare
+from workflow.runs.run_directory import write_text
+from workflow.studies.trade import frames, grid, harness, jobs, sizes, tables
+from workflow.studies.trade.certified import Certified, make_truth
+from workflow.studies.trade.harness import Point
+from workflow.studies.trade.sizes import Size
+
+BUDGET = 60.0
+"""Seconds that a study should take; what would take much of it alone is left out."""
+
+REPEATS = 5
+
+_TRUTH, _ENGINES, _FRAMES, _LONGEST, _PATIENCE = 1 / 4, 1 / 2, 1 / 6, 1 / 15, 1 / 30
+"""Shares of the budget: of the reference, of all engines, of all recordings, of one run, of all runs of a setting."""
+
+BUSY = 0.7
+"""Load, before anything is run, that makes times unsure."""
+
+FORCE_SECONDS = 1e-9
+"""Of a bead, by the reference."""
+
+Points = Sequence[Point[Any]]
+
+Follow = Callable[[str, int, int], None]
+"""Called with what is being done, the calls done, and an upper bound of all calls."""
+
+
+@dataclass
+class Study:
+    """What has been measured of a problem so far.
+
+    Attributes:
+        problem: of the scene, at its own time step.
+        truth: the reference; None before it is known.
+        engines: points of every engine, against the reference.
+        frames: points of recording and reading, against the same run read exactly.
+        sizes: cost of a step in LAMMPS by beads.
+        seconds: wall time.
+        whole: whether it came to its end.
+    """
+
+    problem: Problem
+    truth: Certified | None = None
+    engines: Points = ()
+    frames: Points = ()
+    sizes: Sequence[Size] = ()
+    seconds: float = 0.0
+    whole: bool = False
+    notes: list[str] = field(default_factory=list)
+
+
+def plain_problem(scene: Scene) -> Problem:
+    """A scene with its own end and time step, but without the window and the scheme, which are measured.
+
+    Raises:
+        InputError: the scene has no end or an unstable time step.
+    """
+    step = scene.timestep if scene.scheme in (None, "verlet") else None
+    return settle(scene.model_copy(update={"window": None, "scheme": None, "timestep": step}))[0].problem()
+
+
+def expected(problem: Problem) -> tuple[float, float]:
+    """A rough guess of the seconds that the reference takes, and the bytes of one run's frames."""
+    # two runs of six force evaluations a step, half of the rows moving
+    steps = problem.duration / min(0.05, problem.every)
+    seconds = FORCE_SECONDS * 9.0 * steps * problem.chains * problem.beads
+    return seconds, 24.0 * problem.frames * problem.chains * len(problem.recorded_beads)
+
+
+def busy() -> list[str]:
+    """What to say of a machine that has other work to do."""
+    load = os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0
+    if load < BUSY:
+        return []
+    return [
+        f"Other work was under way (load {load:.1f} on {mpi.cores()} cores): times are no better than their spread."
+    ]
+
+
+def study(
+    problem: Problem,
+    directory: Path,
+    *,
+    budget: float = BUDGET,
+    repeats: int = REPEATS,
+    follow: Follow = lambda *_: None,
+) -> Study:
+    """Measure everything, or until Ctrl-C; ``trade.csv`` and ``frames.csv`` grow as it goes.
+
+    Args:
+        problem: of a scene.
+        directory: new or empty.
+        budget: seconds that it should take.
+        repeats: calls of a setting after its first.
+        follow: called after every call.
+
+    Raises:
+        InputError: the directory holds something.
+        RunError: the reference or LAMMPS failed altogether.
+    """
+    prepare(directory)
+    found = Study(problem, notes=busy())
+    started = time.perf_counter()
+    try:
+        with tempfile.TemporaryDirectory(prefix=".running-", dir=directory) as name:
+            _measure(found, directory, Path(name), budget, repeats, follow)
+        found.whole = True
+    except KeyboardInterrupt:
+        found.notes.append("Interrupted: not all settings were measured.")
+    found.seconds = time.perf_counter() - started
+    return found
+
+
+def _measure(found: Study, directory: Path, work: Path, budget: float, repeats: int, follow: Follow) -> None:
+    problem = found.problem
+    follow("reference", 0, 1)
+    truth = make_truth(problem, work, seconds=_TRUTH * budget)
+    found.truth = truth
+    longest, patience = _LONGEST * budget, _PATIENCE * budget
+
+    def keep_engines(points: Points, done: int, total: int) -> None:
+        found.engines = points
+        write_text(directory / tables.ENGINES, tables.engines_csv(points, problem))
+        follow("engines", done, total)
+
+    def keep_frames(points: Points, done: int, total: int) -> None:
+        found.frames = points
+        write_text(directory / tables.FRAMES, tables.frames_csv(points, problem))
+        follow("frames", done, total)
+
+    harness.measure(
+        grid.settings(problem),
+        lambda job: jobs.run(job, work),
+        lambda done: truth.errors(done.blocks()),
+        jobs.Done.costs,
+        follow=keep_engines,
+        repeats=repeats,
+        longest=longest,
+        patience=patience,
+    )
+    if not any(point.measured and point.setting.what.problem == problem for point in found.engines):
+        found.notes.append("Frames and sizes were not measured: a run at the scene's time step takes too long.")
+        return
+    try:
+        exact = frames.make_exact(problem, work)
+        harness.measure(
+            frames.settings(problem),
+            lambda job: frames.run(job, work),
+            exact.errors,
+            frames.Read.costs,
+            follow=keep_frames,
+            repeats=repeats,
+            longest=longest,
+            patience=patience,
+            budget=_FRAMES * budget,
+        )
+        follow("sizes", 0, 1)
+        found.sizes = sizes.measure(problem, work)
+    except RunError as error:
+        found.notes.append(f"Frames and sizes were not measured: {error}.")

@@ -1,0 +1,208 @@
+"""Gather the cases of a sweep into one table, and draw one quantity of it over one or two fields."""
+
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lammps_inputs import InputError, strict_yaml
+from lammps_inputs.decks import deck
+from lammps_inputs.slurm.job import CASES
+from workflow.cluster import queue
+from workflow.engines.lammps.mpi import cores
+from workflow.runs.record import RECORD
+from workflow.runs.run_directory import REPORT, write_figure
+from workflow.runs.status import Status, status
+from workflow.sweep import fields, pool
+from workflow.sweep.directory import Asked, asked, is_analysed, read_json, recorded
+from workflow.sweep.jobs import Job
+from workflow.sweep.table import QUANTITIES, UNCERTAINTIES, UNSETTLED, Table
+
+
+def collect(directory: Path, progress: Callable[[int, int], None] | None = None) -> Table:
+    """Gather all cases below a directory; those with frames but no analysis are analysed first, on all cores.
+
+    Args:
+        directory: of a sweep, or any that run directories lie in.
+        progress: called with the analyses done and their total.
+
+    Raises:
+        InputError: there is no run directory in it.
+    """
+    try:
+        found = sorted(path for path in directory.iterdir() if (path / deck.SCENE).is_file())
+    except OSError as error:
+        raise InputError(f"{directory}: cannot be read ({error.strerror})") from None
+    if not found:
+        raise InputError(f"{directory}: holds no run directories; `granchain sweep` makes some")
+    known = queue.ask() if (directory / CASES).is_file() else None
+    states = {path: status(path, known) for path in found}
+    done = [path for path in found if states[path].state == "done"]
+    complaints = _analyse([path for path in done if not is_analysed(path)], progress)
+    requests = {path: asked(path) or Asked({}, {}, "") for path in found}
+    names = sorted({name for request in requests.values() for name in request.swept})
+    paths = {name: _path(name, directory) for name in names}
+    rows, kinds, scenes = [], set(), set()
+    for path, request in requests.items():
+        report, record = read_json(path / REPORT), recorded(path)
+        scenes.add(str(request.scene.get("name", "")))
+        kinds.add("material" in request.scene or report.get("units") == "SI")
+        swept = {name: request.swept.get(name, fields.look_up(request.scene, paths[name])) for name in names}
+        outcome, reason = _outcome(states[path], report.get("complete") is True, complaints.get(path.name))
+        scene = request.scene or _scene(path)
+        row = {"case": path.name, **swept, "outcome": outcome, **_quantities(report, record, scene)}
+        rows.append({**row, "reason": reason})
+    rows.sort(key=lambda row: [_rank(row[name]) for name in names])
+    return Table(names, rows, None if len(kinds) > 1 else kinds == {True}, scenes.pop() if len(scenes) == 1 else "")
+
+
+def _scene(directory: Path) -> dict[str, Any]:
+    """Plain data of the scene of a run that no sweep asked for; empty if it cannot be read."""
+    try:
+        return strict_yaml.load(directory / deck.SCENE)
+    except InputError:
+        return {}
+
+
+def _path(name: str, directory: Path) -> fields.Path:
+    try:
+        return fields.parse(name)
+    except InputError as error:
+        raise InputError(f"{directory}: a case.json in it: {error}") from None
+
+
+def _analyse(directories: list[Path], progress: Callable[[int, int], None] | None) -> dict[str, str]:
+    """Analyse directories; name -> what went wrong."""
+    if not directories:
+        return {}
+    complaints = {}
+    jobs: Iterator[tuple[str, Job]] = (
+        (path.name, Job(str(path.absolute()), None, check=False, figures=False)) for path in directories
+    )
+    with closing(pool.answers(jobs, min(cores(), len(directories)))) as answers:
+        for count, (name, answer) in enumerate(answers, 1):
+            if answer["end"] != "done":
+                complaints[name] = " ".join(str(answer.get("reason")).split())
+            if progress is not None:
+                progress(count, len(directories))
+    return complaints
+
+
+def _outcome(found: Status, analysed: bool, complaint: str | None) -> tuple[str, str | None]:
+    """State of a case in a word or two, and why."""
+    if found.state == "done" and not analysed:
+        return "not analysed", complaint
+    return found.state, found.why or None
+
+
+def _quantities(report: dict[str, Any], record: dict[str, Any], scene: dict[str, Any]) -> dict[str, Any]:
+    """Everything between the outcome and the reason; a file of somebody else's that holds other things holds None."""
+    sources = {REPORT: {**report, "hit": _hit(report, scene)}, RECORD: record}
+    found: dict[str, Any] = {}
+    for name, quantity in QUANTITIES.items():
+        value: Any = sources[quantity.file]
+        for key in quantity.path:
+            value = value.get(key) if isinstance(value, dict) else None
+        plain = isinstance(value, int | float) if quantity.label else isinstance(value, str)
+        found[name] = value if plain else None
+    return found
+
+
+def _hit(report: dict[str, Any], scene: dict[str, Any]) -> dict[str, Any]:
+    """What ``analysis.json`` says of the leading wave in the chain that was hit hardest."""
+    kick = scene.get("kick")
+    kicks = [hit for hit in (kick if isinstance(kick, list | tuple) else [kick]) if isinstance(hit, dict)]
+    chain = max(kicks, key=_size, default={}).get("chain", 1)
+    waves = report.get("waves")
+    entries = waves if isinstance(waves, list) else []
+    return next((entry for entry in entries if isinstance(entry, dict) and entry.get("chain") == chain), {})
+
+
+def _size(kick: dict[str, Any]) -> float:
+    velocity = kick.get("velocity")
+    return abs(velocity) if isinstance(velocity, int | float) else 0.0
+
+
+def _rank(value: Any) -> tuple[int, float, str]:
+    """For sorting: numbers by size, then everything else by its text."""
+    if isinstance(value, int | float):
+        return 0, float(value), ""
+    return 1, 0.0, str(value)
+
+
+def only(table: Table, where: dict[str, Any]) -> Table:
+    """The cases of a table whose fields have these values.
+
+    Raises:
+        InputError: a field is not varied, or no case is like that.
+    """
+    for name, value in where.items():
+        _refuse_unless_varied("--where", name, table)
+        known = list(dict.fromkeys(str(row[name]) for row in table.rows))
+        if all(row[name] != value for row in table.rows):
+            raise InputError(f"--where: no case has {name} = {value}; {', '.join(known)}")
+    rows = [row for row in table.rows if all(row[name] == value for name, value in where.items())]
+    if not rows:
+        raise InputError("--where: no case is all of that; leave one out")
+    return replace(table, rows=rows)
+
+
+def _refuse_unless_varied(option: str, name: str, table: Table) -> None:
+    if name not in table.fields:
+        raise InputError(f"{option}: {name!r} is not varied here; {', '.join(table.fields) or 'nothing'} is")
+
+
+def plot(
+    table: Table, directory: Path, quantity: str, over: str, beside: str | None, title: str = ""
+) -> tuple[Path, ...]:
+    """Draw a quantity over a field, or two, as PNG and PDF into a directory.
+
+    Args:
+        table: what to draw from; cases that are done, and that have a number, are drawn.
+        directory: for the figure.
+        quantity: one of `QUANTITIES`.
+        over: the field along the horizontal axis.
+        beside: a second field, as lines or as a map.
+        title: which cases these are, where the table holds not all.
+
+    Raises:
+        InputError: no such quantity or field, nothing to draw, or several cases at one point.
+    """
+    from analysis.figures.swept import Axis, swept_figure  # matplotlib takes half a second to import
+
+    shown = [name for name in (over, beside) if name is not None]
+    numeric = [name for name, found in QUANTITIES.items() if found.label]
+    if quantity not in numeric:
+        raise InputError(f"--plot: {quantity!r} given; {', '.join(numeric)}")
+    for option, name in (("--over", over), ("--and", beside)):
+        if name is not None:
+            _refuse_unless_varied(option, name, table)
+    rows = [row for row in table.rows if row["outcome"] == "done"]
+    drawn = replace(table, rows=rows)
+    for name in shown:
+        if rows and not np.all(np.isfinite(drawn.numbers(name))):
+            raise InputError(f"{name}: is not a number in every case, so it cannot be an axis")
+    if not np.any(np.isfinite(drawn.numbers(quantity))):
+        raise InputError(f"--plot: no case that is done has a number for {quantity}")
+    points = {tuple(row[name] for name in shown) for row in rows}
+    if len(points) < len(rows):
+        others = [name for name in table.fields if name not in shown and len({str(row[name]) for row in rows}) > 1]
+        raise InputError(
+            f"--plot: {len(rows)} cases lie at {len(points)} points; choose among {', '.join(others)} "
+            f"with --where {others[0] if others else 'FIELD'}=VALUE, or with --and"
+        )
+    along, *second = [Axis(drawn.label(name), drawn.numbers(name)) for name in shown]
+    error = UNCERTAINTIES.get(quantity)
+    upwards = Axis(
+        drawn.label(quantity),
+        drawn.numbers(quantity),
+        None if error is None else drawn.numbers(error),
+        np.array([QUANTITIES[quantity].path[0] == "equipartition" and row["state"] in UNSETTLED for row in rows]),
+    )
+    title = ", ".join(filter(None, (table.scene, title)))
+    figure = swept_figure(upwards, along, second[0] if second else None, title)
+    name = f"{quantity}-over-{'-and-'.join(shown)}".replace("[", "").replace("]", "")
+    return write_figure(directory, name, figure)

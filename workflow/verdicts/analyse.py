@@ -1,0 +1,223 @@
+"""Analyse a run directory: ``waves.csv``, ``analysis.json`` and the figures beside the frames, which are read twice."""
+
+import warnings
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from analysis.conservation import Conservation
+from analysis.files.binary_dump import CutDumpWarning
+from analysis.files.recording import FARTHEST
+from analysis.largest_overlap import LargestOverlap, shown_by_frames
+from analysis.mirror import direction_of
+from analysis.sharing.energy_flow import EnergyFlow, Flow
+from analysis.sharing.is_solitary import Tolerances
+from analysis.sharing.survey import Survey, survey
+from analysis.tracking.leading_waves import Arrival, Waves, from_csv, usual_arrival
+from analysis.tracking.left_behind import LeftBehind
+from analysis.trajectory import Trajectory
+from lammps_inputs import InputError, Problem
+from lammps_inputs.decks import deck
+from lammps_inputs.facts import Fact
+from workflow.runs.contacts import Contacts, has_contacts, of_overlap
+from workflow.runs.own_files import claim
+from workflow.runs.results import Fingerprint, recorded_fingerprint
+from workflow.runs.run_directory import REPORT, RunDirectory, figure_files, write_figure, write_json, write_text
+from workflow.verdicts.analysis_report import energy_report, last_clear_bead, report, waves_csv
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["Analysis", "analyse", "default_beads", "last_clear_bead"]
+
+WAVES = "waves.csv"
+
+LARGEST = 1e100
+"""Displacement or velocity that no run has, far from where squares overflow; dimensionless."""
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """What was found in a run.
+
+    Attributes:
+        survey: the waves, pulses, energies and the verdict, dimensionless.
+        conservation: energy, momentum, frames seen.
+        complete: whether the dump holds every frame that the scene asks for.
+        figures: files drawn.
+        left: what a window has left behind; None without a window.
+        failure: why the run failed; empty where it did not.
+        altered: whether frames or snapshots are not those that the run wrote, by the fingerprint in ``run.json``.
+        contacts: the hardest contact; None without a material, and of rigid beads.
+        energy: where the energy was over time, where no pulse stays together and every bead was recorded; else None.
+    """
+
+    problem: Problem
+    survey: Survey
+    conservation: Conservation
+    complete: bool
+    figures: tuple[Path, ...]
+    left: LeftBehind | None
+    failure: str
+    altered: bool
+    contacts: Contacts | None
+    energy: Flow | None
+
+    @property
+    def waves(self) -> Waves:
+        """The leading pulse at every bead, dimensionless."""
+        return self.survey.waves
+
+
+def analyse(
+    directory: RunDirectory,
+    *,
+    beads: tuple[int, ...] | None = None,
+    figures: bool = True,
+    tolerances: Tolerances | None = None,
+    arrival: Arrival | None = None,
+) -> Analysis:
+    """Analyse what a directory holds, also of a run that was cut short.
+
+    Args:
+        directory: a run directory.
+        beads: whose velocity over time is drawn; by default three beads along the way of the pulse.
+        figures: whether to draw.
+        tolerances: within which a pulse is called solitary; by default 1% each.
+        arrival: what counts as the arrival of a wave; by default the maximum where it is sharp, see
+            `analysis.tracking.leading_waves.usual_arrival`.
+
+    Raises:
+        InputError: no frames, frames that hold what is no number, or a bead that was not recorded.
+    """
+    problem, allowed = directory.problem, tolerances or Tolerances()
+    shown = default_beads(problem) if beads is None else beads
+    for bead in shown:
+        if bead not in problem.recorded_beads:
+            raise InputError(f"--beads: bead {bead} is not among the recorded ones")
+    if problem.every > FARTHEST * (1.0 + 1e-9):
+        limit = FARTHEST * problem.scale.time
+        raise InputError(
+            f"{directory.path}: its frames are {problem.every * problem.scale.time:.4g} apart, too far to find waves "
+            f"between them; run it with output.every at most {limit:.4g}"
+        )
+    conservation = Conservation()
+    left = LeftBehind() if problem.window is not None else None
+    flow = EnergyFlow(problem) if problem.whole and not problem.holds(Fact.PULSE) else None
+    fingerprint = Fingerprint()
+    watchers: list[Any] = [conservation, fingerprint]
+    watchers += [watcher for watcher in (left, flow) if watcher is not None]
+    overlap = LargestOverlap() if has_contacts(directory) else None
+    if overlap is not None and shown_by_frames(problem):
+        watchers.append(overlap)
+    spacetime = history = None
+    if figures:
+        from analysis.figures import BeadHistory, SpaceTime  # matplotlib takes half a second to import
+
+        history = BeadHistory(problem, shown)
+        spacetime = SpaceTime(problem if problem.frames_per_snapshot is None else problem.snapshots())
+        watchers += [history] if problem.frames_per_snapshot is not None else [history, spacetime]
+
+    found = survey(
+        lambda: _sound(directory, directory.blocks()),
+        problem,
+        watchers=watchers,
+        tolerances=allowed,
+        arrival=arrival,
+        leading=_found_on_the_way(directory) if arrival in (None, usual_arrival(problem)) else None,
+    )
+    if problem.frames_per_snapshot is not None:
+        whole = Conservation()
+        for block in _sound(directory, directory.snapshots()):
+            whole.add(block)
+            fingerprint.add(block)
+            if spacetime is not None:
+                spacetime.add(block)
+        spacetime = spacetime if whole.frames > 1 else None
+        conservation.energy_drift, conservation.momentum_drift = whole.energy_drift, whole.momentum_drift
+    energy = None if flow is None else flow.result()
+    figures_of = _makers(found, spacetime, history, energy) if figures else {}
+    claim(directory.path, (WAVES, REPORT, *figure_files(*figures_of)))
+    drawn = tuple(path for name, make in figures_of.items() for path in write_figure(directory.path, name, make()))
+    write_text(directory.path / WAVES, waves_csv(found))
+    hardest = None if overlap is None else of_overlap(directory.scene, overlap)
+    found_contacts = {} if hardest is None else {"contacts": hardest.plain()}
+    more = {**found_contacts, **({} if energy is None else {"energy": energy_report(problem, energy)})}
+    write_json(directory.path / REPORT, {**report(found, conservation, allowed, left), **more})
+    complete = conservation.frames == problem.frames + 1
+    altered = recorded_fingerprint(directory) not in ("", fingerprint.sha256())
+    return Analysis(problem, found, conservation, complete, drawn, left, directory.failure, altered, hardest, energy)
+
+
+def _found_on_the_way(directory: RunDirectory) -> Waves | None:
+    """The leading waves at every bead that LAMMPS's run has left in ``peaks.csv``; None where there are none.
+
+    Raises:
+        InputError: the file cannot be read.
+    """
+    path, problem = directory.path / deck.PEAKS, directory.problem
+    if not problem.peaks or problem.recorded is None or not path.is_file():
+        return None
+    try:
+        waves = from_csv(path.read_text(encoding="utf-8"), problem.scale, direction=direction_of(problem))
+    except (ValueError, OSError):
+        raise InputError(f"{path}: cannot be read as a table of peaks; delete it to analyse the frames alone") from None
+    chain, bead = waves.chain, waves.bead
+    there = (chain >= 1) & (chain <= problem.chains) & (bead >= 1) & (bead <= problem.beads)
+    in_order = np.array_equal(np.lexsort((bead, chain)), np.arange(len(waves)))
+    if not (in_order and np.all(there & np.isfinite(waves.peak_velocity))):
+        raise InputError(f"{path}: holds what is not this scene's; delete it to analyse the frames alone")
+    return waves
+
+
+def _sound(directory: RunDirectory, blocks: Iterator[Trajectory]) -> Iterator[Trajectory]:
+    """Blocks of numbers that can be computed with.
+
+    Without a warning of a cut frame at their end: that the run is incomplete is said in words.
+
+    Raises:
+        InputError: one is not finite, or so large that its square is not.
+    """
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", CutDumpWarning)
+        for block in blocks:
+            for name, values in (("displacement", block.displacement), ("velocity", block.velocity)):
+                size = max(float(values.max()), -float(values.min()))  # NaN comes through
+                if not size < LARGEST:
+                    frame, chain, bead = (int(k[0]) for k in np.nonzero(~(np.abs(values) < LARGEST)))
+                    raise InputError(
+                        f"{directory.path}: the {name} of bead {block.beads[bead]} of chain {chain + 1} is "
+                        f"{values[frame, chain, bead]:.3g} at t = {block.time[frame] * block.problem.scale.time:.6g}; "
+                        f"{directory.failure or 'the frames are damaged, or the run went wrong: run it again'}"
+                    )
+            yield block
+
+
+def default_beads(problem: Problem) -> tuple[int, ...]:
+    """Three recorded beads, near a sixth, a half and nine tenths of the way."""
+    recorded = problem.recorded_beads
+    places = np.unique(np.round(np.array([0.17, 0.5, 0.9]) * (len(recorded) - 1)).astype(int))
+    return tuple(int(recorded[place]) for place in places)
+
+
+def _makers(found: Survey, spacetime: Any, history: Any, energy: Flow | None) -> "dict[str, Callable[[], Figure]]":
+    """Name -> what draws the figure; those that there is something to show in."""
+    from analysis.figures import distance_figure, energy_figure, response_figure, shape_figure, spacetime_figure
+
+    problem = found.problem
+    makers: dict[str, Callable[[], Figure]] = {"response": lambda: response_figure(history)}
+    if spacetime is not None and len(spacetime.beads) > 1:
+        makers["spacetime"] = lambda: spacetime_figure(spacetime)
+    if energy is not None:
+        makers["energy"] = lambda: energy_figure(problem, energy)
+    if len(found.shared) > 1 and problem.holds(Fact.PULSE):
+        makers["distance"] = lambda: distance_figure(problem, found.shared, found.energies, found.direction)
+    whole = np.unique(found.waves.bead[np.isfinite(found.shape.residual)])
+    whole = whole[whole <= problem.beads - 5]
+    if len(whole) and problem.holds(Fact.PULSE) and not problem.gap:
+        early, late = whole[min(len(whole) - 1, int(np.searchsorted(whole, 10)))], whole[-1]
+        makers["shape"] = lambda: shape_figure(problem, found.waveforms, sorted({int(early), int(late)}))
+    return makers

@@ -1,0 +1,131 @@
+"""What seems to be wrong with a trajectory, in words for its owner; `analysis.against.symptoms` does the measuring.
+
+Every measurement is made on the reference too, so that what the method itself gets wrong (far apart frames, motion in
+round numbers) is not taken for a fault of the trajectory.
+"""
+
+import numpy as np
+
+from analysis import motion
+from analysis.against import symptoms
+from analysis.trajectory import Trajectory
+
+_CLEAR = 0.97
+"""Share of the squared difference that a cause must explain."""
+
+_MOST_NAMED = 10
+
+
+def causes(own: Trajectory, reference: Trajectory) -> list[str]:
+    """What seems to be wrong, most of all first; empty if nothing can be told.
+
+    Args:
+        own: consecutive frames of the trajectory, all beads.
+        reference: the same frames, right.
+    """
+    found = _numbers(own) or _times(own, reference) or _start(own)
+    return found or _strengths(own, reference) or _springs(own, reference)
+
+
+def rounded(own: Trajectory, reference: Trajectory) -> list[str]:
+    """Which of the numbers were rounded on their way into the file; any beads."""
+    found = []
+    rest = own.beads * own.problem.spacing
+    for name, values, right in (
+        ("positions", own.displacement + rest, reference.displacement + rest),
+        ("velocities", own.velocity, reference.velocity),
+    ):
+        moved = own.displacement != 0.0
+        precision = symptoms.precision(values[moved])
+        if precision is not None and symptoms.precision(right[moved]) is None:
+            found.append(f"{name} have only {precision}; write them with %.17g or in binary")
+    return found
+
+
+def _numbers(own: Trajectory) -> list[str]:
+    wrong = ~np.all(np.isfinite(own.displacement) & np.isfinite(own.velocity), axis=(1, 2))
+    if not wrong.any():
+        return []
+    time = own.time[int(np.argmax(wrong))] * own.problem.scale.time
+    return [f"from t = {time:.6g} on, positions or velocities are not finite numbers (a time step too long?)"]
+
+
+def _times(own: Trajectory, reference: Trajectory) -> list[str]:
+    """Whether a shift in time, of all or of the velocities alone, explains the difference."""
+    problem = own.problem
+    velocity = symptoms.time_shift(
+        own.velocity - reference.velocity, motion.acceleration(problem, reference.displacement)
+    )
+    displacement = symptoms.time_shift(own.displacement - reference.displacement, reference.velocity)
+    if velocity.explained < _CLEAR:
+        return []
+    if displacement.explained > _CLEAR and abs(displacement.time / velocity.time - 1.0) < 0.1:
+        word = "earlier" if displacement.time > 0.0 else "later"
+        return [f"all frames are shown {abs(displacement.time) * problem.scale.time:.2g} {word} than they are"]
+    if abs(displacement.time) < 0.1 * abs(velocity.time):
+        steps = velocity.time / problem.timestep
+        word = "after" if steps > 0.0 else "before"
+        return [f"velocities are those of {abs(steps):.2g} time steps {word} the positions (half-step velocities?)"]
+    return []
+
+
+def _start(own: Trajectory) -> list[str]:
+    """Whether the beads start as the scene says."""
+    problem = own.problem
+    if own.time[0] != 0.0:
+        return []
+    wrong = np.abs(own.velocity[0] - problem.initial_velocity())
+    if not np.any(wrong > 1e-6):
+        return []
+    chain, bead = np.unravel_index(int(np.argmax(wrong)), wrong.shape)
+    unit = problem.scale.velocity
+    found, right = own.velocity[0, chain, bead] * unit, problem.initial_velocity()[chain, bead] * unit
+    return [f"bead {bead + 1} of chain {chain + 1} starts with velocity {found:.6g} instead of {right:.6g}"]
+
+
+def _strengths(own: Trajectory, reference: Trajectory) -> list[str]:
+    """Whether the beads were held otherwise than the scene says."""
+    if not own.problem.ground:
+        return []
+    felt, right = symptoms.identify_strengths(own), symptoms.identify_strengths(reference)
+    if felt is None or right is None:
+        return []
+    found = []
+    for link in own.problem.ground:
+        factor, doubt = felt[link.name] / right[link.name], 5e-4 + 3.0 * abs(right[link.name] - 1.0)
+        if abs(factor) < doubt:
+            found.append(f"the {link.name} is missing")
+        elif abs(factor - 1.0) > doubt:
+            found.append(f"the {link.name} is {factor:.4g} times as strong as the scene says")
+    return found
+
+
+def _springs(own: Trajectory, reference: Trajectory) -> list[str]:
+    """Whether the beads felt other springs than the scene's."""
+    problem = own.problem
+    felt, right = symptoms.identify_springs(own), symptoms.identify_springs(reference)
+    if felt is None:
+        return []
+    if felt.cubic and not (right is not None and right.cubic):
+        return [f"the coupling is cubic ({felt.cubic:.4g} times the cube), not linear: is r0 of the bonds 0?"]
+    moved = np.isfinite(felt.linear)
+    typical = float(np.median(felt.linear[moved]))
+    if not problem.coupled:
+        doubt = 1e-6 if right is None else 1e-6 + 3.0 * float(np.nanmax(np.abs(right.linear)))
+        return [f"the chains are coupled ({typical:.4g}), though the scene has no coupling"] if typical > doubt else []
+    missing = np.argwhere(moved & (felt.linear < 0.5 * typical))
+    if right is not None:
+        whole = np.isfinite(right.linear)
+        if np.any(np.abs(right.linear[whole] / problem.kappa - 1.0) > 0.25):  # the method does not work on these frames
+            return []
+    if 0 < len(missing) <= _MOST_NAMED:
+        rows = ", ".join(f"row {row + 1} between chains {chain + 1} and {chain + 2}" for chain, row in missing)
+        return [f"no spring in {rows}"]
+    expected = problem.kappa if right is None else float(np.nanmedian(right.linear))
+    if abs(typical / expected - 1.0) > 5e-4 + 3.0 * abs(expected / problem.kappa - 1.0):
+        unit = problem.scale.stiffness
+        found, right_one = typical / expected * problem.kappa * unit, problem.kappa * unit
+        if abs(found) < 1e-3 * right_one:
+            return [f"the chains are not coupled, though the scene says {right_one:.4g}"]
+        return [f"the coupling is {found:.4g} instead of {right_one:.4g}"]
+    return []

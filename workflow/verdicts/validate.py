@@ -1,0 +1,282 @@
+"""Is a run right? Compared with the certified reference, or with a user's own trajectory, quantity by quantity."""
+
+import warnings
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from analysis.against import resample
+from analysis.against.difference import Deviation, Difference
+from analysis.against.pairing import OtherFramesError, paired
+from analysis.files import table
+from analysis.files.binary_dump import CutDumpWarning
+from analysis.trajectory import Trajectory, joined
+from lammps_inputs import InputError, Problem
+from workflow.engines.reference.certify import Certificate, Certifier
+from workflow.runs.own_files import claim
+from workflow.runs.run_directory import RunDirectory, write_figure, write_json
+from workflow.verdicts import causes, given_table
+
+TOLERANCES = {
+    "velocity": 5e-4,
+    "displacement": 2e-3,
+    "amplitude": 5e-5,
+    "arrival": 2e-3,
+    "energy": 1e-4,
+    "momentum": 1e-9,
+}
+"""Some three times what velocity Verlet leaves in the paper's scenes at the default time step of 0.01; dimensionless,
+energy and momentum relative to the kick's.
+"""
+
+REPORT = "validation.json"
+FIGURES = ("validation.png", "validation.pdf")
+
+_DIAGNOSED_BYTES = 64 << 20
+
+
+@dataclass(frozen=True)
+class Validation:
+    """What a comparison found.
+
+    Attributes:
+        problem: what was run.
+        against: what it was compared with.
+        deviations: per quantity of `analysis.against.difference.QUANTITIES`; those that cannot be had are missing.
+        tolerances: what was let pass.
+        causes: what seems to be wrong, in words; empty if nothing does.
+        remarks: what else is worth knowing, in words; does not count against the run.
+        certificate: how sure the reference is of itself; None for a user's table.
+        interpolation: bounds on the errors of (displacement, velocity) that interpolating between frames added; None if
+            that was not needed.
+        frames: number of frames that the run has, as far as the scene asks for them.
+        compared: number of instants at which the two were compared.
+    """
+
+    problem: Problem
+    against: str
+    deviations: dict[str, Deviation]
+    tolerances: dict[str, float]
+    causes: tuple[str, ...]
+    remarks: tuple[str, ...]
+    certificate: Certificate | None
+    interpolation: tuple[float, float] | None
+    frames: int
+    compared: int
+
+    @property
+    def complete(self) -> bool:
+        """Whether the run holds every frame that the scene asks for."""
+        return self.frames == self.problem.frames + 1
+
+    def exceeded(self, quantity: str) -> bool:
+        """Whether a quantity is further off than its tolerance (NaN is)."""
+        return not self.deviations[quantity].largest <= self.tolerances[quantity]
+
+    @property
+    def passed(self) -> bool:
+        """Whether the run is complete, all is within its tolerance, nothing seems wrong, and the reference is sure."""
+        certain = self.certificate is None or not _doubts(self.certificate, self.tolerances)
+        return self.complete and certain and not self.causes and not any(map(self.exceeded, self.deviations))
+
+    def plain(self) -> dict[str, Any]:
+        """The contents of ``validation.json``, dimensionless; what is not a finite number is null there.
+
+        | key                 | what                                                                         |
+        |---------------------|------------------------------------------------------------------------------|
+        | passed              | as on the screen                                                             |
+        | against             | ``reference``, or the file                                                   |
+        | complete, frames    | whether every frame is there; found, and asked for                           |
+        | compared            | number of instants compared                                                  |
+        | quantities          | of each: tolerance, exceeded, largest, rms, where the largest is, and first, |
+        |                     | the first place in time where the tolerance is exceeded                      |
+        | causes, remarks     | in words                                                                     |
+        | reference           | the certificate; null against a file                                         |
+        | interpolation_error | bounds for [displacement, velocity]; null if nothing was interpolated        |
+        """
+        return {
+            "passed": self.passed,
+            "against": self.against,
+            "complete": self.complete,
+            "frames": [self.frames, self.problem.frames + 1],
+            "compared": self.compared,
+            "quantities": {
+                name: {"tolerance": self.tolerances[name], "exceeded": self.exceeded(name), **asdict(deviation)}
+                for name, deviation in self.deviations.items()
+            },
+            "causes": list(self.causes),
+            "remarks": list(self.remarks),
+            "reference": None if self.certificate is None else asdict(self.certificate),
+            "interpolation_error": None if self.interpolation is None else list(self.interpolation),
+        }
+
+
+def validate(directory: RunDirectory, tolerances: dict[str, float] | None = None) -> Validation:
+    """Compare a run with the certified reference, and write ``validation.json`` and a figure beside it.
+
+    Args:
+        directory: the run.
+        tolerances: quantity -> largest difference let pass, in place of the one in `TOLERANCES`.
+
+    Raises:
+        InputError: the run has no frames, or not those that its scene asks for.
+    """
+    limits = {**TOLERANCES, **(tolerances or {})}
+    problem = directory.problem
+    certifier = _sure_enough(problem, limits)
+    difference = Difference(limits)
+    kept: list[tuple[Trajectory, Trajectory]] = []
+    kept_bytes = 0
+    try:
+        for block, reference in paired(_blocks(directory), certifier.blocks()):
+            difference.add(block, reference)
+            if kept_bytes < _DIAGNOSED_BYTES:
+                kept.append((block, reference))
+                kept_bytes += block.velocity.nbytes * 4
+    except OtherFramesError as error:
+        raise InputError(
+            f"{directory.dump}: {error}; was the deck run with another -var every or timestep? Change the scene instead"
+        ) from None
+    deviations = difference.deviations()
+    own, right = (joined(pair[side] for pair in kept) for side in (0, 1))
+    exceeded = _any_exceeded(deviations, limits)
+    found = causes.rounded(own, right)
+    if exceeded and problem.whole and not directory.failure:
+        found += causes.causes(own, right)
+    result = Validation(
+        problem=problem,
+        against="reference",
+        deviations=deviations,
+        tolerances=limits,
+        causes=tuple(found),
+        remarks=(*filter(None, [directory.failure]), *_half(problem), *_doubts(certifier.certificate, limits)),
+        certificate=certifier.certificate,
+        interpolation=None,
+        frames=difference.frames,
+        compared=difference.frames,
+    )
+    _write(directory.path, result, difference, "the reference")
+    return result
+
+
+def _half(problem: Problem) -> tuple[str, ...]:
+    if problem.window is None:
+        return ()
+    return ("compared is the front half of the window; the rows behind it lack what was left behind",)
+
+
+def _doubts(certificate: Certificate, limits: dict[str, float]) -> tuple[str, ...]:
+    sizes = {"velocity": certificate.velocity, "arrival": certificate.arrival}
+    return tuple(
+        f"the reference itself is only sure to {size:.1e} in {name}, not enough for this tolerance"
+        for name, size in sizes.items()
+        if not size <= limits[name]
+    )
+
+
+_SURER = 4.0
+"""The reference must be this many times surer than what it is to decide."""
+
+_MOST_DOUBLINGS = 5
+
+
+def _sure_enough(problem: Problem, limits: dict[str, float]) -> Certifier:
+    """A reference whose certificate is well below the tolerances, as far as some doublings of its steps allow."""
+    steps = None
+    for _ in range(_MOST_DOUBLINGS):
+        trial = Certifier(problem, steps_per_frame=steps)
+        for _ in trial.blocks():
+            pass
+        certificate = trial.certificate
+        if _SURER * certificate.velocity <= limits["velocity"] and _SURER * certificate.arrival <= limits["arrival"]:
+            break
+        steps = 2 * certificate.steps_per_frame
+    return Certifier(problem, steps_per_frame=steps)
+
+
+def validate_against(
+    directory: RunDirectory, path: Path, *, dimensionless: bool = False, tolerances: dict[str, float] | None = None
+) -> Validation:
+    """Compare a run with a user's own trajectory in a file (see `analysis.files.table`); writes what `validate` writes.
+
+    The run is interpolated to the table's times. Peaks and arrivals are compared where the table has displacement and
+    velocity at evenly spaced times. That the table's numbers are rounded is remarked, but counts only by its effect.
+
+    Args:
+        directory: the run.
+        path: the table.
+        dimensionless: whether the table is in units of V = 1; else it is in the scene's own units.
+        tolerances: quantity -> largest difference let pass, in place of the one in `TOLERANCES`, dimensionless.
+
+    Raises:
+        InputError: the table cannot be read, or has chains, beads or times that the run has not.
+    """
+    limits = {**TOLERANCES, **(tolerances or {})}
+    problem = directory.problem
+    given = table.load(path)
+    given_table.check_places(path, given, problem)
+    own = joined(_blocks(directory))
+    own = own[: problem.frames + 1]
+    theirs = given_table.as_trajectory(given, problem, dimensionless=dimensionless)
+    columns = np.searchsorted(problem.recorded_beads, given.beads)
+    own_part = replace(
+        own,
+        problem=theirs.problem,
+        displacement=own.displacement[:, :, columns],
+        velocity=own.velocity[:, :, columns],
+    )
+    try:
+        resampled = resample.at_times(own_part, theirs.time)
+    except InputError as error:
+        if own.frames < problem.frames + 1:
+            raise InputError(f"{path}: {error}; the run is incomplete") from None
+        raise InputError(f"{path}: {error}; if the table is in other units, see --units") from None
+    difference = Difference(limits)
+    difference.add(given_table.only_where_known(resampled, theirs), given_table.only_where_known(theirs, theirs))
+    deviations = difference.deviations()
+    wanted = [name for name in table.VALUES if getattr(given, name) is not None]
+    whole = not any(np.isnan(values[:, given.chains - 1]).any() for values in (theirs.displacement, theirs.velocity))
+    if whole and len(theirs.time) > 8 and given_table.evenly_spaced(theirs.time):
+        wanted += ["amplitude", "arrival"]
+    deviations = {name: deviations[name] for name in wanted if name in deviations}
+    exceeded = _any_exceeded(deviations, limits)
+    found: list[str] = []
+    if exceeded and theirs.problem.recorded is None:
+        found = causes.causes(resampled, theirs) or [f"{path}: {cause}" for cause in causes.causes(theirs, resampled)]
+    result = Validation(
+        problem=problem,
+        against=str(path),
+        deviations=deviations,
+        tolerances=limits,
+        causes=tuple(found),
+        remarks=tuple(given_table.remarks(path, theirs, own)),
+        certificate=None,
+        interpolation=None if given_table.are_frames(theirs, own) else resample.interpolation_error(own_part),
+        frames=own.frames,
+        compared=len(theirs.time),
+    )
+    _write(directory.path, result, difference, path.name)
+    return result
+
+
+def _blocks(directory: RunDirectory) -> Iterable[Trajectory]:
+    """The frames there are; that the file ends within a frame is nothing to warn of, for the report says it."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", CutDumpWarning)
+        yield from directory.blocks()
+
+
+def _any_exceeded(deviations: dict[str, Deviation], limits: dict[str, float]) -> bool:
+    return any(not found.largest <= limits[name] for name, found in deviations.items())
+
+
+def _write(path: Path, result: Validation, difference: Difference, against: str) -> None:
+    from analysis.figures.error import validation_figure  # matplotlib takes half a second to import
+
+    claim(path, (REPORT, *FIGURES))
+    write_json(path / REPORT, result.plain())
+    figure = validation_figure(result.problem, difference.error_map, result.deviations, result.tolerances, against)
+    write_figure(path, "validation", figure)
