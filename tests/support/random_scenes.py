@@ -385,22 +385,22 @@ def faults(scene: Scene, path: Path, true: Truth, stated: Stated) -> list[str]:
                 )
             ]
             if not any(
-                _fits(one, peak, arrival, allowed, late + max(FLOOR, stated.arrival), scene, stated) for one in first
+                _fits(one, peak, arrival, allowed, late + max(FLOOR, stated.arrival), gap=scene.gap > 0.0)
+                for one in first
             ):
                 near = ", ".join(f"{one.velocity:.6g} at {one.time:.5g} ({one.centre:.5g})" for one in first[:3])
-                found.append(
-                    f"bead {bead} of chain {chain}: {peak:.6g} (to {allowed:.1e}) at {arrival:.5g} (to {late:.1e}), where {near} is true"
-                )
+                said = f"{peak:.6g} (to {allowed:.1e}) at {arrival:.5g} (to {late:.1e})"
+                found.append(f"bead {bead} of chain {chain}: {said}, where {near} is true")
     return found + [f"has bead {bead} of chain {chain}, which there is not" for chain, bead in rows]
 
 
-def _fits(one: Maximum, peak: float, arrival: float, allowed: float, late: float, scene: Scene, stated: Stated) -> bool:
+def _fits(one: Maximum, peak: float, arrival: float, allowed: float, late: float, *, gap: bool) -> bool:
     """Whether a row may be this maximum."""
     if not abs(one.velocity - peak) <= allowed:
         return False
     if np.isnan(arrival):
         return True
-    if scene.gap:
+    if gap:
         # an error of velocity adds up to one of displacement
         more = allowed * (one.time + abs(one.time - one.centre)) / peak
         return abs(one.centre - arrival) <= late + more
