@@ -390,10 +390,10 @@ def _share_of_doubt(spacing: float, *, by_equations: bool) -> float:
 
     Measured at couplings from 0.1 to 2 and times between frames from 0.1 to 2, with all beads and with a few; the
     errors are a third of the bound or less where frames are up to 1 T apart. With a few beads nobody knows of contacts
-    that close or open between frames, which the last power allows for: random scenes with gaps need half of it.
+    that close or open between frames; there the whole of the bound is needed where frames are 0.1 T apart.
     """
     if not by_equations:
-        return min(0.2 * spacing**1.5, 0.3)
+        return 0.3
     return 0.2 * spacing**2 if spacing < FAR_APART else 0.1
 
 

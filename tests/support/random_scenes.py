@@ -34,7 +34,9 @@ FLOOR = 1e-5
 """Of V, and of T: below it nothing counts."""
 
 FINE = 0.02
-"""Time in T between the states in which maxima are looked for; a parabola through three is then good to 1e-7 V."""
+"""Time in T between the states in which maxima are looked for; a quartic through five is then good to 1e-7 V and T."""
+
+_THROUGH_FIVE = np.linalg.inv(np.vander(np.arange(-2.0, 3.0), increasing=True))
 
 SMALLEST = 2e-3
 """Of V: maxima that a table must have; `analysis.tracking.peaks.THRESHOLD` twice."""
@@ -287,11 +289,13 @@ class Truth:
         found = []
         for place, prominence in zip(places - 1, more["prominences"], strict=True):
             shift, top = 0.0, v[place]
-            if 0 < place < len(v) - 1:
-                left, right = v[place - 1], v[place + 1]
-                bend = left - 2.0 * top + right
-                shift = 0.5 * (left - right) / bend if bend < 0.0 else 0.0
-                top = top - 0.25 * (left - right) * shift
+            if 1 < place < len(v) - 2:
+                quartic = np.polynomial.Polynomial(_THROUGH_FIVE @ v[place - 2 : place + 3])
+                slope = quartic.deriv()
+                for _ in range(5):
+                    bend = slope.deriv()(shift)
+                    shift = float(np.clip(shift - slope(shift) / bend, -1.0, 1.0)) if bend < 0.0 else 0.0
+                top = max(top, quartic(shift))
             near = v >= top - FLOOR
             below = np.flatnonzero(~near)
             since = below[below < place].max(initial=-1) + 1
