@@ -326,6 +326,11 @@ class Truth:
             if v[a] > SMALLEST / 2
         ]
 
+    def front(self, time: float) -> int:
+        """The foremost bead that moves."""
+        moving = np.abs(self.v[round(time / self.times[1])]).max(axis=0) > SMALLEST
+        return int(np.flatnonzero(moving)[-1]) + 1
+
     def shown(self, one: Maximum, chain: int, bead: int) -> bool:
         """Whether the frames alone show that there is a maximum near it."""
         frames = np.interp(np.arange(0.0, self.end + 1e-9, self.every), self.times, self.v[:, chain - 1, bead - 1])
@@ -356,6 +361,8 @@ def faults(scene: Scene, path: Path, true: Truth, stated: Stated) -> list[str]:
                     and one.prominence > FLOOR + stated.velocity
                     and true.shown(one, chain, bead)
                 ]
+                if scene.window:  # what is far behind the front may be gone
+                    due = [one for one in due if bead >= true.front(one.time) - 8]
                 if due and (needed is None or (chain, bead) in needed):
                     found.append(f"lacks bead {bead} of chain {chain}: {due[0].velocity:.3g} V at {due[0].time:.4g}")
                 continue
