@@ -40,13 +40,12 @@ class Conservation:
             return
         # all beads, for the order in which a sum is taken must not depend on which of them move in this block
         energy = motion.energy(problem, block.displacement, velocity)
-        momentum = motion.momentum(velocity)
-        kicked = sum(abs(velocity) for _, _, velocity in problem.kicks)
+        momentum = motion.momentum(problem, velocity)
         for fact, drift in ((Fact.ENERGY, energy), (Fact.MOMENTUM, momentum)):
             if not problem.holds(fact):
                 drift[:] = np.nan
         # np.maximum, unlike max(), lets NaN through
         self.energy_drift = float(np.maximum(self.energy_drift, np.max(np.abs(energy / problem.energy - 1.0))))
         self.momentum_drift = float(
-            np.maximum(self.momentum_drift, np.max(np.abs(momentum - problem.momentum)) / kicked)
+            np.maximum(self.momentum_drift, np.max(np.abs(momentum - problem.momentum)) / problem.pushed)
         )

@@ -33,6 +33,7 @@ def mirrored_problem(problem: Problem) -> Problem:
         problem,
         kicks=tuple((chain, mirrored_bead(problem, bead), -velocity) for chain, bead, velocity in problem.kicks),
         links=tuple(link.mirrored() for link in problem.links),
+        mass=problem.mass_of(Ellipsis, slice(None, None, -1)),
         recorded=None if recorded is None else tuple(mirrored_bead(problem, bead) for bead in reversed(recorded)),
     )
 

@@ -102,7 +102,7 @@ def _line(detail: ErrorDetails, model: type[BaseModel]) -> str:
     context = detail.get("ctx", {})
     if kind == "extra_forbidden":
         known = _fields_at(model, path[:-1])
-        return f"{key}: unknown key{suggestion(str(path[-1]), known)}; known here: {', '.join(known)}"
+        return f"{key}: unknown key{suggestion(str(path[-1]), known) or f'; known here: {_listed(known)}'}"
     if kind == "missing":
         return f"{key}: is missing"
     if key == "window":
@@ -142,6 +142,15 @@ def _key(path: list[int | str]) -> str:
     return key
 
 
+def _listed(known: list[str]) -> str:
+    """As many of them as a line has room for."""
+    text = ", ".join(known)
+    return text if len(text) <= _ROOM else f"{text[:_ROOM].rpartition(',')[0]}, ..."
+
+
+_ROOM = 160
+
+
 def _short(value: Any) -> str:
     try:
         text = repr(value)
@@ -152,7 +161,7 @@ def _short(value: Any) -> str:
 
 def _fields_at(model: type[BaseModel], path: list[int | str]) -> list[str]:
     for part in path:
-        if isinstance(part, int):
+        if isinstance(part, int) or part not in model.model_fields:  # a number in a list, or a name that the user gave
             continue
         model = model_in(model.model_fields[part].annotation) or model
     return [field.alias or name for name, field in model.model_fields.items()]

@@ -2,9 +2,28 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from lammps_inputs.links import Across
+
+
+@dataclass(frozen=True)
+class AtomTypes:
+    """LAMMPS's types of atoms, by which it tells contacts apart.
+
+    Attributes:
+        of: type of every bead, from 1, [chain, bead].
+        strength: (type, type), the lower first, -> strength of the contact of two neighbours that are of these types.
+        count: how many types there are.
+    """
+
+    of: NDArray[np.int64]
+    strength: dict[tuple[int, int], float]
+    count: int
 
 
 @dataclass(frozen=True)
@@ -15,13 +34,49 @@ class Lines:
         variables: numbers at the top, which ``-var`` changes.
         interactions: of atoms with each other, a section of their own.
         motion: fixes that act beside the integration, once the beads are read and at rest.
-        bonds: whether the beads of a row are tied by bonds of type 1.
+        bonds: type of the bond that is each link across, [edge, row], counted from 1; 0 for none.
+        types: of the atoms, where contacts differ; else recorded beads are of type 2 and others of type 1.
     """
 
     variables: tuple[str, ...] = ()
     interactions: tuple[str, ...] = ()
     motion: tuple[str, ...] = ()
-    bonds: bool = False
+    bonds: NDArray[np.int64] | None = None
+    types: AtomTypes | None = None
+
+
+def types_by_contact(strength: NDArray[np.float64]) -> AtomTypes:
+    """Few types, so that those of any two neighbours tell how strong their contact is: some sqrt(2 n) for n strengths.
+
+    Only neighbours ever meet, so any strength may be that of any pair of types, once.
+
+    Args:
+        strength: [chain, contact].
+    """
+    found: dict[tuple[int, int], float] = {}
+    place: dict[tuple[int, float], int] = {}
+    free: list[set[int]] = [{1}]  # of each type, those with which it has no strength yet
+    rows: dict[bytes, NDArray[np.int64]] = {}
+    for row in strength:
+        if row.tobytes() in rows:
+            continue
+        types = [1]
+        for value in row.tolist():
+            here = types[-1]
+            there = place.get((here, value))
+            if there is None:
+                if not free[here - 1]:
+                    free.append(set(range(1, len(free) + 2)))
+                    for others in free[:-1]:
+                        others.add(len(free))
+                there = max(free[here - 1], key=lambda kind: (len(free[kind - 1]), -kind))
+                free[here - 1].discard(there)
+                free[there - 1].discard(here)
+                found[min(here, there), max(here, there)] = value
+                place[here, value], place[there, value] = there, here
+            types.append(there)
+        rows[row.tobytes()] = np.array(types, dtype=np.int64)
+    return AtomTypes(np.array([rows[row.tobytes()] for row in strength]), found, len(free))
 
 
 MOST_GROUPS = 24
@@ -52,3 +107,29 @@ def atoms_by_value(law: Iterable[Any], shape: tuple[int, int]) -> list[tuple[tup
     if len(ranges) > MOST_GROUPS:
         raise ValueError(f"{len(ranges)} different values; LAMMPS has room for {MOST_GROUPS}")
     return [(value, " ".join(found)) for value, found in ranges.items()]
+
+
+def bonds_by_value(law: Iterable[Any], shape: tuple[int, int]) -> tuple[list[tuple[float, ...]], NDArray[np.int64]]:
+    """Distinct values of a law's parameters, ascending, and which links have them, as types of LAMMPS's bonds.
+
+    Args:
+        law: parameters, numbers or [edge, row].
+        shape: edges and rows.
+
+    Returns:
+        Values without those that are all 0, and the types [edge, row], from 1; 0 where all are 0.
+    """
+    if not any(np.ndim(parameter) for parameter in law):
+        return [tuple(map(float, law))], np.broadcast_to(1, shape)
+    table = np.stack([np.broadcast_to(parameter, shape).reshape(-1) for parameter in law], axis=-1)
+    values, kind = np.unique(table, axis=0, return_inverse=True)
+    nothing = int(not values[0].any())
+    return [tuple(value) for value in values[nothing:].tolist()], (kind + 1 - nothing).reshape(shape)
+
+
+def whole_contacts(link: "Across") -> tuple[str, ...]:
+    """What keeps contacts between beads that are tied by way of others, which LAMMPS leaves out by default.
+
+    Ties of an open row of chains never lead to a bead within reach.
+    """
+    return () if link.open_row else ("special_bonds lj/coul 1 1 1      # no contact is left out for a spring",)

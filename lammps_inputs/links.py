@@ -24,6 +24,9 @@ from lammps_inputs.laws.wall import HertzWall
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
+DENSE = 300
+"""Chains up to which eigenvalues of a graph are computed."""
+
 
 @dataclass(frozen=True, eq=False)
 class Link:
@@ -132,9 +135,11 @@ class Across(Link):
 
     Attributes:
         edges: pairs of chains, counted from 0, the lower number first.
+        grid: rows and columns in which the chains stand, numbered row by row, where they are a lattice.
     """
 
     edges: tuple[tuple[int, int], ...] = ()
+    grid: tuple[int, int] | None = None
 
     def strain(self, displacement: Floats) -> Floats:
         """How far the bead of the lower chain is ahead of the other."""
@@ -159,10 +164,24 @@ class Across(Link):
             for edge, ends in enumerate(self.edges):
                 total[..., ends[end]] += 0.5 * springs[..., edge]
 
+    def of_edges(self, values: Any) -> Floats:
+        """Largest value of each edge, [edge], from a number or [edge, row]."""
+        return np.asarray(np.broadcast_to(np.max(values, axis=-1) if np.ndim(values) else values, len(self.edges)))
+
     @cached_property
     def open_row(self) -> bool:
         """Whether the chains stand in a row, each tied to the next."""
         return self.edges == tuple((chain, chain + 1) for chain in range(len(self.edges)))
+
+    @property
+    def shape(self) -> str:
+        """What the graph is to a reader; empty for an open row."""
+        chains = 1 + max((higher for _, higher in self.edges), default=0)
+        if self.grid is not None:
+            return f"lattice of {self.grid[0]} x {self.grid[1]}"
+        if self.edges == tuple(sorted([(chain, chain + 1) for chain in range(chains - 1)] + [(0, chains - 1)])):
+            return "ring"
+        return "" if self.open_row else f"{len(self.edges)} pairs of chains"
 
     @cached_property
     def _ends(self) -> tuple[Any, Any]:
@@ -223,14 +242,34 @@ class Wall(Ground):
         return replace(link, law=link.law.opposite())
 
 
-def largest_eigenvalue(across: Across, chains: int) -> float:
-    """Largest eigenvalue of the graph's Laplacian: 2 for two chains, below 4 for any open row."""
-    if across.open_row and len(across.edges) == chains - 1:
+def words(across: tuple[Across, ...], number: str = ".6g") -> str:
+    """Stiffness at rest of links across, least and largest where they differ, and what they tie if not neighbours."""
+    stiffness = [laws.stiffness(link.law, 0.0) for link in across]
+    least, largest = (float(choose(list(map(choose, map(np.ravel, stiffness))))) for choose in (min, max))
+    said = f"{largest:{number}}" if least == largest else f"{least:{number}} to {largest:{number}}"
+    return ", ".join([said, *(link.shape for link in across if link.shape)])
+
+
+def largest_eigenvalue(across: Across, chains: int, stiffness: Floats | None = None) -> float:
+    """Largest eigenvalue of the graph's Laplacian: 2 for two chains, below 4 for any open row.
+
+    Args:
+        across: links between chains.
+        chains: number of chains.
+        stiffness: weights of the edges, [edge]; 1 if none are given.
+
+    Returns:
+        With more than `DENSE` chains, other than in an open row of weights 1, a bound from above: the largest sum of
+        the weights at the two ends of an edge (Anderson & Morley, Linear Multilinear Algebra 18, 1985).
+    """
+    if stiffness is None and across.open_row and len(across.edges) == chains - 1:
         return 2.0 - 2.0 * math.cos(math.pi * (chains - 1) / chains)
-    laplacian = np.zeros((chains, chains))
-    for one, other in across.edges:
-        laplacian[one, other] -= 1.0
-        laplacian[other, one] -= 1.0
-        laplacian[one, one] += 1.0
-        laplacian[other, other] += 1.0
+    weight = np.ones(len(across.edges)) if stiffness is None else stiffness
+    lower, higher = np.array(across.edges, dtype=np.int64).reshape(-1, 2).T
+    at_chain = np.bincount(lower, weight, chains) + np.bincount(higher, weight, chains)
+    if chains > DENSE:
+        return float(np.max(at_chain[lower] + at_chain[higher], initial=0.0))
+    laplacian = np.diag(at_chain)
+    np.subtract.at(laplacian, (lower, higher), weight)
+    np.subtract.at(laplacian, (higher, lower), weight)
     return float(np.linalg.eigvalsh(laplacian)[-1])

@@ -8,8 +8,9 @@
 | V                  | largest of ``kicks``    | L / T; 1 by construction  |
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,9 +24,9 @@ from lammps_inputs.scheme import SchemeName
 from lammps_inputs.units import Scale
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class System:
-    """Beads of mass 1, the links between them, and how they are hit, so that the fastest starts at 1."""
+    """Beads, the links between them, and how they are hit, so that the fastest starts at 1."""
 
     chains: int
     beads: int
@@ -33,8 +34,33 @@ class System:
     """(chain, bead, velocity), counted from 1; the largest |velocity| is 1."""
     links: tuple[Link, ...]
     """All forces there are; contacts first."""
+    mass: float | NDArray[np.float64] = 1.0
+    """1 where all beads have the reference bead's, else [chain, bead]."""
     lacks: frozenset[Fact] = frozenset()
     """What does not hold."""
+
+    def __eq__(self, other: object) -> bool:
+        """Whether all is the same, to the last number of every array."""
+        if type(self) is not type(other):
+            return False
+        pairs = ((getattr(self, field.name), getattr(other, field.name)) for field in fields(self))
+        return all(np.array_equal(a, b) if isinstance(a, np.ndarray) else _same(a, b) for a, b in pairs)
+
+    def __hash__(self) -> int:
+        return hash((type(self), self.chains, self.beads, self.kicks, self.links))
+
+    def mass_of(self, *index: Any) -> Any:
+        """Mass of chosen beads, an index of [chain, bead] from 0; the number where all have the same."""
+        return self.mass if isinstance(self.mass, float) else self.mass[index]
+
+    def mass_from(self, first: int, array: NDArray[np.float64]) -> Any:
+        """Mass of the beads of an array [..., chain, bead] that begins with bead ``first``."""
+        return self.mass_of(Ellipsis, slice(first - 1, first - 1 + array.shape[-1]))
+
+    @cached_property
+    def alike(self) -> bool:
+        """Whether all beads, and all their contacts, are the same."""
+        return isinstance(self.mass, float) and not any(laws.differs(link.law) for link in self.along)
 
     def holds(self, fact: Fact) -> bool:
         """Whether a fact is true of this system."""
@@ -43,12 +69,20 @@ class System:
     @property
     def energy(self) -> float:
         """Energy of the kicks."""
-        return 0.5 * sum(velocity**2 for _, _, velocity in self.kicks)
+        return 0.5 * sum(self._kicked_mass(kick) * kick[2] ** 2 for kick in self.kicks)
 
     @property
     def momentum(self) -> float:
         """Momentum of the kicks."""
-        return sum(velocity for _, _, velocity in self.kicks)
+        return sum(self._kicked_mass(kick) * kick[2] for kick in self.kicks)
+
+    @property
+    def pushed(self) -> float:
+        """Sum of the sizes of the kicks' momenta."""
+        return sum(self._kicked_mass(kick) * abs(kick[2]) for kick in self.kicks)
+
+    def _kicked_mass(self, kick: tuple[int, int, float]) -> float:
+        return float(self.mass_of(kick[0] - 1, kick[1] - 1))
 
     @cached_property
     def along(self) -> tuple[Along, ...]:
@@ -98,25 +132,78 @@ class System:
     @property
     def fastest(self) -> float:
         """Angular frequency, at most, of any motion (Gershgorin); energy bounds how stiff a contact can get."""
-        contacts = sum(4.0 * laws.stiffest(link.law, self.energy) for link in self.along)
-        if self.walls:  # a bead at the end has one contact, and a wall
-            contacts = max(contacts, 0.5 * contacts + max(laws.stiffest(link.law, self.energy) for link in self.walls))
-        return float(np.sqrt(contacts + self._springs()))
+        return float(np.sqrt(self._contacts() + self._springs()))
+
+    def _contacts(self) -> float:
+        wall = max((laws.stiffest(link.law, self.energy) for link in self.walls), default=0.0)
+        if self.alike:
+            contacts = sum(4.0 * laws.stiffest(link.law, self.energy) for link in self.along)
+            # a bead at the end has one contact, and a wall
+            return max(contacts, 0.5 * contacts + wall) if self.walls else contacts
+        total = np.zeros((self.chains, self.beads))
+        for link in self.along:
+            stiff = np.broadcast_to(
+                laws.stiffness(link.law, link.law.reach(self.energy, *link.law)), (self.chains, self.beads - 1)
+            )
+            total[:, 1:] += 2.0 * stiff
+            total[:, :-1] += 2.0 * stiff
+        total[:, [0, -1]] += wall
+        return float(np.max(total / self.mass))
 
     def _springs(self) -> float:
-        across = (laws.stiffest(link.law, self.energy) * largest_eigenvalue(link, self.chains) for link in self.across)
-        return sum((*across, *(laws.stiffest(link.law, self.energy) for link in self._holding)), 0.0)
+        held = (laws.stiffest(link.law, self.energy) for link in self._holding)
+        return sum((*map(self._across, self.across), *held), 0.0) / float(np.min(self.mass))
 
     @property
     def _holding(self) -> tuple[Ground, ...]:
         """The springs to the ground."""
         return tuple(link for link in self.ground if not isinstance(link, Wall))
 
+    def _across(self, link: Across) -> float:
+        """Largest eigenvalue of a row of beads on links across, each as stiff as energy can make it anywhere."""
+        if not laws.differs(link.law):
+            return laws.stiffest(link.law, self.energy) * largest_eigenvalue(link, self.chains)
+        stiffness = link.law.stiffness(link.law.reach(self.energy, *link.law), *link.law)
+        return largest_eigenvalue(link, self.chains, link.of_edges(stiffness))
+
+    @property
+    def uniform(self) -> bool:
+        """Whether no law differs from link to link, so that the beads might be more."""
+        return isinstance(self.mass, float) and not any(laws.differs(link.law) for link in self.links)
+
+    @property
+    def open_row(self) -> bool:
+        """Whether the chains stand in a row, each tied to the next by equal linear springs; or none to another."""
+        return all(
+            isinstance(link.law, Linear)
+            and not laws.differs(link.law)
+            and link.open_row
+            and len(link.edges) == self.chains - 1
+            for link in self.across
+        )
+
     @property
     def simply_coupled(self) -> bool:
-        """Whether every row swings by the known modes of equal linear springs in an open row of chains, or freely."""
-        plain = all(isinstance(link.law, Linear) and not laws.differs(link.law) for link in self.across)
-        return plain and all(link.open_row for link in self.across) and not self.ground
+        """Whether every row swings by the known modes of equal linear springs in an open row of chains, or freely.
+
+        Its beads have the mass 1.
+        """
+        return isinstance(self.mass, float) and self.open_row and not self.ground
+
+    @cached_property
+    def groups(self) -> tuple[frozenset[int], ...]:
+        """Chains, counted from 0, that are tied to each other, directly or by others; each in one group."""
+        group = {chain: {chain} for chain in range(self.chains)}
+        for one, other in (edge for link in self.across for edge in link.edges):
+            small, large = sorted((group[one], group[other]), key=len)
+            if small is not large:
+                large |= small
+                group.update(dict.fromkeys(small, large))
+        return tuple(map(frozenset, {id(members): members for members in group.values()}.values()))
+
+    def tied_to(self, chain: int) -> list[int]:
+        """Chains, counted from 0, of the group that one is in, ascending."""
+        return sorted(next(group for group in self.groups if chain in group))
 
     @property
     def diameter(self) -> float:
@@ -140,7 +227,11 @@ class System:
         return velocity
 
 
-@dataclass(frozen=True, kw_only=True)
+def _same(one: object, other: object) -> bool:
+    return not isinstance(other, np.ndarray) and one == other
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Problem(System):
     """A system, over how long it is followed, and what is recorded."""
 

@@ -14,6 +14,15 @@ from lammps_inputs import scheme as schemes
 from lammps_inputs.force_readout import Forces
 from lammps_inputs.ingredients import INGREDIENTS, contacts
 from lammps_inputs.ingredients.base import Ingredient, Part
+from lammps_inputs.ingredients.unequal import (
+    Disorder,
+    Kinds,
+    Pattern,
+    Replacements,
+    Striker,
+    Taper,
+    masses_and_strengths,
+)
 from lammps_inputs.limits.closing import never_closes
 from lammps_inputs.limits.hertz import WHOLE_BEAD, overlap_bounds, sound_speed
 from lammps_inputs.limits.timestep import default_timestep
@@ -103,7 +112,13 @@ class BaseScene(Part):
     chains: Annotated[int, Field(ge=1, le=10**6)] = 1
     beads: Annotated[int, Field(ge=2, le=10**8)]
     gap: Annotated[float, Field(ge=0, le=1e30)] = 0.0
-    kick: tuple[Kick, ...]
+    kinds: Kinds | None = None
+    pattern: Pattern | None = None
+    replace: Replacements | None = None
+    taper: Taper | None = None
+    disorder: Disorder | None = None
+    striker: Striker | None = None
+    kick: tuple[Kick, ...] = ()
     material: Material | None = None
     duration: Positive | None = None
     until_bead: Count | None = None
@@ -126,15 +141,15 @@ class BaseScene(Part):
     def _fits_together(self) -> Self:
         if self.chains * self.beads > 2**31 - 1:
             raise ValueError(f"beads: {self.chains} x {self.beads} beads are more than LAMMPS numbers (2147483647)")
-        if not self.kick:
-            raise ValueError("kick: at least one bead must be hit")
-        for number, kick in enumerate(self.kick):
-            key = "kick" if len(self.kick) == 1 else f"kick[{number + 1}]"
+        if not self.kicks:
+            raise ValueError("kick: is missing; at least one bead must be hit, or a striker be there")
+        for number, kick in enumerate(self.kicks):
+            key = _kick_key(self, number)
             if kick.chain > self.chains:
                 raise ValueError(f"{key}.chain: {kick.chain} is outside the array (chains 1 to {self.chains})")
             if kick.bead > self.beads:
                 raise ValueError(f"{key}.bead: {kick.bead} is outside the array (beads 1 to {self.beads})")
-        if len({(kick.chain, kick.bead) for kick in self.kick}) < len(self.kick):
+        if len({(kick.chain, kick.bead) for kick in self.kicks}) < len(self.kicks):
             raise ValueError("kick: one bead is hit twice; add the velocities up")
         if (self.duration is None) == (self.until_bead is None):
             given = "neither is given" if self.duration is None else "both are given"
@@ -163,8 +178,8 @@ class BaseScene(Part):
             raise ValueError("output.peaks: a window records the rows near the front anyway; leave one of them out")
         if self.output.beads != "all" or self.output.snapshots is not None:
             raise ValueError("window: records the rows that exist; leave output.beads and output.snapshots out")
-        for number, kick in enumerate(self.kick):
-            key = "kick" if len(self.kick) == 1 else f"kick[{number + 1}]"
+        for number, kick in enumerate(self.kicks):
+            key = _kick_key(self, number)
             if kick.velocity < 0.0:
                 raise ValueError(f"{key}.velocity: a window follows what runs towards higher beads; leave it out")
             rows = (LEAST_WINDOW if self.window == "auto" else self.window) - HEADROOM
@@ -172,7 +187,7 @@ class BaseScene(Part):
                 raise ValueError(f"{key}.bead: {kick.bead} is not among the first {rows} rows of the window")
         if self.window == "auto" or self.window >= self.beads:
             return
-        first, last = (choose(kick.bead for kick in self.kick) for choose in (min, max))
+        first, last = (choose(kick.bead for kick in self.kicks) for choose in (min, max))
         if last - first > behind(self.window) - HEADROOM:
             raise ValueError(
                 f"window: {self.window} rows; those of bead {first} would be left behind when bead {last} is hit, too; "
@@ -250,9 +265,16 @@ class BaseScene(Part):
             )
 
     @property
+    def kicks(self) -> tuple[Kick, ...]:
+        """What is hit, and the striker's first bead."""
+        if self.striker is None:
+            return self.kick
+        return (Kick(chain=self.striker.chain, bead=1, velocity=self.striker.velocity), *self.kick)
+
+    @property
     def scale(self) -> Scale:
         """What one dimensionless unit is worth in this scene's units."""
-        velocity = max(abs(kick.velocity) for kick in self.kick)
+        velocity = max(abs(kick.velocity) for kick in self.kicks)
         if self.material is None:
             return make_scale(1.0, 1.0, velocity, si=False)
         ball = self.material
@@ -273,12 +295,14 @@ class BaseScene(Part):
     def system(self) -> System:
         """Beads, links and kicks, dimensionless at V = 1."""
         scale = self.scale
+        mass, strength = masses_and_strengths(self)
         made = [(ingredient, ingredient.links(self)) for ingredient in self.ingredients]
         return System(
             chains=self.chains,
             beads=self.beads,
-            kicks=tuple((kick.chain, kick.bead, kick.velocity / scale.velocity) for kick in self.kick),
-            links=(*contacts(self.gap / scale.length), *(link for _, links in made for link in links)),
+            kicks=tuple((kick.chain, kick.bead, kick.velocity / scale.velocity) for kick in self.kicks),
+            mass=mass,
+            links=(*contacts(self.gap / scale.length, strength), *(link for _, links in made for link in links)),
             lacks=frozenset(fact for ingredient, links in made if links for fact in ingredient.takes_away),
         )
 
@@ -359,9 +383,17 @@ else:
     )
 
 
+def _kick_key(scene: BaseScene, number: int) -> str:
+    """What a kick is called, by its place in ``scene.kicks``."""
+    struck = len(scene.kicks) - len(scene.kick)
+    if number < struck:
+        return "striker"
+    return "kick" if len(scene.kick) == 1 else f"kick[{number - struck + 1}]"
+
+
 def _named(data: dict[str, Any]) -> Iterator[tuple[str, Any]]:
     for key, value in data.items():
-        if key == "kick" and len(value) == 1:
+        if key in ("kick", "replace") and len(value) == 1:
             yield key, value[0]
-        elif not (key == "description" and value == "") and not (key == "gap" and value == 0.0):
+        elif not (key == "description" and value == "") and not (key == "gap" and value == 0.0) and value != []:
             yield key, value

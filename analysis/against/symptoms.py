@@ -105,19 +105,19 @@ _APART = 1e-6
 def identify_springs(trajectory: Trajectory) -> Springs | None:
     """Fit the springs between the chains to a trajectory of all beads.
 
-    None for one chain, for fewer than ten frames, or where the chains never move apart.
+    None for one chain, for fewer than ten frames, where the chains never move apart, and where the problem ties them
+    otherwise than by equal linear springs from each to the next (`identify_strengths` knows those).
 
     Between two frames, the change of a bead's velocity minus the impulse of its contacts is the impulse of its springs.
     Summed over the chains from the first to j, all that is left is the spring between j and j + 1 (of an open row).
     Impulses are integrals from the forces and their rates at the two frames (corrected trapezoid, order 4).
     """
     problem = trajectory.problem
-    open_row = all(link.open_row for link in problem.across)
-    if problem.chains < 2 or not open_row or problem.recorded is not None or trajectory.frames < 10:
+    if problem.chains < 2 or not problem.open_row or problem.recorded is not None or trajectory.frames < 10:
         return None
     x, v = trajectory.displacement, trajectory.velocity
     spacing = np.diff(trajectory.time)[:, np.newaxis, np.newaxis]
-    change = np.diff(v, axis=0)
+    change = np.diff(v, axis=0) * problem.mass
     for link in (*problem.along, *problem.ground):
         link.drive(change, -_integral(link.force(x), link.force_rate(x, v), spacing))
     felt = np.cumsum(change, axis=1)[:, :-1]
@@ -157,7 +157,9 @@ def identify_strengths(trajectory: Trajectory) -> dict[str, float] | None:
         column = np.zeros_like(v[1:])
         link.drive(column, _integral(link.force(x), link.force_rate(x, v), spacing))
         columns.append(column.reshape(-1))
-    factors, _, rank, _ = np.linalg.lstsq(np.array(columns).T, np.diff(v, axis=0).reshape(-1), rcond=1e-6)
+    factors, _, rank, _ = np.linalg.lstsq(
+        np.array(columns).T, (np.diff(v, axis=0) * problem.mass).reshape(-1), rcond=1e-6
+    )
     if rank < len(columns):
         return None
     return {link.name: float(factor) for link, factor in zip(problem.links, factors, strict=True)}

@@ -85,7 +85,7 @@ def _draw_chains(axis: Axes, problem: Problem, shared: Sharing, energies: Energy
 
 
 def _draw_lag(axis: Axes, problem: Problem, shared: Sharing) -> None:
-    unit = axis_unit(problem, "time", float(np.max(np.abs(shared.lag), initial=0.0)))
+    unit = axis_unit(problem, "time", float(np.nanmax(np.abs(shared.lag), initial=0.0)))
     for place, chain in enumerate(shown_chains(problem)):
         draw_chain(axis, place, chain, shared.bead.astype(np.float64), shared.lag[:, chain] * unit.worth)
     axis.set_ylabel(f"lag behind chain {shared.kicked + 1} ({unit.symbol})")

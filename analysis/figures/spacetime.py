@@ -7,7 +7,7 @@ from matplotlib.colors import FuncNorm
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from analysis.figures.style import STYLE, axis_unit, shown_chains, title
+from analysis.figures.style import STYLE, axis_unit, grid, shown_chains, title
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem
 
@@ -65,7 +65,7 @@ class SpaceTime:
 
 
 def spacetime_figure(data: SpaceTime) -> Figure:
-    """Velocity in space and time, the chains side by side (the paper's Figs 1, 3 and 5).
+    """Velocity in space and time, the chains side by side (the paper's Figs 1, 3 and 5), those of a lattice as in it.
 
     Colours diverge from a velocity of 0 and follow its square root, so that the weak tail is seen beside the pulse and
     the free end is not cut off. The scale ends where all beads do but those up to `NEAR` from one that was hit. Beads
@@ -80,6 +80,9 @@ def spacetime_figure(data: SpaceTime) -> Figure:
     top = largest * unit.worth
     rows = -(-len(chains) // PANELS_A_ROW)
     columns = -(-len(chains) // rows)
+    lattice = grid(problem)
+    if lattice is not None and len(chains) == problem.chains:
+        rows, columns = lattice
     step = np.diff(data.beads)
     even = len(step) > 0 and bool(np.all(step == step[0]))
     half = 0.5 * float(data.time[-1] - data.time[0]) / max(1, len(data.time) - 1)

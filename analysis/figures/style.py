@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
+from lammps_inputs.links import words
 
 CHAIN_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 """Okabe and Ito's palette, ordered for contrast between the first few."""
@@ -28,6 +29,9 @@ CHAIN_DASHES: tuple[object, ...] = (
 
 MAX_PANELS = 8
 """Chains that a figure shows at most, see `shown_chains`."""
+
+MAX_PANELS_OF_LATTICE = 25
+"""Likewise of a lattice, whose chains stand as they do in it."""
 
 FEW_NUMBERS = 20
 
@@ -82,13 +86,23 @@ def axis_unit(problem: Problem, quantity: str, largest: float) -> Unit:
 _PREFIXES = {1: "k", 0: "", -1: "m", -2: "\N{MICRO SIGN}", -3: "n", -4: "p"}
 
 
+def grid(problem: Problem) -> tuple[int, int] | None:
+    """Rows and columns of the lattice in which the chains stand; None where they are no lattice."""
+    return next((link.grid for link in problem.across if link.grid is not None), None)
+
+
+def most_panels(problem: Problem) -> int:
+    """Chains of which a figure shows all: more where they stand in a lattice."""
+    return MAX_PANELS if grid(problem) is None else MAX_PANELS_OF_LATTICE
+
+
 def shown_chains(problem: Problem) -> list[int]:
     """Chains that a figure shows, counted from 0, ascending: all, or those that were hit and some far from those.
 
     Of more than `MAX_PANELS`, first the ones that were hit (the hardest first), then always the one farthest from all
     chosen so far.
     """
-    if problem.chains <= MAX_PANELS:
+    if problem.chains <= most_panels(problem):
         return list(range(problem.chains))
     by_kick = sorted(problem.kicks, key=lambda kick: -abs(kick[2]))
     chosen = list(dict.fromkeys(chain - 1 for chain, _, _ in by_kick))[:MAX_PANELS]
@@ -106,7 +120,7 @@ def title(problem: Problem, *, each_chain: bool = False, until: float | None = N
         each_chain: whether the figure shows each chain; of many it then says which ones.
         until: time of the last frame there is, in units of T; of a run that was cut short it is said.
     """
-    coupled = f", $\\kappa$ = {problem.kappa:.4g}" if problem.coupled else ""
+    coupled = f", $\\kappa$ = {words(problem.across, '.4g')}" if problem.coupled else ""
     gap = ""
     if problem.gap:
         unit = axis_unit(problem, "length", problem.gap)
@@ -115,7 +129,7 @@ def title(problem: Problem, *, each_chain: bool = False, until: float | None = N
     if until is not None and until < problem.duration - 0.5 * problem.every:
         cut = f"; cut short at {until / problem.duration:.0%} of its time"
     shown = ""
-    if each_chain and problem.chains > MAX_PANELS:
+    if each_chain and problem.chains > most_panels(problem):
         shown = f" (chains {', '.join(str(chain + 1) for chain in shown_chains(problem))} are shown)"
     return f"{problem.name}: $N$ = {problem.chains}{shown}{coupled}{gap}{cut}"
 

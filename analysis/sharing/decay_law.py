@@ -14,8 +14,9 @@ import numpy as np
 
 from analysis.shape.exact_wave import solitary_wave
 from analysis.sharing.equipartition import Sharing
-from lammps_inputs import Problem
+from lammps_inputs import Problem, laws
 from lammps_inputs.facts import Fact
+from lammps_inputs.laws.linear import Linear
 
 SINGLE_CHAIN = 0.6816315
 """Amplitude far down a single chain whose first bead was hit with V = 1."""
@@ -53,20 +54,39 @@ class DecayFit:
 
 
 def expected_n_star(kappa: float, springs: int = 1) -> float:
-    """Beads at which the law ends for V = 1 and a chain with this many neighbours."""
+    """Beads at which the law ends for V = 1 and a chain with this many springs of stiffness kappa."""
     exact = solitary_wave()
     return float(10.0 * exact.energy / (exact.shift**2 * kappa * springs) * SINGLE_CHAIN**0.4)
+
+
+def stiffness_of_springs(problem: Problem, chain: int) -> float | None:
+    """Of all springs of a chain (from 0) together; None where they are not linear, or not the same in all rows."""
+    total = 0.0
+    for link in problem.across:
+        if not isinstance(link.law, Linear):
+            return None
+        for edge, ends in enumerate(link.edges):
+            spring = laws.at(link.law, edge).spring
+            if np.ptp(spring) != 0.0:
+                return None
+            total += float(np.max(spring)) if chain in ends else 0.0
+    return total
 
 
 def fit_decay(shared: Sharing, problem: Problem) -> DecayFit | None:
     """The law fitted where it holds; None if it does not for ten recorded beads, or if several beads were hit.
 
+    It is one of linear springs that are the same in all rows.
+
     ``(v / v0)**0.4 = 1 - n / n*`` is a straight line.
     """
-    if not (problem.coupled and problem.holds(Fact.PULSE)) or len(problem.kicks) != 1 or len(shared) == 0:
+    if not (problem.alike and problem.holds(Fact.PULSE)) or len(problem.kicks) != 1 or len(shared) == 0:
         return None
     chain, hit = shared.kicked, problem.kicks[0][1]
-    others = np.delete(shared.amplitude, chain, axis=1).max(axis=1)
+    springs = stiffness_of_springs(problem, chain)
+    if not springs:
+        return None
+    others = np.nanmax(np.delete(shared.amplitude, chain, axis=1), axis=1)
     regime = others < LARGEST_NEIGHBOUR * shared.amplitude[:, chain]
     ahead = shared.bead >= hit + FIRST
     ended = np.flatnonzero(ahead & ~regime)
@@ -79,7 +99,6 @@ def fit_decay(shared: Sharing, problem: Problem) -> DecayFit | None:
         return None
     n_star = float(-intercept / slope)
     law = (intercept + slope * way) ** 2.5
-    springs = (chain > 0) + (chain < problem.chains - 1)
     relative = covariance[0, 0] / slope**2 + covariance[1, 1] / intercept**2
     relative -= 2.0 * covariance[0, 1] / (slope * intercept)
     return DecayFit(
@@ -88,6 +107,6 @@ def fit_decay(shared: Sharing, problem: Problem) -> DecayFit | None:
         v0=float(intercept**2.5),
         n_star=n_star,
         n_star_error=n_star * float(np.sqrt(max(relative, 0.0))),
-        expected=expected_n_star(problem.kappa, springs),
+        expected=expected_n_star(springs),
         deviation=float(np.max(np.abs(law / amplitude - 1.0))),
     )

@@ -25,18 +25,18 @@ class EnergyShares:
         place: [instant] positions in the `Sharing`, of those at which all arrivals are defined.
         chain: [instant, chain] energy of a chain, in that of the kicks; NaN where not seen, as in a window.
         wave: [instant, chain] energy inside its leading wave, in that of the kicks; likewise.
+            0 where the chain has none that counts.
     """
 
     def __init__(self, problem: Problem, shared: Sharing) -> None:
         self.problem = problem
         self._shared = shared
-        known = (
-            np.flatnonzero(np.all(np.isfinite(shared.arrival), axis=1)) if problem.recorded is None else np.arange(0)
-        )
+        arrival = shared.of_tied(shared.arrival)
+        known = np.flatnonzero(np.all(np.isfinite(arrival), axis=1)) if problem.recorded is None else np.arange(0)
         count = min(len(known), MAX_PLACES)
         self.place = known[np.unique(np.linspace(0, max(len(known) - 1, 0), count).round().astype(np.int64))]
         self._known = known
-        instant = np.mean(shared.arrival[self.place], axis=1) if count else np.zeros(0)
+        instant = np.mean(arrival[self.place], axis=1) if count else np.zeros(0)
         self._frame = np.round(instant / problem.every).astype(np.int64)
         self.chain = np.full((len(self.place), problem.chains), np.nan)
         self.wave = np.full((len(self.place), problem.chains), np.nan)
@@ -51,7 +51,7 @@ class EnergyShares:
 
     def _energies(self, block: Trajectory, frame: int) -> tuple[Floats, Floats]:
         x, v = block.displacement[frame], block.velocity[frame]
-        kinetic = 0.5 * v * v
+        kinetic = motion.kinetic_energy(self.problem, v, block.first)
         contacts = motion.contact_energy(self.problem, x, block.first)
         total = np.sum(kinetic, axis=1) + np.sum(contacts, axis=1)
         for link in (*self.problem.across, *self.problem.ground):
@@ -60,7 +60,7 @@ class EnergyShares:
         for chain in range(self.problem.chains):
             arrivals = np.maximum.accumulate(self._shared.arrival[self._known, chain])
             peak = np.interp(block.time[frame], arrivals, self._shared.bead[self._known])
-            near = np.abs(block.beads - peak) <= REACH
+            near = np.abs(block.beads - peak) <= REACH  # nowhere in a chain whose arrivals are NaN
             between = near[:-1] & near[1:]
             inside[chain] = np.sum(kinetic[chain, near]) + np.sum(contacts[chain, between])
         if self.problem.window is not None:

@@ -45,6 +45,9 @@ class Estimate:
 class Sharing:
     """The leading waves side by side, at every recorded bead that all chains' waves passed clear of the free end.
 
+    Where some chains are tied to each other, only those tied to the one that was hit count, directly or by others; the
+    rest hold NaN.
+
     Attributes:
         kicked: position of the chain that was hit hardest.
         bead: [place], counted from 1, ascending.
@@ -69,9 +72,19 @@ class Sharing:
         return len(self.bead)
 
     @cached_property
+    def _mean(self) -> Floats:
+        """[place] amplitude."""
+        return np.asarray(np.mean(self.of_tied(self.amplitude), axis=1))
+
+    def of_tied(self, values: Floats) -> Floats:
+        """[place, chain that counts] of a table [place, chain]."""
+        counts = np.isfinite(self.amplitude).any(axis=0)
+        return values if counts.all() or not counts.any() else values[:, counts]
+
+    @cached_property
     def mismatch(self) -> Floats:
         """[place]; 0 for a single chain."""
-        return np.asarray(np.ptp(self.amplitude, axis=1) / np.mean(self.amplitude, axis=1))
+        return np.asarray(np.ptp(self.of_tied(self.amplitude), axis=1) / self._mean)
 
     @cached_property
     def lag(self) -> Floats:
@@ -81,13 +94,13 @@ class Sharing:
     @cached_property
     def spread(self) -> Floats:
         """[place] time between the first and the last chain, in passages of the exact wave of the mean amplitude."""
-        return np.asarray(np.ptp(self.arrival, axis=1) / self._passage)
+        return np.asarray(np.ptp(self.of_tied(self.arrival), axis=1) / self._passage)
 
     @property
     def _passage(self) -> Floats:
         """[place] time in which the exact wave of the mean amplitude passes at half its height."""
         exact = solitary_wave()
-        return np.asarray(exact.width / exact.speed_at(np.mean(self.amplitude, axis=1)))
+        return np.asarray(exact.width / exact.speed_at(self._mean))
 
     def sure_to(self) -> tuple[float, float]:
         """How well amplitudes (relative) and arrivals (in passages) of single waves are known over the last half beat.
@@ -97,14 +110,14 @@ class Sharing:
         if len(self) == 0 or self.arrival_error is None or self.amplitude_error is None:  # given by hand
             return 0.0, 0.0
         late = self.bead >= self.bead[-1] - (self.half_beat or 0.0)
-        arrival = np.where(np.isfinite(self.arrival), np.nan_to_num(self.arrival_error), np.inf)
-        relative = np.nan_to_num(self.amplitude_error) / self.amplitude
+        known = np.where(np.isfinite(self.arrival), np.nan_to_num(self.arrival_error), np.inf)
+        arrival, relative = self.of_tied(known), self.of_tied(np.nan_to_num(self.amplitude_error) / self.amplitude)
         return float(np.max(relative[late])), float(np.max(arrival[late] / self._passage[late, np.newaxis]))
 
     @cached_property
     def wave_share(self) -> Floats:
-        """[place, chain] energy of the exact wave of this amplitude, in that of the kicks."""
-        return solitary_wave().energy_at(self.amplitude) / self.energy
+        """[place, chain] energy of the exact wave of this amplitude, in that of the kicks; 0 where no wave counts."""
+        return np.nan_to_num(solitary_wave().energy_at(self.amplitude) / self.energy)
 
     @cached_property
     def beats(self) -> Floats:
@@ -114,7 +127,7 @@ class Sharing:
         """
         if len(self) < 2:
             return np.zeros(0)
-        mean = np.mean(self.amplitude, axis=1)
+        mean = self._mean
         deviation = self.amplitude[:, self.kicked] / mean - 1.0
         large = np.flatnonzero(np.abs(deviation) > np.maximum(SMALLEST_BEAT, 3.0 * self.noise / mean))
         if len(large) < 2:
@@ -153,7 +166,7 @@ class Sharing:
     def _holds_from(self, good: NDArray[np.bool_]) -> int | None:
         bad = np.flatnonzero(~good)
         start = int(bad[-1]) + 1 if len(bad) else 0
-        if start >= len(self) or self.amplitude.shape[1] < 2:
+        if start >= len(self) or self.of_tied(self.amplitude).shape[1] < 2:
             return None
         if self.half_beat is None or self.bead[-1] - self.bead[start] < self.half_beat:
             return None
@@ -166,7 +179,7 @@ class Sharing:
             return None
         length = self.half_beat if self.half_beat is not None else 0.1 * (self.bead[-1] - self.bead[0])
         tail = min(int(np.searchsorted(self.bead, self.bead[-1] - length)), max(0, len(self) - LEAST_TAIL))
-        amplitude = self.amplitude[tail:]
+        amplitude = self.of_tied(self.amplitude)[tail:]
         mean = float(np.mean(amplitude))
         return Estimate(mean, max(float(np.max(np.abs(amplitude - mean))), self.noise))
 
@@ -219,11 +232,17 @@ def sharing(waves: Waves, problem: Problem, noise: float = 0.0) -> Sharing:
     def side_by_side(values: Floats) -> Floats:
         table = np.full((len(beads), problem.chains), np.nan)
         table[rows, waves.chain - 1] = values
+        table[:, apart] = np.nan
         return table[clear]
 
+    apart = np.zeros(problem.chains, dtype=bool)
+    if problem.coupled:
+        apart[:] = True
+        apart[problem.tied_to(kicked - 1)] = False
     clear = np.ones(len(beads), dtype=bool)
-    clear = np.all(np.isfinite(side_by_side(waves.peak_velocity)), axis=1)
+    clear = np.all(np.isfinite(side_by_side(waves.peak_velocity)[:, ~apart]), axis=1)
     clear &= (beads > hit) & (beads <= problem.beads - CLEAR)
+    clear &= of_one_kind(problem)[beads - 1]
     return Sharing(
         kicked - 1,
         beads[clear],
@@ -234,6 +253,21 @@ def sharing(waves: Waves, problem: Problem, noise: float = 0.0) -> Sharing:
         side_by_side(waves.arrival_error),
         side_by_side(waves.velocity_error),
     )
+
+
+def of_one_kind(problem: Problem) -> NDArray[np.bool_]:
+    """Which rows, [bead], can be compared: those of the masses that most rows have, the heavier ones of equally many.
+
+    All, if hardly two rows are of the same masses, as in tapered and disordered chains.
+    """
+    if isinstance(problem.mass, float):
+        return np.ones(problem.beads, dtype=bool)
+    kinds, which, count = np.unique(problem.mass, axis=1, return_inverse=True, return_counts=True)
+    if count.max() < 0.1 * problem.beads:
+        return np.ones(problem.beads, dtype=bool)
+    most = np.flatnonzero(count >= count.max() - 1)
+    heaviest = most[np.argmax(kinds[:, most].sum(axis=0))]
+    return np.asarray(which.reshape(-1) == heaviest)
 
 
 def _extrapolated(tops: Floats, tolerance: float) -> float | None:

@@ -151,7 +151,7 @@ def survey(
         energies.add(block if direction > 0 else mirrored(block))
     shapes = waveforms.shape()
     characters = tuple(
-        characterise(pulse, place, shapes.entry(len(chosen) + number), tolerances)
+        characterise(pulse, place, shapes.entry(len(chosen) + number), tolerances, problem=problem)
         for number, (pulse, place) in enumerate(zip(pulses, at, strict=True))
     )
     decay = fit_decay(shared, along)

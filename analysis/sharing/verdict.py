@@ -24,7 +24,7 @@ chains. Farther ahead, and at weaker couplings, it was off by up to 1.3 times th
 
 RESOLVED = 2.0
 """Beads between recorded ones, times the square root of kappa, up to which beats are seen as they are: a quarter of the
-shortest, which is that of two chains.
+shortest, which is that of two chains. Other than in an open row, kappa is that of two chains that swing as fast.
 """
 
 
@@ -63,6 +63,8 @@ def judge(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict:
         return Verdict(State.NO_PULSE, None, None, f"{State.NO_PULSE.value}: no pulse stays together in this scene")
     if problem.chains == 1 or not problem.coupled:
         return Verdict(State.ALONE, None, None, f"{State.ALONE.value}: no chain is coupled to another")
+    if len(problem.tied_to(shared.kicked)) == 1:
+        return Verdict(State.ALONE, None, None, f"{State.ALONE.value}: the chain that was hit is coupled to no other")
     if len(shared) == 0:
         return _too_short(
             "no bead was passed in every chain, so amplitudes cannot be compared", _by_rule(problem, 0), None
@@ -122,7 +124,7 @@ def _too_short(what: str, expected: Estimate | None, decay: DecayFit | None) -> 
 def _expected(shared: Sharing, problem: Problem) -> Estimate | None:
     """Bead of 1% agreement, ahead of the last one seen: by the beats' decay where it is near, else by the rule."""
     last = int(shared.bead[-1])
-    tried = problem.gap == 0.0 and problem.kappa >= STRONG and _resolved(shared, problem)
+    tried = problem.open_row and problem.gap == 0.0 and problem.kappa >= STRONG and _resolved(shared, problem)
     if problem.chains > 4:  # one hit within many chains first levels with its neighbours, and only later with all
         tried &= all(chain in (1, problem.chains) for chain, _, _ in problem.kicks)
     found = shared.expected_agreement(AGREEMENT) if tried else None
@@ -134,15 +136,18 @@ def _expected(shared: Sharing, problem: Problem) -> Estimate | None:
 def _resolved(shared: Sharing, problem: Problem) -> bool:
     """Whether the places lie near enough together to show beats."""
     apart = int(np.diff(shared.bead).max(initial=1))
-    return apart == 1 or (problem.gap == 0.0 and apart <= RESOLVED / math.sqrt(problem.kappa))
+    kappa = problem.kappa if problem.open_row else 0.5 * problem.swing**2
+    return apart == 1 or (problem.gap == 0.0 and apart <= RESOLVED / math.sqrt(kappa))
 
 
 def _by_rule(problem: Problem, last: int) -> Estimate | None:
-    """Bead of 1% agreement when bead 1 of an outer chain is hit, ``10 + 5 / kappa * (chains / 2)**1.6``.
+    """Bead of 1% agreement when bead 1 of an open row's outer chain is hit, ``10 + 5 / kappa * (chains / 2)**1.6``.
 
     Measured at 2 to 20 chains, kappa = 0.01 to 2 (two chains: from 0.003 on): 0.8 to 1.1 times that, and never more
     than 5 beads off where that is more. None elsewhere, and where it is not ahead of the last bead seen.
     """
+    if not problem.open_row:
+        return None
     least = 0.003 if problem.chains == 2 else 0.01
     outer = len(problem.kicks) == 1 and problem.kicks[0][0] in (1, problem.chains) and problem.kicks[0][1] == 1
     measured = outer and problem.gap == 0.0 and problem.chains <= RULE_CHAINS and least <= problem.kappa <= 2.0

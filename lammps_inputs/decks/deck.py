@@ -1,7 +1,8 @@
 """LAMMPS input for a scene: ``in.chains`` and ``data.chains``, rendered in memory and written once.
 
 The deck is the equation of motion and nothing else: what the scene does not name leaves no line. It runs with a stock
-``lmp`` (GRANULAR and, for coupled chains, MOLECULE) from the 29Sep2021 release on, serial or with MPI, without Python.
+``lmp`` (GRANULAR; MOLECULE for coupled chains, CLASS2 for cubic springs) from the 29Sep2021 release on, serial or with
+MPI, without Python.
 
 How the equation becomes LAMMPS:
 
@@ -12,13 +13,16 @@ How the equation becomes LAMMPS:
 """
 
 import io
+import itertools
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lammps_inputs import scheme, strict_yaml, window
-from lammps_inputs.lines import Lines
-from lammps_inputs.links import Across, Along
+from lammps_inputs.lines import AtomTypes, Lines
+from lammps_inputs.links import Across, Along, words
 from lammps_inputs.numbers import text
 from lammps_inputs.problem import Problem
 from lammps_inputs.scene import Scene
@@ -67,7 +71,7 @@ def render_deck(problem: Problem) -> str:
             "boundary s f f                   # a bead thrown back is kept; no periodic images",
             *neighbour_lines(problem),
             f"read_data {DATA}",
-            "set group all mass 1.0           # exact; the data file's density is within rounding",
+            *_mass_lines(problem),
         ],
         *interactions(problem),
         motion_lines(problem, "all"),
@@ -82,7 +86,7 @@ def render_deck(problem: Problem) -> str:
         sections.append(window.setup_lines(problem.window, problem.beads, problem.spacing, problem.scheme))
     sections.append(
         [
-            *([] if problem.recorded is None else ["group recorded type 2"]),
+            *recorded_lines(problem),
             *output_lines(problem, "${every}", DUMP),
         ]
     )
@@ -112,7 +116,7 @@ def spelling(problem: Problem) -> list[Lines]:
         spell = getattr(link.law, kind, None)
         if spell is None:
             raise ValueError(f"{link.name}: LAMMPS does not know this force; use the reference engine")
-        found.append(spell(link.name, problem))
+        found.append(spell(link if isinstance(link, Across) else link.name, problem))
     return found
 
 
@@ -149,6 +153,28 @@ def output_lines(problem: Problem, every: str, dump: str, snapshots: str = SNAPS
     ]
 
 
+def _mass_lines(problem: Problem) -> list[str]:
+    """Masses that all are 1, exactly; others stand in the data file, as densities, within rounding."""
+    if not isinstance(problem.mass, float):
+        return []
+    return ["set group all mass 1.0           # exact; the data file's density is within rounding"]
+
+
+def recorded_lines(problem: Problem) -> list[str]:
+    """The group of the recorded beads; none where that is all of them."""
+    if problem.recorded is None:
+        return []
+    if _types(problem) is None:
+        return ["group recorded type 2"]
+    atoms = problem.chains * problem.beads  # first:last:stride is one bead of every chain
+    return ["group recorded id " + " ".join(f"{bead}:{atoms}:{problem.beads}" for bead in problem.recorded)]
+
+
+def _types(problem: Problem) -> AtomTypes | None:
+    """Types by which contacts are told apart; None where they need not be."""
+    return next((lines.types for lines in spelling(problem) if lines.types is not None), None)
+
+
 def columns(problem: Problem) -> tuple[str, ...]:
     """Columns of the dump."""
     return COLUMNS if problem.window is None else WINDOW_COLUMNS
@@ -179,7 +205,7 @@ def _title(problem: Problem) -> list[str]:
     if problem.gap:
         parts.append(f"gap {problem.gap:.6g}")
     if problem.coupled:
-        parts.append(f"coupling {problem.kappa:.6g}")
+        parts.append(f"coupling {words(problem.across)}")
     return [
         f"# {problem.name}: {', '.join(parts)}; dimensionless at V = 1",
         f"# lmp -in {DECK}     or: mpirun -np 4 lmp -in {DECK}     or: lmp -in {DECK} -var steps 1000",
@@ -210,6 +236,16 @@ def number_lines(problem: Problem) -> list[str]:
     ]
 
 
+def _bonds(problem: Problem) -> list[tuple[int, int, NDArray[np.int64]]]:
+    """Both chains of every edge, from 0, and the types of its bonds in the rows that exist; 0 where there is none."""
+    return [
+        (one, other, types[: problem.rows])
+        for link, lines in zip(problem.links, spelling(problem), strict=True)
+        if isinstance(link, Across) and lines.bonds is not None
+        for (one, other), types in zip(link.edges, lines.bonds, strict=True)
+    ]
+
+
 def _atom(problem: Problem, chain: int, bead: int) -> int:
     return (chain - 1) * problem.rows + bead
 
@@ -220,38 +256,50 @@ def _skin(problem: Problem) -> float:
 
 
 def render_data(problem: Problem) -> str:
-    """The text of ``data.chains``; atom number = (chain - 1) * rows + row, and type 2 marks recorded beads.
+    """The text of ``data.chains``; atom number = (chain - 1) * rows + row, and type 2 marks recorded beads
+    where types do not tell contacts apart.
 
     Columns of an atom: ``id type diameter density x y z``, and ``id type x y z diameter density molecule`` with bonds.
     The molecule is the chain, or in a window the row.
     """
     chains, beads, spacing = problem.chains, problem.rows, problem.spacing
-    edges = [edge for link in problem.across for edge in link.edges]
-    types = 1 if problem.recorded is None else 2
+    bonds = _bonds(problem)
+    by_contact = _types(problem)
+    types = by_contact.count if by_contact is not None else 1 if problem.recorded is None else 2
     out = io.StringIO()
     out.write(f"granchain: {problem.name}\n\n{chains * beads} atoms\n{types} atom types\n")
     if problem.coupled:
-        out.write(f"{len(edges) * beads} bonds\n1 bond types\n")
+        count, kinds = sum(np.count_nonzero(kind) for *_, kind in bonds), max(int(kind.max()) for *_, kind in bonds)
+        out.write(f"{count} bonds\n{kinds} bond types\n")
     side = text(2.0 * spacing)
     out.write(f"\n0 {text((beads + 1) * spacing)} xlo xhi\n")
     out.write(f"-{side} {text(2.0 * spacing * chains)} ylo yhi\n-{side} {side} zlo zhi\n")
+    places = [text(x) for x in np.arange(1, beads + 1) * spacing]
     kind = np.ones(beads, dtype=int)
     if problem.recorded is not None:
         kind[problem.recorded_beads - 1] = 2
-    size = f"{text(problem.diameter)} {text(sphere_density(problem.diameter))}"
-    rows = [(str(t), text(x)) for t, x in zip(kind, np.arange(1, beads + 1) * spacing, strict=True)]
+    unit = sphere_density(problem.diameter)
+    same_size = f"{text(problem.diameter)} {text(unit)}"
     out.write(f"\nAtoms # {_atom_style(problem)}\n\n")
     for chain in range(chains):
         first, y = chain * beads + 1, text(2.0 * spacing * chain)
+        of_chain = kind if by_contact is None else by_contact.of[chain]
+        sizes: Iterator[str] = itertools.repeat(same_size, beads)
+        if not isinstance(problem.mass, float):
+            sizes = (f"{text(problem.diameter)} {text(unit * mass)}" for mass in problem.mass[chain].tolist())
+        rows = enumerate(zip(of_chain.tolist(), places, sizes, strict=True))
         if problem.window is not None:
-            out.writelines(f"{first + i} {t} {x} {y} 0 {size} {i + 1}\n" for i, (t, x) in enumerate(rows))
+            out.writelines(f"{first + i} {t} {x} {y} 0 {size} {i + 1}\n" for i, (t, x, size) in rows)
         elif problem.coupled:
-            out.writelines(f"{first + i} {t} {x} {y} 0 {size} {chain + 1}\n" for i, (t, x) in enumerate(rows))
+            out.writelines(f"{first + i} {t} {x} {y} 0 {size} {chain + 1}\n" for i, (t, x, size) in rows)
         else:
-            out.writelines(f"{first + i} {t} {size} {x} {y} 0\n" for i, (t, x) in enumerate(rows))
+            out.writelines(f"{first + i} {t} {size} {x} {y} 0\n" for i, (t, x, size) in rows)
     if problem.coupled:
         out.write("\nBonds\n\n")
-        for number, (one, other) in enumerate(edges):
-            bond, lower, higher = (beads * chain + 1 for chain in (number, one, other))
-            out.writelines(f"{bond + i} 1 {lower + i} {higher + i}\n" for i in range(beads))
+        bond = 0
+        for one, other, kind_of in bonds:
+            tied, lower, higher = np.flatnonzero(kind_of), beads * one + 1, beads * other + 1
+            numbered = enumerate(zip(tied.tolist(), kind_of[tied].tolist(), strict=True), bond + 1)
+            out.writelines(f"{number} {t} {lower + i} {higher + i}\n" for number, (i, t) in numbered)
+            bond += len(tied)
     return out.getvalue()

@@ -1,39 +1,221 @@
-"""Springs between the beads of one row in neighbouring chains."""
+"""Springs between the beads of one row in different chains: any graph of chains, all rows or some, linear or cubic."""
 
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import Field
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Discriminator, Field, Tag, create_model, field_validator
 
-from lammps_inputs.ingredients.base import Ingredient
+from lammps_inputs.ingredients.base import Ingredient, Part
+from lammps_inputs.laws import Law
+from lammps_inputs.laws.duffing import Duffing
 from lammps_inputs.laws.linear import Linear
 from lammps_inputs.links import Across
 
 if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene
 
+Floats = NDArray[np.float64]
+Stiffness = Annotated[float, Field(ge=0, le=1e30)]
+Count = Annotated[int, Field(ge=1, le=10**8)]
+Rows = tuple[Count, Count]
+_Pair = tuple[Count, Count]
+_Own = tuple[Count, Count, Stiffness]
+Edge = Annotated[
+    Annotated[_Pair, Tag("<pair>")] | Annotated[_Own, Tag("<own>")],
+    Discriminator(lambda value: "<pair>" if isinstance(value, tuple) and len(value) <= 2 else "<own>"),
+]
+
 MOST = 1e12
 """Dimensionless stiffness; beyond it the rows are rigid."""
 
+_ROUNDED = 1e-10
+"""Stiffness that may be lost where the lateral part of LAMMPS's cubic bond is taken away."""
+
+
+def _as_tuple(value: Any) -> Any:
+    return tuple(map(_as_tuple, value)) if isinstance(value, list) else value
+
+
+class _Ramp(Part):
+    """Stiffness that changes evenly from bead ``rows[0]`` to ``rows[1]``, and stays as it is before and after."""
+
+    rows: Rows
+
+    @field_validator("rows", mode="before")
+    @classmethod
+    def _from_list(cls, value: Any) -> Any:
+        return _as_tuple(value)
+
+
+# `from` is a word of Python's, so it cannot be written as an attribute
+_ENDS: dict[str, Any] = {"from": (Stiffness, ...), "to": (Stiffness, ...)}
+if TYPE_CHECKING:
+    Ramp = _Ramp
+else:
+    Ramp = create_model("Ramp", __base__=_Ramp, __module__=__name__, **_ENDS)
+
+
+class Graph(Part):
+    """Which chains are tied: one of the two."""
+
+    lattice: tuple[Count, Count] | None = None
+    """Rows and columns; chains are numbered row by row, and each is tied to those above, below and beside it."""
+    edges: tuple[Edge, ...] | None = None
+    """Pairs of chains, counted from 1; one with a third number has a stiffness of its own."""
+
+    @field_validator("lattice", "edges", mode="before")
+    @classmethod
+    def _from_list(cls, value: Any) -> Any:
+        return _as_tuple(value)
+
+
+def _told_apart(model: type[Part]) -> Discriminator:
+    """Pairs of keys and values are the model, all else is tried as the plain value."""
+    return Discriminator(lambda value: "<keys>" if isinstance(value, dict | model) else "<plain>")
+
+
+_Stiffness = Annotated[Annotated[Stiffness, Tag("<plain>")] | Annotated[Ramp, Tag("<keys>")], _told_apart(Ramp)]
+_Name = Literal["open", "ring"]
+_Topology = Annotated[Annotated[_Name, Tag("<plain>")] | Annotated[Graph, Tag("<keys>")], _told_apart(Graph)]
+
 
 class Coupling(Ingredient):
-    """Linear springs between neighbouring chains (an open row of chains, 1 - 2 - ... - N)."""
+    """Springs between chains: a force ``stiffness s + cubic s**3`` for beads of a row that are s apart."""
 
     model: Literal["linear"] = "linear"
-    stiffness: Annotated[float, Field(ge=0, le=1e30)]
+    stiffness: _Stiffness | None = None
     """The paper's epsilon * alpha (kappa); N/m with a material."""
+    rows: Rows | None = None
+    """First and last bead that has springs; all by default."""
+    topology: _Topology | None = None
+    """Which chains are tied; each to the next (open) by default."""
+    cubic: Stiffness | None = None
+    """N/m**3 with a material."""
+
+    @field_validator("rows", mode="before")
+    @classmethod
+    def _from_list(cls, value: Any) -> Any:
+        return _as_tuple(value)
 
     def refuse(self, scene: "BaseScene") -> None:
-        """Refuse springs that are as good as rigid."""
-        kappa = self.stiffness / scene.scale.stiffness
-        if kappa > MOST:
+        """Refuse what does not fit the chains, springs as good as rigid, and rows that differ in a window."""
+        own = bool(self._named) and all(len(edge) == 3 for edge in self._named)
+        if self.stiffness is None and self.cubic is None and not own:
+            raise ValueError("coupling.stiffness: is missing")
+        if self.stiffness is not None and own:
+            raise ValueError("coupling.stiffness: every edge has a stiffness of its own; leave this one out")
+        ramp = self.stiffness if isinstance(self.stiffness, Ramp) else None
+        for key, rows, least in (("rows", self.rows, 0), ("stiffness.rows", getattr(ramp, "rows", None), 1)):
+            if rows is not None and not rows[0] + least <= rows[1] <= scene.beads:
+                first, last = rows
+                raise ValueError(
+                    f"coupling.{key}: {first} to {last} given; from a bead to a later one, within {scene.beads}"
+                )
+        self._refuse_edges(scene.chains)
+        edges = self._edges(scene.chains)
+        for key, values in (("stiffness", self._stiffness(edges, scene)), ("cubic", self._cubic(edges, scene))):
+            if (largest := float(np.max(values, initial=0.0))) > MOST:
+                raise ValueError(
+                    f"coupling.{key}: {largest:.3g} in dimensionless units, so stiff that the rows are rigid; "
+                    "at most 1e12"
+                )
+        if scene.window is not None and (self.rows is not None or ramp is not None):
             raise ValueError(
-                f"coupling.stiffness: {kappa:.3g} in dimensionless units, so stiff that the rows are rigid; "
-                "at most 1e12"
+                f"coupling.{'stiffness' if self.rows is None else 'rows'}: a window takes rows from its tail to its "
+                "head with the springs they have, so all must have the same; leave the window out"
+            )
+        farthest = max((higher - lower for lower, higher, _ in edges), default=0)
+        lateral = 2.0 * scene.system.spacing * farthest
+        if np.max(self._cubic(edges, scene), initial=0.0) * lateral**2 * np.finfo(float).eps > _ROUNDED:
+            raise ValueError(
+                f"coupling.cubic: tied chains are so far from each other ({farthest} chains, {lateral:.3g} L) that "
+                "LAMMPS's springs, which have their cube from the length, lose their digits; weaker or nearer ones"
             )
 
+    def _refuse_edges(self, chains: int) -> None:
+        topology = self.topology
+        if isinstance(topology, Graph) and (topology.lattice is None) == (topology.edges is None):
+            raise ValueError("coupling.topology: give either lattice or edges")
+        if self._grid is not None and self._grid[0] * self._grid[1] != chains:
+            rows, columns = self._grid
+            raise ValueError(f"coupling.topology.lattice: {rows} x {columns} places for {chains} chains")
+        seen = set()
+        for number, (one, other, *_) in enumerate(self._named, 1):
+            key = f"coupling.topology.edges[{number}]"
+            if max(one, other) > chains:
+                raise ValueError(f"{key}: {max(one, other)} is outside the array (chains 1 to {chains})")
+            if one == other:
+                raise ValueError(f"{key}: ties chain {one} to itself; name two chains")
+            pair = (min(one, other), max(one, other))
+            if pair in seen:
+                raise ValueError(f"{key}: chains {pair[0]} and {pair[1]} are tied twice; add the stiffnesses up")
+            seen.add(pair)
+
     def links(self, scene: "BaseScene") -> tuple[Across, ...]:
-        """None for a single chain, or without stiffness."""
-        return springs(self.stiffness / scene.scale.stiffness, scene.chains)
+        """None where no two chains are tied by any spring."""
+        edges = self._edges(scene.chains)
+        spring, cubic = self._stiffness(edges, scene), self._cubic(edges, scene)
+        holds = np.zeros(len(edges), dtype=bool)
+        for values in (spring, cubic):
+            holds |= np.any(values, axis=1) if isinstance(values, np.ndarray) else values != 0.0
+        if not holds.any():
+            return ()
+        spring, cubic = (values[holds] if isinstance(values, np.ndarray) else values for values in (spring, cubic))
+        law: Law = Duffing(spring, cubic) if np.any(cubic) else Linear(spring)
+        kept = tuple((lower, higher) for (lower, higher, _), tied in zip(edges, holds, strict=True) if tied)
+        return (Across("coupling", law, edges=kept, grid=self._grid),)
+
+    @property
+    def _grid(self) -> tuple[int, int] | None:
+        return self.topology.lattice if isinstance(self.topology, Graph) else None
+
+    @property
+    def _named(self) -> tuple[_Pair | _Own, ...]:
+        """Edges that the scene names one by one."""
+        return (self.topology.edges or ()) if isinstance(self.topology, Graph) else ()
+
+    def _edges(self, chains: int) -> list[tuple[int, int, float | None]]:
+        """Pairs of tied chains, counted from 0, the lower number first, in order; and a stiffness of their own."""
+        if isinstance(self.topology, Graph) and self._grid is None:
+            named = [(edge[0] - 1, edge[1] - 1, edge[2] if len(edge) == 3 else None) for edge in self._named]
+            return sorted((min(one, other), max(one, other), own) for one, other, own in named)
+        if self._grid is not None:
+            if self._grid[0] * self._grid[1] != chains:  # refused
+                return []
+            places = np.arange(chains).reshape(self._grid)
+            neighbours = [(places[:, :-1], places[:, 1:]), (places[:-1], places[1:])]
+            found = [pair for ends in neighbours for pair in zip(*(end.ravel().tolist() for end in ends), strict=True)]
+        else:
+            found = [(chain, chain + 1) for chain in range(chains - 1)]
+            found += [(0, chains - 1)] if self.topology == "ring" and chains > 2 else []
+        return [(lower, higher, None) for lower, higher in sorted(found)]
+
+    def _stiffness(self, edges: list[tuple[int, int, float | None]], scene: "BaseScene") -> float | Floats:
+        """Dimensionless: a number, or [edge, row] where it differs."""
+        shared: Any = 0.0 if self.stiffness is None else self.stiffness
+        if isinstance(shared, Ramp):
+            values = [getattr(shared, key) for key in ("from", "to")]
+            shared = np.interp(np.arange(1, scene.beads + 1), shared.rows, values)
+        own = [shared if stiffness is None else stiffness for _, _, stiffness in edges]
+        return self._table(own if any(edge[2] is not None for edge in edges) else [shared], edges, scene, 1.0)
+
+    def _cubic(self, edges: list[tuple[int, int, float | None]], scene: "BaseScene") -> float | Floats:
+        """Likewise."""
+        return self._table([self.cubic or 0.0], edges, scene, 1.0 / scene.scale.length**2)
+
+    def _table(self, values: list[Any], edges: list[Any], scene: "BaseScene", unit: float) -> float | Floats:
+        """Dimensionless values of all edges, or of each, a number or [row], in the rows that have springs."""
+        unit *= scene.scale.stiffness
+        whole = self.rows is None or self.rows == (1, scene.beads)
+        if whole and all(np.array_equal(value, values[0]) and np.ptp(value) == 0.0 for value in values):
+            return float(np.max(values[0])) / unit
+        table = np.zeros((len(edges), scene.beads))
+        first, last = self.rows or (1, scene.beads)
+        for place, value in enumerate(values):
+            chosen = slice(None) if len(values) == 1 else place
+            table[chosen, first - 1 : last] = (np.broadcast_to(value, scene.beads) / unit)[first - 1 : last]
+        return table
 
 
 def springs(kappa: float, chains: int) -> tuple[Across, ...]:

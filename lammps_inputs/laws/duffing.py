@@ -5,10 +5,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from lammps_inputs.laws import Parameter
-from lammps_inputs.lines import Lines, atoms_by_value
+from lammps_inputs.lines import Lines, atoms_by_value, bonds_by_value, whole_contacts
 from lammps_inputs.numbers import text
 
 if TYPE_CHECKING:
+    from lammps_inputs.links import Across
     from lammps_inputs.problem import System
 
 
@@ -41,7 +42,7 @@ class Duffing(NamedTuple):
         """Strain at which one spring holds the whole energy; 0 where there is no spring."""
         # s**2 is the root of c q**2 + 2 k q - 4 energy, in the form that has no difference of like numbers
         root = spring + np.sqrt(spring * spring + 4.0 * cubic * energy)
-        return np.sqrt(4.0 * energy / np.where(root > 0.0, root, np.inf))
+        return np.sqrt(4.0 * energy) / np.sqrt(np.where(root > 0.0, root, np.inf))
 
     def ground(self, name: str, problem: "System") -> Lines:
         """A force from a formula of the place, for which LAMMPS has no fix of its own."""
@@ -54,3 +55,26 @@ class Duffing(NamedTuple):
                 f"fix {name}{number} {name}{number} addforce v_{name}{number} 0.0 0.0",
             ]
         return Lines(motion=tuple(lines))
+
+    def across(self, link: "Across", problem: "System") -> Lines:
+        """Bonds of class2, whose energy with r0 = 0 is ``K2 r**2 + K4 r**4``, r**2 = s**2 + (lateral distance)**2.
+
+        With K4 = c / 4 the lateral part adds ``2 K4 distance**2`` to K2, which is taken away; exact but for rounding.
+        """
+        shape = (len(link.edges), problem.beads)
+        apart = np.array([[2.0 * problem.spacing * (higher - lower)] for lower, higher in link.edges])
+        there = np.broadcast_to((self.spring != 0.0) | (self.cubic != 0.0), shape)
+        values, bonds = bonds_by_value((self.spring, self.cubic, np.where(there, apart, 0.0)), shape)
+        return Lines(
+            bonds=bonds,
+            interactions=(
+                "# springs between chains, k s + c s^3: K4 = c/4, and K2 = k/2 - 2 K4 d^2 at the lateral distance d",
+                *whole_contacts(link),
+                "bond_style class2",
+                *(
+                    f"bond_coeff {number} 0 {text(0.5 * spring - 0.5 * cubic * distance * distance)} 0 "
+                    f"{text(0.25 * cubic)}   # k = {text(spring)}, c = {text(cubic)}, d = {text(distance)}"
+                    for number, (spring, cubic, distance) in enumerate(values, 1)
+                ),
+            ),
+        )

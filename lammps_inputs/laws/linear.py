@@ -6,10 +6,11 @@ import numpy as np
 
 from lammps_inputs import laws
 from lammps_inputs.laws import Parameter
-from lammps_inputs.lines import Lines, atoms_by_value
+from lammps_inputs.lines import Lines, atoms_by_value, bonds_by_value, whole_contacts
 from lammps_inputs.numbers import text
 
 if TYPE_CHECKING:
+    from lammps_inputs.links import Across
     from lammps_inputs.problem import System
 
 
@@ -55,18 +56,22 @@ class Linear(NamedTuple):
             ]
         return Lines(motion=tuple(lines))
 
-    def across(self, _name: str, _problem: "System") -> Lines:
-        """A harmonic bond, whose energy is ``K (r - r0)**2``, with ``K = k / 2`` from a deck variable.
+    def across(self, link: "Across", problem: "System") -> Lines:
+        """Harmonic bonds, whose energy is ``K (r - r0)**2``, with ``K = k / 2`` from a deck variable if all are equal.
 
         With r0 = 0 the bond is linear in each coordinate, so the force along the chain is exactly ``-k`` times the
         relative displacement at any lateral distance. (With r0 = the distance it would be cubic.)
         """
+        values, bonds = bonds_by_value(self, (len(link.edges), problem.beads))
+        one = len(values) == 1
+        stiffness = ["$(v_kappa/2:%.17g)"] if one else [text(spring / 2.0) for (spring,) in values]
         return Lines(
-            bonds=True,
-            variables=(f"variable kappa index {text(float(self.spring))}",),
+            bonds=bonds,
+            variables=(f"variable kappa index {text(values[0][0])}",) if one else (),
             interactions=(
                 "# springs between chains: r0 = 0 makes them linear along the chain at any lateral distance",
+                *whole_contacts(link),
                 "bond_style harmonic",
-                "bond_coeff 1 $(v_kappa/2:%.17g) 0",
+                *(f"bond_coeff {number} {k} 0" for number, k in enumerate(stiffness, 1)),
             ),
         )

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from analysis.gauges.forces import Readings
+from analysis.sharing.cells import CellEnergy
 from analysis.sharing.energy_flow import Flow
 from analysis.sharing.equipartition import CLEAR
 from analysis.sharing.is_solitary import Character
@@ -103,6 +104,8 @@ def _print(found: Analysis) -> None:
         print_table(f"{problem.name}: leading pulse", head, rows)
         _print_accuracy(found)
     _print_pulses(found.survey)
+    if found.cells is not None:
+        _print_cells(problem, found.cells)
     if found.forces is not None:
         _print_forces(problem, found.forces)
     if found.left is not None:
@@ -115,6 +118,23 @@ def _print(found: Analysis) -> None:
             print(found.failure or "that is not this scene: was the deck run with another kappa or kick?")
     if found.contacts is not None:
         print("\n".join(found.contacts.lines()))
+
+
+def _print_cells(problem: Problem, cells: CellEnergy) -> None:
+    """What the pulse of each chain leaves behind, and where the energy is as seen from a replaced bead."""
+    cell = "bead" if cells.period == 1 else f"cell of {cells.period} beads"
+    for chain in range(1, min(problem.chains, MOST_CHAINS) + 1):
+        left = cells.left(chain)
+        if left is not None and math.isfinite(left.per_cell):
+            print(
+                f"chain {chain}: the pulse carries {left.carried:.4%} of the kick's energy at bead {left.last}; "
+                f"from bead {left.first} on it has left {left.per_cell:.2e} of the kick's in every {cell}"
+            )
+    for split in cells.splits()[:MOST_CHAINS]:
+        print(
+            f"bead {split.bead} of chain {split.chain}: at the end {split.before:.2%} of the energy is before it, "
+            f"{split.at:.2%} in it, {split.beyond:.2%} beyond"
+        )
 
 
 def _print_forces(problem: Problem, readings: Readings) -> None:
@@ -181,9 +201,11 @@ def _print_pulses(found: Survey) -> None:
         return
     final, decay = found.shared.final, found.decay
     if final is not None:
-        # the energy of exact waves; beads with gaps carry none of that kind
+        # the energy of exact waves; beads with gaps, or that differ, carry none of that kind
         energy = np.sum(found.shared.wave_share[-1])
-        share = "" if found.problem.gap else f"; {energy:.1%} of its energy in the leading waves"
+        share = (
+            "" if found.problem.gap or not found.problem.alike else f"; {energy:.1%} of its energy in the leading waves"
+        )
         uncertainty = max(final.uncertainty, 1e-6)
         print(f"amplitude {final.value:.5f} +- {uncertainty:.1g} V, {1.0 - final.value:.1%} below the kick{share}")
     if decay is not None:
@@ -209,6 +231,9 @@ def _words(character: Character) -> str:
     measured = f"shape {character.residual:.1e}, speed {character.speed_excess:+.1e} off the exact wave"
     if math.isfinite(character.variation):
         measured += f", amplitude varies by {character.variation:.1e}"
+    if not math.isfinite(character.speed_excess):
+        kind = "steady" if character.solitary else "not steady"
+        return f"{kind} at bead {character.bead}: amplitude varies by {character.variation:.1e} over beads of its mass"
     if not math.isfinite(character.residual):
         return f"at bead {character.bead}: not recorded long enough around its passage to compare its shape"
     kind = "solitary" if character.solitary else f"not solitary ({', '.join(character.fails)})"

@@ -27,7 +27,7 @@ def execute(arguments: argparse.Namespace) -> int:
         print(f"#   length {text(scale.length)}{unit[0]}, time {text(scale.time)}{unit[1]}")
         print(f"#   velocity {text(scale.velocity)}{unit[2]}, force {text(scale.force)}{unit[3]}")
         print(f"# where kappa = {text(problem.kappa)}, timestep = {text(problem.timestep)}")
-    if problem.gap > 0.0 and problem.coupled:
+    if problem.gap > 0.0 and problem.coupled and problem.simply_coupled:
         from workflow.engines.collisions import first_row  # numba takes a third of a second to import
 
         theta, gap = first_row.theta(problem), first_row.gap_of_eq_5(problem.kappa) * scale.length

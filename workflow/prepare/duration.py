@@ -47,11 +47,9 @@ def with_duration(scene: Scene) -> Scene:
         }
     )
     problem = trial.problem()
-    coupled = problem.coupled
-    reached = np.zeros(problem.chains, dtype=bool)
-    reached[:] = not coupled
+    reached = np.ones(problem.chains, dtype=bool)
     for chain, _, _ in problem.kicks:
-        reached[chain - 1] = False
+        reached[problem.tied_to(chain - 1)] = False
     share = 1.0 if scene.until_bead == scene.beads else 0.5
     largest = np.zeros(problem.chains)
     rows = None if scene.window is None else min(scene.beads, _WINDOW if scene.window == "auto" else 2 * scene.window)
@@ -62,8 +60,9 @@ def with_duration(scene: Scene) -> Scene:
             if reached.all():
                 every = scene.resolved().output.every or 0.0
                 after = _AFTER
-                if gap > 0.0 and coupled:
-                    after += min(float(time), 2.0 * math.pi / slowest_swing(problem.chains, problem.kappa))
+                if gap > 0.0 and problem.coupled:
+                    slowest = slowest_swing(problem.chains, problem.kappa) if problem.open_row else 0.0
+                    after += min(float(time), 2.0 * math.pi / slowest) if slowest else float(time)
                 duration = math.ceil((float(time) + after) * scene.scale.time / every) * every
                 return scene.model_copy(update={"until_bead": None, "duration": duration})
     raise InputError(

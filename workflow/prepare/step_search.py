@@ -176,6 +176,7 @@ def _shorter(problem: Problem, share: float) -> Problem:
         problem,
         beads=beads,
         links=tuple(link.on(kept) for link in problem.links),
+        mass=problem.mass_of(Ellipsis, kept),
         kicks=tuple((chain, place[bead], velocity) for chain, bead, velocity in problem.kicks),
         timestep=problem.every / apart,
         steps_per_frame=1,

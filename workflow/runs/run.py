@@ -297,9 +297,12 @@ def refuse_what_it_cannot_do(engine: str, problem: Problem) -> None:
     """
     if engine != "lammps" and problem.window is not None:
         raise InputError(f"--engine: only lammps records a window, not {engine}; leave `window` out of the scene")
+    if engine == "collisions" and not isinstance(problem.mass, float):
+        raise InputError("--engine: `collisions` knows only beads of equal mass; use lammps or reference")
     if engine == "collisions" and not problem.simply_coupled:
         raise InputError(
-            "--engine: `collisions` knows only linear springs between neighbouring chains; use lammps or reference"
+            "--engine: `collisions` knows only equal linear springs between neighbouring chains; "
+            "use lammps or reference"
         )
     if engine == "collisions" and not problem.gap > 0.0:
         raise InputError(

@@ -102,13 +102,16 @@ def engines_for(scene: Scene, asked: Sequence[str] | None) -> tuple[str, ...]:
     Raises:
         InputError: an engine that does not exist, is named twice, or cannot do what the scene names.
     """
+    simple = scene.system.simply_coupled
     if asked is None:
-        return tuple(name for name in (RIGID, "reference", "lammps") if name != RIGID or scene.gap > 0.0)
+        return tuple(name for name in (RIGID, "reference", "lammps") if name != RIGID or (scene.gap > 0.0 and simple))
     for name in asked:
         if name not in running.ENGINES:
             raise InputError(f"--engines: {name!r} given; of {', '.join(running.ENGINES)}, with commas between")
         if name == RIGID and scene.gap == 0.0:
             raise InputError("--engines: `collisions` needs a gap between the beads; give the scene `gap: ...`")
+        if name == RIGID and not simple:
+            raise InputError("--engines: `collisions` knows only equal linear springs between neighbouring chains")
     if len(set(asked)) < len(asked):
         raise InputError("--engines: one is named twice")
     return tuple(asked)
@@ -238,9 +241,9 @@ def measure(directory: RunDirectory, rows: Sequence[int]) -> Result:
 def partition(state: Trajectory) -> tuple[Floats, Floats]:
     """Shares of one frame: of the momentum by chain, and of the energy by chain and, last, in the springs."""
     problem, x, v = state.problem, state.displacement[-1], state.velocity[-1]
-    of_chain = 0.5 * np.sum(v * v, axis=-1) + np.sum(motion.contact_energy(problem, x), axis=-1)
+    of_chain = np.sum(motion.kinetic_energy(problem, v), axis=-1) + np.sum(motion.contact_energy(problem, x), axis=-1)
     whole = float(motion.energy(problem, x, v))
-    momentum = v.sum(axis=1)
+    momentum = np.sum(v * problem.mass, axis=1)
     total = float(momentum.sum())
     share = momentum / total if total != 0.0 else np.full(problem.chains, math.nan)
     return share, np.append(of_chain, whole - of_chain.sum()) / whole

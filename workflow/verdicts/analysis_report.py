@@ -1,6 +1,7 @@
 """What an analysis writes: the columns of ``waves.csv`` and the keys of ``analysis.json``."""
 
 import math
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -8,6 +9,7 @@ import numpy as np
 from analysis.conservation import Conservation
 from analysis.gauges.forces import Readings
 from analysis.mirror import mirrored_bead
+from analysis.sharing.cells import CellEnergy
 from analysis.sharing.energy_flow import Flow
 from analysis.sharing.equipartition import AGREEMENTS, Estimate
 from analysis.sharing.is_solitary import Character, Tolerances
@@ -71,9 +73,9 @@ def report(found: Survey, seen: Conservation, tolerances: Tolerances, left: Left
     | tolerances      | relative differences within which a pulse is called solitary                     |
     | pulses          | every pulse, the strongest first; see `pulse_entry`                              |
 
-    Where no pulse stays together, `workflow.verdicts.analyse` adds ``energy``, see `energy_report`. With a material it
-    adds ``contacts``, see `workflow.runs.contacts.Contacts`; where the scene has ``output.forces``, ``forces``, see
-    `forces_report`.
+    Where no pulse stays together, `workflow.verdicts.analyse` adds ``energy``, see `energy_report`; where beads differ,
+    ``cells``, see `cells_report`. With a material it adds ``contacts``, see `workflow.runs.contacts.Contacts`; where
+    the scene has ``output.forces``, ``forces``, see `forces_report`.
     """
     problem, scale = found.problem, found.problem.scale
     order = np.argsort([-character.peak_velocity for character in found.characters], kind="stable")
@@ -114,6 +116,26 @@ def energy_report(problem: Problem, flow: Flow) -> dict[str, Any]:
             name: [[_number(value) for value in row] for row in getattr(flow, name).tolist()]
             for name in ("share", "centre", "spread")
         },
+    }
+
+
+def cells_report(problem: Problem, cells: CellEnergy) -> dict[str, Any]:
+    """What ``analysis.json`` says under ``cells``, where beads differ; energies in that of the kicks.
+
+    | key         | what                                                                                          |
+    |-------------|-----------------------------------------------------------------------------------------------|
+    | beads       | of a cell: what the pattern repeats                                                           |
+    | left_behind | energy that the pulse of the chain that was hit hardest leaves in every cell                  |
+    | chains      | per chain: that, between which beads, and what the pulse carries at the last; null: none ran  |
+    | replaced    | per replaced bead: energy of its chain before, at and beyond it at the end                    |
+    """
+    found = [cells.left(chain) for chain in range(1, problem.chains + 1)]
+    hit = found[max(problem.kicks, key=lambda kick: abs(kick[2]))[0] - 1]
+    return {
+        "beads": cells.period,
+        "left_behind": None if hit is None else _number(hit.per_cell),
+        "chains": [None if left is None else {**asdict(left), "per_cell": _number(left.per_cell)} for left in found],
+        "replaced": [asdict(split) for split in cells.splits()],
     }
 
 
@@ -172,7 +194,7 @@ def equipartition(found: Survey) -> dict[str, Any]:
     | amplitudes     | bead from which on the mismatch, (largest - smallest) / mean, stays below 0.1, 0.01, 0.001 |
     | arrivals       | the same for the spread of arrivals over the time in which the wave passes (half height)   |
     | final          | amplitude over the last half beat in V, its uncertainty, and the reduction against V       |
-    | energy_share   | of the waves at the last clear bead: exact waves of these amplitudes; measured             |
+    | energy_share   | of the waves at the last clear bead: exact waves of these amplitudes; measured                |
     | beat_length    | beads from one excess of a chain to the next, and its scatter                              |
     | decay_law      | v = v0 (1 - n / n_star)**2.5 fitted where neighbours are weak: v0 in V, n_star, its error, |
     |                | what theory expects, first and last bead, largest relative deviation; null if nowhere      |
@@ -189,7 +211,7 @@ def equipartition(found: Survey) -> dict[str, Any]:
         "arrivals": {str(tolerance): shared.in_step_from(tolerance) for tolerance in AGREEMENTS},
         "final": None if final is None else {**_known(final), "reduction": 1.0 - final.value},
         "energy_share": {
-            "exact": _number(float(np.sum(shared.wave_share[-1]))) if len(shared) else None,
+            "exact": _number(float(np.sum(shared.wave_share[-1]))) if len(shared) and found.problem.alike else None,
             "measured": _number(float(measured[-1])) if len(measured) else None,
         },
         "beat_length": _estimate(shared.beat_length),

@@ -84,14 +84,16 @@ def _start(own: Trajectory) -> list[str]:
 
 
 def _strengths(own: Trajectory, reference: Trajectory) -> list[str]:
-    """Whether the beads were held otherwise than the scene says."""
-    if not own.problem.ground:
+    """Whether the beads were held, or tied in ways that `_springs` does not know, otherwise than the scene says."""
+    problem = own.problem
+    links = (*problem.ground, *(() if problem.open_row else problem.across))
+    if not links:
         return []
     felt, right = symptoms.identify_strengths(own), symptoms.identify_strengths(reference)
     if felt is None or right is None:
         return []
     found = []
-    for link in own.problem.ground:
+    for link in links:
         factor, doubt = felt[link.name] / right[link.name], 5e-4 + 3.0 * abs(right[link.name] - 1.0)
         if abs(factor) < doubt:
             found.append(f"the {link.name.replace('_', ' ')} is missing")

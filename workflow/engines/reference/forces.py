@@ -3,7 +3,8 @@
 | kind of link | here     | what it is to the kernel                                                        |
 |--------------|----------|---------------------------------------------------------------------------------|
 | along        | ``along``  | tuple of laws; the contact with the bead behind, so bead 1 has one with row 0  |
-| across       | ``across`` | tuple of (distance to the other bead in memory, law)                           |
+| across       | ``across`` | tuple of (distance to the other bead in memory, law), or of (array of those,    |
+|              |            | law with parameters [distance, place]) where there are more than `UNROLLED`     |
 | ground       | ``ground`` | tuple of laws                                                                  |
 
 An empty tuple costs nothing: what is not there is gone when the loop is compiled. A parameter is a number or an array
@@ -23,6 +24,9 @@ from lammps_inputs.links import Across
 
 Floats = NDArray[np.float64]
 
+UNROLLED = 2
+"""Distances to neighbours that the loop is written out for, which an open row has; each doubles the compiler's time."""
+
 
 class Forces(NamedTuple):
     """All forces of a problem as the kernel takes them."""
@@ -31,6 +35,8 @@ class Forces(NamedTuple):
     gap: float
     across: tuple[tuple[Any, Any], ...]
     ground: tuple[Any, ...]
+    lightness: Any
+    """One over the masses; an empty tuple where all are 1."""
 
 
 def make_forces(system: System) -> Forces:
@@ -40,7 +46,16 @@ def make_forces(system: System) -> Forces:
         gap=system.gap,
         across=tuple(neighbour for link in system.across for neighbour in _neighbours(link, system)),
         ground=tuple(_flat(link.law, system, first=1) for link in system.ground),
+        lightness=_lightness(system),
     )
+
+
+def _lightness(system: System) -> Any:
+    if isinstance(system.mass, float):
+        return ()
+    rows = np.ones((system.beads + 2, system.chains))
+    rows[1:-1] = 1.0 / system.mass.T
+    return rows.reshape(-1)
 
 
 def _flat(law: Any, system: System, *, first: int) -> Any:
@@ -59,7 +74,8 @@ def _flat(law: Any, system: System, *, first: int) -> Any:
 def _neighbours(link: Across, system: System) -> list[tuple[Any, Any]]:
     """(distance, law) of the springs to chains of lower numbers, the nearest last, then of higher ones.
 
-    Where a chain has no other at that distance, the law's parameters are 0, which makes no force.
+    Where a chain has no other at that distance, the law's parameters are 0, which makes no force. More than `UNROLLED`
+    are one, whose arrays have the distances as their first axis.
     """
     found: dict[int, list[Floats]] = {}
     for edge, (lower, higher) in enumerate(link.edges):
@@ -68,10 +84,11 @@ def _neighbours(link: Across, system: System) -> list[tuple[Any, Any]]:
             empty = [np.zeros((system.beads + 2, system.chains)) for _ in values]
             for array, value in zip(found.setdefault(there - here, empty), values, strict=True):
                 array[1:-1, here] += value
-    return [
-        (np.uint64(distance % 2**64), type(link.law)(*(array.reshape(-1) for array in found[distance])))
-        for distance in sorted(found)
-    ]
+    distances = np.array([distance % 2**64 for distance in sorted(found)], dtype=np.uint64)
+    springs = [type(link.law)(*(array.reshape(-1) for array in found[distance])) for distance in sorted(found)]
+    if len(distances) > UNROLLED:
+        return [(distances, type(link.law)(*map(np.stack, zip(*springs, strict=True))))]
+    return list(zip(distances, springs, strict=True))
 
 
 def at(parameter: Any, k: Any) -> Any:
@@ -91,6 +108,23 @@ def sum_of(laws: Any, k: Any, strain: Any) -> Any:
 
 def pull(across: Any, x: Any, k: Any) -> Any:
     """Force that drives a bead back towards those of its row."""
+    raise NotImplementedError
+
+
+def over_mass(force: Any, lightness: Any, k: Any) -> Any:
+    """Acceleration by a force at a place in memory."""
+    raise NotImplementedError
+
+
+@overload(over_mass, inline="always", strict=False)
+def _over_mass(force: Any, lightness: Any, k: Any) -> Any:
+    if isinstance(lightness, types.Array):
+        return lambda force, lightness, k: force * lightness[k]
+    return lambda force, lightness, k: force
+
+
+def pull_of(neighbours: Any, x: Any, k: Any) -> Any:
+    """The same of the neighbours at one distance, or at all distances of an array."""
     raise NotImplementedError
 
 
@@ -125,5 +159,19 @@ def _pull(across: Any, x: Any, k: Any) -> Any:
     if len(across) == 0:
         return lambda across, x, k: 0.0
     if len(across) == 1:
-        return lambda across, x, k: force(across[0][1], k, x[k] - x[k + across[0][0]])
-    return lambda across, x, k: force(across[0][1], k, x[k] - x[k + across[0][0]]) + pull(across[1:], x, k)
+        return lambda across, x, k: pull_of(across[0], x, k)
+    return lambda across, x, k: pull_of(across[0], x, k) + pull(across[1:], x, k)
+
+
+@overload(pull_of, inline="always", strict=False)
+def _pull_of(neighbours: Any, x: Any, k: Any) -> Any:
+    if not isinstance(neighbours[0], types.Array):
+        return lambda neighbours, x, k: force(neighbours[1], k, x[k] - x[k + neighbours[0]])
+
+    def total(neighbours: Any, x: Any, k: Any) -> Any:
+        result = 0.0
+        for n in range(np.uint64(neighbours[0].shape[0])):
+            result += force(neighbours[1], (n, k), x[k] - x[k + neighbours[0][n]])
+        return result
+
+    return total

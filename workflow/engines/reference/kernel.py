@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from workflow.compiled import compiled
-from workflow.engines.reference.forces import Forces, pull, sum_of
+from workflow.engines.reference.forces import Forces, over_mass, pull, sum_of
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -31,10 +31,11 @@ def press(x: Floats, push: Floats, forces: Forces, chains: int, first: int, last
 
 @compiled
 def kick(v: Floats, push: Floats, x: Floats, forces: Forces, factor: float, chains: int, first: int, last: int) -> None:
-    """``v += factor * forces`` in rows first to last, which nothing outside touches."""
+    """``v += factor * forces / masses`` in rows first to last, which nothing outside touches."""
     row = np.uint64(chains)
     for k in range(np.uint64(first * chains), np.uint64((last + 1) * chains)):
-        v[k] += factor * (push[k] - push[k + row] - pull(forces.across, x, k) - sum_of(forces.ground, k, x[k]))
+        force = push[k] - push[k + row] - pull(forces.across, x, k) - sum_of(forces.ground, k, x[k])
+        v[k] += factor * over_mass(force, forces.lightness, k)
 
 
 @compiled

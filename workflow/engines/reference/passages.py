@@ -13,6 +13,7 @@ import numpy as np
 from analysis.tracking.leading_waves import Waves, with_speeds
 from analysis.tracking.peaks import THRESHOLD
 from lammps_inputs import Problem
+from lammps_inputs.limits.timestep import stability_bound
 from workflow.compiled import compiled
 from workflow.engines.reference import engine
 from workflow.engines.reference.blanes_moan import BLANES_MOAN
@@ -101,7 +102,8 @@ class Passages:
 
 def usual_timestep(problem: Problem) -> float:
     """0.1, or less where the springs are stiff, in units of T: peaks are then right to below 1e-5 of V."""
-    return 0.1 / math.sqrt(max(1.0, problem.swing**2 / 2.0))
+    step = 0.1 / math.sqrt(max(1.0, problem.swing**2 / 2.0))
+    return step if problem.alike else min(step, stability_bound(problem) / 8.0)
 
 
 def passages(

@@ -42,7 +42,7 @@ def settings(problem: Problem) -> Jobs:
     for scheme in reference_schemes():
         found += reference_by_step(problem, scheme)
     found += lammps_by_window(problem) + reference_by_window(problem)
-    if problem.gap > 0.0:
+    if problem.gap > 0.0 and problem.simply_coupled:
         found.append(_setting(RIGID, 1.0, "exact", Job("collisions", problem)))
     return found
 
@@ -119,7 +119,7 @@ def reference_by_step(problem: Problem, scheme: Scheme) -> Jobs:
 
 def lammps_by_window(problem: Problem) -> Jobs:
     """LAMMPS at the scene's time step by the number of rows that exist; all of them last."""
-    recorded = problem.recorded is None
+    recorded = problem.recorded is None and problem.uniform
     forward = all(velocity > 0.0 and bead <= LEAST_WINDOW - HEADROOM for _, bead, velocity in problem.kicks)
     jobs = [Job("lammps", replace(problem, window=rows)) for rows in widths(problem)] if recorded and forward else []
     return _windows(LAMMPS, problem, jobs, Job("lammps", problem))

@@ -43,7 +43,7 @@ def measure(problem: Problem, directory: Path) -> Sequence[Size]:
     for factor in FACTORS:
         longer = replace(problem, beads=problem.beads * factor, recorded=None, window=None)
         atoms = longer.chains * longer.beads
-        if factor == 1 or atoms <= MOST_ATOMS:
+        if factor == 1 or (atoms <= MOST_ATOMS and problem.uniform):
             found.append(Size(atoms, _seconds(longer, directory)))
     return found
 

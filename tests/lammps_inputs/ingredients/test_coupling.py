@@ -1,0 +1,197 @@
+"""What a scene may say of springs between chains, and what becomes of it."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lammps_inputs import InputError, library, strict_yaml
+from lammps_inputs.decks import deck
+from lammps_inputs.laws.duffing import Duffing
+from lammps_inputs.laws.linear import Linear
+from lammps_inputs.limits.timestep import stability_bound
+
+STEEL = {"radius": 4.76e-3, "density": 8000.0, "youngs_modulus": 193e9, "poisson_ratio": 0.3}
+
+
+def scene(coupling, **changes):
+    plain = {"name": "test", "chains": 3, "beads": 8, "kick": {"velocity": 1.0}, "duration": 4.0, "coupling": coupling}
+    return library.from_plain({**plain, **changes}, "test")
+
+
+def spring(coupling, **changes):
+    """The one link across of a scene."""
+    (link,) = scene(coupling, **changes).system.across
+    return link
+
+
+def graph(**topology):
+    return {"stiffness": 0.1, "topology": topology}
+
+
+@pytest.mark.parametrize(
+    ("topology", "chains", "edges"),
+    [
+        ("open", 4, ((0, 1), (1, 2), (2, 3))),
+        ("ring", 4, ((0, 1), (0, 3), (1, 2), (2, 3))),
+        ("ring", 2, ((0, 1),)),
+        ({"lattice": [2, 3]}, 6, ((0, 1), (0, 3), (1, 2), (1, 4), (2, 5), (3, 4), (4, 5))),
+        ({"edges": [[3, 1], [2, 3]]}, 3, ((0, 2), (1, 2))),
+    ],
+)
+def test_a_topology_is_these_pairs_of_chains(topology, chains, edges):
+    assert spring({"stiffness": 0.1, "topology": topology}, chains=chains).edges == edges
+
+
+def test_an_edge_may_have_its_own_stiffness():
+    link = spring({"stiffness": 0.1, "topology": {"edges": [[1, 2], [1, 3, 0.4], [2, 3, 0.0]]}})
+    assert link.edges == ((0, 1), (0, 2))
+    np.testing.assert_array_equal(link.law.spring, np.repeat([[0.1], [0.4]], 8, axis=1))
+
+
+def test_a_ramp_rises_evenly_between_its_rows():
+    law = spring({"stiffness": {"from": 0.1, "to": 0.5, "rows": [3, 7]}}).law
+    assert law.spring[1] == pytest.approx([0.1, 0.1, 0.1, 0.2, 0.3, 0.4, 0.5, 0.5], rel=1e-15)
+
+
+def test_springs_are_in_their_rows_only():
+    np.testing.assert_array_equal(
+        spring({"stiffness": 0.1, "rows": [3, 4]}).law.spring, [[0, 0, 0.1, 0.1, 0, 0, 0, 0]] * 2
+    )
+
+
+@pytest.mark.parametrize(
+    "coupling",
+    [
+        {"stiffness": {"from": 0.1, "to": 0.1, "rows": [2, 5]}},
+        {"stiffness": 0.1, "rows": [1, 8]},
+        {"stiffness": 0.1, "topology": "open", "cubic": 0.0},
+        {"topology": {"edges": [[1, 2, 0.1], [2, 3, 0.1]]}},
+    ],
+    ids=str,
+)
+def test_what_comes_to_the_paper_s_springs_has_their_deck(coupling):
+    plain = scene({"stiffness": 0.1}).problem()
+    assert deck.render_deck(scene(coupling).problem()) == deck.render_deck(plain)
+    assert deck.render_data(scene(coupling).problem()) == deck.render_data(plain)
+
+
+def test_numbers_in_si_units_follow_from_the_scale():
+    one = scene({"stiffness": 2e6, "cubic": 3e14}, material=STEEL)
+    law, scale = spring({"stiffness": 2e6, "cubic": 3e14}, material=STEEL).law, one.scale
+    assert isinstance(law, Duffing)
+    assert law == pytest.approx((2e6 / scale.stiffness, 3e14 * scale.length**2 / scale.stiffness), rel=1e-14)
+
+
+def test_a_scene_is_written_as_it_was_read():
+    coupling = {
+        "model": "linear",
+        "stiffness": {"rows": [2, 5], "from": 0.0, "to": 0.1},
+        "topology": {"lattice": [1, 3]},
+    }
+    one = scene(coupling)
+    assert one.plain()["coupling"] == coupling
+    assert library.from_plain(one.plain(), "again") == one
+    assert "rows: [2, 5]" in strict_yaml.dump(one.plain())
+
+
+def test_a_bond_type_is_one_stiffness():
+    problem = scene({"stiffness": {"from": 0.0, "to": 0.2, "rows": [2, 4]}, "topology": "ring"}).problem()
+    data, text = deck.render_data(problem), deck.render_deck(problem)
+    assert "18 bonds\n2 bond types" in data
+    assert "bond_coeff 1 0.05 0\nbond_coeff 2 0.1 0\n" in text
+    assert "\n1 1 3 11\n2 2 4 12\n" in data
+    assert "kappa" not in text.replace("coupling", "")
+
+
+def test_the_contacts_are_kept_whatever_the_graph():
+    assert "special_bonds lj/coul 1 1 1" in deck.render_deck(scene(graph(edges=[[1, 2], [1, 3]])).problem())
+
+
+BAD = {
+    "coupling.stiffness: is missing": {},
+    "coupling.topology.lattice: 2 x 2 places for 3 chains": graph(lattice=[2, 2]),
+    "coupling.topology.edges[2]: 4 is outside the array (chains 1 to 3)": graph(edges=[[1, 2], [1, 4]]),
+    "coupling.topology.edges[1]: ties chain 2 to itself": graph(edges=[[2, 2]]),
+    "coupling.topology.edges[2]: chains 1 and 2 are tied twice": graph(edges=[[1, 2], [2, 1]]),
+    "coupling.rows: 5 to 9 given; from a bead to a later one, within 8": {"stiffness": 0.1, "rows": [5, 9]},
+    "coupling.stiffness.rows: 5 to 5 given": {"stiffness": {"from": 0.1, "to": 0.2, "rows": [5, 5]}},
+    "coupling.stiffness: every edge has a stiffness of its own": {
+        "stiffness": 0.1,
+        "topology": {"edges": [[1, 2, 0.3]]},
+    },
+    "coupling.stiffness: 1e+13 in dimensionless units": {"topology": {"edges": [[1, 2, 1e13]]}},
+    "coupling.cubic: 1e+13 in dimensionless units": {"cubic": 1e13},
+    "coupling.cubic: tied chains are so far from each other": {"cubic": 1e6},
+    "coupling.stiffness.to: is missing": {"stiffness": {"from": 0.1, "rows": [1, 5]}},
+    "coupling.stiffness: should be a number": {"stiffness": "much"},
+    "coupling.topology: ": {"stiffness": 0.1, "topology": "star"},
+    "coupling.cubic: ": {"stiffness": 0.1, "cubic": -1.0},
+}
+
+
+@pytest.mark.parametrize("message", BAD)
+def test_what_cannot_be_is_refused_in_one_line(message):
+    with pytest.raises(InputError) as refused:
+        scene(BAD[message])
+    assert f"test: {message}" in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize("changes", [{"rows": [1, 50]}, {"stiffness": {"from": 0.0, "to": 0.1, "rows": [3, 9]}}])
+def test_rows_that_differ_are_refused_in_a_window(changes):
+    with pytest.raises(InputError, match="a window takes rows from its tail to its head with the springs they have"):
+        scene({"stiffness": 0.1, **changes}, beads=100, window=64)
+
+
+@st.composite
+def graphs(draw):
+    """Chains, and edges with stiffnesses."""
+    chains = draw(st.integers(2, 7))
+    pairs = [(one, other) for one in range(1, chains) for other in range(one + 1, chains + 1)]
+    chosen = draw(st.lists(st.sampled_from(pairs), min_size=1, unique=True))
+    return chains, [[*pair, draw(st.floats(0.01, 1e4))] for pair in chosen]
+
+
+@given(graphs())
+def test_no_graph_swings_faster_than_the_bound(case):
+    chains, edges = case
+    one = scene({"topology": {"edges": edges}}, chains=chains)
+    laplacian = np.zeros((chains, chains))
+    for lower, higher, stiffness in edges:
+        ends = np.eye(chains)[lower - 1] - np.eye(chains)[higher - 1]
+        laplacian += stiffness * np.outer(ends, ends)
+    fastest = np.sqrt(np.linalg.eigvalsh(laplacian)[-1])
+    assert one.system.swing == pytest.approx(fastest, rel=1e-9)
+    assert stability_bound(one.system) < 2.0 / fastest
+
+
+def test_a_ramp_is_bounded_by_its_stiffest_row():
+    ramp = scene({"stiffness": {"from": 50.0, "to": 1.0, "rows": [2, 5]}}, chains=2)
+    assert ramp.system.swing == pytest.approx(np.sqrt(2.0 * 50.0), rel=1e-14)
+
+
+def test_many_chains_are_bounded_without_a_matrix():
+    ring = scene({"stiffness": 1.0, "topology": "ring"}, chains=400, beads=2).system
+    assert ring.swing == pytest.approx(2.0, rel=1e-14)  # sqrt(4), which a ring of an even number has
+
+
+def test_chains_that_are_tied_are_one_group():
+    system = scene(graph(edges=[[1, 4], [2, 3]]), chains=5).system
+    assert [system.tied_to(chain) for chain in range(5)] == [[0, 3], [1, 2], [1, 2], [0, 3], [4]]
+
+
+def test_only_equal_springs_from_each_chain_to_the_next_count_as_the_paper_s():
+    assert scene({"stiffness": 0.1}).system.simply_coupled
+    for coupling in (
+        {"stiffness": 0.1, "topology": "ring"},
+        {"stiffness": 0.1, "rows": [1, 4]},
+        {"stiffness": 0.1, "cubic": 1.0},
+        graph(edges=[[1, 2]]),
+    ):
+        assert not scene(coupling).system.simply_coupled
+
+
+def test_springs_without_stiffness_are_none():
+    assert scene({"stiffness": 0.0, "topology": "ring", "cubic": 0.0}).system.across == ()
+    assert isinstance(spring({"stiffness": 0.2, "cubic": 0.0}).law, Linear)
