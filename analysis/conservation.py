@@ -3,17 +3,21 @@
 import numpy as np
 
 from analysis import motion
-from analysis.trajectory import Trajectory
+from analysis.trajectory import Floats, Trajectory
+from analysis.work import Work
 from lammps_inputs.facts import Fact
 
 
 class Conservation:
-    """Largest deviation of energy and momentum from the kicks', over the frames seen so far.
+    """Largest deviation of energy and momentum from what was put in, over the frames seen so far.
+
+    That is the kicks', and what forces from outside have added until then.
 
     Attributes:
-        energy_drift: relative to the energy of the kicks; NaN where not all beads are recorded, as in a window, and
+        energy_drift: relative to the most that was put in; NaN where not all beads are recorded, as in a window, and
             where the problem does not conserve it.
-        momentum_drift: relative to the sum of the kicks' absolute momenta; NaN likewise.
+        momentum_drift: relative to the sum of the absolute momenta of kicks and forces from outside, from when these
+            are over; NaN likewise.
         frames: number of frames seen.
         last_time: time of the last of them, in units of T.
         front: foremost bead (largest number) seen moving faster than 1e-3 of V.
@@ -25,6 +29,8 @@ class Conservation:
         self.frames = 0
         self.last_time = 0.0
         self.front = 0
+        self._work: Work | None = None
+        self._put_in = self._missing = 0.0
 
     def add(self, block: Trajectory) -> None:
         """Take more frames into account."""
@@ -40,13 +46,30 @@ class Conservation:
             return
         # all beads, for the order in which a sum is taken must not depend on which of them move in this block
         energy = motion.energy(problem, block.displacement, velocity)
-        momentum = motion.momentum(velocity)
-        kicked = sum(abs(velocity) for _, _, velocity in problem.kicks)
+        momentum = motion.momentum(problem, velocity)
         for fact, drift in ((Fact.ENERGY, energy), (Fact.MOMENTUM, momentum)):
             if not problem.holds(fact):
                 drift[:] = np.nan
+        if problem.loads:
+            self._budget(block, energy, momentum)
+            return
         # np.maximum, unlike max(), lets NaN through
         self.energy_drift = float(np.maximum(self.energy_drift, np.max(np.abs(energy / problem.energy - 1.0))))
         self.momentum_drift = float(
-            np.maximum(self.momentum_drift, np.max(np.abs(momentum - problem.momentum)) / kicked)
+            np.maximum(self.momentum_drift, np.max(np.abs(momentum - problem.momentum)) / problem.pushed)
         )
+
+    def _budget(self, block: Trajectory, energy: Floats, momentum: Floats) -> None:
+        """With forces from outside: energy is that of the kicks and the work done, momentum likewise."""
+        problem = block.problem
+        self._work = self._work or Work(problem)
+        put_in = 0.5 * sum(velocity**2 for _, _, velocity in problem.kicks) + self._work.add(block)
+        self._put_in = max(self._put_in, float(np.max(np.abs(put_in))))
+        self._missing = float(np.maximum(self._missing, np.max(np.abs(energy - put_in))))
+        self.energy_drift = self._missing / self._put_in if self._missing > 0.0 else self._missing
+        given = sum(load.impulse(block.time) for load in problem.loads)
+        size = sum(abs(velocity) for _, _, velocity in problem.kicks) + sum(load.law.total for load in problem.loads)
+        # in the velocity of a bead that is pushed LAMMPS has half a step of the mean of the force
+        over = block.time > max(load.end for load in problem.loads) + 0.5 * problem.timestep * (1.0 + 1e-6)
+        missing = float(np.max(np.abs(momentum - problem.momentum - given)[over], initial=0.0))
+        self.momentum_drift = float(np.maximum(self.momentum_drift, missing / size))

@@ -16,8 +16,8 @@ Number = TypeVar("Number", int, NDArray[np.int64])
 
 
 def direction_of(problem: Problem) -> int:
-    """Which way the hardest kick goes, and so the leading pulse: 1 towards higher bead numbers, -1 towards lower."""
-    _, _, hardest = max(problem.kicks, key=lambda kick: abs(kick[2]))
+    """Which way the hardest blow goes, and so the leading pulse: 1 towards higher bead numbers, -1 towards lower."""
+    _, _, hardest = max(problem.struck, key=lambda blow: abs(blow[2]))
     return 1 if hardest > 0.0 else -1
 
 
@@ -33,6 +33,8 @@ def mirrored_problem(problem: Problem) -> Problem:
         problem,
         kicks=tuple((chain, mirrored_bead(problem, bead), -velocity) for chain, bead, velocity in problem.kicks),
         links=tuple(link.mirrored() for link in problem.links),
+        mass=problem.mass_of(Ellipsis, slice(None, None, -1)),
+        loads=tuple(load.mirrored(mirrored_bead(problem, load.bead)) for load in problem.loads),
         recorded=None if recorded is None else tuple(mirrored_bead(problem, bead) for bead in reversed(recorded)),
     )
 

@@ -18,9 +18,19 @@ def overlaps(system: System, displacement: Floats) -> Floats:
     return system.along[0].strain(displacement)
 
 
+def _weighed(system: System, values: Floats, first: int) -> Floats:
+    """Values of beads times their masses."""
+    return values if isinstance(system.mass, float) else values * system.mass_from(first, values)
+
+
+def kinetic_energy(system: System, velocity: Floats, first: int = 1) -> Floats:
+    """Of every bead, [..., chain, bead] from the same."""
+    return _weighed(system, np.asarray(0.5 * velocity * velocity), first)
+
+
 def energy(system: System, displacement: Floats, velocity: Floats, first: int = 1) -> Floats:
     """Total energy of states, [...] from [..., chain, bead]: kinetic, and of every link (eq. 1 integrated)."""
-    total = 0.5 * np.sum(velocity * velocity, axis=(-2, -1))
+    total = 0.5 * np.sum(_weighed(system, velocity * velocity, first), axis=(-2, -1))
     for link in system.links:
         total += np.sum(link.energy(displacement, first), axis=(-2, -1))
     return np.asarray(total)
@@ -31,7 +41,7 @@ def bead_energy(system: System, displacement: Floats, velocity: Floats, first: i
 
     Two beads in contact have half of its energy each. What the springs between chains hold is nobody's.
     """
-    total = np.asarray(0.5 * velocity * velocity)
+    total = kinetic_energy(system, velocity, first)
     for link in (*system.along, *system.ground):
         link.shared(total, link.energy(displacement, first))
     return total
@@ -57,17 +67,22 @@ def contact_stiffness(system: System, overlap: Floats, *contact: Integers | slic
     return np.asarray(sum(laws.stiffness(laws.at(link.law, *contact), overlap) for link in system.along))
 
 
-def momentum(velocity: Floats) -> Floats:
+def momentum(system: System, velocity: Floats, first: int = 1) -> Floats:
     """Total momentum along the chains, [...] from [..., chain, bead]."""
-    return np.asarray(np.sum(velocity, axis=(-2, -1)))
+    return np.asarray(np.sum(_weighed(system, velocity, first), axis=(-2, -1)))
 
 
-def acceleration(system: System, displacement: Floats, first: int = 1) -> Floats:
-    """Acceleration of every bead, [..., chain, bead] from the same; every bead must be recorded (eq. 1)."""
+def acceleration(system: System, displacement: Floats, first: int = 1, *, time: Floats | None = None) -> Floats:
+    """Acceleration of every bead, [..., chain, bead] from the same; every bead must be recorded (eq. 1).
+
+    Forces from outside are left out where no times, [...], are given.
+    """
     result = np.zeros_like(displacement)
     for link in system.links:
         link.drive(result, link.force(displacement, first))
-    return result
+    for load in system.loads if time is not None else ():
+        result[..., load.chain - 1, load.bead - first] += load.force(time)
+    return result if isinstance(system.mass, float) else result / system.mass_from(first, result)
 
 
 def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, bead: Integers) -> tuple[Floats, Floats]:
@@ -102,6 +117,13 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
         law = laws.at(ground.law, chain, row)
         acceleration -= laws.force(law, here_x)
         rate -= laws.stiffness(law, here_x) * here_v
+    for load in problem.loads:
+        here, time = (chain == load.chain - 1) & (row == load.bead - 1), block.time[frame]
+        acceleration += np.where(here, load.force(time), 0.0)
+        rate += np.where(here, load.rate(time), 0.0)
+    if not isinstance(problem.mass, float):
+        mass = problem.mass_of(chain, row)
+        return acceleration / mass, rate / mass
     return acceleration, rate
 
 

@@ -10,7 +10,8 @@ from pydantic_core import ErrorDetails
 
 from lammps_inputs import strict_yaml
 from lammps_inputs.errors import InputError
-from lammps_inputs.scene import Scene
+from lammps_inputs.ingredients import INGREDIENTS
+from lammps_inputs.scene import SEVERAL, Scene
 from lammps_inputs.window import LEAST_WINDOW
 
 
@@ -48,7 +49,26 @@ def load(path: Path) -> Scene:
     Raises:
         InputError: naming the file, the key, what was given and what would be right.
     """
-    return from_plain(strict_yaml.load(path), str(path))
+    return from_plain(load_plain(path), str(path))
+
+
+def load_plain(path: Path) -> dict[str, Any]:
+    """What stands in a scene's YAML file, and in the files that it names.
+
+    Raises:
+        InputError: as `load`.
+    """
+    return with_files(strict_yaml.load(path), path.parent)
+
+
+def with_files(data: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """Plain data of a scene, with what it names of files in a folder.
+
+    Raises:
+        InputError: one cannot be read.
+    """
+    found = {key: ingredient for key, ingredient in INGREDIENTS.items() if key in data}
+    return data | {key: ingredient.from_files(data[key], folder) for key, ingredient in found.items()}
 
 
 def from_plain(data: dict[str, Any], source: str) -> Scene:
@@ -102,7 +122,7 @@ def _line(detail: ErrorDetails, model: type[BaseModel]) -> str:
     context = detail.get("ctx", {})
     if kind == "extra_forbidden":
         known = _fields_at(model, path[:-1])
-        return f"{key}: unknown key{suggestion(str(path[-1]), known)}; known here: {', '.join(known)}"
+        return f"{key}: unknown key{suggestion(str(path[-1]), known) or f'; known here: {_listed(known)}'}"
     if kind == "missing":
         return f"{key}: is missing"
     if key == "window":
@@ -135,11 +155,20 @@ def _key(path: list[int | str]) -> str:
     for position, part in enumerate(path):
         if isinstance(part, int):
             following = position + 1 < len(path)
-            key += "" if key == "kick" and part == 0 and following else f"[{part + 1}]"
+            key += "" if key in SEVERAL and part == 0 and following else f"[{part + 1}]"
         else:
             word = part if 0 < len(part) <= 60 else _short(part)
             key += f".{word}" if key else word
     return key
+
+
+def _listed(known: list[str]) -> str:
+    """As many of them as a line has room for."""
+    text = ", ".join(known)
+    return text if len(text) <= _ROOM else f"{text[:_ROOM].rpartition(',')[0]}, ..."
+
+
+_ROOM = 160
 
 
 def _short(value: Any) -> str:
@@ -152,7 +181,7 @@ def _short(value: Any) -> str:
 
 def _fields_at(model: type[BaseModel], path: list[int | str]) -> list[str]:
     for part in path:
-        if isinstance(part, int):
+        if isinstance(part, int) or part not in model.model_fields:  # a number in a list, or a name that the user gave
             continue
         model = model_in(model.model_fields[part].annotation) or model
     return [field.alias or name for name, field in model.model_fields.items()]

@@ -12,6 +12,21 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
+class AtomTypes:
+    """LAMMPS's types of atoms, by which it tells contacts apart.
+
+    Attributes:
+        of: type of every bead, from 1, [chain, bead].
+        strength: (type, type), the lower first, -> strength of the contact of two neighbours that are of these types.
+        count: how many types there are.
+    """
+
+    of: NDArray[np.int64]
+    strength: dict[tuple[int, int], float]
+    count: int
+
+
+@dataclass(frozen=True)
 class Lines:
     """What one law adds to a deck, also to its continuation; nothing by default.
 
@@ -20,12 +35,48 @@ class Lines:
         interactions: of atoms with each other, a section of their own.
         motion: fixes that act beside the integration, once the beads are read and at rest.
         bonds: type of the bond that is each link across, [edge, row], counted from 1; 0 for none.
+        types: of the atoms, where contacts differ; else recorded beads are of type 2 and others of type 1.
     """
 
     variables: tuple[str, ...] = ()
     interactions: tuple[str, ...] = ()
     motion: tuple[str, ...] = ()
     bonds: NDArray[np.int64] | None = None
+    types: AtomTypes | None = None
+
+
+def types_by_contact(strength: NDArray[np.float64]) -> AtomTypes:
+    """Few types, so that those of any two neighbours tell how strong their contact is: some sqrt(2 n) for n strengths.
+
+    Only neighbours ever meet, so any strength may be that of any pair of types, once.
+
+    Args:
+        strength: [chain, contact].
+    """
+    found: dict[tuple[int, int], float] = {}
+    place: dict[tuple[int, float], int] = {}
+    free: list[set[int]] = [{1}]  # of each type, those with which it has no strength yet
+    rows: dict[bytes, NDArray[np.int64]] = {}
+    for row in strength:
+        if row.tobytes() in rows:
+            continue
+        types = [1]
+        for value in row.tolist():
+            here = types[-1]
+            there = place.get((here, value))
+            if there is None:
+                if not free[here - 1]:
+                    free.append(set(range(1, len(free) + 2)))
+                    for others in free[:-1]:
+                        others.add(len(free))
+                there = max(free[here - 1], key=lambda kind: (len(free[kind - 1]), -kind))
+                free[here - 1].discard(there)
+                free[there - 1].discard(here)
+                found[min(here, there), max(here, there)] = value
+                place[here, value], place[there, value] = there, here
+            types.append(there)
+        rows[row.tobytes()] = np.array(types, dtype=np.int64)
+    return AtomTypes(np.array([rows[row.tobytes()] for row in strength]), found, len(free))
 
 
 MOST_GROUPS = 24

@@ -5,11 +5,13 @@
 | N                  | ``chains``              | -                         |
 | epsilon * alpha    | ``kappa``               | m / T**2                  |
 | D                  | ``gap``                 | L                         |
-| V                  | largest of ``kicks``    | L / T; 1 by construction  |
+| V                  | largest of ``struck``   | L / T; 1 by construction  |
 """
 
-from dataclasses import dataclass, replace
+import math
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,14 +20,15 @@ from lammps_inputs import laws
 from lammps_inputs.facts import Fact
 from lammps_inputs.laws.linear import Linear
 from lammps_inputs.links import Across, Along, Ground, Link, Wall, largest_eigenvalue
+from lammps_inputs.loads import Load
 from lammps_inputs.numbers import power_of_two_at_least
 from lammps_inputs.scheme import SchemeName
 from lammps_inputs.units import Scale
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class System:
-    """Beads of mass 1, the links between them, and how they are hit, so that the fastest starts at 1."""
+    """Beads, the links between them, and how they are hit, so that the fastest starts at 1."""
 
     chains: int
     beads: int
@@ -33,8 +36,35 @@ class System:
     """(chain, bead, velocity), counted from 1; the largest |velocity| is 1."""
     links: tuple[Link, ...]
     """All forces there are; contacts first."""
+    mass: float | NDArray[np.float64] = 1.0
+    """1 where all beads have the reference bead's, else [chain, bead]."""
     lacks: frozenset[Fact] = frozenset()
     """What does not hold."""
+    loads: tuple[Load, ...] = ()
+    """Forces on beads from outside, over time."""
+
+    def __eq__(self, other: object) -> bool:
+        """Whether all is the same, to the last number of every array."""
+        if type(self) is not type(other):
+            return False
+        pairs = ((getattr(self, field.name), getattr(other, field.name)) for field in fields(self))
+        return all(np.array_equal(a, b) if isinstance(a, np.ndarray) else _same(a, b) for a, b in pairs)
+
+    def __hash__(self) -> int:
+        return hash((type(self), self.chains, self.beads, self.kicks, self.links))
+
+    def mass_of(self, *index: Any) -> Any:
+        """Mass of chosen beads, an index of [chain, bead] from 0; the number where all have the same."""
+        return self.mass if isinstance(self.mass, float) else self.mass[index]
+
+    def mass_from(self, first: int, array: NDArray[np.float64]) -> Any:
+        """Mass of the beads of an array [..., chain, bead] that begins with bead ``first``."""
+        return self.mass_of(Ellipsis, slice(first - 1, first - 1 + array.shape[-1]))
+
+    @cached_property
+    def alike(self) -> bool:
+        """Whether all beads, and all their contacts, are the same."""
+        return isinstance(self.mass, float) and not any(laws.differs(link.law) for link in self.along)
 
     def holds(self, fact: Fact) -> bool:
         """Whether a fact is true of this system."""
@@ -42,13 +72,31 @@ class System:
 
     @property
     def energy(self) -> float:
-        """Energy of the kicks."""
-        return 0.5 * sum(velocity**2 for _, _, velocity in self.kicks)
+        """Energy of the kicks; with loads the most that they and the kicks can put in: that of free beads."""
+        kicked = 0.5 * sum(self._kicked_mass(kick) * kick[2] ** 2 for kick in self.kicks)
+        if not self.loads:
+            return kicked
+        # a force F puts in F v at most F sqrt(2 E), so that sqrt(2 E) grows by no more than its impulse
+        return 0.5 * (math.sqrt(2.0 * kicked) + sum(load.law.total for load in self.loads)) ** 2
 
     @property
     def momentum(self) -> float:
         """Momentum of the kicks."""
-        return sum(velocity for _, _, velocity in self.kicks)
+        return sum(self._kicked_mass(kick) * kick[2] for kick in self.kicks)
+
+    @property
+    def pushed(self) -> float:
+        """Sum of the sizes of the kicks' momenta."""
+        return sum(self._kicked_mass(kick) * abs(kick[2]) for kick in self.kicks)
+
+    def _kicked_mass(self, kick: tuple[int, int, float]) -> float:
+        return float(self.mass_of(kick[0] - 1, kick[1] - 1))
+
+    @property
+    def struck(self) -> tuple[tuple[int, int, float], ...]:
+        """(chain, bead, impulse), counted from 1, of every kick and load: what sets the beads in motion."""
+        loads = ((load.chain, load.bead, float(load.impulse(load.end))) for load in self.loads)
+        return (*self.kicks, *loads)
 
     @cached_property
     def along(self) -> tuple[Along, ...]:
@@ -98,15 +146,32 @@ class System:
     @property
     def fastest(self) -> float:
         """Angular frequency, at most, of any motion (Gershgorin); energy bounds how stiff a contact can get."""
-        contacts = sum(4.0 * laws.stiffest(link.law, self.energy) for link in self.along)
-        if self.walls:  # a bead at the end has one contact, and a wall
-            contacts = max(contacts, 0.5 * contacts + max(laws.stiffest(link.law, self.energy) for link in self.walls))
-        return float(np.sqrt(contacts + self._springs()))
+        return float(np.sqrt(self._contacts() + self._springs()))
+
+    def _contacts(self) -> float:
+        wall = max((laws.stiffest(link.law, self.energy) for link in self.walls), default=0.0)
+        if self.alike:
+            contacts = sum(4.0 * laws.stiffest(link.law, self.energy) for link in self.along)
+            # a bead at the end has one contact, and a wall
+            return max(contacts, 0.5 * contacts + wall) if self.walls else contacts
+        total = np.zeros((self.chains, self.beads))
+        for link in self.along:
+            stiff = np.broadcast_to(
+                laws.stiffness(link.law, link.law.reach(self.energy, *link.law)), (self.chains, self.beads - 1)
+            )
+            total[:, 1:] += 2.0 * stiff
+            total[:, :-1] += 2.0 * stiff
+        total[:, [0, -1]] += wall
+        return float(np.max(total / self.mass))
 
     def _springs(self) -> float:
-        return sum(
-            (*map(self._across, self.across), *(laws.stiffest(link.law, self.energy) for link in self._holding)), 0.0
-        )
+        held = (laws.stiffest(link.law, self.energy) for link in self._holding)
+        return sum((*map(self._across, self.across), *held), 0.0) / float(np.min(self.mass))
+
+    @property
+    def _holding(self) -> tuple[Ground, ...]:
+        """The springs to the ground."""
+        return tuple(link for link in self.ground if not isinstance(link, Wall))
 
     def _across(self, link: Across) -> float:
         """Largest eigenvalue of a row of beads on links across, each as stiff as energy can make it anywhere."""
@@ -118,7 +183,7 @@ class System:
     @property
     def uniform(self) -> bool:
         """Whether no law differs from link to link, so that the beads might be more."""
-        return not any(laws.differs(link.law) for link in self.links)
+        return isinstance(self.mass, float) and not any(laws.differs(link.law) for link in self.links)
 
     @property
     def open_row(self) -> bool:
@@ -132,14 +197,12 @@ class System:
         )
 
     @property
-    def _holding(self) -> tuple[Ground, ...]:
-        """The springs to the ground."""
-        return tuple(link for link in self.ground if not isinstance(link, Wall))
-
-    @property
     def simply_coupled(self) -> bool:
-        """Whether every row swings by the known modes of equal linear springs in an open row of chains, or freely."""
-        return self.open_row and not self.ground
+        """Whether every row swings by the known modes of equal linear springs in an open row of chains, or freely.
+
+        Its beads have the mass 1.
+        """
+        return isinstance(self.mass, float) and self.open_row and not self.ground and not self.loads
 
     @cached_property
     def groups(self) -> tuple[frozenset[int], ...]:
@@ -178,7 +241,11 @@ class System:
         return velocity
 
 
-@dataclass(frozen=True, kw_only=True)
+def _same(one: object, other: object) -> bool:
+    return not isinstance(other, np.ndarray) and one == other
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Problem(System):
     """A system, over how long it is followed, and what is recorded."""
 

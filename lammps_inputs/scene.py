@@ -8,12 +8,22 @@ from collections.abc import Iterator
 from dataclasses import fields
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import Field, create_model, field_validator, model_validator
+from pydantic import BeforeValidator, Field, create_model, field_validator, model_validator
 
 from lammps_inputs import scheme as schemes
+from lammps_inputs.facts import Fact
 from lammps_inputs.force_readout import Forces
 from lammps_inputs.ingredients import INGREDIENTS, contacts
 from lammps_inputs.ingredients.base import Ingredient, Part
+from lammps_inputs.ingredients.unequal import (
+    Disorder,
+    Kinds,
+    Pattern,
+    Replacements,
+    Striker,
+    Taper,
+    masses_and_strengths,
+)
 from lammps_inputs.limits.closing import never_closes
 from lammps_inputs.limits.hertz import WHOLE_BEAD, overlap_bounds, sound_speed
 from lammps_inputs.limits.timestep import default_timestep
@@ -32,6 +42,9 @@ MAX_STEPS_PER_FRAME = 10**9
 
 MAX_LENGTH = 1e9
 """Dimensionless; positions up to here resolve overlaps of order 1 to 1e-7."""
+
+SEVERAL = {"kick", "replace", *(key for key, ingredient in INGREDIENTS.items() if ingredient.several)}
+"""Keys that may hold a list of parts."""
 
 Positive = Annotated[float, Field(gt=0, le=1e30)]
 Count = Annotated[int, Field(ge=1, le=2**31 - 1)]
@@ -103,7 +116,13 @@ class BaseScene(Part):
     chains: Annotated[int, Field(ge=1, le=10**6)] = 1
     beads: Annotated[int, Field(ge=2, le=10**8)]
     gap: Annotated[float, Field(ge=0, le=1e30)] = 0.0
-    kick: tuple[Kick, ...]
+    kinds: Kinds | None = None
+    pattern: Pattern | None = None
+    replace: Replacements | None = None
+    taper: Taper | None = None
+    disorder: Disorder | None = None
+    striker: Striker | None = None
+    kick: tuple[Kick, ...] = ()
     material: Material | None = None
     duration: Positive | None = None
     until_bead: Count | None = None
@@ -119,22 +138,23 @@ class BaseScene(Part):
 
     @field_validator("kick", mode="before")
     @classmethod
-    def _one_or_several(cls, value: Any) -> Any:
-        return tuple(value) if isinstance(value, list | tuple) else (value,)
+    def _from_one(cls, value: Any) -> Any:
+        return _one_or_several(value) or ()
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
         if self.chains * self.beads > 2**31 - 1:
             raise ValueError(f"beads: {self.chains} x {self.beads} beads are more than LAMMPS numbers (2147483647)")
-        if not self.kick:
-            raise ValueError("kick: at least one bead must be hit")
-        for number, kick in enumerate(self.kick):
-            key = "kick" if len(self.kick) == 1 else f"kick[{number + 1}]"
+        if not self.kicks and not self._speed() > 0.0:
+            missing = "" if "kick" in self.model_fields_set else "is missing; "
+            raise ValueError(f"kick: {missing}at least one bead must be hit, or a striker or a push be there")
+        for number, kick in enumerate(self.kicks):
+            key = _kick_key(self, number)
             if kick.chain > self.chains:
                 raise ValueError(f"{key}.chain: {kick.chain} is outside the array (chains 1 to {self.chains})")
             if kick.bead > self.beads:
                 raise ValueError(f"{key}.bead: {kick.bead} is outside the array (beads 1 to {self.beads})")
-        if len({(kick.chain, kick.bead) for kick in self.kick}) < len(self.kick):
+        if len({(kick.chain, kick.bead) for kick in self.kicks}) < len(self.kicks):
             raise ValueError("kick: one bead is hit twice; add the velocities up")
         if (self.duration is None) == (self.until_bead is None):
             given = "neither is given" if self.duration is None else "both are given"
@@ -163,8 +183,8 @@ class BaseScene(Part):
             raise ValueError("output.peaks: a window records the rows near the front anyway; leave one of them out")
         if self.output.beads != "all" or self.output.snapshots is not None:
             raise ValueError("window: records the rows that exist; leave output.beads and output.snapshots out")
-        for number, kick in enumerate(self.kick):
-            key = "kick" if len(self.kick) == 1 else f"kick[{number + 1}]"
+        for number, kick in enumerate(self.kicks):
+            key = _kick_key(self, number)
             if kick.velocity < 0.0:
                 raise ValueError(f"{key}.velocity: a window follows what runs towards higher beads; leave it out")
             rows = (LEAST_WINDOW if self.window == "auto" else self.window) - HEADROOM
@@ -172,7 +192,7 @@ class BaseScene(Part):
                 raise ValueError(f"{key}.bead: {kick.bead} is not among the first {rows} rows of the window")
         if self.window == "auto" or self.window >= self.beads:
             return
-        first, last = (choose(kick.bead for kick in self.kick) for choose in (min, max))
+        first, last = (choose(kick.bead for kick in self.kicks) for choose in (min, max))
         if last - first > behind(self.window) - HEADROOM:
             raise ValueError(
                 f"window: {self.window} rows; those of bead {first} would be left behind when bead {last} is hit, too; "
@@ -196,6 +216,10 @@ class BaseScene(Part):
 
     def _check_motion(self, system: System) -> None:
         """Refuse scenes in which nothing happens, or what no beads of the material would do."""
+        if system.loads and not isinstance(system.mass, float):
+            raise ValueError("push: only beads of one mass can be pushed; leave either out")
+        if system.walls and not system.alike:
+            raise ValueError("walls: are those of equal beads; leave either out")
         if system.simply_coupled and never_closes(self.chains, system.kappa, system.gap, system.kicks, self.beads):
             raise ValueError(
                 f"kick: none ever closes the gap of {self.gap:g}, so nothing collides; "
@@ -250,9 +274,16 @@ class BaseScene(Part):
             )
 
     @property
+    def kicks(self) -> tuple[Kick, ...]:
+        """What is hit, and the striker's first bead."""
+        if self.striker is None:
+            return self.kick
+        return (Kick(chain=self.striker.chain, bead=1, velocity=self.striker.velocity), *self.kick)
+
+    @property
     def scale(self) -> Scale:
         """What one dimensionless unit is worth in this scene's units."""
-        velocity = max(abs(kick.velocity) for kick in self.kick)
+        velocity = self._speed()
         if self.material is None:
             return make_scale(1.0, 1.0, velocity, si=False)
         ball = self.material
@@ -263,23 +294,36 @@ class BaseScene(Part):
             si=True,
         )
 
+    def _speed(self) -> float:
+        """V: of the fastest kick, or of a bead that has been given the impulse of a push."""
+        ball = self.material
+        mass = 1.0 if ball is None else sphere_mass(ball.radius, ball.density)
+        given = (ingredient.speed(mass) for ingredient in self.ingredients)
+        return max((*(abs(kick.velocity) for kick in self.kicks), *given), default=0.0)
+
     @property
     def ingredients(self) -> tuple[Ingredient, ...]:
         """What the scene names of all that a scene may be made of."""
         named = (getattr(self, key) for key in INGREDIENTS)
-        return tuple(ingredient for ingredient in named if ingredient is not None)
+        lists = (each if isinstance(each, tuple) else (each,) for each in named if each is not None)
+        return tuple(ingredient for each in lists for ingredient in each)
 
     @property
     def system(self) -> System:
         """Beads, links and kicks, dimensionless at V = 1."""
         scale = self.scale
+        mass, strength = masses_and_strengths(self)
         made = [(ingredient, ingredient.links(self)) for ingredient in self.ingredients]
+        loads = tuple(load for ingredient in self.ingredients for load in ingredient.loads(self))
+        taken = {fact for ingredient, links in made if links for fact in ingredient.takes_away}
         return System(
             chains=self.chains,
             beads=self.beads,
-            kicks=tuple((kick.chain, kick.bead, kick.velocity / scale.velocity) for kick in self.kick),
-            links=(*contacts(self.gap / scale.length), *(link for _, links in made for link in links)),
-            lacks=frozenset(fact for ingredient, links in made if links for fact in ingredient.takes_away),
+            kicks=tuple((kick.chain, kick.bead, kick.velocity / scale.velocity) for kick in self.kicks),
+            mass=mass,
+            links=(*contacts(self.gap / scale.length, strength), *(link for _, links in made for link in links)),
+            lacks=frozenset(taken | ({Fact.SECOND_ORDER} if any(load.law.jumps for load in loads) else set())),
+            loads=loads,
         )
 
     def _cadence(self) -> tuple[float, int]:
@@ -343,6 +387,17 @@ class BaseScene(Part):
         return dict(_named({key: data[key] for key in keys}))
 
 
+def _one_or_several(value: Any) -> Any:
+    return tuple(value) if isinstance(value, list | tuple) else None if value is None else (value,)
+
+
+def _annotation(ingredient: type[Ingredient]) -> Any:
+    """Of an ingredient's key in a scene."""
+    if not ingredient.several:
+        return ingredient | None
+    return Annotated[tuple[ingredient, ...] | None, BeforeValidator(_one_or_several)]  # type: ignore[valid-type]
+
+
 if TYPE_CHECKING:
 
     class Scene(BaseScene):
@@ -355,13 +410,23 @@ else:
         __base__=BaseScene,
         __module__=__name__,
         __doc__=BaseScene.__doc__,
-        **{key: (ingredient | None, None) for key, ingredient in INGREDIENTS.items()},
+        **{key: (_annotation(ingredient), None) for key, ingredient in INGREDIENTS.items()},
     )
+
+
+def _kick_key(scene: BaseScene, number: int) -> str:
+    """What a kick is called, by its place in ``scene.kicks``."""
+    struck = len(scene.kicks) - len(scene.kick)
+    if number < struck:
+        return "striker"
+    return "kick" if len(scene.kick) == 1 else f"kick[{number - struck + 1}]"
 
 
 def _named(data: dict[str, Any]) -> Iterator[tuple[str, Any]]:
     for key, value in data.items():
-        if key == "kick" and len(value) == 1:
+        if key == "kick" and not value:
+            continue
+        if key in SEVERAL and len(value) == 1:
             yield key, value[0]
-        elif not (key == "description" and value == "") and not (key == "gap" and value == 0.0):
+        elif not (key == "description" and value == "") and not (key == "gap" and value == 0.0) and value != []:
             yield key, value

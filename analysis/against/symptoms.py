@@ -117,7 +117,9 @@ def identify_springs(trajectory: Trajectory) -> Springs | None:
         return None
     x, v = trajectory.displacement, trajectory.velocity
     spacing = np.diff(trajectory.time)[:, np.newaxis, np.newaxis]
-    change = np.diff(v, axis=0)
+    change = np.diff(v, axis=0) * problem.mass
+    for load in problem.loads:
+        change[:, load.chain - 1, load.bead - 1] -= np.diff(load.impulse(trajectory.time))
     for link in (*problem.along, *problem.ground):
         link.drive(change, -_integral(link.force(x), link.force_rate(x, v), spacing))
     felt = np.cumsum(change, axis=1)[:, :-1]
@@ -152,12 +154,15 @@ def identify_strengths(trajectory: Trajectory) -> dict[str, float] | None:
         return None
     x, v = trajectory.displacement, trajectory.velocity
     spacing = np.diff(trajectory.time)[:, np.newaxis, np.newaxis]
+    change = np.diff(v, axis=0)
+    for load in problem.loads:
+        change[:, load.chain - 1, load.bead - 1] -= np.diff(load.impulse(trajectory.time))
     columns = []
     for link in problem.links:
         column = np.zeros_like(v[1:])
         link.drive(column, _integral(link.force(x), link.force_rate(x, v), spacing))
         columns.append(column.reshape(-1))
-    factors, _, rank, _ = np.linalg.lstsq(np.array(columns).T, np.diff(v, axis=0).reshape(-1), rcond=1e-6)
+    factors, _, rank, _ = np.linalg.lstsq(np.array(columns).T, change.reshape(-1), rcond=1e-6)
     if rank < len(columns):
         return None
     return {link.name: float(factor) for link, factor in zip(problem.links, factors, strict=True)}

@@ -74,7 +74,7 @@ def spacetime_figure(data: SpaceTime) -> Figure:
     problem, chains = data.problem, shown_chains(data.problem)
     time = axis_unit(problem, "time", data.time[-1])
     size = np.abs(np.nan_to_num(data.velocity))
-    far = np.all([np.abs(data.beads - bead) > NEAR for _, bead, _ in problem.kicks], axis=0)
+    far = np.all([np.abs(data.beads - bead) > NEAR for _, bead, _ in problem.struck], axis=0)
     largest = float(np.max(size[:, :, far], initial=0.0)) or float(np.max(size, initial=0.0)) or 1.0
     unit = axis_unit(problem, "velocity", largest)
     top = largest * unit.worth

@@ -104,7 +104,7 @@ def shown_chains(problem: Problem) -> list[int]:
     """
     if problem.chains <= most_panels(problem):
         return list(range(problem.chains))
-    by_kick = sorted(problem.kicks, key=lambda kick: -abs(kick[2]))
+    by_kick = sorted(problem.struck, key=lambda blow: -abs(blow[2]))
     chosen = list(dict.fromkeys(chain - 1 for chain, _, _ in by_kick))[:MAX_PANELS]
     while len(chosen) < MAX_PANELS:
         distance = np.min(np.abs(np.arange(problem.chains)[:, None] - chosen), axis=1)

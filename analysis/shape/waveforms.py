@@ -148,14 +148,15 @@ class Waveforms:
         def travelled(values: Floats) -> Floats:
             return np.asarray(np.sum(np.where(watched, values, 0.0) * speed * step, axis=1) * sign)
 
-        kinetic = travelled(0.5 * self.velocity**2)
+        mass = np.reshape(self.problem.mass_of(passages.chain - 1, passages.bead - 1), (-1, 1))
+        kinetic = travelled(0.5 * mass * self.velocity**2)
         energy = kinetic + travelled(self.contact_energy) if self.problem.recorded is None else 1.8 * kinetic
         xi = exact.speed_at(peak) * late
         difference = np.abs(self.velocity / peak - exact.velocity(xi))
         difference[~(watched & (np.abs(xi) <= COMPARED))] = 0.0
         return Shape(
             width=self._duration() * finite * sign,
-            momentum=travelled(self.velocity),
+            momentum=travelled(mass * self.velocity),
             energy=energy,
             residual=np.max(difference, axis=1, initial=0.0) * sign,
         )

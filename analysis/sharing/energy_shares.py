@@ -23,8 +23,8 @@ class EnergyShares:
 
     Attributes:
         place: [instant] positions in the `Sharing`, of those at which all arrivals are defined.
-        chain: [instant, chain] energy of a chain, in that of the kicks; NaN where not seen, as in a window.
-        wave: [instant, chain] energy inside its leading wave, in that of the kicks; likewise.
+        chain: [instant, chain] energy of a chain, in that put in; NaN where not seen, as in a window.
+        wave: [instant, chain] energy inside its leading wave, in that put in; likewise.
             0 where the chain has none that counts.
     """
 
@@ -51,7 +51,7 @@ class EnergyShares:
 
     def _energies(self, block: Trajectory, frame: int) -> tuple[Floats, Floats]:
         x, v = block.displacement[frame], block.velocity[frame]
-        kinetic = 0.5 * v * v
+        kinetic = motion.kinetic_energy(self.problem, v, block.first)
         contacts = motion.contact_energy(self.problem, x, block.first)
         total = np.sum(kinetic, axis=1) + np.sum(contacts, axis=1)
         for link in (*self.problem.across, *self.problem.ground):
@@ -65,4 +65,4 @@ class EnergyShares:
             inside[chain] = np.sum(kinetic[chain, near]) + np.sum(contacts[chain, between])
         if self.problem.window is not None:
             total[:] = np.nan
-        return total / self.problem.energy, inside / self.problem.energy
+        return total / self._shared.energy, inside / self._shared.energy

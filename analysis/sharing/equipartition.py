@@ -54,7 +54,7 @@ class Sharing:
         arrival: [place, chain], in units of T.
             NaN where it is not defined.
         amplitude: [place, chain] peak velocity, in units of V.
-        energy: of the kicks, in units of m V**2.
+        energy: put in by kicks and forces from outside, in units of m V**2; NaN where that is not known.
         noise: standard deviation of an amplitude, in units of V; 0 for a record without noise.
         arrival_error, amplitude_error: [place, chain] bounds on what the time between frames leaves; NaN if unknown.
     """
@@ -116,7 +116,7 @@ class Sharing:
 
     @cached_property
     def wave_share(self) -> Floats:
-        """[place, chain] energy of the exact wave of this amplitude, in that of the kicks; 0 where no wave counts."""
+        """[place, chain] energy of the exact wave of this amplitude, in that put in; 0 where no wave counts."""
         return np.nan_to_num(solitary_wave().energy_at(self.amplitude) / self.energy)
 
     @cached_property
@@ -224,7 +224,7 @@ def sharing(waves: Waves, problem: Problem, noise: float = 0.0) -> Sharing:
         problem: what was run.
         noise: standard deviation of an amplitude, in units of V.
     """
-    kicked, hit, _ = max(problem.kicks, key=lambda kick: abs(kick[2]))
+    kicked, hit, _ = max(problem.struck, key=lambda blow: abs(blow[2]))
     beads = problem.recorded_beads
     place = {int(bead): k for k, bead in enumerate(beads)}
     rows = np.array([place[int(bead)] for bead in waves.bead], dtype=np.int64)
@@ -242,6 +242,7 @@ def sharing(waves: Waves, problem: Problem, noise: float = 0.0) -> Sharing:
     clear = np.ones(len(beads), dtype=bool)
     clear = np.all(np.isfinite(side_by_side(waves.peak_velocity)[:, ~apart]), axis=1)
     clear &= (beads > hit) & (beads <= problem.beads - CLEAR)
+    clear &= of_one_kind(problem)[beads - 1]
     return Sharing(
         kicked - 1,
         beads[clear],
@@ -252,6 +253,21 @@ def sharing(waves: Waves, problem: Problem, noise: float = 0.0) -> Sharing:
         side_by_side(waves.arrival_error),
         side_by_side(waves.velocity_error),
     )
+
+
+def of_one_kind(problem: Problem) -> NDArray[np.bool_]:
+    """Which rows, [bead], can be compared: those of the masses that most rows have, the heavier ones of equally many.
+
+    All, if hardly two rows are of the same masses, as in tapered and disordered chains.
+    """
+    if isinstance(problem.mass, float):
+        return np.ones(problem.beads, dtype=bool)
+    kinds, which, count = np.unique(problem.mass, axis=1, return_inverse=True, return_counts=True)
+    if count.max() < 0.1 * problem.beads:
+        return np.ones(problem.beads, dtype=bool)
+    most = np.flatnonzero(count >= count.max() - 1)
+    heaviest = most[np.argmax(kinds[:, most].sum(axis=0))]
+    return np.asarray(which.reshape(-1) == heaviest)
 
 
 def _extrapolated(tops: Floats, tolerance: float) -> float | None:

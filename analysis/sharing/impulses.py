@@ -118,7 +118,7 @@ class ImpulseMeter:
             raise ValueError("no frames to measure")
         imbalance = float("nan")
         if self.problem.recorded is None and self.problem.holds(Fact.MOMENTUM):
-            imbalance = _imbalance(self._whole, self._carried.velocity[0] - self._start)
+            imbalance = _imbalance(self._whole, (self._carried.velocity[0] - self._start) * self.problem.mass)
         with np.errstate(invalid="ignore", divide="ignore"):
             time = self._moment / self._first
         return Impulses(self._bead, self._first.copy(), self._whole.copy(), self._contacts.copy(), time, imbalance)

@@ -1,5 +1,6 @@
 """Whether a pulse is the exact solitary wave: its shape, its speed and its constancy, each against a tolerance."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +11,7 @@ from analysis.shape.waveforms import REACH, Passages
 from analysis.sharing.equipartition import CLEAR
 from analysis.tracking.pulses import Pulse
 from analysis.trajectory import Floats
-from lammps_inputs import Problem
+from lammps_inputs import Problem, laws
 
 CONSTANT_OVER = 10
 """Beads over which the amplitude must be constant."""
@@ -39,7 +40,7 @@ class Character:
         bead: where, counted from 1.
         arrival, peak_velocity, speed: there, in units of T, V, beads / T.
         width, momentum, energy, residual: see `analysis.shape.waveforms.Shape`.
-        speed_excess: relative to the exact law at this peak velocity.
+        speed_excess: relative to the exact law at this peak velocity; it and the residual are NaN where beads differ.
         variation: (largest - smallest) / mean peak velocity over the ten beads up to this one; NaN if it ran less.
         fails: which of shape, speed, amplitude differ by more than the tolerances, or could not be measured.
     """
@@ -88,23 +89,33 @@ def passages_of(pulses: tuple[Pulse, ...], at: list[int]) -> Passages:
     )
 
 
-def characterise(pulse: Pulse, at: int, shape: dict[str, float], tolerances: Tolerances | None = None) -> Character:
+def characterise(
+    pulse: Pulse, at: int, shape: dict[str, float], tolerances: Tolerances | None = None, *, problem: Problem
+) -> Character:
     """Judge a pulse at one of its passages.
+
+    Where beads differ, there is no exact wave to compare with: constancy alone counts, over beads of the same mass.
 
     Args:
         pulse: which.
         at: position of the passage.
         shape: width, momentum, energy, residual of that passage.
         tolerances: what counts as equal.
+        problem: what was run.
     """
     allowed = tolerances or Tolerances()
     peak, speed = float(pulse.peak_velocity[at]), float(pulse.speed[at])
     excess = speed / float(solitary_wave().speed_at(peak)) - 1.0
     near = np.abs(pulse.bead[: at + 1] - pulse.bead[at]) <= CONSTANT_OVER
+    exact = _as_reference_beads(problem, pulse.chain - 1, int(pulse.bead[at]) - 1)
+    if not exact:
+        mass = problem.mass_of(pulse.chain - 1, pulse.bead[: at + 1] - 1)
+        near &= mass == problem.mass_of(pulse.chain - 1, pulse.bead[at] - 1)
+        shape, excess = {**shape, "residual": np.nan}, np.nan
     recent = pulse.peak_velocity[: at + 1][near]
     way = np.abs(pulse.bead[: at + 1][near][0] - pulse.bead[at])
     variation = float(np.ptp(recent) / np.mean(recent)) if len(recent) > 1 and way > 0.5 * CONSTANT_OVER else np.nan
-    differences = {"shape": shape["residual"], "speed": abs(excess)}
+    differences = {"shape": shape["residual"], "speed": abs(excess)} if exact else {"amplitude": variation}
     if np.isfinite(variation):  # too few beads recorded to tell otherwise
         differences["amplitude"] = variation
     return Character(
@@ -116,4 +127,13 @@ def characterise(pulse: Pulse, at: int, shape: dict[str, float], tolerances: Tol
         speed_excess=excess,
         variation=variation,
         fails=tuple(name for name, value in differences.items() if not value <= getattr(allowed, name)),
+    )
+
+
+def _as_reference_beads(problem: Problem, chain: int, bead: int) -> bool:
+    """Whether a bead, from 0, and those within the length of the exact wave are of mass 1, with contacts of A = 1."""
+    near = slice(max(0, bead - math.ceil(REACH)), bead + math.ceil(REACH) + 1)
+    strength = (laws.at(link.law, chain, near) for link in problem.along)
+    return problem.alike or bool(
+        np.all(problem.mass_of(chain, near) == 1.0) and all(np.all(np.equal(law[0], 1.0)) for law in strength)
     )

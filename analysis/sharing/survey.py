@@ -9,6 +9,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from analysis import motion
 from analysis.mirror import direction_of, mirrored, mirrored_problem
 from analysis.shape.waveforms import Passages, Shape, Waveforms
 from analysis.sharing.decay_law import DecayFit, fit_decay
@@ -110,6 +111,8 @@ def survey(
     left = left_by_smoothing(noise, problem.every)
     options: dict[str, Any] = {"threshold": max(THRESHOLD, SURE * left), "noisy": noise > 0.0}
     forward, backward = PeakFinder(direction=1, **options), PeakFinder(direction=-1, **options)
+    most = _Most()
+    watchers = [*watchers, most] if problem.loads else watchers
     last_time = _first_reading(read, problem, noise, watchers, forward, backward)
     peaks = {1: forward.result(), -1: backward.result()}
     if noise > 0.0:
@@ -133,6 +136,8 @@ def survey(
         sharp = np.isfinite(waves.arrival) & (arrival == "maximum")  # of others nobody knows when they are fastest
     every_bead = along if leading is None else replace(along, recorded=None)
     shared = sharing(waves if direction > 0 else mirrored_waves(waves, problem), every_bead, left)
+    if problem.loads:
+        shared = replace(shared, energy=most.energy)
     if noise > 0.0:
         error = peak_error(problem.every, waves.peak_velocity, noise=noise)
         waves = replace(
@@ -151,7 +156,7 @@ def survey(
         energies.add(block if direction > 0 else mirrored(block))
     shapes = waveforms.shape()
     characters = tuple(
-        characterise(pulse, place, shapes.entry(len(chosen) + number), tolerances)
+        characterise(pulse, place, shapes.entry(len(chosen) + number), tolerances, problem=problem)
         for number, (pulse, place) in enumerate(zip(pulses, at, strict=True))
     )
     decay = fit_decay(shared, along)
@@ -170,6 +175,20 @@ def survey(
         decay=decay,
         verdict=judge(shared, along, decay),
     )
+
+
+class _Most:
+    """Largest energy of any frame: all that forces from outside have put in; NaN where not all beads are recorded."""
+
+    def __init__(self) -> None:
+        self.energy = 0.0
+
+    def add(self, block: Trajectory) -> None:
+        """Take the next frames."""
+        if not block.problem.whole:
+            self.energy = float("nan")
+            return
+        self.energy = max(self.energy, float(np.max(motion.energy(block.problem, block.displacement, block.velocity))))
 
 
 def _first_reading(

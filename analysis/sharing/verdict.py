@@ -126,7 +126,7 @@ def _expected(shared: Sharing, problem: Problem) -> Estimate | None:
     last = int(shared.bead[-1])
     tried = problem.open_row and problem.gap == 0.0 and problem.kappa >= STRONG and _resolved(shared, problem)
     if problem.chains > 4:  # one hit within many chains first levels with its neighbours, and only later with all
-        tried &= all(chain in (1, problem.chains) for chain, _, _ in problem.kicks)
+        tried &= all(chain in (1, problem.chains) for chain, _, _ in problem.struck)
     found = shared.expected_agreement(AGREEMENT) if tried else None
     if found is not None and last < found.value <= (1.0 + NEAR) * last:
         return found
@@ -149,7 +149,8 @@ def _by_rule(problem: Problem, last: int) -> Estimate | None:
     if not problem.open_row:
         return None
     least = 0.003 if problem.chains == 2 else 0.01
-    outer = len(problem.kicks) == 1 and problem.kicks[0][0] in (1, problem.chains) and problem.kicks[0][1] == 1
+    (chain, bead, _), *more = problem.struck
+    outer = not more and chain in (1, problem.chains) and bead == 1
     measured = outer and problem.gap == 0.0 and problem.chains <= RULE_CHAINS and least <= problem.kappa <= 2.0
     beads = 10.0 + 5.0 / problem.kappa * (problem.chains / 2.0) ** 1.6
     if not measured or beads <= last:

@@ -35,6 +35,11 @@ velocity Verlet's velocities differ from the slope of its displacements by ``tim
 FLOOR = 1e-9
 """Error that rounding and bisection leave, in T and V."""
 
+KINK = 0.4 * 0.012, 0.4 * 0.051
+"""Error of velocity, and of its slope, by a contact that closes or opens between two frames, over what its force then
+does in that time: of the polynomial of degree five on ``max(s - a, 0)**2.5``, the largest for any a.
+"""
+
 APART = 1.5
 """Least distance of two maxima of a noisy record, in passages of the higher wave: its foot ends there."""
 
@@ -287,6 +292,8 @@ class _Brackets:
     """[power, maximum] in s = (time - origin) / spacing."""
     doubt: Floats
     """How far ``velocity`` may be off: a share of what a polynomial of lower degree has more, [power, maximum]."""
+    kink: Floats
+    """What the force of a contact that closes or opens meanwhile does to the velocity at most."""
     whole: NDArray[np.bool_]
     """Whether all beads were recorded."""
 
@@ -328,8 +335,29 @@ def _bracketed(
         displacement=data[0, 0],
         velocity=velocity,
         doubt=share * (lower - velocity),
+        kink=_kink(block, start, chain, bead) if by_equations else np.zeros(len(frame)),
         whole=np.full(len(frame), block.problem.recorded is None),
     )
+
+
+def _kink(block: Trajectory, start: Integers, chain: Integers, bead: Integers) -> Floats:
+    """What contacts that close or open between a frame and the next can do to a bead's velocity; else 0.
+
+    Such a force begins as the power 1.5 of time, which no polynomial follows.
+    """
+    problem, spacing, total = block.problem, block.spacing, np.zeros(len(start))
+    for side in (-1, 1):
+        there = (bead + side >= 0) & (bead + side < block.velocity.shape[2])
+        other = np.where(there, bead + side, bead)
+        pressed, rate = [], []
+        for frame in (start, np.minimum(start + 1, block.frames - 1)):
+            x, v = block.displacement, block.velocity
+            pressed.append(side * (x[frame, chain, bead] - x[frame, chain, other]) - problem.gap > 0.0)
+            rate.append(np.abs(v[frame, chain, bead] - v[frame, chain, other]))
+        contact = np.clip(block.first - 1 + np.minimum(bead, bead + side), 0, problem.beads - 2)
+        force = motion.contact_force(problem, np.maximum(*rate) * spacing, chain, contact)
+        total += np.where(there & (pressed[0] != pressed[1]), force * spacing, 0.0)
+    return total
 
 
 def _polynomials(
@@ -361,10 +389,11 @@ def _share_of_doubt(spacing: float, *, by_equations: bool) -> float:
     """Bound on the error of the better polynomial, in what the other differs, as measured on runs of known peaks.
 
     Measured at couplings from 0.1 to 2 and times between frames from 0.1 to 2, with all beads and with a few; the
-    errors are a third of the bound or less where frames are up to 1 T apart.
+    errors are a third of the bound or less where frames are up to 1 T apart. With a few beads nobody knows of contacts
+    that close or open between frames; there the whole of the bound is needed where frames are 0.1 T apart.
     """
     if not by_equations:
-        return min(0.1 * spacing**3, 0.3)
+        return 0.3
     return 0.2 * spacing**2 if spacing < FAR_APART else 0.1
 
 
@@ -378,7 +407,7 @@ def _together(parts: list[_Brackets]) -> _Brackets:
         none = np.zeros(0, dtype=np.int64)
         empty = np.zeros(0)
         nothing = np.zeros((_POWERS, 0))
-        return _Brackets(none, none, empty, empty, empty, empty, empty, empty, nothing, nothing, empty > 0.0)
+        return _Brackets(none, none, empty, empty, empty, empty, empty, empty, nothing, nothing, empty, empty > 0.0)
     columns = {field.name: [getattr(part, field.name) for part in parts] for field in fields(_Brackets)}
     return _Brackets(**{name: np.concatenate(column, axis=-1) for name, column in columns.items()})
 
@@ -401,10 +430,11 @@ def _refined(parts: list[_Brackets], direction: int) -> Peaks:
     at = np.where(lower, np.where(one >= other, *frames), at)
     time, velocity = found.origin + at * found.spacing, hermite.value(found.velocity, at)
     way = found.displacement + found.spacing * hermite.integral(found.velocity, at)
-    doubt = _largest(found.doubt, found)
+    doubt = _largest(found.doubt, found) + KINK[0] * found.kink
     curvature = -hermite.value(hermite.derivative(slope), at)
     with np.errstate(divide="ignore", invalid="ignore"):
-        time_error = _largest(hermite.derivative(found.doubt), found) / curvature * found.spacing
+        slope_error = _largest(hermite.derivative(found.doubt), found) + KINK[1] * found.kink
+        time_error = slope_error / curvature * found.spacing
     exact_time, exact_velocity = np.where(
         found.whole, on_a_grid(found.spacing, velocity), on_a_grid(found.spacing, velocity, all_recorded=False)
     )

@@ -13,7 +13,7 @@ from lammps_inputs import Problem
 
 def opposed(problem: Problem) -> bool:
     """Whether there are kicks both ways, so that a bead's first maximum may be what the other pulse left behind."""
-    return any(velocity * direction_of(problem) < 0.0 for _, _, velocity in problem.kicks)
+    return any(velocity * direction_of(problem) < 0.0 for _, _, velocity in problem.struck)
 
 
 def leading_passages(peaks: Peaks, problem: Problem) -> Peaks:

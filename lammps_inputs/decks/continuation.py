@@ -56,7 +56,6 @@ def render_continuation(problem: Problem) -> str:
     Variables to set: ``restart``, the file to read; ``dump`` (and ``snapshots``), the file to write frames to, of a new
     name each time; ``steps``, the last step of the whole run.
     """
-    recorded = [] if problem.recorded is None else ["group recorded type 2"]
     dumps = ["frames"] if problem.frames_per_snapshot is None else ["frames", "snapshots"]
     sections = [
         [
@@ -84,7 +83,7 @@ def render_continuation(problem: Problem) -> str:
         ],
         *([] if problem.window is None else [_window_lines(problem, problem.window)]),
         [
-            *recorded,
+            *deck.recorded_lines(problem),
             *deck.output_lines(problem, "${every}", "${dump}", "${snapshots}"),
             "# no frame before the beads are where they were",
             *(f"dump_modify {dump} delay $(step)" for dump in dumps),

@@ -13,13 +13,15 @@ How the equation becomes LAMMPS:
 """
 
 import io
+import itertools
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lammps_inputs import scheme, strict_yaml, window
-from lammps_inputs.lines import Lines
+from lammps_inputs import loads, scheme, strict_yaml, window
+from lammps_inputs.lines import AtomTypes, Lines
 from lammps_inputs.links import Across, Along, words
 from lammps_inputs.numbers import text
 from lammps_inputs.problem import Problem
@@ -69,22 +71,23 @@ def render_deck(problem: Problem) -> str:
             "boundary s f f                   # a bead thrown back is kept; no periodic images",
             *neighbour_lines(problem),
             f"read_data {DATA}",
-            "set group all mass 1.0           # exact; the data file's density is within rounding",
+            *_mass_lines(problem),
         ],
         *interactions(problem),
         motion_lines(problem, "all"),
     ]
-    sections.append(
-        [
-            f"set atom {_atom(problem, chain, bead)} vx ${{kick{number}}}"
-            for number, (chain, bead, _) in enumerate(problem.kicks, 1)
-        ]
-    )
+    if problem.kicks:
+        sections.append(
+            [
+                f"set atom {_atom(problem, chain, bead)} vx ${{kick{number}}}"
+                for number, (chain, bead, _) in enumerate(problem.kicks, 1)
+            ]
+        )
     if problem.window is not None:
         sections.append(window.setup_lines(problem.window, problem.beads, problem.spacing, problem.scheme))
     sections.append(
         [
-            *([] if problem.recorded is None else ["group recorded type 2"]),
+            *recorded_lines(problem),
             *output_lines(problem, "${every}", DUMP),
         ]
     )
@@ -103,7 +106,7 @@ def neighbour_lines(problem: Problem) -> list[str]:
 
 
 def spelling(problem: Problem) -> list[Lines]:
-    """What the laws on the links are to LAMMPS, in the order of the links.
+    """What the laws on the links, and the loads, are to LAMMPS, in their order.
 
     Raises:
         ValueError: LAMMPS has no words for one of them.
@@ -115,7 +118,7 @@ def spelling(problem: Problem) -> list[Lines]:
         if spell is None:
             raise ValueError(f"{link.name}: LAMMPS does not know this force; use the reference engine")
         found.append(spell(link if isinstance(link, Across) else link.name, problem))
-    return found
+    return [*found, *loads.lines(problem.loads, problem)]
 
 
 def interactions(problem: Problem) -> list[list[str]]:
@@ -149,6 +152,28 @@ def output_lines(problem: Problem, every: str, dump: str, snapshots: str = SNAPS
         "thermo_modify lost error",
         "thermo ${thermo}",
     ]
+
+
+def _mass_lines(problem: Problem) -> list[str]:
+    """Masses that all are 1, exactly; others stand in the data file, as densities, within rounding."""
+    if not isinstance(problem.mass, float):
+        return []
+    return ["set group all mass 1.0           # exact; the data file's density is within rounding"]
+
+
+def recorded_lines(problem: Problem) -> list[str]:
+    """The group of the recorded beads; none where that is all of them."""
+    if problem.recorded is None:
+        return []
+    if _types(problem) is None:
+        return ["group recorded type 2"]
+    atoms = problem.chains * problem.beads  # first:last:stride is one bead of every chain
+    return ["group recorded id " + " ".join(f"{bead}:{atoms}:{problem.beads}" for bead in problem.recorded)]
+
+
+def _types(problem: Problem) -> AtomTypes | None:
+    """Types by which contacts are told apart; None where they need not be."""
+    return next((lines.types for lines in spelling(problem) if lines.types is not None), None)
 
 
 def columns(problem: Problem) -> tuple[str, ...]:
@@ -232,14 +257,16 @@ def _skin(problem: Problem) -> float:
 
 
 def render_data(problem: Problem) -> str:
-    """The text of ``data.chains``; atom number = (chain - 1) * rows + row, and type 2 marks recorded beads.
+    """The text of ``data.chains``; atom number = (chain - 1) * rows + row, and type 2 marks recorded beads
+    where types do not tell contacts apart.
 
     Columns of an atom: ``id type diameter density x y z``, and ``id type x y z diameter density molecule`` with bonds.
     The molecule is the chain, or in a window the row.
     """
     chains, beads, spacing = problem.chains, problem.rows, problem.spacing
     bonds = _bonds(problem)
-    types = 1 if problem.recorded is None else 2
+    by_contact = _types(problem)
+    types = by_contact.count if by_contact is not None else 1 if problem.recorded is None else 2
     out = io.StringIO()
     out.write(f"granchain: {problem.name}\n\n{chains * beads} atoms\n{types} atom types\n")
     if problem.coupled:
@@ -248,20 +275,26 @@ def render_data(problem: Problem) -> str:
     side = text(2.0 * spacing)
     out.write(f"\n0 {text((beads + 1) * spacing)} xlo xhi\n")
     out.write(f"-{side} {text(2.0 * spacing * chains)} ylo yhi\n-{side} {side} zlo zhi\n")
+    places = [text(x) for x in np.arange(1, beads + 1) * spacing]
     kind = np.ones(beads, dtype=int)
     if problem.recorded is not None:
         kind[problem.recorded_beads - 1] = 2
-    size = f"{text(problem.diameter)} {text(sphere_density(problem.diameter))}"
-    rows = [(str(t), text(x)) for t, x in zip(kind, np.arange(1, beads + 1) * spacing, strict=True)]
+    unit = sphere_density(problem.diameter)
+    same_size = f"{text(problem.diameter)} {text(unit)}"
     out.write(f"\nAtoms # {_atom_style(problem)}\n\n")
     for chain in range(chains):
         first, y = chain * beads + 1, text(2.0 * spacing * chain)
+        of_chain = kind if by_contact is None else by_contact.of[chain]
+        sizes: Iterator[str] = itertools.repeat(same_size, beads)
+        if not isinstance(problem.mass, float):
+            sizes = (f"{text(problem.diameter)} {text(unit * mass)}" for mass in problem.mass[chain].tolist())
+        rows = enumerate(zip(of_chain.tolist(), places, sizes, strict=True))
         if problem.window is not None:
-            out.writelines(f"{first + i} {t} {x} {y} 0 {size} {i + 1}\n" for i, (t, x) in enumerate(rows))
+            out.writelines(f"{first + i} {t} {x} {y} 0 {size} {i + 1}\n" for i, (t, x, size) in rows)
         elif problem.coupled:
-            out.writelines(f"{first + i} {t} {x} {y} 0 {size} {chain + 1}\n" for i, (t, x) in enumerate(rows))
+            out.writelines(f"{first + i} {t} {x} {y} 0 {size} {chain + 1}\n" for i, (t, x, size) in rows)
         else:
-            out.writelines(f"{first + i} {t} {size} {x} {y} 0\n" for i, (t, x) in enumerate(rows))
+            out.writelines(f"{first + i} {t} {size} {x} {y} 0\n" for i, (t, x, size) in rows)
     if problem.coupled:
         out.write("\nBonds\n\n")
         bond = 0

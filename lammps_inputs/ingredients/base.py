@@ -1,11 +1,13 @@
 """What an ingredient of a scene is: keys that a user may write, and what becomes of them."""
 
-from typing import TYPE_CHECKING, ClassVar
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict
 
 from lammps_inputs.facts import Fact
 from lammps_inputs.links import Link
+from lammps_inputs.loads import Load
 
 if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene
@@ -22,6 +24,13 @@ class Ingredient(Part):
 
     takes_away: ClassVar[frozenset[Fact]] = frozenset()
     """What no longer holds where any of its links exist."""
+    several: ClassVar[bool] = False
+    """Whether a scene may have a list of them."""
+
+    @classmethod
+    def from_files(cls, value: Any, folder: Path) -> Any:  # noqa: ARG003
+        """What stands in a scene's file, with what it names of other files; those are beside it, in the folder."""
+        return value
 
     def refuse(self, scene: "BaseScene") -> None:
         """Refuse what the scene's other parts make impossible.
@@ -33,3 +42,11 @@ class Ingredient(Part):
     def links(self, scene: "BaseScene") -> tuple[Link, ...]:
         """The links that it makes, dimensionless; none where its numbers come to nothing."""
         raise NotImplementedError
+
+    def speed(self, mass: float) -> float:  # noqa: ARG002
+        """Of a bead of this mass that it sets in motion, in the scene's units: a measure of V."""
+        return 0.0
+
+    def loads(self, scene: "BaseScene") -> tuple[Load, ...]:  # noqa: ARG002
+        """The forces from outside that it makes, dimensionless."""
+        return ()

@@ -79,3 +79,9 @@ def test_drifts_are_unknown_where_not_all_beads_are_recorded():
     assert np.isnan(drift.energy_drift)
     assert np.isnan(drift.momentum_drift)
     assert drift.front == 7
+
+
+def test_the_front_is_the_foremost_bead_that_ever_moved_at_a_thousandth_of_the_kick(found):
+    velocity = np.zeros_like(found.velocity)
+    velocity[3, 1, 6], velocity[5, 0, 9] = -1.1e-3, 0.9e-3
+    assert seen(replace(found, velocity=velocity)).front == 7

@@ -98,4 +98,6 @@ def test_energy_and_momentum_of_many_frames_are_those_of_each():
     for frame in (0, 17, 60):
         one = motion.energy(found.problem, found.displacement[frame], found.velocity[frame])
         assert motion.energy(found.problem, found.displacement, found.velocity)[frame] == one
-        assert motion.momentum(found.velocity)[frame] == motion.momentum(found.velocity[frame])
+        assert motion.momentum(found.problem, found.velocity)[frame] == motion.momentum(
+            found.problem, found.velocity[frame]
+        )

@@ -12,13 +12,21 @@ Floats = NDArray[np.float64]
 
 
 def integrated(
-    problem: Problem, ground: Any = 0.0, ground_cubic: Any = 0.0, walls: tuple[float, float] = (0.0, 0.0)
+    problem: Problem,
+    ground: Any = 0.0,
+    ground_cubic: Any = 0.0,
+    walls: tuple[float, float] = (0.0, 0.0),
+    *,
+    mass: Any = 1.0,
+    strength: Any = 1.0,
 ) -> Floats:
     """Velocities [frame, chain, bead] of chains with contacts, springs between neighbours and to the ground, and walls.
 
     Args:
         problem: what is computed; its chains, coupling, kicks and frames are taken, its laws are not.
         ground, ground_cubic: stiffness of the springs to the ground, [chain, bead] or one number.
+        mass: of the beads, likewise.
+        strength: of the contacts, [chain, contact] or one number.
         walls: force over overlap**1.5 of the walls on the left and on the right, a gap away.
     """
     shape = problem.chains, problem.beads
@@ -26,7 +34,7 @@ def integrated(
 
     def rate(_: float, state: Floats) -> Floats:
         x = state[:size].reshape(shape)
-        push = np.maximum(x[:, :-1] - x[:, 1:] - problem.gap, 0.0) ** 1.5
+        push = strength * np.maximum(x[:, :-1] - x[:, 1:] - problem.gap, 0.0) ** 1.5
         force = -ground * x - ground_cubic * x**3
         force[:, 0] += walls[0] * np.maximum(-x[:, 0] - problem.gap, 0.0) ** 1.5
         force[:, -1] -= walls[1] * np.maximum(x[:, -1] - problem.gap, 0.0) ** 1.5
@@ -35,7 +43,7 @@ def integrated(
         pull = problem.kappa * np.diff(x, axis=0)
         force[:-1] += pull
         force[1:] -= pull
-        return np.concatenate([state[size:], force.reshape(-1)])
+        return np.concatenate([state[size:], (force / mass).reshape(-1)])
 
     start = np.concatenate([np.zeros(size), problem.initial_velocity().reshape(-1)])
     time = np.arange(problem.frames + 1) * problem.every

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from analysis.gauges.forces import Readings
+from analysis.sharing.cells import CellEnergy
 from analysis.sharing.energy_flow import Flow
 from analysis.sharing.equipartition import CLEAR
 from analysis.sharing.is_solitary import Character
@@ -18,9 +19,13 @@ from workflow.engines.lammps.invariants import ENERGY_TOLERANCE
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import one_line, print_table
 from workflow.verdicts.analyse import Analysis, analyse, last_clear_bead
+from workflow.verdicts.analysis_report import train
 
 MOST_CHAINS = 8
 """Chains that a table shows."""
+
+MOST_PULSES = 6
+"""Of a train, that are told."""
 
 DOCUMENTED = 1e-4
 """Error of a peak velocity, in V, above which the user is told."""
@@ -103,6 +108,8 @@ def _print(found: Analysis) -> None:
         print_table(f"{problem.name}: leading pulse", head, rows)
         _print_accuracy(found)
     _print_pulses(found.survey)
+    if found.cells is not None:
+        _print_cells(problem, found.cells)
     if found.forces is not None:
         _print_forces(problem, found.forces)
     if found.left is not None:
@@ -110,11 +117,29 @@ def _print(found: Analysis) -> None:
     drifts = {"energy": seen.energy_drift, "momentum": seen.momentum_drift}
     known = {name: drift for name, drift in drifts.items() if np.isfinite(drift)}
     if known:
-        print(", ".join(f"{name} within {drift:.1e}" for name, drift in known.items()) + " of the kick's")
+        right = "what was put in" if problem.loads else "the kick's"
+        print(", ".join(f"{name} within {drift:.1e}" for name, drift in known.items()) + f" of {right}")
         if max(known.values()) > ENERGY_TOLERANCE:
             print(found.failure or "that is not this scene: was the deck run with another kappa or kick?")
     if found.contacts is not None:
         print("\n".join(found.contacts.lines()))
+
+
+def _print_cells(problem: Problem, cells: CellEnergy) -> None:
+    """What the pulse of each chain leaves behind, and where the energy is as seen from a replaced bead."""
+    cell = "bead" if cells.period == 1 else f"cell of {cells.period} beads"
+    for chain in range(1, min(problem.chains, MOST_CHAINS) + 1):
+        left = cells.left(chain)
+        if left is not None and math.isfinite(left.per_cell):
+            print(
+                f"chain {chain}: the pulse carries {left.carried:.4%} of the kick's energy at bead {left.last}; "
+                f"from bead {left.first} on it has left {left.per_cell:.2e} of the kick's in every {cell}"
+            )
+    for split in cells.splits()[:MOST_CHAINS]:
+        print(
+            f"bead {split.bead} of chain {split.chain}: at the end {split.before:.2%} of the energy is before it, "
+            f"{split.at:.2%} in it, {split.beyond:.2%} beyond"
+        )
 
 
 def _print_forces(problem: Problem, readings: Readings) -> None:
@@ -181,16 +206,19 @@ def _print_pulses(found: Survey) -> None:
         return
     final, decay = found.shared.final, found.decay
     if final is not None:
-        # the energy of exact waves; beads with gaps carry none of that kind
+        # the energy of exact waves; beads with gaps, or that differ, carry none of that kind
         energy = np.sum(found.shared.wave_share[-1])
-        share = "" if found.problem.gap else f"; {energy:.1%} of its energy in the leading waves"
+        known = np.isfinite(energy) and not found.problem.gap and found.problem.alike
+        share = f"; {energy:.1%} of its energy in the leading waves" if known else ""
         uncertainty = max(final.uncertainty, 1e-6)
-        print(f"amplitude {final.value:.5f} +- {uncertainty:.1g} V, {1.0 - final.value:.1%} below the kick{share}")
+        below = "the kick" if found.problem.kicks else "a free bead that was pushed so"
+        print(f"amplitude {final.value:.5f} +- {uncertainty:.1g} V, {1.0 - final.value:.1%} below {below}{share}")
     if decay is not None:
         print(
             f"decay as (1 - n / n*)**2.5 over beads {decay.first} to {decay.last}: n* = {decay.n_star:.1f} "
             f"+- {decay.n_star_error:.1g}, theory {decay.expected:.1f}"
         )
+    _print_train(found)
     others = 0
     for pulse, character in zip(found.pulses, found.characters, strict=True):
         if not found.leads(pulse):
@@ -204,11 +232,27 @@ def _print_pulses(found: Survey) -> None:
         print(f"the record is noisy: {found.noise:.1e} V; it was smoothed")
 
 
+def _print_train(found: Survey) -> None:
+    """The pulses that followed each other in the chain that was hit, if more than one did."""
+    seen = train(found)
+    if seen is None or len(seen) < 2:
+        return
+    time = found.problem.scale.time
+    each = ", ".join(f"{peak:.4f}" for peak in seen.peak_velocity[:MOST_PULSES])
+    apart = ", ".join(f"{spacing * time:.4g}" for spacing in seen.spacing[: MOST_PULSES - 1])
+    more = ", ..." if len(seen) > MOST_PULSES else ""
+    place = f"bead {seen.bead} of chain {seen.chain}"
+    print(f"a train of {len(seen)} pulses passed {place}: {each}{more} V, {apart}{more} apart")
+
+
 def _words(character: Character) -> str:
     """What a pulse is, at the bead where it was measured."""
     measured = f"shape {character.residual:.1e}, speed {character.speed_excess:+.1e} off the exact wave"
     if math.isfinite(character.variation):
         measured += f", amplitude varies by {character.variation:.1e}"
+    if not math.isfinite(character.speed_excess):
+        kind = "steady" if character.solitary else "not steady"
+        return f"{kind} at bead {character.bead}: amplitude varies by {character.variation:.1e} over beads of its mass"
     if not math.isfinite(character.residual):
         return f"at bead {character.bead}: not recorded long enough around its passage to compare its shape"
     kind = "solitary" if character.solitary else f"not solitary ({', '.join(character.fails)})"

@@ -35,7 +35,8 @@ def with_duration(scene: Scene) -> Scene:
         return scene
     # the reference integrates with the scene's own cadence, but records the one bead that matters
     gap = scene.gap / scene.scale.length
-    limit = _SLOWEST * (scene.until_bead + 10) * (1.0 + gap) * scene.scale.time
+    pushed = max((load.end for load in scene.system.loads), default=0.0)
+    limit = (_SLOWEST * (scene.until_bead + 10) * (1.0 + gap) + pushed) * scene.scale.time
     trial = scene.model_copy(
         update={
             "until_bead": None,
@@ -48,7 +49,7 @@ def with_duration(scene: Scene) -> Scene:
     )
     problem = trial.problem()
     reached = np.ones(problem.chains, dtype=bool)
-    for chain, _, _ in problem.kicks:
+    for chain, _, _ in problem.struck:
         reached[problem.tied_to(chain - 1)] = False
     share = 1.0 if scene.until_bead == scene.beads else 0.5
     largest = np.zeros(problem.chains)

@@ -164,7 +164,7 @@ def _shorter(problem: Problem, share: float) -> Problem:
     """The same chains over a share of the time, with the kicks and the ends of the chains as much closer together."""
     if share == 1.0:
         return problem
-    marks = sorted({0, problem.beads + 1, *(bead for _, bead, _ in problem.kicks)})
+    marks = sorted({0, problem.beads + 1, *(bead for _, bead, _ in problem.struck)})
     place = {0: 0}
     for before, after in itertools.pairwise(marks):
         distance = after - before
@@ -176,7 +176,9 @@ def _shorter(problem: Problem, share: float) -> Problem:
         problem,
         beads=beads,
         links=tuple(link.on(kept) for link in problem.links),
+        mass=problem.mass_of(Ellipsis, kept),
         kicks=tuple((chain, place[bead], velocity) for chain, bead, velocity in problem.kicks),
+        loads=tuple(load.at(place[load.bead]) for load in problem.loads),
         timestep=problem.every / apart,
         steps_per_frame=1,
         frames=max(1, math.ceil(problem.frames * apart * share)),

@@ -24,7 +24,7 @@ def with_window(scene: Scene) -> Scene:
     if scene.window != "auto":
         return scene
     rows = window.LEAST_WINDOW
-    kicked = [kick.bead for kick in scene.kick]
+    kicked = [kick.bead for kick in scene.kicks]
     while window.behind(rows) < max(kicked) - min(kicked) + _AROUND_KICKS:
         rows *= 2
     problem = scene.model_copy(update={"window": rows, "accuracy": None}).problem()

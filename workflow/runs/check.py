@@ -2,10 +2,13 @@
 
 import math
 import time
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass, replace
 
-from analysis.against.difference import Difference, Place
+from analysis.against.difference import Deviation, Difference, Place
 from analysis.against.pairing import paired
+from analysis.trajectory import Trajectory
+from lammps_inputs import Problem
 from workflow.engines.reference import engine
 from workflow.engines.reference.certify import Certificate
 from workflow.prepare.instants import SPACING, stride
@@ -19,7 +22,7 @@ class Check:
     """What a run's error was found to be, dimensionless.
 
     Attributes:
-        velocity: largest error of any velocity.
+        velocity: largest error of any velocity, in frames and snapshots.
         where: at which bead and time.
         arrival: largest error of an arrival of the leading pulse, where `analysis.tracking.peaks.sharp`; NaN where none
             is.
@@ -53,17 +56,30 @@ def check(directory: RunDirectory, settings: Settings | None = None) -> Check:
     """
     engine.load()  # takes its time once in a process, whatever is checked
     started = time.perf_counter()
-    step = stride(directory.problem, SPACING if settings is None else CADENCE)
-    for certifier in certifiers(directory.problem.coarser(step), settings):
-        difference = Difference(dict.fromkeys(("velocity", "displacement", "amplitude", "arrival"), math.inf))
-        for block, reference in paired(directory.blocks(step), certifier.blocks()):
-            difference.add(block, reference)
-    found = difference.deviations()
+    problem = directory.problem
+    step = stride(problem, SPACING if settings is None else CADENCE)
+    found, certificate = _compared(problem.coarser(step), lambda: directory.blocks(step), settings)
+    velocity = found["velocity"]
+    if problem.frames_per_snapshot is not None:
+        others, sure = _compared(problem.snapshots(), directory.snapshots, settings)
+        velocity = max(velocity, others["velocity"], key=lambda deviation: deviation.largest)
+        certificate = replace(certificate, velocity=max(certificate.velocity, sure.velocity))
     return Check(
-        velocity=found["velocity"].largest,
-        where=found["velocity"].where,
+        velocity=velocity.largest,
+        where=velocity.where,
         arrival=found["arrival"].largest if "arrival" in found else math.nan,
         amplitude=found["amplitude"].largest if "amplitude" in found else math.nan,
-        reference=certifier.certificate,
+        reference=certificate,
         seconds=time.perf_counter() - started,
     )
+
+
+def _compared(
+    problem: Problem, frames: Callable[[], Iterator[Trajectory]], settings: Settings | None
+) -> tuple[dict[str, Deviation], Certificate]:
+    """Frames against the reference, quantity by quantity, and how sure that is of itself."""
+    for certifier in certifiers(problem, settings):
+        difference = Difference(dict.fromkeys(("velocity", "displacement", "amplitude", "arrival"), math.inf))
+        for block, reference in paired(frames(), certifier.blocks()):
+            difference.add(block, reference)
+    return difference.deviations(), certifier.certificate

@@ -3,6 +3,8 @@
 from dataclasses import asdict, dataclass
 from typing import Any
 
+import numpy as np
+
 from analysis.largest_overlap import LargestOverlap, shown_by_frames
 from lammps_inputs import Scene, laws
 from lammps_inputs.limits import hertz
@@ -59,8 +61,10 @@ class Contacts:
 
 
 def at_most(scene: Scene) -> Contacts | None:
-    """What energy and momentum allow, before anything runs; None without a material."""
+    """What energy and momentum allow, before anything runs; None without a material, or if contacts differ."""
     problem = scene.problem()
+    if not _one_radius(scene):
+        return None
     _, high = hertz.overlap_bounds(problem)
     return _contacts(scene, high, measured=False)
 
@@ -88,8 +92,13 @@ def measure(directory: RunDirectory) -> Contacts | None:
 
 
 def has_contacts(directory: RunDirectory) -> bool:
-    """Whether the run has contacts in SI units."""
-    return directory.scene.material is not None and directory.engine != "collisions"
+    """Whether the run has contacts in SI units, all of the same beads."""
+    return directory.scene.material is not None and _one_radius(directory.scene) and directory.engine != "collisions"
+
+
+def _one_radius(scene: Scene) -> bool:
+    """Whether all contacts are those of two reference beads; which of others is hardest, overlaps alone do not tell."""
+    return all(np.all(np.equal(next(iter(link.law)), 1.0)) for link in scene.system.along)
 
 
 def _contacts(scene: Scene, overlap: float, *, measured: bool) -> Contacts | None:

@@ -6,10 +6,11 @@ import hashlib
 import importlib.metadata
 import os
 import platform
+import signal
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -132,6 +133,31 @@ def run(
         return carry_out(result, start=start, ranks=ranks, settings=settings, check=check, progress=progress)
 
 
+@contextlib.contextmanager
+def _interrupted_once() -> Iterator[None]:
+    """Only the first Ctrl-C, or what counts as one, is heard: a second would take away the record of a clean stop."""
+    heard = (signal.SIGINT, signal.SIGTERM, signal.SIGQUIT, signal.SIGHUP)
+    before = [number for number in heard if signal.getsignal(number) is signal.default_int_handler]
+    if threading.current_thread() is not threading.main_thread():
+        before = []
+
+    def first(*_: object) -> None:
+        if not stopping:
+            stopping.append(True)
+            raise KeyboardInterrupt
+
+    stopping: list[bool] = []
+
+    for number in before:
+        signal.signal(number, first)
+    try:
+        yield
+    finally:
+        for number in before:
+            signal.signal(number, signal.default_int_handler)
+
+
+@_interrupted_once()
 def carry_out(
     result: RunDirectory,
     *,
@@ -271,7 +297,11 @@ def refuse_what_it_cannot_do(engine: str, problem: Problem) -> None:
     """
     if engine != "lammps" and problem.window is not None:
         raise InputError(f"--engine: only lammps records a window, not {engine}; leave `window` out of the scene")
+    if engine == "collisions" and not isinstance(problem.mass, float):
+        raise InputError("--engine: `collisions` knows only beads of equal mass; use lammps or reference")
     if engine == "collisions" and not problem.simply_coupled:
+        if problem.loads:
+            raise InputError("--engine: `collisions` knows no forces over time such as a push; use lammps or reference")
         raise InputError(
             "--engine: `collisions` knows only equal linear springs between neighbouring chains; "
             "use lammps or reference"

@@ -113,16 +113,16 @@ def _quantities(report: dict[str, Any], record: dict[str, Any], scene: dict[str,
 
 def _hit(report: dict[str, Any], scene: dict[str, Any]) -> dict[str, Any]:
     """What ``analysis.json`` says of the leading wave in the chain that was hit hardest."""
-    kick = scene.get("kick")
-    kicks = [hit for hit in (kick if isinstance(kick, list | tuple) else [kick]) if isinstance(hit, dict)]
-    chain = max(kicks, key=_size, default={}).get("chain", 1)
+    blows = [scene.get(key) for key in ("kick", "push")]
+    each = [hit for blow in blows for hit in (blow if isinstance(blow, list | tuple) else [blow])]
+    chain = max((hit for hit in each if isinstance(hit, dict)), key=_size, default={}).get("chain", 1)
     waves = report.get("waves")
     entries = waves if isinstance(waves, list) else []
     return next((entry for entry in entries if isinstance(entry, dict) and entry.get("chain") == chain), {})
 
 
-def _size(kick: dict[str, Any]) -> float:
-    velocity = kick.get("velocity")
+def _size(blow: dict[str, Any]) -> float:
+    velocity = blow.get("velocity", blow.get("peak"))
     return abs(velocity) if isinstance(velocity, int | float) else 0.0
 
 

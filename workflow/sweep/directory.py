@@ -104,7 +104,10 @@ def refuse_another(path: Path, wanted: Asked, scene: Scene) -> None:
         raise InputError(f"{path}: is the same case computed by {found.engine}, not {wanted.engine}; {advice}")
     key = _first_difference(found.scene, wanted.scene)
     if key is None and (path / deck.SCENE).is_file():
-        written = library.load(path / deck.SCENE).plain()
+        try:
+            written = library.load(path / deck.SCENE).plain()
+        except InputError:  # damaged: it is written anew
+            return
         resolved = scene.resolved().plain()
         key = _first_difference(*(_without(data, _found_later(scene)) for data in (written, resolved)))
     if key is not None:

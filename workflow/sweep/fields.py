@@ -1,4 +1,6 @@
-"""Fields of a scene by dotted path: ``coupling.stiffness``, ``kick.velocity``, ``kick[2].bead``."""
+"""Fields of a scene by dotted path: ``coupling.stiffness``, ``kick.velocity``, ``kick[2].bead``,
+``kinds.light.mass``.
+"""
 
 import re
 from typing import Any
@@ -6,8 +8,12 @@ from typing import Any
 from pydantic import BaseModel
 
 from lammps_inputs import InputError, Scene, library
+from lammps_inputs.scene import SEVERAL
 
-_STEP = re.compile(r"([a-z_]+)(?:\[([1-9][0-9]{0,5})\])?")
+_STEP = re.compile(r"([A-Za-z_][A-Za-z0-9_]*)(?:\[([1-9][0-9]{0,5})\])?")
+
+_NAMED = ("kinds",)
+"""Keys that hold parts by names of the user's."""
 
 Path = tuple[tuple[str, int | None], ...]
 """Key by key, each with the number of the list's entry (from 1) where one was given."""
@@ -21,12 +27,15 @@ def parse(text: str) -> Path:
     """
     known = all_fields(Scene)
     matches = [_STEP.fullmatch(part) for part in text.split(".")] if len(text) <= 200 else []
-    if not matches or not all(matches) or ".".join(match[1] for match in matches if match) not in known:
+    keys = [match[1] for match in matches if match]
+    if keys[:1] and keys[0] in _NAMED:
+        del keys[1:2]  # the name
+    if not matches or not all(matches) or ".".join(keys) not in known:
         hint = library.suggestion(text[:200], known) or "; `granchain show two-chains` prints one with its fields"
         raise InputError(f"a scene has no field {text[:60]!r}{hint}")
     path = tuple((match[1], None if match[2] is None else int(match[2])) for match in matches if match)
     for key, number in path:
-        if number is not None and key != "kick":
+        if number is not None and key not in SEVERAL:
             raise InputError(f"`{key}` is not a list of parts, so it takes no [{number}]")
     return path
 
@@ -46,22 +55,26 @@ def put(scene: dict[str, Any], path: Path, value: Any) -> dict[str, Any]:
     """A copy of a scene's plain data with a field set; parts on the way are made where they are missing.
 
     Raises:
-        InputError: the path names one kick of several without its number, or one that there is not.
+        InputError: the path names one of several kicks or replacements without its number, or one that there is not.
     """
     (key, number), rest = path[0], path[1:]
     old = scene.get(key)
     if not rest and number is None:
         return {**scene, key: value}
-    if key != "kick":
+    if key not in SEVERAL or (key != "kick" and old is None):
         return {**scene, key: put(_mapping(old, key), rest, value)}
     kicks = list(old) if isinstance(old, list | tuple) else [old]
     if number is None and len(kicks) > 1:
-        raise InputError(f"the scene has {len(kicks)} kicks; say which, as in `kick[1]`")
+        raise InputError(f"the scene has {len(kicks)} {_plural(key, len(kicks))}; say which, as in `{key}[1]`")
     place = (number or 1) - 1
     if place >= len(kicks):
-        raise InputError(f"the scene has {len(kicks)} kick{'s' * (len(kicks) > 1)}, so no `kick[{number}]`")
+        raise InputError(f"the scene has {len(kicks)} {_plural(key, len(kicks))}, so no `{key}[{number}]`")
     kicks[place] = put(_mapping(kicks[place], key), rest, value) if rest else value
     return {**scene, key: kicks}
+
+
+def _plural(key: str, count: int) -> str:
+    return key if count == 1 else f"{key}es" if key.endswith("h") else f"{key}s"
 
 
 def _mapping(value: Any, key: str) -> dict[str, Any]:

@@ -177,16 +177,16 @@ def _refuse_too_many(counts: dict[str, int], combine: str, path: Path) -> None:
 def _scene(given: Any, path: Path) -> dict[str, Any]:
     """Plain data of the scene, which need not be whole: what is varied may be missing."""
     if isinstance(given, dict):
-        return given
+        return library.with_files(given, path.parent)
     if not isinstance(given, str):
         raise InputError(f"{path}: scene: should be a name, a file, or the scene's `key: value` pairs")
     installed = library.installed()
     if given in installed:
-        return strict_yaml.load(installed[given])
+        return library.load_plain(installed[given])
     try:
         place = path.parent / given
         if place.is_file():  # not a device or a pipe, which may never end
-            return strict_yaml.load(place)
+            return library.load_plain(place)
     except (OSError, ValueError):
         pass
     hint = library.suggestion(given[:200], installed)

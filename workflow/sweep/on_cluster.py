@@ -108,7 +108,11 @@ def _write_case(what: Sweep, case: Case, path: Path) -> Problem:
     scene = scene_of(what, case)
     if not all((path / name).is_file() for name in (deck.SCENE, deck.DECK, deck.DATA)):
         _write_deck(path, what, case, scene)
-    written = load(path / deck.SCENE)
+    try:
+        written = load(path / deck.SCENE)
+    except InputError:  # damaged
+        _write_deck(path, what, case, scene)
+        written = load(path / deck.SCENE)
     problem = written.problem()
     for name, text in deck.render(written).items():
         if (path / name).read_bytes() != text.encode("utf-8"):  # damaged

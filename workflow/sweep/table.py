@@ -55,6 +55,7 @@ QUANTITIES = {
     "arrival": _analysis("hit/arrival", "arrival at the last clear bead [time]"),
     "peak_velocity": _analysis("hit/peak_velocity", "peak velocity at the last clear bead [velocity]"),
     "speed": _analysis("hit/speed", "speed at the last clear bead [speed]"),
+    "left_behind": _analysis("cells/left_behind", "energy left behind in a cell / that of the kick"),
     "front": _analysis("front", "foremost bead that moved"),
     "energy_drift": _analysis("energy_drift", "relative drift of the energy"),
     "error_velocity": _run("check/velocity", "error of velocities / $V$"),

@@ -15,6 +15,7 @@ from analysis.gauges.forces import ForceMeter, Readings, gauges, to_csv
 from analysis.gauges.restitution import restitution
 from analysis.largest_overlap import LargestOverlap, shown_by_frames
 from analysis.mirror import direction_of
+from analysis.sharing.cells import CellEnergy
 from analysis.sharing.energy_flow import EnergyFlow, Flow
 from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.survey import Survey, survey
@@ -24,11 +25,19 @@ from analysis.trajectory import Trajectory
 from lammps_inputs import InputError, Problem
 from lammps_inputs.decks import deck
 from lammps_inputs.facts import Fact
+from lammps_inputs.ingredients.unequal import period
 from workflow.runs.contacts import Contacts, has_contacts, of_overlap
 from workflow.runs.own_files import claim
 from workflow.runs.results import Fingerprint, recorded_fingerprint
 from workflow.runs.run_directory import REPORT, RunDirectory, figure_files, write_figure, write_json, write_text
-from workflow.verdicts.analysis_report import energy_report, forces_report, last_clear_bead, report, waves_csv
+from workflow.verdicts.analysis_report import (
+    cells_report,
+    energy_report,
+    forces_report,
+    last_clear_bead,
+    report,
+    waves_csv,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -55,6 +64,7 @@ class Analysis:
         altered: whether frames or snapshots are not those that the run wrote, by the fingerprint in ``run.json``.
         contacts: the hardest contact; None without a material, and of rigid beads.
         energy: where the energy was over time, where no pulse stays together and every bead was recorded; else None.
+        cells: what the pulse left behind, where beads differ and every one was recorded; else None.
         forces: what the scene's gauges read; None where it names none.
     """
 
@@ -68,6 +78,7 @@ class Analysis:
     altered: bool
     contacts: Contacts | None
     energy: Flow | None
+    cells: CellEnergy | None
     forces: Readings | None
 
     @property
@@ -111,10 +122,14 @@ def analyse(
     conservation = Conservation()
     left = LeftBehind() if problem.window is not None else None
     flow = EnergyFlow(problem) if problem.whole and not problem.holds(Fact.PULSE) else None
+    cells = None
+    if problem.whole and not problem.alike and problem.holds(Fact.PULSE):
+        scene = directory.scene
+        cells = CellEnergy(problem, period(scene), tuple((one.chain, one.bead) for one in scene.replace or ()))
     fingerprint = Fingerprint()
     watchers: list[Any] = [conservation, fingerprint]
     meter = _meter(directory)
-    watchers += [watcher for watcher in (left, flow, meter) if watcher is not None]
+    watchers += [watcher for watcher in (left, flow, cells, meter) if watcher is not None]
     overlap = LargestOverlap() if has_contacts(directory) else None
     if overlap is not None and shown_by_frames(problem):
         watchers.append(overlap)
@@ -157,11 +172,13 @@ def analyse(
     if forces is not None:
         given_back = {side: restitution(found.pulses, problem, right=side == "right") for side in ("left", "right")}
         more["forces"] = forces_report(problem, forces, given_back)
+    if cells is not None:
+        more["cells"] = cells_report(problem, cells)
     write_json(directory.path / REPORT, {**report(found, conservation, allowed, left), **more})
     complete = conservation.frames == problem.frames + 1
     altered = recorded_fingerprint(directory) not in ("", fingerprint.sha256())
     return Analysis(
-        problem, found, conservation, complete, drawn, left, directory.failure, altered, hardest, energy, forces
+        problem, found, conservation, complete, drawn, left, directory.failure, altered, hardest, energy, cells, forces
     )
 
 

@@ -1,6 +1,7 @@
 """What an analysis writes: the columns of ``waves.csv`` and the keys of ``analysis.json``."""
 
 import math
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -8,13 +9,15 @@ import numpy as np
 from analysis.conservation import Conservation
 from analysis.gauges.forces import Readings
 from analysis.mirror import mirrored_bead
+from analysis.sharing.cells import CellEnergy
 from analysis.sharing.energy_flow import Flow
-from analysis.sharing.equipartition import AGREEMENTS, Estimate
+from analysis.sharing.equipartition import AGREEMENTS, CLEAR, Estimate
 from analysis.sharing.is_solitary import Character, Tolerances
 from analysis.sharing.survey import Survey
 from analysis.tracking.leading_waves import Waves, to_csv
 from analysis.tracking.left_behind import LeftBehind
 from analysis.tracking.pulses import Pulse
+from analysis.tracking.train import Train, train_of
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
 
@@ -43,8 +46,8 @@ def waves_csv(found: Survey) -> str:
         scale.heading("lag", "time"): _lag(found) * scale.time,
         "width": found.shape.width,
         "residual": found.shape.residual,
-        scale.heading("chain_energy", "energy"): chain_energy * found.problem.energy * scale.energy,
-        scale.heading("wave_energy", "energy"): wave_energy * found.problem.energy * scale.energy,
+        scale.heading("chain_energy", "energy"): chain_energy * found.shared.energy * scale.energy,
+        scale.heading("wave_energy", "energy"): wave_energy * found.shared.energy * scale.energy,
     }
     return to_csv(waves, scale, more)
 
@@ -67,13 +70,14 @@ def report(found: Survey, seen: Conservation, tolerances: Tolerances, left: Left
     | window          | rows; largest velocity, in V, of a bead when it was left behind, and which bead; |
     |                 | the lowest leading wave, in V, which that must not exceed; null without a window |
     | waves           | per chain: beads reached, and at the last whole one its arrival, peak velocity, speed |
+    | train           | pulses that followed each other in the chain that was hit; see `train_report`    |
     | equipartition   | see `equipartition`                                                              |
     | tolerances      | relative differences within which a pulse is called solitary                     |
     | pulses          | every pulse, the strongest first; see `pulse_entry`                              |
 
-    Where no pulse stays together, `workflow.verdicts.analyse` adds ``energy``, see `energy_report`. With a material it
-    adds ``contacts``, see `workflow.runs.contacts.Contacts`; where the scene has ``output.forces``, ``forces``, see
-    `forces_report`.
+    Where no pulse stays together, `workflow.verdicts.analyse` adds ``energy``, see `energy_report`; where beads differ,
+    ``cells``, see `cells_report`. With a material it adds ``contacts``, see `workflow.runs.contacts.Contacts`; where
+    the scene has ``output.forces``, ``forces``, see `forces_report`.
     """
     problem, scale = found.problem, found.problem.scale
     order = np.argsort([-character.peak_velocity for character in found.characters], kind="stable")
@@ -90,9 +94,46 @@ def report(found: Survey, seen: Conservation, tolerances: Tolerances, left: Left
         "noise": found.noise,
         "window": None if left is None else _window(left, found),
         "waves": [_chain_summary(found.waves, problem, chain) for chain in range(1, problem.chains + 1)],
+        "train": train_report(found),
         "equipartition": equipartition(found),
         "tolerances": {name: getattr(tolerances, name) for name in ("shape", "speed", "amplitude")},
         "pulses": [pulse_entry(found, found.pulses[k], found.characters[k]) for k in order],
+    }
+
+
+def train(found: Survey) -> Train | None:
+    """The pulses of the chain that was hit, where the leading one was last clear of the ends; None if it never was."""
+    chain, beads = found.shared.kicked + 1, found.problem.beads
+    own = found.waves.of_chain(chain)
+    clear = own.bead[(own.bead > CLEAR) & (own.bead <= beads - CLEAR)]
+    if len(clear) == 0:
+        return None
+    return train_of(found.pulses, chain, found.direction, int(clear.max() if found.direction > 0 else clear.min()))
+
+
+def train_report(found: Survey) -> dict[str, Any] | None:
+    """What ``analysis.json`` says under ``train``, in the scene's units; null if no pulse was tracked as far.
+
+    | key            | what                                                            |
+    |----------------|-----------------------------------------------------------------|
+    | chain, bead    | where                                                           |
+    | pulses         | number of pulses that passed it                                 |
+    | arrival        | of each                                                         |
+    | peak_velocity  | of each, positive along its way                                 |
+    | ratio          | that over the first one's                                       |
+    | spacing        | time from each to the next                                      |
+    """
+    seen, scale = train(found), found.problem.scale
+    if seen is None or len(seen) == 0:
+        return None
+    return {
+        "chain": seen.chain,
+        "bead": seen.bead,
+        "pulses": len(seen),
+        "arrival": (seen.arrival * scale.time).tolist(),
+        "peak_velocity": (seen.peak_velocity * scale.velocity).tolist(),
+        "ratio": seen.ratio.tolist(),
+        "spacing": (seen.spacing * scale.time).tolist(),
     }
 
 
@@ -114,6 +155,26 @@ def energy_report(problem: Problem, flow: Flow) -> dict[str, Any]:
             name: [[_number(value) for value in row] for row in getattr(flow, name).tolist()]
             for name in ("share", "centre", "spread")
         },
+    }
+
+
+def cells_report(problem: Problem, cells: CellEnergy) -> dict[str, Any]:
+    """What ``analysis.json`` says under ``cells``, where beads differ; energies in that of the kicks.
+
+    | key         | what                                                                                          |
+    |-------------|-----------------------------------------------------------------------------------------------|
+    | beads       | of a cell: what the pattern repeats                                                           |
+    | left_behind | energy that the pulse of the chain that was hit hardest leaves in every cell                  |
+    | chains      | per chain: that, between which beads, and what the pulse carries at the last; null: none ran  |
+    | replaced    | per replaced bead: energy of its chain before, at and beyond it at the end                    |
+    """
+    found = [cells.left(chain) for chain in range(1, problem.chains + 1)]
+    hit = found[max(problem.kicks, key=lambda kick: abs(kick[2]))[0] - 1]
+    return {
+        "beads": cells.period,
+        "left_behind": None if hit is None else _number(hit.per_cell),
+        "chains": [None if left is None else {**asdict(left), "per_cell": _number(left.per_cell)} for left in found],
+        "replaced": [asdict(split) for split in cells.splits()],
     }
 
 
@@ -172,7 +233,7 @@ def equipartition(found: Survey) -> dict[str, Any]:
     | amplitudes     | bead from which on the mismatch, (largest - smallest) / mean, stays below 0.1, 0.01, 0.001 |
     | arrivals       | the same for the spread of arrivals over the time in which the wave passes (half height)   |
     | final          | amplitude over the last half beat in V, its uncertainty, and the reduction against V       |
-    | energy_share   | of the waves at the last clear bead: exact waves of these amplitudes; measured             |
+    | energy_share   | of the waves at the last clear bead: exact waves of these amplitudes; measured                |
     | beat_length    | beads from one excess of a chain to the next, and its scatter                              |
     | decay_law      | v = v0 (1 - n / n_star)**2.5 fitted where neighbours are weak: v0 in V, n_star, its error, |
     |                | what theory expects, first and last bead, largest relative deviation; null if nowhere      |
@@ -189,7 +250,7 @@ def equipartition(found: Survey) -> dict[str, Any]:
         "arrivals": {str(tolerance): shared.in_step_from(tolerance) for tolerance in AGREEMENTS},
         "final": None if final is None else {**_known(final), "reduction": 1.0 - final.value},
         "energy_share": {
-            "exact": _number(float(np.sum(shared.wave_share[-1]))) if len(shared) else None,
+            "exact": _number(float(np.sum(shared.wave_share[-1]))) if len(shared) and found.problem.alike else None,
             "measured": _number(float(measured[-1])) if len(measured) else None,
         },
         "beat_length": _estimate(shared.beat_length),

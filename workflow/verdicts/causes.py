@@ -9,11 +9,15 @@ import numpy as np
 from analysis import motion
 from analysis.against import symptoms
 from analysis.trajectory import Trajectory
+from lammps_inputs.facts import Fact
 
 _CLEAR = 0.97
 """Share of the squared difference that a cause must explain."""
 
 _MOST_NAMED = 10
+
+_PUSH_DOUBT = 5e-3
+"""Share of the impulse; half a step of a force that ends at a frame may be missing there."""
 
 
 def causes(own: Trajectory, reference: Trajectory) -> list[str]:
@@ -23,7 +27,7 @@ def causes(own: Trajectory, reference: Trajectory) -> list[str]:
         own: consecutive frames of the trajectory, all beads.
         reference: the same frames, right.
     """
-    found = _numbers(own) or _times(own, reference) or _start(own)
+    found = _numbers(own) or _times(own, reference) or _start(own) or _pushes(own)
     return found or _strengths(own, reference) or _springs(own, reference)
 
 
@@ -54,7 +58,7 @@ def _times(own: Trajectory, reference: Trajectory) -> list[str]:
     """Whether a shift in time, of all or of the velocities alone, explains the difference."""
     problem = own.problem
     velocity = symptoms.time_shift(
-        own.velocity - reference.velocity, motion.acceleration(problem, reference.displacement)
+        own.velocity - reference.velocity, motion.acceleration(problem, reference.displacement, time=reference.time)
     )
     displacement = symptoms.time_shift(own.displacement - reference.displacement, reference.velocity)
     if velocity.explained < _CLEAR:
@@ -81,6 +85,24 @@ def _start(own: Trajectory) -> list[str]:
     unit = problem.scale.velocity
     found, right = own.velocity[0, chain, bead] * unit, problem.initial_velocity()[chain, bead] * unit
     return [f"bead {bead + 1} of chain {chain + 1} starts with velocity {found:.6g} instead of {right:.6g}"]
+
+
+def _pushes(own: Trajectory) -> list[str]:
+    """Whether the beads were given another impulse from outside than the scene says, where nothing else gives any."""
+    problem = own.problem
+    if not problem.loads or not problem.holds(Fact.MOMENTUM):
+        return []
+    given = sum(load.impulse(own.time) for load in problem.loads)
+    found = motion.momentum(problem, own.velocity) - problem.momentum
+    power = float(np.sum(given * given))
+    factor = float(np.sum(found * given)) / power if power > 0.0 else 1.0
+    if abs(factor) < _PUSH_DOUBT:
+        return ["the push is missing"]
+    if abs(factor - 1.0) > _PUSH_DOUBT:
+        return [f"the push gives {factor:.4g} times the impulse that the scene says"]
+    if np.max(np.abs(found - given)) > _PUSH_DOUBT * np.max(np.abs(given)):
+        return ["the push has another course over time than the scene says"]
+    return []
 
 
 def _strengths(own: Trajectory, reference: Trajectory) -> list[str]:

@@ -251,3 +251,13 @@ def test_any_text_after_a_header_is_read_or_refused(path, rows):
 def test_any_bytes_are_read_or_refused(path, content):
     path.write_bytes(content)
     read_or_refused(path)
+
+
+def test_an_npz_that_unpacks_to_more_than_is_read_here_is_refused_before_it_does(tmp_path, monkeypatch):
+    path = tmp_path / "bomb.npz"
+    np.savez_compressed(path, time=np.zeros(10**6))
+    assert path.stat().st_size < 10**5
+    monkeypatch.setattr(table, "MAX_BYTES", 10**6)
+    monkeypatch.setattr(np.lib.npyio.NpzFile, "__getitem__", lambda *_: pytest.fail("unpacked"))
+    with pytest.raises(InputError, match=r"bomb.npz: unpacks to 0.008 GB; at most 0.001 GB are read here"):
+        table.load(path)

@@ -269,3 +269,9 @@ def test_the_kicks_speed_changes_nothing_but_the_units(speed):
     scaled, plain = scene.problem(), problem(2, 0.1, 80, 110.0)
     assert math.isclose(scaled.kappa, plain.kappa, rel_tol=1e-12)
     assert math.isclose(scaled.every, plain.every, rel_tol=1e-12)
+
+
+def test_chains_are_compared_at_the_beads_after_the_one_hit_and_until_five_before_the_free_end():
+    found = run(2, 0.1)
+    assert found.shared.bead[0] == 2
+    assert found.shared.bead[-1] == found.problem.beads - 5

@@ -173,3 +173,12 @@ def test_a_table_of_waves_reads_as_it_was_written(gapped):
         read = from_csv(to_csv(waves, gapped.problem.scale), gapped.problem.scale)
         for column in ("chain", "bead", "arrival", "peak_velocity", "speed", "arrival_error", "velocity_error"):
             assert np.array_equal(getattr(read, column), getattr(waves, column), equal_nan=True), column
+
+
+@pytest.mark.parametrize("recorded", [None, (2,)])
+def test_the_error_of_a_peak_where_a_contact_opens_between_two_frames_is_below_what_is_said(recorded):
+    fine = reference(1, 0.0, 2, duration=20.0, every=0.01, gap=3.6)  # bead 2 leaves with exactly 1
+    for start in range(50):
+        found = find_peaks([thinned(fine[start:], 50, recorded)])
+        there = found.bead == 2
+        assert np.all(np.abs(found.velocity[there] - 1.0) <= found.velocity_error[there]), start

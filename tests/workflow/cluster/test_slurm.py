@@ -80,6 +80,15 @@ def test_a_job_of_two_ranks_ends_bit_for_bit_as_a_run_on_this_machine(cluster, t
     assert f"{directory}: done, 6000 steps" in capsys.readouterr().out
 
 
+def test_a_job_runs_in_a_directory_whose_name_means_something_to_slurm(cluster, tmp_path):
+    directory = written(SHORT, tmp_path / "50%j of a\\b %x", ranks_per_node=1)
+    cluster.submit(directory)
+    cluster.wait()
+    assert told(directory).state == "done", list(tmp_path.rglob("job.out"))
+    assert (directory / job.OUTPUT).is_file()
+    assert_same(directory, run_stock(SHORT, tmp_path / "local"))
+
+
 @pytest.mark.slow
 def test_a_job_cut_by_its_time_limit_submits_itself_and_ends_bit_for_bit_as_one_that_was_not(cluster, tmp_path):
     directory = written(LONG, tmp_path / "job", ranks_per_node=1, time="00:30:00", margin=54)

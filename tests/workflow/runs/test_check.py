@@ -11,7 +11,7 @@ from stock_lammps import scene
 
 from analysis.against.difference import Difference
 from analysis.against.pairing import paired
-from lammps_inputs import Kick, Material, strict_yaml
+from lammps_inputs import Kick, Material, Output, strict_yaml
 from workflow.cli import main
 from workflow.commands.run import _judged
 from workflow.engines.reference import engine
@@ -50,6 +50,17 @@ def test_run_json_holds_the_check(finished):
     assert held["where"] == {"chain": made.where.chain, "bead": made.where.bead, "time": made.where.time}
     assert held["reference"]["velocity"] == made.reference.velocity
     assert held["seconds"] == made.seconds > 0.0
+
+
+def test_the_error_is_also_that_of_the_snapshots_which_hold_beads_that_frames_do_not(tmp_path):
+    output = Output(every=0.5, beads=(5, 6), snapshots=10.0)
+    done = run(scene(beads=8, kick=(Kick(bead=3, velocity=1.0),), duration=60.0, output=output), tmp_path / "run")
+    problem = done.directory.problem.snapshots()
+    true = Difference(dict.fromkeys(("velocity", "displacement", "amplitude", "arrival"), math.inf))
+    for pair in paired(done.directory.snapshots(), certified(problem, 1e-9).blocks()):
+        true.add(*pair)
+    found = done.check.velocity + done.check.reference.velocity
+    assert true.deviations()["velocity"].largest <= found
 
 
 def test_without_check_it_is_left_out(tmp_path, capsys):

@@ -168,7 +168,7 @@ def test_ctrl_c_ends_a_run_with_one_line_and_its_frames(size, ranks, start, whol
     command.reach("chains.dump.bin", size)
     code, out, err = command.end(signal.SIGINT)
     record = RunDirectory(command.run).record
-    assert (code, err) == (1, "")
+    assert (code, err) == (130, "")
     assert out == (
         f"{command.run}: interrupted at step {record['steps_done']} of 10000000; frames are kept, and "
         f"`granchain run --resume {command.run}` goes on\n"
@@ -177,6 +177,18 @@ def test_ctrl_c_ends_a_run_with_one_line_and_its_frames(size, ranks, start, whol
     assert record["outcome"] == "interrupted"
     assert_frames_are_those_of(whole, command.run)
     assert frames_of_incomplete_analysis(command.run, capsys) == record["steps_done"] // 100 + 1
+
+
+def test_further_signals_while_it_stops_change_nothing(start):
+    command = start()
+    command.reach("chains.dump.bin", 100_000)
+    for number in (signal.SIGINT, signal.SIGQUIT, signal.SIGTERM, signal.SIGHUP) * 5:
+        os.killpg(command.process.pid, number)
+    code, out, err = command.end(signal.SIGINT)
+    assert (code, err) == (130, "")
+    assert f"{command.run}: interrupted at step" in out
+    assert RunDirectory(command.run).record["outcome"] == "interrupted"
+    assert command.nothing_is_left()
 
 
 def test_ctrl_c_before_anything_is_written_is_one_line(tmp_path):

@@ -33,6 +33,18 @@ def test_added_cases_keep_the_numbers_of_those_before_and_done_ones_are_left_out
     assert "#SBATCH --array=1-2\n" in (tmp_path / "s" / "job.sbatch").read_text()
 
 
+@pytest.mark.parametrize("name", ["scene.yaml", "in.chains", "data.chains"])
+def test_a_damaged_file_of_a_case_is_written_anew(name, tmp_path):
+    path, directory = sweep_file(tmp_path, UNTIL, beads=[12]), tmp_path / "s"
+    file = directory / "beads=12" / name
+    assert main(["sweep", str(path), "-o", str(directory), "--slurm"]) == 0
+    whole = file.read_bytes()
+    for damage in (b"\xff\xfe junk", b"", whole[: len(whole) // 2]):
+        file.write_bytes(damage)
+        assert main(["sweep", str(path), "-o", str(directory), "--slurm"]) == 0
+        assert file.read_bytes() == whole
+
+
 @pytest.mark.parametrize(
     ("engine", "options", "says"),
     [

@@ -36,8 +36,11 @@ def fault(
             f"{_remedy(problem)}"
         )
     energy = float(motion.energy(problem, displacement, velocity, first)) + elsewhere
-    if abs(energy / problem.energy - 1.0) > ENERGY_TOLERANCE:
-        return f"the energy has changed by {100.0 * (energy / problem.energy - 1.0):.3g}%; {_remedy(problem)}"
+    change = energy / problem.energy - 1.0
+    if problem.loads and change > ENERGY_TOLERANCE:
+        return f"the energy is {100.0 * change:.3g}% above all that the pushes can put in; {_remedy(problem)}"
+    if not problem.loads and abs(change) > ENERGY_TOLERANCE:
+        return f"the energy has changed by {100.0 * change:.3g}%; {_remedy(problem)}"
     return None
 
 

@@ -15,6 +15,7 @@ from lammps_inputs.limits.timestep import stability_bound
 from lammps_inputs.units import Scale
 from workflow.engines.reference.blanes_moan import BLANES_MOAN
 from workflow.engines.reference.scheme import Scheme
+from workflow.engines.reference.verlet import VERLET
 
 if TYPE_CHECKING:
     from workflow.engines.reference.forces import Forces
@@ -82,7 +83,7 @@ def blocks(
     steps = default_steps_per_frame(problem) if steps_per_frame is None else steps_per_frame
     if window is None and problem.window is not None:
         window = WIDER * problem.window
-    state = make_state(problem, window)
+    state = make_state(problem, window, as_lammps=scheme is VERLET)
     x, v = state.x, state.v
     chains = problem.chains
     recorded = _recorded(problem, state, 0.0)
@@ -104,6 +105,7 @@ def blocks(
             np.array(scheme.kicks),
             np.array(scheme.drifts),
             problem.every / steps,
+            (first - 1) * steps,
             steps,
             state.forces,
             recorded,
@@ -153,8 +155,13 @@ class State:
     window: int
 
 
-def make_state(problem: Problem, window: int | None) -> "State":
+def make_state(problem: Problem, window: int | None, *, as_lammps: bool = False) -> "State":
     """The start of a problem.
+
+    Args:
+        problem: what is integrated.
+        window: rows at most.
+        as_lammps: whether forces from outside act as LAMMPS has them.
 
     Raises:
         ValueError: a window too narrow for the rows that are kicked and a pulse ahead of them.
@@ -164,9 +171,9 @@ def make_state(problem: Problem, window: int | None) -> "State":
     shape = (problem.beads + 2, problem.chains)
     x, v = np.zeros(shape), np.zeros(shape)
     v[1:-1] = problem.initial_velocity().T
-    kicked = [bead for _, bead, _ in problem.kicks]
+    kicked = [bead for _, bead, _ in problem.struck]
     span = np.array([max(1, min(kicked) - 1), min(problem.beads, max(kicked) + 1)])
     least = int(span[1] - span[0]) + 30
     if window is not None and window < least:
         raise ValueError(f"a window of {window} rows is too narrow; at least {least}")
-    return State(x, v, make_forces(problem), span, problem.beads if window is None else window)
+    return State(x, v, make_forces(problem, as_lammps=as_lammps), span, problem.beads if window is None else window)

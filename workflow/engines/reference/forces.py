@@ -7,6 +7,9 @@
 |              |            | law with parameters [distance, place]) where there are more than `UNROLLED`     |
 | ground       | ``ground`` | tuple of laws                                                                  |
 
+Forces from outside, over time, are tuples of (position in memory, law). Those of ``drifted`` act while beads drift,
+exactly as on free beads; those of ``kicked`` act as LAMMPS has them, by their means over a step.
+
 An empty tuple costs nothing: what is not there is gone when the loop is compiled. A parameter is a number or an array
 of the shape of the state, flat; positions in memory are unsigned, which spares the loops a test for negative ones.
 """
@@ -35,16 +38,37 @@ class Forces(NamedTuple):
     gap: float
     across: tuple[tuple[Any, Any], ...]
     ground: tuple[Any, ...]
+    lightness: Any
+    """One over the masses; an empty tuple where all are 1."""
+    drifted: tuple[tuple[int, Any], ...]
+    kicked: tuple[tuple[int, Any], ...]
 
 
-def make_forces(system: System) -> Forces:
-    """The forces of a system on a state [bead + 2, chain], whose rows 0 and beads + 1 stay at rest."""
+def make_forces(system: System, *, as_lammps: bool = False) -> Forces:
+    """The forces of a system on a state [bead + 2, chain], whose rows 0 and beads + 1 stay at rest.
+
+    Args:
+        system: what is integrated.
+        as_lammps: whether forces from outside act as LAMMPS has them.
+    """
+    loads = tuple((load.bead * system.chains + load.chain - 1, load.law) for load in system.loads)
     return Forces(
         along=tuple(_flat(link.law, system, first=2) for link in system.along),
         gap=system.gap,
         across=tuple(neighbour for link in system.across for neighbour in _neighbours(link, system)),
         ground=tuple(_flat(link.law, system, first=1) for link in system.ground),
+        lightness=_lightness(system),
+        drifted=() if as_lammps else loads,
+        kicked=loads if as_lammps else (),
     )
+
+
+def _lightness(system: System) -> Any:
+    if isinstance(system.mass, float):
+        return ()
+    rows = np.ones((system.beads + 2, system.chains))
+    rows[1:-1] = 1.0 / system.mass.T
+    return rows.reshape(-1)
 
 
 def _flat(law: Any, system: System, *, first: int) -> Any:
@@ -100,6 +124,18 @@ def pull(across: Any, x: Any, k: Any) -> Any:
     raise NotImplementedError
 
 
+def over_mass(force: Any, lightness: Any, k: Any) -> Any:
+    """Acceleration by a force at a place in memory."""
+    raise NotImplementedError
+
+
+@overload(over_mass, inline="always", strict=False)
+def _over_mass(force: Any, lightness: Any, k: Any) -> Any:
+    if isinstance(lightness, types.Array):
+        return lambda force, lightness, k: force * lightness[k]
+    return lambda force, lightness, k: force
+
+
 def pull_of(neighbours: Any, x: Any, k: Any) -> Any:
     """The same of the neighbours at one distance, or at all distances of an array."""
     raise NotImplementedError
@@ -152,3 +188,101 @@ def _pull_of(neighbours: Any, x: Any, k: Any) -> Any:
         return result
 
     return total
+
+
+def drift_on(loads: Any, x: Any, v: Any, time: Any, duration: Any, low: Any, high: Any) -> Any:
+    """What loads add to the drift of free beads over a duration, in places of memory from low to below high."""
+    raise NotImplementedError
+
+
+def kick_on(loads: Any, v: Any, time: Any, step: Any, duration: Any, low: Any, high: Any) -> Any:
+    """What the means of loads over a step around a time give beads in a duration; at the start over half a step."""
+    raise NotImplementedError
+
+
+def force_on(loads: Any, a: Any, time: Any, low: Any, high: Any) -> Any:
+    """Add loads at a time to accelerations."""
+    raise NotImplementedError
+
+
+def impulse_of(law: Any, t: Any) -> Any:
+    """Of a law in time, until a time."""
+    raise NotImplementedError
+
+
+def travel_of(law: Any, t: Any) -> Any:
+    """Of a free bead under a law in time, until a time."""
+    raise NotImplementedError
+
+
+def force_of(law: Any, t: Any) -> Any:
+    """Of a law in time, at a time."""
+    raise NotImplementedError
+
+
+def _call(function: Any, parameters: int) -> Any:
+    """Of a law's function, with its parameters."""
+    function = njit(function)
+    if parameters == 2:
+        return lambda law, t: function(t, law[0], law[1])
+    return lambda law, t: function(t, law[0], law[1], law[2], law[3])
+
+
+@overload(impulse_of, strict=False)
+def _impulse_of(law: Any, t: Any) -> Any:
+    return _call(law.instance_class.impulse, len(law))
+
+
+@overload(travel_of, strict=False)
+def _travel_of(law: Any, t: Any) -> Any:
+    return _call(law.instance_class.travel, len(law))
+
+
+@overload(force_of, strict=False)
+def _force_of(law: Any, t: Any) -> Any:
+    return _call(law.instance_class.force, len(law))
+
+
+@overload(drift_on, strict=False)
+def _drift_on(loads: Any, x: Any, v: Any, time: Any, duration: Any, low: Any, high: Any) -> Any:
+    if len(loads) == 0:
+        return lambda loads, x, v, time, duration, low, high: None
+
+    def act(loads: Any, x: Any, v: Any, time: Any, duration: Any, low: Any, high: Any) -> None:
+        k, law = loads[0]
+        if low <= k < high:
+            before, after = impulse_of(law, time), impulse_of(law, time + duration)
+            x[k] += travel_of(law, time + duration) - travel_of(law, time) - before * duration
+            v[k] += after - before
+        drift_on(loads[1:], x, v, time, duration, low, high)
+
+    return act
+
+
+@overload(kick_on, strict=False)
+def _kick_on(loads: Any, v: Any, time: Any, step: Any, duration: Any, low: Any, high: Any) -> Any:
+    if len(loads) == 0:
+        return lambda loads, v, time, step, duration, low, high: None
+
+    def act(loads: Any, v: Any, time: Any, step: Any, duration: Any, low: Any, high: Any) -> None:
+        k, law = loads[0]
+        if low <= k < high:
+            given = impulse_of(law, time + 0.5 * step) - impulse_of(law, time - 0.5 * step)
+            v[k] += given / step * duration * (2.0 if time == 0.0 else 1.0)
+        kick_on(loads[1:], v, time, step, duration, low, high)
+
+    return act
+
+
+@overload(force_on, strict=False)
+def _force_on(loads: Any, a: Any, time: Any, low: Any, high: Any) -> Any:
+    if len(loads) == 0:
+        return lambda loads, a, time, low, high: None
+
+    def act(loads: Any, a: Any, time: Any, low: Any, high: Any) -> None:
+        k, law = loads[0]
+        if low <= k < high:
+            a[k] += force_of(law, time)
+        force_on(loads[1:], a, time, low, high)
+
+    return act

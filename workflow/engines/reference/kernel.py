@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from workflow.compiled import compiled
-from workflow.engines.reference.forces import Forces, pull, sum_of
+from workflow.engines.reference.forces import Forces, drift_on, kick_on, over_mass, pull, sum_of
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -31,10 +31,11 @@ def press(x: Floats, push: Floats, forces: Forces, chains: int, first: int, last
 
 @compiled
 def kick(v: Floats, push: Floats, x: Floats, forces: Forces, factor: float, chains: int, first: int, last: int) -> None:
-    """``v += factor * forces`` in rows first to last, which nothing outside touches."""
+    """``v += factor * forces / masses`` in rows first to last, which nothing outside touches."""
     row = np.uint64(chains)
     for k in range(np.uint64(first * chains), np.uint64((last + 1) * chains)):
-        v[k] += factor * (push[k] - push[k + row] - pull(forces.across, x, k) - sum_of(forces.ground, k, x[k]))
+        force = push[k] - push[k + row] - pull(forces.across, x, k) - sum_of(forces.ground, k, x[k])
+        v[k] += factor * over_mass(force, forces.lightness, k)
 
 
 @compiled
@@ -62,11 +63,12 @@ def step(
     window: int,
     kicks: Floats,
     drifts: Floats,
+    time: float,
     h: float,
     forces: Forces,
     chains: int,
 ) -> bool:
-    """One time step of the rows that can move; arguments as for `advance`.
+    """One time step from a time on of the rows that can move; arguments as for `advance`.
 
     ``push`` holds the contact forces of the present positions unless ``stale``; returns whether they are so after it.
     """
@@ -78,8 +80,11 @@ def step(
                 press(x, push, forces, chains, first, last)
                 stale = False
             kick(v, push, x, forces, kicks[stage] * h, chains, first, last)
+            kick_on(forces.kicked, v, time, h, kicks[stage] * h, first * chains, (last + 1) * chains)
         if stage < drifts.shape[0]:
             _drift(x, v, drifts[stage] * h, chains, first, last)
+            drift_on(forces.drifted, x, v, time, drifts[stage] * h, first * chains, (last + 1) * chains)
+            time += drifts[stage] * h
             stale = True
             if last < beads and _displaced(x, chains, last):
                 last += 1
@@ -101,6 +106,7 @@ def advance(
     kicks: Floats,
     drifts: Floats,
     h: float,
+    first_step: int,
     steps_per_frame: int,
     forces: Forces,
     recorded: Integers,
@@ -118,6 +124,7 @@ def advance(
         span: first and last row that may move; advanced in place.
         window: number of rows that are integrated at most.
         kicks, drifts, h: the scheme and its step.
+        first_step: steps done before.
         steps_per_frame: steps between two frames.
         forces: of the problem.
         recorded: beads to record, counted from 1.
@@ -127,8 +134,9 @@ def advance(
     push = np.zeros_like(x)
     stale = True
     for frame in range(frames_x.shape[0]):
-        for _ in range(steps_per_frame):
-            stale = step(x, v, push, stale, span, window, kicks, drifts, h, forces, chains)
+        for number in range(frame * steps_per_frame, (frame + 1) * steps_per_frame):
+            time = (first_step + number) * h
+            stale = step(x, v, push, stale, span, window, kicks, drifts, time, h, forces, chains)
         for j in range(chains):
             for k in range(recorded.shape[0]):
                 frames_x[frame, j, k] = x[recorded[k] * chains + j]

@@ -13,21 +13,23 @@ import numpy as np
 from analysis.tracking.leading_waves import Waves, with_speeds
 from analysis.tracking.peaks import THRESHOLD
 from lammps_inputs import Problem
+from lammps_inputs.limits.timestep import stability_bound
 from workflow.compiled import compiled
 from workflow.engines.reference import engine
 from workflow.engines.reference.blanes_moan import BLANES_MOAN
-from workflow.engines.reference.forces import Forces
+from workflow.engines.reference.forces import Forces, force_on
 from workflow.engines.reference.kernel import Floats, Integers, kick, press, step
 from workflow.engines.reference.scheme import Scheme
 
 
 @compiled
-def _accelerate(x: Floats, a: Floats, push: Floats, forces: Forces, span: Integers) -> None:
+def _accelerate(x: Floats, a: Floats, push: Floats, forces: Forces, span: Integers, time: float) -> None:
     """Accelerations [row, chain] in the rows of a span, everything flat but ``a``."""
     chains = a.shape[1]
     press(x, push, forces, chains, span[0], span[1])
     a[span[0] : span[1] + 1] = 0.0
     kick(a.reshape(-1), push, x, forces, 1.0, chains, span[0], span[1])
+    force_on(forces.drifted, a.reshape(-1), time, span[0] * chains, (span[1] + 1) * chains)
 
 
 @compiled
@@ -75,11 +77,11 @@ def _pass(
             for j in range(chains):
                 v_before[row, j] = v_rows[row, j]
                 a_before[row, j] = a[row, j]
-        step(x, v, push, True, span, window, kicks, drifts, h, forces, chains)
+        step(x, v, push, True, span, window, kicks, drifts, number * h, h, forces, chains)
         for row in range(before, span[0]):
             for j in range(chains):
                 let_go = max(let_go, abs(v_rows[row, j]))
-        _accelerate(x, a, push, forces, span)
+        _accelerate(x, a, push, forces, span, (number + 1) * h)
         _note(v_rows, a, v_before, a_before, span, (number + 1) * h, h, threshold, arrival, peak)
     return let_go
 
@@ -101,7 +103,8 @@ class Passages:
 
 def usual_timestep(problem: Problem) -> float:
     """0.1, or less where the springs are stiff, in units of T: peaks are then right to below 1e-5 of V."""
-    return 0.1 / math.sqrt(max(1.0, problem.swing**2 / 2.0))
+    step = 0.1 / math.sqrt(max(1.0, problem.swing**2 / 2.0))
+    return step if problem.alike else min(step, stability_bound(problem) / 8.0)
 
 
 def passages(

@@ -18,7 +18,7 @@ ROWS = (100, 1_000, 10_000, 100_000)
 PER_ROW = 3
 """Collisions of one row that are timed: the same early part of the motion whatever the length."""
 
-RATE, GROWTH = 10.0, 1.3
+RATE, GROWTH = 40.0, 1.3
 
 
 def collision_ratios() -> Iterator[Ratio]:

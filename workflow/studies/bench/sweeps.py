@@ -18,7 +18,7 @@ from workflow.verdicts.analyse import analyse
 
 CASES = 200
 
-SPEED_UP, OVERHEAD = 1.8, 0.1
+SPEED_UP, OVERHEAD = 1.8, 0.5
 
 
 def sweep_ratios(root: Path) -> Iterator[Ratio]:

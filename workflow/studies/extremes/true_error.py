@@ -59,7 +59,7 @@ def judge(directory: RunDirectory, tolerance: float, *, longest: float = LONGEST
 
 def _seconds(problem: Problem, steps_per_frame: int) -> float:
     """About what two reference runs side by side take, one with half the steps; a pulse passes a bead in T or so."""
-    kicked = [bead for _, bead, _ in problem.kicks]
+    kicked = [bead for _, bead, _ in problem.struck]
     rows = min(problem.beads, max(kicked) - min(kicked) + 1 + 0.5 * problem.duration)
     steps = 1.5 * problem.frames * steps_per_frame
     return steps * BLANES_MOAN.forces_per_step * (rows * problem.chains * _BEAD_STAGE + _STAGE)
@@ -88,7 +88,7 @@ def _by_leading_pulse(directory: RunDirectory) -> TrueError:
 
 
 def _passages(problem: Problem, refinement: float) -> Waves:
-    kicked = [bead for _, bead, _ in problem.kicks]
+    kicked = [bead for _, bead, _ in problem.struck]
     window = min(problem.beads + 30, max(kicked) - min(kicked) + _WINDOW)
     return passages(problem, window=window, timestep=usual_timestep(problem) / refinement).waves
 

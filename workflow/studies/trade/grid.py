@@ -38,7 +38,9 @@ RANKS, WINDOW = "ranks", "window"
 
 def settings(problem: Problem) -> Jobs:
     """Everything to be measured for a problem, which has the scene's own frames and time step."""
-    found = lammps_by_step(problem, "verlet") + lammps_by_step(problem, "suzuki4") + lammps_by_ranks(problem)
+    found = lammps_by_step(problem, "verlet") + lammps_by_ranks(problem)
+    if not problem.loads:  # which suzuki4 cannot go with
+        found = lammps_by_step(problem, "verlet") + lammps_by_step(problem, "suzuki4") + lammps_by_ranks(problem)
     for scheme in reference_schemes():
         found += reference_by_step(problem, scheme)
     found += lammps_by_window(problem) + reference_by_window(problem)
@@ -120,7 +122,9 @@ def reference_by_step(problem: Problem, scheme: Scheme) -> Jobs:
 def lammps_by_window(problem: Problem) -> Jobs:
     """LAMMPS at the scene's time step by the number of rows that exist; all of them last."""
     recorded = problem.recorded is None and problem.uniform
-    forward = all(velocity > 0.0 and bead <= LEAST_WINDOW - HEADROOM for _, bead, velocity in problem.kicks)
+    forward = not problem.loads and all(
+        velocity > 0.0 and bead <= LEAST_WINDOW - HEADROOM for _, bead, velocity in problem.kicks
+    )
     jobs = [Job("lammps", replace(problem, window=rows)) for rows in widths(problem)] if recorded and forward else []
     return _windows(LAMMPS, problem, jobs, Job("lammps", problem))
 
@@ -130,7 +134,7 @@ def reference_by_window(problem: Problem) -> Jobs:
     pairs = cycles(problem, FINEST["blanes-moan"])
     fine = next((pair for pair in pairs if problem.every * pair[0] / pair[1] <= USUAL), pairs[-1])
     own = stepped(problem, *fine)
-    spread = max(bead for _, bead, _ in problem.kicks) - min(bead for _, bead, _ in problem.kicks)
+    spread = max(bead for _, bead, _ in problem.struck) - min(bead for _, bead, _ in problem.struck)
     recorded = problem.recorded is None and spread <= LEAST_WINDOW // 2
     jobs = [Job("reference", own, BLANES_MOAN, window=rows) for rows in widths(problem)] if recorded else []
     return _windows(REFERENCE, problem, jobs, Job("reference", own, BLANES_MOAN))

@@ -1,0 +1,121 @@
+"""What chains of unequal beads do to a pulse: the energy that it carries on, leaves behind in every cell, and splits.
+
+The leading pulse is where the largest contact force of a chain is, which is defined whatever the beads' masses. It
+carries the energy of the beads from a few behind it on; of that, what it loses from cell to cell is left behind. A cell
+is the least piece of a pattern that repeats, one bead without one.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from analysis import motion
+from analysis.mirror import direction_of, mirrored, mirrored_bead
+from analysis.sharing.equipartition import CLEAR
+from analysis.trajectory import Floats, Trajectory
+from lammps_inputs import Problem
+
+BEHIND = 4
+"""Cells (of two beads at least) behind the largest force that count as the pulse's."""
+
+
+@dataclass(frozen=True)
+class Left:
+    """What one chain's pulse left behind, in shares of the energy of the kicks.
+
+    Attributes:
+        first, last: beads, as numbered in the scene, at which the pulse was compared; whole cells apart.
+        carried: energy that it carried at the last of them.
+        per_cell: lost from one cell to the next between them; NaN where it did not run a cell.
+    """
+
+    first: int
+    last: int
+    carried: float
+    per_cell: float
+
+
+@dataclass(frozen=True)
+class Split:
+    """Where the energy of a chain is at the end, seen from one of its beads, in shares of the energy of the kicks.
+
+    Attributes:
+        chain, bead: counted from 1.
+        before, at, beyond: in beads of lower numbers, in this one, in those of higher numbers; the energy of a contact
+            is half each bead's.
+    """
+
+    chain: int
+    bead: int
+    before: float
+    at: float
+    beyond: float
+
+
+class CellEnergy:
+    """Collects both from a run of all beads that is given block by block.
+
+    Args:
+        problem: what was run.
+        period: beads of a cell.
+        places: (chain, bead) from which the energy at the end is looked at.
+    """
+
+    def __init__(self, problem: Problem, period: int, places: tuple[tuple[int, int], ...] = ()) -> None:
+        self.period = period
+        self._problem = problem
+        self._places = places
+        self._carried = np.full((problem.chains, problem.beads), np.nan)
+        self._front = np.zeros(problem.chains, dtype=np.int64)
+        self._final: Floats | None = None
+
+    def add(self, block: Trajectory) -> None:
+        """Take the next frames, from the first of the run on."""
+        if direction_of(self._problem) < 0:
+            block = mirrored(block)
+        energy = motion.bead_energy(block.problem, block.displacement, block.velocity)
+        self._final = energy[-1]
+        ahead = np.cumsum(energy[..., ::-1], axis=-1)[..., ::-1]
+        force = motion.contact_force(block.problem, motion.overlaps(block.problem, block.displacement))
+        place = np.where(force.max(axis=-1) > 0.0, np.argmax(force, axis=-1), 0)
+        reached = np.maximum.accumulate(np.vstack([self._front[np.newaxis], place]), axis=0)[1:]
+        tail = np.maximum(reached - BEHIND * max(2, self.period), 0)
+        carried = np.take_along_axis(ahead, tail[..., np.newaxis], axis=-1)[..., 0]
+        frame, chain = np.nonzero(place == reached)
+        self._carried[chain, place[frame, chain]] = carried[frame, chain]  # the last frame of each counts
+        self._front = reached[-1]
+
+    def left(self, chain: int) -> Left | None:
+        """What the pulse of a chain, from 1, left behind on the second half of its way; None if it ran nowhere."""
+        row = self._carried[chain - 1] / self._problem.energy
+        seen = np.flatnonzero(np.isfinite(row[: self._problem.beads - CLEAR]))
+        if len(seen) == 0 or seen[-1] == 0:
+            return None
+        last = int(seen[-1])
+        like = seen[(last - seen) % self.period == 0]
+        first = int(like[np.argmin(np.abs(like - last / 2.0))])
+        cells = (last - first) // self.period
+        per_cell = (row[first] - row[last]) / cells if cells else math.nan
+        ends = (self._bead(first + 1), self._bead(last + 1))
+        return Left(*ends, float(row[last]), float(per_cell))
+
+    def splits(self) -> tuple[Split, ...]:
+        """Where the energy is at the end of the frames so far, seen from each of the places."""
+        if self._final is None:
+            return ()
+        final = self._final if direction_of(self._problem) > 0 else self._final[:, ::-1]
+        share = final / self._problem.energy
+        return tuple(
+            Split(
+                chain,
+                bead,
+                float(share[chain - 1, : bead - 1].sum()),
+                float(share[chain - 1, bead - 1]),
+                float(share[chain - 1, bead:].sum()),
+            )
+            for chain, bead in self._places
+        )
+
+    def _bead(self, along: int) -> int:
+        return along if direction_of(self._problem) > 0 else int(mirrored_bead(self._problem, along))

@@ -1,0 +1,150 @@
+"""Pushes: forces on single beads from outside, over time, from the start on: a hammer, or what a sensor recorded."""
+
+import itertools
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, field_validator, model_validator
+
+from lammps_inputs.errors import InputError
+from lammps_inputs.ingredients.base import Ingredient
+from lammps_inputs.laws.in_time import HalfSine, Rectangular, TimeLaw, make_table
+from lammps_inputs.links import Link
+from lammps_inputs.loads import Load
+
+if TYPE_CHECKING:
+    from lammps_inputs.scene import BaseScene
+
+Count = Annotated[int, Field(ge=1, le=2**31 - 1)]
+Point = tuple[Annotated[float, Field(ge=0, le=1e30)], Annotated[float, Field(ge=-1e30, le=1e30)]]
+
+MOST_POINTS = 10_000
+
+_SHAPES: dict[str, type[HalfSine] | type[Rectangular]] = {"half-sine": HalfSine, "rectangular": Rectangular}
+
+
+class Push(Ingredient):
+    """A force on one bead, towards higher bead numbers when positive: of a shape, or from a table."""
+
+    several: ClassVar[bool] = True
+
+    chain: Count = 1
+    bead: Count = 1
+    peak: Annotated[float, Field(ge=-1e30, le=1e30)] | None = None
+    """Largest force; N with a material."""
+    duration: Annotated[float, Field(gt=0, le=1e30)] | None = None
+    """Time from the start to the end of the force; s with a material."""
+    shape: Literal["half-sine", "rectangular"] | None = None
+    table: tuple[Point, ...] | None = None
+    """(time, force), linear in between, no force before and after; in a scene's file also the name of a CSV file."""
+
+    @classmethod
+    def from_files(cls, value: Any, folder: Path) -> Any:
+        """What stands in a scene's file, with the points of a table that it names.
+
+        Raises:
+            InputError: the table cannot be read; names the file and the line.
+        """
+        if isinstance(value, list):
+            return [cls.from_files(part, folder) for part in value]
+        if isinstance(value, dict) and isinstance(value.get("table"), str):
+            return {**value, "table": _read(folder / value["table"])}
+        return value
+
+    @field_validator("table", mode="before")
+    @classmethod
+    def _points(cls, value: Any) -> Any:
+        if isinstance(value, str):
+            raise ValueError("should be a list of points [time, force]; a file's name may stand in a scene's file only")
+        if isinstance(value, list):
+            return tuple(tuple(point) if isinstance(point, list) else point for point in value)
+        return value
+
+    @field_validator("table")
+    @classmethod
+    def _drawable(cls, value: tuple[Point, ...] | None) -> tuple[Point, ...] | None:
+        if value is None:
+            return value
+        if not 2 <= len(value) <= MOST_POINTS:
+            raise ValueError(f"has {len(value)} points; 2 to {MOST_POINTS} are needed")
+        for (before, _), (after, _) in itertools.pairwise(value):
+            if not after > before:
+                raise ValueError(f"times must increase; {after:g} follows {before:g}")
+        if value[-1][1] != 0.0 or (value[0][1] != 0.0 and value[0][0] > 0.0):
+            raise ValueError("must begin (unless at time 0) and end with a force of 0, or the force would jump")
+        if not any(force for _, force in value):
+            raise ValueError("has no force")
+        return value
+
+    @model_validator(mode="after")
+    def _of_a_shape_or_a_table(self) -> Self:
+        shaped = {"peak": self.peak, "duration": self.duration, "shape": self.shape}
+        given = [key for key, part in shaped.items() if part is not None]
+        if self.table is not None and given:
+            raise ValueError(f"{given[0]}: give either a table or peak, duration and shape (both are given)")
+        if self.table is None and len(given) < len(shaped):
+            missing = next(key for key in shaped if key not in given)
+            raise ValueError(f"{missing}: is missing; a push needs peak, duration and shape, or a table")
+        if self.peak is not None and abs(self.peak) < 1e-30:
+            raise ValueError(f"peak: a push needs a force (at least 1e-30) ({self.peak:g} given)")
+        return self
+
+    def refuse(self, scene: "BaseScene") -> None:
+        """Refuse a bead outside the array, and what does not go with forces over time."""
+        if self.chain > scene.chains:
+            raise ValueError(f"push.chain: {self.chain} is outside the array (chains 1 to {scene.chains})")
+        if self.bead > scene.beads:
+            raise ValueError(f"push.bead: {self.bead} is outside the array (beads 1 to {scene.beads})")
+        if scene.window is not None:
+            raise ValueError("push: a window would take the bead that is pushed to its head; leave the window out")
+        if scene.scheme == "suzuki4":
+            raise ValueError("push: suzuki4 steps back in time within each cycle; leave the scheme out")
+
+    def links(self, scene: "BaseScene") -> tuple[Link, ...]:  # noqa: ARG002
+        """None."""
+        return ()
+
+    def speed(self, mass: float) -> float:
+        """Of a free bead that has been given the impulse of the force's size."""
+        return self._law(1.0, 1.0).total / mass
+
+    def loads(self, scene: "BaseScene") -> tuple[Load, ...]:
+        """The push, dimensionless."""
+        return (Load(self.chain, self.bead, self._law(scene.scale.time, scene.scale.force)),)
+
+    def _law(self, time: float, force: float) -> TimeLaw:
+        """In these units."""
+        if self.table is not None:
+            points: NDArray[np.float64] = np.array(self.table)
+            return make_table(points[:, 0] / time, points[:, 1] / force)
+        assert self.peak is not None
+        assert self.duration is not None
+        assert self.shape is not None
+        return _SHAPES[self.shape](self.peak / force, self.duration / time)
+
+
+def _read(path: Path) -> list[list[float]]:
+    """Points in a CSV file: two numbers a line; a first line of names is passed over."""
+    try:
+        rows = path.read_text(encoding="utf-8-sig").splitlines()
+    except (OSError, ValueError) as error:
+        why = getattr(error, "strerror", None) or "it is not a text file"
+        raise InputError(f"{path}: the table of a push cannot be read: {why}") from None
+    points = []
+    for number, row in enumerate(rows, 1):
+        words = [word.strip() for word in row.replace(";", ",").split(",")]
+        if words == [""]:
+            continue
+        try:
+            time, force = map(float, words)
+            if not (math.isfinite(time) and math.isfinite(force)):
+                raise ValueError
+        except ValueError:
+            if number == 1:
+                continue
+            raise InputError(f"{path}:{number}: {row[:40]!r} found; two numbers are needed, time and force") from None
+        points.append([time, force])
+    return points

@@ -1,0 +1,233 @@
+"""Beads that differ: kinds in a pattern, single ones replaced, tapered and disordered chains, and a striker.
+
+Every bead has a mass, a radius and a plane modulus ``E / (1 - nu**2)``, here in those of the reference bead (the
+``material``, or 1). A contact of two is ``A = 2 e_i e_j / (e_i + e_j) * sqrt(2 r_i r_j / (r_i + r_j))`` times as strong
+as that of two reference beads (Hertz 1882).
+"""
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BeforeValidator, Field
+
+from lammps_inputs.ingredients.base import Part
+
+if TYPE_CHECKING:
+    from lammps_inputs.scene import BaseScene, Material
+
+Floats = NDArray[np.float64]
+Positive = Annotated[float, Field(gt=0, le=1e30)]
+Number = Annotated[int, Field(ge=1, le=2**31 - 1)]
+Spread = Annotated[float, Field(ge=0, le=0.9)]
+Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,31}$")]
+
+KEYS = ("kinds", "pattern", "replace", "taper", "disorder", "striker")
+"""Of the scene, all of them here."""
+
+MOST = 1e6
+"""Largest mass and strength, and one over the smallest, in those of the reference bead: beyond it bead and wall."""
+
+
+class Kind(Part):
+    """A bead; what it does not name is the reference bead's."""
+
+    mass: Positive | None = None
+    """By default that of a sphere of this radius and density; kg with a material."""
+    radius: Positive | None = None
+    """m with a material."""
+    density: Positive | None = None
+    """kg/m3; with a material only."""
+    youngs_modulus: Positive | None = None
+    """Pa; with a material only."""
+    poisson_ratio: Annotated[float, Field(gt=-1, le=0.5)] | None = None
+    """With a material only."""
+    stiffness: Positive | None = None
+    """Plane modulus in that of the reference bead; without a material only."""
+
+    def refuse(self, key: str, material: "Material | None") -> None:
+        """Refuse what does not go with the scene's units.
+
+        Raises:
+            ValueError: naming the key.
+        """
+        wrong = ("stiffness",) if material is not None else ("density", "youngs_modulus", "poisson_ratio")
+        for name in wrong:
+            if getattr(self, name) is not None:
+                word = "youngs_modulus says it in SI units" if material else "is in SI units; give a `material`, too"
+                raise ValueError(f"{key}.{name}: {word}")
+        if self.mass is not None and self.density is not None:
+            raise ValueError(f"{key}.mass: give either mass or density (both are given)")
+
+    def relative(self, material: "Material | None") -> tuple[float, float, float]:
+        """Mass, radius and plane modulus in those of the reference bead."""
+        if material is None:
+            radius = 1.0 if self.radius is None else self.radius
+            mass = radius * radius * radius if self.mass is None else self.mass
+            return mass, radius, 1.0 if self.stiffness is None else self.stiffness
+        from lammps_inputs.units import sphere_mass
+
+        def of(name: str) -> float:
+            own = getattr(self, name)
+            return float(getattr(material, name) if own is None else own)
+
+        radius = of("radius") / material.radius
+        mass = radius * radius * radius * (of("density") / material.density)
+        if self.mass is not None:
+            mass = self.mass / sphere_mass(material.radius, material.density)
+        modulus = of("youngs_modulus") / material.youngs_modulus
+        return mass, radius, modulus * ((1.0 - material.poisson_ratio**2) / (1.0 - of("poisson_ratio") ** 2))
+
+
+class Replacement(Part):
+    """One bead that is of another kind."""
+
+    chain: Number = 1
+    bead: Number
+    kind: Name
+
+
+class Disorder(Part):
+    """Every bead differs a little: its numbers are spread evenly within these shares of them, up and down."""
+
+    mass: Spread = 0.0
+    radius: Spread = 0.0
+    """The mass follows as the cube."""
+    stiffness: Spread = 0.0
+    seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = 1
+    """The same beads on any machine."""
+
+    def factors(self, name: str, shape: tuple[int, int]) -> Floats:
+        """Of one of the three, [chain, bead]; 53 bits of a generator whose stream NumPy keeps as it is."""
+        stream = np.random.PCG64(np.random.SeedSequence([self.seed, ("mass", "radius", "stiffness").index(name)]))
+        share = (stream.random_raw(shape[0] * shape[1]) >> np.uint64(11)) * 2.0**-53
+        return np.asarray(1.0 + getattr(self, name) * (2.0 * share - 1.0)).reshape(shape)
+
+
+class Striker(Kind):
+    """The first bead of a chain, of its own kind, and the velocity with which it strikes the second."""
+
+    chain: Number = 1
+    velocity: Positive
+
+
+def _kinds_in_order(value: Any) -> Any:
+    rows = value if isinstance(value, list | tuple) else ()
+    one = bool(rows) and all(isinstance(kind, str) for kind in rows)
+    several = bool(rows) and all(
+        isinstance(row, list | tuple) and row and all(isinstance(kind, str) for kind in row) for row in rows
+    )
+    if not (one or several):
+        raise ValueError("should be a list of kinds, or a list of such lists, one for each chain")
+    return tuple(rows) if one else tuple(tuple(row) for row in rows)
+
+
+def _one_or_several(value: Any) -> Any:
+    return tuple(value) if isinstance(value, list | tuple) else (value,)
+
+
+Kinds = dict[Name, Kind]
+"""Beads by name, for a pattern and replacements."""
+
+Pattern = Annotated[tuple[Any, ...], BeforeValidator(_kinds_in_order)]
+"""Kinds along every chain, over and over; or a list of such lists, one for each chain."""
+
+Replacements = Annotated[tuple[Replacement, ...], BeforeValidator(_one_or_several)]
+
+Taper = Annotated[float, Field(ge=0, lt=1)]
+"""Share by which each bead's radius is smaller than that of the one before; masses follow as the cube."""
+
+
+def period(scene: "BaseScene") -> int:
+    """Beads after which every chain's pattern repeats."""
+    return int(np.lcm.reduce([len(row) for row in _rows(scene)])) if scene.pattern else 1
+
+
+def masses_and_strengths(scene: "BaseScene") -> tuple[float | Floats, float | Floats]:
+    """Masses of the beads, [chain, bead], and strengths of the contacts, [chain, contact], in the reference bead's.
+
+    Numbers where all are the same; only masses that are all 1 are.
+
+    Raises:
+        ValueError: naming the key, what was found and what to do.
+    """
+    if all(getattr(scene, key) is None for key in KEYS):
+        return 1.0, 1.0
+    _refuse(scene)
+    mass, radius, modulus = _beads(scene)
+    strength = 2.0 / (1.0 / modulus[:, :-1] + 1.0 / modulus[:, 1:])
+    strength = strength * np.sqrt(2.0 * radius[:, :-1] * radius[:, 1:] / (radius[:, :-1] + radius[:, 1:]))
+    for name, values in (("mass", mass), ("contact strength", strength)):
+        least, most = float(values.min()), float(values.max())
+        if not (least >= 1.0 / MOST and most <= MOST):
+            key = next(key for key in reversed(KEYS) if getattr(scene, key) is not None)
+            raise ValueError(
+                f"{key}: the {name} goes from {least:.3g} to {most:.3g} of the reference bead's; at most a million "
+                "times, or one in a million"
+            )
+    if scene.window is not None and not (np.all(mass == 1.0) and np.ptp(strength) == 0.0):
+        raise ValueError("window: its rows stand for one after another, and the beads differ; leave the window out")
+    return (
+        1.0 if np.all(mass == 1.0) else mass,
+        float(strength[0, 0]) if np.ptp(strength) == 0.0 else strength,
+    )
+
+
+def _refuse(scene: "BaseScene") -> None:
+    kinds = scene.kinds or {}
+    for known_name, kind in kinds.items():
+        kind.refuse(f"kinds.{known_name}", scene.material)
+    if scene.striker is not None:
+        scene.striker.refuse("striker", scene.material)
+    if kinds and not scene.pattern and not scene.replace:
+        raise ValueError("kinds: neither pattern nor replace names any of them")
+    if scene.pattern and isinstance(scene.pattern[0], tuple) and len(scene.pattern) != scene.chains:
+        raise ValueError(f"pattern: {len(scene.pattern)} lists for {scene.chains} chains; one, or one for each")
+    used = [("pattern", name) for row in _rows(scene) for name in row]
+    used += [("replace", change.kind) for change in scene.replace or ()]
+    for key, name in used:
+        if name not in kinds:
+            known = ", ".join(kinds) or "none"
+            raise ValueError(f"{key}: {name!r} is not among the kinds ({known})")
+    for change in scene.replace or ():
+        for place, given, most in (("chain", change.chain, scene.chains), ("bead", change.bead, scene.beads)):
+            if given > most:
+                raise ValueError(f"replace.{place}: {given} is outside the array ({place}s 1 to {most})")
+    places = [(change.chain, change.bead) for change in scene.replace or ()]
+    if scene.striker is not None:
+        places.append((scene.striker.chain, 1))
+    if len(set(places)) < len(places):
+        raise ValueError("replace: one bead is replaced twice (a striker is bead 1 of its chain)")
+
+
+def _rows(scene: "BaseScene") -> tuple[tuple[str, ...], ...]:
+    """The pattern of each chain; none without."""
+    if not scene.pattern:
+        return ()
+    return scene.pattern if isinstance(scene.pattern[0], tuple) else (scene.pattern,) * scene.chains
+
+
+def _beads(scene: "BaseScene") -> tuple[Floats, Floats, Floats]:
+    """Masses, radii and plane moduli, each [chain, bead]."""
+    shape = (scene.chains, scene.beads)
+    found = np.ones((3, *shape))
+    relative = {name: kind.relative(scene.material) for name, kind in (scene.kinds or {}).items()}
+    for chain, row in enumerate(_rows(scene)):
+        for place, name in enumerate(row):
+            found[:, chain, place :: len(row)] = np.array(relative[name])[:, np.newaxis]
+    for change in scene.replace or ():
+        found[:, change.chain - 1, change.bead - 1] = relative[change.kind]
+    mass, radius, modulus = found
+    if scene.taper:
+        # factor by factor: a power may be rounded otherwise on another machine
+        size = np.cumprod(np.r_[1.0, np.full(scene.beads - 1, 1.0 - scene.taper)])
+        radius *= size
+        mass *= size * size * size
+    if scene.disorder is not None:
+        factor = scene.disorder.factors("radius", shape)
+        radius *= factor
+        mass *= factor * factor * factor * scene.disorder.factors("mass", shape)
+        modulus *= scene.disorder.factors("stiffness", shape)
+    if scene.striker is not None:
+        found[:, scene.striker.chain - 1, 0] = scene.striker.relative(scene.material)
+    return mass, radius, modulus

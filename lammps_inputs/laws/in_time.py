@@ -1,0 +1,285 @@
+"""Laws of a force in time: what is done to a bead from outside, from the start on.
+
+A law is a `NamedTuple` of its parameters, as a law on a link is. Its functions take the time ``t`` and the parameters,
+as scalars or arrays, and are written without branches:
+
+- ``force(t, ...)``, and ``rate(t, ...)``, its slope; on the right where they jump;
+- ``impulse(t, ...)``: integral of the force from the start, which the reference's kernel compiles, and
+- ``travel(t, ...)``: integral of the impulse: how far a free bead of mass 1 has gone.
+
+``formula`` is the mean force over the time from ``v_NAMEfrom`` to ``v_NAMEto`` in LAMMPS, times that time; both are
+within the time in which the force acts.
+"""
+
+# ruff: noqa: ARG004  every function of a law takes all of its parameters
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lammps_inputs.numbers import text
+
+Floats = NDArray[np.float64]
+
+MOST_POINTS = 50
+"""Of a table in LAMMPS, which reads the formula anew at every step."""
+
+
+class TimeLaw(Protocol):
+    """What every law has beside its parameters; it is a tuple of those."""
+
+    @property
+    def force(self) -> Callable[..., Any]:
+        """See above."""
+
+    @property
+    def rate(self) -> Callable[..., Any]:
+        """See above."""
+
+    @property
+    def impulse(self) -> Callable[..., Any]:
+        """See above."""
+
+    @property
+    def travel(self) -> Callable[..., Any]:
+        """See above."""
+
+    @property
+    def kinks(self) -> tuple[float, ...]:
+        """Times between which the force is smooth, from the first at which it acts to the last."""
+
+    @property
+    def jumps(self) -> bool:
+        """Whether the force jumps later than at the start."""
+
+    @property
+    def total(self) -> float:
+        """Integral of the force's size."""
+
+    def reversed(self) -> "TimeLaw":
+        """The opposite force."""
+
+    def formula(self, name: str) -> str:
+        """See above; from deck variables that begin with the name."""
+
+    def variables(self, name: str) -> tuple[str, ...]:
+        """Deck variables with the parameters."""
+
+
+class HalfSine(NamedTuple):
+    """``peak * sin(pi t / duration)`` until the duration is over: a hammer, a ball that bounces off."""
+
+    peak: float
+    duration: float
+
+    @staticmethod
+    def force(t: Any, peak: Any, duration: Any) -> Any:
+        """See the module."""
+        return peak * np.sin(math.pi * t / duration) * ((t >= 0.0) & (t < duration))
+
+    @staticmethod
+    def rate(t: Any, peak: Any, duration: Any) -> Any:
+        """See the module."""
+        return peak * math.pi / duration * np.cos(math.pi * t / duration) * ((t >= 0.0) & (t < duration))
+
+    @staticmethod
+    def impulse(t: Any, peak: Any, duration: Any) -> Any:
+        """``2 peak duration / pi`` in the end."""
+        acting = np.minimum(np.maximum(t, 0.0), duration)
+        return peak * duration / math.pi * (1.0 - np.cos(math.pi * acting / duration))
+
+    @staticmethod
+    def travel(t: Any, peak: Any, duration: Any) -> Any:
+        """See the module."""
+        acting = np.minimum(np.maximum(t, 0.0), duration)
+        wave = duration / math.pi * np.sin(math.pi * acting / duration)
+        return peak * duration / math.pi * (acting - wave + 2.0 * np.maximum(t - duration, 0.0))
+
+    @property
+    def kinks(self) -> tuple[float, ...]:
+        """Start and end."""
+        return 0.0, self.duration
+
+    @property
+    def jumps(self) -> bool:
+        """Only its slope does."""
+        return False
+
+    @property
+    def total(self) -> float:
+        """Integral of the force's size."""
+        return 2.0 * abs(self.peak) * self.duration / math.pi
+
+    def reversed(self) -> "HalfSine":
+        """The opposite force."""
+        return HalfSine(-self.peak, self.duration)
+
+    def variables(self, name: str) -> tuple[str, ...]:
+        """Peak and duration."""
+        return _peak_and_duration(name, self.peak, self.duration)
+
+    def formula(self, name: str) -> str:
+        """See the module."""
+        turn = f"PI/v_{name}duration"
+        return f"v_{name}peak/({turn})*(cos({turn}*v_{name}from)-cos({turn}*v_{name}to))"
+
+
+class Rectangular(NamedTuple):
+    """A constant force until the duration is over."""
+
+    peak: float
+    duration: float
+
+    @staticmethod
+    def force(t: Any, peak: Any, duration: Any) -> Any:
+        """See the module."""
+        return peak * ((t >= 0.0) & (t < duration))
+
+    @staticmethod
+    def rate(t: Any, peak: Any, duration: Any) -> Any:
+        """None, but for the jumps."""
+        return 0.0 * peak * t
+
+    @staticmethod
+    def impulse(t: Any, peak: Any, duration: Any) -> Any:
+        """``peak * duration`` in the end."""
+        return peak * np.minimum(np.maximum(t, 0.0), duration)
+
+    @staticmethod
+    def travel(t: Any, peak: Any, duration: Any) -> Any:
+        """See the module."""
+        acting = np.minimum(np.maximum(t, 0.0), duration)
+        return peak * (0.5 * acting * acting + duration * np.maximum(t - duration, 0.0))
+
+    @property
+    def kinks(self) -> tuple[float, ...]:
+        """Start and end."""
+        return 0.0, self.duration
+
+    @property
+    def jumps(self) -> bool:
+        """At its end."""
+        return True
+
+    @property
+    def total(self) -> float:
+        """Integral of the force's size."""
+        return abs(self.peak) * self.duration
+
+    def reversed(self) -> "Rectangular":
+        """The opposite force."""
+        return Rectangular(-self.peak, self.duration)
+
+    def variables(self, name: str) -> tuple[str, ...]:
+        """Peak and duration."""
+        return _peak_and_duration(name, self.peak, self.duration)
+
+    def formula(self, name: str) -> str:
+        """See the module."""
+        return f"v_{name}peak*(v_{name}to-v_{name}from)"
+
+
+class Table(NamedTuple):
+    """Linear between points; no force before the first and after the last."""
+
+    time: Floats
+    value: Floats
+    gained: Floats
+    """Impulse until each point."""
+    gone: Floats
+    """Travel until each point."""
+
+    @staticmethod
+    def force(t: Any, time: Any, value: Any, gained: Any, gone: Any) -> Any:
+        """See the module."""
+        k = np.minimum(np.maximum(np.searchsorted(time, t, side="right"), 1), time.shape[0] - 1)
+        slope = (value[k] - value[k - 1]) / (time[k] - time[k - 1])
+        return (value[k - 1] + slope * (t - time[k - 1])) * ((t >= time[0]) & (t < time[-1]))
+
+    @staticmethod
+    def rate(t: Any, time: Any, value: Any, gained: Any, gone: Any) -> Any:
+        """See the module."""
+        k = np.minimum(np.maximum(np.searchsorted(time, t, side="right"), 1), time.shape[0] - 1)
+        return (value[k] - value[k - 1]) / (time[k] - time[k - 1]) * ((t >= time[0]) & (t < time[-1]))
+
+    @staticmethod
+    def impulse(t: Any, time: Any, value: Any, gained: Any, gone: Any) -> Any:
+        """See the module."""
+        acting = np.minimum(np.maximum(t, time[0]), time[-1])
+        k = np.minimum(np.maximum(np.searchsorted(time, acting, side="right"), 1), time.shape[0] - 1)
+        slope, s = (value[k] - value[k - 1]) / (time[k] - time[k - 1]), acting - time[k - 1]
+        return gained[k - 1] + s * (value[k - 1] + 0.5 * slope * s)
+
+    @staticmethod
+    def travel(t: Any, time: Any, value: Any, gained: Any, gone: Any) -> Any:
+        """See the module."""
+        acting = np.minimum(np.maximum(t, time[0]), time[-1])
+        k = np.minimum(np.maximum(np.searchsorted(time, acting, side="right"), 1), time.shape[0] - 1)
+        slope, s = (value[k] - value[k - 1]) / (time[k] - time[k - 1]), acting - time[k - 1]
+        flown = gained[-1] * np.maximum(t - time[-1], 0.0)
+        return gone[k - 1] + s * (gained[k - 1] + s * (0.5 * value[k - 1] + slope * s / 6.0)) + flown
+
+    @property
+    def kinks(self) -> tuple[float, ...]:
+        """Every point."""
+        return tuple(self.time.tolist())
+
+    @property
+    def jumps(self) -> bool:
+        """It ends with no force."""
+        return False
+
+    @property
+    def total(self) -> float:
+        """Integral of the force's size."""
+        size, width = np.abs(self.value), np.diff(self.time)
+        both = size[:-1] + size[1:]
+        crosses = self.value[:-1] * self.value[1:] < 0.0
+        mean = np.where(crosses, (size[:-1] ** 2 + size[1:] ** 2) / np.where(both > 0.0, both, 1.0), both) / 2.0
+        return float(np.sum(mean * width))
+
+    def reversed(self) -> "Table":
+        """The opposite force."""
+        return Table(self.time, -self.value, -self.gained, -self.gone)
+
+    def variables(self, name: str) -> tuple[str, ...]:  # noqa: ARG002  its numbers stand in the formula
+        """None."""
+        return ()
+
+    def formula(self, name: str) -> str:
+        """Half of each change of slope, times the square of the time since; at most `MOST_POINTS`.
+
+        Raises:
+            ValueError: more points.
+        """
+        if len(self.time) > MOST_POINTS:
+            raise ValueError(
+                f"push.table: {len(self.time)} points; LAMMPS takes {MOST_POINTS} at most: use fewer, or the reference"
+            )
+        slope = np.diff(self.value) / np.diff(self.time)
+        change = 0.5 * np.diff(slope, prepend=0.0)
+        ends = [f"v_{name}to", f"v_{name}from"]
+
+        def until(t: str) -> str:
+            terms = [f"{text(float(self.value[0]))}*({t}-{text(float(self.time[0]))})"] if self.value[0] else []
+            terms += [
+                f"{text(float(c))}*({t}>{text(float(at))})*({t}-{text(float(at))})^2"
+                for c, at in zip(change, self.time[:-1], strict=True)
+            ]
+            return f"({'+'.join(terms)})"
+
+        return "-".join(map(until, ends))
+
+
+def make_table(time: Floats, value: Floats) -> Table:
+    """Of points in ascending order of time."""
+    width, mean = np.diff(time), 0.5 * (value[1:] + value[:-1])
+    gained = np.concatenate([[0.0], np.cumsum(mean * width)])
+    gone = gained[:-1] * width + (2.0 * value[:-1] + value[1:]) / 6.0 * width * width
+    return Table(time, value, gained, np.concatenate([[0.0], np.cumsum(gone)]))
+
+
+def _peak_and_duration(name: str, peak: float, duration: float) -> tuple[str, ...]:
+    return f"variable {name}peak index {text(peak)}", f"variable {name}duration index {text(duration)}"

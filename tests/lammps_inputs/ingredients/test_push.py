@@ -1,0 +1,162 @@
+"""Forces from outside over time: what a scene may say, and the laws' own calculus."""
+
+import math
+
+import numpy as np
+import pytest
+import yaml
+
+from lammps_inputs import InputError, library
+from lammps_inputs.decks import deck
+from lammps_inputs.laws.in_time import HalfSine, Rectangular, make_table
+
+LAWS = {
+    "half-sine": HalfSine(0.7, 2.3),
+    "rectangular": Rectangular(0.7, 2.3),
+    "table": make_table(np.array([0.0, 0.4, 1.1, 2.0]), np.array([0.2, 0.9, -0.3, 0.0])),
+    "table that begins later": make_table(np.array([0.5, 1.1, 2.0]), np.array([0.0, 0.7, 0.0])),
+}
+
+HALF_SINE = "{peak: 1.0, duration: 2.0, shape: half-sine}"
+
+
+def scene(push=HALF_SINE, more=""):
+    return library.from_plain(yaml.safe_load(f"name: pushed\nbeads: 20\nduration: 10\npush: {push}\n{more}"), "x")
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_impulse_and_travel_are_the_integrals_of_the_force(name):
+    law = LAWS[name]
+    t = np.linspace(0.0, 3.0, 300001)
+    middle, step = 0.5 * (t[1:] + t[:-1]), t[1]
+    impulse = np.concatenate([[0.0], np.cumsum(law.force(middle, *law)) * step])
+    np.testing.assert_allclose(law.impulse(t, *law), impulse, rtol=0, atol=2e-5)  # a jump within a step
+    travel = np.concatenate([[0.0], np.cumsum(law.impulse(middle, *law)) * step])
+    np.testing.assert_allclose(law.travel(t, *law), travel, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_the_rate_is_the_slope_of_the_force_between_kinks(name):
+    law = LAWS[name]
+    t = np.linspace(0.003, 3.0, 97)
+    t = t[np.min(np.abs(t[:, None] - np.array(law.kinks)), axis=1) > 1e-5]
+    slope = (law.force(t + 1e-6, *law) - law.force(t - 1e-6, *law)) / 2e-6
+    np.testing.assert_allclose(law.rate(t, *law), slope, rtol=0, atol=1e-8)
+
+
+def test_the_momentum_of_a_half_sine_is_two_thirds_of_a_rectangle_s_and_more():
+    law = HalfSine(0.7, 2.3)
+    assert law.impulse(99.0, *law) == law.total == pytest.approx(2.0 * 0.7 * 2.3 / math.pi, rel=1e-15)
+
+
+def test_the_total_counts_both_directions():
+    law = make_table(np.array([0.0, 1.0, 2.0, 3.0]), np.array([0.0, 1.0, -1.0, 0.0]))
+    assert law.impulse(9.0, *law) == 0.0
+    assert law.total == pytest.approx(1.5, rel=1e-15)
+
+
+def test_without_a_kick_v_is_what_the_push_gives_a_free_bead():
+    one = scene()
+    assert one.scale.velocity == pytest.approx(4.0 / math.pi, rel=1e-15)
+    assert one.system.struck == ((1, 1, pytest.approx(1.0, rel=1e-15)),)
+    assert one.system.energy == pytest.approx(0.5, rel=1e-15)
+
+
+def test_in_si_the_numbers_are_newtons_and_seconds():
+    steel = "material: {radius: 4.76e-3, density: 8000, youngs_modulus: 193.0e+9, poisson_ratio: 0.3}"
+    one = library.from_plain(
+        yaml.safe_load(
+            "name: hammer\nbeads: 20\nduration: 1.0e-3\n"
+            f"push: {{peak: 100, duration: 1.0e-4, shape: half-sine}}\n{steel}"
+        ),
+        "x",
+    )
+    impulse = 2.0 * 100.0 * 1e-4 / math.pi
+    assert one.scale.velocity == pytest.approx(impulse / one.scale.mass, rel=1e-15)
+    (load,) = one.problem().loads
+    assert load.law.peak * one.scale.force == pytest.approx(100.0, rel=1e-14)
+
+
+def test_a_scene_with_pushes_survives_being_written_down():
+    one = scene(f"[{HALF_SINE}, {{bead: 3, table: [[0, 1], [1, 0]]}}]", "kick: {velocity: 1.0}")
+    assert library.from_plain(yaml.safe_load(yaml.safe_dump(one.plain())), "x") == one
+    assert scene().plain()["push"]["peak"] == 1.0
+    assert "kick" not in scene().plain()
+
+
+def test_a_table_is_read_from_beside_the_scene_and_written_into_it(tmp_path):
+    (tmp_path / "force.csv").write_text("time,force\n0,0\n1.5, 2\n3,0\n\n")
+    (tmp_path / "a.yaml").write_text("name: a\nbeads: 20\nduration: 10\npush: {table: force.csv}\n")
+    one = library.find(str(tmp_path / "a.yaml"))
+    assert one.plain()["push"]["table"] == [[0.0, 0.0], [1.5, 2.0], [3.0, 0.0]]
+    assert one.scale.velocity == pytest.approx(3.0, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("content", "complaint"),
+    [
+        ("0,0\n1,x\n", "force.csv:2: '1,x' found; two numbers are needed, time and force"),
+        ("0,0\n1,2,3\n", "force.csv:2: '1,2,3' found"),
+        ("0,0\n", "push.table: has 1 points"),
+        ("0,0\n2,1\n1,0\n", "push.table: times must increase; 1 follows 2"),
+        ("0,0\n2,1\n", "push.table: must begin (unless at time 0) and end with a force of 0"),
+        ("1,1\n2,0\n", "push.table: must begin (unless at time 0) and end with a force of 0"),
+        ("0,0\n2,0\n", "push.table: has no force"),
+    ],
+)
+def test_a_table_that_is_none_is_one_line(content, complaint, tmp_path):
+    (tmp_path / "force.csv").write_text(content)
+    (tmp_path / "a.yaml").write_text("name: a\nbeads: 20\nduration: 10\npush: {table: force.csv}\n")
+    with pytest.raises(InputError) as caught:
+        library.find(str(tmp_path / "a.yaml"))
+    assert complaint in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_table_that_is_not_there_is_named(tmp_path):
+    (tmp_path / "a.yaml").write_text("name: a\nbeads: 20\nduration: 10\npush: {table: none.csv}\n")
+    with pytest.raises(InputError, match=r"none\.csv: the table of a push cannot be read: No such file"):
+        library.find(str(tmp_path / "a.yaml"))
+
+
+@pytest.mark.parametrize(
+    ("push", "more", "complaint"),
+    [
+        ("{peak: 1.0, duration: 2.0, shape: sine}", "", "push.shape: should be 'half-sine' or 'rectangular'"),
+        ("{peak: 1.0, duration: 2.0}", "", "shape: is missing; a push needs peak, duration and shape, or a table"),
+        ("{peak: 1.0, table: [[0, 1], [1, 0]]}", "", "peak: give either a table or peak, duration and shape"),
+        ("{peak: 0.0, duration: 2.0, shape: half-sine}", "", "peak: a push needs a force"),
+        ("{table: a.csv}", "", "a file's name may stand in a scene's file only"),
+        ("{bead: 21, peak: 1.0, duration: 2.0, shape: half-sine}", "", "push.bead: 21 is outside the array"),
+        ("{chain: 2, peak: 1.0, duration: 2.0, shape: half-sine}", "", "push.chain: 2 is outside the array"),
+        (HALF_SINE, "scheme: suzuki4", "push: suzuki4 steps back in time"),
+        (HALF_SINE, "window: 64", "push: a window would take the bead that is pushed"),
+    ],
+)
+def test_what_cannot_be_is_one_line(push, more, complaint):
+    with pytest.raises(InputError) as caught:
+        scene(push, more)
+    assert complaint in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_scene_in_which_nothing_is_hit_is_refused():
+    with pytest.raises(InputError, match="kick: is missing"):
+        library.from_plain({"name": "a", "beads": 20, "duration": 1.0}, "x")
+
+
+def test_lammps_is_not_given_long_tables():
+    points = [[0.1 * k, float(k % 2)] for k in range(60)] + [[6.0, 0.0]]
+    with pytest.raises(ValueError, match=r"push\.table: 61 points; LAMMPS takes 50 at most"):
+        deck.render(scene(f"{{table: {points}}}"))
+
+
+def test_a_kicked_scene_has_no_trace_of_pushes():
+    kicked = library.find("two-chains")
+    assert kicked.system.loads == ()
+    assert "push" not in "".join(deck.render(kicked).values())
+
+
+def test_short_pushes_take_shorter_steps():
+    short = scene("{peak: 1.0, duration: 0.1, shape: half-sine}").problem()
+    assert short.timestep <= 0.01 * math.sqrt(short.loads[0].end)

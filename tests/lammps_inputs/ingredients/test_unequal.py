@@ -1,0 +1,337 @@
+"""Beads that differ: kinds, patterns, replacements, tapers, disorder, strikers; against an integrator of their own."""
+
+import itertools
+import json
+
+import lammps_here as here
+import numpy as np
+import pytest
+from independent import integrated
+from kill_many import frames
+from stock_lammps import DEBIAN
+from stock_lammps import run as run_stock
+
+from analysis import motion
+from analysis.mirror import mirrored_problem
+from analysis.sharing.cells import CellEnergy
+from analysis.tracking.leading_waves import leading_waves
+from analysis.tracking.peaks import find_peaks
+from lammps_inputs import InputError, find, library
+from lammps_inputs.decks import deck
+from lammps_inputs.ingredients.unequal import Disorder, period
+from lammps_inputs.limits.timestep import stability_bound
+from lammps_inputs.lines import types_by_contact
+from workflow.engines.reference import engine
+from workflow.runs.resume import resume
+from workflow.runs.run import run
+from workflow.runs.run_directory import RunDirectory
+from workflow.verdicts.analyse import analyse
+from workflow.verdicts.validate import validate
+
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
+BEADS = 12
+
+DIMER = {"kinds": {"heavy": {"mass": 1.0}, "light": {"mass": 0.3428}}, "pattern": ["heavy", "light"]}
+
+UNEQUAL = {
+    "dimer": DIMER,
+    "dimer of sizes": {"kinds": {"big": {}, "small": {"radius": 0.7}}, "pattern": ["big", "big", "small"]},
+    "another pattern in each chain": {**DIMER, "pattern": [["heavy", "light"], ["light", "heavy", "heavy"]]},
+    "impurity": {"kinds": {"steel": {"mass": 8.0, "stiffness": 2.0}}, "replace": {"bead": 6, "kind": "steel"}},
+    "taper": {"taper": 0.05},
+    "disorder": {"disorder": {"mass": 0.1, "radius": 0.1, "stiffness": 0.3, "seed": 5}},
+    "striker": {"striker": {"mass": 3.0, "velocity": 1.0}, "kick": None},
+}
+
+
+def scene(**changes):
+    plain = {
+        "name": "test",
+        "chains": 2,
+        "beads": BEADS,
+        "coupling": {"stiffness": 0.1},
+        "kick": {"velocity": 1.0},
+        "duration": 16.0,
+        "output": {"every": 0.5},
+    }
+    named = {key: value for key, value in {**plain, **changes}.items() if value is not None}
+    return library.from_plain(named, "test")
+
+
+def strengths(problem):
+    return problem.along[0].law.strength
+
+
+@pytest.mark.parametrize("beads", UNEQUAL.values(), ids=UNEQUAL)
+def test_the_reference_agrees_with_an_independent_integrator(beads):
+    problem = scene(**beads).problem()
+    found = engine.run(problem, steps_per_frame=200).velocity
+    assert np.abs(found - integrated(problem, mass=problem.mass, strength=strengths(problem))).max() < 5e-8
+
+
+@pytest.mark.parametrize("beads", UNEQUAL.values(), ids=UNEQUAL)
+def test_lammps_agrees_to_second_order_and_measures_its_own_error(tmp_path, beads):
+    problem = scene(**beads).problem()
+    exact = integrated(problem, mass=problem.mass, strength=strengths(problem))
+    errors = []
+    for step in (0.01, 0.005):
+        found = run(scene(**beads, timestep=step), tmp_path / f"{step}")
+        errors.append(np.abs(found.trajectory.velocity - exact).max())
+        assert found.check.velocity == pytest.approx(errors[-1], rel=0.1)
+    assert errors[0] / errors[1] == pytest.approx(4.0, abs=0.4)
+    assert errors[1] < 3e-4
+
+
+@pytest.mark.parametrize("beads", UNEQUAL.values(), ids=UNEQUAL)
+def test_energy_and_momentum_are_kept(beads):
+    problem = scene(**beads).problem()
+    found = engine.run(problem, steps_per_frame=400)
+    energy = motion.energy(problem, found.displacement, found.velocity)
+    assert energy == pytest.approx(problem.energy, rel=1e-8)
+    assert motion.momentum(problem, found.velocity) == pytest.approx(problem.momentum, rel=1e-12)
+
+
+@pytest.mark.parametrize("beads", UNEQUAL.values(), ids=UNEQUAL)
+def test_acceleration_and_its_rate_at_chosen_beads_are_those_of_all(beads):
+    found = engine.run(scene(**beads).problem())
+    frame, chain, bead = np.array([9, 20, 30]), np.array([0, 1, 0]), np.array([3, 5, 0])
+    chosen, _ = motion.acceleration_and_rate(found, frame, chain, bead)
+    everywhere = motion.acceleration(found.problem, found.displacement)
+    np.testing.assert_allclose(chosen, everywhere[frame, chain, bead], rtol=1e-12, atol=1e-14)
+
+
+@pytest.mark.parametrize("beads", UNEQUAL.values(), ids=UNEQUAL)
+def test_the_mirror_of_a_problem_moves_as_its_mirror_image(beads):
+    problem = scene(**beads).problem()
+    image = mirrored_problem(problem)
+    assert mirrored_problem(image) == problem
+    one, other = engine.run(problem), engine.run(image)
+    np.testing.assert_allclose(one.velocity, -other.velocity[..., ::-1], atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "neutral",
+    [
+        {"kinds": {"same": {"mass": 1.0}}, "pattern": ["same"]},
+        {"kinds": {"same": {}}, "replace": [{"bead": 3, "kind": "same"}]},
+        {"taper": 0.0},
+        {"disorder": {"mass": 0.0, "radius": 0.0, "stiffness": 0.0}},
+        {"striker": {"mass": 1.0, "velocity": 1.0}, "kick": None},
+    ],
+    ids=str,
+)
+def test_beads_that_are_alike_after_all_leave_no_trace(neutral):
+    plain, like = scene().problem(), scene(**neutral).problem()
+    assert like == plain
+    assert deck.render_deck(like) == deck.render_deck(plain)
+    assert deck.render_data(like) == deck.render_data(plain)
+
+
+def test_masses_alone_need_no_other_contacts():
+    texts = deck.render(scene(**DIMER))
+    assert "pair_style gran/hertz/history" in texts[deck.DECK]
+    assert "set group all mass" not in texts[deck.DECK]
+
+
+def test_densities_give_the_masses_within_rounding():
+    radius = 2.0
+    line = next(row for row in deck.render_data(scene(**DIMER).problem()).splitlines() if row.startswith("2 1 "))
+    density = float(line.split()[6])
+    assert 4.0 * np.pi / 3.0 * radius**3 * density == pytest.approx(0.3428, rel=4e-16)
+
+
+def test_contacts_of_two_sizes_are_hertzs():
+    """A of two spheres of radii 1 and r of one material over that of two of radius 1: sqrt(2 r / (1 + r))."""
+    case = scene(kinds={"small": {"radius": 0.5}}, replace={"bead": 2, "kind": "small"}, chains=1, coupling=None)
+    assert strengths(case.problem())[0, :3] == pytest.approx([(2.0 * 0.5 / 1.5) ** 0.5] * 2 + [1.0], rel=1e-15)
+    assert case.problem().mass[0, :3] == pytest.approx([1.0, 0.125, 1.0], rel=1e-15)
+
+
+def test_si_and_reduced_units_say_the_same():
+    steel = {"radius": 4.76e-3, "density": 8000.0, "youngs_modulus": 193e9, "poisson_ratio": 0.3}
+    small = {"radius": 0.5 * 4.76e-3, "density": 4000.0, "youngs_modulus": 386e9}
+    si = scene(
+        material=steel, kinds={"small": small}, replace={"bead": 2, "kind": "small"}, coupling=None, duration=1e-4,
+        output={"every": 1e-6}
+    ).problem()  # fmt: skip
+    reduced = scene(
+        kinds={"small": {"radius": 0.5, "mass": 0.0625, "stiffness": 2.0}}, replace={"bead": 2, "kind": "small"}
+    ).problem()
+    assert si.mass == pytest.approx(reduced.mass, rel=1e-15)
+    assert strengths(si) == pytest.approx(strengths(reduced), rel=1e-15)
+
+
+def test_disorder_is_the_same_on_any_machine():
+    found = Disorder(mass=0.02, seed=1).factors("mass", (1, 3))
+    expected = 1.0 + 0.02 * (2.0 * np.random.Generator(np.random.PCG64([1, 0])).random(3) - 1.0)
+    np.testing.assert_array_equal(found[0], expected)
+    assert found[0].tolist() == DISORDER_1
+
+
+DISORDER_1 = [1.0004728649880104, 1.0180185478530375, 0.9857663845087854]
+
+
+@pytest.mark.parametrize("number", [1, 19, 300])
+def test_few_types_tell_all_contacts_apart(number):
+    strength = np.random.default_rng(1).random((1, number))
+    types = types_by_contact(strength)
+    row = types.of[0].tolist()
+    pairs = [types.strength[min(a, b), max(a, b)] for a, b in itertools.pairwise(row)]
+    assert pairs == strength[0].tolist()
+    assert types.count <= np.sqrt(2.0 * number) + 2.0
+
+
+def test_light_beads_shorten_the_stable_step():
+    """The fastest motion of a dimer chain of stiffness k: 2 k (1 / M + 1 / m); the bound is no more than 2 over it."""
+    problem = scene(**DIMER).problem()
+    k = 1.5 * (2.5 * problem.energy) ** 0.2
+    exact = 2.0 / np.sqrt(2.0 * k * (1.0 + 1.0 / 0.3428) + 0.2 / 0.3428)
+    assert 0.7 * exact < stability_bound(problem) <= exact
+
+
+# --- published and computed numbers -----------------------------------------------------------------------------------
+
+
+def peaks(problem):
+    return leading_waves(find_peaks([engine.run(problem)], 1e-3))
+
+
+def peak(waves, bead):
+    return float(waves.at(bead).peak_velocity[0])
+
+
+def test_a_dimer_at_an_anti_resonance_keeps_its_pulse():
+    waves = peaks(find("dimer").problem())
+    heavy = [peak(waves, 2 * cell - 1) for cell in range(20, 101, 10)]
+    assert heavy == pytest.approx([0.55089] * len(heavy), abs=1e-5)
+    assert np.ptp(heavy) < 1e-5 * heavy[0]
+
+
+@pytest.mark.parametrize("ratio", [0.3428, 0.1548, 0.0901])
+def test_least_is_left_behind_at_the_published_anti_resonances(ratio):
+    def left_behind(light):
+        kinds = {"heavy": {}, "light": {"mass": light}}
+        case = scene(chains=1, coupling=None, beads=90, kinds=kinds, pattern=DIMER["pattern"], duration=96.0)
+        problem = case.problem()
+        cells = CellEnergy(problem, period(case))
+        for block in engine.blocks(problem):
+            cells.add(block)
+        return cells.left(1).per_cell
+
+    offset = np.array([-0.002, -0.001, 0.0, 0.001, 0.002])
+    curvature, slope, _ = np.polyfit(offset, [left_behind(ratio + d) for d in offset], 2)
+    assert -0.5 * slope / curvature == pytest.approx(0.0, abs=5e-4)
+    assert curvature > 0.0
+
+
+@pytest.mark.parametrize(("taper", "share"), [(0.02, 0.9332), (0.08, 0.4618)])
+def test_a_taper_hands_on_less_of_the_energy(taper, share):
+    problem = scene(chains=1, coupling=None, beads=20, taper=taper, duration=25.0, output=None).problem()
+    last = engine.run(problem).velocity[:, 0, -1].max()
+    assert 0.5 * problem.mass[0, -1] * last**2 / problem.energy == pytest.approx(share, abs=5e-5)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("mass", "ratio"), [(2.0, 0.93899), (8.0, 0.51009)])
+def test_an_impurity_lets_part_of_the_pulse_through(mass, ratio):
+    beads = {"kinds": {"odd": {"mass": mass}}, "replace": {"bead": 201, "kind": "odd"}}
+    waves = peaks(scene(chains=1, coupling=None, beads=400, duration=420.0, output=None, **beads).problem())
+    assert peak(waves, 300) / peak(waves, 150) == pytest.approx(ratio, abs=1e-5)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("mass", "train"), [(2.0, [0.9481, 0.1860]), (4.0, [1.2131, 0.5505, 0.2658, 0.1324])], ids=str)
+def test_a_striker_makes_a_train_of_pulses(mass, train):
+    case = scene(
+        chains=1, coupling=None, beads=340, striker={"mass": mass, "velocity": 1.0}, kick=None, duration=520.0,
+        output=None,
+    )  # fmt: skip
+    problem = case.problem()
+    found = find_peaks([engine.run(problem)], 1e-2, direction=1)
+    at = found.where(found.bead == (300 if mass == 2.0 else 200))
+    assert sorted(at.velocity.tolist(), reverse=True)[: len(train)] == pytest.approx(train, abs=1e-4)
+
+
+# --- runs -------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["dimer", "dimer of sizes", "disorder"])
+def test_a_run_that_was_interrupted_goes_on_bit_for_bit(tmp_path, name):
+    case = scene(**UNEQUAL[name], duration=80.0)
+    run(case, tmp_path / "whole", check=False)
+    run(case, tmp_path / "cut", check=False, lammps=here.interrupted_after(2000))
+    assert RunDirectory(tmp_path / "cut").record["outcome"] == "interrupted"
+    assert resume(tmp_path / "cut", check=False).outcome == "done"
+    np.testing.assert_array_equal(frames(tmp_path / "cut"), frames(tmp_path / "whole"))
+
+
+@pytest.mark.skipif(not DEBIAN.exists(), reason="needs Debian's LAMMPS")
+@pytest.mark.parametrize("name", ["dimer", "dimer of sizes"])
+def test_the_2021_release_computes_the_same(tmp_path, name):
+    case = scene(**UNEQUAL[name])
+    new, old = run_stock(case, tmp_path / "new"), run_stock(case, tmp_path / "old", executable=DEBIAN)
+    np.testing.assert_allclose(new.vx, old.vx, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["dimer", "disorder"])
+def test_two_ranks_compute_the_same_bits(tmp_path, name):
+    case = scene(**UNEQUAL[name], beads=40)
+    one, two = (run_stock(case, tmp_path / str(ranks), ranks=ranks) for ranks in (1, 2))
+    np.testing.assert_array_equal(one.vx, two.vx)
+
+
+@pytest.mark.parametrize("name", ["dimer", "disorder"])
+def test_recorded_beads_are_those_that_were_asked_for(tmp_path, name):
+    whole = run(scene(**UNEQUAL[name]), tmp_path / "whole", check=False).trajectory
+    some = run(scene(**UNEQUAL[name], output={"every": 0.5, "beads": [3, 7]}), tmp_path / "some", check=False)
+    np.testing.assert_array_equal(some.trajectory.velocity, whole.velocity[:, :, [2, 6]])
+
+
+def test_analysis_tells_what_is_left_behind_and_compares_beads_of_one_kind(tmp_path):
+    beads = {"kinds": {"odd": {"mass": 4.0}}, "replace": {"bead": 20, "kind": "odd"}}
+    case = scene(chains=1, coupling=None, beads=40, duration=60.0, **beads)
+    directory = run(case, tmp_path / "run").directory
+    analyse(directory)
+    cells = json.loads((tmp_path / "run" / "analysis.json").read_text())["cells"]
+    assert cells["beads"] == 1
+    (odd,) = cells["replaced"]
+    assert odd["before"] + odd["at"] + odd["beyond"] == pytest.approx(1.0, abs=1e-3)
+    assert validate(directory).passed
+
+
+# --- mistakes ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"kinds": {"a": {"mass": 2.0}}}, "kinds: neither pattern nor replace names any of them"),
+        ({**DIMER, "pattern": ["heavy", "ligth"]}, "pattern: 'ligth' is not among the kinds (heavy, light)"),
+        ({**DIMER, "pattern": []}, "pattern: should be a list of kinds"),
+        ({**DIMER, "pattern": [["heavy"], ["light"], ["light"]]}, "pattern: 3 lists for 2 chains"),
+        ({**DIMER, "replace": {"bead": 13, "kind": "light"}}, "replace.bead: 13 is outside the array (beads 1 to 12)"),
+        ({**DIMER, "replace": [{"bead": 3, "kind": "light"}] * 2}, "replace: one bead is replaced twice"),
+        ({"kinds": {"a": {"mas": 2.0}}, "pattern": ["a"]}, "kinds.a.mas: unknown key (did you mean `mass`?)"),
+        ({"kinds": {"a": {"mass": -2.0}}, "pattern": ["a"]}, "kinds.a.mass: should be greater than 0"),
+        ({"kinds": {"a": {"density": 2.0}}, "pattern": ["a"]}, "kinds.a.density: is in SI units"),
+        ({"kinds": {"a": {"mass": 1e-7}}, "pattern": ["a"]}, "one in a million"),
+        ({"taper": 0.9}, "taper: the mass goes from"),
+        ({"taper": -0.1}, "taper"),
+        ({"disorder": {"mass": 1.0}}, "disorder.mass"),
+        ({"striker": {"mass": 2.0, "velocity": 1.0}}, "kick: one bead is hit twice"),
+        ({"kick": None}, "kick: is missing"),
+        ({**DIMER, "beads": 100, "window": 64}, "window: its rows stand for one after another"),
+    ],
+    ids=str,
+)
+def test_a_mistake_is_one_line_that_names_the_key(changes, said):
+    with pytest.raises(InputError) as error:
+        scene(**changes)
+    assert said in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_rigid_beads_of_other_masses_are_refused(tmp_path):
+    with pytest.raises(InputError, match="beads of equal mass"):
+        run(scene(**DIMER, gap=1.0), tmp_path / "run", engine="collisions")
