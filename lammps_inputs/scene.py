@@ -169,7 +169,10 @@ class BaseScene(Part):
         self._check_numbers()
         for ingredient in self.ingredients:
             ingredient.refuse(self)
-        self._check_motion(self.system)
+        system = self.system
+        for ingredient in self.ingredients:
+            ingredient.refuse_system(self, system)
+        self._check_motion(system)
         if self.output.forces is not None:
             self.output.forces.refuse(self)
         self._check_times()

@@ -10,6 +10,7 @@ from lammps_inputs.links import Link
 from lammps_inputs.loads import Load
 
 if TYPE_CHECKING:
+    from lammps_inputs.problem import System
     from lammps_inputs.scene import BaseScene
 
 
@@ -37,6 +38,13 @@ class Ingredient(Part):
 
         Raises:
             ValueError: naming the key, what was found and what to do.
+        """
+
+    def refuse_system(self, scene: "BaseScene", system: "System") -> None:
+        """Refuse what all ingredients together make impossible, after each has passed `refuse` alone.
+
+        Raises:
+            ValueError: as `refuse`.
         """
 
     def links(self, scene: "BaseScene") -> tuple[Link, ...]:

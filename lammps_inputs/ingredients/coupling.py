@@ -13,6 +13,7 @@ from lammps_inputs.laws.linear import Linear
 from lammps_inputs.links import Across
 
 if TYPE_CHECKING:
+    from lammps_inputs.problem import System
     from lammps_inputs.scene import BaseScene
 
 Floats = NDArray[np.float64]
@@ -125,8 +126,12 @@ class Coupling(Ingredient):
                 f"coupling.{'stiffness' if self.rows is None else 'rows'}: a window takes rows from its tail to its "
                 "head with the springs they have, so all must have the same; leave the window out"
             )
+
+    def refuse_system(self, scene: "BaseScene", system: "System") -> None:
+        """Refuse cubic springs over distances at which LAMMPS's lose their digits."""
+        edges = self._edges(scene.chains)
         farthest = max((higher - lower for lower, higher, _ in edges), default=0)
-        lateral = 2.0 * scene.system.spacing * farthest
+        lateral = 2.0 * system.spacing * farthest
         if np.max(self._cubic(edges, scene), initial=0.0) * lateral**2 * np.finfo(float).eps > _ROUNDED:
             raise ValueError(
                 f"coupling.cubic: tied chains are so far from each other ({farthest} chains, {lateral:.3g} L) that "
