@@ -26,9 +26,11 @@ from workflow.errors import EndedError, RunError
 from workflow.prepare.settings import Settings, certifiers, refuse_too_large, settle
 from workflow.runs import check as checking
 from workflow.runs import contacts
+from workflow.runs.locks import alone
 from workflow.runs.own_files import prepare, refuse_links, replacing
 from workflow.runs.results import results
-from workflow.runs.run_directory import EVENTS, RunDirectory, alone, run_files, write_text
+from workflow.runs.run_directory import EVENTS, RunDirectory, run_files
+from workflow.runs.whole_files import write_text
 
 Progress = Callable[[int, int], None]
 

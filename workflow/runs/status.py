@@ -4,8 +4,6 @@ A job's own account (``job.state``), a local run's (``run.json``), the frames, t
 queue where there is one. Nothing is written.
 """
 
-import fcntl
-import os
 import platform
 import re
 import shlex
@@ -21,6 +19,7 @@ from lammps_inputs.decks import continuation, deck
 from lammps_inputs.slurm import job
 from workflow.cluster.queue import Queue, Queued
 from workflow.engines.lammps.restarts import step_of
+from workflow.runs.locks import held
 from workflow.runs.made_by import Made, made_by
 from workflow.runs.record import RECORD, read_record
 from workflow.runs.run_directory import parts
@@ -202,17 +201,9 @@ def _of_record(directory: Path, record: dict[str, Any]) -> Status:
 
 
 def _locked(directory: Path) -> bool:
-    """Whether a run holds the directory."""
-    handle = os.open(directory, os.O_RDONLY | os.O_DIRECTORY)
-    try:
-        fcntl.flock(handle, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return True
-    except OSError:  # a file system without locks
-        return _fresh(directory)
-    finally:
-        os.close(handle)
-    return False
+    """Whether a run holds the directory; without locks, whether it seems so."""
+    found = held(directory)
+    return _fresh(directory) if found is None else found
 
 
 def _only_lists(path: Path) -> bool:

@@ -24,18 +24,11 @@ from workflow.engines.reference import engine as reference
 from workflow.errors import RunError
 from workflow.prepare.settings import settle
 from workflow.runs import run as running
+from workflow.runs.locks import alone
 from workflow.runs.own_files import prepare, replacing
 from workflow.runs.record import RECORD
-from workflow.runs.run_directory import (
-    EVENTS,
-    RunDirectory,
-    alone,
-    figure_files,
-    run_files,
-    write_figure,
-    write_json,
-    write_text,
-)
+from workflow.runs.run_directory import EVENTS, RunDirectory, run_files
+from workflow.runs.whole_files import figure_files, write_figure, write_json, write_text
 
 REPORT, FIGURE = "compare.json", "compare"
 

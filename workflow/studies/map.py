@@ -22,7 +22,7 @@ from lammps_inputs import Coupling, InputError, Kick, Problem, Scene
 from workflow.engines.lammps.mpi import cores
 from workflow.engines.reference.passages import passages
 from workflow.runs.own_files import claim
-from workflow.runs.run_directory import figure_files, write_figure, write_text
+from workflow.runs.whole_files import figure_files, write_figure, write_text
 
 COUPLINGS = tuple(float(f"{value:.3g}") for value in np.geomspace(1e-3, 2.0, 12))
 CHAINS = (2, 3, 4, 5, 6, 7, 8)
