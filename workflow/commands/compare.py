@@ -7,7 +7,7 @@ from pathlib import Path
 from analysis.trajectory import Floats
 from lammps_inputs import library
 from workflow.prepare.settings import refuse_unstable
-from workflow.runs import run as running
+from workflow.runs.compute import ENGINES
 from workflow.runs.own_files import refuse_to_overwrite
 from workflow.screen import one_line, print_table, progress_bar
 from workflow.studies import compare as comparing
@@ -20,7 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--engines",
         metavar="NAME,NAME",
-        help=f"of {', '.join(running.ENGINES)} (default all that can do the scene)",
+        help=f"of {', '.join(ENGINES)} (default all that can do the scene)",
     )
     parser.add_argument("--overwrite", action="store_true", help="replace an earlier comparison's files in DIR")
 

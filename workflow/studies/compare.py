@@ -24,6 +24,7 @@ from workflow.engines.reference import engine as reference
 from workflow.errors import RunError
 from workflow.prepare.settings import settle
 from workflow.runs import run as running
+from workflow.runs.compute import ENGINES, Progress
 from workflow.runs.locks import alone
 from workflow.runs.own_files import prepare, replacing
 from workflow.runs.record import RECORD
@@ -39,7 +40,7 @@ RIGID = "collisions"
 
 MOST_SHOWN = 7
 
-MakeProgress = Callable[[str, Problem], AbstractContextManager[running.Progress | None]]
+MakeProgress = Callable[[str, Problem], AbstractContextManager[Progress | None]]
 
 
 @dataclass(frozen=True)
@@ -98,8 +99,8 @@ def engines_for(scene: Scene, asked: Sequence[str] | None) -> tuple[str, ...]:
     if asked is None:
         return tuple(name for name in (RIGID, "reference", "lammps") if name != RIGID or scene.gap > 0.0)
     for name in asked:
-        if name not in running.ENGINES:
-            raise InputError(f"--engines: {name!r} given; of {', '.join(running.ENGINES)}, with commas between")
+        if name not in ENGINES:
+            raise InputError(f"--engines: {name!r} given; of {', '.join(ENGINES)}, with commas between")
         if name == RIGID and scene.gap == 0.0:
             raise InputError("--engines: `collisions` needs a gap between the beads; give the scene `gap: ...`")
     if len(set(asked)) < len(asked):
@@ -120,7 +121,7 @@ def compare(
     Args:
         scene: what to compute; every bead is recorded.
         directory: new or empty, or an earlier comparison's with ``overwrite``.
-        engines: of `workflow.runs.run.ENGINES`; by default all that can do the scene.
+        engines: of `workflow.runs.compute.ENGINES`; by default all that can do the scene.
         overwrite: whether earlier files may be replaced.
         progress: makes what follows each run.
 
