@@ -80,6 +80,7 @@ def test_a_job_of_two_ranks_ends_bit_for_bit_as_a_run_on_this_machine(cluster, t
     assert f"{directory}: done, 6000 steps" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_a_job_cut_by_its_time_limit_submits_itself_and_ends_bit_for_bit_as_one_that_was_not(cluster, tmp_path):
     directory = written(LONG, tmp_path / "job", ranks_per_node=1, time="00:30:00", margin=54)
     # a clock that stands still, a second before the limit of the first job and an hour before that of the next
@@ -132,6 +133,7 @@ def test_in_an_array_a_case_that_fails_is_told_and_the_others_are_done(cluster, 
     assert_same(tmp_path / cases[2], expected)
 
 
+@pytest.mark.slow
 def test_a_job_that_was_killed_is_incomplete_and_goes_on_when_submitted_again(cluster, tmp_path):
     directory = written(ENDLESS, tmp_path / "job", ranks_per_node=1)
     number = cluster.submit(directory)

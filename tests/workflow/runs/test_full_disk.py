@@ -161,6 +161,7 @@ def test_other_engines_say_so_too(engine, disk):
     assert resume(disk.path / "run").outcome == "done"
 
 
+@pytest.mark.slow
 def test_an_analysis_that_does_not_fit_leaves_the_earlier_one(disk, capsys):
     directory = run(scene(chains=2, beads=20, kappa=0.1, duration=30.0), disk.path / "run", check=False).directory.path
     assert main(["analyze", str(directory), "--no-figures"]) == 0

@@ -37,6 +37,7 @@ def test_every_case_agrees_with_a_window_twice_as_wide() -> None:
     assert run_case(2, 0.05).window_error <= 1e-6
 
 
+@pytest.mark.slow
 def test_a_map_goes_on_where_it_stopped(tmp_path: Path) -> None:
     make_map(tmp_path, (0.2, 0.5), (2,))
     kept, gone = sorted((tmp_path / "cases").iterdir())
@@ -48,6 +49,7 @@ def test_a_map_goes_on_where_it_stopped(tmp_path: Path) -> None:
     assert gone.exists()
 
 
+@pytest.mark.slow
 def test_the_command_prints_a_table_and_writes_the_figure(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["map", "-o", str(tmp_path / "m"), "--couplings", "0.5,1", "--chains", "2,3"]) == 0
     assert "1% from" in capsys.readouterr().out

@@ -50,6 +50,7 @@ def test_what_cannot_be_a_job_is_one_line(engine, options, says, tmp_path, capsy
     assert err.count("\n") == 1
 
 
+@pytest.mark.slow
 def test_an_array_does_the_cases_and_they_come_back_bit_for_bit(slurm, tmp_path, monkeypatch, capsys):
     for name, value in slurm.environment.items():
         monkeypatch.setenv(name, value)

@@ -15,7 +15,7 @@ from workflow.cli import main
 from workflow.studies.reproduce.page import Section, Statement, render
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="module", params=[pytest.param("", marks=pytest.mark.slow)])
 def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     directory = tmp_path_factory.mktemp("report")
     assert main(["reproduce", "-o", str(directory)]) == 0

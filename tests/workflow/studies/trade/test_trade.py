@@ -42,7 +42,7 @@ def written(directory, **changes):
     return str(path)
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="module", params=[pytest.param("", marks=pytest.mark.slow)])
 def found(tmp_path_factory):
     """What the command says, its table, its report and its directory."""
     directory = tmp_path_factory.mktemp("trade")
@@ -195,6 +195,7 @@ def test_a_directory_that_holds_something_is_refused(tmp_path, capsys):
     assert [path.name for path in (tmp_path / "out").iterdir()] == ["mine"]
 
 
+@pytest.mark.slow
 def test_an_interruption_leaves_what_was_measured(tmp_path):
     granchain = str(Path(sys.executable).with_name("granchain"))
     path = tmp_path / "out" / "trade.csv"
