@@ -68,17 +68,35 @@ def describe(error: ValidationError, model: type[BaseModel]) -> str:
     details = error.errors(include_url=False)
     unknown = [detail for detail in details if detail["type"] == "extra_forbidden"]
     first = (unknown or details)[0]
-    more = (
-        f" (and {len(details) - 1} more)"
-        if len(details) > 1 and first["loc"][:1] not in (("output",), ("window",))
-        else ""
-    )
+    paths = [_path(detail, model) for detail in details]
+    if not unknown:  # of what may stand there, the one that the value was meant for
+        first = next((d for d, path in zip(details, paths, strict=True) if _within(path, paths[0])), first)
+    others = len({str(path) for path in paths}) - 1
+    more = f" (and {others} more)" if others and first["loc"][:1] not in (("output",), ("window",)) else ""
     return _line(first, model) + more
+
+
+def _path(detail: ErrorDetails, model: type[BaseModel]) -> list[int | str]:
+    """Keys and places of a complaint, without the names that pydantic gives to what may stand there."""
+    found: list[int | str] = []
+    at: type[BaseModel] | None = model
+    for position, part in enumerate(detail["loc"]):
+        named = {field.alias or name: field for name, field in at.model_fields.items()} if at else {}
+        unknown = detail["type"] == "extra_forbidden" and position == len(detail["loc"]) - 1
+        if isinstance(part, int) or part in named or unknown:
+            found.append(part)
+        if part in named:
+            at = model_in(named[str(part)].annotation)
+    return found
+
+
+def _within(path: list[int | str], above: list[int | str]) -> bool:
+    return len(path) > len(above) and path[: len(above)] == above and isinstance(path[len(above)], str)
 
 
 def _line(detail: ErrorDetails, model: type[BaseModel]) -> str:
     kind = detail["type"]
-    path = [part for part in detail["loc"] if part not in _BRANCHES]
+    path = _path(detail, model)
     key = _key(path)
     given = _short(detail["input"])
     context = detail.get("ctx", {})
@@ -99,8 +117,6 @@ def _line(detail: ErrorDetails, model: type[BaseModel]) -> str:
     message = _PLAIN.get(kind, detail["msg"].removeprefix("Input "))
     return f"{key}: {message}, {given} given"
 
-
-_BRANCHES = ("literal['all']", "literal['auto']", "tuple[constrained-int, ...]", "constrained-int")
 
 _PLAIN = {
     "int_type": "should be a whole number",

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from lammps_inputs import laws
 from lammps_inputs.laws import Law
+from lammps_inputs.laws.wall import HertzWall
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -208,6 +209,18 @@ class Ground(Link):
     def shared(self, total: Floats, energy: Floats) -> None:
         """All of it for the bead."""
         total += energy
+
+
+@dataclass(frozen=True, eq=False)
+class Wall(Ground):
+    """The last bead of each chain, or the first, with a wall at rest that only ever pushes: it lets no bead swing."""
+
+    law: HertzWall
+
+    def mirrored(self) -> Self:
+        """The wall at the other end."""
+        link = super().mirrored()
+        return replace(link, law=link.law.opposite())
 
 
 def largest_eigenvalue(across: Across, chains: int) -> float:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from lammps_inputs import laws
 from lammps_inputs.facts import Fact
 from lammps_inputs.laws.linear import Linear
-from lammps_inputs.links import Across, Along, Ground, Link, largest_eigenvalue
+from lammps_inputs.links import Across, Along, Ground, Link, Wall, largest_eigenvalue
 from lammps_inputs.numbers import power_of_two_at_least
 from lammps_inputs.scheme import SchemeName
 from lammps_inputs.units import Scale
@@ -65,6 +65,11 @@ class System:
         """The links to the ground."""
         return tuple(link for link in self.links if isinstance(link, Ground))
 
+    @cached_property
+    def walls(self) -> tuple[Wall, ...]:
+        """The links to the ground that only push."""
+        return tuple(link for link in self.ground if isinstance(link, Wall))
+
     @property
     def coupled(self) -> bool:
         """Whether any spring between chains exists."""
@@ -88,17 +93,24 @@ class System:
     @property
     def stiffest_spring(self) -> float:
         """Largest stiffness of any spring, those across and those to the ground; 0 where there are none."""
-        return max((laws.stiffest(link.law, self.energy) for link in (*self.across, *self.ground)), default=0.0)
+        return max((laws.stiffest(link.law, self.energy) for link in (*self.across, *self._holding)), default=0.0)
 
     @property
     def fastest(self) -> float:
         """Angular frequency, at most, of any motion (Gershgorin); energy bounds how stiff a contact can get."""
         contacts = sum(4.0 * laws.stiffest(link.law, self.energy) for link in self.along)
+        if self.walls:  # a bead at the end has one contact, and a wall
+            contacts = max(contacts, 0.5 * contacts + max(laws.stiffest(link.law, self.energy) for link in self.walls))
         return float(np.sqrt(contacts + self._springs()))
 
     def _springs(self) -> float:
         across = (laws.stiffest(link.law, self.energy) * largest_eigenvalue(link, self.chains) for link in self.across)
-        return sum((*across, *(laws.stiffest(link.law, self.energy) for link in self.ground)), 0.0)
+        return sum((*across, *(laws.stiffest(link.law, self.energy) for link in self._holding)), 0.0)
+
+    @property
+    def _holding(self) -> tuple[Ground, ...]:
+        """The springs to the ground."""
+        return tuple(link for link in self.ground if not isinstance(link, Wall))
 
     @property
     def simply_coupled(self) -> bool:
@@ -112,7 +124,8 @@ class System:
         neighbours to meet or for one overlap to reach half of it. The dynamics do not depend on it.
         """
         alone, shared = (laws.reach(self.along[0].law, energy) for energy in (self.energy, self.energy / 2.0))
-        return power_of_two_at_least(max(4.0, 2.0 * alone, 2.0 * shared))
+        walls = (2.0 * float(np.max(link.law.overlap(self.energy))) for link in self.walls)
+        return power_of_two_at_least(max(4.0, 2.0 * alone, 2.0 * shared, *walls))
 
     @property
     def spacing(self) -> float:

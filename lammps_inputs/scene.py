@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 from pydantic import Field, create_model, field_validator, model_validator
 
 from lammps_inputs import scheme as schemes
+from lammps_inputs.force_readout import Forces
 from lammps_inputs.ingredients import INGREDIENTS, contacts
 from lammps_inputs.ingredients.base import Ingredient, Part
 from lammps_inputs.limits.closing import never_closes
@@ -71,6 +72,8 @@ class Output(Part):
     """Time between snapshots of all beads, beside the frames of the recorded ones."""
     peaks: Literal[True] | None = None
     """Whether the leading pulse is found at every bead while LAMMPS runs, from all beads at every frame's time."""
+    forces: Forces | None = None
+    """Where force is read."""
 
     @field_validator("beads", mode="before")
     @classmethod
@@ -147,6 +150,8 @@ class BaseScene(Part):
         for ingredient in self.ingredients:
             ingredient.refuse(self)
         self._check_motion(self.system)
+        if self.output.forces is not None:
+            self.output.forces.refuse(self)
         self._check_times()
         return self
 

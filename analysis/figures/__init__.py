@@ -2,6 +2,7 @@
 
 from analysis.figures.distance import distance_figure
 from analysis.figures.energy import energy_figure
+from analysis.figures.forces import force_figure
 from analysis.figures.response import BeadHistory, response_figure
 from analysis.figures.shape import shape_figure
 from analysis.figures.spacetime import SpaceTime, spacetime_figure
@@ -29,6 +30,7 @@ __all__ = [
     "distance_figure",
     "draw_chain",
     "energy_figure",
+    "force_figure",
     "response_figure",
     "shape_figure",
     "shown_chains",

@@ -65,7 +65,7 @@ def axis_unit(problem: Problem, quantity: str, largest: float) -> Unit:
 
     Args:
         problem: what is drawn.
-        quantity: ``time``, ``velocity`` or ``length``.
+        quantity: ``time``, ``velocity``, ``length`` or ``force``.
         largest: size of the largest number on the axis, dimensionless.
     """
     worth = float(getattr(problem.scale, quantity))

@@ -8,6 +8,7 @@ from MDAnalysis.analysis.base import AnalysisBase
 import analysis.mda.formats  # noqa: F401  registers the readers
 from analysis.tracking.leading_waves import leading_waves, usual_arrival
 from analysis.tracking.peaks import THRESHOLD, PeakFinder
+from analysis.tracking.which_leads import beyond_kicks
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem
 
@@ -49,6 +50,7 @@ class LeadingWaves(AnalysisBase):  # type: ignore[misc]  # MDAnalysis has no typ
 
     def _conclude(self) -> None:
         self._pass_on()
-        waves = leading_waves(self._finder.result(), usual_arrival(self._problem))
+        passages = beyond_kicks(self._finder.result(), self._problem)
+        waves = leading_waves(passages, usual_arrival(self._problem))
         for name in ("chain", "bead", "arrival", "peak_velocity", "speed"):
             self.results[name] = getattr(waves, name)

@@ -21,7 +21,7 @@ from analysis.tracking.leading_waves import Arrival, Waves, leading_waves, mirro
 from analysis.tracking.noise import distinct, left_by_smoothing, noise_at_start, smoothed
 from analysis.tracking.peaks import THRESHOLD, PeakFinder
 from analysis.tracking.pulses import SMALLEST, Pulse, track_pulses
-from analysis.tracking.which_leads import of_pulses, opposed
+from analysis.tracking.which_leads import beyond_kicks, of_pulses, opposed
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem
 
@@ -125,6 +125,7 @@ def survey(
     if leading is None:
         stray = opposed(problem) or noise > 0.0
         ahead = of_pulses(peaks[direction], pulses) if stray else peaks[direction]
+        ahead = beyond_kicks(ahead, problem)
         waves = leading_waves(ahead, arrival)
         sharp = np.isfinite(leading_waves(ahead).arrival)
     else:

@@ -19,8 +19,17 @@ def opposed(problem: Problem) -> bool:
 def leading_passages(peaks: Peaks, problem: Problem) -> Peaks:
     """Those of a noiseless run's maxima that may be the leading pulse's: all, or with kicks both ways a few."""
     if not opposed(problem):
+        return beyond_kicks(peaks, problem)
+    return beyond_kicks(of_pulses(peaks, track_pulses(peaks, problem)), problem)
+
+
+def beyond_kicks(peaks: Peaks, problem: Problem) -> Peaks:
+    """The maxima at beads that the leading pulse comes to; behind those that were hit, walls throw others back."""
+    if not problem.walls:
         return peaks
-    return of_pulses(peaks, track_pulses(peaks, problem))
+    way = peaks.direction
+    first = min((way * bead for _, bead, velocity in problem.kicks if velocity * way > 0.0), default=-problem.beads)
+    return peaks.where(way * peaks.bead >= first)
 
 
 def of_pulses(peaks: Peaks, pulses: tuple[Pulse, ...]) -> Peaks:

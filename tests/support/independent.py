@@ -11,12 +11,15 @@ from lammps_inputs import Problem
 Floats = NDArray[np.float64]
 
 
-def integrated(problem: Problem, ground: Any = 0.0, ground_cubic: Any = 0.0) -> Floats:
-    """Velocities [frame, chain, bead] of chains with contacts, springs between neighbours, and springs to the ground.
+def integrated(
+    problem: Problem, ground: Any = 0.0, ground_cubic: Any = 0.0, walls: tuple[float, float] = (0.0, 0.0)
+) -> Floats:
+    """Velocities [frame, chain, bead] of chains with contacts, springs between neighbours and to the ground, and walls.
 
     Args:
         problem: what is computed; its chains, coupling, kicks and frames are taken, its laws are not.
         ground, ground_cubic: stiffness of the springs to the ground, [chain, bead] or one number.
+        walls: force over overlap**1.5 of the walls on the left and on the right, a gap away.
     """
     shape = problem.chains, problem.beads
     size = problem.chains * problem.beads
@@ -25,6 +28,8 @@ def integrated(problem: Problem, ground: Any = 0.0, ground_cubic: Any = 0.0) -> 
         x = state[:size].reshape(shape)
         push = np.maximum(x[:, :-1] - x[:, 1:] - problem.gap, 0.0) ** 1.5
         force = -ground * x - ground_cubic * x**3
+        force[:, 0] += walls[0] * np.maximum(-x[:, 0] - problem.gap, 0.0) ** 1.5
+        force[:, -1] -= walls[1] * np.maximum(x[:, -1] - problem.gap, 0.0) ** 1.5
         force[:, 1:] += push
         force[:, :-1] -= push
         pull = problem.kappa * np.diff(x, axis=0)

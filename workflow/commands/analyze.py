@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from analysis.gauges.forces import Readings
 from analysis.sharing.energy_flow import Flow
 from analysis.sharing.equipartition import CLEAR
 from analysis.sharing.is_solitary import Character
@@ -50,7 +51,8 @@ def execute(arguments: argparse.Namespace) -> int:
         arrival=arguments.arrival,
     )
     _print(found)
-    names = ["waves.csv", "analysis.json", *(path.name for path in found.figures)]
+    tables = ["waves.csv", *([] if found.forces is None else ["forces.csv"]), "analysis.json"]
+    names = [*tables, *(path.name for path in found.figures)]
     print(f"{one_line(arguments.directory)}: {', '.join(names)}")
     return 0
 
@@ -101,6 +103,8 @@ def _print(found: Analysis) -> None:
         print_table(f"{problem.name}: leading pulse", head, rows)
         _print_accuracy(found)
     _print_pulses(found.survey)
+    if found.forces is not None:
+        _print_forces(problem, found.forces)
     if found.left is not None:
         print(found.left.sentence(waves))
     drifts = {"energy": seen.energy_drift, "momentum": seen.momentum_drift}
@@ -111,6 +115,27 @@ def _print(found: Analysis) -> None:
             print(found.failure or "that is not this scene: was the deck run with another kappa or kick?")
     if found.contacts is not None:
         print("\n".join(found.contacts.lines()))
+
+
+def _print_forces(problem: Problem, readings: Readings) -> None:
+    """The largest force, impulse and dwell of every gauge."""
+    scale = problem.scale
+    names = ("force", "time", "momentum")
+    force, time, momentum = (f" ({scale.symbol(name)})" if scale.si else "" for name in names)
+    rows = []
+    for place, gauge in enumerate(readings.gauges):
+        for chain in range(min(problem.chains, MOST_CHAINS)):
+            numbers = ["0", "-", "0", "-"]
+            if readings.largest[chain, place] > 0.0:
+                numbers = [
+                    f"{readings.largest[chain, place] * scale.force:.6g}",
+                    f"{readings.largest_at[chain, place] * scale.time:.6g}",
+                    f"{readings.impulse[chain, place] * scale.momentum:.6g}",
+                    f"{readings.dwell[chain, place] * scale.time:.4g}",
+                ]
+            rows.append([gauge.name if chain == 0 else "", str(chain + 1), *numbers])
+    head = ["force at", "chain", f"largest{force}", f"at{time}", f"impulse{momentum}", f"dwell{time}"]
+    print_table(f"{problem.name}: forces", head, rows)
 
 
 def _print_energy(problem: Problem, flow: Flow) -> None:

@@ -11,6 +11,8 @@ import numpy as np
 from analysis.conservation import Conservation
 from analysis.files.binary_dump import CutDumpWarning
 from analysis.files.recording import FARTHEST
+from analysis.gauges.forces import ForceMeter, Readings, gauges, to_csv
+from analysis.gauges.restitution import restitution
 from analysis.largest_overlap import LargestOverlap, shown_by_frames
 from analysis.mirror import direction_of
 from analysis.sharing.energy_flow import EnergyFlow, Flow
@@ -27,14 +29,14 @@ from workflow.runs.own_files import claim
 from workflow.runs.results import Fingerprint, recorded_fingerprint
 from workflow.runs.run_directory import REPORT, RunDirectory
 from workflow.runs.whole_files import figure_files, write_figure, write_json, write_text
-from workflow.verdicts.analysis_report import energy_report, last_clear_bead, report, waves_csv
+from workflow.verdicts.analysis_report import energy_report, forces_report, last_clear_bead, report, waves_csv
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["Analysis", "analyse", "default_beads", "last_clear_bead"]
 
-WAVES = "waves.csv"
+WAVES, FORCES = "waves.csv", "forces.csv"
 
 LARGEST = 1e100
 """Displacement or velocity that no run has, far from where squares overflow; dimensionless."""
@@ -54,6 +56,7 @@ class Analysis:
         altered: whether frames or snapshots are not those that the run wrote, by the fingerprint in ``run.json``.
         contacts: the hardest contact; None without a material, and of rigid beads.
         energy: where the energy was over time, where no pulse stays together and every bead was recorded; else None.
+        forces: what the scene's gauges read; None where it names none.
     """
 
     problem: Problem
@@ -66,6 +69,7 @@ class Analysis:
     altered: bool
     contacts: Contacts | None
     energy: Flow | None
+    forces: Readings | None
 
     @property
     def waves(self) -> Waves:
@@ -110,7 +114,8 @@ def analyse(
     flow = EnergyFlow(problem) if problem.whole and not problem.holds(Fact.PULSE) else None
     fingerprint = Fingerprint()
     watchers: list[Any] = [conservation, fingerprint]
-    watchers += [watcher for watcher in (left, flow) if watcher is not None]
+    meter = _meter(directory)
+    watchers += [watcher for watcher in (left, flow, meter) if watcher is not None]
     overlap = LargestOverlap() if has_contacts(directory) else None
     if overlap is not None and shown_by_frames(problem):
         watchers.append(overlap)
@@ -140,17 +145,34 @@ def analyse(
         spacetime = spacetime if whole.frames > 1 else None
         conservation.energy_drift, conservation.momentum_drift = whole.energy_drift, whole.momentum_drift
     energy = None if flow is None else flow.result()
-    figures_of = _makers(found, spacetime, history, energy) if figures else {}
-    claim(directory.path, (WAVES, REPORT, *figure_files(*figures_of)))
+    forces = None if meter is None else meter.result()
+    figures_of = _makers(found, spacetime, history, energy, forces) if figures else {}
+    claim(directory.path, (WAVES, REPORT, *([] if forces is None else [FORCES]), *figure_files(*figures_of)))
     drawn = tuple(path for name, make in figures_of.items() for path in write_figure(directory.path, name, make()))
     write_text(directory.path / WAVES, waves_csv(found))
+    if forces is not None:
+        write_text(directory.path / FORCES, to_csv(forces, problem.scale))
     hardest = None if overlap is None else of_overlap(directory.scene, overlap)
     found_contacts = {} if hardest is None else {"contacts": hardest.plain()}
-    more = {**found_contacts, **({} if energy is None else {"energy": energy_report(problem, energy)})}
+    more: dict[str, Any] = {**found_contacts, **({} if energy is None else {"energy": energy_report(problem, energy)})}
+    if forces is not None:
+        given_back = {side: restitution(found.pulses, problem, right=side == "right") for side in ("left", "right")}
+        more["forces"] = forces_report(problem, forces, given_back)
     write_json(directory.path / REPORT, {**report(found, conservation, allowed, left), **more})
     complete = conservation.frames == problem.frames + 1
     altered = recorded_fingerprint(directory) not in ("", fingerprint.sha256())
-    return Analysis(problem, found, conservation, complete, drawn, left, directory.failure, altered, hardest, energy)
+    return Analysis(
+        problem, found, conservation, complete, drawn, left, directory.failure, altered, hardest, energy, forces
+    )
+
+
+def _meter(directory: RunDirectory) -> ForceMeter | None:
+    """What reads the forces that the scene names; None where it names none, and for rigid beads."""
+    wanted, problem = directory.scene.output.forces, directory.problem
+    if wanted is None or directory.engine == "collisions":
+        return None
+    places = gauges(problem, wall=wanted.wall is True, contacts=wanted.contacts or (), sensors=wanted.sensors or ())
+    return ForceMeter(problem, places)
 
 
 def _found_on_the_way(directory: RunDirectory) -> Waves | None:
@@ -204,9 +226,18 @@ def default_beads(problem: Problem) -> tuple[int, ...]:
     return tuple(int(recorded[place]) for place in places)
 
 
-def _makers(found: Survey, spacetime: Any, history: Any, energy: Flow | None) -> "dict[str, Callable[[], Figure]]":
+def _makers(
+    found: Survey, spacetime: Any, history: Any, energy: Flow | None, forces: Readings | None
+) -> "dict[str, Callable[[], Figure]]":
     """Name -> what draws the figure; those that there is something to show in."""
-    from analysis.figures import distance_figure, energy_figure, response_figure, shape_figure, spacetime_figure
+    from analysis.figures import (
+        distance_figure,
+        energy_figure,
+        force_figure,
+        response_figure,
+        shape_figure,
+        spacetime_figure,
+    )
 
     problem = found.problem
     makers: dict[str, Callable[[], Figure]] = {"response": lambda: response_figure(history)}
@@ -214,6 +245,8 @@ def _makers(found: Survey, spacetime: Any, history: Any, energy: Flow | None) ->
         makers["spacetime"] = lambda: spacetime_figure(spacetime)
     if energy is not None:
         makers["energy"] = lambda: energy_figure(problem, energy)
+    if forces is not None:
+        makers["forces"] = lambda: force_figure(problem, forces)
     if len(found.shared) > 1 and problem.holds(Fact.PULSE):
         makers["distance"] = lambda: distance_figure(problem, found.shared, found.energies, found.direction)
     whole = np.unique(found.waves.bead[np.isfinite(found.shape.residual)])

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from analysis.conservation import Conservation
+from analysis.gauges.forces import Readings
 from analysis.mirror import mirrored_bead
 from analysis.sharing.energy_flow import Flow
 from analysis.sharing.equipartition import AGREEMENTS, Estimate
@@ -71,7 +72,8 @@ def report(found: Survey, seen: Conservation, tolerances: Tolerances, left: Left
     | pulses          | every pulse, the strongest first; see `pulse_entry`                              |
 
     Where no pulse stays together, `workflow.verdicts.analyse` adds ``energy``, see `energy_report`. With a material it
-    adds ``contacts``, see `workflow.runs.contacts.Contacts`.
+    adds ``contacts``, see `workflow.runs.contacts.Contacts`; where the scene has ``output.forces``, ``forces``, see
+    `forces_report`.
     """
     problem, scale = found.problem, found.problem.scale
     order = np.argsort([-character.peak_velocity for character in found.characters], kind="stable")
@@ -113,6 +115,41 @@ def energy_report(problem: Problem, flow: Flow) -> dict[str, Any]:
             for name in ("share", "centre", "spread")
         },
     }
+
+
+def forces_report(problem: Problem, readings: Readings, restitution: dict[str, Floats]) -> list[dict[str, Any]]:
+    """What ``analysis.json`` says under ``forces``: an entry for each gauge and chain, in the scene's units.
+
+    | key           | what                                                                                        |
+    |---------------|---------------------------------------------------------------------------------------------|
+    | kind, name    | wall, contact or sensor; name of the column in ``forces.csv``                               |
+    | chain, bead   | at a wall the bead that touches it; the first bead of a contact; the bead with the sensor   |
+    | largest, at   | largest force, between frames too, and when; null where there was none                      |
+    | impulse       | integral of the force over time; what a wall takes of the momentum                          |
+    | dwell         | how long the contact lasted in which the force was largest                                  |
+    | contacts      | how many contacts there were                                                                |
+    | restitution   | walls only: peak velocity of the first pulse thrown back over that of the one that came, at |
+    |               | one bead (`analysis.gauges.restitution`); null where one of them was not seen               |
+    """
+    scale, entries = problem.scale, []
+    for place, gauge in enumerate(readings.gauges):
+        for chain in range(problem.chains):
+            entry: dict[str, Any] = {
+                "kind": gauge.kind,
+                "name": gauge.name,
+                "chain": chain + 1,
+                "bead": gauge.bead,
+                "largest": float(readings.largest[chain, place] * scale.force),
+                "at": _number(float(readings.largest_at[chain, place] * scale.time)),
+                "impulse": float(readings.impulse[chain, place] * scale.momentum),
+                "dwell": float(readings.dwell[chain, place] * scale.time),
+                "contacts": int(readings.contacts[chain, place]),
+            }
+            if gauge.kind == "wall":
+                side = "left" if gauge.bead == 1 else "right"
+                entry["restitution"] = _number(float(restitution[side][chain]))
+            entries.append(entry)
+    return entries
 
 
 def _window(left: LeftBehind, found: Survey) -> dict[str, Any]:

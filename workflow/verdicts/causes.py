@@ -94,9 +94,9 @@ def _strengths(own: Trajectory, reference: Trajectory) -> list[str]:
     for link in own.problem.ground:
         factor, doubt = felt[link.name] / right[link.name], 5e-4 + 3.0 * abs(right[link.name] - 1.0)
         if abs(factor) < doubt:
-            found.append(f"the {link.name} is missing")
+            found.append(f"the {link.name.replace('_', ' ')} is missing")
         elif abs(factor - 1.0) > doubt:
-            found.append(f"the {link.name} is {factor:.4g} times as strong as the scene says")
+            found.append(f"the {link.name.replace('_', ' ')} is {factor:.4g} times as strong as the scene says")
     return found
 
 

@@ -1,0 +1,33 @@
+"""Force over time at walls, contacts and sensors."""
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure
+
+from analysis.figures.style import STYLE, axis_unit, chain_legend, draw_chain, shown_chains, title
+from analysis.gauges.forces import Readings
+from lammps_inputs import Problem
+
+MOST_GAUGES = 8
+
+
+def force_figure(problem: Problem, readings: Readings) -> Figure:
+    """One panel a gauge (the first eight), a line for each chain that other figures show too."""
+    time = axis_unit(problem, "time", float(readings.time[-1]))
+    force = axis_unit(problem, "force", float(np.max(readings.largest)))
+    count = min(len(readings.gauges), MOST_GAUGES)
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(7.0, 1.2 + 1.6 * count), layout="constrained")
+        axes = np.atleast_1d(figure.subplots(count, 1, sharex=True, sharey=True))
+        for place, axis in enumerate(axes):
+            for position, chain in enumerate(shown_chains(problem)):
+                draw_chain(
+                    axis, position, chain, readings.time * time.worth, readings.force[:, chain, place] * force.worth
+                )
+            axis.set_ylabel(f"{readings.gauges[place].name}\n({force.symbol})")
+        axes[-1].set_xlabel(f"time $t$ ({time.symbol})")
+        left_out = len(readings.gauges) - count
+        more = f"; {left_out} more gauges are in forces.csv" if left_out else ""
+        figure.suptitle(title(problem, each_chain=True, until=float(readings.time[-1])) + more)
+        chain_legend(figure, axes[0])
+    return figure

@@ -1,0 +1,78 @@
+"""Walls at the ends of the chains: what the last bead of every chain, or the first, is thrown back by.
+
+How hard a wall is, over a contact of two of the beads (Hertz 1882; Johnson, Contact Mechanics, 1985, 4.2): 1 for a
+bead like the others, held fast; sqrt(2) for the flat face of a block of their material, whose curvature is half as
+large; 2 sqrt(2) if that is also rigid.
+"""
+
+import math
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from lammps_inputs.facts import Fact
+from lammps_inputs.ingredients.base import Ingredient, Part
+from lammps_inputs.laws.wall import HertzWall
+from lammps_inputs.links import Wall
+
+if TYPE_CHECKING:
+    from lammps_inputs.scene import BaseScene
+
+STRENGTHS = {"bead": 1.0, "flat": math.sqrt(2.0), "rigid": 2.0 * math.sqrt(2.0)}
+"""Force over that of two beads at the same overlap."""
+
+MOST, LEAST = 1e6, 1e-6
+"""Force over that of two beads; beyond them a wall as good as stops beads dead, or is not there."""
+
+
+class Face(Part):
+    """A wall of any strength."""
+
+    stiffness: Annotated[float, Field(gt=0, le=1e30)]
+    """Force over ``overlap**1.5``; N/m^1.5 with a material."""
+
+
+Kind = Literal["bead", "flat", "rigid"] | Face
+
+
+class Walls(Ingredient):
+    """Walls that all chains have in common; with a gap they stand as far away as beads do."""
+
+    takes_away = frozenset({Fact.MOMENTUM})
+
+    left: Kind | None = None
+    """Before the first beads."""
+    right: Kind | None = None
+    """Behind the last beads."""
+
+    def refuse(self, scene: "BaseScene") -> None:
+        """Refuse what is no wall, and a window: pulses come back through rows that it has let go of."""
+        if self.left is None and self.right is None:
+            raise ValueError("walls: name left, right or both: bead, flat, rigid or {stiffness: ...}")
+        if scene.window is not None:
+            raise ValueError("walls: a window lets go of the rows that pulses come back through; leave the window out")
+        for key in ("left", "right"):
+            kind = getattr(self, key)
+            if isinstance(kind, Face) and not LEAST <= (strength := _strength(kind, scene)) <= MOST:
+                raise ValueError(
+                    f"walls.{key}.stiffness: {strength:.3g} times that of two beads; from {LEAST:g} to {MOST:g} times"
+                )
+
+    def links(self, scene: "BaseScene") -> tuple[Wall, ...]:
+        """One for each wall."""
+        found = []
+        for key, side, last in (("left", -1.0, 0), ("right", 1.0, -1)):
+            kind = getattr(self, key)
+            if kind is not None:
+                strength = np.zeros((scene.chains, scene.beads))
+                strength[:, last] = _strength(kind, scene)
+                found.append(Wall(f"{key}_wall", HertzWall(strength, side, scene.gap / scene.scale.length)))
+        return tuple(found)
+
+
+def _strength(kind: Kind, scene: "BaseScene") -> float:
+    """Dimensionless."""
+    if isinstance(kind, Face):
+        return kind.stiffness / float(scene.scale.force / scene.scale.length**1.5)
+    return STRENGTHS[kind]

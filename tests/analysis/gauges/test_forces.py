@@ -1,0 +1,116 @@
+"""Forces as gauges read them: largest values, impulses, and how long contacts last."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from small_problems import problem, written_down
+
+from analysis.gauges.forces import ForceMeter, gauges
+from lammps_inputs import library
+from workflow.engines.reference import engine
+
+
+def walled(**changes):
+    plain = {
+        "name": "test",
+        "chains": 1,
+        "beads": 20,
+        "walls": {"right": "bead"},
+        "kick": {"velocity": 1.0},
+        "duration": 50.0,
+    }
+    return library.from_plain({**plain, **changes}, "test").problem()
+
+
+def read(trajectory, *blocks, **places):
+    asked = {"wall": True, "contacts": (), "sensors": (), **places}
+    meter = ForceMeter(trajectory.problem, gauges(trajectory.problem, **asked))
+    for block in blocks or (trajectory,):
+        meter.add(block)
+    return meter.result()
+
+
+@pytest.fixture(scope="module")
+def found():
+    return engine.run(walled(output={"every": 0.1}), steps_per_frame=100)
+
+
+@pytest.mark.parametrize("walls", [{"right": "bead"}, {"left": "flat", "right": "rigid"}], ids=str)
+def test_momentum_lost_is_the_impulse_of_the_walls(walls):
+    one = walled(walls=walls, chains=2, coupling={"stiffness": 0.1}, output={"every": 0.01})
+    trajectory = engine.run(one, steps_per_frame=10)
+    readings = read(trajectory)
+    lost = 1.0 - trajectory.velocity[-1].sum()
+    taken = sum(
+        (1.0 if gauge.name == "right wall" else -1.0) * readings.impulse[:, place].sum()
+        for place, gauge in enumerate(readings.gauges)
+    )
+    assert lost > 1.0
+    assert taken == pytest.approx(lost, abs=1e-10)
+
+
+def test_a_lone_bead_at_a_wall_has_the_exact_contact():
+    """Largest force (5/4)**0.6, impulse 2, duration 2.9432752 times the largest overlap (5/4)**0.4."""
+    last = walled(beads=2, kick={"bead": 2, "velocity": 1.0}, duration=6.0, output={"every": 0.02})
+    readings = read(engine.run(last, steps_per_frame=40))
+    beta = 2.0 * math.sqrt(math.pi) * math.gamma(1.4) / math.gamma(0.9)
+    assert readings.largest[0, 0] == pytest.approx(1.25**0.6, abs=1e-9)
+    assert readings.largest_at[0, 0] == pytest.approx(0.5 * beta * 1.25**0.4, abs=1e-5)
+    assert readings.impulse[0, 0] == pytest.approx(2.0, abs=1e-9)
+    assert readings.dwell[0, 0] == pytest.approx(beta * 1.25**0.4, abs=5e-6)  # closed from an overlap of 1e-6 on
+    assert readings.contacts[0, 0] == 1
+
+
+def test_a_sensor_reads_the_mean_of_its_beads_contacts(found):
+    readings = read(found, contacts=(9, 10), sensors=(10,))
+    np.testing.assert_allclose(readings.force[..., 3], readings.force[..., 1:3].mean(axis=-1), atol=1e-16)
+    assert readings.impulse[0, 3] == pytest.approx(readings.impulse[0, 1:3].mean(), rel=1e-14)
+
+
+def test_the_bulk_force_is_the_solitary_waves():
+    one = walled(beads=60, duration=50.0, walls={"right": "bead"})
+    readings = read(engine.run(one, steps_per_frame=100), contacts=(30,))
+    assert readings.largest[0, 1] == pytest.approx(0.63955, abs=5e-6)
+
+
+def test_the_largest_force_does_not_depend_on_where_frames_fall(found):
+    fine = read(found).largest[0, 0]
+    for start in (0, 1, 2):
+        coarse = found[start::3]
+        assert read(coarse).largest[0, 0] == pytest.approx(fine, abs=2e-7)
+
+
+@pytest.mark.parametrize("cut", [1, 57, 300, 499])
+def test_blocks_add_up_to_the_whole(cut, found):
+    whole = read(found, contacts=(9,), sensors=(10,))
+    parts = read(found, found[:cut], found[cut:], contacts=(9,), sensors=(10,))
+    np.testing.assert_array_equal(whole.force, parts.force)
+    for name in ("largest", "impulse", "dwell"):
+        np.testing.assert_allclose(getattr(whole, name), getattr(parts, name), rtol=1e-13)
+    np.testing.assert_array_equal(whole.contacts, parts.contacts)
+
+
+def test_recording_the_beads_concerned_is_enough(found):
+    asked = {"contacts": (9,), "sensors": (10,)}
+    beads = (9, 10, 11, 20)
+    few = replace(
+        found,
+        problem=replace(found.problem, recorded=beads),
+        displacement=found.displacement[:, :, np.array(beads) - 1],
+        velocity=found.velocity[:, :, np.array(beads) - 1],
+    )
+    whole, part = read(found, **asked), read(few, **asked)
+    np.testing.assert_array_equal(whole.force, part.force)
+    np.testing.assert_allclose(part.largest, whole.largest, atol=1e-5)
+    np.testing.assert_allclose(part.impulse, whole.impulse, atol=1e-4)
+
+
+def test_beads_at_rest_are_read_as_no_force():
+    still = problem(kappa=0.0)
+    trajectory = written_down(still, lambda t: (0.0 * t, 0.0 * t))
+    readings = read(trajectory, wall=False, contacts=(3,))
+    assert not readings.force.any()
+    assert readings.impulse.tolist() == readings.largest.tolist() == readings.dwell.tolist() == [[0.0], [0.0]]
+    assert np.isnan(readings.largest_at).all()
