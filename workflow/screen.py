@@ -18,14 +18,7 @@ def one_line(text: object) -> str:
 @contextmanager
 def progress_bar(name: str, problem: Problem) -> Iterator[Callable[[int, int], None]]:
     """A bar of steps done, with the bead that the front has reached; on standard error, and only on a terminal."""
-    console = Console(stderr=True)
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("step {task.completed:.0f}/{task.total:.0f}  bead {task.fields[bead]}"),
-        TimeRemainingColumn(compact=True),
-    )
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+    with _bar("step {task.completed:.0f}/{task.total:.0f}  bead {task.fields[bead]}") as bar:
         task = bar.add_task(name, total=problem.steps, bead=1)
 
         def show(step: int, bead: int) -> None:
@@ -37,14 +30,7 @@ def progress_bar(name: str, problem: Problem) -> Iterator[Callable[[int, int], N
 @contextmanager
 def count_bar(name: str) -> Iterator[Callable[..., None]]:
     """A bar of cases done, and how many of them failed; on standard error, and only on a terminal."""
-    console = Console(stderr=True)
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("{task.completed:.0f}/{task.total:.0f}"),
-        TimeRemainingColumn(compact=True),
-    )
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+    with _bar("{task.completed:.0f}/{task.total:.0f}") as bar:
         task = bar.add_task(name, total=None)
 
         def show(done: int, total: int, failed: int = 0) -> None:
@@ -52,6 +38,13 @@ def count_bar(name: str) -> Iterator[Callable[..., None]]:
             bar.update(task, completed=done, total=total, description=label)
 
         yield show
+
+
+def _bar(done: str) -> Progress:
+    """A bar that says by a template how much is done, and disappears at its end."""
+    console = Console(stderr=True)
+    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn(done), TimeRemainingColumn(compact=True))
+    return Progress(*columns, console=console, transient=True, disable=not console.is_terminal)
 
 
 def print_table(title: str, head: list[str], rows: list[list[str]]) -> None:

@@ -1,30 +1,13 @@
 """LAMMPS binary dumps (``dump ... custom FILE.bin``): an index of their frames, and what stands in them.
 
-Pure numpy; knows the file format and no physics. `recording` knows which atom is which bead.
+Pure numpy; knows the file format (`dump_layout`) and no physics. `recording` knows which atom is which bead.
 Numbers are float64 as LAMMPS computed them. Memory does not grow with the file.
-
-One frame in the file (little endian, nothing is padded; revision 2, written by LAMMPS since 2021):
-
-| bytes         | type           | what                                                               |
-|---------------|----------------|--------------------------------------------------------------------|
-| 8 + 10        | int64, char    | -10, ``DUMPCUSTOM``                                                |
-| 4 + 4         | int32          | 1 (byte order), 2 (revision)                                       |
-| 8 + 8         | int64          | step, number of atoms                                              |
-| 4 + 24        | int32          | triclinic or not, kinds of the 6 boundaries                        |
-| 48 or 72      | float64        | box: xlo xhi ylo yhi zlo zhi, and xy xz yz when triclinic          |
-| 4             | int32          | number of columns                                                  |
-| 4 + n         | int32, char    | length and name of the units (in the first frame only, if at all)  |
-| 1 or 1 + 8    | int8, float64  | whether a time follows, the time                                   |
-| 4 + n         | int32, char    | length and names of the columns                                    |
-| 4             | int32          | number of chunks, one per MPI rank                                 |
-| 4 + 8n, each  | int32, float64 | n, and the rows of the chunk, in no order: atoms are placed by id  |
 """
 
 import struct
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from io import FileIO
 from pathlib import Path
 from typing import Any
@@ -32,17 +15,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.files.dump_layout import BOX_AT, MAGIC, MAX_NAMES, STEP_AT, Layout, parse
 from analysis.trajectory import Floats
 from lammps_inputs import InputError
 
 Bytes = NDArray[np.uint8]
 
-MAGIC = struct.pack("<q10s", -10, b"DUMPCUSTOM")
-_STEP = len(MAGIC) + 8
-_BOX = _STEP + 8 + 8 + 4 + 24
 _PROBE_BYTES = 512
 _READ_BYTES = 1 << 20  # read at once: stays in the processor's cache while it is sorted
-_MAX_NAMES, _MAX_RANKS = 1 << 16, 1 << 22
 
 
 class CutDumpWarning(UserWarning):
@@ -53,102 +33,6 @@ class NoFrameError(InputError):
     """A dump without one whole frame."""
 
 
-@dataclass(frozen=True)
-class _Layout:
-    """Where things are in a frame; two frames of one layout differ in step, box, time and rows only."""
-
-    atoms: int
-    columns: tuple[str, ...]
-    tilts: int
-    time_at: int | None
-    header: int
-    chunks: int
-
-    @property
-    def size(self) -> int:
-        """Bytes of a frame, header included."""
-        return self.header + 4 * self.chunks + 8 * self.atoms * len(self.columns)
-
-    @property
-    def fixed(self) -> NDArray[np.bool_]:
-        """Which bytes of the header are the same in all frames of this layout."""
-        mask = np.ones(self.header, dtype=bool)
-        mask[_STEP : _STEP + 8] = False
-        mask[_BOX : _BOX + 8 * (6 + self.tilts)] = False
-        if self.time_at is not None:
-            mask[self.time_at : self.time_at + 8] = False
-        return mask
-
-
-def _parse(raw: bytes) -> _Layout:
-    """Layout of the frame that begins with these bytes.
-
-    Raises:
-        ValueError: not the header of a frame; the text says why.
-        struct.error: the bytes end within the header, and are right as far as they go.
-    """
-    at = 0
-
-    def take(fields: str) -> tuple[int, ...]:
-        nonlocal at
-        values = struct.unpack_from(f"<{fields}", raw, at)
-        at += struct.calcsize(f"<{fields}")
-        return values
-
-    def take_text(limit: int, what: str) -> str:
-        nonlocal at
-        (length,) = take("i")
-        if not 0 <= length <= limit:
-            raise ValueError(f"{length} bytes of {what}")
-        (text,) = struct.unpack_from(f"<{length}s", raw, at)
-        at += length
-        return str(text, "ascii", "replace")
-
-    if not (raw.startswith(MAGIC) or MAGIC.startswith(raw)):
-        raise ValueError(_kind_of(raw))
-    at = len(MAGIC)
-    order, revision = take("2i")
-    if order != 1 or revision != 2:
-        raise ValueError(f"byte order {order} and revision {revision} of the format; 1 and 2 are read here")
-    _, atoms = take("2q")
-    if atoms < 1:
-        raise ValueError(f"{atoms} atoms")
-    triclinic, *boundary = take("7i")
-    if triclinic not in (0, 1) or not all(0 <= kind <= 3 for kind in boundary):
-        raise ValueError(f"box of kind {triclinic}, boundaries {boundary}")
-    tilts = 3 * triclinic
-    take(f"{6 + tilts}d")
-    (columns,) = take("i")
-    take_text(_MAX_NAMES, "units")
-    (timed,) = take("b")
-    if timed not in (0, 1):
-        raise ValueError(f"time flag {timed}")
-    time_at = at if timed else None
-    at += 8 * timed
-    names = tuple(take_text(_MAX_NAMES, "column names").split())
-    if len(names) != columns or "id" not in names:
-        raise ValueError(f"{columns} columns with the names {' '.join(names)[:80]!r}; `id` must be among them")
-    (chunks,) = take("i")
-    if not 1 <= chunks <= _MAX_RANKS:
-        raise ValueError(f"{chunks} chunks")
-    return _Layout(atoms, names, tilts, time_at, at, chunks)
-
-
-def _kind_of(raw: bytes) -> str:
-    """What a file that does not begin like our dumps probably is."""
-    if raw.startswith(b"ITEM:"):
-        return "it is a text dump; MDAnalysis reads those with format='LAMMPSDUMP'"
-    if raw.startswith(struct.pack("<q8s", -8, b"DUMPATOM")):
-        return "it is a dump of style atom; use `dump ... custom FILE.bin id x vx`"
-    if raw.startswith(MAGIC[7::-1]):
-        return "it was written on a big-endian machine"
-    if len(raw) >= _BOX - 26:
-        step, atoms, triclinic, *boundary = struct.unpack_from("<2q7i", raw)
-        if step >= 0 < atoms and triclinic in (0, 1) and all(0 <= kind <= 3 for kind in boundary) and any(raw[:44]):
-            return "if it is one, LAMMPS before 2021 wrote it, without names of columns"
-    return "it begins differently"
-
-
 def last_step(path: Path) -> int | None:
     """Step of the last whole frame of a file whose frames all have the size of its first, from two headers alone.
 
@@ -156,15 +40,15 @@ def last_step(path: Path) -> int | None:
     """
     try:
         with path.open("rb") as file:
-            layout = _parse(file.read(_PROBE_BYTES))
+            layout = parse(file.read(_PROBE_BYTES))
             whole = file.seek(0, 2) // layout.size
             if whole == 0:
                 return None
             file.seek((whole - 1) * layout.size)
-            head = file.read(_STEP + 8)
+            head = file.read(STEP_AT + 8)
     except (OSError, ValueError, struct.error):
         return None
-    return int(struct.unpack_from("<q", head, _STEP)[0]) if head.startswith(MAGIC) else None
+    return int(struct.unpack_from("<q", head, STEP_AT)[0]) if head.startswith(MAGIC) else None
 
 
 class BinaryDump:
@@ -256,17 +140,17 @@ class BinaryDump:
 
     def _index(self, file: FileIO, end: int) -> None:
         """Find the frames: the headers of frames of one layout stand at equal distances and are checked together."""
-        layouts: dict[_Layout, int] = {}
+        layouts: dict[Layout, int] = {}
         kinds, offsets, steps, boxes, times = [], [], [], [], []
         offset = frames = 0
         while offset < end:
             raw = _bytes_at(file, offset, _PROBE_BYTES)
             try:
                 try:
-                    layout = _parse(raw)
+                    layout = parse(raw)
                 except struct.error:  # long names, or the end of the file
-                    raw = _bytes_at(file, offset, 2 * _MAX_NAMES + _PROBE_BYTES)
-                    layout = _parse(raw)
+                    raw = _bytes_at(file, offset, 2 * MAX_NAMES + _PROBE_BYTES)
+                    layout = parse(raw)
             except struct.error:
                 break
             except ValueError as error:
@@ -289,8 +173,8 @@ class BinaryDump:
                 headers = headers[:count]
                 kinds.append(np.full(count, layouts.setdefault(layout, len(layouts))))
                 offsets.append(np.arange(count) * layout.size + offset)
-                steps.append(_field(headers, _STEP, "<i8", 1)[:, 0])
-                boxes.append(_field(headers, _BOX, "<f8", 6 + layout.tilts))
+                steps.append(_field(headers, STEP_AT, "<i8", 1)[:, 0])
+                boxes.append(_field(headers, BOX_AT, "<f8", 6 + layout.tilts))
                 if layout.time_at is not None:
                     times.append(_field(headers, layout.time_at, "<f8", 1)[:, 0])
                 offset += count * layout.size
@@ -340,7 +224,7 @@ class BinaryDump:
                 done += len(block)
         return out
 
-    def _raw(self, file: FileIO, frames: NDArray[np.int64], layout: _Layout) -> Bytes:
+    def _raw(self, file: FileIO, frames: NDArray[np.int64], layout: Layout) -> Bytes:
         """[frame, byte] of frames of one layout."""
         raw = np.empty((len(frames), layout.size), dtype=np.uint8)
         offsets = self._offsets[frames]
@@ -349,11 +233,11 @@ class BinaryDump:
         for offset, part in [(offsets[0], raw)] if together else zip(offsets, raw, strict=True):
             file.seek(int(offset))
             whole = whole and _read_into(file, part.reshape(-1))
-        if not (whole and np.array_equal(_field(raw, _STEP, "<i8", 1)[:, 0], self.steps[frames])):
+        if not (whole and np.array_equal(_field(raw, STEP_AT, "<i8", 1)[:, 0], self.steps[frames])):
             raise InputError(f"{self.path}: changed while it was read")
         return raw
 
-    def _rows(self, raw: Bytes, layout: _Layout, frames: NDArray[np.int64]) -> Floats:
+    def _rows(self, raw: Bytes, layout: Layout, frames: NDArray[np.int64]) -> Floats:
         """[frame, atom, column] as they stand in the file."""
         pieces = []
         at = layout.header

@@ -13,7 +13,8 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.files.binary_dump import MAGIC, BinaryDump, CutDumpWarning, NoFrameError
+from analysis.files.binary_dump import BinaryDump, CutDumpWarning, NoFrameError
+from analysis.files.dump_layout import MAGIC
 from analysis.trajectory import Floats, Trajectory, frames_per_block
 from lammps_inputs import InputError, Problem
 

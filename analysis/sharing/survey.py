@@ -19,8 +19,8 @@ from analysis.sharing.is_solitary import Character, Tolerances, characterise, me
 from analysis.sharing.verdict import Verdict, judge
 from analysis.tracking.accuracy import peak_error
 from analysis.tracking.leading_waves import Arrival, Waves, leading_waves, mirrored_waves, usual_arrival
-from analysis.tracking.noise import left_by_smoothing, noise_at_start, smoothed
-from analysis.tracking.peaks import THRESHOLD, PeakFinder, distinct
+from analysis.tracking.noise import distinct, left_by_smoothing, noise_at_start, smoothed
+from analysis.tracking.peaks import THRESHOLD, PeakFinder
 from analysis.tracking.pulses import SMALLEST, Pulse, track_pulses
 from analysis.tracking.which_leads import beyond_kicks, of_pulses, opposed
 from analysis.trajectory import Trajectory

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import Any
 
+from analysis.tracking.brackets import FAR_APART, on_a_grid
 from analysis.tracking.noise import left_by_smoothing
-from analysis.tracking.peaks import FAR_APART, on_a_grid
 from analysis.trajectory import Floats
 
 

@@ -9,10 +9,15 @@ from dataclasses import replace
 
 import numpy as np
 
+from analysis.shape.exact_wave import solitary_wave
+from analysis.tracking.peaks import Peaks
 from analysis.trajectory import Floats, Trajectory, joined
 
 NEGLIGIBLE = 1e-6
 """Standard deviation, in units of V, below which a record counts as free of noise."""
+
+APART = 1.5
+"""Least distance of two maxima of a noisy record, in passages of the higher wave: its foot ends there."""
 
 WINDOW = 1.2
 """Length in time of the smoothing window, in units of T: two thirds of the time that a wave of amplitude 1 takes to
@@ -90,3 +95,24 @@ def _smooth(values: Floats, window: int) -> Floats:
     result[:half] = np.tensordot(line[:half], values[:window], axes=1)
     result[-half:] = np.tensordot(line[-half:], values[-window:], axes=1)
     return result
+
+
+def distinct(peaks: Peaks) -> Peaks:
+    """The maxima of a noisy record without those that belong to one passage.
+
+    Left out is whatever is nearer to a higher maximum of its bead than `APART` times the time in which the exact wave
+    of that height passes at half its height.
+    """
+    exact = solitary_wave()
+    while len(peaks) > 1:
+        near = APART * exact.width / exact.speed_at(peaks.velocity)
+        same = (np.diff(peaks.chain) == 0) & (np.diff(peaks.bead) == 0)
+        first_higher = peaks.velocity[:-1] >= peaks.velocity[1:]
+        merged = same & (np.diff(peaks.time) < np.where(first_higher, near[:-1], near[1:]))
+        if not np.any(merged):
+            break
+        lower = np.zeros(len(peaks), dtype=bool)
+        lower[1:] |= merged & first_higher
+        lower[:-1] |= merged & ~first_higher
+        peaks = peaks.where(~lower)
+    return peaks

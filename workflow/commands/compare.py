@@ -7,10 +7,13 @@ from pathlib import Path
 from analysis.trajectory import Floats
 from lammps_inputs import library
 from workflow.prepare.settings import refuse_unstable
-from workflow.runs import run as running
+from workflow.runs.compute import ENGINES
 from workflow.runs.own_files import refuse_to_overwrite
 from workflow.screen import one_line, print_table, progress_bar
-from workflow.studies import compare as comparing
+from workflow.studies.compare.answer import arrival
+from workflow.studies.compare.measure import Result
+from workflow.studies.compare.report import FIGURE, REPORT, Comparison
+from workflow.studies.compare.study import compare, engines_for
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -20,7 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--engines",
         metavar="NAME,NAME",
-        help=f"of {', '.join(running.ENGINES)} (default all that can do the scene)",
+        help=f"of {', '.join(ENGINES)} (default all that can do the scene)",
     )
     parser.add_argument("--overwrite", action="store_true", help="replace an earlier comparison's files in DIR")
 
@@ -29,25 +32,23 @@ def execute(arguments: argparse.Namespace) -> int:
     """Print tables and an answer; write compare.json, a figure, and each engine's run directory."""
     scene = library.find(arguments.scene)
     engines = None if arguments.engines is None else tuple(arguments.engines.split(","))
-    if "lammps" in comparing.engines_for(scene, engines):
+    if "lammps" in engines_for(scene, engines):
         refuse_unstable(scene, arguments.scene)
     if arguments.output is not None:
         refuse_to_overwrite(arguments.scene, arguments.output)
     with tempfile.TemporaryDirectory(prefix="granchain-compare-") as name:
         directory = Path(name) / "compare" if arguments.output is None else arguments.output
-        found = comparing.compare(
-            scene, directory, engines=engines, overwrite=arguments.overwrite, progress=progress_bar
-        )
+        found = compare(scene, directory, engines=engines, overwrite=arguments.overwrite, progress=progress_bar)
     _print(found)
     if arguments.output is not None:
-        names = [comparing.REPORT, f"{comparing.FIGURE}.png", f"{comparing.FIGURE}.pdf"]
+        names = [REPORT, f"{FIGURE}.png", f"{FIGURE}.pdf"]
         print(
             f"{one_line(arguments.output)}: {', '.join([*names, *(f'{result.engine}/' for result in found.results)])}"
         )
     return 0
 
 
-def _print(found: comparing.Comparison) -> None:
+def _print(found: Comparison) -> None:
     problem, results = found.problem, found.results
     scale = problem.scale
     unit = f" ({scale.symbol('time')})" if scale.si else ""
@@ -67,7 +68,7 @@ def _print(found: comparing.Comparison) -> None:
                 [
                     str(bead) if number == 0 else "",
                     result.engine,
-                    f"{comparing.arrival(impulses, bead) * scale.time:.6g}",
+                    f"{arrival(impulses, bead) * scale.time:.6g}",
                     _list(impulses.first[:, place]),
                     _list(impulses.whole[:, place]),
                     _list(result.peak[:, k]),
@@ -99,7 +100,7 @@ def _print(found: comparing.Comparison) -> None:
         print(sentence)
 
 
-def _passed(result: comparing.Result, bead: int) -> str:
+def _passed(result: Result, bead: int) -> str:
     return _list(result.impulses.whole[:, result.impulses.row(bead)]) if bead >= 2 else ""
 
 

@@ -10,8 +10,10 @@ from workflow.cluster import ranks
 from workflow.cluster.job_arguments import add_job_arguments, job_options, with_ranks
 from workflow.prepare.settings import settle
 from workflow.runs import contacts
+from workflow.runs.locks import alone
 from workflow.runs.own_files import prepare, refuse_to_overwrite, replacing
-from workflow.runs.run_directory import alone, run_files, write_text
+from workflow.runs.run_directory import run_files
+from workflow.runs.whole_files import write_text
 from workflow.screen import one_line
 
 

@@ -11,6 +11,7 @@ from workflow.engines.lammps.engine import RESTART_EVERY
 from workflow.prepare.settings import Settings, better_timestep, settle
 from workflow.runs import run as running
 from workflow.runs.check import Check
+from workflow.runs.compute import ENGINES
 from workflow.runs.contacts import Contacts
 from workflow.runs.own_files import refuse_to_overwrite
 from workflow.runs.resume import begun, resume, settings_of
@@ -25,7 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--resume", metavar="DIR", type=Path, help="go on with a run that was cut short, and nothing else"
     )
-    parser.add_argument("--engine", choices=running.ENGINES, help="what computes (default lammps)")
+    parser.add_argument("--engine", choices=ENGINES, help="what computes (default lammps)")
     parser.add_argument("--ranks", metavar="N", type=int, help="MPI ranks of LAMMPS (default 1, or as before)")
     parser.add_argument("--overwrite", action="store_true", help="replace an earlier run's files in DIR")
     parser.add_argument("--force", action="store_true", help="run even with a time step above the stability bound")

@@ -16,16 +16,10 @@ from pathlib import Path
 
 from lammps_inputs import InputError
 from lammps_inputs.decks import deck
+from workflow.runs.locks import changing
 from workflow.runs.record import RECORD, read_record
-from workflow.runs.run_directory import (
-    ANALYSIS_FILES,
-    OWN_FILES,
-    TEMPORARY,
-    all_parts,
-    changing,
-    part_number,
-    write_json,
-)
+from workflow.runs.run_directory import ANALYSIS_FILES, OWN_FILES, all_parts, part_number
+from workflow.runs.whole_files import TEMPORARY, write_json
 
 _TEMPORARY = re.compile(rf"\..+{re.escape(TEMPORARY)}[a-z0-9_]{{4,8}}")
 _ASIDE, _GONE = f"{TEMPORARY}before-", f"{TEMPORARY}gone-"

@@ -16,10 +16,14 @@ from lammps_inputs.decks import continuation, deck
 from workflow.engines.lammps import engine as lammps_engine
 from workflow.engines.lammps import live_peaks, restarts
 from workflow.prepare.settings import Settings
+from workflow.runs.compute import ENGINES, Progress
+from workflow.runs.locks import alone
 from workflow.runs.own_files import refuse_links, remove_leftovers
+from workflow.runs.provenance import fingerprint
 from workflow.runs.record import RECORD
-from workflow.runs.run import ENGINES, Progress, Run, carry_out, fingerprint, measure_error
-from workflow.runs.run_directory import OWN_FILES, RunDirectory, all_parts, alone, part_number, parts, write_text
+from workflow.runs.run import Run, carry_out, measure_error
+from workflow.runs.run_directory import OWN_FILES, RunDirectory, all_parts, part_number, parts
+from workflow.runs.whole_files import write_text
 
 _AGAIN = "nothing is there to go on from: run the scene again with another -o"
 

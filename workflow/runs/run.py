@@ -2,44 +2,32 @@
 
 import contextlib
 import functools
-import hashlib
-import importlib.metadata
-import os
-import platform
 import signal
-import sys
 import threading
 import time
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import asdict, dataclass
-from datetime import UTC, datetime
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-from analysis.files import events
-from analysis.files.recording import Writer
 from analysis.trajectory import Trajectory
-from lammps_inputs import InputError, Problem, Scene
+from lammps_inputs import InputError, Scene
 from lammps_inputs.decks import continuation, deck
 from workflow.engines.lammps import engine as lammps_engine
 from workflow.engines.reference import engine as reference
 from workflow.errors import EndedError, RunError
-from workflow.prepare.settings import Settings, certifiers, refuse_too_large, settle
+from workflow.prepare.settings import Settings, refuse_too_large, settle
 from workflow.runs import check as checking
 from workflow.runs import contacts
+from workflow.runs.compute import ENGINES, Progress, Start, compute, refuse_what_it_cannot_do
+from workflow.runs.locks import alone
 from workflow.runs.own_files import prepare, refuse_links, replacing
+from workflow.runs.provenance import fingerprint, provenance
 from workflow.runs.results import results
-from workflow.runs.run_directory import EVENTS, RunDirectory, alone, run_files, write_text
-
-Progress = Callable[[int, int], None]
-
-Start = Callable[..., lammps_engine.Outcome]
-"""Runs the deck in a directory, given ``ranks`` and ``progress``."""
+from workflow.runs.run_directory import RunDirectory, run_files
+from workflow.runs.whole_files import write_text
 
 LAMMPS_BYTES = 1000
 """Of memory, a bead; measured."""
-
-ENGINES = ("lammps", "reference", "collisions")
 
 
 @dataclass(frozen=True)
@@ -183,19 +171,14 @@ def carry_out(
         InputError: something in the directory that it would write to is a link.
         RunError: the run failed; ``run.json`` says why, where the disk takes it.
     """
-    path, problem, engine = result.path, result.problem, result.record["engine"]
+    path, engine = result.path, result.record["engine"]
     refuse_links(path)
     started = time.perf_counter() - spent
     if check and engine == "lammps":
         # on another core while LAMMPS computes
         threading.Thread(target=reference.load, daemon=True).start()
     try:
-        if engine == "lammps":
-            ending = _run_lammps(result, ranks, progress, start)
-        elif engine == "reference":
-            ending = _run_reference(path / deck.DUMP, problem, settings, progress)
-        else:
-            ending = _run_collisions(path, problem, progress)
+        ending = compute(engine, result, ranks=ranks, settings=settings, progress=progress, start=start)
         if ending["outcome"] == "done":
             ending["results"] = results(result)
             hardest = contacts.measure(result)
@@ -223,124 +206,3 @@ def measure_error(result: RunDirectory, settings: Settings | None) -> checking.C
     found = checking.check(result, settings)
     result.update_record(check=found.plain())
     return found
-
-
-def _run_lammps(result: RunDirectory, ranks: int, progress: Progress | None, start: Start) -> dict[str, Any]:
-    end = start(result.path, ranks=ranks, progress=progress)
-    return {
-        "outcome": "done" if end.end == "done" else "interrupted",
-        "steps_done": end.steps,
-        "lammps": end.version,
-        "engine_seconds": end.seconds + result.record.get("engine_seconds", 0.0),
-    }
-
-
-def _run_reference(
-    dump: Path, problem: Problem, settings: Settings | None, progress: Progress | None
-) -> dict[str, Any]:
-    """Write the reference's frames as LAMMPS would, certified to the accuracy if one is asked for."""
-    started = time.perf_counter()
-    for certifier in certifiers(problem, settings):
-        ending = _write_frames(dump, problem, certifier.blocks(), progress)
-        if ending["outcome"] != "done":
-            return ending
-        certificate = certifier.certificate
-        if settings is None or certificate.velocity <= settings.accuracy:
-            break
-    seconds = time.perf_counter() - started
-    return {**ending, "engine_seconds": seconds, "certificate": asdict(certificate)}
-
-
-def _run_collisions(path: Path, problem: Problem, progress: Progress | None) -> dict[str, Any]:
-    """Write every collision, and the frames of the exact motion between them as LAMMPS would."""
-    # numba takes a third of a second to import
-    from workflow.engines import collisions
-
-    collisions.run(problem, max_events=0)  # loads or compiles
-    started = time.perf_counter()
-    try:
-        found = collisions.run(problem)
-    except KeyboardInterrupt:
-        return {"outcome": "interrupted", "steps_done": 0}
-    seconds = time.perf_counter() - started
-    table = events.Events(found.time, found.chain, found.row, found.striker, found.target)
-    write_text(path / EVENTS, events.to_csv(table, problem.scale))
-    ending = _write_frames(path / deck.DUMP, problem, collisions.blocks(found), progress)
-    if ending["outcome"] != "done":
-        return ending
-    return {**ending, "engine_seconds": seconds, "collisions": len(found)}
-
-
-def _write_frames(
-    dump: Path, problem: Problem, blocks: Iterable[Trajectory], progress: Progress | None
-) -> dict[str, Any]:
-    """Write frames as LAMMPS would, to the end or to Ctrl-C; how it ended."""
-    step = 0
-    with Writer(dump, problem) as writer:
-        try:
-            for block in blocks:
-                for displacement, velocity in zip(block.displacement, block.velocity, strict=True):
-                    writer.append(step, displacement, velocity)
-                    step += problem.steps_per_frame
-                if progress is not None:
-                    progress(step - problem.steps_per_frame, _front(block))
-        except KeyboardInterrupt:
-            return {"outcome": "interrupted", "steps_done": max(0, step - problem.steps_per_frame)}
-    return {"outcome": "done", "steps_done": problem.steps}
-
-
-def refuse_what_it_cannot_do(engine: str, problem: Problem) -> None:
-    """Say so before anything runs.
-
-    Raises:
-        InputError: rigid beads were asked for, and the scene has no gap; or a window, and not of LAMMPS.
-    """
-    if engine != "lammps" and problem.window is not None:
-        raise InputError(f"--engine: only lammps records a window, not {engine}; leave `window` out of the scene")
-    if engine == "collisions" and not isinstance(problem.mass, float):
-        raise InputError("--engine: `collisions` knows only beads of equal mass; use lammps or reference")
-    if engine == "collisions" and not problem.simply_coupled:
-        if problem.loads:
-            raise InputError("--engine: `collisions` knows no forces over time such as a push; use lammps or reference")
-        raise InputError(
-            "--engine: `collisions` knows only equal linear springs between neighbouring chains; "
-            "use lammps or reference"
-        )
-    if engine == "collisions" and not problem.gap > 0.0:
-        raise InputError(
-            "--engine: `collisions` moves rigid beads, which need a gap between them; "
-            "give the scene `gap: ...`, or use lammps or reference"
-        )
-
-
-def _front(block: Trajectory) -> int:
-    moving = (abs(block.velocity[-1]) > 1e-3).any(axis=0).nonzero()[0]
-    return int(block.beads[moving[-1]]) if len(moving) else 1
-
-
-def fingerprint(files: dict[str, str]) -> str:
-    """SHA-256 over a run's input files in the order of their names."""
-    digest = hashlib.sha256()
-    for name in sorted(files):
-        content = files[name].encode()
-        digest.update(f"{name}\n{len(content)}\n".encode() + content)
-    return digest.hexdigest()
-
-
-def provenance() -> dict[str, Any]:
-    """What is needed to tell where and with what something was computed."""
-    return {
-        "started": datetime.now(UTC).isoformat(timespec="seconds"),
-        "command": [os.fsencode(word).decode("utf-8", "replace") for word in sys.argv],
-        "host": platform.node(),
-        "machine": f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores",
-        "python": platform.python_version(),
-        "versions": _versions(),
-    }
-
-
-@functools.cache
-def _versions() -> dict[str, str]:
-    """Looked up once, since a process of a sweep runs many scenes."""
-    names = ("granchain", "lammps", "numpy", "MDAnalysis", "matplotlib", "numba", "scipy", "pydantic")
-    return {name: importlib.metadata.version(name) for name in names}

@@ -10,35 +10,25 @@
 | events.csv        | collisions (engine `collisions` only)          |
 | run.json          | versions, command, host, times, outcome        |
 
-Every file is written whole under another name and then renamed, except the dump, whose frames are whole one by one.
-A directory is locked while something runs in it. Which files are ours, and may be replaced: see `own_files`.
+Every file is written whole (`whole_files`), except the dump, whose frames are whole one by one. A directory is locked
+while something runs in it (`locks`). Which files are ours, and may be replaced: see `own_files`.
 """
 
-import fcntl
-import io
-import json
-import math
-import os
 import re
-import tempfile
-import time
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from analysis.files import recording
 from analysis.trajectory import Trajectory, joined
 from lammps_inputs import InputError, Problem, Scene, load
 from lammps_inputs.decks import continuation, deck
 from lammps_inputs.slurm import job
-from workflow.errors import EndedError, RunError
+from workflow.runs.locks import changing
 from workflow.runs.record import RECORD, read_record
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure  # takes a while to import
+from workflow.runs.whole_files import figure_files, write_json
 
 EVENTS = "events.csv"
 REPORT = "analysis.json"
@@ -59,18 +49,10 @@ OWN_FILES = (
 ANALYSIS_FILES = (
     "waves.csv",
     REPORT,
-    *(
-        f"{name}.{suffix}"
-        for name in ("spacetime", "response", "distance", "shape", "energy")
-        for suffix in ("png", "pdf")
-    ),
-    *("validation.json", "validation.png", "validation.pdf"),
-    *("compare.json", "compare.png", "compare.pdf"),
+    *figure_files("spacetime", "response", "distance", "shape", "energy"),
+    *("validation.json", *figure_files("validation")),
+    *("compare.json", *figure_files("compare")),
 )
-
-
-TEMPORARY = ".granchain-"
-"""In the name of a file that is being written, so that a kill leaves nothing that could be somebody else's."""
 
 _PART = re.compile(r"chains\.(dump|snapshots)(?:\.([1-9][0-9]{0,8}))?\.bin")
 
@@ -80,128 +62,6 @@ def run_files(engine: str) -> tuple[str, ...]:
     if engine != "lammps":
         return (deck.SCENE, RECORD, deck.DUMP, EVENTS)
     return tuple(name for name in OWN_FILES if name != EVENTS and name not in job.OWN_FILES)
-
-
-_LOCK_SECONDS = 3.0
-"""How long the processes of a killed run may take to end."""
-
-
-def write_bytes(path: Path, content: bytes) -> None:
-    """Write a file whole or not at all.
-
-    Raises:
-        EndedError: it cannot be written; what was there before still is.
-    """
-    try:
-        _write(path, content)
-    except OSError as error:
-        raise EndedError(f"{path}: cannot be written ({error.strerror}); what was there is left as it was") from None
-
-
-def _write(path: Path, content: bytes) -> None:
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}{TEMPORARY}")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-        Path(name).chmod(0o644)
-        Path(name).replace(path)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise
-
-
-def figure_files(*names: str) -> tuple[str, ...]:
-    """Names of the files of figures."""
-    return tuple(f"{name}.{suffix}" for name in names for suffix in ("png", "pdf"))
-
-
-def write_figure(directory: Path, name: str, figure: "Figure") -> tuple[Path, ...]:
-    """Write a figure as PNG and as PDF; returns the files.
-
-    Raises:
-        RunError: it holds numbers that cannot be drawn.
-    """
-    import matplotlib as mpl
-
-    from analysis.figures.style import STYLE
-
-    paths = tuple(directory / file for file in figure_files(name))
-    for path in paths:
-        out = io.BytesIO()
-        try:
-            with mpl.rc_context(STYLE):  # fonts and resolution are settings of saving, not of drawing
-                figure.savefig(out, format=path.suffix[1:])
-        except OverflowError:
-            raise RunError(f"{path}: numbers near 1e308 cannot be drawn; are the frames damaged?") from None
-        write_bytes(path, out.getvalue())
-    return paths
-
-
-def write_text(path: Path, text: str) -> None:
-    """Write a text file whole or not at all."""
-    write_bytes(path, text.encode("utf-8"))
-
-
-def write_json(path: Path, data: dict[str, Any]) -> None:
-    """Write JSON whole or not at all; numbers round-trip, and what is not finite becomes null, for JSON has no NaN."""
-    write_text(path, json.dumps(_finite(data), indent=2, ensure_ascii=False, allow_nan=False) + "\n")
-
-
-def _finite(data: Any) -> Any:
-    if isinstance(data, dict):
-        return {key: _finite(value) for key, value in data.items()}
-    if isinstance(data, list | tuple):
-        return [_finite(value) for value in data]
-    return None if isinstance(data, float) and not math.isfinite(data) else data
-
-
-@contextmanager
-def alone(directory: Path) -> Iterator[int]:
-    """Keep other runs out of a directory.
-
-    Yields:
-        A file descriptor: a process that inherits it keeps others out until it ends, too.
-
-    Raises:
-        InputError: something runs there.
-    """
-    handle = os.open(directory, os.O_RDONLY | os.O_DIRECTORY)
-    try:
-        end = time.monotonic() + _LOCK_SECONDS
-        while True:
-            try:
-                fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                break
-            except BlockingIOError:
-                if time.monotonic() > end:
-                    raise InputError(f"{directory}: a run is under way in it; wait for its end, or end it") from None
-                time.sleep(0.05)
-            except OSError:  # a file system without locks
-                break
-        yield handle
-    finally:
-        os.close(handle)
-
-
-@contextmanager
-def changing(path: Path) -> Iterator[None]:
-    """Read a file and write it anew with nobody else doing so in between; a run and its analysis share ``run.json``."""
-    while True:
-        try:
-            handle = os.open(path, os.O_RDONLY)
-        except OSError:  # it is not there yet, or is nobody's who writes here
-            yield
-            return
-        try:
-            with suppress(OSError):  # a file system without locks
-                fcntl.flock(handle, fcntl.LOCK_EX)
-            with suppress(OSError):
-                if not os.path.samestat(os.fstat(handle), path.stat()):
-                    continue  # it was replaced meanwhile
-            yield
-            return
-        finally:
-            os.close(handle)
 
 
 def parts(directory: Path, kind: str = "dump") -> list[Path]:

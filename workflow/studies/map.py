@@ -4,8 +4,6 @@ Each case is a file, written when it is done, so an interrupted map goes on wher
 front are integrated; every case is run a second time in a window twice as wide, and the two must agree.
 """
 
-import csv
-import io
 import json
 import math
 import multiprocessing
@@ -22,7 +20,8 @@ from lammps_inputs import Coupling, InputError, Kick, Problem, Scene
 from workflow.engines.lammps.mpi import cores
 from workflow.engines.reference.passages import passages
 from workflow.runs.own_files import claim
-from workflow.runs.run_directory import figure_files, write_figure, write_text
+from workflow.runs.whole_files import figure_files, write_figure, write_text
+from workflow.studies.lines import to_csv
 
 COUPLINGS = tuple(float(f"{value:.3g}") for value in np.geomspace(1e-3, 2.0, 12))
 CHAINS = (2, 3, 4, 5, 6, 7, 8)
@@ -164,7 +163,7 @@ def make_map(
             pool.shutdown(wait=False, cancel_futures=True)
             raise
     cases = [done[key] for key in wanted]
-    write_text(directory / "map.csv", to_csv(cases))
+    write_text(directory / "map.csv", to_csv(Case, cases))
     _draw(directory, cases)
     return cases
 
@@ -179,18 +178,6 @@ def _read(folder: Path, chains: int, kappa: float, most_beads: int) -> Case | No
         return Case(**json.loads(path.read_text(encoding="utf-8")))
     except (OSError, ValueError, TypeError, RecursionError):
         return None
-
-
-def to_csv(cases: Sequence[Case]) -> str:
-    """One line a case, columns as the fields of `Case`; empty where there is no number."""
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    names = [field.name for field in fields(Case)]
-    writer.writerow(names)
-    for case in cases:
-        values = (getattr(case, name) for name in names)
-        writer.writerow(["" if value is None else repr(value) for value in values])
-    return out.getvalue()
 
 
 def _draw(directory: Path, cases: Sequence[Case]) -> None:

@@ -11,7 +11,7 @@ from lammps_inputs.slurm.job import CASES
 from workflow.cluster import queue
 from workflow.engines.lammps.mpi import cores
 from workflow.errors import RunError
-from workflow.runs.run_directory import alone
+from workflow.runs.locks import alone
 from workflow.runs.status import status
 from workflow.sweep import directory as directories
 from workflow.sweep import pool

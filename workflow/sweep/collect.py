@@ -14,8 +14,9 @@ from lammps_inputs.slurm.job import CASES
 from workflow.cluster import queue
 from workflow.engines.lammps.mpi import cores
 from workflow.runs.record import RECORD
-from workflow.runs.run_directory import REPORT, write_figure
+from workflow.runs.run_directory import REPORT
 from workflow.runs.status import Status, status
+from workflow.runs.whole_files import write_figure
 from workflow.sweep import fields, pool
 from workflow.sweep.directory import Asked, asked, is_analysed, read_json, recorded
 from workflow.sweep.jobs import Job

@@ -18,8 +18,9 @@ from lammps_inputs import InputError, Scene, library, strict_yaml
 from lammps_inputs.decks import deck
 from workflow.runs.own_files import claim, listed, others, remove_leftovers
 from workflow.runs.record import RECORD, read_record
-from workflow.runs.run_directory import REPORT, write_json, write_text
+from workflow.runs.run_directory import REPORT
 from workflow.runs.status import status
+from workflow.runs.whole_files import write_json, write_text
 
 CASE = "case.json"
 

@@ -11,10 +11,12 @@ from lammps_inputs.slurm.site import JobOptions
 from workflow.cluster import queue
 from workflow.cluster.job_arguments import with_ranks
 from workflow.prepare.settings import settle
+from workflow.runs.locks import alone
 from workflow.runs.own_files import claim, listed
 from workflow.runs.record import RECORD
-from workflow.runs.run_directory import ANALYSIS_FILES, alone, run_files, write_json, write_text
+from workflow.runs.run_directory import ANALYSIS_FILES, run_files
 from workflow.runs.status import status
+from workflow.runs.whole_files import write_json, write_text
 from workflow.sweep.carry_out import make, plan, request
 from workflow.sweep.cases import Case, scene_of
 from workflow.sweep.directory import begin

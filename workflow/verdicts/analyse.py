@@ -29,7 +29,8 @@ from lammps_inputs.ingredients.unequal import period
 from workflow.runs.contacts import Contacts, has_contacts, of_overlap
 from workflow.runs.own_files import claim
 from workflow.runs.results import Fingerprint, recorded_fingerprint
-from workflow.runs.run_directory import REPORT, RunDirectory, figure_files, write_figure, write_json, write_text
+from workflow.runs.run_directory import REPORT, RunDirectory
+from workflow.runs.whole_files import figure_files, write_figure, write_json, write_text
 from workflow.verdicts.analysis_report import (
     cells_report,
     energy_report,

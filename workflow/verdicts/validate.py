@@ -17,7 +17,8 @@ from analysis.trajectory import Trajectory, joined
 from lammps_inputs import InputError, Problem
 from workflow.engines.reference.certify import Certificate, Certifier
 from workflow.runs.own_files import claim
-from workflow.runs.run_directory import RunDirectory, write_figure, write_json
+from workflow.runs.run_directory import RunDirectory
+from workflow.runs.whole_files import write_figure, write_json
 from workflow.verdicts import causes, given_table
 
 TOLERANCES = {

@@ -23,7 +23,7 @@ from analysis.figures import (
 from analysis.sharing.survey import survey
 from lammps_inputs import Kick
 from lammps_inputs.units import make_scale
-from workflow.runs.run_directory import write_figure
+from workflow.runs.whole_files import write_figure
 
 
 @pytest.fixture(scope="module")

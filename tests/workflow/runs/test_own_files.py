@@ -13,7 +13,8 @@ from workflow.cli import main
 from workflow.runs.own_files import claim, prepare, remove_leftovers, replacing
 from workflow.runs.record import RECORD, read_record
 from workflow.runs.run import run
-from workflow.runs.run_directory import RunDirectory, write_text
+from workflow.runs.run_directory import RunDirectory
+from workflow.runs.whole_files import write_text
 
 
 def scene(duration: float = 1.0) -> Scene:

@@ -24,11 +24,12 @@ from lammps_inputs import InputError, strict_yaml
 from lammps_inputs.decks import continuation, deck
 from workflow.cli import main
 from workflow.engines.lammps import mpi, restarts
+from workflow.runs.locks import alone
 from workflow.runs.own_files import claim
 from workflow.runs.results import results
 from workflow.runs.resume import resume
 from workflow.runs.run import run
-from workflow.runs.run_directory import RunDirectory, alone, parts
+from workflow.runs.run_directory import RunDirectory, parts
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
@@ -328,7 +329,7 @@ def start(*words):
 
 
 def test_two_resumes_at_once_do_not_meet(tmp_path, monkeypatch):
-    monkeypatch.setattr("workflow.runs.run_directory._LOCK_SECONDS", 0.2)
+    monkeypatch.setattr("workflow.runs.locks._LOCK_SECONDS", 0.2)
     interrupted_after(1000, a_scene(duration=6e5), tmp_path)
     process = start("--resume", tmp_path)
     try:

@@ -12,7 +12,8 @@ from stock_lammps import scene
 from analysis.motion import overlaps
 from lammps_inputs import InputError, Kick, Material, find
 from workflow.engines.lammps import mpi
-from workflow.runs.run import fingerprint, run
+from workflow.runs.provenance import fingerprint
+from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.analyse import analyse
 

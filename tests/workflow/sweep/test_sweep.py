@@ -14,8 +14,9 @@ from sweeps import GRANCHAIN, SMALL, UNTIL, sweep, sweep_file
 from lammps_inputs import library
 from workflow.engines.lammps import hosted
 from workflow.errors import RunError
+from workflow.runs.locks import alone
 from workflow.runs.run import run
-from workflow.runs.run_directory import RunDirectory, alone
+from workflow.runs.run_directory import RunDirectory
 from workflow.sweep import pool
 from workflow.sweep.directory import Asked, begin
 from workflow.sweep.jobs import Job
@@ -123,7 +124,7 @@ def test_a_directory_of_somebody_elses_is_left_alone(tmp_path, capsys):
 
 def test_two_sweeps_do_not_share_a_directory(done, monkeypatch, capsys):
     path, directory = done
-    monkeypatch.setattr("workflow.runs.run_directory._LOCK_SECONDS", 0.0)
+    monkeypatch.setattr("workflow.runs.locks._LOCK_SECONDS", 0.0)
     with alone(directory):
         assert sweep(path, directory) == 2
     assert "a run is under way in it" in capsys.readouterr().err

@@ -1,8 +1,6 @@
 """The whole grid: cells on all cores, each a file when it is done, so that a report goes on where it stopped."""
 
-import csv
 import hashlib
-import io
 import json
 import math
 import multiprocessing
@@ -13,17 +11,18 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
-from dataclasses import asdict, fields
+from dataclasses import asdict
 from pathlib import Path
 
 from lammps_inputs import InputError, library
 from workflow.engines.lammps.mpi import cores
 from workflow.errors import RunError
 from workflow.runs.own_files import claim
-from workflow.runs.run_directory import figure_files, write_figure, write_json, write_text
+from workflow.runs.whole_files import figure_files, write_figure, write_json, write_text
 from workflow.studies.extremes.cells import Cell
 from workflow.studies.extremes.measure import measure
 from workflow.studies.extremes.outcome import KINDS, Outcome
+from workflow.studies.lines import to_csv
 
 Progress = Callable[..., None]
 
@@ -56,7 +55,7 @@ def make_report(
     if directory is not None:
         from workflow.studies.extremes.figure import extremes_figure  # matplotlib takes a while to import
 
-        write_text(directory / "extremes.csv", to_csv(outcomes))
+        write_text(directory / "extremes.csv", to_csv(Outcome, outcomes))
         write_figure(directory, "extremes", extremes_figure(outcomes))
     return outcomes
 
@@ -165,18 +164,6 @@ def _program() -> str:
         for path in sorted((root / package).rglob("*.py")):
             digest.update(f"{path.relative_to(root)}\n".encode() + path.read_bytes())
     return digest.hexdigest()
-
-
-def to_csv(outcomes: Sequence[Outcome]) -> str:
-    """One line a cell, columns as the fields of `Outcome`; empty where there is no number."""
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    names = [field.name for field in fields(Outcome)]
-    writer.writerow(names)
-    for outcome in outcomes:
-        values = (getattr(outcome, name) for name in names)
-        writer.writerow(["" if value is None else value for value in values])
-    return out.getvalue()
 
 
 def counts(outcomes: Sequence[Outcome]) -> dict[str, int]:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from lammps_inputs import InputError
 from workflow.runs.own_files import claim
-from workflow.runs.run_directory import write_bytes, write_text
+from workflow.runs.whole_files import write_bytes, write_text
 from workflow.studies.reproduce import page, section2, section3
 from workflow.studies.reproduce.runs import Say
 

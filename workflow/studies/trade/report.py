@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from workflow.runs.run import provenance
-from workflow.runs.run_directory import write_figure, write_json
+from workflow.runs.provenance import provenance
+from workflow.runs.whole_files import write_figure, write_json
 from workflow.studies.trade import advice, conclusions, grid
 from workflow.studies.trade.certified import QUANTITIES, Certified
 from workflow.studies.trade.harness import Point

@@ -13,7 +13,7 @@ from workflow.engines.lammps import mpi
 from workflow.errors import RunError
 from workflow.prepare.settings import settle
 from workflow.runs.own_files import prepare
-from workflow.runs.run_directory import write_text
+from workflow.runs.whole_files import write_text
 from workflow.studies.trade import frames, grid, harness, jobs, sizes, tables
 from workflow.studies.trade.certified import Certified, make_truth
 from workflow.studies.trade.harness import Point

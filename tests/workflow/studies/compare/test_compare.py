@@ -10,7 +10,7 @@ from stock_lammps import scene
 from lammps_inputs import InputError, find
 from workflow.cli import main
 from workflow.runs.run_directory import RunDirectory
-from workflow.studies import compare as comparing
+from workflow.studies.compare.study import compare, engines_for
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
@@ -106,27 +106,27 @@ def test_the_table_has_every_engine_at_every_row(capsys):
 def test_weak_swings_keep_the_cheap_model_right(tmp_path):
     """Contacts that are short against a swing: theta = 1e-2 and kappa = 1e-6."""
     case = small(gap=1e-2 / math.sqrt(2e-6), kappa=1e-6, duration=140.0, every=0.5)
-    result = comparing.compare(case, tmp_path / "out", engines=("collisions", "reference"))
+    result = compare(case, tmp_path / "out", engines=("collisions", "reference"))
     assert result.last == 14 - 5
     text = " ".join(result.answer)
     assert "Rigid beads keep, within 10 %: the first impulses of beads 2 to " in text
 
 
 def test_touching_beads_are_compared_without_rigid_ones(tmp_path):
-    result = comparing.compare(small(gap=0.0, duration=10.0), tmp_path / "out")
+    result = compare(small(gap=0.0, duration=10.0), tmp_path / "out")
     assert [one.engine for one in result.results] == ["reference", "lammps"]
 
 
 def test_a_scene_until_a_bead_and_of_few_recorded_beads_is_compared_whole(tmp_path):
     case = small(until_bead=8, duration=None, recorded=(3,))
-    result = comparing.compare(case, tmp_path / "out", engines=("reference", "collisions"))
+    result = compare(case, tmp_path / "out", engines=("reference", "collisions"))
     assert result.results[0].impulses.bead.tolist() == list(range(2, 15))
     assert result.last >= 8
 
 
 def test_one_chain_and_many_chains_are_compared(tmp_path):
     for chains in (1, 5):
-        result = comparing.compare(
+        result = compare(
             small(chains=chains, kappa=None if chains == 1 else 0.1),
             tmp_path / str(chains),
             engines=("collisions", "reference"),
@@ -135,7 +135,7 @@ def test_one_chain_and_many_chains_are_compared(tmp_path):
 
 
 def test_a_run_that_is_too_short_for_any_contact_says_so(tmp_path):
-    result = comparing.compare(small(duration=0.2), tmp_path / "out", engines=("collisions", "reference"))
+    result = compare(small(duration=0.2), tmp_path / "out", engines=("collisions", "reference"))
     assert result.last == 1
     assert "No row was struck in both models" in result.answer[0]
 
@@ -156,7 +156,7 @@ def test_engines_that_cannot_be_used_are_refused(engines, says, tmp_path, capsys
 
 def test_rigid_beads_that_touch_are_refused():
     with pytest.raises(InputError, match="`collisions` needs a gap"):
-        comparing.engines_for(find("two-chains"), ("reference", "collisions"))
+        engines_for(find("two-chains"), ("reference", "collisions"))
 
 
 def test_a_comparison_is_overwritten_only_when_asked(tmp_path, capsys):

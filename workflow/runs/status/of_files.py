@@ -1,0 +1,53 @@
+"""What the files alone say: of a deck that nobody's record is about, or of what another command has made."""
+
+import time
+from pathlib import Path
+
+from lammps_inputs.decks import continuation, deck
+from lammps_inputs.slurm import job
+from workflow.cluster.queue import Queued
+from workflow.runs.made_by import Made
+from workflow.runs.run_directory import parts
+from workflow.runs.status.signs import GRACE, fresh, last_step_of, locked, steps_of
+from workflow.runs.status.state import State, Status
+
+
+def of_many(directory: Path, made: Made) -> Status:
+    """What another command than ``run`` has made."""
+    if made.whole:
+        return Status(directory, "done", why=made.why)
+    if _newest(directory) > time.time() - GRACE:
+        return Status(directory, "running", why=f"or was cut a moment ago: its files are minutes old; {made.why}")
+    return Status(directory, "incomplete", why=made.why)
+
+
+def _newest(directory: Path) -> float:
+    """When something was last written in a directory, or in those in it."""
+    files = [path for pattern in ("*", "*/*", "*/*/*") for path in directory.glob(pattern)]
+    return max((path.lstat().st_mtime for path in files), default=0.0)
+
+
+def of_files(directory: Path, queued: Queued | None) -> Status:
+    """A deck that was run by hand, or not at all."""
+    steps, step = steps_of(directory), last_step_of(directory)
+    if queued is not None:
+        state: State = "waiting" if queued.waiting else "running"
+        return Status(directory, state, step, steps, f"job {queued.number}")
+    if not (directory / deck.DECK).is_file():
+        if (directory / deck.SCENE).is_file():
+            why = "nothing was computed; run it again with --overwrite"
+            return Status(directory, "incomplete", None, None, why)
+        return Status(directory, "none", why=f"it has no {deck.SCENE}")
+    if not parts(directory):
+        start = f"`sbatch {job.JOB}` there" if (directory / job.JOB).is_file() else f"`lmp -in {deck.DECK}` there"
+        if (directory / job.INPUT).is_file() and not (directory / job.JOB).is_file():
+            start = f"`sbatch {job.JOB}` beside {job.CASES}"
+        return Status(directory, "written", 0, steps, f"{start} starts it")
+    if step is not None and steps is not None and step >= steps:
+        return Status(directory, "done", step, steps)
+    if locked(directory) or fresh(directory):
+        return Status(directory, "running", step, steps, "or was cut a moment ago: its frames are minutes old")
+    onwards = f"`lmp -in {deck.DECK}` there starts it anew"
+    if (directory / continuation.RESTART).is_file():
+        onwards = f"`lmp -in {continuation.CONTINUE}` there goes on"
+    return Status(directory, "incomplete", step, steps, f"cut; {onwards}")

@@ -1,0 +1,130 @@
+"""The same scene with several engines side by side: what the cheap model of rigid beads keeps, and what it loses.
+
+Each engine's run stands whole in a directory of its name; ``compare.json`` and a figure stand beside them.
+"""
+
+import tempfile
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, ExitStack, nullcontext
+from pathlib import Path
+
+import numpy as np
+
+from lammps_inputs import InputError, Problem, Scene, strict_yaml
+from lammps_inputs.decks import deck
+from workflow.engines.reference import engine as reference
+from workflow.errors import RunError
+from workflow.prepare.settings import settle
+from workflow.runs import run as running
+from workflow.runs.compute import ENGINES, Progress
+from workflow.runs.locks import alone
+from workflow.runs.own_files import prepare, replacing
+from workflow.runs.record import RECORD
+from workflow.runs.run_directory import run_files
+from workflow.runs.whole_files import figure_files, write_json, write_text
+from workflow.studies.compare.answer import answer
+from workflow.studies.compare.measure import RIGID, last_row, measure
+from workflow.studies.compare.report import FIGURE, REPORT, Comparison, draw, plain
+
+MOST_SHOWN = 7
+
+MakeProgress = Callable[[str, Problem], AbstractContextManager[Progress | None]]
+
+
+def engines_for(scene: Scene, asked: Sequence[str] | None) -> tuple[str, ...]:
+    """The engines to run: those asked for, or all that can do the scene.
+
+    Raises:
+        InputError: an engine that does not exist, is named twice, or cannot do what the scene names.
+    """
+    simple = scene.system.simply_coupled
+    if asked is None:
+        return tuple(name for name in (RIGID, "reference", "lammps") if name != RIGID or (scene.gap > 0.0 and simple))
+    for name in asked:
+        if name not in ENGINES:
+            raise InputError(f"--engines: {name!r} given; of {', '.join(ENGINES)}, with commas between")
+        if name == RIGID and scene.gap == 0.0:
+            raise InputError("--engines: `collisions` needs a gap between the beads; give the scene `gap: ...`")
+        if name == RIGID and not simple:
+            raise InputError("--engines: `collisions` knows only equal linear springs between neighbouring chains")
+    if len(set(asked)) < len(asked):
+        raise InputError("--engines: one is named twice")
+    return tuple(asked)
+
+
+def compare(
+    scene: Scene,
+    directory: Path,
+    *,
+    engines: Sequence[str] | None = None,
+    overwrite: bool = False,
+    progress: MakeProgress = lambda name, problem: nullcontext(),  # noqa: ARG005
+) -> Comparison:
+    """Run a scene with each engine in a directory of its own, and write what they found beside.
+
+    Args:
+        scene: what to compute; every bead is recorded.
+        directory: new or empty, or an earlier comparison's with ``overwrite``.
+        engines: of `workflow.runs.compute.ENGINES`; by default all that can do the scene.
+        overwrite: whether earlier files may be replaced.
+        progress: makes what follows each run.
+
+    Raises:
+        InputError: the directory or an engine cannot be used.
+        RunError: a run failed or was interrupted.
+    """
+    names = engines_for(scene, engines)
+    if scene.window is not None:
+        raise InputError("window: only lammps follows the pulse with one; leave it out to compare engines")
+    whole = {"beads": "all", "snapshots": None, "peaks": None}
+    scene = scene.model_copy(update={"output": scene.output.model_copy(update=whole)})
+    scene, settings = settle(scene, source=scene.name, force="lammps" not in names)
+    problem = scene.problem()
+    rows = shown_rows(problem)
+    own = (deck.SCENE, RECORD, REPORT, *figure_files(FIGURE))
+    prepare(directory, own, overwrite=overwrite)
+    for name in names:
+        if (directory / name).exists():
+            prepare(directory / name, run_files(name), overwrite=overwrite)
+    reference.load()  # compiled before any clock runs
+    # nothing of an earlier comparison is touched before the whole new one is there
+    with tempfile.TemporaryDirectory(prefix=".running-", dir=directory) as work:
+        results = []
+        for name in names:
+            path = Path(work) / name
+            with progress(name, problem) as follow:
+                ran = running.run(scene, path, engine=name, settings=settings, check=False, progress=follow)
+            if ran.outcome != "done":
+                raise RunError(f"{directory / name}: {ran.outcome}; nothing to compare")
+            results.append(measure(ran.directory, rows))
+        last = last_row(results)
+        found = Comparison(problem, tuple(results), rows, last, answer(results, last))
+        write_text(Path(work) / deck.SCENE, strict_yaml.dump(scene.resolved().plain()))
+        write_json(Path(work) / REPORT, plain(found))
+        draw(Path(work), found)
+        _put_in_place(Path(work), directory, own, names)
+    return found
+
+
+def _put_in_place(work: Path, directory: Path, own: tuple[str, ...], names: Sequence[str]) -> None:
+    """Take all or nothing to where it belongs."""
+    with ExitStack() as all_of_them:
+        places = [(work, directory, [name for name in own if name != RECORD])]
+        for name in names:
+            (directory / name).mkdir(exist_ok=True)
+            places.append((work / name, directory / name, sorted(path.name for path in (work / name).iterdir())))
+        for _, place, files in places:
+            all_of_them.enter_context(alone(place))
+            all_of_them.enter_context(replacing(place, files))
+        for source, place, files in places:
+            for file in files:
+                (source / file).replace(place / file)
+
+
+def shown_rows(problem: Problem) -> tuple[int, ...]:
+    """Beads whose numbers and velocities are shown: near the start, then ever farther apart."""
+    last = max(2, problem.beads - 5)
+    wanted = [row for row in (2, 5, 10, 25, 50, 100) if row < last]
+    if last > 200:
+        wanted += np.geomspace(100, last, 3).round().astype(int).tolist()[1:-1]
+    return (*wanted, last)[-MOST_SHOWN:]
