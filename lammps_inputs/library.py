@@ -100,13 +100,17 @@ def _path(detail: ErrorDetails, model: type[BaseModel]) -> list[int | str]:
     """Keys and places of a complaint, without the names that pydantic gives to what may stand there."""
     found: list[int | str] = []
     at: type[BaseModel] | None = model
+    by_name = False  # whether what follows is a name of the user's
     for position, part in enumerate(detail["loc"]):
         named = {field.alias or name: field for name, field in at.model_fields.items()} if at else {}
         unknown = detail["type"] == "extra_forbidden" and position == len(detail["loc"]) - 1
-        if isinstance(part, int) or part in named or unknown:
+        if isinstance(part, int) or by_name or part in named or unknown:
             found.append(part)
-        if part in named:
+        if by_name:
+            by_name = False
+        elif part in named:
             at = model_in(named[str(part)].annotation)
+            by_name = "dict[" in str(named[str(part)].annotation)
     return found
 
 

@@ -20,8 +20,9 @@ settings.register_profile(
 )
 settings.load_profile("granchain")
 
-if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:  # of a suite in the background; commands would inherit it
-    signal.signal(signal.SIGINT, signal.default_int_handler)
+for number, usual in ((signal.SIGINT, signal.default_int_handler), (signal.SIGQUIT, signal.SIG_DFL)):
+    if signal.getsignal(number) == signal.SIG_IGN:  # of a suite in the background; commands would inherit it
+        signal.signal(number, usual)
 
 
 @pytest.fixture(scope="module")

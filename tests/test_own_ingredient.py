@@ -84,7 +84,8 @@ import json
 from pathlib import Path
 import numpy as np
 import lammps_here as here
-from lammps_inputs import find, timestep
+from lammps_inputs import find
+from lammps_inputs.limits import timestep
 from workflow.engines.reference import engine
 from workflow.runs.resume import resume
 from workflow.runs.run import run

@@ -241,7 +241,7 @@ def _bonds(problem: Problem) -> list[tuple[int, int, NDArray[np.int64]]]:
     """Both chains of every edge, from 0, and the types of its bonds in the rows that exist; 0 where there is none."""
     return [
         (one, other, types[: problem.rows])
-        for link, lines in zip(problem.links, spelling(problem), strict=True)
+        for link, lines in zip(problem.links, spelling(problem), strict=False)  # loads come last
         if isinstance(link, Across) and lines.bonds is not None
         for (one, other), types in zip(link.edges, lines.bonds, strict=True)
     ]

@@ -371,5 +371,10 @@ def test_a_reader_that_has_gone_away_leaves_no_traceback(arguments):
 
 def test_deck_writes_the_three_files_and_says_what_to_do(tmp_path, capsys):
     assert main(["deck", "two-chains", "-o", str(tmp_path / "deck")]) == 0
-    assert {path.name for path in (tmp_path / "deck").iterdir()} == {"scene.yaml", "in.chains", "data.chains"}
+    assert {path.name for path in (tmp_path / "deck").iterdir()} == {
+        "scene.yaml",
+        "in.chains",
+        "data.chains",
+        "run.json",
+    }
     assert "lmp -in in.chains" in capsys.readouterr().out

@@ -122,9 +122,9 @@ WRONG = {
     "no scene": ({"scene": None}, "holds no 'scene'"),
     "bad scene": ({"scene": {"name": "x", "beads": -1}}, "scene: "),
     "path as name": ({"scene": {"name": "../x", "beads": 4}}, "scene: name: '../x' given"),
-    "engine": ({"engine": "rm -rf"}, "engine: 'rm -rf' given"),
-    "ranks": ({"ranks": "2; ls"}, "holds no 'ranks'"),
-    "results": ({"results": {"sha256": "0", "samples": [{"chain": "x"}]}}, "results: not the fingerprint"),
+    "engine": ({"engine": "rm -rf"}, "engine: should be 'lammps', 'reference' or 'collisions', 'rm -rf' given"),
+    "ranks": ({"ranks": "2; ls"}, "ranks: should be a whole number, '2; ls' given"),
+    "results": ({"results": {"sha256": "0", "samples": [{"chain": "x"}]}}, "results.frames: is missing"),
 }
 
 
@@ -139,7 +139,7 @@ def test_a_run_json_that_is_none_is_refused_in_one_line(case, first, tmp_path):
     assert len(message.splitlines()) == 1
 
 
-@pytest.mark.parametrize(("content", "says"), [("{", "cannot be read"), ("[]", "its run is 'none'")])
+@pytest.mark.parametrize(("content", "says"), [("{", "cannot be read"), ("[]", "cannot be read")])
 def test_a_file_that_is_no_record_is_refused(content, says, tmp_path):
     (tmp_path / "run.json").write_text(content)
     with pytest.raises(InputError, match=says):

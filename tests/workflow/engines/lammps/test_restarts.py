@@ -36,7 +36,7 @@ def test_frames_restart_and_its_sum_reach_the_disk_before_the_restart_takes_its_
     monkeypatch.setattr(Path, "replace", replace)
     restarts.keep(ready, STEP)
     sums = continuation.RESTART_SUMS
-    assert order == [deck.DUMP, continuation.UNFINISHED, f".{sums}.part", sums, continuation.RESTART]
+    assert order == [deck.DUMP, continuation.UNFINISHED, f".{sums}.granchain-part", sums, continuation.RESTART]
     assert restarts.intact(Path(continuation.RESTART))
 
 
