@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.shape.exact_wave import solitary_wave
 from analysis.tracking.pulses import Pulse
 from analysis.trajectory import Floats
 
@@ -40,11 +41,22 @@ class Train:
 
 
 def train_of(pulses: Iterable[Pulse], chain: int, direction: int, bead: int) -> Train:
-    """Those pulses of a chain, running one way, that were seen at a bead."""
+    """Those pulses of a chain, running one way, that were seen at a bead.
+
+    Of those that are nearer to each other than the exact wave passes at half its height, as light and heavy beads see
+    one and the same, the highest counts.
+    """
     found: list[tuple[float, float]] = []
     for pulse in pulses:
         at: NDArray[np.int64] = np.flatnonzero(pulse.bead == bead)
         if (pulse.chain, pulse.direction) == (chain, direction) and len(at):
             found.append((float(pulse.arrival[at[0]]), float(pulse.peak_velocity[at[0]])))
-    arrival, peak = np.array(sorted(found)).reshape(-1, 2).T
+    exact = solitary_wave()
+    apart: list[tuple[float, float]] = []
+    for pulse_at in sorted(found):
+        if apart and pulse_at[0] - apart[-1][0] < float(exact.width / exact.speed_at(pulse_at[1])):
+            apart[-1] = max(apart[-1], pulse_at, key=lambda one: one[1])
+        else:
+            apart.append(pulse_at)
+    arrival, peak = np.array(apart).reshape(-1, 2).T
     return Train(chain, bead, arrival, peak)
