@@ -62,11 +62,6 @@ def contact_force(system: System, overlap: Floats, *contact: Integers | slice) -
     return np.asarray(sum(laws.force(laws.at(link.law, *contact), overlap) for link in system.along))
 
 
-def contact_stiffness(system: System, overlap: Floats, *contact: Integers | slice) -> Floats:
-    """Slope of `contact_force`."""
-    return np.asarray(sum(laws.stiffness(laws.at(link.law, *contact), overlap) for link in system.along))
-
-
 def momentum(system: System, velocity: Floats, first: int = 1) -> Floats:
     """Total momentum along the chains, [...] from [..., chain, bead]."""
     return np.asarray(np.sum(_weighed(system, velocity, first), axis=(-2, -1)))

@@ -156,9 +156,7 @@ class System:
             return max(contacts, 0.5 * contacts + wall) if self.walls else contacts
         total = np.zeros((self.chains, self.beads))
         for link in self.along:
-            stiff = np.broadcast_to(
-                laws.stiffness(link.law, link.law.reach(self.energy, *link.law)), (self.chains, self.beads - 1)
-            )
+            stiff = np.broadcast_to(laws.at_reach(link.law, self.energy), (self.chains, self.beads - 1))
             total[:, 1:] += 2.0 * stiff
             total[:, :-1] += 2.0 * stiff
         total[:, [0, -1]] += wall
@@ -177,8 +175,7 @@ class System:
         """Largest eigenvalue of a row of beads on links across, each as stiff as energy can make it anywhere."""
         if not laws.differs(link.law):
             return laws.stiffest(link.law, self.energy) * largest_eigenvalue(link, self.chains)
-        stiffness = link.law.stiffness(link.law.reach(self.energy, *link.law), *link.law)
-        return largest_eigenvalue(link, self.chains, link.of_edges(stiffness))
+        return largest_eigenvalue(link, self.chains, link.of_edges(laws.at_reach(link.law, self.energy)))
 
     @property
     def uniform(self) -> bool:

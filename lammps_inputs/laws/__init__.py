@@ -70,7 +70,12 @@ def reach(law: Law, total_energy: float) -> float:
 
 def stiffest(law: Law, total_energy: float) -> float:
     """Largest stiffness that an energy can bring any of the links to; it grows, or stays, with the strain."""
-    return float(np.max(law.stiffness(law.reach(total_energy, *law), *law)))
+    return float(np.max(at_reach(law, total_energy)))
+
+
+def at_reach(law: Law, total_energy: float) -> Any:
+    """Stiffness of each of the links where it alone holds an energy: a number, or an array where the law differs."""
+    return law.stiffness(law.reach(total_energy, *law), *law)
 
 
 def differs(law: Law) -> bool:
