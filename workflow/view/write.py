@@ -1,9 +1,11 @@
 """The pages of a directory: of a run, of a sweep, of a comparison."""
 
+import warnings
 from html import escape
 from pathlib import Path
 
 from analysis.figures.style import shown_chains
+from analysis.files.binary_dump import CutDumpWarning
 from lammps_inputs import InputError, strict_yaml
 from lammps_inputs.decks import deck
 from workflow.runs.own_files import claim
@@ -51,7 +53,9 @@ def _run(path: Path) -> Path:
     off = record.get("check", {}).get("velocity")
     if off is not None:
         lines.append(f"Error against the reference: velocities {off:.1e} V.")
-    part = thinned(problem, directory.blocks(), shown_chains(problem))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", CutDumpWarning)  # that the run is incomplete is said in words
+        part = thinned(problem, directory.blocks(), shown_chains(problem))
     if part.frame_stride > 1 or part.bead_stride > 1 or len(part.chains) < problem.chains:
         lines.append(
             f"Shown: {len(part.chains)} of {problem.chains} chains, every {part.bead_stride}. bead, "
