@@ -125,7 +125,7 @@ def spacetime_figure(data: SpaceTime) -> Figure:
         shape: dict[str, Any] = {"aspect": 20 * rows, "extendfrac": 0.05 / rows, "fraction": 0.15 / columns}
         beyond = "both" if float(np.max(size)) > largest else "neither"
         bar = figure.colorbar(image, ax=list(axes.flat[: len(chains)]), ticks=_ticks(top), extend=beyond, **shape)
-        bar.ax.yaxis.set_major_formatter("{x:.2g}")
+        bar.ax.yaxis.set_major_formatter("{x:.4g}")
         bar.ax.minorticks_off()
         bar.set_label(f"velocity $v$ ({unit.symbol})")
         grey = "\ngrey: the window has left" if np.isnan(data.velocity).any() else ""

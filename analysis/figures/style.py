@@ -167,7 +167,7 @@ def _coupling(problem: Problem) -> str:
     there = still[:, rows - 1]
     least, largest = float(np.min(there)), float(np.max(there))
     symbol = "\\kappa" if problem.scale.time == 1.0 else "\\kappa = k T^2 / m"
-    said = f"${symbol}$ = {largest:.4g}" if least == largest else f"${symbol}$ = {least:.4g} to {largest:.4g}"
+    said = f"${symbol}$ = {largest:.4g}" if least == largest else f"${symbol}$ = {least:.3g} to {largest:.3g}"
     said += " and cubic" if np.any(pulled != still) else ""
     said += f" in rows {rows[0]} to {rows[-1]}" if len(rows) < problem.beads else ""
     return ", ".join([said, *(link.shape for link in problem.across if link.shape)])

@@ -137,21 +137,19 @@ def _print(found: Analysis) -> None:
 
 def _print_cells(problem: Problem, cells: CellEnergy) -> None:
     """What the pulse of each chain leaves behind, and where the energy is as seen from a replaced bead."""
+    splits = cells.splits()
     cell = "bead" if cells.period == 1 else f"cell of {cells.period} beads"
     for chain in range(1, min(problem.chains, MOST_CHAINS) + 1):
         left = cells.left(chain)
         if left is not None and math.isfinite(left.per_cell):
-            lost = (
-                f"has left {left.per_cell:.1e}" if left.per_cell > SMALLEST_LOSS else "has left nothing (below 1e-08)"
-            )
-            print(
-                f"chain {chain}: the pulse carries {left.carried:.2%} of the energy at bead {left.last}; "
-                f"from bead {left.first} on it {lost} of it in every {cell}"
-            )
+            lost = f"{left.per_cell:.1e}" if left.per_cell > SMALLEST_LOSS else f"less than {SMALLEST_LOSS:.0e}"
+            # where single beads are replaced, nothing is left in cell after cell
+            more = "" if splits else f"; from bead {left.first} on it has left {lost} of it in every {cell}"
+            print(f"chain {chain}: the pulse carries {left.carried:.2%} of the energy at bead {left.last}{more}")
         final = cells.end(chain)
         if final is not None:
             print(f"chain {chain}: its last bead has had up to {final:.2%} of the energy, as motion")
-    for split in cells.splits()[:MOST_CHAINS]:
+    for split in splits[:MOST_CHAINS]:
         print(
             f"bead {split.bead} of chain {split.chain}: at the end {split.before:.2%} of the energy is before it, "
             f"{split.at:.2%} in it, {split.beyond:.2%} beyond"
@@ -214,8 +212,11 @@ def _print_accuracy(found: Analysis) -> None:
     scale = problem.scale
     if found.survey.arrival == "impulse":
         print("arrival: centre of the impulse until the bead is fastest")
-    elif not np.all(np.isfinite(waves.arrival[waves.bead <= problem.beads - CLEAR])):
-        print("arrivals at the maximum are not defined where beads fly freely; --arrival impulse is")
+    elif free := int(np.count_nonzero(np.isnan(waves.arrival[waves.bead <= problem.beads - CLEAR]))):
+        where = f"{free} beads that fly" if free > 1 else "a bead that flies"
+        print(
+            f"arrivals are maxima, which are not defined at {where} freely (empty in waves.csv); --arrival impulse is"
+        )
     if len(waves) and waves.velocity_error.max() > DOCUMENTED:
         worst = int(np.argmax(waves.velocity_error))
         late = waves.arrival_error[np.isfinite(waves.arrival_error)].max(initial=0.0)
@@ -285,7 +286,7 @@ def _print_leading(found: Survey) -> None:
 def _print_train(found: Survey) -> None:
     """The pulses that followed each other in the chain that was hit, if more than one did."""
     seen = train(found)
-    if seen is None or len(seen) < 2:
+    if seen is None or len(seen) < 2 or np.any(np.diff(seen.peak_velocity) > 0.0):  # the faster ones are the higher
         return
     time = found.problem.scale.time
     each = ", ".join(f"{peak:.4f}" for peak in seen.peak_velocity[:MOST_PULSES])
