@@ -119,6 +119,7 @@ def spacetime_figure(data: SpaceTime) -> Figure:
             if not even:
                 _name_columns(axis, data.beads)
         if even:
+            axes[0, 0].xaxis.get_major_locator().set_params(integer=True)
             axes[0, 0].set_xlim(*_moving(data.beads, np.max(size, axis=(0, 1)) > STILL * largest, places))
         for axis in axes[:, 0]:
             axis.set_ylabel(f"time $t$ ({time.symbol})")

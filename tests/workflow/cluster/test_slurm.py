@@ -42,8 +42,8 @@ _PUSHED = {
 
 def made_of(ingredients, **changes):
     """A small scene of three chains."""
-    plain = {"name": "test", "chains": 3, "beads": 20, "duration": 60.0, "timestep": 0.005, **ingredients, **changes}
-    return library.from_plain(plain, "test")
+    plain = {"name": "test", "chains": 3, "beads": 20, "duration": 60.0, "timestep": 0.005, "output": {"every": 0.1}}
+    return library.from_plain({**plain, **ingredients, **changes}, "test")
 
 
 ENDLESS = scene(chains=2, beads=60, kappa=0.1, duration=1e6, every=100.0)
