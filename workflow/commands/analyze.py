@@ -40,6 +40,9 @@ DOCUMENTED = 1e-4
 SMALLEST_LOSS = 1e-8
 """Share of the energy per cell that is told; what frames and time steps blur is less."""
 
+MOSTLY = 0.9
+"""Share of the beads from which on a chain is one of equal beads but for a few."""
+
 FAR = 1.4
 """Time between frames, in T, from which on small maxima beside larger ones were seen to be missed."""
 
@@ -138,13 +141,15 @@ def _print(found: Analysis) -> None:
 def _print_cells(problem: Problem, cells: CellEnergy) -> None:
     """What the pulse of each chain leaves behind, and where the energy is as seen from a replaced bead."""
     splits = cells.splits()
+    mass = np.asarray(problem.mass)
+    alike = cells.period == 1 and np.mean(mass == np.median(mass)) > MOSTLY
     cell = "bead" if cells.period == 1 else f"cell of {cells.period} beads"
     for chain in range(1, min(problem.chains, MOST_CHAINS) + 1):
         left = cells.left(chain)
         if left is not None and math.isfinite(left.per_cell):
             lost = f"{left.per_cell:.1e}" if left.per_cell > SMALLEST_LOSS else f"less than {SMALLEST_LOSS:.0e}"
-            # where single beads are replaced, nothing is left in cell after cell
-            more = "" if splits else f"; from bead {left.first} on it has left {lost} of it in every {cell}"
+            # where single beads differ, nothing is left in cell after cell
+            more = "" if alike else f"; from bead {left.first} on it has left {lost} of it in every {cell}"
             print(f"chain {chain}: the pulse carries {left.carried:.2%} of the energy at bead {left.last}{more}")
         final = cells.end(chain)
         if final is not None:
