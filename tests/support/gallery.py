@@ -35,7 +35,7 @@ PICTURES = {
 LARGEST = (720, 540)
 """Pixels, wide and high; enough for a column of a page, also on a screen of twice the usual density."""
 
-COLOURS = 128
+COLOURS = 96
 """Of a palette: half of the bytes, and no difference that can be seen."""
 
 
