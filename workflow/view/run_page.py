@@ -124,7 +124,9 @@ def layout(problem: Problem, part: Thinned, found: Survey | None, shown: list[in
         ),
         controls,
         moving,
-        gridplot([below[k : k + 2] for k in range(0, len(below), 2)], merge_tools=False),
+        gridplot(
+            [below[k : k + 2] for k in range(0, len(below), 2)], merge_tools=False, toolbar_options={"logo": None}
+        ),
         sizing_mode="stretch_width",
     )
 
