@@ -169,7 +169,7 @@ def cells_report(problem: Problem, cells: CellEnergy) -> dict[str, Any]:
     | replaced    | per replaced bead: energy of its chain before, at and beyond it at the end                    |
     """
     found = [cells.left(chain) for chain in range(1, problem.chains + 1)]
-    hit = found[max(problem.kicks, key=lambda kick: abs(kick[2]))[0] - 1]
+    hit = found[max(problem.struck, key=lambda blow: abs(blow[2]))[0] - 1]
     return {
         "beads": cells.period,
         "left_behind": None if hit is None else _number(hit.per_cell),
