@@ -3,11 +3,10 @@
 import itertools
 import json
 
-import lammps_here as here
 import numpy as np
+import plain_scene
 import pytest
 from independent import integrated
-from kill_many import frames
 from stock_lammps import DEBIAN
 from stock_lammps import run as run_stock
 
@@ -16,21 +15,17 @@ from analysis.mirror import mirrored_problem
 from analysis.sharing.cells import CellEnergy
 from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import find_peaks
-from lammps_inputs import InputError, find, library
+from lammps_inputs import InputError, find
 from lammps_inputs.decks import deck
 from lammps_inputs.ingredients.unequal import Disorder, period
 from lammps_inputs.limits.timestep import stability_bound
 from lammps_inputs.lines import types_by_contact
 from workflow.engines.reference import engine
-from workflow.runs.resume import resume
 from workflow.runs.run import run
-from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.analyse import analyse
 from workflow.verdicts.validate import validate
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
-
-BEADS = 12
 
 DIMER = {"kinds": {"heavy": {"mass": 1.0}, "light": {"mass": 0.3428}}, "pattern": ["heavy", "light"]}
 
@@ -46,17 +41,7 @@ UNEQUAL = {
 
 
 def scene(**changes):
-    plain = {
-        "name": "test",
-        "chains": 2,
-        "beads": BEADS,
-        "coupling": {"stiffness": 0.1},
-        "kick": {"velocity": 1.0},
-        "duration": 16.0,
-        "output": {"every": 0.5},
-    }
-    named = {key: value for key, value in {**plain, **changes}.items() if value is not None}
-    return library.from_plain(named, "test")
+    return plain_scene.scene(**{"duration": 16.0, **changes})
 
 
 def strengths(problem):
@@ -258,12 +243,7 @@ def test_a_striker_makes_a_train_of_pulses(mass, train):
 
 @pytest.mark.parametrize("name", ["dimer", "dimer of sizes", "disorder"])
 def test_a_run_that_was_interrupted_goes_on_bit_for_bit(tmp_path, name):
-    case = scene(**UNEQUAL[name], duration=80.0)
-    run(case, tmp_path / "whole", check=False)
-    run(case, tmp_path / "cut", check=False, lammps=here.interrupted_after(2000))
-    assert RunDirectory(tmp_path / "cut").record["outcome"] == "interrupted"
-    assert resume(tmp_path / "cut", check=False).outcome == "done"
-    np.testing.assert_array_equal(frames(tmp_path / "cut"), frames(tmp_path / "whole"))
+    plain_scene.goes_on_bit_for_bit(scene(**UNEQUAL[name], duration=80.0), tmp_path)
 
 
 @pytest.mark.skipif(not DEBIAN.exists(), reason="needs Debian's LAMMPS")
