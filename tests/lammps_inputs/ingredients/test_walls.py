@@ -120,7 +120,7 @@ def test_a_weak_wall_is_reached_into_without_second_beads_meeting_it(tmp_path):
 def test_a_slurm_job_has_the_same_fixes():
     problem = walled({"right": "bead"}).problem()
     for text in (deck.render_deck(problem), job.render_job(JobOptions(), problem)["in.continue"]):
-        assert "fix right_wall all wall/gran granular hertz" in text
+        assert "fix right_wall right_wall wall/gran granular hertz" in text
 
 
 def test_no_walls_leave_no_trace():
