@@ -13,6 +13,7 @@ from analysis.sharing.equipartition import CLEAR
 from analysis.sharing.is_solitary import Character
 from analysis.sharing.survey import Survey
 from analysis.tracking.leading_waves import ARRIVALS
+from analysis.tracking.pulses import of_one_kind
 from lammps_inputs import InputError, Problem
 from lammps_inputs.facts import Fact
 from workflow.engines.lammps.invariants import ENERGY_TOLERANCE
@@ -132,14 +133,16 @@ def _print_cells(problem: Problem, cells: CellEnergy) -> None:
         left = cells.left(chain)
         if left is not None and math.isfinite(left.per_cell):
             print(
-                f"chain {chain}: the pulse carries {left.carried:.4%} of the kick's energy at bead {left.last}; "
-                f"from bead {left.first} on it has left {left.per_cell:.2e} of the kick's in every {cell}"
+                f"chain {chain}: the pulse carries {left.carried:.4%} of the energy put in at bead {left.last}; "
+                f"from bead {left.first} on it has left {left.per_cell:.2e} of that in every {cell}"
             )
     for split in cells.splits()[:MOST_CHAINS]:
         print(
             f"bead {split.bead} of chain {split.chain}: at the end {split.before:.2%} of the energy is before it, "
             f"{split.at:.2%} in it, {split.beyond:.2%} beyond"
         )
+        if math.isfinite(split.reflected):
+            print(f"  of {split.incident:.2%} that the pulse brought it has sent {split.reflected:.2%} back")
 
 
 def _print_forces(problem: Problem, readings: Readings) -> None:
@@ -264,6 +267,8 @@ def _rows(found: Analysis) -> list[int]:
     if len(found.waves) == 0:
         return []
     recorded = np.unique(found.waves.bead)
+    alike = recorded[of_one_kind(found.problem)[recorded - 1]]
+    recorded = alike if len(alike) else recorded
     last = int(found.waves.bead[last_clear_bead(found.waves, found.problem)])
     wanted = [2, 5, 10, 20, 55, 90, last] if last <= 200 else np.geomspace(5, last, 7).round().astype(int).tolist()
     near = {int(recorded[np.argmin(np.abs(recorded - bead))]) for bead in wanted if bead <= last}

@@ -159,22 +159,25 @@ def energy_report(problem: Problem, flow: Flow) -> dict[str, Any]:
 
 
 def cells_report(problem: Problem, cells: CellEnergy) -> dict[str, Any]:
-    """What ``analysis.json`` says under ``cells``, where beads differ; energies in that of the kicks.
+    """What ``analysis.json`` says under ``cells``, where beads differ; energies in that put in.
 
     | key         | what                                                                                          |
     |-------------|-----------------------------------------------------------------------------------------------|
     | beads       | of a cell: what the pattern repeats                                                           |
     | left_behind | energy that the pulse of the chain that was hit hardest leaves in every cell                  |
-    | chains      | per chain: that, between which beads, and what the pulse carries at the last; null: none ran  |
-    | replaced    | per replaced bead: energy of its chain before, at and beyond it at the end                    |
+    | chains      | per chain: that, between which beads, and what the pulse carries at the last; null: none ran; |
+    |             | rate: share of its own energy that it loses in a cell, by the exponential law fitted there,   |
+    |             | and the law's largest relative deviation                                                      |
+    | replaced    | per replaced bead: energy of its chain before, at and beyond it at the end; incident: of the  |
+    |             | pulse as it came near; reflected: of that, what is on its side at the end                     |
     """
     found = [cells.left(chain) for chain in range(1, problem.chains + 1)]
     hit = found[max(problem.struck, key=lambda blow: abs(blow[2]))[0] - 1]
     return {
         "beads": cells.period,
         "left_behind": None if hit is None else _number(hit.per_cell),
-        "chains": [None if left is None else {**asdict(left), "per_cell": _number(left.per_cell)} for left in found],
-        "replaced": [asdict(split) for split in cells.splits()],
+        "chains": [None if left is None else _numbers(asdict(left)) for left in found],
+        "replaced": [_numbers(asdict(split)) for split in cells.splits()],
     }
 
 
@@ -356,6 +359,10 @@ def _estimate(estimate: Estimate | None) -> dict[str, float] | None:
 
 def _known(estimate: Estimate) -> dict[str, float]:
     return {"value": estimate.value, "uncertainty": estimate.uncertainty}
+
+
+def _numbers(data: dict[str, Any]) -> dict[str, Any]:
+    return {key: _number(value) if isinstance(value, float) else value for key, value in data.items()}
 
 
 def _number(value: float) -> float | None:
