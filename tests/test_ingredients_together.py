@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 from plain_scene import BEADS, scene
 
@@ -20,8 +20,9 @@ from workflow.runs.run import run
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
-FEW = settings(max_examples=3, deadline=None, derandomize=True, database=None)
-MANY = settings(max_examples=30, deadline=None, database=None)
+_FOUND = (Phase.explicit, Phase.generate)  # no search for a simpler example, which takes minutes
+FEW = settings(max_examples=3, derandomize=True, database=None, phases=_FOUND)
+MANY = settings(max_examples=15, derandomize=True, database=None, phases=_FOUND)
 
 NAMES = st.lists(st.sampled_from(["a", "b"]), min_size=2, max_size=4)
 
@@ -45,16 +46,8 @@ def walled_and_pushed(draw):
     """The same between walls, pushed."""
     walls = st.sampled_from(["bead", "flat", "rigid"]) | st.fixed_dictionaries({"stiffness": st.floats(0.1, 10.0)})
     push = {"chain": draw(st.integers(1, 2)), "bead": draw(st.integers(1, BEADS)), "shape": "half-sine"}
-    size = {
-        "peak": draw(st.sampled_from([-1.0, 1.0])) * draw(st.floats(0.2, 2.0)),
-        "duration": draw(st.floats(0.5, 5.0)),
-    }
-    return {
-        **draw(unequal()),
-        "walls": {"left": draw(walls), "right": draw(walls)},
-        "push": {**push, **size},
-        "kick": None,
-    }
+    push = {**push, "peak": draw(st.floats(0.2, 2.0) | st.floats(-2.0, -0.2)), "duration": draw(st.floats(0.5, 5.0))}
+    return {**draw(unequal()), "walls": {"left": draw(walls), "right": draw(walls)}, "push": push, "kick": None}
 
 
 def keeps_the_error_it_states(changes):
@@ -62,8 +55,9 @@ def keeps_the_error_it_states(changes):
     problem = case.problem()
     with tempfile.TemporaryDirectory() as folder:
         found = run(case, Path(folder) / "run")
+        velocity = found.trajectory.velocity
     exact = engine.run(problem, steps_per_frame=4 * engine.default_steps_per_frame(problem)).velocity
-    assert np.abs(found.trajectory.velocity - exact).max() <= found.check.velocity + found.check.reference.velocity
+    assert np.abs(velocity - exact).max() <= found.check.velocity + found.check.reference.velocity
 
 
 def is_the_same_in_the_mirror_and_with_chains_in_another_order(changes):
@@ -125,7 +119,7 @@ NEUTRAL = {
 }
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(st.lists(st.sampled_from(sorted(NEUTRAL)), min_size=1, unique=True))
 def test_neutral_values_leave_the_deck_and_the_problem_of_today(names):
     changes = {key: value for name in names for key, value in NEUTRAL[name].items()}
