@@ -13,7 +13,8 @@ from stock_lammps import DEBIAN
 from stock_lammps import run as run_stock
 
 from analysis import motion
-from analysis.gauges.forces import ForceMeter, gauges
+from analysis.gauges.forces import ForceMeter
+from analysis.gauges.gauge import gauges
 from analysis.mirror import mirrored_problem
 from analysis.sharing.cells import CellEnergy
 from analysis.sharing.verdict import State
