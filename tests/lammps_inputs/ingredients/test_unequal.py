@@ -342,7 +342,7 @@ def test_analysis_tells_what_is_left_behind_and_compares_beads_of_one_kind(tmp_p
     beads = {"kinds": {"odd": {"mass": 4.0}}, "replace": {"bead": 20, "kind": "odd"}}
     case = scene(chains=1, coupling=None, beads=40, duration=60.0, **beads)
     directory = run(case, tmp_path / "run").directory
-    analyse(directory)
+    analyse(directory, figures=False)
     cells = json.loads((tmp_path / "run" / "analysis.json").read_text())["cells"]
     assert cells["beads"] == 1
     (odd,) = cells["replaced"]
