@@ -57,7 +57,8 @@ class HertzWall(NamedTuple):
         """LAMMPS's force of a flat wall is ``K * sqrt(radius) * overlap**1.5``; it acts on the beads that reach it."""
         radius = problem.diameter / 2.0
         right = self.side > 0.0
-        face = problem.beads * problem.spacing + radius + self.gap if right else problem.spacing - radius - self.gap
+        first, last = (float(problem.places[0, end]) for end in (0, -1))
+        face = last + radius + self.gap if right else first - radius - self.gap
         faces = f"NULL {text(face)}" if right else f"{text(face)} NULL"
         stiffness = f"$(v_{name}/{text(float(np.sqrt(radius)))}:%.17g)"
         return Lines(

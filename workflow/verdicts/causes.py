@@ -8,6 +8,7 @@ import numpy as np
 
 from analysis import motion
 from analysis.against import symptoms
+from analysis.files.recording import rest_positions
 from analysis.trajectory import Trajectory
 from lammps_inputs.facts import Fact
 
@@ -34,7 +35,7 @@ def causes(own: Trajectory, reference: Trajectory) -> list[str]:
 def rounded(own: Trajectory, reference: Trajectory) -> list[str]:
     """Which of the numbers were rounded on their way into the file; any beads."""
     found = []
-    rest = own.beads * own.problem.spacing
+    rest = rest_positions(own.problem) if own.problem.window is None else own.beads * own.problem.spacing
     for name, values, right in (
         ("positions", own.displacement + rest, reference.displacement + rest),
         ("velocities", own.velocity, reference.velocity),

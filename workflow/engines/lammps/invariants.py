@@ -28,7 +28,7 @@ def fault(
     overlap = motion.overlaps(problem, displacement)
     worst = np.unravel_index(np.argmax(overlap), overlap.shape)
     where = f"beads {worst[1] + first} and {worst[1] + first + 1} of chain {worst[0] + 1}"
-    if overlap[worst] >= problem.spacing:
+    if overlap[worst] >= problem.diameter + problem.gap:
         return f"{where} have passed through each other; {_remedy(problem)}"
     if overlap[worst] >= problem.diameter / 2.0:
         return (

@@ -79,7 +79,7 @@ class Travel:
         if self.first > 1:
             place = (row - 1) % problem.rows
             x, v = x[:, place], v[:, place]
-        return x - row * problem.spacing, v
+        return x - (problem.places if problem.window is None else row * problem.spacing), v
 
     def _run(self, steps: int) -> None:
         if self._problem.scheme == "verlet":

@@ -155,7 +155,9 @@ def _force(law: Any, k: Any, strain: Any) -> Any:
         return lambda law, k, strain: function(strain, at(law[0], k))
     if len(law.types) == 2:
         return lambda law, k, strain: function(strain, at(law[0], k), at(law[1], k))
-    return lambda law, k, strain: function(strain, at(law[0], k), at(law[1], k), at(law[2], k))
+    if len(law.types) == 3:
+        return lambda law, k, strain: function(strain, at(law[0], k), at(law[1], k), at(law[2], k))
+    return lambda law, k, strain: function(strain, at(law[0], k), at(law[1], k), at(law[2], k), at(law[3], k))
 
 
 @overload(sum_of, inline="always", strict=False)
