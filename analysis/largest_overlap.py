@@ -33,6 +33,6 @@ class LargestOverlap:
 
     def add(self, block: Trajectory) -> None:
         """Take more frames into account."""
-        x = block.displacement[..., block.moving]
+        x = block.displacement if block.problem.loaded else block.displacement[..., block.moving]
         if x.shape[-1] > 1:
             self.value = float(np.maximum(self.value, np.max(motion.overlaps(block.problem, x))))

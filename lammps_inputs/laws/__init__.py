@@ -88,6 +88,13 @@ def load(law: Law) -> Any:
     return getattr(law, "load", 0.0)
 
 
+def whole_force(law: Law, overlap: Any) -> Any:
+    """Force of a law on links at an overlap, that at rest included, where the strain counts from there."""
+    if not hasattr(law, "rest"):
+        return law.force(overlap, *law)
+    return law.force(overlap - rest(law), *law) + load(law)
+
+
 def differs(law: Law) -> bool:
     """Whether a law differs from link to link."""
     return any(np.ndim(parameter) > 0 for parameter in law)

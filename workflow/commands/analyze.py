@@ -206,9 +206,10 @@ def _print_pulses(found: Survey) -> None:
         return
     final, decay = found.shared.final, found.decay
     if final is not None:
-        # the energy of exact waves; beads with gaps, or that differ, carry none of that kind
+        # the energy of exact waves; beads with gaps, that differ or bear a load, carry none of that kind
         energy = np.sum(found.shared.wave_share[-1])
-        known = np.isfinite(energy) and not found.problem.gap and found.problem.alike
+        exact = found.problem.alike and found.problem.holds(Fact.SONIC_VACUUM)
+        known = np.isfinite(energy) and not found.problem.gap and exact
         share = f"; {energy:.1%} of its energy in the leading waves" if known else ""
         uncertainty = max(final.uncertainty, 1e-6)
         below = "the kick" if found.problem.kicks else "a free bead that was pushed so"

@@ -124,7 +124,7 @@ def analyse(
     left = LeftBehind() if problem.window is not None else None
     flow = EnergyFlow(problem) if problem.whole and not problem.holds(Fact.PULSE) else None
     cells = None
-    if problem.whole and not problem.alike and problem.holds(Fact.PULSE):
+    if problem.whole and not problem.alike and problem.holds(Fact.PULSE) and problem.holds(Fact.SONIC_VACUUM):
         scene = directory.scene
         cells = CellEnergy(problem, period(scene), tuple((one.chain, one.bead) for one in scene.replace or ()))
     fingerprint = Fingerprint()
@@ -268,7 +268,7 @@ def _makers(
         makers["distance"] = lambda: distance_figure(problem, found.shared, found.energies, found.direction)
     whole = np.unique(found.waves.bead[np.isfinite(found.shape.residual)])
     whole = whole[whole <= problem.beads - 5]
-    if len(whole) and problem.holds(Fact.PULSE) and not problem.gap:
+    if len(whole) and problem.holds(Fact.PULSE) and problem.holds(Fact.SONIC_VACUUM) and not problem.gap:
         early, late = whole[min(len(whole) - 1, int(np.searchsorted(whole, 10)))], whole[-1]
         makers["shape"] = lambda: shape_figure(problem, found.waveforms, sorted({int(early), int(late)}))
     return makers

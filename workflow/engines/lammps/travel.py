@@ -43,7 +43,7 @@ class Travel:
         if problem.window is None:
             self._run(steps)
             return
-        look = window.look_steps(problem.timestep, scheme.cycle(problem.scheme))
+        look = window.look_steps(problem.timestep, scheme.cycle(problem.scheme), problem.pace)
         while steps > 0:
             self._follow()
             self._run(min(look, steps))
