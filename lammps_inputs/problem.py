@@ -25,7 +25,6 @@ from lammps_inputs.numbers import power_of_two_at_least, text
 from lammps_inputs.scheme import SchemeName
 from lammps_inputs.units import Scale
 
-
 PLACES = "places"
 """Fix of LAMMPS that has noted where beads rest, where that is no formula of their numbers."""
 
@@ -264,7 +263,7 @@ class System:
 
     @property
     def spacing(self) -> float:
-        """Distance between the centres of neighbouring beads at rest, in LAMMPS; of those without load if it differs."""
+        """Distance between the centres of neighbouring beads at rest, in LAMMPS; without load if that differs."""
         return self.diameter + self.gap - (float(laws.rest(self.along[0].law)) if self.even else 0.0)
 
     @property

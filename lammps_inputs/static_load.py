@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from lammps_inputs import laws
 from lammps_inputs.laws import Law
 from lammps_inputs.laws.hertz import Hertz
-from lammps_inputs.laws.preloaded import under
+from lammps_inputs.laws.preloaded import under, wall_under
 from lammps_inputs.laws.wall import HertzWall
 from lammps_inputs.links import Along, Link, Wall
 from lammps_inputs.numbers import power_of_two_at_least
@@ -52,8 +52,8 @@ def under_load(system: System, force: NDArray[np.float64]) -> System:
         off = np.max(np.abs(laws.load(link.law) - wanted) / np.where(wanted > 0.0, wanted, np.inf))
         if off > FINEST:
             raise LoadError(
-                f"{np.min(wanted[wanted > 0.0]):.3g} times m V / T, the unit of the kick's forces: so small that places "
-                "in LAMMPS do not show how it presses the beads together; a larger load, or none, is needed"
+                f"{np.min(wanted[wanted > 0.0]):.3g} times m V / T, the unit of the kick's forces: so small that "
+                "places in LAMMPS do not show how it presses the beads together; a larger load, or none, is needed"
             )
     return found
 
@@ -76,5 +76,5 @@ def _loaded(link: Link, force: NDArray[np.float64], grid: float) -> Link:
         at_wall = np.zeros((force.shape[0], force.shape[1] - 1))
         bead = -1 if law.side > 0.0 else 0
         at_wall[:, bead] = force[:, bead]
-        return replace(link, law=under(law, at_wall, grid))
+        return replace(link, law=wall_under(law, at_wall, grid))
     return link

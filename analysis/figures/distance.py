@@ -67,7 +67,9 @@ def _draw_waves(axis: Axes, problem: Problem, shared: Sharing, energies: EnergyS
             draw_chain(axis, place, chain, bead, energies.wave[:, chain])
     few: dict[str, Any] = {"marker": ".", "markersize": 4} if len(shared) <= FEW else {}
     lines = []
-    if not problem.gap and problem.alike and problem.holds(Fact.SONIC_VACUUM):  # what runs down other beads, or with gaps, is no exact wave
+    if (
+        not problem.gap and problem.alike and problem.holds(Fact.SONIC_VACUUM)
+    ):  # what runs down other beads, or with gaps, is no exact wave
         exact = np.sum(shared.wave_share, axis=1)
         lines += axis.plot(shared.bead, exact, color="0.65", linewidth=3.0, label="all waves, if exact", **few)
     if measured:

@@ -53,12 +53,14 @@ class _Probe:
 
     Attributes:
         behind, ahead: beads whose difference of displacements is its strain, counted from 1; 0 for what is at rest.
-        force: strain [chain, ...] -> force [chain, ...], never negative.
+        force: strain [chain, ...] -> force [chain, ...], that at rest included, never negative.
+        static: [chain] at rest.
     """
 
     behind: int
     ahead: int
     force: Callable[[Floats, Integers], Floats]
+    static: Floats
 
 
 @dataclass(frozen=True)
@@ -75,6 +77,11 @@ class Gauge:
     name: str
     bead: int
     probes: tuple[_Probe, ...]
+
+    @property
+    def static(self) -> Floats:
+        """[chain] at rest; 0 without a static load."""
+        return np.asarray(sum(probe.static for probe in self.probes) / len(self.probes))
 
 
 def gauges(problem: Problem, *, wall: bool, contacts: tuple[int, ...], sensors: tuple[int, ...]) -> tuple[Gauge, ...]:
@@ -98,17 +105,23 @@ def _at_wall(problem: Problem, link: Wall) -> _Probe:
     place = problem.beads - 1 if right else 0
 
     def force(strain: Floats, chain: Integers) -> Floats:
+        law = laws.at(link.law, chain, place)
         displacement = strain if right else -strain
-        return np.asarray(np.abs(laws.force(laws.at(link.law, chain, place), displacement)))
+        return np.asarray(np.maximum(link.law.side * laws.force(law, displacement) + laws.load(law), 0.0))
 
-    return _Probe(problem.beads, 0, force) if right else _Probe(0, 1, force)
+    chain = np.arange(problem.chains)
+    static = np.broadcast_to(laws.load(laws.at(link.law, chain, place)), problem.chains)
+    return _Probe(problem.beads, 0, force, static) if right else _Probe(0, 1, force, static)
 
 
 def _between(problem: Problem, bead: int) -> _Probe:
     def force(strain: Floats, chain: Integers) -> Floats:
-        return motion.contact_force(problem, strain - problem.gap, chain, np.full(chain.shape, bead - 1))
+        contact = np.full(chain.shape, bead - 1)
+        overlap = strain - problem.gap + motion.rest_overlap(problem, chain, contact)
+        return motion.contact_force(problem, overlap, chain, contact)
 
-    return _Probe(bead, bead + 1, force)
+    at_rest = (laws.load(laws.at(link.law, Ellipsis, bead - 1)) for link in problem.along)
+    return _Probe(bead, bead + 1, force, np.broadcast_to(sum(at_rest), problem.chains))
 
 
 @dataclass(frozen=True)
@@ -118,9 +131,10 @@ class Readings:
     Attributes:
         gauges: which.
         time: [frame], in units of T.
-        force: [frame, chain, gauge].
+        force: [frame, chain, gauge], what bears it at rest included.
+        static: [chain, gauge] of that, force at rest; 0 without a static load.
         largest, largest_at: [chain, gauge] largest force, between frames too, and when; at NaN where there was none.
-        impulse: [chain, gauge] integral of the force over time, of all contacts together.
+        impulse: [chain, gauge] integral of the force above that at rest over time, of all contacts together.
         dwell: [chain, gauge] how long the contact lasted in which the force was largest, so far if it still lasts.
         contacts: [chain, gauge] how many contacts there were.
     """
@@ -128,6 +142,7 @@ class Readings:
     gauges: tuple[Gauge, ...]
     time: Floats
     force: Floats
+    static: Floats
     largest: Floats
     largest_at: Floats
     impulse: Floats
@@ -144,7 +159,8 @@ class ForceMeter:
         shape = (problem.chains, len(gauges))
         self._time: list[Floats] = []
         self._force: list[Floats] = []
-        self._largest, self._impulse = np.zeros((2, *shape))
+        self._static = np.stack([gauge.static for gauge in gauges], axis=-1)
+        self._largest, self._impulse = self._static.copy(), np.zeros(shape)
         self._largest_at = np.full(shape, np.nan)
         self._changes: list[list[tuple[Integers, Floats, NDArray[np.bool_]]]] = [[] for _ in gauges]
         self._carried: Trajectory | None = None
@@ -188,7 +204,7 @@ class ForceMeter:
                 if 0 <= hardest < len(start):
                     dwell[chain, place] = end[hardest] - start[hardest]
         largest = np.copy(self._largest), np.copy(self._largest_at), np.copy(self._impulse)
-        return Readings(self.gauges, time, force, *largest, dwell, contacts)
+        return Readings(self.gauges, time, force, self._static, *largest, dwell, contacts)
 
     def _at_frames(self, block: Trajectory) -> Floats:
         force = np.zeros((block.frames, self.problem.chains, len(self.gauges)))
@@ -213,12 +229,14 @@ class ForceMeter:
         chain = np.tile(np.arange(self.problem.chains), block.frames - 1)
         moving = np.flatnonzero(np.any([np.any(p != 0.0, axis=0) for p in polynomials], axis=0))
         border = _borders(spacing)
-        forces = np.zeros((len(border), size))
+        static = gauge.static[chain]
+        forces = np.tile(static, (len(border), 1))
+        forces[:, moving] = 0.0
         for probe, polynomial in zip(gauge.probes, polynomials, strict=True):
             single = _Curve(probe.force, polynomial[:, moving], chain[moving])
             forces[:, moving] += np.stack([single(np.full(len(moving), s)) for s in border]) / len(gauge.probes)
             impulse = np.zeros(size)
-            impulse[moving] = single.integral(border) * spacing / len(gauge.probes)
+            impulse[moving] = (single.integral(border) - probe.static[chain[moving]]) * spacing / len(gauge.probes)
             # term by term: the order must not depend on how many there are at once
             np.add.at(self._impulse[:, place], chain, impulse)
 
@@ -349,13 +367,22 @@ def _maximum(value: Callable[[Floats], Floats], low: Floats, high: Floats) -> Fl
 
 
 def to_csv(readings: Readings, scale: Scale) -> str:
-    """Force over time in the scene's units: a column for every gauge and chain, such as ``contact 10 chain 1 (N)``."""
+    """Force over time in the scene's units: a column for every gauge and chain, such as ``contact 10 chain 1 (N)``.
+
+    Under a static load that is the total; as many columns ``contact 10 chain 1 dynamic (N)`` follow, without the load.
+    """
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     chains = readings.force.shape[1]
     names = [f"{gauge.name} chain {chain + 1}" for gauge in readings.gauges for chain in range(chains)]
+    forces = [readings.force]
+    if np.any(readings.static):
+        names += [f"{name} dynamic" for name in names]
+        forces.append(readings.force - readings.static)
+    columns = (
+        np.concatenate([np.moveaxis(f, 2, 1).reshape(len(readings.time), -1) for f in forces], axis=1) * scale.force
+    )
     writer.writerow([scale.heading("time", "time"), *(scale.heading(name, "force") for name in names)])
-    columns = np.moveaxis(readings.force, 2, 1).reshape(len(readings.time), -1) * scale.force
     for time, row in zip((readings.time * scale.time).tolist(), columns.tolist(), strict=True):
         writer.writerow([repr(time), *map(repr, row)])
     return out.getvalue()

@@ -6,11 +6,12 @@
 | V_s                          | ``speed_over_sound * c_0`` | beads / T                           |
 | F_m / F_0                    | ``ratio``                  | largest total force over that at rest |
 
-The theory takes the chain for a continuum; the discrete one's waves are faster, by 1.0004 at a ratio of 1.955 and 1.0085
-at 67.7.
+The theory takes the chain for a continuum; the waves of the discrete one are faster, by 1.0004 at a ratio of 1.955 and
+by 1.0085 at 67.7.
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analysis.trajectory import Floats
 from lammps_inputs import System, laws
@@ -66,9 +67,9 @@ class LoadedSpeed:
         self.sound = sound
         self.rest = rest
 
-    def at(self, chain: int, bead: Floats, peak_velocity: Floats) -> Floats:
+    def at(self, chain: int, bead: NDArray[np.int64], peak_velocity: Floats) -> Floats:
         """In beads / T, within some per cent; chain and beads count from 1."""
-        place = np.asarray(bead, dtype=np.int64) - 1
+        place = bead - 1
         sound, rest = self.sound[chain - 1, place], self.rest[chain - 1, place]
         with np.errstate(divide="ignore"):
             amplitude = np.log(np.abs(peak_velocity) / (sound * rest))

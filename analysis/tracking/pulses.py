@@ -134,9 +134,7 @@ class _Track:
     bound: float = np.inf
 
 
-def _linked(
-    peaks: Peaks, recorded: Integers, noise: float, loaded: LoadedSpeed | None = None
-) -> Iterator[list[int]]:
+def _linked(peaks: Peaks, recorded: Integers, noise: float, loaded: LoadedSpeed | None = None) -> Iterator[list[int]]:
     """Positions in the table of the passages of one chain, pulse by pulse. Beads are taken in ascending order."""
     exact = solitary_wave()
 

@@ -58,7 +58,7 @@ class Ingredient(Part):
         return 0.0
 
     def static(self, scene: "BaseScene", mass: float | NDArray[np.float64]) -> float | NDArray[np.float64]:  # noqa: ARG002
-        """Force at rest, dimensionless: one number, or [chain, bead + 1] from in front of the first bead to behind the last.
+        """Force at rest, dimensionless: a number, or [chain, bead + 1] from before the first bead to behind the last.
 
         Args:
             scene: that it is part of.

@@ -117,7 +117,7 @@ class PreloadedWall(NamedTuple):
         return HertzWall(self.strength, self.side, -float(np.max(self.rest))).ground(name, problem)
 
 
-def under(law: Hertz | HertzWall, load: Parameter, grid: float) -> Preloaded | PreloadedWall:
+def under(law: Hertz, load: Parameter, grid: float) -> Preloaded:
     """The contact that bears a load at rest, as nearly as places that are multiples of ``grid`` allow.
 
     Args:
@@ -125,14 +125,19 @@ def under(law: Hertz | HertzWall, load: Parameter, grid: float) -> Preloaded | P
         load: at rest, a number or an array of the law's shape; 0 where there is none.
         grid: what LAMMPS can tell apart; overlaps at rest are multiples of it, and loads follow from them.
     """
-    there = np.asarray(law.strength) > 0.0
-    bare = np.where(there, np.asarray(load) / np.where(there, law.strength, 1.0), 0.0)
-    rest = np.round(np.cbrt(bare) ** 2 / grid) * grid
-    if rest.ndim and np.ptp(rest) == 0.0 and np.ndim(law.strength) == 0:
-        rest = rest.flat[0]
-    at_rest: Parameter = float(rest) if np.ndim(rest) == 0 else np.asarray(rest)
-    held = law.strength * (at_rest * np.sqrt(at_rest))
-    held = float(held) if np.ndim(held) == 0 else held
-    if isinstance(law, HertzWall):
-        return PreloadedWall(law.strength, law.side, at_rest, held)
-    return Preloaded(law.strength, at_rest, held)
+    return Preloaded(law.strength, *_at_rest(law.strength, load, grid))
+
+
+def wall_under(law: HertzWall, load: Parameter, grid: float) -> PreloadedWall:
+    """The same of a wall."""
+    return PreloadedWall(law.strength, law.side, *_at_rest(law.strength, load, grid))
+
+
+def _at_rest(strength: Parameter, load: Parameter, grid: float) -> tuple[Parameter, Parameter]:
+    """Overlap, and the force that belongs to it as the laws compute it."""
+    there = np.asarray(strength) > 0.0
+    bare = np.where(there, np.asarray(load) / np.where(there, strength, 1.0), 0.0)
+    rounded = np.round(np.cbrt(bare) ** 2 / grid) * grid
+    rest: Parameter = rounded if np.ndim(rounded) else float(rounded)
+    held = strength * (rest * np.sqrt(rest))
+    return rest, held if np.ndim(held) else float(held)

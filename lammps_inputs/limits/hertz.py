@@ -6,6 +6,8 @@ in SI units may leave its range without any sign in the dimensionless numbers, w
 
 import math
 
+import numpy as np
+
 from lammps_inputs import laws
 from lammps_inputs.facts import Fact
 from lammps_inputs.problem import System
@@ -53,9 +55,12 @@ def overlap_bounds(system: System) -> tuple[float, float]:
     whose pull on its two beads, s, their energy bounds. So where beads set out at a closing speed w, the overlap where
     they come to rest is no less than the root of ``0.8 overlap**2.5 + s (overlap + gap) = w**2 / 2``.
 
-    Beads that other springs hold too get the bound from above by the whole energy, and none from below.
+    Under a static load the overlap at rest adds to what energy can do from there. Beads that other springs hold too get the bound from above by the whole energy, and none from below.
     """
     law = system.along[0].law
+    if system.loaded:
+        rest = float(np.max(laws.rest(law)))
+        return rest, rest + laws.reach(law, system.energy)
     if not (system.simply_coupled and system.holds(Fact.MOMENTUM)):
         return 0.0, laws.reach(law, system.energy)
     chains, beads, kappa, coupled = system.chains, system.beads, system.kappa, system.coupled

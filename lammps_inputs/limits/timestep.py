@@ -88,7 +88,11 @@ def timestep_for(accuracy: float, duration: float, system: System, scheme: Schem
     times, but with a gap it is up to 2.5 times too large. It knows no stability bound.
     """
     swing = system.swing
-    faster = 1.0 if system.alike and not system.loaded else max(1.0, DEFAULT * _STEPS_PER_BOUND_UNLIKE / stability_bound(system))
+    faster = (
+        1.0
+        if system.alike and not system.loaded
+        else max(1.0, DEFAULT * _STEPS_PER_BOUND_UNLIKE / stability_bound(system))
+    )
     if scheme == "verlet":
         return math.sqrt(accuracy / (duration * (_PULSE * faster**3 + _SWING * swing**3)))
     twice = 2.0 * duration / accuracy  # each part is given half of the accuracy

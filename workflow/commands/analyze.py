@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from analysis.gauges.forces import Readings
+from analysis.shape.loaded_wave import sound_speed
 from analysis.sharing.cells import CellEnergy
 from analysis.sharing.energy_flow import Flow
 from analysis.sharing.equipartition import CLEAR
@@ -44,6 +45,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="a wave arrives when the bead is fastest, or at the centre of the impulse that made it so; by default "
         "the latter where beads have gaps",
     )
+    parser.add_argument(
+        "--dispersion",
+        action="store_true",
+        help="map frequency against wavenumber, which chains under a static load get anyway; says why if there is none",
+    )
     parser.add_argument("--no-figures", action="store_true", help="write the tables only")
 
 
@@ -56,7 +62,10 @@ def execute(arguments: argparse.Namespace) -> int:
         arrival=arguments.arrival,
     )
     _print(found)
-    tables = ["waves.csv", *([] if found.forces is None else ["forces.csv"]), "analysis.json"]
+    if isinstance(found.dispersion, str) and (arguments.dispersion or found.problem.loaded):
+        print(f"no dispersion map: {found.dispersion}")
+    more = (("forces.csv", found.forces is not None), ("dispersion.csv", not isinstance(found.dispersion, str)))
+    tables = ["waves.csv", *(name for name, there in more if there), "analysis.json"]
     names = [*tables, *(path.name for path in found.figures)]
     print(f"{one_line(arguments.directory)}: {', '.join(names)}")
     return 0
@@ -108,6 +117,8 @@ def _print(found: Analysis) -> None:
         print_table(f"{problem.name}: leading pulse", head, rows)
         _print_accuracy(found)
     _print_pulses(found.survey)
+    if problem.loaded:
+        _print_sound(found)
     if found.cells is not None:
         _print_cells(problem, found.cells)
     if found.forces is not None:
@@ -123,6 +134,26 @@ def _print(found: Analysis) -> None:
             print(found.failure or "that is not this scene: was the deck run with another kappa or kick?")
     if found.contacts is not None:
         print("\n".join(found.contacts.lines()))
+
+
+def _print_sound(found: Analysis) -> None:
+    """The speed of sound, and the leading pulse on it against the long-wave theory's."""
+    problem, wave = found.problem, found.sound
+    scale = problem.scale
+    speeds = sound_speed(problem) if wave is None else np.array([wave.sound])
+    unit = "beads/s" if scale.si else "beads per unit time"
+    said = [f"{speed / scale.time:.6g}" for speed in dict.fromkeys((float(speeds.min()), float(speeds.max())))]
+    line = f"sound: c0 = {' to '.join(said)} {unit}"
+    if found.bead_length is not None:
+        line += f" ({float(speeds.max()) * found.bead_length / scale.time:.5g} m/s)"
+    if wave is not None:
+        line += (
+            f"; the leading pulse runs at {wave.over_sound:.5f} c0 past beads {wave.first} to {wave.last}, "
+            f"F_m/F_0 = {wave.force_ratio:.4g}"
+        )
+        if math.isfinite(wave.theory):
+            line += f": {wave.over_theory:.5f} of what the long-wave theory says (Nesterenko)"
+    print(line)
 
 
 def _print_cells(problem: Problem, cells: CellEnergy) -> None:
@@ -219,7 +250,8 @@ def _print_pulses(found: Survey) -> None:
             f"decay as (1 - n / n*)**2.5 over beads {decay.first} to {decay.last}: n* = {decay.n_star:.1f} "
             f"+- {decay.n_star_error:.1g}, theory {decay.expected:.1f}"
         )
-    _print_train(found)
+    if not found.problem.loaded:
+        _print_train(found)
     others = 0
     for pulse, character in zip(found.pulses, found.characters, strict=True):
         if not found.leads(pulse):
@@ -228,7 +260,8 @@ def _print_pulses(found: Survey) -> None:
             print(f"chain {pulse.chain}: {_words(character)}")
     if others:
         strongest = max(pulse.peak_velocity.max() for pulse in found.pulses if not found.leads(pulse))
-        print(f"{others} other pulses, the strongest {strongest:.3f} V (analysis.json lists them)")
+        what = "crests of sound follow" if found.problem.loaded else "other pulses"
+        print(f"{others} {what}, the strongest {strongest:.3f} V (analysis.json lists them)")
     if found.noise:
         print(f"the record is noisy: {found.noise:.1e} V; it was smoothed")
 

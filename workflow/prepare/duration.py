@@ -45,7 +45,9 @@ def with_duration(scene: Scene) -> Scene:
             "timestep": None,
             "accuracy": None,
             "window": None,
-            "output": scene.output.model_copy(update={"every": cadence * scene.scale.time, "beads": (scene.until_bead,)}),
+            "output": scene.output.model_copy(
+                update={"every": cadence * scene.scale.time, "beads": (scene.until_bead,)}
+            ),
         }
     )
     problem = trial.problem()

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 
 from analysis.largest_overlap import LargestOverlap, shown_by_frames
-from lammps_inputs import Scene, laws
+from lammps_inputs import Scene
+from lammps_inputs.laws.hertz import Hertz
 from lammps_inputs.limits import hertz
 from workflow.runs.run_directory import RunDirectory
 
@@ -111,7 +112,7 @@ def _contacts(scene: Scene, overlap: float, *, measured: bool) -> Contacts | Non
         measured=measured,
         radius=ball.radius,
         overlap=metres / ball.radius,
-        force=float(laws.force(scene.system.along[0].law, overlap)) * scene.scale.force,
+        force=float(Hertz.force(overlap, 1.0)) * scene.scale.force,  # of two reference beads
         pressure=pressure,
         yield_strength=pressure / hertz.YIELD_PRESSURE,
     )

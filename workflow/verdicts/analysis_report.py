@@ -9,18 +9,22 @@ import numpy as np
 from analysis.conservation import Conservation
 from analysis.gauges.forces import Readings
 from analysis.mirror import mirrored_bead
+from analysis.shape.loaded_wave import sound_speed
 from analysis.sharing.cells import CellEnergy
 from analysis.sharing.energy_flow import Flow
 from analysis.sharing.equipartition import AGREEMENTS, CLEAR, Estimate
 from analysis.sharing.is_solitary import Character, Tolerances
 from analysis.sharing.survey import Survey
+from analysis.sound.dispersion import Map
+from analysis.sound.loaded_pulse import LoadedWave
 from analysis.tracking.leading_waves import Waves, to_csv
 from analysis.tracking.left_behind import LeftBehind
 from analysis.tracking.pulses import Pulse
 from analysis.tracking.train import Train, train_of
 from analysis.trajectory import Floats
-from lammps_inputs import Problem
+from lammps_inputs import Problem, laws
 from lammps_inputs.facts import Fact
+from lammps_inputs.units import Scale
 
 
 def waves_csv(found: Survey) -> str:
@@ -78,7 +82,8 @@ def report(found: Survey, seen: Conservation, tolerances: Tolerances, left: Left
 
     Where no pulse stays together, `workflow.verdicts.analyse` adds ``energy``, see `energy_report`; where beads differ,
     ``cells``, see `cells_report`. With a material it adds ``contacts``, see `workflow.runs.contacts.Contacts`; where
-    the scene has ``output.forces``, ``forces``, see `forces_report`.
+    the scene has ``output.forces``, ``forces``, see `forces_report`; under a static load ``sound`` and ``dispersion``,
+    see `sound_report` and `dispersion_report`.
     """
     problem, scale = found.problem, found.problem.scale
     order = np.argsort([-character.peak_velocity for character in found.characters], kind="stable")
@@ -187,7 +192,9 @@ def forces_report(problem: Problem, readings: Readings, restitution: dict[str, F
     | kind, name    | wall, contact or sensor; name of the column in ``forces.csv``                               |
     | chain, bead   | at a wall the bead that touches it; the first bead of a contact; the bead with the sensor   |
     | largest, at   | largest force, between frames too, and when; null where there was none                      |
-    | impulse       | integral of the force over time; what a wall takes of the momentum                          |
+    | static        | only under a static load: force at rest, which ``largest`` includes                         |
+    | dynamic       | likewise: ``largest`` without it                                                            |
+    | impulse       | integral of the force, but for that at rest, over time; what a wall takes of the momentum   |
     | dwell         | how long the contact lasted in which the force was largest                                  |
     | contacts      | how many contacts there were                                                                |
     | restitution   | walls only: peak velocity of the first pulse thrown back over that of the one that came, at |
@@ -203,6 +210,7 @@ def forces_report(problem: Problem, readings: Readings, restitution: dict[str, F
                 "bead": gauge.bead,
                 "largest": float(readings.largest[chain, place] * scale.force),
                 "at": _number(float(readings.largest_at[chain, place] * scale.time)),
+                **_above_rest(readings, chain, place, scale),
                 "impulse": float(readings.impulse[chain, place] * scale.momentum),
                 "dwell": float(readings.dwell[chain, place] * scale.time),
                 "contacts": int(readings.contacts[chain, place]),
@@ -212,6 +220,73 @@ def forces_report(problem: Problem, readings: Readings, restitution: dict[str, F
                 entry["restitution"] = _number(float(restitution[side][chain]))
             entries.append(entry)
     return entries
+
+
+def _above_rest(readings: Readings, chain: int, place: int, scale: Scale) -> dict[str, float]:
+    if not np.any(readings.static):
+        return {}
+    static, largest = readings.static[chain, place], readings.largest[chain, place]
+    return {"static": float(static * scale.force), "dynamic": float((largest - static) * scale.force)}
+
+
+def sound_report(problem: Problem, wave: LoadedWave | None, metres: float | None) -> dict[str, Any]:
+    """What ``analysis.json`` says under ``sound``, of chains under a static load, in the scene's units.
+
+    | key       | what                                                                                            |
+    |-----------|-------------------------------------------------------------------------------------------------|
+    | load      | least and largest force of a contact at rest                                                    |
+    | overlap   | at rest, of those                                                                               |
+    | speed     | of sound of long waves, beads per unit time, least and largest along the chains                 |
+    | metres    | the same in m/s where all beads are of one material and size; else null                         |
+    | cutoff    | highest angular frequency of small motions, springs between chains left out                     |
+    | pulse     | the leading pulse of the chain that was hit hardest, between the contacts ``first`` and ``last``: |
+    |           | ``force_ratio`` f of the largest force to that at rest, ``speed``, ``over_sound``, ``theory``:  |
+    |           | that of the long-wave theory (Nesterenko), and ``over_theory``: the quotient; null: too short   |
+    """
+    scale, law = problem.scale, problem.along[0].law
+    load, rest = (np.asarray(find(law)) for find in (laws.load, laws.rest))
+    speed = sound_speed(problem)
+    return {
+        "load": [float(find(load) * scale.force) for find in (np.min, np.max)],
+        "overlap": [float(find(rest) * scale.length) for find in (np.min, np.max)],
+        "speed": [float(find(speed) / scale.time) for find in (np.min, np.max)],
+        "metres": None if metres is None else [float(find(speed) * metres / scale.time) for find in (np.min, np.max)],
+        "cutoff": problem.sound_frequency / scale.time,
+        "pulse": None
+        if wave is None
+        else {
+            **asdict(wave),
+            "speed": wave.speed / scale.time,
+            "sound": wave.sound / scale.time,
+            "theory": _number(wave.theory),
+            "over_sound": wave.over_sound,
+            "over_theory": _number(wave.over_theory),
+        },
+    }
+
+
+def dispersion_report(problem: Problem, found: Map | str) -> dict[str, Any]:
+    """What ``analysis.json`` says under ``dispersion``, of chains under a static load, in the scene's units.
+
+    | key      | what                                                                                    |
+    |----------|-----------------------------------------------------------------------------------------|
+    | why      | why there is no map; else null, and:                                                    |
+    | beads    | of a cell, what repeats along the chains                                                |
+    | bands    | lowest and highest angular frequency of every branch, exact                             |
+    | measured | the same as the run shows them; null where it does not                                  |
+    | bin      | of frequency: as sure as those are                                                      |
+    """
+    if isinstance(found, str):
+        return {"why": found}
+    unit = problem.scale.time
+    measured = (found.measured_bands() / unit).tolist()
+    return {
+        "why": None,
+        "beads": found.cell.beads,
+        "bands": (found.cell.bands() / unit).tolist(),
+        "measured": [[_number(edge) for edge in band] for band in measured],
+        "bin": found.bin / unit,
+    }
 
 
 def _window(left: LeftBehind, found: Survey) -> dict[str, Any]:
