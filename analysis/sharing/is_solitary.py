@@ -41,8 +41,8 @@ class Character:
         bead: where, counted from 1.
         arrival, peak_velocity, speed: there, in units of T, V, beads / T.
         width, momentum, energy, residual: see `analysis.shape.waveforms.Shape`.
-        speed_excess: relative to the exact law at this peak velocity; it and the residual are NaN where beads differ, or
-            bear a load.
+        speed_excess: relative to the exact law at this peak velocity; it and the residual are NaN where beads differ
+            or bear a load.
         variation: (largest - smallest) / mean peak velocity over the ten beads up to this one; NaN if it ran less.
         fails: which of shape, speed, amplitude differ by more than the tolerances, or could not be measured.
     """

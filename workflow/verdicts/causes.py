@@ -17,6 +17,9 @@ _CLEAR = 0.97
 
 _MOST_NAMED = 10
 
+_LOAD_DOUBT = 5e-3
+"""Share of a static load."""
+
 _PUSH_DOUBT = 5e-3
 """Share of the impulse; half a step of a force that ends at a frame may be missing there."""
 
@@ -28,7 +31,7 @@ def causes(own: Trajectory, reference: Trajectory) -> list[str]:
         own: consecutive frames of the trajectory, all beads.
         reference: the same frames, right.
     """
-    found = _numbers(own) or _times(own, reference) or _start(own) or _pushes(own)
+    found = _numbers(own) or _times(own, reference) or _start(own) or _pushes(own) or _static(own, reference)
     return found or _strengths(own, reference) or _springs(own, reference)
 
 
@@ -103,6 +106,22 @@ def _pushes(own: Trajectory) -> list[str]:
         return [f"the push gives {factor:.4g} times the impulse that the scene says"]
     if np.max(np.abs(found - given)) > _PUSH_DOUBT * np.max(np.abs(given)):
         return ["the push has another course over time than the scene says"]
+    return []
+
+
+def _static(own: Trajectory, reference: Trajectory) -> list[str]:
+    """Whether other forces bear the beads at rest than the scene says."""
+    felt, right = symptoms.identify_load(own), symptoms.identify_load(reference)
+    if felt is None or right is None:
+        return []
+    if abs(felt.held - 1.0) > _LOAD_DOUBT + 3.0 * abs(right.held - 1.0):
+        if abs(felt.held) < _LOAD_DOUBT:
+            return ["the forces that hold the beads at rest (on the ends, or weights) are missing"]
+        return [f"the forces that hold the beads at rest are {felt.held:.4g} times what the scene says"]
+    if right.pressed == 1.0 and felt.pressed != 1.0:
+        if felt.pressed == 0.0:
+            return ["the static load is missing"]
+        return [f"the contacts bear about {felt.pressed:.2g} times the static load of the scene"]
     return []
 
 
