@@ -172,6 +172,10 @@ def identify_strengths(trajectory: Trajectory) -> dict[str, float] | None:
     return {link.name: float(factor) for link, factor in zip(problem.links, factors, strict=True)}
 
 
+_EXPLAINED = 0.05
+"""Share of the impulses left unexplained, of those at the right load, that another load must leave at most."""
+
+
 @dataclass(frozen=True)
 class StaticLoad:
     """What bears the beads of a trajectory at rest, over what the problem says; 1 is right.
@@ -219,8 +223,10 @@ def identify_load(trajectory: Trajectory) -> StaticLoad | None:
     far = 1e-9 * size * problem.chains * problem.beads
     held = 1.0 + float(np.sum(left(1.0).sum(axis=0) * outside)) / power if size > far else np.nan
     factors = np.concatenate([[0.0], 10.0 ** (np.arange(-40, 41) / 40.0)])
-    missing = [float(np.sum(left(float(factor)) ** 2)) for factor in factors]
-    return StaticLoad(held, float(factors[int(np.argmin(missing))]))
+    missing = np.array([float(np.sum(left(float(factor)) ** 2)) for factor in factors])
+    best = int(np.argmin(missing))
+    explains = missing[best] < _EXPLAINED * missing[factors == 1.0][0]
+    return StaticLoad(held, float(factors[best]) if explains else 1.0)
 
 
 def _pressed(law: Law, factor: float) -> Law:

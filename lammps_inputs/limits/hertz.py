@@ -55,7 +55,8 @@ def overlap_bounds(system: System) -> tuple[float, float]:
     whose pull on its two beads, s, their energy bounds. So where beads set out at a closing speed w, the overlap where
     they come to rest is no less than the root of ``0.8 overlap**2.5 + s (overlap + gap) = w**2 / 2``.
 
-    Under a static load, the overlap at rest, and that with what energy can add. Beads that other springs hold too get the bound from above by the whole energy, and none from below.
+    Under a static load: the overlap at rest, and that with what energy can add to it. Beads that other springs hold
+    too get the bound from above by the whole energy, and none from below.
     """
     law = system.along[0].law
     if system.loaded:

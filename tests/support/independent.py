@@ -19,6 +19,7 @@ def integrated(
     *,
     mass: Any = 1.0,
     strength: Any = 1.0,
+    static: Any = 0.0,
 ) -> Floats:
     """Velocities [frame, chain, bead] of chains with contacts, springs between neighbours and to the ground, and walls.
 
@@ -27,17 +28,26 @@ def integrated(
         ground, ground_cubic: stiffness of the springs to the ground, [chain, bead] or one number.
         mass: of the beads, likewise.
         strength: of the contacts, [chain, contact] or one number.
+        static: forces at rest, [chain, bead + 1] from before the first bead to behind the last, or one number; what
+            contacts and walls do not balance of them acts on the beads from outside.
         walls: force over overlap**1.5 of the walls on the left and on the right, a gap away.
     """
     shape = problem.chains, problem.beads
     size = problem.chains * problem.beads
 
+    load = np.broadcast_to(static, (problem.chains, problem.beads + 1))
+    rest = (load[:, 1:-1] / strength) ** (2.0 / 3.0)
+    left, right = ((load[:, end] / (wall or 1.0)) ** (2.0 / 3.0) for wall, end in zip(walls, (0, -1), strict=True))
+    outside = np.diff(np.pad(load[:, 1:-1], ((0, 0), (1, 1))))
+    outside[:, 0] -= load[:, 0] * bool(walls[0])
+    outside[:, -1] += load[:, -1] * bool(walls[1])
+
     def rate(_: float, state: Floats) -> Floats:
         x = state[:size].reshape(shape)
-        push = strength * np.maximum(x[:, :-1] - x[:, 1:] - problem.gap, 0.0) ** 1.5
-        force = -ground * x - ground_cubic * x**3
-        force[:, 0] += walls[0] * np.maximum(-x[:, 0] - problem.gap, 0.0) ** 1.5
-        force[:, -1] -= walls[1] * np.maximum(x[:, -1] - problem.gap, 0.0) ** 1.5
+        push = strength * np.maximum(x[:, :-1] - x[:, 1:] - problem.gap + rest, 0.0) ** 1.5
+        force = outside - ground * x - ground_cubic * x**3
+        force[:, 0] += walls[0] * np.maximum(left - x[:, 0] - problem.gap, 0.0) ** 1.5
+        force[:, -1] -= walls[1] * np.maximum(right + x[:, -1] - problem.gap, 0.0) ** 1.5
         force[:, 1:] += push
         force[:, :-1] -= push
         pull = problem.kappa * np.diff(x, axis=0)
