@@ -72,6 +72,11 @@ def contact_force(system: System, overlap: Floats, *contact: Integers | slice) -
     return np.asarray(sum(laws.whole_force(laws.at(link.law, *contact), overlap) for link in system.along))
 
 
+def static_force(system: System, *contact: Integers | slice) -> Any:
+    """Force of chosen contacts at rest; see `contact_force`."""
+    return sum(laws.load(laws.at(link.law, *contact)) for link in system.along)
+
+
 def momentum(system: System, velocity: Floats, first: int = 1) -> Floats:
     """Total momentum along the chains, [...] from [..., chain, bead]."""
     return np.asarray(np.sum(_weighed(system, velocity, first), axis=(-2, -1)))
