@@ -1,6 +1,7 @@
 """Find the waves in a run and draw them."""
 
 import argparse
+import json
 import math
 from pathlib import Path
 
@@ -17,8 +18,8 @@ from analysis.tracking.leading_waves import ARRIVALS
 from lammps_inputs import InputError, Problem
 from lammps_inputs.facts import Fact
 from workflow.engines.lammps.invariants import ENERGY_TOLERANCE
-from workflow.runs.run_directory import RunDirectory
-from workflow.screen import one_line, print_table
+from workflow.runs.run_directory import REPORT, RunDirectory
+from workflow.screen import Answer, one_line, print_table
 from workflow.verdicts.analyse import Analysis, analyse, last_clear_bead
 from workflow.verdicts.analysis_report import train
 
@@ -33,6 +34,13 @@ DOCUMENTED = 1e-4
 
 FAR = 1.4
 """Time between frames, in T, from which on small maxima beside larger ones were seen to be missed."""
+
+
+ANSWERS = "what analysis.json holds"
+EXAMPLES = (
+    "analyze demo",
+    "analyze demo --beads 10,55,90 --no-figures",
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -53,7 +61,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--no-figures", action="store_true", help="write the tables only")
 
 
-def execute(arguments: argparse.Namespace) -> int:
+def execute(arguments: argparse.Namespace) -> Answer:
     """Print a short table; write waves.csv, analysis.json and figures."""
     found = analyse(
         RunDirectory(arguments.directory),
@@ -65,10 +73,10 @@ def execute(arguments: argparse.Namespace) -> int:
     if isinstance(found.dispersion, str) and (arguments.dispersion or found.problem.loaded):
         print(f"no dispersion map: {found.dispersion}")
     more = (("forces.csv", found.forces is not None), ("dispersion.csv", not isinstance(found.dispersion, str)))
-    tables = ["waves.csv", *(name for name, there in more if there), "analysis.json"]
+    tables = ["waves.csv", *(name for name, there in more if there), REPORT]
     names = [*tables, *(path.name for path in found.figures)]
     print(f"{one_line(arguments.directory)}: {', '.join(names)}")
-    return 0
+    return Answer(0, json.loads((arguments.directory / REPORT).read_text(encoding="utf-8")))
 
 
 def _beads(text: str | None) -> tuple[int, ...] | None:
