@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, model_serializer, model_validator
+from pydantic import Field, GetJsonSchemaHandler, model_serializer, model_validator
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema
 
 from lammps_inputs.ingredients.base import Ingredient
 from lammps_inputs.links import Link
@@ -73,6 +75,11 @@ class Gravity(_Load):
     @classmethod
     def _from_number(cls, value: Any) -> Any:
         return {"acceleration": value} if isinstance(value, int | float) and not isinstance(value, bool) else value
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core_schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
+        found = handler.resolve_ref_schema(handler(core_schema))
+        return {"description": found["description"], **found["properties"]["acceleration"]}
 
     @model_serializer
     def _as_number(self) -> float:

@@ -49,7 +49,7 @@ class Run:
     @property
     def displacement(self) -> NDArray[np.float64]:
         """Displacements of all beads [frame, chain, bead], from the positions in the dump."""
-        return self._by_chain(self.x) - self.problem.places
+        return self._by_chain(self.x - self.problem.places.reshape(-1)[self.id - 1])
 
     @property
     def velocity(self) -> NDArray[np.float64]:
