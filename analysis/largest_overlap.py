@@ -20,7 +20,7 @@ Stiff contacts of light beads are over sooner, by the square root of ``mass / st
 def shown_by_frames(problem: Problem) -> bool:
     """Whether the frames hold neighbouring beads, closely enough in time."""
     quicker = 1.0
-    if not problem.alike:
+    if not problem.one_kind:
         strength = max(float(np.max(next(iter(link.law)))) for link in problem.along)
         quicker = min(1.0, math.sqrt(float(np.min(problem.mass)) / strength))
     return problem.recorded is None and problem.every <= FARTHEST * quicker * (1.0 + 1e-9)
@@ -40,12 +40,13 @@ class LargestOverlap:
 
     def add(self, block: Trajectory) -> None:
         """Take more frames into account."""
-        problem, moving = block.problem, block.moving
+        problem = block.problem
+        moving = slice(0, problem.beads) if problem.loaded else block.moving  # beads at rest touch, or overlap
         x = block.displacement[..., moving]
-        if not problem.alike and self.each is None:
+        if not problem.one_kind and self.each is None:
             self.each = np.full((problem.chains, problem.beads - 1), -math.inf)
         if x.shape[-1] > 1:
-            overlaps = motion.overlaps(problem, x)
+            overlaps = motion.overlaps(problem, x, moving.start + 1)
             self.value = float(np.maximum(self.value, np.max(overlaps)))
             if self.each is not None:
                 here = self.each[:, moving.start : moving.start + overlaps.shape[-1]]

@@ -4,6 +4,8 @@ All dimensionless. Which links there are, and their laws, is the problem's (`lam
 [..., chain, bead] of consecutive beads, which begin with bead ``first``.
 """
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,9 +15,15 @@ from lammps_inputs import System, laws
 Integers = NDArray[np.int64]
 
 
-def overlaps(system: System, displacement: Floats) -> Floats:
+def overlaps(system: System, displacement: Floats, first: int = 1) -> Floats:
     """Overlap of each bead with the next of its chain, [..., chain, bead - 1]; negative where they are apart."""
-    return system.along[0].strain(displacement)
+    return system.along[0].overlap(displacement, first)
+
+
+def rest_overlap(system: System, chain: Integers, contact: Integers) -> Any:
+    """Overlap at rest of chosen contacts, from 0; those beyond the last are the last."""
+    rest = laws.rest(system.along[0].law)
+    return rest[chain, np.clip(contact, 0, system.beads - 2)] if np.ndim(rest) else rest
 
 
 def _weighed(system: System, values: Floats, first: int) -> Floats:
@@ -52,14 +60,21 @@ def contact_energy(system: System, displacement: Floats, first: int = 1) -> Floa
     return np.asarray(sum(link.energy(displacement, first) for link in system.along))
 
 
-def stored_in_contact(system: System, overlap: Floats, *contact: Integers | slice) -> Floats:
-    """Energy in chosen contacts at an overlap; see `contact_force`."""
-    return np.asarray(sum(laws.energy(laws.at(link.law, *contact), overlap) for link in system.along))
+def stored_in_contact(system: System, strain: Floats, *contact: Integers | slice) -> Floats:
+    """Energy in chosen contacts at a strain; see `contact_force`."""
+    return np.asarray(sum(laws.energy(laws.at(link.law, *contact), strain) for link in system.along))
 
 
 def contact_force(system: System, overlap: Floats, *contact: Integers | slice) -> Floats:
-    """Force of chosen contacts at an overlap; they are [chain, contact] positions of the links, from 0."""
-    return np.asarray(sum(laws.force(laws.at(link.law, *contact), overlap) for link in system.along))
+    """Force of chosen contacts at an overlap, that at rest included; they are [chain, contact] positions of the links,
+    from 0.
+    """
+    return np.asarray(sum(laws.whole_force(laws.at(link.law, *contact), overlap) for link in system.along))
+
+
+def static_force(system: System, *contact: Integers | slice) -> Any:
+    """Force of chosen contacts at rest; see `contact_force`."""
+    return sum(laws.load(laws.at(link.law, *contact)) for link in system.along)
 
 
 def momentum(system: System, velocity: Floats, first: int = 1) -> Floats:
@@ -133,5 +148,6 @@ def larger_overlap(block: Trajectory, frame: Integers, chain: Integers, bead: In
         for side in (-1, 1):
             other = np.clip(bead + side, 0, x.shape[2] - 1)
             overlap = side * (x[frame, chain, bead] - x[frame, chain, other]) - block.problem.gap
+            overlap = overlap + rest_overlap(block.problem, chain, block.first - 1 + np.minimum(bead, other))
             result = np.fmax(result, np.where(other == bead, -np.inf, overlap))
     return result

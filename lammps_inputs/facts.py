@@ -11,3 +11,4 @@ class Fact(Enum):
     SECOND_ORDER = "LAMMPS's error falls as the square of the time step"
     PULSE = "the kick becomes a pulse that leads, and later pulses that follow"
     REST = "no bead moves before its neighbour has"
+    SONIC_VACUUM = "beads at rest bear no load and pass on no sound, so that pulses are exact solitary waves"

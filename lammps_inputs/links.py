@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from lammps_inputs import laws
 from lammps_inputs.laws import Law
+from lammps_inputs.laws.preloaded import PreloadedWall
 from lammps_inputs.laws.wall import HertzWall
 
 Floats = NDArray[np.float64]
@@ -114,6 +115,10 @@ class Along(Link):
     def strain(self, displacement: Floats) -> Floats:
         """Overlap of each bead with the next; negative where they are apart."""
         return displacement[..., :-1] - displacement[..., 1:] - self.gap
+
+    def overlap(self, displacement: Floats, first: int = 1) -> Floats:
+        """Overlap of each bead with the next, that at rest included."""
+        return np.asarray(self.strain(displacement) + laws.rest(self._seen(displacement, first)))
 
     def drive(self, total: Floats, force: Floats) -> None:
         """Push beads of higher numbers forward, of lower ones back."""
@@ -234,7 +239,7 @@ class Ground(Link):
 class Wall(Ground):
     """The last bead of each chain, or the first, with a wall at rest that only ever pushes: it lets no bead swing."""
 
-    law: HertzWall
+    law: HertzWall | PreloadedWall
 
     def mirrored(self) -> Self:
         """The wall at the other end."""

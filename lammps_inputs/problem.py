@@ -21,9 +21,12 @@ from lammps_inputs.facts import Fact
 from lammps_inputs.laws.linear import Linear
 from lammps_inputs.links import Across, Along, Ground, Link, Wall, largest_eigenvalue
 from lammps_inputs.loads import Load
-from lammps_inputs.numbers import power_of_two_at_least
+from lammps_inputs.numbers import power_of_two_at_least, text
 from lammps_inputs.scheme import SchemeName
 from lammps_inputs.units import Scale
+
+PLACES = "places"
+"""Fix of LAMMPS that has noted where beads rest, where that is no formula of their numbers."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -65,6 +68,11 @@ class System:
     def alike(self) -> bool:
         """Whether all beads, and all their contacts, are the same."""
         return isinstance(self.mass, float) and not any(laws.differs(link.law) for link in self.along)
+
+    @cached_property
+    def one_kind(self) -> bool:
+        """Whether all beads are the same, and all contacts but for the load that they bear."""
+        return isinstance(self.mass, float) and not any(np.ndim(next(iter(link.law))) for link in self.along)
 
     def holds(self, fact: Fact) -> bool:
         """Whether a fact is true of this system."""
@@ -136,8 +144,35 @@ class System:
 
     @property
     def swing(self) -> float:
-        """Angular frequency, at most, of a bead on its springs, those across and those to the ground."""
-        return float(np.sqrt(self._springs()))
+        """Angular frequency, at most, of a bead on its springs, those across and those to the ground, and of sound."""
+        return float(np.sqrt(self._springs() + self.sound_frequency**2))
+
+    @cached_property
+    def loaded(self) -> bool:
+        """Whether contacts bear a load at rest, so that there is sound."""
+        return any(np.any(laws.load(link.law)) for link in self.along)
+
+    @cached_property
+    def sound_frequency(self) -> float:
+        """Angular frequency, at most, of sound: small motions about rest, springs left out; 0 where there is none."""
+        if not self.loaded:
+            return 0.0
+        total = np.zeros((self.chains, self.beads))
+        for link in self.along:
+            stiff = np.broadcast_to(laws.stiffness(link.law, 0.0), (self.chains, self.beads - 1))
+            total[:, 1:] += 2.0 * stiff
+            total[:, :-1] += 2.0 * stiff
+        for wall in self.walls:
+            total += laws.stiffness(wall.law, 0.0)
+        return float(np.sqrt(np.max(total / self.mass)))
+
+    @property
+    def pace(self) -> float:
+        """Beads that a pulse passes in a unit of time, at most; as fast as sound at the largest force, if any bead is
+        lighter, or any contact under load or harder, than the reference's.
+        """
+        plain = self.alike and not self.loaded and all(link.law == type(link.law)() for link in self.along)
+        return 1.0 if plain else max(1.0, 0.5 * float(np.sqrt(self._contacts())))
 
     @property
     def stiffest_spring(self) -> float:
@@ -223,14 +258,40 @@ class System:
         """Bead diameter in LAMMPS: a power of two, so that touching is exact, and never small enough for second
         neighbours to meet or for one overlap to reach half of it. The dynamics do not depend on it.
         """
-        alone, shared = (laws.reach(self.along[0].law, energy) for energy in (self.energy, self.energy / 2.0))
+        law, rest = self.along[0].law, float(np.max(laws.rest(self.along[0].law)))
+        alone, shared = (rest + laws.reach(law, energy) for energy in (self.energy, self.energy / 2.0))
         walls = (2.0 * float(np.max(link.law.overlap(self.energy))) for link in self.walls)
         return power_of_two_at_least(max(4.0, 2.0 * alone, 2.0 * shared, *walls))
 
     @property
     def spacing(self) -> float:
-        """Distance between the centres of neighbouring beads at rest, in LAMMPS."""
-        return self.diameter + self.gap
+        """Distance between the centres of neighbouring beads at rest, in LAMMPS; without load if that differs."""
+        return self.diameter + self.gap - (float(laws.rest(self.along[0].law)) if self.even else 0.0)
+
+    @property
+    def even(self) -> bool:
+        """Whether all neighbouring beads are equally far apart at rest."""
+        return not any(np.ndim(laws.rest(link.law)) for link in self.along)
+
+    @property
+    def places(self) -> NDArray[np.float64]:
+        """[chain, bead] where LAMMPS has the beads at rest, to the last bit."""
+        if self.even:
+            row = np.arange(1, self.beads + 1) * self.spacing
+            return np.broadcast_to(row, (self.chains, self.beads))
+        places = np.full((self.chains, self.beads), self.spacing)
+        places[:, 1:] -= laws.rest(self.along[0].law)
+        return np.asarray(np.cumsum(places, axis=1))
+
+    @property
+    def place_formula(self) -> str:
+        """The same as a formula of LAMMPS; where it is none of the number of an atom, a fix has noted it."""
+        return f"((id-1)%{self.rows}+1)*{text(self.spacing)}" if self.even else f"f_{PLACES}"
+
+    @property
+    def rows(self) -> int:
+        """Rows of beads that exist in LAMMPS."""
+        return self.beads
 
     def initial_velocity(self) -> NDArray[np.float64]:
         """Velocities at the start, [chain, bead]; displacements are zero."""

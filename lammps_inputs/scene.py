@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from dataclasses import fields
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
+import numpy as np
 from pydantic import BeforeValidator, Field, create_model, field_validator, model_validator
 
 from lammps_inputs import html, strict_yaml
@@ -30,6 +31,7 @@ from lammps_inputs.limits.hertz import WHOLE_BEAD, overlap_bounds, sound_speed
 from lammps_inputs.limits.timestep import default_timestep
 from lammps_inputs.problem import Problem, System
 from lammps_inputs.scheme import SchemeName
+from lammps_inputs.static_load import LoadError, under_load
 from lammps_inputs.units import Scale, hertz_constant, make_scale, sphere_mass
 from lammps_inputs.window import HEADROOM, LEAST_WINDOW, behind, rows_for
 
@@ -316,7 +318,10 @@ class BaseScene(Part):
         made = [(ingredient, ingredient.links(self)) for ingredient in self.ingredients]
         loads = tuple(load for ingredient in self.ingredients for load in ingredient.loads(self))
         taken = {fact for ingredient, links in made if links for fact in ingredient.takes_away}
-        return System(
+        static = sum((ingredient.static(self, mass) for ingredient in self.ingredients), np.float64(0.0))
+        if np.any(static):
+            taken.add(Fact.SONIC_VACUUM)
+        system = System(
             chains=self.chains,
             beads=self.beads,
             kicks=tuple((kick.chain, kick.bead, kick.velocity / scale.velocity) for kick in self.kicks),
@@ -325,6 +330,13 @@ class BaseScene(Part):
             lacks=frozenset(taken | ({Fact.SECOND_ORDER} if any(load.law.jumps for load in loads) else set())),
             loads=loads,
         )
+        if not np.any(static):
+            return system
+        try:
+            return under_load(system, np.broadcast_to(static, (self.chains, self.beads + 1)))
+        except LoadError as error:
+            key = next(key for key in INGREDIENTS if np.any(_static(getattr(self, key), self, mass)))
+            raise ValueError(f"{key}: {error}") from None
 
     def _cadence(self) -> tuple[float, int]:
         """Time between frames in the scene's units, and time steps in it."""
@@ -397,6 +409,10 @@ class BaseScene(Part):
 
 def _one_or_several(value: Any) -> Any:
     return tuple(value) if isinstance(value, list | tuple) else None if value is None else (value,)
+
+
+def _static(part: Any, scene: BaseScene, mass: Any) -> Any:
+    return part.static(scene, mass) if isinstance(part, Ingredient) else 0.0
 
 
 def _annotation(ingredient: type[Ingredient]) -> Any:

@@ -65,6 +65,7 @@ _SI = {
     "momentum": "kg m/s",
     "energy": "J",
     "speed": "beads/s",
+    "frequency": "rad/s",
 }
 
 

@@ -6,11 +6,15 @@ frames, how strong each kind of link was (`identify_strengths`) and which spring
 What follows from the measurements is for others to say.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from analysis.trajectory import Floats, Trajectory
+from lammps_inputs import laws
+from lammps_inputs.laws import Law
+from lammps_inputs.laws.preloaded import Preloaded
+from lammps_inputs.links import Link
 
 SINGLE = "single precision"
 
@@ -166,6 +170,75 @@ def identify_strengths(trajectory: Trajectory) -> dict[str, float] | None:
     if rank < len(columns):
         return None
     return {link.name: float(factor) for link, factor in zip(problem.links, factors, strict=True)}
+
+
+_EXPLAINED = 0.05
+"""Share of the impulses left unexplained, of those at the right load, that another load must leave at most."""
+
+
+@dataclass(frozen=True)
+class StaticLoad:
+    """What bears the beads of a trajectory at rest, over what the problem says; 1 is right.
+
+    Attributes:
+        held: forces from outside that hold them (on the ends, weights); NaN where walls alone do.
+        pressed: force in the contacts at rest.
+    """
+
+    held: float
+    pressed: float
+
+
+def identify_load(trajectory: Trajectory) -> StaticLoad | None:
+    """Find the static load of a trajectory; None where the problem has none, or not all beads are recorded.
+
+    What links in incremental form leave of a bead's change of momentum is what holds it too much or too little. How
+    hard the contacts are pressed shows in how they give: the load at which they explain most, among some.
+    """
+    problem = trajectory.problem
+    if not problem.loaded or problem.recorded is not None or trajectory.frames < 10:
+        return None
+    x, v = trajectory.displacement, trajectory.velocity
+    spacing = np.diff(trajectory.time)[:, np.newaxis, np.newaxis]
+    change = np.diff(v, axis=0) * problem.mass
+    for load in problem.loads:
+        change[:, load.chain - 1, load.bead - 1] -= np.diff(load.impulse(trajectory.time))
+    rest = [link for link in problem.links if link not in problem.along]
+    for link in rest:
+        link.drive(change, -integral(link.force(x), link.force_rate(x, v), spacing))
+
+    def left(factor: float) -> Floats:
+        total = change.copy()
+        for link in problem.along:
+            law = _pressed(link.law, factor)
+            pressed = replace(link, law=law)
+            pressed.drive(total, -integral(pressed.force(x), pressed.force_rate(x, v), spacing))
+        return total
+
+    outside = np.zeros(x.shape[1:])
+    for link in problem.links:
+        link.drive(outside, -np.broadcast_to(_at_rest(link), link.strain(x[0]).shape))
+    power = float(np.sum(outside**2) * np.sum(spacing))
+    size = float(np.max(np.abs(outside)))
+    far = 1e-9 * size * problem.chains * problem.beads
+    held = 1.0 + float(np.sum(left(1.0).sum(axis=0) * outside)) / power if size > far else np.nan
+    factors = np.concatenate([[0.0], 10.0 ** (np.arange(-40, 41) / 40.0)])
+    missing = np.array([float(np.sum(left(float(factor)) ** 2)) for factor in factors])
+    best = int(np.argmin(missing))
+    explains = missing[best] < _EXPLAINED * missing[factors == 1.0][0]
+    return StaticLoad(held, float(factors[best]) if explains else 1.0)
+
+
+def _pressed(law: Law, factor: float) -> Law:
+    """The same contact under another load."""
+    assert isinstance(law, Preloaded)
+    return law._replace(rest=law.rest * factor ** (2.0 / 3.0), load=law.load * factor)
+
+
+def _at_rest(link: Link) -> Floats:
+    """Force at rest of each link that bears a load."""
+    side = getattr(link.law, "side", 1.0)
+    return np.asarray(side * laws.load(link.law))
 
 
 def integral(value: Floats, rate: Floats, spacing: Floats) -> Floats:

@@ -1,5 +1,6 @@
 """Figures of a run: data in, matplotlib Figure out. Readable in print and by colour-blind eyes; nothing is saved."""
 
+from analysis.figures.dispersion import dispersion_figure
 from analysis.figures.distance import distance_figure
 from analysis.figures.energy import energy_figure
 from analysis.figures.forces import force_figure
@@ -27,6 +28,7 @@ __all__ = [
     "SpaceTime",
     "Unit",
     "axis_unit",
+    "dispersion_figure",
     "distance_figure",
     "draw_chain",
     "energy_figure",

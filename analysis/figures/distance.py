@@ -12,6 +12,7 @@ from analysis.figures.style import STYLE, axis_unit, chain_legend, draw_chain, s
 from analysis.sharing.energy_shares import EnergyShares
 from analysis.sharing.equipartition import Sharing
 from lammps_inputs import Problem
+from lammps_inputs.facts import Fact
 
 AGREED = 0.01
 
@@ -67,7 +68,9 @@ def _draw_waves(axis: Axes, problem: Problem, shared: Sharing, energies: EnergyS
             draw_chain(axis, place, chain, bead, energies.wave[:, chain])
     few: dict[str, Any] = {"marker": ".", "markersize": 4} if len(shared) <= FEW else {}
     lines = []
-    if not problem.gap and problem.alike:  # what runs down other beads, or with gaps, is no exact wave
+    if (
+        not problem.gap and problem.alike and problem.holds(Fact.SONIC_VACUUM)
+    ):  # what runs down other beads, or with gaps, is no exact wave
         exact = np.sum(shared.wave_share, axis=1)
         lines += axis.plot(shared.bead, exact, color="0.65", linewidth=3.0, label="all waves, if exact", **few)
     if measured:

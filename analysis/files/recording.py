@@ -1,6 +1,6 @@
 """A run's frames in a file: dumps read as a trajectory, block by block, and frames written as LAMMPS writes them.
 
-Knows which atom is which bead: atom = (chain - 1) * beads + bead, at rest at bead * spacing. The file format is in
+Knows which atom is which bead: atom = (chain - 1) * beads + bead, and where it rests. The file format is in
 `binary_dump`.
 """
 
@@ -24,8 +24,8 @@ are."""
 
 
 def rest_positions(problem: Problem) -> Floats:
-    """[recorded bead] where LAMMPS has the beads at the start, to the last bit."""
-    return np.asarray(problem.recorded_beads * problem.spacing, dtype=np.float64)
+    """[chain, recorded bead] where LAMMPS has the beads at the start, to the last bit."""
+    return np.asarray(problem.places[:, problem.recorded_beads - 1])
 
 
 def atom_ids(problem: Problem) -> NDArray[np.int64]:
@@ -92,7 +92,7 @@ def _whole(dump: BinaryDump, chosen: slice, time: Floats, problem: Problem) -> I
     """Some frames of all recorded beads, as one block."""
     values = dump.read(chosen.start, chosen.stop, chosen.step, columns=("x", "vx"))
     shape = (len(time), *atom_ids(problem).shape)
-    values[:, 0] -= np.tile(rest_positions(problem), problem.chains)
+    values[:, 0] -= rest_positions(problem).reshape(-1)
     yield Trajectory(problem, time, values[:, 0].reshape(shape), values[:, 1].reshape(shape))
 
 
@@ -140,7 +140,7 @@ class Writer:
         ids = atom_ids(problem)
         self._rows = np.empty((*ids.shape, 3), dtype="<f8")
         self._rows[:, :, 0] = ids
-        width = 2.0 * problem.spacing
+        width = 2.0 * (problem.diameter + problem.gap)
         self._lateral = (-width, width * problem.chains, -width, width)
         self._file = Path(path).open("wb")  # noqa: SIM115  closed by `close`
 

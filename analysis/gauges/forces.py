@@ -42,7 +42,8 @@ class ForceMeter:
         shape = (problem.chains, len(gauges))
         self._time: list[Floats] = []
         self._force: list[Floats] = []
-        self._largest, self._impulse = np.zeros((2, *shape))
+        self._static = np.stack([gauge.static for gauge in gauges], axis=-1)
+        self._largest, self._impulse = self._static.copy(), np.zeros(shape)
         self._largest_at = np.full(shape, np.nan)
         self._changes: list[list[tuple[Integers, Floats, NDArray[np.bool_]]]] = [[] for _ in gauges]
         self._carried: Trajectory | None = None
@@ -86,7 +87,7 @@ class ForceMeter:
                 if 0 <= hardest < len(start):
                     dwell[chain, place] = end[hardest] - start[hardest]
         largest = np.copy(self._largest), np.copy(self._largest_at), np.copy(self._impulse)
-        return Readings(self.gauges, time, force, *largest, dwell, contacts)
+        return Readings(self.gauges, time, force, self._static, *largest, dwell, contacts)
 
     def _at_frames(self, block: Trajectory) -> Floats:
         force = np.zeros((block.frames, self.problem.chains, len(self.gauges)))
@@ -111,12 +112,14 @@ class ForceMeter:
         chain = np.tile(np.arange(self.problem.chains), block.frames - 1)
         moving = np.flatnonzero(np.any([np.any(p != 0.0, axis=0) for p in polynomials], axis=0))
         border = borders(spacing)
-        forces = np.zeros((len(border), size))
+        static = gauge.static[chain]
+        forces = np.tile(static, (len(border), 1))
+        forces[:, moving] = 0.0
         for probe, polynomial in zip(gauge.probes, polynomials, strict=True):
             single = Curve(probe.force, polynomial[:, moving], chain[moving])
             forces[:, moving] += np.stack([single(np.full(len(moving), s)) for s in border]) / len(gauge.probes)
             impulse = np.zeros(size)
-            impulse[moving] = single.integral(border) * spacing / len(gauge.probes)
+            impulse[moving] = (single.integral(border) - probe.static[chain[moving]]) * spacing / len(gauge.probes)
             # term by term: the order must not depend on how many there are at once
             np.add.at(self._impulse[:, place], chain, impulse)
 

@@ -22,12 +22,14 @@ class Probe:
 
     Attributes:
         behind, ahead: beads whose difference of displacements is its strain, counted from 1; 0 for what is at rest.
-        force: strain [chain, ...] -> force [chain, ...], never negative.
+        force: strain [chain, ...] -> force [chain, ...], that at rest included, never negative.
+        static: [chain] at rest.
     """
 
     behind: int
     ahead: int
     force: Callable[[Floats, Integers], Floats]
+    static: Floats
 
 
 @dataclass(frozen=True)
@@ -44,6 +46,11 @@ class Gauge:
     name: str
     bead: int
     probes: tuple[Probe, ...]
+
+    @property
+    def static(self) -> Floats:
+        """[chain] at rest; 0 without a static load."""
+        return np.asarray(sum(probe.static for probe in self.probes) / len(self.probes))
 
     @property
     def side(self) -> str:
@@ -72,14 +79,20 @@ def _at_wall(problem: Problem, link: Wall) -> Probe:
     place = problem.beads - 1 if right else 0
 
     def force(strain: Floats, chain: Integers) -> Floats:
+        law = laws.at(link.law, chain, place)
         displacement = strain if right else -strain
-        return np.asarray(np.abs(laws.force(laws.at(link.law, chain, place), displacement)))
+        return np.asarray(np.maximum(link.law.side * laws.force(law, displacement) + laws.load(law), 0.0))
 
-    return Probe(problem.beads, 0, force) if right else Probe(0, 1, force)
+    chain = np.arange(problem.chains)
+    static = np.broadcast_to(laws.load(laws.at(link.law, chain, place)), problem.chains)
+    return Probe(problem.beads, 0, force, static) if right else Probe(0, 1, force, static)
 
 
 def _between(problem: Problem, bead: int) -> Probe:
     def force(strain: Floats, chain: Integers) -> Floats:
-        return motion.contact_force(problem, strain - problem.gap, chain, np.full(chain.shape, bead - 1))
+        contact = np.full(chain.shape, bead - 1)
+        overlap = strain - problem.gap + motion.rest_overlap(problem, chain, contact)
+        return motion.contact_force(problem, overlap, chain, contact)
 
-    return Probe(bead, bead + 1, force)
+    at_rest = (laws.load(laws.at(link.law, Ellipsis, bead - 1)) for link in problem.along)
+    return Probe(bead, bead + 1, force, np.broadcast_to(sum(at_rest), problem.chains))

@@ -19,9 +19,10 @@ class Readings:
     Attributes:
         gauges: which.
         time: [frame], in units of T.
-        force: [frame, chain, gauge].
+        force: [frame, chain, gauge], what bears it at rest included.
+        static: [chain, gauge] of that, force at rest; 0 without a static load.
         largest, largest_at: [chain, gauge] largest force, between frames too, and when; at NaN where there was none.
-        impulse: [chain, gauge] integral of the force over time, of all contacts together.
+        impulse: [chain, gauge] integral of the force above that at rest over time, of all contacts together.
         dwell: [chain, gauge] how long the contact lasted in which the force was largest, so far if it still lasts.
         contacts: [chain, gauge] how many contacts there were.
     """
@@ -29,6 +30,7 @@ class Readings:
     gauges: tuple[Gauge, ...]
     time: Floats
     force: Floats
+    static: Floats
     largest: Floats
     largest_at: Floats
     impulse: Floats
@@ -37,13 +39,22 @@ class Readings:
 
 
 def to_csv(readings: Readings, scale: Scale) -> str:
-    """Force over time in the scene's units: a column for every gauge and chain, such as ``contact 10 chain 1 (N)``."""
+    """Force over time in the scene's units: a column for every gauge and chain, such as ``contact 10 chain 1 (N)``.
+
+    Under a static load that is the total; as many columns ``contact 10 chain 1 dynamic (N)`` follow, without the load.
+    """
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     chains = readings.force.shape[1]
     names = [f"{gauge.name} chain {chain + 1}" for gauge in readings.gauges for chain in range(chains)]
+    forces = [readings.force]
+    if np.any(readings.static):
+        names += [f"{name} dynamic" for name in names]
+        forces.append(readings.force - readings.static)
+    columns = (
+        np.concatenate([np.moveaxis(f, 2, 1).reshape(len(readings.time), -1) for f in forces], axis=1) * scale.force
+    )
     writer.writerow([scale.heading("time", "time"), *(scale.heading(name, "force") for name in names)])
-    columns = np.moveaxis(readings.force, 2, 1).reshape(len(readings.time), -1) * scale.force
     for time, row in zip((readings.time * scale.time).tolist(), columns.tolist(), strict=True):
         writer.writerow([repr(time), *map(repr, row)])
     return out.getvalue()

@@ -80,7 +80,11 @@ def fit_decay(shared: Sharing, problem: Problem) -> DecayFit | None:
 
     ``(v / v0)**0.4 = 1 - n / n*`` is a straight line.
     """
-    if not (problem.alike and problem.holds(Fact.PULSE)) or len(problem.struck) != 1 or len(shared) == 0:
+    if (
+        not (problem.alike and problem.holds(Fact.PULSE) and problem.holds(Fact.SONIC_VACUUM))
+        or len(problem.struck) != 1
+        or len(shared) == 0
+    ):
         return None
     chain, hit = shared.kicked, problem.struck[0][1]
     springs = stiffness_of_springs(problem, chain)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.shape.exact_wave import solitary_wave
+from analysis.shape.loaded_wave import LoadedSpeed, make_speed
 from analysis.tracking.leading_waves import Waves
 from analysis.tracking.pulses import of_one_kind
 from analysis.trajectory import Floats
@@ -68,6 +69,8 @@ class Sharing:
     noise: float = 0.0
     arrival_error: Floats | None = None
     amplitude_error: Floats | None = None
+    loaded: LoadedSpeed | None = None
+    """How fast waves run on a static load; None without one."""
 
     def __len__(self) -> int:
         return len(self.bead)
@@ -101,7 +104,10 @@ class Sharing:
     def _passage(self) -> Floats:
         """[place] time in which the exact wave of the mean amplitude passes at half its height."""
         exact = solitary_wave()
-        return np.asarray(exact.width / exact.speed_at(self._mean))
+        speed = exact.speed_at(self._mean)
+        if self.loaded is not None:  # a wave on a static load is about as long, and faster
+            speed = self.loaded.at(self.kicked + 1, self.bead, self._mean)
+        return np.asarray(exact.width / speed)
 
     def sure_to(self) -> tuple[float, float]:
         """How well amplitudes (relative) and arrivals (in passages) of single waves are known over the last half beat.
@@ -253,6 +259,7 @@ def sharing(waves: Waves, problem: Problem, noise: float = 0.0) -> Sharing:
         noise,
         side_by_side(waves.arrival_error),
         side_by_side(waves.velocity_error),
+        make_speed(problem) if problem.loaded else None,
     )
 
 

@@ -1,7 +1,8 @@
 """Impulses of contacts: what each bead got from the bead behind it, in its first contact and in all of them.
 
 Row n stands for the contact in which bead n is struck by bead n - 1, so the first row has none. In units of m V: a bead
-at rest that is struck and let go leaves with its impulse as velocity. Two sources, one result:
+at rest that is struck and let go leaves with its impulse as velocity; under a static load, of the force above that.
+Two sources, one result:
 
 - frames: the force is integrated between them along a polynomial of the overlap (`ImpulseMeter`);
 - collisions of rigid beads, whose impulse is the difference of the two velocities (`from_events`).
@@ -125,7 +126,9 @@ class ImpulseMeter:
 
     def _overlaps(self, block: Trajectory) -> Floats:
         x = block.displacement
-        return np.asarray(x[..., self._pair] - x[..., self._pair + 1] - self.problem.gap)
+        strain = x[..., self._pair] - x[..., self._pair + 1] - self.problem.gap
+        chain = np.arange(self.problem.chains)[:, np.newaxis]
+        return np.asarray(strain + motion.rest_overlap(self.problem, chain, self._bead - 2))
 
     def _integrate(self, block: Trajectory) -> None:
         """Add the impulses between the frames of a block."""
@@ -140,7 +143,8 @@ class ImpulseMeter:
         node, weight = _gauss(spacing)
         between = np.stack([hermite.value(polynomial, np.full(len(frame), s)) for s in node])
         contact = chain, self._bead[pair] - 2
-        push = motion.contact_force(self.problem, between, *contact) * weight[:, np.newaxis] * spacing
+        above_rest = motion.contact_force(self.problem, between, *contact) - motion.static_force(self.problem, *contact)
+        push = above_rest * weight[:, np.newaxis] * spacing
         closed = np.stack([overlap[frame, chain, pair], *between, overlap[frame + 1, chain, pair]]) > TOUCH
         opening = closed[:-1] & ~closed[1:]
         before = np.cumsum(opening, axis=0)[:-1] == 0  # of each node: whether no contact has ended in this interval

@@ -12,6 +12,7 @@ from analysis.sharing.equipartition import CLEAR
 from analysis.tracking.pulses import Pulse
 from analysis.trajectory import Floats
 from lammps_inputs import Problem, laws
+from lammps_inputs.facts import Fact
 
 CONSTANT_OVER = 10
 """Beads over which the amplitude must be constant."""
@@ -40,7 +41,8 @@ class Character:
         bead: where, counted from 1.
         arrival, peak_velocity, speed: there, in units of T, V, beads / T.
         width, momentum, energy, residual: see `analysis.shape.waveforms.Shape`.
-        speed_excess: relative to the exact law at this peak velocity; it and the residual are NaN where beads differ.
+        speed_excess: relative to the exact law at this peak velocity; it and the residual are NaN where beads differ
+            or bear a load.
         variation: (largest - smallest) / mean peak velocity over the ten beads up to this one; NaN if it ran less.
         fails: which of shape, speed, amplitude differ by more than the tolerances, or could not be measured.
     """
@@ -94,7 +96,8 @@ def characterise(
 ) -> Character:
     """Judge a pulse at one of its passages.
 
-    Where beads differ, there is no exact wave to compare with: constancy alone counts, over beads of the same mass.
+    Where beads differ, or bear a load, there is no exact wave to compare with: constancy alone counts, over beads of
+    the same mass.
 
     Args:
         pulse: which.
@@ -132,6 +135,8 @@ def characterise(
 
 def _as_reference_beads(problem: Problem, chain: int, bead: int) -> bool:
     """Whether a bead, from 0, and those within the length of the exact wave are of mass 1, with contacts of A = 1."""
+    if not problem.holds(Fact.SONIC_VACUUM):
+        return False
     near = slice(max(0, bead - math.ceil(REACH)), bead + math.ceil(REACH) + 1)
     strength = (laws.at(link.law, chain, near) for link in problem.along)
     return problem.alike or bool(

@@ -141,13 +141,24 @@ def _too_short(what: str, expected: Estimate | None, decay: DecayFit | None) -> 
 def _expected(shared: Sharing, problem: Problem) -> Estimate | None:
     """Bead of 1% agreement, ahead of the last one seen: by the beats' decay where it is near, else by the rule."""
     last = int(shared.bead[-1])
-    tried = problem.open_row and problem.gap == 0.0 and problem.kappa >= STRONG and _resolved(shared, problem)
+    tried = (
+        problem.open_row
+        and problem.holds(Fact.SONIC_VACUUM)
+        and problem.gap == 0.0
+        and problem.kappa >= STRONG
+        and _resolved(shared, problem)
+    )
     if problem.chains > 4:  # one hit within many chains first levels with its neighbours, and only later with all
         tried &= all(chain in (1, problem.chains) for chain, _, _ in problem.struck)
     found = shared.expected_agreement(AGREEMENT) if tried else None
     if found is not None and last < found.value <= (1.0 + NEAR) * last:
         return found
     return _by_rule(problem, last)
+
+
+def _plain(problem: Problem) -> bool:
+    """Whether beads just touch, as all of those did that rules were measured with."""
+    return problem.gap == 0.0 and problem.holds(Fact.SONIC_VACUUM)
 
 
 def _resolved(shared: Sharing, problem: Problem) -> bool:
@@ -168,7 +179,13 @@ def _by_rule(problem: Problem, last: int) -> Estimate | None:
     least = 0.003 if problem.chains == 2 else 0.01
     (chain, bead, _), *more = problem.struck
     outer = not more and chain in (1, problem.chains) and bead == 1
-    measured = outer and problem.gap == 0.0 and problem.chains <= RULE_CHAINS and least <= problem.kappa <= 2.0
+    measured = (
+        outer
+        and problem.holds(Fact.SONIC_VACUUM)
+        and problem.gap == 0.0
+        and problem.chains <= RULE_CHAINS
+        and least <= problem.kappa <= 2.0
+    )
     beads = 10.0 + 5.0 / problem.kappa * (problem.chains / 2.0) ** 1.6
     if not measured or beads <= last:
         return None

@@ -116,7 +116,10 @@ def _kink(block: Trajectory, start: Integers, chain: Integers, bead: Integers) -
         pressed, rate = [], []
         for frame in (start, np.minimum(start + 1, block.frames - 1)):
             x, v = block.displacement, block.velocity
-            pressed.append(side * (x[frame, chain, bead] - x[frame, chain, other]) - problem.gap > 0.0)
+            strain = side * (x[frame, chain, bead] - x[frame, chain, other]) - problem.gap
+            pressed.append(
+                strain + motion.rest_overlap(problem, chain, block.first - 1 + np.minimum(bead, other)) > 0.0
+            )
             rate.append(np.abs(v[frame, chain, bead] - v[frame, chain, other]))
         contact = np.clip(block.first - 1 + np.minimum(bead, bead + side), 0, problem.beads - 2)
         force = motion.contact_force(problem, np.maximum(*rate) * spacing, chain, contact)

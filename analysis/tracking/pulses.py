@@ -12,8 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.mirror import mirrored_bead
+from analysis.mirror import mirrored_bead, mirrored_problem
 from analysis.shape.exact_wave import solitary_wave
+from analysis.shape.loaded_wave import LoadedSpeed, make_speed
 from analysis.tracking.peaks import Peaks, in_mirror
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
@@ -95,6 +96,7 @@ def track_pulses(
     recorded = like if direction > 0 else mirrored_bead(problem, like)[::-1]
     least = max(2, min(least_beads, len(recorded)))
     exact = solitary_wave()
+    loaded = make_speed(problem if direction > 0 else mirrored_problem(problem)) if problem.loaded else None
     pressed = PRESSED * exact.overlap(0.5) * peaks.velocity**0.8
     passages = peaks.where(
         (peaks.velocity > 0.25 * smallest) & ~(peaks.overlap < pressed) & np.isin(peaks.bead, recorded)
@@ -102,7 +104,7 @@ def track_pulses(
     found = []
     for chain in np.unique(passages.chain):
         own = passages.where(passages.chain == chain)
-        for track in _linked(own, recorded, noise):
+        for track in _linked(own, recorded, noise, loaded):
             if len(track) >= least and np.max(own.velocity[track]) >= smallest:
                 bead, arrival = own.bead[track], own.time[track]
                 speed = local_speed(bead, arrival)
@@ -153,9 +155,13 @@ class _Track:
     bound: float = np.inf
 
 
-def _linked(peaks: Peaks, recorded: Integers, noise: float) -> Iterator[list[int]]:
+def _linked(peaks: Peaks, recorded: Integers, noise: float, loaded: LoadedSpeed | None = None) -> Iterator[list[int]]:
     """Positions in the table of the passages of one chain, pulse by pulse. Beads are taken in ascending order."""
     exact = solitary_wave()
+
+    def speed_at(amplitude: Floats, bead: Integers) -> Floats:
+        return exact.speed_at(amplitude) if loaded is None else loaded.at(int(peaks.chain[0]), bead, amplitude)
+
     starts = np.searchsorted(peaks.bead, recorded)
     ends = np.searchsorted(peaks.bead, recorded, side="right")
     place = np.searchsorted(recorded, peaks.bead)
@@ -168,11 +174,11 @@ def _linked(peaks: Peaks, recorded: Integers, noise: float) -> Iterator[list[int
             here = np.arange(start, end)
             amplitude = np.sqrt(peaks.velocity[last][:, np.newaxis] * peaks.velocity[here])
             way = (recorded[number] - peaks.bead[last])[:, np.newaxis]
-            delay = (peaks.time[here] - peaks.time[last][:, np.newaxis]) * exact.speed_at(amplitude) / way
+            delay = (peaks.time[here] - peaks.time[last][:, np.newaxis]) * speed_at(amplitude, peaks.bead[here]) / way
             ratio = peaks.velocity[here] / peaks.velocity[last][:, np.newaxis]
             ratio = np.minimum(ratio, 1.0 / ratio)
             cost = (delay - pace) ** 2 + 0.1 * np.log(ratio) ** 2
-            slack = SCATTER * noise / amplitude * exact.speed_at(amplitude) / way
+            slack = SCATTER * noise / amplitude * speed_at(amplitude, peaks.bead[here]) / way
             far = (np.abs(delay - pace) > bound + slack) | (delay < EARLIEST - slack) | (delay > LATEST + slack)
             cost[far | (ratio < FAINTEST)] = np.inf
             taken = set()

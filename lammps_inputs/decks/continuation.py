@@ -107,8 +107,7 @@ def render_continuation(problem: Problem) -> str:
 
 def _rest(problem: Problem) -> str:
     """Where LAMMPS had a bead at rest, to the last bit."""
-    row = "mol" if problem.window is not None else f"((id-1)%{problem.rows}+1)"
-    return f"{row}*{text(problem.spacing)}"
+    return problem.place_formula if problem.window is None else f"mol*{text(problem.spacing)}"
 
 
 def _from_rest() -> list[str]:

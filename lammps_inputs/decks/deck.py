@@ -20,7 +20,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from lammps_inputs import loads, scheme, strict_yaml, window
+from lammps_inputs import laws, loads, scheme, strict_yaml, window
+from lammps_inputs.decks import at_rest
 from lammps_inputs.lines import AtomTypes, Lines
 from lammps_inputs.links import Across, Along, words
 from lammps_inputs.numbers import text
@@ -111,6 +112,10 @@ def spelling(problem: Problem) -> list[Lines]:
     Raises:
         ValueError: LAMMPS has no words for one of them.
     """
+    return [*_of_links(problem), *loads.lines(problem.loads, problem)]
+
+
+def _of_links(problem: Problem) -> list[Lines]:
     found = []
     for link in problem.links:
         kind = "along" if isinstance(link, Along) else "across" if isinstance(link, Across) else "ground"
@@ -118,7 +123,7 @@ def spelling(problem: Problem) -> list[Lines]:
         if spell is None:
             raise ValueError(f"{link.name}: LAMMPS does not know this force; use the reference engine")
         found.append(spell(link if isinstance(link, Across) else link.name, problem))
-    return [*found, *loads.lines(problem.loads, problem)]
+    return found
 
 
 def interactions(problem: Problem) -> list[list[str]]:
@@ -128,7 +133,13 @@ def interactions(problem: Problem) -> list[list[str]]:
 
 def motion_lines(problem: Problem, group: str) -> list[str]:
     """Newton's equation for the beads of a group."""
-    lines = [f"fix motion {group} nve", *(line for found in spelling(problem) for line in found.motion)]
+    lines = [
+        f"fix motion {group} nve",
+        *at_rest.place_lines(problem),
+        *(line for found in _of_links(problem) for line in found.motion),
+        *at_rest.hold_lines(problem),
+        *(line for found in loads.lines(problem.loads, problem) for line in found.motion),
+    ]
     if problem.coupled:
         lines.append("fix line all lineforce 1 0 0     # beads move along their chain only")
     return lines
@@ -195,7 +206,7 @@ def travel_lines(problem: Problem) -> list[str]:
     if problem.window is None:
         return scheme.run_lines(problem.scheme, "${steps}")
     travel = [
-        window.stretch_line(problem.timestep, scheme.cycle(problem.scheme)),
+        window.stretch_line(problem.timestep, scheme.cycle(problem.scheme), problem.pace),
         *window.travel_lines(problem.scheme),
     ]
     return travel if problem.scheme == "verlet" else [*scheme.QUIET, *travel, *scheme.LOUD]
@@ -205,6 +216,8 @@ def _title(problem: Problem) -> list[str]:
     parts = [f"{problem.chains} chain{'s' * (problem.chains > 1)} of {problem.beads} beads"]
     if problem.gap:
         parts.append(f"gap {problem.gap:.6g}")
+    if problem.loaded:
+        parts.append("under a static load")
     if problem.coupled:
         parts.append(f"coupling {words(problem.across)}")
     return [
@@ -253,6 +266,9 @@ def _atom(problem: Problem, chain: int, bead: int) -> int:
 
 def _skin(problem: Problem) -> float:
     """Neighbour distance beyond contact that takes in the next bead of the chain and nothing else."""
+    if problem.loaded:
+        rest = max(float(np.max(laws.rest(link.law))) for link in problem.along)
+        return min(problem.diameter / 2.0, problem.diameter / 2.0 - rest)
     return problem.gap + problem.diameter / 2.0
 
 
@@ -272,10 +288,11 @@ def render_data(problem: Problem) -> str:
     if problem.coupled:
         count, kinds = sum(np.count_nonzero(kind) for *_, kind in bonds), max(int(kind.max()) for *_, kind in bonds)
         out.write(f"{count} bonds\n{kinds} bond types\n")
-    side = text(2.0 * spacing)
+    apart = 2.0 * (problem.diameter + problem.gap)
+    side = text(apart)
     out.write(f"\n0 {text((beads + 1) * spacing)} xlo xhi\n")
-    out.write(f"-{side} {text(2.0 * spacing * chains)} ylo yhi\n-{side} {side} zlo zhi\n")
-    places = [text(x) for x in np.arange(1, beads + 1) * spacing]
+    out.write(f"-{side} {text(apart * chains)} ylo yhi\n-{side} {side} zlo zhi\n")
+    places = [text(x) for x in problem.places[0, :beads]]
     kind = np.ones(beads, dtype=int)
     if problem.recorded is not None:
         kind[problem.recorded_beads - 1] = 2
@@ -283,11 +300,13 @@ def render_data(problem: Problem) -> str:
     same_size = f"{text(problem.diameter)} {text(unit)}"
     out.write(f"\nAtoms # {_atom_style(problem)}\n\n")
     for chain in range(chains):
-        first, y = chain * beads + 1, text(2.0 * spacing * chain)
+        first, y = chain * beads + 1, text(apart * chain)
         of_chain = kind if by_contact is None else by_contact.of[chain]
         sizes: Iterator[str] = itertools.repeat(same_size, beads)
         if not isinstance(problem.mass, float):
             sizes = (f"{text(problem.diameter)} {text(unit * mass)}" for mass in problem.mass[chain].tolist())
+        if not problem.even:
+            places = [text(x) for x in problem.places[chain]]
         rows = enumerate(zip(of_chain.tolist(), places, sizes, strict=True))
         if problem.window is not None:
             out.writelines(f"{first + i} {t} {x} {y} 0 {size} {i + 1}\n" for i, (t, x, size) in rows)

@@ -14,6 +14,7 @@ from lammps_inputs.ingredients.base import Ingredient
 from lammps_inputs.ingredients.contact import contacts
 from lammps_inputs.ingredients.coupling import Coupling, springs
 from lammps_inputs.ingredients.foundation import Foundation
+from lammps_inputs.ingredients.preload import Gravity, Precompression
 from lammps_inputs.ingredients.push import Push
 from lammps_inputs.ingredients.walls import Walls
 from lammps_inputs.links import Link
@@ -26,6 +27,8 @@ __all__ = ["INGREDIENTS", "OWN_INGREDIENTS", "Ingredient", "contacts", "coupled_
 INGREDIENTS: dict[str, type[Ingredient]] = {
     "coupling": Coupling,
     "foundation": Foundation,
+    "gravity": Gravity,
+    "precompression": Precompression,
     "push": Push,
     "walls": Walls,
 }

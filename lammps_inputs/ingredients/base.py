@@ -3,6 +3,8 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict
 
 from lammps_inputs.facts import Fact
@@ -53,6 +55,15 @@ class Ingredient(Part):
 
     def speed(self, mass: float) -> float:  # noqa: ARG002
         """Of a bead of this mass that it sets in motion, in the scene's units: a measure of V."""
+        return 0.0
+
+    def static(self, scene: "BaseScene", mass: float | NDArray[np.float64]) -> float | NDArray[np.float64]:  # noqa: ARG002
+        """Force at rest, dimensionless: a number, or [chain, bead + 1] from before the first bead to behind the last.
+
+        Args:
+            scene: that it is part of.
+            mass: of the beads, dimensionless, a number or [chain, bead].
+        """
         return 0.0
 
     def loads(self, scene: "BaseScene") -> tuple[Load, ...]:  # noqa: ARG002

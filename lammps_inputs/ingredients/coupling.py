@@ -131,7 +131,7 @@ class Coupling(Ingredient):
         """Refuse cubic springs over distances at which LAMMPS's lose their digits."""
         edges = self._edges(scene.chains)
         farthest = max((higher - lower for lower, higher, _ in edges), default=0)
-        lateral = 2.0 * system.spacing * farthest
+        lateral = 2.0 * (system.diameter + system.gap) * farthest
         if np.max(self._cubic(edges, scene), initial=0.0) * lateral**2 * np.finfo(float).eps > _ROUNDED:
             raise ValueError(
                 f"coupling.cubic: tied chains are so far from each other ({farthest} chains, {lateral:.3g} L) that "

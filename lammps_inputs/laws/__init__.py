@@ -78,6 +78,23 @@ def at_reach(law: Law, total_energy: float) -> Any:
     return law.stiffness(law.reach(total_energy, *law), *law)
 
 
+def rest(law: Law) -> Any:
+    """Overlap at rest: a number, or an array where it differs; 0 where beads just touch."""
+    return getattr(law, "rest", 0.0)
+
+
+def load(law: Law) -> Any:
+    """Force at rest, which `force` leaves out; likewise."""
+    return getattr(law, "load", 0.0)
+
+
+def whole_force(law: Law, overlap: Any) -> Any:
+    """Force of a law on links at an overlap, that at rest included, where the strain counts from there."""
+    if not hasattr(law, "rest"):
+        return law.force(overlap, *law)
+    return law.force(overlap - rest(law), *law) + load(law)
+
+
 def differs(law: Law) -> bool:
     """Whether a law differs from link to link."""
     return any(np.ndim(parameter) > 0 for parameter in law)

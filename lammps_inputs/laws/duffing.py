@@ -46,7 +46,7 @@ class Duffing(NamedTuple):
 
     def ground(self, name: str, problem: "System") -> Lines:
         """A force from a formula of the place, for which LAMMPS has no fix of its own."""
-        lines = [f"variable {name}strain atom x-((id-1)%{problem.beads}+1)*{text(problem.spacing)}"]
+        lines = [f"variable {name}strain atom x-{problem.place_formula}"]
         for number, ((spring, cubic), atoms) in enumerate(atoms_by_value(self, (problem.chains, problem.beads)), 1):
             strain = f"v_{name}strain"
             lines += [
@@ -62,7 +62,7 @@ class Duffing(NamedTuple):
         With K4 = c / 4 the lateral part adds ``2 K4 distance**2`` to K2, which is taken away; exact but for rounding.
         """
         shape = (len(link.edges), problem.beads)
-        apart = np.array([[2.0 * problem.spacing * (higher - lower)] for lower, higher in link.edges])
+        apart = np.array([[2.0 * (problem.diameter + problem.gap) * (higher - lower)] for lower, higher in link.edges])
         there = np.broadcast_to((self.spring != 0.0) | (self.cubic != 0.0), shape)
         values, bonds = bonds_by_value((self.spring, self.cubic, np.where(there, apart, 0.0)), shape)
         return Lines(

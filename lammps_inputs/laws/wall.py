@@ -54,29 +54,47 @@ class HertzWall(NamedTuple):
         return self._replace(side=-self.side)
 
     def ground(self, name: str, problem: "System") -> Lines:
-        """LAMMPS's force of a flat wall is ``K * sqrt(radius) * overlap**1.5``.
+        """A wall as far away as the gap."""
+        return wall_lines(name, self, problem)
 
-        Only the beads that can reach it are asked, for the others cost as much. All have one radius in LAMMPS, so
-        chains whose walls are not equally hard have walls of their own.
-        """
-        radius = problem.diameter / 2.0
-        right = self.side > 0.0
-        face = problem.beads * problem.spacing + radius + self.gap if right else problem.spacing - radius - self.gap
+
+def faces(law: Any, problem: "System") -> list[tuple[float, float]]:
+    """Strength of the wall of every chain, and where it stands in LAMMPS."""
+    radius, right = problem.diameter / 2.0, law.side > 0.0
+    end = -1 if right else 0
+    away = law.gap if isinstance(law, HertzWall) else -np.broadcast_to(law.rest, law.strength.shape)[:, end]
+    place = problem.places[:, end]
+    face = place + radius + away if right else place - radius - away
+    return list(zip(np.max(law.strength, axis=1).tolist(), face.tolist(), strict=True))
+
+
+def wall_lines(name: str, law: Any, problem: "System") -> Lines:
+    """LAMMPS's force of a flat wall is ``K * sqrt(radius) * overlap**1.5``.
+
+    Only the beads that can reach it are asked, for the others cost as much. All have one radius in LAMMPS, so chains
+    whose walls are not equally hard, or equally far along, have walls of their own.
+    """
+    right = law.side > 0.0
+    root, end = text(float(np.sqrt(problem.diameter / 2.0))), problem.beads if right else 1
+    walls = faces(law, problem)
+
+    def no_loss(face: float) -> str:
         faces = f"NULL {text(face)}" if right else f"{text(face)} NULL"
-        root, end = text(float(np.sqrt(radius))), problem.beads if right else 1
-        no_loss = f"0 tangential linear_nohistory 0 0 damping velocity xplane {faces}"
-        hard = np.max(self.strength, axis=1)
-        if np.ptp(hard) == 0.0:
-            return Lines(
-                variables=(f"variable {name} index {text(float(hard[0]))}   # force over overlap^1.5",),
-                motion=(
-                    f"group {name} id {end}:{problem.chains * problem.beads}:{problem.beads}",
-                    f"fix {name} {name} wall/gran granular hertz $(v_{name}/{root}:%.17g) {no_loss}",
-                ),
-            )
-        lines = []
-        for number, strength in enumerate(np.unique(hard).tolist(), 1):
-            atoms = " ".join(str(chain * problem.beads + end) for chain in np.flatnonzero(hard == strength).tolist())
-            own, stiffness = f"{name}{number}", f"$({text(strength)}/{root}:%.17g)"
-            lines += [f"group {own} id {atoms}", f"fix {own} {own} wall/gran granular hertz {stiffness} {no_loss}"]
-        return Lines(motion=tuple(lines))
+        return f"0 tangential linear_nohistory 0 0 damping velocity xplane {faces}"
+
+    if len(set(walls)) == 1:
+        hard, face = walls[0]
+        return Lines(
+            variables=(f"variable {name} index {text(hard)}   # force over overlap^1.5",),
+            motion=(
+                f"group {name} id {end}:{problem.chains * problem.beads}:{problem.beads}",
+                f"fix {name} {name} wall/gran granular hertz $(v_{name}/{root}:%.17g) {no_loss(face)}",
+            ),
+        )
+    lines = []
+    for number, (hard, face) in enumerate(sorted(set(walls)), 1):
+        own = f"{name}{number}"
+        atoms = " ".join(str(chain * problem.beads + end) for chain, wall in enumerate(walls) if wall == (hard, face))
+        stiffness = f"$({text(hard)}/{root}:%.17g)"
+        lines += [f"group {own} id {atoms}", f"fix {own} {own} wall/gran granular hertz {stiffness} {no_loss(face)}"]
+    return Lines(motion=tuple(lines))

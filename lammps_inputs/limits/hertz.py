@@ -56,9 +56,13 @@ def overlap_bounds(system: System) -> tuple[float, float]:
     whose pull on its two beads, s, their energy bounds. So where beads set out at a closing speed w, the overlap where
     they come to rest is no less than the root of ``0.8 overlap**2.5 + s (overlap + gap) = w**2 / 2``.
 
-    Beads that differ, or that other springs hold too, get the bound from above by the whole energy, none from below.
+    Under a static load: the overlap at rest, and that with what energy can add to it. Beads that differ, or that other
+    springs hold too, get the bound from above by the whole energy, none from below.
     """
     law = system.along[0].law
+    if system.loaded:
+        rest = laws.rest(law)
+        return float(np.max(rest)), float(np.max(rest + law.reach(system.energy, *law)))
     as_reference = bool(np.all(np.equal(next(iter(law)), 1.0)))
     if not (as_reference and system.simply_coupled and system.holds(Fact.MOMENTUM)):
         return 0.0, laws.reach(law, system.energy)

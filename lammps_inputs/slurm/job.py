@@ -181,7 +181,7 @@ def render_input(problem: Problem) -> str:
         'if "${kept} == lost" then "quit 3"',
     ]
     cycle = scheme.cycle(problem.scheme)
-    grain = cycle if problem.window is None else window.look_steps(problem.timestep, cycle)
+    grain = cycle if problem.window is None else window.look_steps(problem.timestep, cycle, problem.pace)
     tell = f'print "$(step:%.0f)" file {STEP} screen no'
     sections = [
         [

@@ -20,6 +20,7 @@ def integrated(
     push: tuple[int, int, float, float] | None = None,
     mass: Any = 1.0,
     strength: Any = 1.0,
+    static: Any = 0.0,
 ) -> Floats:
     """Velocities [frame, chain, bead] of chains with contacts, springs between neighbours and to the ground, and walls.
 
@@ -28,18 +29,31 @@ def integrated(
         ground, ground_cubic: stiffness of the springs to the ground, [chain, bead] or one number.
         mass: of the beads, likewise.
         strength: of the contacts, [chain, contact] or one number.
+        static: forces at rest, [chain, bead + 1] from before the first bead to behind the last, or one number; what
+            contacts and walls do not balance of them acts on the beads from outside.
         walls: force over overlap**1.5 of the walls on the left and on the right, a gap away, [chain] or one number.
         push: chain and bead, from 1, peak and duration of a half-sine of force.
     """
     shape = problem.chains, problem.beads
     size = problem.chains * problem.beads
 
+    load = np.broadcast_to(static, (problem.chains, problem.beads + 1))
+    rest = (load[:, 1:-1] / strength) ** (2.0 / 3.0)
+    there = [np.asarray(wall) > 0.0 for wall in walls]
+    left, right = (
+        np.where(on, load[:, end] / np.where(on, wall, 1.0), 0.0) ** (2.0 / 3.0)
+        for wall, on, end in zip(walls, there, (0, -1), strict=True)
+    )
+    outside = np.diff(np.pad(load[:, 1:-1], ((0, 0), (1, 1))))
+    outside[:, 0] -= load[:, 0] * there[0]
+    outside[:, -1] += load[:, -1] * there[1]
+
     def rate(time: float, state: Floats) -> Floats:
         x = state[:size].reshape(shape)
-        contact = strength * np.maximum(x[:, :-1] - x[:, 1:] - problem.gap, 0.0) ** 1.5
-        force = -ground * x - ground_cubic * x**3
-        force[:, 0] += walls[0] * np.maximum(-x[:, 0] - problem.gap, 0.0) ** 1.5
-        force[:, -1] -= walls[1] * np.maximum(x[:, -1] - problem.gap, 0.0) ** 1.5
+        contact = strength * np.maximum(x[:, :-1] - x[:, 1:] - problem.gap + rest, 0.0) ** 1.5
+        force = outside - ground * x - ground_cubic * x**3
+        force[:, 0] += walls[0] * np.maximum(left - x[:, 0] - problem.gap, 0.0) ** 1.5
+        force[:, -1] -= walls[1] * np.maximum(right + x[:, -1] - problem.gap, 0.0) ** 1.5
         force[:, 1:] += contact
         force[:, :-1] -= contact
         pull = problem.kappa * np.diff(x, axis=0)

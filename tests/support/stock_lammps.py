@@ -49,8 +49,7 @@ class Run:
     @property
     def displacement(self) -> NDArray[np.float64]:
         """Displacements of all beads [frame, chain, bead], from the positions in the dump."""
-        row = (self.id - 1) % self.problem.beads + 1
-        return self._by_chain(self.x - row * self.problem.spacing)
+        return self._by_chain(self.x - self.problem.places.reshape(-1)[self.id - 1])
 
     @property
     def velocity(self) -> NDArray[np.float64]:
@@ -90,8 +89,8 @@ def run(
         pattern, new = replace
         text, found = re.subn(pattern, new, text)
         assert found == 1
-    assert text.count("\nrun ") == 1
-    path.write_text(text.replace("\nrun ", f"\n{before_run}\nrun "))
+    assert text.count("\nrun $") == 1
+    path.write_text(text.replace("\nrun $", f"\n{before_run}\nrun $"))
     launcher = [MPIEXEC, "-n", ranks] if ranks > 1 else []
     words = [*launcher, executable, "-in", deck.DECK, "-log", deck.LOG, "-nocite", *options]
     done = subprocess.run([str(word) for word in words], cwd=directory, capture_output=True, text=True, timeout=HANGS)

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from analysis.gauges.readings import Readings
+from analysis.shape.loaded_wave import sound_speed
 from analysis.sharing.cells import CellEnergy
 from analysis.sharing.energy_flow import Flow
 from analysis.sharing.equipartition import CLEAR
@@ -66,6 +67,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="a wave arrives when the bead is fastest, or at the centre of the impulse that made it so; by default "
         "the latter where beads have gaps",
     )
+    parser.add_argument(
+        "--dispersion",
+        action="store_true",
+        help="map frequency against wavenumber, which chains under a static load get anyway; says why if there is none",
+    )
     parser.add_argument("--no-figures", action="store_true", help="write the tables only")
 
 
@@ -78,7 +84,10 @@ def execute(arguments: argparse.Namespace) -> Answer:
         arrival=arguments.arrival,
     )
     _print(found)
-    tables = ["waves.csv", *([] if found.forces is None else ["forces.csv"]), REPORT]
+    if isinstance(found.dispersion, str) and (arguments.dispersion or found.problem.loaded):
+        print(f"no dispersion map: {found.dispersion}")
+    more = (("forces.csv", found.forces is not None), ("dispersion.csv", not isinstance(found.dispersion, str)))
+    tables = ["waves.csv", *(name for name, there in more if there), REPORT]
     names = [*tables, *(path.name for path in found.figures)]
     print(f"{one_line(arguments.directory)}: {', '.join(names)}")
     return Answer(0, json.loads((arguments.directory / REPORT).read_text(encoding="utf-8")))
@@ -130,6 +139,8 @@ def _print(found: Analysis) -> None:
         print_table(f"{problem.name}: leading pulse", head, rows)
         _print_accuracy(found)
     _print_pulses(found.survey)
+    if problem.loaded:
+        _print_sound(found)
     if found.cells is not None:
         _print_cells(problem, found.cells)
     if found.forces is not None:
@@ -145,6 +156,26 @@ def _print(found: Analysis) -> None:
             print(found.failure or "that is not this scene: was the deck run with another kappa or kick?")
     if found.contacts is not None:
         print("\n".join(found.contacts.lines()))
+
+
+def _print_sound(found: Analysis) -> None:
+    """The speed of sound, and the leading pulse on it against the long-wave theory's."""
+    problem, wave = found.problem, found.sound
+    scale = problem.scale
+    speeds = sound_speed(problem) if wave is None else np.array([wave.sound])
+    unit = "beads/s" if scale.si else "beads per unit time"
+    said = [f"{speed / scale.time:.6g}" for speed in dict.fromkeys((float(speeds.min()), float(speeds.max())))]
+    line = f"sound: c0 = {' to '.join(said)} {unit}"
+    if found.bead_length is not None:
+        line += f" ({float(speeds.max()) * found.bead_length / scale.time:.5g} m/s)"
+    if wave is not None:
+        line += (
+            f"; the leading pulse runs at {wave.over_sound:.5f} c0 past beads {wave.first} to {wave.last}, "
+            f"F_m/F_0 = {wave.force_ratio:.4g}"
+        )
+        if math.isfinite(wave.theory):
+            line += f": {wave.over_theory:.5f} of what the long-wave theory says (Nesterenko)"
+    print(line)
 
 
 def _print_cells(problem: Problem, cells: CellEnergy) -> None:
@@ -252,9 +283,10 @@ def _print_pulses(found: Survey) -> None:
         return
     final, decay = found.shared.final, found.decay
     if final is not None:
-        # the energy of exact waves; beads with gaps, or that differ, carry none of that kind
+        # the energy of exact waves; beads with gaps, that differ or bear a load, carry none of that kind
         energy = np.sum(found.shared.wave_share[-1])
-        known = np.isfinite(energy) and not found.problem.gap and found.problem.alike
+        exact = found.problem.alike and found.problem.holds(Fact.SONIC_VACUUM)
+        known = np.isfinite(energy) and not found.problem.gap and exact
         share = f"; {energy:.1%} of its energy in the leading waves" if known else ""
         uncertainty = max(final.uncertainty, 1e-6)
         than = "the kick" if found.problem.kicks else "what the push would give a free bead"
@@ -265,12 +297,15 @@ def _print_pulses(found: Survey) -> None:
             f"decay as (1 - n / n*)**2.5 over beads {decay.first} to {decay.last}: n* = {decay.n_star:.1f} "
             f"+- {decay.n_star_error:.1g}, theory {decay.expected:.1f}"
         )
-    _print_train(found)
+    if not found.problem.loaded:
+        _print_train(found)
     _print_leading(found)
     others = [pulse for pulse in found.pulses if not found.leads(pulse)]
     if others:
         strongest = max(pulse.peak_velocity.max() for pulse in others)
         many = f"{len(others)} other pulses, the strongest" if len(others) > 1 else "one other pulse, at most"
+        if found.problem.loaded:
+            many = f"{len(others)} crests of sound follow, the strongest"
         print(f"{many} {strongest:.3f} V (analysis.json has all)")
     if found.noise:
         print(f"the record is noisy: {found.noise:.1e} V; it was smoothed")

@@ -34,8 +34,9 @@ def with_duration(scene: Scene) -> Scene:
     if scene.until_bead is None:
         return scene
     # the reference integrates with the scene's own cadence, but records the one bead that matters
-    gap = scene.gap / scene.scale.length
-    pushed = max((load.end for load in scene.system.loads), default=0.0)
+    gap, system = scene.gap / scene.scale.length, scene.system
+    pushed = max((load.end for load in system.loads), default=0.0)
+    cadence = 0.1 / system.pace if system.loaded else 0.1  # sound may be faster
     limit = (_SLOWEST * (scene.until_bead + 10) * (1.0 + gap) + pushed) * scene.scale.time
     trial = scene.model_copy(
         update={
@@ -44,7 +45,9 @@ def with_duration(scene: Scene) -> Scene:
             "timestep": None,
             "accuracy": None,
             "window": None,
-            "output": scene.output.model_copy(update={"every": 0.1 * scene.scale.time, "beads": (scene.until_bead,)}),
+            "output": scene.output.model_copy(
+                update={"every": cadence * scene.scale.time, "beads": (scene.until_bead,)}
+            ),
         }
     )
     problem = trial.problem()

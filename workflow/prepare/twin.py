@@ -123,10 +123,10 @@ def work(problem: Problem, verlet_steps: int, reference_steps: int) -> float:
 
 
 def _rows_by_time(problem: Problem) -> float:
-    """Integral over time of the number of rows that have moved, roughly: pulses run a row a unit of time at most."""
+    """Integral over time of the number of rows that have moved, roughly: no pulse is faster than the system's pace."""
     first, last = (choose(bead for _, bead, _ in problem.struck) for choose in (min, max))
-    time = np.linspace(0.0, problem.duration, 101)
-    rows = np.minimum(problem.beads, last + time) - np.maximum(1.0, first - time) + 1.0
+    way = problem.pace * np.linspace(0.0, problem.duration, 101)
+    rows = np.minimum(problem.beads, last + way) - np.maximum(1.0, first - way) + 1.0
     if problem.window is not None:
         rows = np.minimum(rows, engine.WIDER * problem.window)
     return float(np.mean(rows) * problem.duration)

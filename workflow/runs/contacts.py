@@ -65,7 +65,7 @@ def at_most(scene: Scene) -> Contacts | None:
     """What energy and momentum allow, before anything runs; None without a material."""
     problem = scene.problem()
     law = problem.along[0].law
-    high = law.reach(problem.energy, *law) if laws.differs(law) else hertz.overlap_bounds(problem)[1]
+    high = laws.rest(law) + law.reach(problem.energy, *law) if laws.differs(law) else hertz.overlap_bounds(problem)[1]
     return _contacts(scene, high, measured=False)
 
 
@@ -109,7 +109,7 @@ def _contacts(scene: Scene, overlap: Any, *, measured: bool) -> Contacts | None:
         measured=measured,
         radius=ball.radius,
         overlap=float(np.max(metres)) / ball.radius,
-        force=float(np.max(laws.force(scene.system.along[0].law, overlap))) * scene.scale.force,
+        force=float(np.max(laws.whole_force(scene.system.along[0].law, overlap))) * scene.scale.force,
         pressure=pressure,
         yield_strength=pressure / hertz.YIELD_PRESSURE,
     )

@@ -21,10 +21,13 @@ from analysis.sharing.cells import CellEnergy
 from analysis.sharing.energy_flow import EnergyFlow, Flow
 from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.survey import Survey, survey
+from analysis.sound.dispersion import Dispersion, Map, NoDispersionError
+from analysis.sound.dispersion import to_csv as table_of
+from analysis.sound.loaded_pulse import LoadedPulse, LoadedWave
 from analysis.tracking.leading_waves import Arrival, Waves, from_csv, usual_arrival
 from analysis.tracking.left_behind import LeftBehind
 from analysis.trajectory import Floats, Trajectory
-from lammps_inputs import InputError, Problem
+from lammps_inputs import InputError, Problem, Scene, laws
 from lammps_inputs.decks import deck
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.unequal import period
@@ -34,7 +37,13 @@ from workflow.runs.results import Fingerprint, recorded_fingerprint
 from workflow.runs.run_directory import REPORT, RunDirectory
 from workflow.runs.whole_files import figure_files, write_figure, write_json, write_text
 from workflow.verdicts.analysis_report import last_clear_bead, report
-from workflow.verdicts.ingredient_reports import cells_report, energy_report, forces_report
+from workflow.verdicts.ingredient_reports import (
+    cells_report,
+    dispersion_report,
+    energy_report,
+    forces_report,
+    sound_report,
+)
 from workflow.verdicts.waves_table import waves_csv
 
 if TYPE_CHECKING:
@@ -42,7 +51,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Analysis", "analyse", "default_beads", "last_clear_bead"]
 
-WAVES, FORCES = "waves.csv", "forces.csv"
+WAVES, FORCES, DISPERSION = "waves.csv", "forces.csv", "dispersion.csv"
 
 LARGEST = 1e100
 """Displacement or velocity that no run has, far from where squares overflow; dimensionless."""
@@ -65,6 +74,9 @@ class Analysis:
         cells: what the pulse left behind, where beads differ and every one was recorded; else None.
         forces: what the scene's gauges read; None where it names none.
         given_back: of the walls among them, by side: velocity of the pulse thrown back over that which came, [chain].
+        sound: the leading pulse above a static load; None without one, and where it did not come far enough.
+        bead_length: distance of neighbouring beads at rest, in m; None where there is no one such distance.
+        dispersion: of small waves; why there is none, in words, where there is none.
     """
 
     problem: Problem
@@ -80,6 +92,9 @@ class Analysis:
     cells: CellEnergy | None
     forces: Readings | None
     given_back: dict[str, Floats]
+    sound: LoadedWave | None
+    dispersion: Map | str
+    bead_length: float | None
 
     @property
     def waves(self) -> Waves:
@@ -123,13 +138,16 @@ def analyse(
     left = LeftBehind() if problem.window is not None else None
     flow = EnergyFlow(problem) if problem.whole and not problem.holds(Fact.PULSE) else None
     cells = None
-    if problem.whole and not problem.alike and problem.holds(Fact.PULSE):
+    if problem.whole and not problem.alike and problem.holds(Fact.PULSE) and problem.holds(Fact.SONIC_VACUUM):
         scene = directory.scene
         cells = CellEnergy(problem, period(scene), tuple((one.chain, one.bead) for one in scene.replace or ()))
     fingerprint = Fingerprint()
     watchers: list[Any] = [conservation, fingerprint]
     meter = _meter(directory)
-    watchers += [watcher for watcher in (left, flow, cells, meter) if watcher is not None]
+    pulse = LoadedPulse(problem) if problem.loaded and problem.whole else None
+    spectrum = _spectrum(problem)
+    watchers += [watcher for watcher in (left, flow, cells, meter, pulse) if watcher is not None]
+    watchers += [spectrum] if isinstance(spectrum, Dispersion) else []
     overlap = LargestOverlap() if has_contacts(directory) else None
     if overlap is not None and shown_by_frames(problem):
         watchers.append(overlap)
@@ -160,12 +178,19 @@ def analyse(
         conservation.energy_drift, conservation.momentum_drift = whole.energy_drift, whole.momentum_drift
     energy = None if flow is None else flow.result()
     forces = None if meter is None else meter.result()
-    figures_of = _makers(found, spacetime, history, energy, forces) if figures else {}
-    claim(directory.path, (WAVES, REPORT, *([] if forces is None else [FORCES]), *figure_files(*figures_of)))
+    sound = None if pulse is None else pulse.result()
+    dispersion = _mapped(spectrum)
+    figures_of = _makers(found, spacetime, history, energy, forces, dispersion) if figures else {}
+    tables = [
+        name for name, there in ((FORCES, forces is not None), (DISPERSION, isinstance(dispersion, Map))) if there
+    ]
+    claim(directory.path, (WAVES, REPORT, *tables, *figure_files(*figures_of)))
     drawn = tuple(path for name, make in figures_of.items() for path in write_figure(directory.path, name, make()))
     write_text(directory.path / WAVES, waves_csv(found))
     if forces is not None:
         write_text(directory.path / FORCES, to_csv(forces, problem.scale))
+    if isinstance(dispersion, Map):
+        write_text(directory.path / DISPERSION, table_of(dispersion, problem.scale))
     hardest = None if overlap is None else of_overlap(directory.scene, overlap)
     found_contacts = {} if hardest is None else {"contacts": hardest.plain()}
     more: dict[str, Any] = {**found_contacts, **({} if energy is None else {"energy": energy_report(problem, energy)})}
@@ -173,6 +198,10 @@ def analyse(
     given_back = {side: restitution(found.pulses, problem, right=side == "right") for side in sorted(sides)}
     if forces is not None:
         more["forces"] = forces_report(problem, forces, given_back)
+    length = bead_length(directory.scene) if problem.loaded else None
+    if problem.loaded:
+        more["sound"] = sound_report(problem, sound, length)
+        more["dispersion"] = dispersion_report(problem, dispersion)
     if cells is not None:
         more["cells"] = cells_report(problem, cells)
     write_json(directory.path / REPORT, {**report(found, conservation, allowed, left), **more})
@@ -192,7 +221,35 @@ def analyse(
         cells=cells,
         forces=forces,
         given_back=given_back,
+        sound=sound,
+        dispersion=dispersion,
+        bead_length=length,
     )
+
+
+def _spectrum(problem: Problem) -> Dispersion | str:
+    """What collects the dispersion of a run, or why nothing does."""
+    try:
+        return Dispersion(problem)
+    except NoDispersionError as why:
+        return str(why)
+
+
+def _mapped(spectrum: Dispersion | str) -> Map | str:
+    if isinstance(spectrum, str):
+        return spectrum
+    try:
+        return spectrum.result()
+    except NoDispersionError as why:
+        return str(why)
+
+
+def bead_length(scene: Scene) -> float | None:
+    """Distance of neighbouring beads at rest, in m; None without a material, and where it is not one."""
+    system = scene.system
+    if scene.material is None or not (system.one_kind and system.even):
+        return None
+    return 2.0 * scene.material.radius - float(laws.rest(system.along[0].law)) * scene.scale.length
 
 
 def _meter(directory: RunDirectory) -> ForceMeter | None:
@@ -260,10 +317,11 @@ def default_beads(problem: Problem) -> tuple[int, ...]:
 
 
 def _makers(
-    found: Survey, spacetime: Any, history: Any, energy: Flow | None, forces: Readings | None
+    found: Survey, spacetime: Any, history: Any, energy: Flow | None, forces: Readings | None, dispersion: Map | str
 ) -> "dict[str, Callable[[], Figure]]":
     """Name -> what draws the figure; those that there is something to show in."""
     from analysis.figures import (
+        dispersion_figure,
         distance_figure,
         energy_figure,
         force_figure,
@@ -280,11 +338,13 @@ def _makers(
         makers["energy"] = lambda: energy_figure(problem, energy)
     if forces is not None:
         makers["forces"] = lambda: force_figure(problem, forces)
+    if isinstance(dispersion, Map):
+        makers["dispersion"] = lambda: dispersion_figure(problem, dispersion)
     if len(found.shared) > 1 and problem.holds(Fact.PULSE):
         makers["distance"] = lambda: distance_figure(problem, found.shared, found.energies, found.direction)
     whole = np.unique(found.waves.bead[np.isfinite(found.shape.residual)])
     whole = whole[whole <= problem.beads - 5]
-    if len(whole) and problem.holds(Fact.PULSE) and not problem.gap:
+    if len(whole) and problem.holds(Fact.PULSE) and problem.holds(Fact.SONIC_VACUUM) and not problem.gap:
         early, late = whole[min(len(whole) - 1, int(np.searchsorted(whole, 10)))], whole[-1]
         makers["shape"] = lambda: shape_figure(problem, found.waveforms, sorted({int(early), int(late)}))
     return makers

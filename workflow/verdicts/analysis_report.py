@@ -13,6 +13,7 @@ from analysis.tracking.left_behind import LeftBehind
 from analysis.tracking.pulses import Pulse
 from analysis.tracking.train import Train, train_of
 from lammps_inputs import Problem
+from lammps_inputs.facts import Fact
 from lammps_inputs.numbers import known
 
 
@@ -40,8 +41,8 @@ def report(found: Survey, seen: Conservation, tolerances: Tolerances, left: Left
     | pulses          | every pulse, the strongest first; see `pulse_entry`                              |
 
     `workflow.verdicts.analyse` adds what only some scenes have, see `workflow.verdicts.ingredient_reports`: ``energy``
-    where no pulse stays together, ``cells`` where beads differ, ``forces`` with ``output.forces``; and with a material
-    ``contacts``, see `workflow.runs.contacts.Contacts`.
+    where no pulse stays together, ``cells`` where beads differ, ``forces`` with ``output.forces``, ``sound`` and
+    ``dispersion`` under a static load; and with a material ``contacts``, see `workflow.runs.contacts.Contacts`.
     """
     problem, scale = found.problem, found.problem.scale
     order = np.argsort([-character.peak_velocity for character in found.characters], kind="stable")
@@ -137,6 +138,7 @@ def equipartition(found: Survey) -> dict[str, Any]:
     shared, decay, verdict = found.shared, found.decay, found.verdict
     final = shared.final
     measured = np.sum(found.energies.wave, axis=1)
+    exact = found.problem.alike and found.problem.holds(Fact.SONIC_VACUUM)
     return {
         "verdict": verdict.sentence,
         "state": verdict.state.value,
@@ -146,7 +148,7 @@ def equipartition(found: Survey) -> dict[str, Any]:
         "arrivals": {str(tolerance): shared.in_step_from(tolerance) for tolerance in AGREEMENTS},
         "final": None if final is None else {**_with_uncertainty(final), "reduction": 1.0 - final.value},
         "energy_share": {
-            "exact": known(float(np.sum(shared.wave_share[-1]))) if len(shared) and found.problem.alike else None,
+            "exact": known(float(np.sum(shared.wave_share[-1]))) if len(shared) and exact else None,
             "measured": known(float(measured[-1])) if len(measured) else None,
         },
         "beat_length": _estimate(shared.beat_length),

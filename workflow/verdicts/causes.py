@@ -10,6 +10,7 @@ import numpy as np
 
 from analysis import motion
 from analysis.against import beads, symptoms
+from analysis.files.recording import rest_positions
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs.laws.in_time import HalfSine, Rectangular, TimeLaw
 from lammps_inputs.loads import Load
@@ -19,6 +20,9 @@ _CLEAR = 0.97
 """Share of the squared difference that a cause must explain."""
 
 _MOST_NAMED = 10
+
+_LOAD_DOUBT = 5e-3
+"""Share of a static load."""
 
 _PUSH_DOUBT = 5e-3
 """Share of the impulse; half a step of a force that ends at a frame may be missing there."""
@@ -38,16 +42,16 @@ def causes(own: Trajectory, reference: Trajectory) -> list[str]:
         own: consecutive frames of the trajectory, all beads.
         reference: the same frames, right.
     """
-    found = _numbers(own) or _times(own, reference) or _start(own) or _pushes(own, reference)
-    found = found or ([] if own.problem.alike else _beads(own, reference))
+    found = _numbers(own) or _times(own, reference) or _start(own) or _pushes(own, reference) or _static(own, reference)
+    found = found or ([] if own.problem.one_kind else _beads(own, reference))
     found = found or _strengths(own, reference) or _springs(own, reference)
-    return found or (_beads(own, reference) if own.problem.alike else [])
+    return found or (_beads(own, reference) if own.problem.one_kind else [])
 
 
 def rounded(own: Trajectory, reference: Trajectory) -> list[str]:
     """Which of the numbers were rounded on their way into the file; any beads."""
     found = []
-    rest = own.beads * own.problem.spacing
+    rest = rest_positions(own.problem) if own.problem.window is None else own.beads * own.problem.spacing
     for name, values, right in (
         ("positions", own.displacement + rest, reference.displacement + rest),
         ("velocities", own.velocity, reference.velocity),
@@ -181,6 +185,22 @@ def _beads(own: Trajectory, reference: Trajectory) -> list[str]:
             name = names[2].format(place + 1, chain + 1, next=place + 2)
             found.append(f"{name} is {factor[chain, place]:.4g} times as {what} as the scene says")
     return found
+
+
+def _static(own: Trajectory, reference: Trajectory) -> list[str]:
+    """Whether other forces bear the beads at rest than the scene says."""
+    felt, right = symptoms.identify_load(own), symptoms.identify_load(reference)
+    if felt is None or right is None:
+        return []
+    if right.pressed == 1.0 and felt.pressed != 1.0:
+        if felt.pressed == 0.0:
+            return ["the static load is missing"]
+        return [f"the contacts bear about {felt.pressed:.2g} times the static load of the scene"]
+    if abs(felt.held - 1.0) > _LOAD_DOUBT + 3.0 * abs(right.held - 1.0):
+        if abs(felt.held) < _LOAD_DOUBT:
+            return ["the forces that hold the beads at rest (on the ends, or weights) are missing"]
+        return [f"the forces that hold the beads at rest are {felt.held:.4g} times what the scene says"]
+    return []
 
 
 def _strengths(own: Trajectory, reference: Trajectory) -> list[str]:

@@ -1,14 +1,20 @@
-"""Keys of ``analysis.json`` that only some scenes have: of the energy, of unequal beads, of gauges."""
+"""Keys of ``analysis.json`` that only some scenes have: of the energy, of unequal beads, of gauges, of sound."""
 
 from dataclasses import asdict
 from typing import Any
 
+import numpy as np
+
 from analysis.gauges.readings import Readings
+from analysis.shape.loaded_wave import sound_speed
 from analysis.sharing.cells import CellEnergy
 from analysis.sharing.energy_flow import Flow
+from analysis.sound.dispersion import Map
+from analysis.sound.loaded_pulse import LoadedWave
 from analysis.trajectory import Floats
-from lammps_inputs import Problem
+from lammps_inputs import Problem, laws
 from lammps_inputs.numbers import known
+from lammps_inputs.units import Scale
 
 
 def energy_report(problem: Problem, flow: Flow) -> dict[str, Any]:
@@ -65,7 +71,9 @@ def forces_report(problem: Problem, readings: Readings, restitution: dict[str, F
     | kind, name    | wall, contact or sensor; name of the column in ``forces.csv``                               |
     | chain, bead   | at a wall the bead that touches it; the first bead of a contact; the bead with the sensor   |
     | largest, at   | largest force, between frames too, and when; null where there was none                      |
-    | impulse       | integral of the force over time; what a wall takes of the momentum                          |
+    | static        | only under a static load: force at rest, which ``largest`` includes                         |
+    | dynamic       | likewise: ``largest`` without it                                                            |
+    | impulse       | integral of the force, but for that at rest, over time; what a wall takes of the momentum   |
     | dwell         | how long the contact lasted in which the force was largest                                  |
     | contacts      | how many contacts there were                                                                |
     | restitution   | walls only: peak velocity of the first pulse thrown back over that of the one that came, at |
@@ -81,6 +89,7 @@ def forces_report(problem: Problem, readings: Readings, restitution: dict[str, F
                 "bead": gauge.bead,
                 "largest": float(readings.largest[chain, place] * scale.force),
                 "at": known(float(readings.largest_at[chain, place] * scale.time)),
+                **_above_rest(readings, chain, place, scale),
                 "impulse": float(readings.impulse[chain, place] * scale.momentum),
                 "dwell": float(readings.dwell[chain, place] * scale.time),
                 "contacts": int(readings.contacts[chain, place]),
@@ -89,6 +98,73 @@ def forces_report(problem: Problem, readings: Readings, restitution: dict[str, F
                 entry["restitution"] = known(float(restitution[gauge.side][chain]))
             entries.append(entry)
     return entries
+
+
+def _above_rest(readings: Readings, chain: int, place: int, scale: Scale) -> dict[str, float]:
+    if not np.any(readings.static):
+        return {}
+    static, largest = readings.static[chain, place], readings.largest[chain, place]
+    return {"static": float(static * scale.force), "dynamic": float((largest - static) * scale.force)}
+
+
+def sound_report(problem: Problem, wave: LoadedWave | None, metres: float | None) -> dict[str, Any]:
+    """What ``analysis.json`` says under ``sound``, of chains under a static load, in the scene's units.
+
+    | key       | what                                                                                            |
+    |-----------|-------------------------------------------------------------------------------------------------|
+    | load      | least and largest force of a contact at rest                                                    |
+    | overlap   | at rest, of those                                                                               |
+    | speed     | of sound of long waves, beads per unit time, least and largest along the chains                 |
+    | metres    | the same in m/s where all beads are of one material and size; else null                         |
+    | cutoff    | highest angular frequency of small motions, springs between chains left out                     |
+    | pulse     | the leading pulse of the chain that was hit hardest, between the contacts ``first`` and ``last``: |
+    |           | ``force_ratio`` f of the largest force to that at rest, ``speed``, ``over_sound``, ``theory``:  |
+    |           | that of the long-wave theory (Nesterenko), and ``over_theory``: the quotient; null: too short   |
+    """
+    scale, law = problem.scale, problem.along[0].law
+    load, rest = (np.asarray(find(law)) for find in (laws.load, laws.rest))
+    speed = sound_speed(problem)
+    return {
+        "load": [float(find(load) * scale.force) for find in (np.min, np.max)],
+        "overlap": [float(find(rest) * scale.length) for find in (np.min, np.max)],
+        "speed": [float(find(speed) / scale.time) for find in (np.min, np.max)],
+        "metres": None if metres is None else [float(find(speed) * metres / scale.time) for find in (np.min, np.max)],
+        "cutoff": problem.sound_frequency / scale.time,
+        "pulse": None
+        if wave is None
+        else {
+            **asdict(wave),
+            "speed": wave.speed / scale.time,
+            "sound": wave.sound / scale.time,
+            "theory": known(wave.theory),
+            "over_sound": wave.over_sound,
+            "over_theory": known(wave.over_theory),
+        },
+    }
+
+
+def dispersion_report(problem: Problem, found: Map | str) -> dict[str, Any]:
+    """What ``analysis.json`` says under ``dispersion``, of chains under a static load, in the scene's units.
+
+    | key      | what                                                                                    |
+    |----------|-----------------------------------------------------------------------------------------|
+    | why      | why there is no map; else null, and:                                                    |
+    | beads    | of a cell, what repeats along the chains                                                |
+    | bands    | lowest and highest angular frequency of every branch, exact                             |
+    | measured | the same as the run shows them; null where it does not                                  |
+    | bin      | of frequency: as sure as those are                                                      |
+    """
+    if isinstance(found, str):
+        return {"why": found}
+    unit = problem.scale.time
+    measured = (found.measured_bands() / unit).tolist()
+    return {
+        "why": None,
+        "beads": found.cell.beads,
+        "bands": (found.cell.bands() / unit).tolist(),
+        "measured": [[known(edge) for edge in band] for band in measured],
+        "bin": found.bin / unit,
+    }
 
 
 def _known(data: dict[str, Any]) -> dict[str, Any]:

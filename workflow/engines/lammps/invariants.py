@@ -25,10 +25,10 @@ def fault(
     """
     if not (np.all(np.isfinite(displacement)) and np.all(np.isfinite(velocity))):
         return f"a bead's position or velocity is no longer a finite number; {_remedy(problem)}"
-    overlap = motion.overlaps(problem, displacement)
+    overlap = motion.overlaps(problem, displacement, first)
     worst = np.unravel_index(np.argmax(overlap), overlap.shape)
     where = f"beads {worst[1] + first} and {worst[1] + first + 1} of chain {worst[0] + 1}"
-    if overlap[worst] >= problem.spacing:
+    if overlap[worst] >= problem.diameter + problem.gap:
         return f"{where} have passed through each other; {_remedy(problem)}"
     if overlap[worst] >= problem.diameter / 2.0:
         return (

@@ -43,7 +43,7 @@ class Travel:
         if problem.window is None:
             self._run(steps)
             return
-        look = window.look_steps(problem.timestep, scheme.cycle(problem.scheme))
+        look = window.look_steps(problem.timestep, scheme.cycle(problem.scheme), problem.pace)
         while steps > 0:
             self._follow()
             self._run(min(look, steps))
@@ -79,7 +79,7 @@ class Travel:
         if self.first > 1:
             place = (row - 1) % problem.rows
             x, v = x[:, place], v[:, place]
-        return x - row * problem.spacing, v
+        return x - (problem.places if problem.window is None else row * problem.spacing), v
 
     def _run(self, steps: int) -> None:
         if self._problem.scheme == "verlet":

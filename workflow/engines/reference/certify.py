@@ -133,8 +133,8 @@ def rows_to_judge(problem: Problem) -> int | None:
         until_bead=before_last,
     )
     arrival = float(np.min(found.waves.at(before_last).arrival, initial=problem.duration))
-    # no pulse is faster than a bead a unit of time, and it would have to come from behind the tail
-    return problem.beads if problem.duration - arrival > problem.window / 2.0 else None
+    # what it lacks would have to come from behind the tail
+    return problem.beads if problem.pace * (problem.duration - arrival) > problem.window / 2.0 else None
 
 
 def certified(problem: Problem, tolerance: float) -> Certifier:

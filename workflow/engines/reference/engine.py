@@ -92,7 +92,7 @@ def blocks(
     yield Trajectory(problem, np.zeros(1), *start, first=_first(problem, recorded))
     size = frames_per_block(problem)
     if problem.window is not None:
-        size = max(1, min(size, math.floor(_ADVANCE / problem.every)))
+        size = max(1, min(size, math.floor(_ADVANCE / (problem.pace * problem.every))))
     for first in range(1, problem.frames + 1, size):
         frame = np.arange(first, min(first + size, problem.frames + 1))
         recorded = _recorded(problem, state, len(frame) * problem.every)
@@ -123,7 +123,7 @@ WIDER = 2
 """Rows that the reference integrates over those of a window that it is to judge."""
 
 _ADVANCE = 16.0
-"""Time in a block of frames where a window follows the pulse."""
+"""Rows that the front may advance by in a block of frames where a window follows the pulse."""
 
 
 def _recorded(problem: Problem, state: "State", ahead: float) -> NDArray[np.int64]:
@@ -132,8 +132,7 @@ def _recorded(problem: Problem, state: "State", ahead: float) -> NDArray[np.int6
         return problem.recorded_beads
     front = int(state.span[1])
     first = max(1, front - problem.window // 2)  # see `analysis.against.pairing.near_the_front`
-    # the front advances by a row in a unit of time at most
-    return np.arange(first, min(problem.beads, front + math.ceil(ahead) + problem.window) + 1)
+    return np.arange(first, min(problem.beads, front + math.ceil(problem.pace * ahead) + problem.window) + 1)
 
 
 def _first(problem: Problem, recorded: NDArray[np.int64]) -> int:

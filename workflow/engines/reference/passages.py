@@ -105,7 +105,7 @@ class Passages:
 def usual_timestep(problem: Problem) -> float:
     """0.1, or less where the springs are stiff, in units of T: peaks are then right to below 1e-5 of V."""
     step = 0.1 / math.sqrt(max(1.0, problem.swing**2 / 2.0))
-    return step if problem.alike else min(step, stability_bound(problem) / 8.0)
+    return step if problem.alike and not problem.loaded else min(step, stability_bound(problem) / 8.0)
 
 
 def passages(

@@ -87,6 +87,8 @@ def grid() -> list[Cell]:
         *(_beads(n) for n in (2, 3, 10, 100, 1000, 10_000, 100_000)),
         *(_window(n) for n in (100, 1000, 3000, 10_000)),
         *(_gap(d) for d in (0.0, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9)),
+        *(_load(f) for f in (*_decades(-9, 3, 3), 1e6, 1e7)),
+        *(_gravity(g) for g in (1e-9, 1e-3, 1.0, 1e3)),
         *(Cell("diameter", f"2^{p}", BASE, diameter=2.0**p) for p in (0, 1, 2, 10, 20, 25, 30, 35, 40)),
         *(_duration(n) for n in (10**3, 10**4, 10**5, 10**6)),
         *(Cell("ranks", str(n), BASE, ranks=n) for n in (0, 1, 2, cores() + 1)),
@@ -143,6 +145,18 @@ def _gap(gap: float) -> Cell:
         return Cell("gap", f"{gap:g}", changed(BASE, **lone, kick=towards, gap=gap, duration=0.51 * gap))
     times: Plain = {"duration": 10.0 + 5.0 * gap, "output": {"every": max(0.1, gap / 1000.0)}}
     return Cell("gap", f"{gap:g}", changed(BASE, beads=4, coupling=springs(1e-6), gap=gap or None, **times))
+
+
+def _load(force: float) -> Cell:
+    """Pressed together by a force, in units of those of the kick; at large ones sound is fast and runs are short."""
+    duration = 30.0 if force <= 1.0 else 10.0
+    return Cell("load", f"{force:g}", changed(BASE, precompression={"force": force}, duration=duration))
+
+
+def _gravity(acceleration: float) -> Cell:
+    """A column on a plate."""
+    held: Plain = {"gravity": acceleration, "walls": {"right": "flat"}}
+    return Cell("gravity", f"{acceleration:g}", changed(BASE, **held, duration=10.0))
 
 
 def _duration(steps: int) -> Cell:

@@ -1,0 +1,91 @@
+"""Waves on top of a static load: sound, and the solitary wave of the long-wave theory.
+
+| Nesterenko (2001), chapter 1 | here                       | unit                                |
+|------------------------------|----------------------------|-------------------------------------|
+| c_0                          | ``sound_speed``            | beads / T                           |
+| V_s                          | ``speed_over_sound * c_0`` | beads / T                           |
+| F_m / F_0                    | ``ratio``                  | largest total force over that at rest |
+
+The theory takes the chain for a continuum; the waves of the discrete one are faster, by 1.0004 at a ratio of 1.955 and
+by 1.0085 at 67.7.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.trajectory import Floats
+from lammps_inputs import System, laws
+
+_NEAR = 2
+"""Beads on either side over which masses and contacts are averaged where they differ."""
+
+_ABOVE = np.logspace(-4.0, 13.0, 2000)
+"""Force ratios above 1 of the table of amplitudes."""
+
+
+def speed_over_sound(ratio: Floats | float) -> Floats:
+    """Speed of the solitary wave over that of sound (Nesterenko 2001, eq. 1.113; Daraio et al. 2006, eq. 3).
+
+    ``sqrt{(4/15) (3 + 2 f^(5/3) - 5 f^(2/3))} / (f^(2/3) - 1)``; 1 for a ratio of 1.
+    """
+    return _amplitude(ratio) / np.maximum(np.cbrt(ratio) ** 2 - 1.0, 1e-300)
+
+
+def _amplitude(ratio: Floats | float) -> Floats:
+    """Peak velocity of the same wave over ``c0 d0``, with the overlap d0 at rest."""
+    strain = np.cbrt(ratio) ** 2
+    return np.sqrt(np.maximum(4.0 / 15.0 * (3.0 + 2.0 * ratio * strain - 5.0 * strain), 0.0))
+
+
+_LOG_AMPLITUDE, _SPEED = np.log(_amplitude(1.0 + _ABOVE)), speed_over_sound(1.0 + _ABOVE)
+
+
+def sound_speed(system: System) -> Floats:
+    """Speed of long waves at every bead, [chain, bead] in beads / T, from the masses and contacts near it.
+
+    ``sqrt(1 / (mean mass * mean compliance))``, exact where all beads, or all cells of beads, are the same.
+    """
+    stiffness = np.broadcast_to(
+        sum(laws.stiffness(link.law, 0.0) for link in system.along), (system.chains, system.beads - 1)
+    )
+    mass = np.broadcast_to(system.mass, (system.chains, system.beads))
+    with np.errstate(divide="ignore"):
+        compliance = 1.0 / stiffness
+    return np.asarray(1.0 / np.sqrt(_smooth(mass) * _at_beads(_smooth(compliance))))
+
+
+def make_speed(system: System) -> "LoadedSpeed":
+    """How fast pulses of an amplitude run at a bead of a loaded chain."""
+    rest = np.broadcast_to(sum(laws.rest(link.law) for link in system.along), (system.chains, system.beads - 1))
+    return LoadedSpeed(sound_speed(system), np.asarray(_at_beads(_smooth(rest))))
+
+
+class LoadedSpeed:
+    """Speed of pulses in a loaded chain by the long-wave theory, [chain, bead] as at the place."""
+
+    def __init__(self, sound: Floats, rest: Floats) -> None:
+        self.sound = sound
+        self.rest = rest
+
+    def at(self, chain: int, bead: NDArray[np.int64], peak_velocity: Floats) -> Floats:
+        """In beads / T, within some per cent; chain and beads count from 1."""
+        place = bead - 1
+        sound, rest = self.sound[chain - 1, place], self.rest[chain - 1, place]
+        with np.errstate(divide="ignore"):
+            amplitude = np.log(np.abs(peak_velocity) / (sound * rest))
+        return np.asarray(sound * np.interp(amplitude, _LOG_AMPLITUDE, _SPEED))
+
+
+def _smooth(values: Floats) -> Floats:
+    """Means over those near, along the last axis."""
+    count = values.shape[-1]
+    total = np.cumsum(np.pad(values, [(0, 0)] * (values.ndim - 1) + [(1, 0)]), axis=-1)
+    place = np.arange(count)
+    low, high = np.maximum(place - _NEAR, 0), np.minimum(place + _NEAR + 1, count)
+    return np.asarray((total[..., high] - total[..., low]) / (high - low))
+
+
+def _at_beads(contacts: Floats) -> Floats:
+    """Of contacts on either side of a bead, their mean."""
+    padded = np.concatenate([contacts[..., :1], contacts, contacts[..., -1:]], axis=-1)
+    return np.asarray(0.5 * (padded[..., 1:] + padded[..., :-1]))

@@ -1,0 +1,253 @@
+"""Dispersion of small waves in a loaded chain: exact, from the eigenvalues of a cell, and as a run shows it.
+
+Small motions about rest are those of a lattice of springs, ``omega = 2 sqrt(k / m) |sin(q / 2)|`` for equal beads;
+two beads by turns have bands with the edges ``2 k / M``, ``2 k / m`` and ``2 k (1 / m + 1 / M)`` (of omega squared;
+Brillouin, Wave Propagation in Periodic Structures, 1946).
+"""
+
+import csv
+import io
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from analysis.mirror import direction_of
+from analysis.trajectory import Floats, Trajectory
+from lammps_inputs import Problem, System, laws
+from lammps_inputs.links import Wall
+from lammps_inputs.units import Scale
+
+LONGEST_CELL, MOST_BRANCHES = 12, 60
+
+MOST_NUMBERS = 20_000_000
+"""Velocities that are held."""
+
+FAINTEST = 1e-9
+"""Share of the largest power that a ridge must have."""
+
+_SAME = 1e-9
+
+_POINTS = 200
+"""Wavenumbers from 0 to the edge of a zone at which bands are looked for."""
+
+
+class NoDispersionError(Exception):
+    """A system has none that could be drawn; says why."""
+
+
+@dataclass(frozen=True)
+class Cell:
+    """What repeats along the chains: stiffness at rest and masses of a few rows.
+
+    Attributes:
+        mass: [chain, bead].
+        along: [chain, bead] of each bead's contact with the next; the last one's with the next cell.
+        row: [bead, chain, chain] stiffness of the springs across and to the ground.
+    """
+
+    mass: Floats
+    along: Floats
+    row: Floats
+
+    @property
+    def beads(self) -> int:
+        """Of a chain in the cell."""
+        return int(self.mass.shape[1])
+
+    def branches(self, wavenumber: Floats) -> Floats:
+        """Angular frequencies, ascending, [wavenumber, branch]; wavenumbers in radians a bead."""
+        chains, beads = self.mass.shape
+        matrix = np.zeros((len(wavenumber), chains, beads, chains, beads), dtype=complex)
+        phase = np.exp(1j * wavenumber)
+        chain = np.arange(chains)
+        for bead in range(beads):
+            after, spring = (bead + 1) % beads, self.along[:, bead]
+            matrix[:, chain, bead, chain, bead] += spring
+            matrix[:, chain, after, chain, after] += spring
+            matrix[:, chain, bead, chain, after] -= spring * phase[:, np.newaxis]
+            matrix[:, chain, after, chain, bead] -= spring * phase.conj()[:, np.newaxis]
+            matrix[:, :, bead, :, bead] += self.row[bead]
+        root = np.sqrt(self.mass)
+        matrix /= root[:, :, np.newaxis, np.newaxis] * root
+        squares = np.linalg.eigvalsh(matrix.reshape(len(wavenumber), chains * beads, -1))
+        return np.sqrt(np.maximum(squares, 0.0))
+
+    def bands(self) -> Floats:
+        """Lowest and highest frequency of every branch, [branch, 2]."""
+        found = self.branches(np.linspace(0.0, math.pi / self.beads, _POINTS + 1))
+        return np.stack([found.min(axis=0), found.max(axis=0)], axis=-1)
+
+
+def cell_of(system: System) -> Cell:
+    """The shortest piece that repeats, the first and last rows left out.
+
+    Raises:
+        NoDispersionError: there is no sound, or nothing repeats.
+    """
+    if not system.loaded:
+        raise NoDispersionError("beads bear no load at rest, so that the chain passes on no sound (a sonic vacuum)")
+    chains, beads = system.chains, system.beads
+    mass = np.broadcast_to(system.mass, (chains, beads))
+    along = np.zeros((chains, beads))
+    for link in system.along:
+        along[:, :-1] += laws.stiffness(link.law, 0.0)
+    row = np.zeros((beads, chains, chains))
+    for tie in system.across:
+        stiff = np.broadcast_to(laws.stiffness(tie.law, 0.0), (len(tie.edges), beads))
+        for k, (one, other) in enumerate(tie.edges):
+            for here, there in ((one, other), (other, one)):
+                row[:, here, here] += stiff[k]
+                row[:, here, there] -= stiff[k]
+    for ground in system.ground:
+        if not isinstance(ground, Wall):
+            held = np.broadcast_to(laws.stiffness(ground.law, 0.0), (chains, beads))
+            row[:, np.arange(chains), np.arange(chains)] += held.T
+    columns = np.concatenate([mass, along, row.reshape(beads, -1).T])[:, 1:-1]
+    scale = np.maximum(np.max(np.abs(columns), axis=1, keepdims=True), 1e-300)
+    for period in range(1, min(LONGEST_CELL, (beads - 2) // 3) + 1):
+        if np.all(np.abs(columns[:, period:] - columns[:, :-period]) <= _SAME * scale):
+            break
+    else:
+        raise NoDispersionError("beads or the loads that they bear differ along the chains and do not repeat")
+    if period * chains > MOST_BRANCHES:
+        raise NoDispersionError(f"the chains have {period * chains} branches; at most {MOST_BRANCHES}")
+    return Cell(mass[:, 1 : period + 1], along[:, 1 : period + 1], row[1 : period + 1])
+
+
+@dataclass(frozen=True)
+class Map:
+    """Power of velocity over wavenumber and frequency, and the exact branches.
+
+    Attributes:
+        chain: whose velocity, counted from 1.
+        wavenumber: [column] ascending, from -pi to pi, radians a bead; positive along higher bead numbers.
+        frequency: [row] angular, in 1 / T.
+        power: [row, column], in that of the largest.
+        cell: what repeats.
+        folded: [wavenumber] from 0 to the edge of the first zone, at which branches were looked for.
+        exact, measured: [wavenumber, branch] angular frequencies there; measured NaN where there was no power.
+    """
+
+    chain: int
+    wavenumber: Floats
+    frequency: Floats
+    power: Floats
+    cell: Cell
+    folded: Floats
+    exact: Floats
+    measured: Floats
+
+    @property
+    def bin(self) -> float:
+        """Of frequency."""
+        return float(self.frequency[1])
+
+    def measured_bands(self) -> Floats:
+        """Lowest and highest measured frequency of every branch, [branch, 2]; NaN where none was seen."""
+        known = np.isfinite(self.measured)
+        low = np.where(known, self.measured, np.inf).min(axis=0)
+        high = np.where(known, self.measured, -np.inf).max(axis=0)
+        seen = known.any(axis=0)
+        return np.stack([np.where(seen, low, np.nan), np.where(seen, high, np.nan)], axis=-1)
+
+
+class Dispersion:
+    """Collects the velocity of the chain that was hit hardest, as often as its highest frequency needs.
+
+    Raises:
+        NoDispersionError: see `cell_of`; or not all beads are recorded, or frames are too far apart.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        self.cell = cell_of(problem)
+        if not problem.whole:
+            raise NoDispersionError("it takes the velocities of all beads; record them all")
+        top = float(self.cell.bands().max())
+        if problem.every * top > math.pi:
+            limit = math.pi / top * problem.scale.time
+            raise NoDispersionError(
+                f"frames are farther apart than half a period of its highest frequency, {limit:.3g}; record more often"
+            )
+        self._stride = max(1, int(0.7 * math.pi / (problem.every * top)))
+        self._chain = max(problem.struck, key=lambda blow: abs(blow[2]))[0]
+        self._every = problem.every * self._stride
+        self._most = max(2, MOST_NUMBERS // problem.beads)
+        self._velocity: list[Floats] = []
+        self._seen = self._kept = 0
+        self._way = direction_of(problem)
+
+    def add(self, block: Trajectory) -> None:
+        """Take the next frames."""
+        found = block.velocity[-self._seen % self._stride :: self._stride, self._chain - 1]
+        self._seen += block.frames
+        found = found[: max(0, self._most - self._kept)].copy()
+        self._kept += len(found)
+        self._velocity.append(found)
+
+    def result(self) -> Map:
+        """Of the frames so far.
+
+        Raises:
+            NoDispersionError: they are too few.
+        """
+        velocity = np.concatenate(self._velocity)
+        frames, beads = velocity.shape
+        if frames < 16:
+            raise NoDispersionError(f"{frames} frames are too few")
+        windows = [np.hanning(count + 2)[1:-1] for count in (frames, beads)]
+        transform = np.fft.fft(np.fft.rfft(velocity * windows[0][:, np.newaxis] * windows[1], axis=0), axis=1)
+        # exp(i (q n - omega t)) runs forward
+        power: Floats = np.fft.fftshift(np.abs(transform[:, -np.arange(beads) % beads]) ** 2, axes=1)
+        wavenumber = np.fft.fftshift(2.0 * math.pi * np.fft.fftfreq(beads))
+        frequency = 2.0 * math.pi * np.fft.rfftfreq(frames, self._every)
+        power /= np.max(power) or 1.0
+        return self._mapped(wavenumber, np.asarray(frequency, dtype=np.float64), power)
+
+    def _mapped(self, wavenumber: Floats, frequency: Floats, power: Floats) -> Map:
+        zone = 2.0 * math.pi / self.cell.beads
+        step = float(wavenumber[1] - wavenumber[0])
+        reduced = np.abs(wavenumber - zone * np.round(wavenumber / zone))
+        place = np.round(reduced / step).astype(np.int64)
+        folded = np.arange(place.max() + 1) * step
+        summed = np.zeros((len(folded), len(frequency)))
+        np.add.at(summed, place, power.T)
+        folded = np.minimum(folded, 0.5 * zone)
+        exact = self.cell.branches(folded)
+        middle = 0.5 * (exact[:, 1:] + exact[:, :-1])
+        low = np.concatenate([np.zeros((len(folded), 1)), middle], axis=1)
+        high = np.concatenate([middle, np.full((len(folded), 1), frequency[-1])], axis=1)
+        measured = np.full(exact.shape, np.nan)
+        for q in range(len(folded)):
+            for branch in range(exact.shape[1]):
+                inside = np.flatnonzero((frequency > low[q, branch]) & (frequency <= high[q, branch]))
+                if len(inside):
+                    measured[q, branch] = _ridge(frequency, summed[q], inside)
+        return Map(self._chain, wavenumber, frequency, power, self.cell, folded, exact, measured)
+
+
+def _ridge(frequency: Floats, power: Floats, inside: "np.ndarray[tuple[int], np.dtype[np.int64]]") -> float:
+    """Where the power is largest, by a parabola through its logarithm; NaN at the border of what is looked at."""
+    top = int(inside[np.argmax(power[inside])])
+    if not 0 < top < len(frequency) - 1 or power[top] < FAINTEST:
+        return math.nan
+    if power[top] < power[top - 1] or power[top] < power[top + 1]:
+        return math.nan
+    before, here, after = np.log(np.maximum(power[top - 1 : top + 2], 1e-300))
+    bent = before - 2.0 * here + after
+    shift = 0.5 * (before - after) / bent if bent < 0.0 else 0.0
+    return float(frequency[top] + shift * frequency[1])
+
+
+def to_csv(found: Map, scale: Scale) -> str:
+    """Wavenumber (radians a bead), branch, exact and measured angular frequency in the scene's units."""
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    names = [scale.heading(name, "frequency") for name in ("frequency", "measured")]
+    writer.writerow(["wavenumber", "branch", *names])
+    for q, exact, measured in zip(found.folded.tolist(), found.exact, found.measured, strict=True):
+        for branch, (one, other) in enumerate(
+            zip((exact / scale.time).tolist(), measured / scale.time, strict=True), 1
+        ):
+            writer.writerow([repr(q), branch, repr(one), repr(other) if math.isfinite(other) else ""])
+    return out.getvalue()

@@ -1,0 +1,43 @@
+"""How LAMMPS holds beads under a static load: it takes away, for good, the forces that it finds on them at rest.
+
+These are the load itself (forces on the ends, gravity) and the rounding of what walls and unequal contacts do. So rest
+is exactly rest, in any release: no force of ours has to match one of LAMMPS's to its last bit.
+"""
+
+import numpy as np
+
+from lammps_inputs import laws
+from lammps_inputs.problem import PLACES, System
+
+
+def place_lines(system: System) -> list[str]:
+    """Notes where beads rest, where that is no formula of their numbers."""
+    return [] if system.even else [f"fix {PLACES} all store/state 0 x     # where the beads rest"]
+
+
+def hold_lines(system: System) -> list[str]:
+    """Counters the forces at rest; after all other fixes, and before anything moves or is pushed."""
+    if not system.loaded:
+        return []
+    load = [float(find(laws.load(link.law))) for link in system.along for find in (np.min, np.max)]
+    said = f"{load[0]:.6g}" if load[0] == load[1] else f"{load[0]:.6g} to {load[1]:.6g}"
+    lines = [
+        f"# static load: contacts bear {said} at rest; the forces that hold them so are those found now, reversed",
+        "run 0 post no",
+    ]
+    if not system.even:
+        return [
+            *lines,
+            "fix found all store/state 0 fx",
+            "variable load atom -f_found",
+            "fix load all addforce v_load 0.0 0.0",
+        ]
+    atoms = system.chains * system.beads
+    for name, bead in (("first", 1), ("last", system.beads)):  # the same in every chain
+        lines += [
+            f"group one id {bead}",
+            f"group {name} id {bead}:{atoms}:{system.beads}",
+            f"fix load_{name} {name} addforce $(-fcm(one,x):%.17g) 0.0 0.0",
+            "group one delete",
+        ]
+    return lines

@@ -1,0 +1,108 @@
+"""Static loads: forces that press the ends of the chains together, and gravity along them.
+
+A loaded chain has a speed of sound, ``c0 = sqrt(k / m)`` beads a time with ``k = 3/2 A^(2/3) F0^(1/3)``, and solitary
+waves on top of the load (Nesterenko, Dynamics of Heterogeneous Materials, 2001; Daraio, Nesterenko, Herbold & Jin,
+Phys. Rev. E 73, 026610, 2006).
+"""
+
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, GetJsonSchemaHandler, model_serializer, model_validator
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema
+
+from lammps_inputs.ingredients.base import Ingredient
+from lammps_inputs.laws.wall import faces
+from lammps_inputs.lines import MOST_GROUPS
+from lammps_inputs.links import Link
+
+if TYPE_CHECKING:
+    from lammps_inputs.problem import System
+    from lammps_inputs.scene import BaseScene
+
+Positive = Annotated[float, Field(gt=0, le=1e30)]
+
+
+class _Load(Ingredient):
+    """What presses beads together at rest."""
+
+    key: ClassVar[str]
+
+    def refuse(self, scene: "BaseScene") -> None:
+        """Refuse gaps, which no load leaves, and a window: sound runs both ways for ever."""
+        if scene.gap > 0.0:
+            raise ValueError(f"gap: beads under a static load touch; leave the gap or `{self.key}` out")
+        if scene.window is not None:
+            raise ValueError(
+                f"{self.key}: a window lets go of rows from which sound would come back; leave the window out"
+            )
+
+    def refuse_system(self, scene: "BaseScene", system: "System") -> None:  # noqa: ARG002
+        """Refuse springs between chains that differ: they would be stretched at rest; and walls without number."""
+        if system.coupled and not system.even and np.any(np.ptp(system.places, axis=0) > 0.0):
+            raise ValueError(
+                f"{self.key}: chains that differ are compressed differently, which would stretch the springs between "
+                "them; make the chains alike, or leave one out"
+            )
+        for wall in system.walls:
+            if len(set(faces(wall.law, system))) > MOST_GROUPS:
+                raise ValueError(
+                    f"{self.key}: more than {MOST_GROUPS} chains differ in where their last beads rest, and each needs "
+                    "a wall of its own, for which LAMMPS has no room; fewer kinds of chains are needed"
+                )
+
+    def links(self, scene: "BaseScene") -> tuple[Link, ...]:  # noqa: ARG002
+        """None: it changes those that there are."""
+        return ()
+
+
+class Precompression(_Load):
+    """A constant force that presses the ends of every chain together; where there are walls, they hold it."""
+
+    key: ClassVar[str] = "precompression"
+
+    force: Positive
+    """F0; N with a material."""
+
+    def static(self, scene: "BaseScene", mass: float | NDArray[np.float64]) -> float | NDArray[np.float64]:  # noqa: ARG002
+        """The same everywhere."""
+        return self.force / float(scene.scale.force)
+
+
+class Gravity(_Load):
+    """Acceleration towards higher bead numbers: every bead bears the weight of those before it, a wall that of all."""
+
+    key: ClassVar[str] = "gravity"
+
+    acceleration: Positive
+    """In a scene the key holds this number alone; m/s2 with a material."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _from_number(cls, value: Any) -> Any:
+        return {"acceleration": value} if isinstance(value, int | float) and not isinstance(value, bool) else value
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core_schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
+        found = handler.resolve_ref_schema(handler(core_schema))
+        return {"description": found["description"], **found["properties"]["acceleration"]}
+
+    @model_serializer
+    def _as_number(self) -> float:
+        return self.acceleration
+
+    def refuse(self, scene: "BaseScene") -> None:
+        """Refuse also a column that nothing holds."""
+        super().refuse(scene)
+        walls = getattr(scene, "walls", None)
+        if walls is None or walls.right is None:
+            raise ValueError("gravity: nothing holds the column; give `walls: {right: flat}` or another wall there")
+
+    def static(self, scene: "BaseScene", mass: float | NDArray[np.float64]) -> float | NDArray[np.float64]:
+        """Weight of the beads before."""
+        weight = self.acceleration * scene.scale.time**2 / scene.scale.length * np.asarray(mass)
+        force = np.zeros((scene.chains, scene.beads + 1))
+        force[:, 1:] = np.cumsum(np.broadcast_to(weight, (scene.chains, scene.beads)), axis=1)
+        return force

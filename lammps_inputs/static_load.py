@@ -1,0 +1,80 @@
+"""A system under a static load: contacts and walls in incremental form, so that rest is rest to the last bit.
+
+LAMMPS holds places as float64, of which it can tell apart only so much. Overlaps at rest are multiples of that, and
+loads follow from them, so that neighbours overlap by exactly as much at any place.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lammps_inputs import laws
+from lammps_inputs.laws import Law
+from lammps_inputs.laws.hertz import Hertz
+from lammps_inputs.laws.preloaded import under, wall_under
+from lammps_inputs.laws.wall import HertzWall
+from lammps_inputs.links import Along, Link, Wall
+from lammps_inputs.numbers import power_of_two_at_least
+from lammps_inputs.problem import System
+
+MOST = 1e6
+"""Largest load, in units of m V / T; beyond it motion is lost in the rounding of places."""
+
+FINEST = 1e-4
+"""Largest relative change of a load by the rounding of places."""
+
+
+class LoadError(ValueError):
+    """A load that LAMMPS cannot hold; says why."""
+
+
+def under_load(system: System, force: NDArray[np.float64]) -> System:
+    """The same system about the static state in which contacts bear forces.
+
+    Args:
+        system: without load.
+        force: [chain, bead + 1]: in front of the first bead, in every contact, and behind the last bead.
+
+    Raises:
+        LoadError: the load is too large or too small.
+    """
+    if np.max(force) > MOST:
+        raise LoadError(
+            f"{np.max(force):.3g} times m V / T, the unit of the kick's forces; at most {MOST:.0e}: a faster kick or a "
+            "smaller load is needed"
+        )
+    grid = _grid(system, force)
+    links = tuple(_loaded(link, force, grid) for link in system.links)
+    found = replace(system, links=links)
+    wanted = force[:, 1:-1]
+    for link in found.along:
+        off = np.max(np.abs(laws.load(link.law) - wanted) / np.where(wanted > 0.0, wanted, np.inf))
+        if off > FINEST:
+            raise LoadError(
+                f"{np.min(wanted[wanted > 0.0]):.3g} times m V / T, the unit of the kick's forces: so small that "
+                "places in LAMMPS do not show how it presses the beads together; a larger load, or none, is needed"
+            )
+    return found
+
+
+def _grid(system: System, force: NDArray[np.float64]) -> float:
+    """The difference of two numbers of LAMMPS as large as the last bead's place may be."""
+    rest = max(float(np.max(np.cbrt(force[:, 1:-1] / link.law.strength) ** 2)) for link in system.along)  # type: ignore[attr-defined]
+    alone = max(laws.reach(link.law, system.energy) for link in (*system.along, *system.walls))
+    diameter = power_of_two_at_least(max(system.diameter, 4.0, 2.0 * (rest + alone)))
+    return float(np.spacing(0.75 * power_of_two_at_least((system.beads + 1) * diameter)))
+
+
+def _loaded(link: Link, force: NDArray[np.float64], grid: float) -> Link:
+    law: Law = link.law
+    if isinstance(link, Along) and isinstance(law, Hertz):
+        between = force[:, 1:-1]
+        even = np.ndim(law.strength) == 0 and float(np.ptp(between)) == 0.0
+        return replace(link, law=under(law, float(between[0, 0]) if even else between, grid))
+    if isinstance(link, Wall) and isinstance(law, HertzWall):
+        at_wall = np.zeros((force.shape[0], force.shape[1] - 1))
+        bead = -1 if law.side > 0.0 else 0
+        at_wall[:, bead] = force[:, bead]
+        return replace(link, law=wall_under(law, at_wall, grid))
+    return link

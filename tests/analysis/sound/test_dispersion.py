@@ -1,0 +1,86 @@
+"""Dispersion of small waves in loaded chains: the textbook's formulas, and what runs of LAMMPS show."""
+
+import math
+
+import numpy as np
+import pytest
+
+from analysis.shape.loaded_wave import make_speed, sound_speed, speed_over_sound
+from analysis.sound.dispersion import Dispersion, NoDispersionError, cell_of
+from lammps_inputs import library
+from workflow.runs.run import run
+
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
+DIMER = {"kinds": {"heavy": {"mass": 1.0}, "light": {"mass": 0.5}}, "pattern": ["heavy", "light"]}
+
+
+def loaded(**changes):
+    plain = {
+        "name": "test",
+        "beads": 64,
+        "kick": {"velocity": 1.0},
+        "duration": 200.0,
+        "precompression": {"force": 1.0},
+    }
+    return library.from_plain({**plain, **changes}, "test")
+
+
+def test_equal_beads_have_the_branch_of_the_textbook():
+    system = loaded().system
+    q = np.linspace(0.0, math.pi, 9)
+    k = 1.5 * system.along[0].law.rest ** 0.5
+    np.testing.assert_allclose(
+        cell_of(system).branches(q)[:, 0], 2.0 * math.sqrt(k) * np.sin(q / 2.0), rtol=1e-9, atol=1e-7
+    )
+
+
+def test_beads_by_turns_have_the_edges_of_the_textbook():
+    light = 0.5
+    bands = cell_of(loaded(**DIMER).system).bands()
+    expected = [[0.0, 2.0 * 1.5], [2.0 * 1.5 / light, 2.0 * 1.5 * (1.0 + 1.0 / light)]]
+    np.testing.assert_allclose(bands**2, expected, rtol=1e-9, atol=1e-12)
+
+
+def test_springs_across_add_a_branch_for_every_way_in_which_chains_swing():
+    bands = cell_of(loaded(chains=2, coupling={"stiffness": 0.1}).system).bands()
+    np.testing.assert_allclose(bands[:, 0] ** 2, [0.0, 0.2], atol=1e-9)
+    np.testing.assert_allclose(bands[:, 1] ** 2, [6.0, 6.2], rtol=1e-9)
+
+
+def test_long_waves_run_at_the_speed_of_sound_of_a_cell():
+    system = loaded(**DIMER).system
+    q = 1e-4
+    assert cell_of(system).branches(np.array([q]))[0, 0] / q == pytest.approx(sound_speed(system)[0, 31], rel=0.05)
+
+
+def test_a_run_of_lammps_shows_the_edges_of_the_bands_to_a_bin(tmp_path):
+    case = loaded(**DIMER, kick={"velocity": 1.0}, precompression={"force": 300.0}, duration=50.0, timestep=0.01)
+    found = Dispersion(case.problem())
+    for block in run(case, tmp_path / "run", check=False).directory.blocks():
+        found.add(block)
+    result = found.result()
+    difference = np.abs(result.measured_bands() - result.cell.bands())
+    assert difference[0, 1] < result.bin
+    assert np.all(difference[1] < result.bin)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"precompression": None}, "beads bear no load at rest"),
+        ({"precompression": None, "gravity": 0.1, "walls": {"right": "flat"}}, "do not repeat"),
+        ({"output": {"beads": [1, 2, 3]}}, "velocities of all beads"),
+        ({"output": {"every": 2.0}}, "frames are farther apart"),
+    ],
+)
+def test_where_there_is_no_map_it_says_why(changes, said):
+    with pytest.raises(NoDispersionError, match=said):
+        Dispersion(loaded(**changes).problem())
+
+
+def test_the_long_wave_theory_has_its_limits_right():
+    assert speed_over_sound(1.0 + 1e-4) == pytest.approx(1.0, abs=1e-4)
+    system = loaded(precompression={"force": 1e-9}).system
+    speed = make_speed(system).at(1, np.array([30]), np.array([0.68163]))
+    assert speed[0] == pytest.approx(0.9146 * 0.68163**0.2, rel=0.02)

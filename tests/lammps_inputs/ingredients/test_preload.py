@@ -1,0 +1,343 @@
+"""Precompression and gravity: rest at rest, and all of a run against an integrator of its own."""
+
+import json
+import math
+import re
+from dataclasses import replace
+
+import lammps_here as here
+import numpy as np
+import pytest
+from independent import integrated
+from kill_many import frames
+from stock_lammps import DEBIAN
+from stock_lammps import run as run_stock
+from wrong_runs import deck_run
+
+from analysis.gauges.forces import ForceMeter
+from analysis.gauges.gauge import gauges
+from analysis.sharing.impulses import measure
+from analysis.sound.loaded_pulse import LoadedPulse
+from lammps_inputs import InputError, library
+from lammps_inputs.decks import deck
+from lammps_inputs.slurm import job
+from lammps_inputs.slurm.site import JobOptions
+from workflow.cli import main
+from workflow.engines.reference import engine
+from workflow.prepare import twin
+from workflow.prepare.settings import settle
+from workflow.runs.resume import resume
+from workflow.runs.run import run
+from workflow.runs.run_directory import RunDirectory
+from workflow.verdicts.analyse import analyse
+from workflow.verdicts.causes import causes
+from workflow.verdicts.validate import validate
+
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
+STEEL = {"radius": 4.76e-3, "density": 8000.0, "youngs_modulus": 193e9, "poisson_ratio": 0.3}
+FLAT = math.sqrt(2.0)
+DIMER = {"kinds": {"heavy": {"mass": 1.0}, "light": {"mass": 0.5, "stiffness": 2.0}}, "pattern": ["heavy", "light"]}
+
+
+def plain(**changes):
+    given = {"name": "test", "beads": 12, "kick": {"velocity": 1.0}, "duration": 20.0, "output": {"every": 0.25}}
+    return {key: value for key, value in {**given, **changes}.items() if value is not None}
+
+
+def loaded(**changes):
+    return library.from_plain(plain(**changes), "test")
+
+
+FREE = {"precompression": {"force": 0.3}}
+HELD = {"precompression": {"force": 0.3}, "walls": {"left": "bead", "right": "flat"}}
+COLUMN = {"gravity": 0.02, "walls": {"right": "flat"}}
+BOTH = {"gravity": 0.02, "precompression": {"force": 0.1}, "walls": {"left": "flat", "right": "flat"}}
+WEIGHTS = 0.02 * np.arange(13)
+
+SCENES = {
+    "free ends": (FREE, {"static": 0.3}),
+    "walls": (HELD, {"static": 0.3, "walls": (1.0, FLAT)}),
+    "gravity": (COLUMN, {"static": WEIGHTS, "walls": (0.0, FLAT)}),
+    "gravity and force": (BOTH, {"static": 0.1 + WEIGHTS, "walls": (FLAT, FLAT)}),
+    "coupled": ({**FREE, "chains": 2, "coupling": {"stiffness": 0.1}}, {"static": 0.3}),
+    "unlike columns": (
+        {**COLUMN, **DIMER, "chains": 2, "pattern": [["heavy"], ["light"]]},
+        {
+            "static": np.outer([1.0, 0.5], WEIGHTS),
+            "mass": [[1.0], [0.5]],
+            "strength": [[1.0], [2.0]],
+            "walls": (0.0, np.array([FLAT, 2.0 * FLAT])),
+        },
+    ),
+    "dimers": ({**FREE, **DIMER}, {"static": 0.3, "mass": [1.0, 0.5] * 6, "strength": 4.0 / 3.0}),
+}
+
+
+@pytest.mark.parametrize(("keys", "known"), SCENES.values(), ids=SCENES)
+def test_lammps_agrees_with_an_independent_integrator_to_second_order(tmp_path, keys, known):
+    errors, exact = [], None
+    for step in (0.005, 0.0025):
+        case = loaded(**keys, timestep=step, duration=12.0)
+        found = run(case, tmp_path / f"{step}", check=False).trajectory.velocity
+        exact = integrated(case.problem(), **known) if exact is None else exact
+        errors.append(np.abs(found - exact).max())
+    assert errors[0] < 1e-3
+    assert errors[0] / errors[1] == pytest.approx(4.0, abs=0.4)
+
+
+@pytest.mark.parametrize("name", ["free ends", "gravity"])
+def test_the_reference_agrees_with_an_independent_integrator(name):
+    keys, known = SCENES[name]
+    problem = loaded(**keys, duration=12.0).problem()
+    found = engine.run(problem, steps_per_frame=100).velocity
+    assert np.abs(found - integrated(problem, **known)).max() < 1e-6
+
+
+@pytest.mark.parametrize("executable", [None, DEBIAN], ids=["wheel", "2021"])
+@pytest.mark.parametrize("name", SCENES)
+def test_what_is_not_hit_stays_at_rest_to_the_last_bit(tmp_path, name, executable):
+    if executable is not None and not executable.exists():
+        pytest.skip("needs Debian's LAMMPS")
+    keys = {**SCENES[name][0], "chains": 2, "kick": {"velocity": 1e-3, "chain": 2}, "coupling": None, "duration": 5.0}
+    found = run_stock(loaded(**keys), tmp_path / "run", **({} if executable is None else {"executable": executable}))
+    assert not np.any(found.displacement[:, 0])
+    assert not np.any(found.velocity[:, 0])
+    assert np.any(found.velocity[-1, 1])
+
+
+def test_small_and_large_loads_run_with_a_small_error_and_their_energy(tmp_path):
+    for force in (1e-9, 1e-3, 1.0, 1e3):
+        found = run(loaded(precompression={"force": force}, beads=20, duration=10.0), tmp_path / f"{force}")
+        assert found.check.velocity < 3e-4, force
+        assert found.check.reference.energy < 1e-6, force
+        end = found.trajectory
+        assert np.abs(end.velocity.sum(axis=(1, 2)) - 1.0).max() < 1e-9, force
+
+
+def test_a_load_of_nearly_nothing_changes_nearly_nothing():
+    slight, none = (loaded(**keys, beads=20).problem() for keys in ({"precompression": {"force": 1e-9}}, {}))
+    difference = engine.run(slight).velocity - engine.run(none).velocity
+    assert 0.0 < np.abs(difference).max() < 1e-5
+
+
+def test_sound_of_the_steel_beads_at_one_newton_runs_at_369_metres_a_second(tmp_path):
+    beads, mode = 40, 2
+    case = loaded(
+        material=STEEL,
+        beads=beads,
+        precompression={"force": 1.0},
+        kick=[{"bead": 1, "velocity": 1e-6}, {"bead": beads, "velocity": 1e-6}],
+        duration=4e-3,
+        output={"every": 1e-5},
+        timestep=5e-7,
+    )
+    run(case, tmp_path / "run", check=False)
+    sound = analyse(RunDirectory(tmp_path / "run"), figures=False).sound
+    assert sound is not None
+    report = json.loads((tmp_path / "run" / "analysis.json").read_text())["sound"]
+    assert report["metres"][0] == pytest.approx(369.2, abs=0.05)
+    # the slowest even standing wave of the free chain, frequency 2 c0 sin(q / 2)
+    motion = RunDirectory(tmp_path / "run").trajectory
+    q = math.pi * mode / beads
+    swing = motion.velocity[:, 0] @ np.cos(q * (np.arange(beads) + 0.5))
+    zero = np.flatnonzero(np.diff(np.sign(swing)))
+    time = motion.time[zero] + motion.problem.every * swing[zero] / (swing[zero] - swing[zero + 1])
+    omega = math.pi * (len(zero) - 1) / (time[-1] - time[0])
+    metres = omega / (2.0 * math.sin(q / 2.0)) / case.scale.time * 2.0 * STEEL["radius"]
+    assert metres == pytest.approx(369.2, rel=1e-4)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("force", "beads", "duration", "ratio", "faster"),
+    [(0.43, 300, 290.0, 1.955, 1.0004), (0.0091, 200, 230.0, 67.7, 1.0085)],
+    ids=["1.955", "67.7"],
+)
+def test_waves_on_a_load_are_faster_than_the_long_wave_theory_says(tmp_path, force, beads, duration, ratio, faster):
+    case = loaded(
+        precompression={"force": force}, beads=beads, duration=duration, output={"every": 0.1}, timestep=0.005
+    )
+    run(case, tmp_path / "run", check=False)
+    watcher = LoadedPulse(case.problem())
+    for block in RunDirectory(tmp_path / "run").blocks():
+        watcher.add(block)
+    wave = watcher.result()
+    assert wave.force_ratio == pytest.approx(ratio, rel=0.02)
+    assert wave.over_theory == pytest.approx(faster, abs=1e-4)
+
+
+def test_a_run_that_was_interrupted_goes_on_bit_for_bit(tmp_path):
+    for name, keys in (("free", HELD), ("column", COLUMN)):
+        case = loaded(**keys, duration=60.0)
+        run(case, tmp_path / name, check=False)
+        cut = tmp_path / f"{name} cut"
+        run(case, cut, check=False, lammps=here.interrupted_after(2000))
+        assert resume(cut, check=False).outcome == "done"
+        assert RunDirectory(cut).record["resumed"][0]["from_step"] > 0
+        np.testing.assert_array_equal(frames(cut), frames(tmp_path / name))
+
+
+@pytest.mark.parametrize("keys", [HELD, COLUMN], ids=["force", "gravity"])
+def test_two_ranks_compute_the_same_bits(tmp_path, keys):
+    one, two = (run_stock(loaded(**keys, beads=30), tmp_path / str(ranks), ranks=ranks) for ranks in (1, 2))
+    np.testing.assert_array_equal(one.vx, two.vx)
+
+
+def test_suzukis_composition_of_steps_works_under_load(tmp_path):
+    case = loaded(**FREE, scheme="suzuki4", timestep=0.01)
+    found = run(case, tmp_path / "run", check=False).trajectory.velocity
+    assert np.abs(found - integrated(case.problem(), static=0.3)).max() < 1e-4
+
+
+def test_a_slurm_job_holds_the_beads_as_the_deck_does():
+    for keys in (FREE, COLUMN):
+        problem = loaded(**keys).problem()
+        lines = [line for line in deck.render_deck(problem).splitlines() if line.startswith("fix load")]
+        assert lines
+        continued = job.render_job(JobOptions(), problem)["in.continue"]
+        assert all(line in continued for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("keys", "pattern", "new", "said"),
+    [
+        (
+            FREE,
+            r"fix load_\w+ .*\n",
+            "",
+            "the forces that hold the beads at rest (on the ends, or weights) are missing",
+        ),
+        (
+            COLUMN,
+            r"-f_found",
+            "-0.9*f_found",
+            "the forces that hold the beads at rest are 0.9 times what the scene says",
+        ),
+    ],
+    ids=["ends", "weights"],
+)
+def test_validate_names_what_does_not_hold_the_beads(tmp_path, keys, pattern, new, said):
+    def changed(path):
+        text, found = re.subn(pattern, new, (path / deck.DECK).read_text())
+        assert found
+        (path / deck.DECK).write_text(text)
+
+    case = loaded(**keys, duration=10.0, output={"every": 0.1})
+    assert validate(deck_run(case, tmp_path / "run", changed)).causes == (said,)
+
+
+@pytest.mark.parametrize(
+    ("force", "said"),
+    [(None, "the static load is missing"), (0.6, "the contacts bear about 2 times the static load of the scene")],
+    ids=["none", "twice"],
+)
+def test_the_cause_is_named_where_contacts_bear_another_load(force, said):
+    right, other = (
+        engine.run(loaded(output={"every": 0.1}, precompression=given).problem())
+        for given in (FREE["precompression"], force and {"force": force})
+    )
+    assert causes(replace(other, problem=right.problem), right) == [said]
+
+
+def test_forces_are_read_as_totals_and_above_rest(tmp_path):
+    case = loaded(**HELD, beads=30, output={"every": 0.1, "forces": {"wall": True, "contacts": [10], "sensors": [10]}})
+    directory = run(case, tmp_path / "run", check=False).directory
+    analyse(directory, figures=False)
+    contact = next(
+        entry
+        for entry in json.loads((directory.path / "analysis.json").read_text())["forces"]
+        if entry["kind"] == "contact"
+    )
+    assert contact["static"] == pytest.approx(0.3, rel=1e-9)
+    assert contact["largest"] == pytest.approx(contact["static"] + contact["dynamic"])
+    assert 0.2 < contact["dynamic"] < 1.0
+    table = np.genfromtxt(directory.path / "forces.csv", delimiter=",", names=True)
+    total, dynamic = table["contact_10_chain_1"], table["contact_10_chain_1_dynamic"]
+    np.testing.assert_allclose(total - dynamic, 0.3, rtol=1e-9)
+    assert total[0] == pytest.approx(0.3, rel=1e-12)
+    assert table["left_wall_chain_1"].min() == 0.0
+
+
+def test_the_impulse_of_a_gauge_is_that_above_rest():
+    problem = loaded(**FREE, beads=20, duration=8.0).problem()
+    meter = ForceMeter(problem, gauges(problem, wall=False, contacts=(15,), sensors=()))
+    trajectory = engine.run(problem)
+    meter.add(trajectory)
+    ahead = trajectory.velocity[-1, 0, 15:].sum()
+    assert meter.result().impulse[0, 0] == pytest.approx(ahead, abs=1e-6)
+    assert measure(problem, [trajectory]).imbalance < 1e-6
+
+
+def test_the_end_at_a_bead_comes_sooner_the_faster_sound_is():
+    ends = [
+        settle(loaded(precompression={"force": f}, beads=40, duration=None, until_bead=30))[0].duration
+        for f in (0.1, 100.0)
+    ]
+    assert ends[0] > 2.0 * ends[1]
+    assert ends[1] > 30 / loaded(precompression={"force": 100.0}).system.pace
+
+
+def test_the_work_of_a_run_counts_the_rows_that_sound_reaches():
+    slow, fast = (loaded(precompression={"force": f}, beads=1000, duration=50.0).problem() for f in (1e-3, 100.0))
+    assert twin.work(fast, 1, 0) > 1.8 * twin.work(slow, 1, 0)
+
+
+def test_the_default_step_follows_sound_and_an_unstable_one_is_refused():
+    assert loaded(precompression={"force": 1e3}).problem().timestep < 0.002
+    with pytest.raises(InputError, match="unstable"):
+        settle(loaded(precompression={"force": 3e3}, timestep=0.25))
+
+
+@pytest.mark.parametrize(
+    ("keys", "said"),
+    [
+        ({**FREE, "gap": 0.1}, "gap: beads under a static load touch"),
+        ({**FREE, "window": 64, "beads": 200}, "precompression: a window lets go of rows"),
+        ({"gravity": 0.1}, "gravity: nothing holds the column"),
+        ({"gravity": 0.1, "walls": {"left": "flat"}}, "gravity: nothing holds the column"),
+        ({"gravity": -0.1}, "gravity"),
+        ({"gravity": "strong"}, "gravity"),
+        ({"precompression": {"force": 0.0}}, "precompression.force"),
+        ({"precompression": {"force": 1e7}}, "precompression: 1e+07 times m V / T"),
+        ({"precompression": {"force": 1e-22}}, "precompression: 1e-22 times m V / T"),
+        (
+            {**FREE, **DIMER, "chains": 2, "coupling": {"stiffness": 0.1}}
+            | {"pattern": [["heavy", "heavy", "light", "light"], ["light", "light", "heavy", "heavy"]]},
+            "precompression: chains that differ are compressed differently",
+        ),
+    ],
+)
+def test_what_a_load_cannot_go_with_is_one_line(keys, said):
+    with pytest.raises(InputError) as refused:
+        loaded(**keys)
+    assert str(refused.value).startswith(f"test: {said}")
+    assert "\n" not in str(refused.value)
+
+
+def test_a_scene_says_gravity_as_one_number_and_is_read_back():
+    case = loaded(**COLUMN)
+    assert case.plain()["gravity"] == 0.02
+    assert library.from_plain(case.resolved().plain(), "again").system == case.system
+
+
+def test_analyze_says_what_the_sound_is_and_why_there_is_no_map(tmp_path, capsys):
+    for name, keys, words in (
+        ("free", FREE, ("sound: c0 = ", "dispersion.csv")),
+        ("column", COLUMN, ("sound: c0 = ", "no dispersion map: beads or the loads that they bear differ")),
+        ("none", {}, ("no dispersion map: beads bear no load at rest", "waves.csv")),
+    ):
+        run(loaded(**keys, beads=30, duration=30.0), tmp_path / name, check=False)
+        assert main(["analyze", str(tmp_path / name), "--no-figures", "--dispersion"]) == 0
+        said = capsys.readouterr().out
+        assert all(word in said for word in words), said
+
+
+def test_no_load_leaves_no_trace():
+    problem = loaded().problem()
+    assert not problem.loaded
+    assert not problem.lacks
+    assert problem.pace == 1.0
+    text = deck.render_deck(problem)
+    assert "run 0" not in text
+    assert "load" not in text

@@ -1,0 +1,57 @@
+"""Contacts under a static load: rest is exactly rest, and no digit of a small motion is lost to the load."""
+
+import numpy as np
+import pytest
+
+from lammps_inputs import laws
+from lammps_inputs.laws.hertz import Hertz
+from lammps_inputs.laws.preloaded import under, wall_under
+from lammps_inputs.laws.wall import HertzWall
+
+LOADS = np.geomspace(1e-9, 1e6, 40)
+LAWS = {
+    "numbers": under(Hertz(), 0.37, 2.0**-42),
+    "arrays": under(Hertz(np.linspace(0.5, 2.0, 40)), LOADS, 2.0**-42),
+    "wall": wall_under(HertzWall(np.array([0.0, 0.0, 2.0]), -1.0, 0.0), np.array([0.0, 0.0, 0.4]), 2.0**-42),
+}
+
+
+@pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
+def test_at_rest_there_is_no_force_and_no_energy_to_the_last_bit(law):
+    assert not np.any(laws.force(law, 0.0))
+    assert not np.any(laws.energy(law, 0.0))
+
+
+@pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
+@pytest.mark.parametrize("strain", [-2.0, -0.1, 0.003, 0.7])
+def test_force_is_the_slope_of_the_energy_and_stiffness_that_of_the_force(law, strain):
+    h = 1e-5
+    ends = [strain - h, strain + h]
+    (low, high), (weak, strong) = ([f(law, s) for s in ends] for f in (laws.energy, laws.force))
+    size = 1.0 + np.max(np.abs(laws.load(law)))
+    np.testing.assert_allclose((high - low) / (2 * h), laws.force(law, strain), rtol=1e-5, atol=1e-9 * size)
+    np.testing.assert_allclose((strong - weak) / (2 * h), laws.stiffness(law, strain), rtol=1e-5, atol=1e-9 * size)
+
+
+def test_the_energy_of_small_strains_has_all_its_digits():
+    law = LAWS["arrays"]
+    expected = 0.5 * laws.stiffness(law, 0.0) * 1e-12**2
+    np.testing.assert_allclose(laws.energy(law, 1e-12), expected, rtol=1e-5)
+
+
+def test_reach_is_the_strain_that_holds_an_energy():
+    law = LAWS["arrays"]
+    np.testing.assert_allclose(laws.energy(law, law.reach(0.5, *law)), 0.5, rtol=1e-12)
+
+
+def test_loads_are_those_asked_for_but_for_the_rounding_of_places():
+    law = LAWS["arrays"]
+    np.testing.assert_allclose(law.load[1:], LOADS[1:], rtol=1e-6)
+    assert np.array_equal(law.rest / 2.0**-42, np.round(law.rest / 2.0**-42))
+
+
+def test_a_contact_that_bears_nothing_is_a_contact_without_load():
+    law = under(Hertz(), np.array([0.0, 0.1]), 2.0**-42)
+    for s in (-0.3, 0.2):
+        assert laws.force(law, s)[0] == laws.force(Hertz(), s)
+        assert laws.energy(law, s)[0] == pytest.approx(laws.energy(Hertz(), s), rel=1e-14)
