@@ -129,6 +129,11 @@ class System:
         return max((float(np.max(laws.stiffness(link.law, 0.0))) for link in self.across), default=0.0)
 
     @property
+    def exponent(self) -> float | None:
+        """Of the overlap in the force of a contact; None where that is no power of it."""
+        return getattr(self.along[0].law, "exponent", None) if len(self.along) == 1 else None
+
+    @property
     def gap(self) -> float:
         """Clear distance between neighbouring beads; 0 where they touch."""
         return self.along[0].gap

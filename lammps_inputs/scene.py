@@ -286,16 +286,13 @@ class BaseScene(Part):
     @property
     def scale(self) -> Scale:
         """What one dimensionless unit is worth in this scene's units."""
-        velocity = self._speed()
-        if self.material is None:
-            return make_scale(1.0, 1.0, velocity, si=False)
-        ball = self.material
-        return make_scale(
-            sphere_mass(ball.radius, ball.density),
-            hertz_constant(ball.radius, ball.youngs_modulus, ball.poisson_ratio),
-            velocity,
-            si=True,
-        )
+        ball, velocity = self.material, self._speed()
+        scales = (ingredient.contact_scale() for ingredient in self.ingredients)
+        exponent, constant = next((found for found in scales if found is not None), (1.5, None))
+        if ball is None:
+            return make_scale(1.0, constant or 1.0, velocity, si=False, exponent=exponent)
+        constant = constant or hertz_constant(ball.radius, ball.youngs_modulus, ball.poisson_ratio)
+        return make_scale(sphere_mass(ball.radius, ball.density), constant, velocity, si=True, exponent=exponent)
 
     def _speed(self) -> float:
         """V: of the fastest kick, or of a bead that has been given the impulse of a push."""
@@ -316,15 +313,17 @@ class BaseScene(Part):
         """Beads, links and kicks, dimensionless at V = 1."""
         scale = self.scale
         mass, strength = masses_and_strengths(self)
+        laws = (ingredient.contact(strength) for ingredient in self.ingredients)
+        touching = contacts(self.gap / scale.length, strength, next((law for law in laws if law is not None), None))
         made = [(ingredient, ingredient.links(self)) for ingredient in self.ingredients]
         loads = tuple(load for ingredient in self.ingredients for load in ingredient.loads(self))
-        taken = {fact for ingredient, links in made if links for fact in ingredient.takes_away}
+        taken = {fact for ingredient, links in made for fact in ingredient.lacking(links)}
         return System(
             chains=self.chains,
             beads=self.beads,
             kicks=tuple((kick.chain, kick.bead, kick.velocity / scale.velocity) for kick in self.kicks),
             mass=mass,
-            links=(*contacts(self.gap / scale.length, strength), *(link for _, links in made for link in links)),
+            links=(*touching, *(link for _, links in made for link in links)),
             lacks=frozenset(taken | ({Fact.SECOND_ORDER} if any(load.law.jumps for load in loads) else set())),
             loads=loads,
         )

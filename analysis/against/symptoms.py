@@ -98,6 +98,12 @@ class Springs:
     residual: float
 
 
+_UNEXPLAINED = 1e-4
+"""Share of the squared changes of momentum that may be left where an exponent is to explain them."""
+
+_BETTER = 0.03
+"""What is left by an exponent that is not the problem's own, over what that leaves."""
+
 _APART = 1e-6
 """Least relative displacement that is more than rounding, in units of L."""
 
@@ -166,6 +172,38 @@ def identify_strengths(trajectory: Trajectory) -> dict[str, float] | None:
     if rank < len(columns):
         return None
     return {link.name: float(factor) for link, factor in zip(problem.links, factors, strict=True)}
+
+
+def identify_exponent(trajectory: Trajectory) -> float | None:
+    """The power of the overlap that the contacts' force was felt to be; the problem's own unless another explains all.
+
+    None where that is none, contacts differ, not all beads are recorded, or there are few frames.
+    """
+    from scipy.optimize import minimize_scalar
+
+    problem = trajectory.problem
+    if problem.exponent is None or not problem.alike or problem.recorded is not None or trajectory.frames < 10:
+        return None
+    x, v = trajectory.displacement, trajectory.velocity
+    spacing = np.diff(trajectory.time)[:, np.newaxis, np.newaxis]
+    left = np.diff(v, axis=0)
+    for load in problem.loads:
+        left[:, load.chain - 1, load.bead - 1] -= np.diff(load.impulse(trajectory.time))
+    (contact,), others = problem.along, (*problem.across, *problem.ground)
+    for link in others:
+        link.drive(left, -_integral(link.force(x), link.force_rate(x, v), spacing))
+    overlap, closing = np.maximum(contact.strain(x), 0.0), v[..., :-1] - v[..., 1:]
+
+    def unexplained(exponent: float) -> float:
+        force = overlap**exponent
+        rate = exponent * overlap ** (exponent - 1.0) * closing * (overlap > 0.0)
+        column = np.zeros_like(left)
+        contact.drive(column, _integral(force, rate, spacing))
+        return float(np.sum((left - column) ** 2))
+
+    found = minimize_scalar(unexplained, (1.0, 2.0), (0.9, 4.0), method="bounded", options={"xatol": 1e-6})
+    explains = found.fun < _UNEXPLAINED * float(np.sum(left**2))
+    return float(found.x) if explains and found.fun < _BETTER * unexplained(problem.exponent) else problem.exponent
 
 
 def _integral(value: Floats, rate: Floats, spacing: Floats) -> Floats:

@@ -7,13 +7,14 @@ below it.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.shape.exact_wave import solitary_wave
+from analysis.shape.exact_wave import SolitaryWave, solitary_wave
+from analysis.shape.wave_of import wave_of
 from analysis.tracking.leading_waves import Waves
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
@@ -57,6 +58,7 @@ class Sharing:
         energy: put in by kicks and forces from outside, in units of m V**2; NaN where that is not known.
         noise: standard deviation of an amplitude, in units of V; 0 for a record without noise.
         arrival_error, amplitude_error: [place, chain] bounds on what the time between frames leaves; NaN if unknown.
+        exact: the exact wave of the contacts.
     """
 
     kicked: int
@@ -67,6 +69,7 @@ class Sharing:
     noise: float = 0.0
     arrival_error: Floats | None = None
     amplitude_error: Floats | None = None
+    exact: SolitaryWave = field(default_factory=solitary_wave)
 
     def __len__(self) -> int:
         return len(self.bead)
@@ -99,8 +102,7 @@ class Sharing:
     @property
     def _passage(self) -> Floats:
         """[place] time in which the exact wave of the mean amplitude passes at half its height."""
-        exact = solitary_wave()
-        return np.asarray(exact.width / exact.speed_at(self._mean))
+        return np.asarray(self.exact.width / self.exact.speed_at(self._mean))
 
     def sure_to(self) -> tuple[float, float]:
         """How well amplitudes (relative) and arrivals (in passages) of single waves are known over the last half beat.
@@ -117,7 +119,7 @@ class Sharing:
     @cached_property
     def wave_share(self) -> Floats:
         """[place, chain] energy of the exact wave of this amplitude, in that put in; 0 where no wave counts."""
-        return np.nan_to_num(solitary_wave().energy_at(self.amplitude) / self.energy)
+        return np.nan_to_num(self.exact.energy_at(self.amplitude) / self.energy)
 
     @cached_property
     def beats(self) -> Floats:
@@ -252,6 +254,7 @@ def sharing(waves: Waves, problem: Problem, noise: float = 0.0) -> Sharing:
         noise,
         side_by_side(waves.arrival_error),
         side_by_side(waves.velocity_error),
+        wave_of(problem),
     )
 
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from analysis import motion
 from analysis.mirror import direction_of, mirrored, mirrored_problem
+from analysis.shape.wave_of import wave_of
 from analysis.shape.waveforms import Passages, Shape, Waveforms
 from analysis.sharing.decay_law import DecayFit, fit_decay
 from analysis.sharing.energy_shares import EnergyShares
@@ -116,7 +117,7 @@ def survey(
     last_time = _first_reading(read, problem, noise, watchers, forward, backward)
     peaks = {1: forward.result(), -1: backward.result()}
     if noise > 0.0:
-        peaks = {way: distinct(found) for way, found in peaks.items()}
+        peaks = {way: distinct(found, wave_of(problem)) for way, found in peaks.items()}
 
     direction = direction_of(problem)
     along = problem if direction > 0 else mirrored_problem(problem)

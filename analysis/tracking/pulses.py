@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.mirror import mirrored_bead
-from analysis.shape.exact_wave import solitary_wave
+from analysis.shape.exact_wave import SolitaryWave
+from analysis.shape.wave_of import wave_of
 from analysis.tracking.peaks import Peaks, in_mirror
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
@@ -90,13 +91,13 @@ def track_pulses(
         peaks = in_mirror(peaks, problem)
     recorded = problem.recorded_beads if direction > 0 else mirrored_bead(problem, problem.recorded_beads)[::-1]
     least = max(2, min(least_beads, len(recorded)))
-    exact = solitary_wave()
-    pressed = PRESSED * exact.overlap(0.5) * peaks.velocity**0.8
+    exact = wave_of(problem)
+    pressed = PRESSED * exact.overlap(0.5) * peaks.velocity ** (2.0 / (exact.exponent + 1.0))
     passages = peaks.where((peaks.velocity > 0.25 * smallest) & ~(peaks.overlap < pressed))
     found = []
     for chain in np.unique(passages.chain):
         own = passages.where(passages.chain == chain)
-        for track in _linked(own, recorded, noise):
+        for track in _linked(own, recorded, noise, exact):
             if len(track) >= least and np.max(own.velocity[track]) >= smallest:
                 bead, arrival = own.bead[track], own.time[track]
                 speed = local_speed(bead, arrival)
@@ -132,9 +133,8 @@ class _Track:
     bound: float = np.inf
 
 
-def _linked(peaks: Peaks, recorded: Integers, noise: float) -> Iterator[list[int]]:
+def _linked(peaks: Peaks, recorded: Integers, noise: float, exact: SolitaryWave) -> Iterator[list[int]]:
     """Positions in the table of the passages of one chain, pulse by pulse. Beads are taken in ascending order."""
-    exact = solitary_wave()
     starts = np.searchsorted(peaks.bead, recorded)
     ends = np.searchsorted(peaks.bead, recorded, side="right")
     place = np.searchsorted(recorded, peaks.bead)

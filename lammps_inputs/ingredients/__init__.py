@@ -11,7 +11,7 @@ import importlib
 import os
 
 from lammps_inputs.ingredients.base import Ingredient
-from lammps_inputs.ingredients.contact import contacts
+from lammps_inputs.ingredients.contact import Contact, contacts
 from lammps_inputs.ingredients.coupling import Coupling, springs
 from lammps_inputs.ingredients.foundation import Foundation
 from lammps_inputs.ingredients.push import Push
@@ -24,6 +24,7 @@ OWN_INGREDIENTS = "GRANCHAIN_INGREDIENTS"
 __all__ = ["INGREDIENTS", "OWN_INGREDIENTS", "Ingredient", "contacts", "coupled_chains"]
 
 INGREDIENTS: dict[str, type[Ingredient]] = {
+    "contact": Contact,
     "coupling": Coupling,
     "foundation": Foundation,
     "push": Push,

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from pydantic import BaseModel, ConfigDict
 
 from lammps_inputs.facts import Fact
+from lammps_inputs.laws import Law, Parameter
 from lammps_inputs.links import Link
 from lammps_inputs.loads import Load
 
@@ -50,6 +51,25 @@ class Ingredient(Part):
     def links(self, scene: "BaseScene") -> tuple[Link, ...]:
         """The links that it makes, dimensionless; none where its numbers come to nothing."""
         raise NotImplementedError
+
+    def contact(self, strength: Parameter) -> Law | None:  # noqa: ARG002
+        """The law of the contacts between beads, where it makes them other than those of spheres.
+
+        Args:
+            strength: in that of two reference beads, a number or [chain, contact].
+        """
+        return None
+
+    def contact_scale(self) -> tuple[float, float | None] | None:
+        """Exponent p and constant A of a force ``A overlap**p`` by which lengths are measured; without A the usual one.
+
+        None for the contacts of spheres.
+        """
+        return None
+
+    def lacking(self, links: tuple[Link, ...]) -> frozenset[Fact]:
+        """What no longer holds, with the links that it has made."""
+        return self.takes_away if links else frozenset()
 
     def speed(self, mass: float) -> float:  # noqa: ARG002
         """Of a bead of this mass that it sets in motion, in the scene's units: a measure of V."""

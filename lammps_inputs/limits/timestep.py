@@ -23,7 +23,7 @@ _STEPS_PER_BOUND = 50.0
 
 _STEPS_PER_BOUND_UNLIKE = 120.0
 """Where beads differ, and light ones may swing faster; what is left behind rattles, which asks for half as many again
-as `DEFAULT` is to the paper's.
+as `DEFAULT` is to the paper's. And where contacts are harder, at their hardest, than those of spheres.
 """
 
 _STIFF = 5e-3
@@ -57,7 +57,7 @@ def stability_bound(system: System, scheme: SchemeName = "verlet") -> float:
 def default_timestep(system: System, scheme: SchemeName = "verlet") -> float:
     """0.01, or less where stiff springs, many kicks or short forces from outside need it, in dimensionless time."""
     bound = stability_bound(system)
-    step = min(DEFAULT, bound / (_STEPS_PER_BOUND if system.alike else _STEPS_PER_BOUND_UNLIKE))
+    step = min(DEFAULT, bound / (_STEPS_PER_BOUND if _as_spheres(system) else _STEPS_PER_BOUND_UNLIKE))
     for load in system.loads:  # an impulse of 1 that begins within a step leaves up to step**2 / (8 duration)
         if load.end > SHORTEST_LOAD:
             step = min(step, DEFAULT * math.sqrt(load.end))
@@ -66,6 +66,11 @@ def default_timestep(system: System, scheme: SchemeName = "verlet") -> float:
     if scheme == "suzuki4":
         return min(step, _STIFF_SUZUKI / math.pow(system.swing, 1.25))
     return min(step, max(_STIFF / math.pow(system.swing, 1.5), bound / _MOST_STEPS_PER_BOUND))
+
+
+def _as_spheres(system: System) -> bool:
+    """Whether the beads are alike, and their contacts no harder, at their hardest, than those of spheres."""
+    return system.alike and (system.exponent or 0.0) <= 1.5
 
 
 def largest_timestep(system: System, scheme: SchemeName = "verlet") -> float:
@@ -81,7 +86,7 @@ def timestep_for(accuracy: float, duration: float, system: System, scheme: Schem
     times, but with a gap it is up to 2.5 times too large. It knows no stability bound.
     """
     swing = system.swing
-    faster = 1.0 if system.alike else max(1.0, DEFAULT * _STEPS_PER_BOUND_UNLIKE / stability_bound(system))
+    faster = 1.0 if _as_spheres(system) else max(1.0, DEFAULT * _STEPS_PER_BOUND_UNLIKE / stability_bound(system))
     if scheme == "verlet":
         return math.sqrt(accuracy / (duration * (_PULSE * faster**3 + _SWING * swing**3)))
     twice = 2.0 * duration / accuracy  # each part is given half of the accuracy

@@ -19,6 +19,8 @@ def integrated(
     *,
     mass: Any = 1.0,
     strength: Any = 1.0,
+    exponent: float = 1.5,
+    rtol: float = 1e-12,
 ) -> Floats:
     """Velocities [frame, chain, bead] of chains with contacts, springs between neighbours and to the ground, and walls.
 
@@ -27,6 +29,8 @@ def integrated(
         ground, ground_cubic: stiffness of the springs to the ground, [chain, bead] or one number.
         mass: of the beads, likewise.
         strength: of the contacts, [chain, contact] or one number.
+        exponent: of the overlap in their force.
+        rtol: of the integrator.
         walls: force over overlap**1.5 of the walls on the left and on the right, a gap away.
     """
     shape = problem.chains, problem.beads
@@ -34,7 +38,7 @@ def integrated(
 
     def rate(_: float, state: Floats) -> Floats:
         x = state[:size].reshape(shape)
-        push = strength * np.maximum(x[:, :-1] - x[:, 1:] - problem.gap, 0.0) ** 1.5
+        push = strength * np.maximum(x[:, :-1] - x[:, 1:] - problem.gap, 0.0) ** exponent
         force = -ground * x - ground_cubic * x**3
         force[:, 0] += walls[0] * np.maximum(-x[:, 0] - problem.gap, 0.0) ** 1.5
         force[:, -1] -= walls[1] * np.maximum(x[:, -1] - problem.gap, 0.0) ** 1.5
@@ -47,5 +51,5 @@ def integrated(
 
     start = np.concatenate([np.zeros(size), problem.initial_velocity().reshape(-1)])
     time = np.arange(problem.frames + 1) * problem.every
-    found = solve_ivp(rate, (0.0, time[-1]), start, t_eval=time, method="DOP853", rtol=1e-12, atol=1e-14)
+    found = solve_ivp(rate, (0.0, time[-1]), start, t_eval=time, method="DOP853", rtol=rtol, atol=1e-2 * rtol)
     return np.asarray(found.y[size:].T.reshape(-1, *shape))

@@ -97,8 +97,9 @@ def has_contacts(directory: RunDirectory) -> bool:
 
 
 def _one_radius(scene: Scene) -> bool:
-    """Whether all contacts are those of two reference beads; which of others is hardest, overlaps alone do not tell."""
-    return all(np.all(np.equal(next(iter(link.law)), 1.0)) for link in scene.system.along)
+    """Whether all contacts are those of two reference spheres; of others, overlaps do not tell which is hardest."""
+    contacts = scene.system.along
+    return all(hertz.is_of_spheres(link.law) and np.all(np.equal(next(iter(link.law)), 1.0)) for link in contacts)
 
 
 def _contacts(scene: Scene, overlap: float, *, measured: bool) -> Contacts | None:

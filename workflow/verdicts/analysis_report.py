@@ -9,6 +9,7 @@ import numpy as np
 from analysis.conservation import Conservation
 from analysis.gauges.forces import Readings
 from analysis.mirror import mirrored_bead
+from analysis.shape.wave_of import wave_of
 from analysis.sharing.cells import CellEnergy
 from analysis.sharing.energy_flow import Flow
 from analysis.sharing.equipartition import AGREEMENTS, CLEAR, Estimate
@@ -108,7 +109,8 @@ def train(found: Survey) -> Train | None:
     clear = own.bead[(own.bead > CLEAR) & (own.bead <= beads - CLEAR)]
     if len(clear) == 0:
         return None
-    return train_of(found.pulses, chain, found.direction, int(clear.max() if found.direction > 0 else clear.min()))
+    bead = int(clear.max() if found.direction > 0 else clear.min())
+    return train_of(found.pulses, chain, found.direction, bead, wave_of(found.problem))
 
 
 def train_report(found: Survey) -> dict[str, Any] | None:

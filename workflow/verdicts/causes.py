@@ -28,7 +28,7 @@ def causes(own: Trajectory, reference: Trajectory) -> list[str]:
         reference: the same frames, right.
     """
     found = _numbers(own) or _times(own, reference) or _start(own) or _pushes(own)
-    return found or _strengths(own, reference) or _springs(own, reference)
+    return found or _exponent(own, reference) or _strengths(own, reference) or _springs(own, reference)
 
 
 def rounded(own: Trajectory, reference: Trajectory) -> list[str]:
@@ -153,3 +153,12 @@ def _springs(own: Trajectory, reference: Trajectory) -> list[str]:
             return [f"the chains are not coupled, though the scene says {right_one:.4g}"]
         return [f"the coupling is {found:.4g} instead of {right_one:.4g}"]
     return []
+
+
+def _exponent(own: Trajectory, reference: Trajectory) -> list[str]:
+    """Whether the contacts had another exponent than the scene's."""
+    felt, right = symptoms.identify_exponent(own), symptoms.identify_exponent(reference)
+    expected = own.problem.exponent
+    if felt is None or right is None or expected is None or abs(felt - right) < 1e-3 + 3.0 * abs(right - expected):
+        return []
+    return [f"the contacts have the exponent {felt:.3f} instead of {expected:g}"]
