@@ -147,7 +147,7 @@ class BaseScene(Part):
             raise ValueError(f"beads: {self.chains} x {self.beads} beads are more than LAMMPS numbers (2147483647)")
         if not self.kicks and not self._speed() > 0.0:
             missing = "" if "kick" in self.model_fields_set else "is missing; "
-            raise ValueError(f"kick: {missing}at least one bead must be hit, or a striker or a push be there")
+            raise ValueError(f"kick: {missing}at least one bead must be hit, or a striker, a push or a drive be there")
         for number, kick in enumerate(self.kicks):
             key = _kick_key(self, number)
             if kick.chain > self.chains:
@@ -220,7 +220,8 @@ class BaseScene(Part):
     def _check_motion(self, system: System) -> None:
         """Refuse scenes in which nothing happens, or what no beads of the material would do."""
         if system.loads and not isinstance(system.mass, float):
-            raise ValueError("push: only beads of one mass can be pushed; leave either out")
+            key = "drive.force" if system.loads[0].endless else "push"
+            raise ValueError(f"{key}: only beads of one mass can be pushed; leave either out")
         if system.walls and not system.alike:
             raise ValueError("walls: are those of equal beads; leave either out")
         if system.simply_coupled and never_closes(self.chains, system.kappa, system.gap, system.kicks, self.beads):
@@ -317,6 +318,7 @@ class BaseScene(Part):
         touching = contacts(self.gap / scale.length, strength, next((law for law in laws if law is not None), None))
         made = [(ingredient, ingredient.links(self)) for ingredient in self.ingredients]
         loads = tuple(load for ingredient in self.ingredients for load in ingredient.loads(self))
+        motions = tuple(motion for ingredient in self.ingredients for motion in ingredient.motions(self))
         taken = {fact for ingredient, links in made for fact in ingredient.lacking(links)}
         return System(
             chains=self.chains,
@@ -326,6 +328,7 @@ class BaseScene(Part):
             links=(*touching, *(link for _, links in made for link in links)),
             lacks=frozenset(taken | ({Fact.SECOND_ORDER} if any(load.law.jumps for load in loads) else set())),
             loads=loads,
+            motions=motions,
         )
 
     def _cadence(self) -> tuple[float, int]:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from analysis.trajectory import Floats, Trajectory
+from lammps_inputs import Problem
 
 SINGLE = "single precision"
 
@@ -121,6 +122,8 @@ def identify_springs(trajectory: Trajectory) -> Springs | None:
     problem = trajectory.problem
     if problem.chains < 2 or not problem.open_row or problem.recorded is not None or trajectory.frames < 10:
         return None
+    if problem.motions:  # by forces that nobody knows
+        return None
     x, v = trajectory.displacement, trajectory.velocity
     spacing = np.diff(trajectory.time)[:, np.newaxis, np.newaxis]
     change = np.diff(v, axis=0) * problem.mass
@@ -167,7 +170,8 @@ def identify_strengths(trajectory: Trajectory) -> dict[str, float] | None:
     for link in problem.links:
         column = np.zeros_like(v[1:])
         link.drive(column, _integral(link.force(x), link.force_rate(x, v), spacing))
-        columns.append(column.reshape(-1))
+        columns.append(_but_for_driven(column, problem).reshape(-1))
+    _but_for_driven(change, problem)
     factors, _, rank, _ = np.linalg.lstsq(np.array(columns).T, change.reshape(-1), rcond=1e-6)
     if rank < len(columns):
         return None
@@ -199,11 +203,18 @@ def identify_exponent(trajectory: Trajectory) -> float | None:
         rate = exponent * overlap ** (exponent - 1.0) * closing * (overlap > 0.0)
         column = np.zeros_like(left)
         contact.drive(column, _integral(force, rate, spacing))
-        return float(np.sum((left - column) ** 2))
+        return float(np.sum(_but_for_driven(left - column, problem) ** 2))
 
     found = minimize_scalar(unexplained, (1.0, 2.0), (0.9, 4.0), method="bounded", options={"xatol": 1e-6})
-    explains = found.fun < _UNEXPLAINED * float(np.sum(left**2))
+    explains = found.fun < _UNEXPLAINED * float(np.sum(_but_for_driven(left, problem) ** 2))
     return float(found.x) if explains and found.fun < _BETTER * unexplained(problem.exponent) else problem.exponent
+
+
+def _but_for_driven(values: Floats, problem: Problem) -> Floats:
+    """Values [..., chain, bead] with 0, in place, at beads whose motion is given: by what forces, nobody knows."""
+    for motion in problem.motions:
+        values[..., motion.chain - 1, motion.bead - 1] = 0.0
+    return values
 
 
 def _integral(value: Floats, rate: Floats, spacing: Floats) -> Floats:

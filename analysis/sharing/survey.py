@@ -113,7 +113,7 @@ def survey(
     options: dict[str, Any] = {"threshold": max(THRESHOLD, SURE * left), "noisy": noise > 0.0}
     forward, backward = PeakFinder(direction=1, **options), PeakFinder(direction=-1, **options)
     most = _Most()
-    watchers = [*watchers, most] if problem.loads else watchers
+    watchers = [*watchers, most] if problem.acted_on else watchers
     last_time = _first_reading(read, problem, noise, watchers, forward, backward)
     peaks = {1: forward.result(), -1: backward.result()}
     if noise > 0.0:
@@ -137,7 +137,7 @@ def survey(
         sharp = np.isfinite(waves.arrival) & (arrival == "maximum")  # of others nobody knows when they are fastest
     every_bead = along if leading is None else replace(along, recorded=None)
     shared = sharing(waves if direction > 0 else mirrored_waves(waves, problem), every_bead, left)
-    if problem.loads:
+    if problem.acted_on:
         shared = replace(shared, energy=most.energy)
     if noise > 0.0:
         error = peak_error(problem.every, waves.peak_velocity, noise=noise)

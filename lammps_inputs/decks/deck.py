@@ -76,11 +76,14 @@ def render_deck(problem: Problem) -> str:
         *interactions(problem),
         motion_lines(problem, "all"),
     ]
-    if problem.kicks:
+    if problem.kicks or problem.motions:
         sections.append(
             [
-                f"set atom {_atom(problem, chain, bead)} vx ${{kick{number}}}"
-                for number, (chain, bead, _) in enumerate(problem.kicks, 1)
+                *loads.start_lines(problem.motions, problem),
+                *(
+                    f"set atom {_atom(problem, chain, bead)} vx ${{kick{number}}}"
+                    for number, (chain, bead, _) in enumerate(problem.kicks, 1)
+                ),
             ]
         )
     if problem.window is not None:
@@ -91,7 +94,7 @@ def render_deck(problem: Problem) -> str:
             *output_lines(problem, "${every}", DUMP),
         ]
     )
-    sections.append([scheme.timestep_command(problem.scheme), *travel_lines(problem)])
+    sections.append([scheme.timestep_command(problem.scheme), *moved_lines(problem), *travel_lines(problem)])
     return "\n\n".join("\n".join(lines) for lines in sections) + "\n"
 
 
@@ -118,7 +121,7 @@ def spelling(problem: Problem) -> list[Lines]:
         if spell is None:
             raise ValueError(f"{link.name}: LAMMPS does not know this force; use the reference engine")
         found.append(spell(link if isinstance(link, Across) else link.name, problem))
-    return [*found, *loads.lines(problem.loads, problem)]
+    return [*found, *loads.lines(problem.loads, problem), *loads.motion_lines(problem.motions, problem)]
 
 
 def interactions(problem: Problem) -> list[list[str]]:
@@ -132,6 +135,11 @@ def motion_lines(problem: Problem, group: str) -> list[str]:
     if problem.coupled:
         lines.append("fix line all lineforce 1 0 0     # beads move along their chain only")
     return lines
+
+
+def moved_lines(problem: Problem) -> list[str]:
+    """What moves beads by the time, with the beads at rest, once LAMMPS knows the time step."""
+    return [line for found in spelling(problem) for line in found.moved]
 
 
 def output_lines(problem: Problem, every: str, dump: str, snapshots: str = SNAPSHOTS) -> list[str]:

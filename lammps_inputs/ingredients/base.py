@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict
 from lammps_inputs.facts import Fact
 from lammps_inputs.laws import Law, Parameter
 from lammps_inputs.links import Link
-from lammps_inputs.loads import Load
+from lammps_inputs.loads import Load, Motion
 
 if TYPE_CHECKING:
     from lammps_inputs.problem import System
@@ -77,4 +77,8 @@ class Ingredient(Part):
 
     def loads(self, scene: "BaseScene") -> tuple[Load, ...]:  # noqa: ARG002
         """The forces from outside that it makes, dimensionless."""
+        return ()
+
+    def motions(self, scene: "BaseScene") -> tuple[Motion, ...]:  # noqa: ARG002
+        """The beads whose motion it gives, dimensionless."""
         return ()

@@ -59,7 +59,7 @@ def default_timestep(system: System, scheme: SchemeName = "verlet") -> float:
     bound = stability_bound(system)
     step = min(DEFAULT, bound / (_STEPS_PER_BOUND if _as_spheres(system) else _STEPS_PER_BOUND_UNLIKE))
     for load in system.loads:  # an impulse of 1 that begins within a step leaves up to step**2 / (8 duration)
-        if load.end > SHORTEST_LOAD:
+        if SHORTEST_LOAD < load.end < math.inf:
             step = min(step, DEFAULT * math.sqrt(load.end))
     if system.stiffest_spring <= 1.0:
         return step

@@ -16,6 +16,9 @@ _CLEAR = 0.97
 
 _MOST_NAMED = 10
 
+_MOTION_DOUBT = 1e-6
+"""Share of the amplitude; the motion is given, to rounding."""
+
 _PUSH_DOUBT = 5e-3
 """Share of the impulse; half a step of a force that ends at a frame may be missing there."""
 
@@ -27,7 +30,7 @@ def causes(own: Trajectory, reference: Trajectory) -> list[str]:
         own: consecutive frames of the trajectory, all beads.
         reference: the same frames, right.
     """
-    found = _numbers(own) or _times(own, reference) or _start(own) or _pushes(own)
+    found = _numbers(own) or _times(own, reference) or _moved(own) or _start(own) or _pushes(own)
     return found or _exponent(own, reference) or _strengths(own, reference) or _springs(own, reference)
 
 
@@ -87,21 +90,38 @@ def _start(own: Trajectory) -> list[str]:
     return [f"bead {bead + 1} of chain {chain + 1} starts with velocity {found:.6g} instead of {right:.6g}"]
 
 
+def _moved(own: Trajectory) -> list[str]:
+    """Whether beads whose motion is given move so."""
+    problem, found = own.problem, []
+    for given in problem.motions:
+        right, velocity = given.displacement(own.time), given.velocity(own.time)
+        is_at = own.displacement[:, given.chain - 1, given.bead - 1]
+        if np.max(np.abs(is_at - right)) < _MOTION_DOUBT * abs(given.amplitude):
+            continue
+        factor = float(np.sum(own.velocity[:, given.chain - 1, given.bead - 1] * velocity) / np.sum(velocity**2))
+        found.append(
+            f"bead {given.bead} of chain {given.chain} does not move as the drive says"
+            + (f": {factor:.4g} times as far" if abs(factor - 1.0) > _MOTION_DOUBT else "")
+        )
+    return found
+
+
 def _pushes(own: Trajectory) -> list[str]:
     """Whether the beads were given another impulse from outside than the scene says, where nothing else gives any."""
     problem = own.problem
     if not problem.loads or not problem.holds(Fact.MOMENTUM):
         return []
+    what = "drive" if problem.driven else "push"
     given = sum(load.impulse(own.time) for load in problem.loads)
     found = motion.momentum(problem, own.velocity) - problem.momentum
     power = float(np.sum(given * given))
     factor = float(np.sum(found * given)) / power if power > 0.0 else 1.0
     if abs(factor) < _PUSH_DOUBT:
-        return ["the push is missing"]
+        return [f"the {what} is missing"]
     if abs(factor - 1.0) > _PUSH_DOUBT:
-        return [f"the push gives {factor:.4g} times the impulse that the scene says"]
+        return [f"the {what} gives {factor:.4g} times the impulse that the scene says"]
     if np.max(np.abs(found - given)) > _PUSH_DOUBT * np.max(np.abs(given)):
-        return ["the push has another course over time than the scene says"]
+        return [f"the {what} has another course over time than the scene says"]
     return []
 
 
