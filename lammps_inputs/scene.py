@@ -29,6 +29,7 @@ from lammps_inputs.limits.hertz import WHOLE_BEAD, overlap_bounds, sound_speed
 from lammps_inputs.limits.timestep import default_timestep
 from lammps_inputs.problem import Problem, System
 from lammps_inputs.scheme import SchemeName
+from lammps_inputs.spectrum_readout import Spectra
 from lammps_inputs.units import Scale, hertz_constant, make_scale, sphere_mass
 from lammps_inputs.window import HEADROOM, LEAST_WINDOW, behind, rows_for
 
@@ -87,6 +88,8 @@ class Output(Part):
     """Whether the leading pulse is found at every bead while LAMMPS runs, from all beads at every frame's time."""
     forces: Forces | None = None
     """Where force is read."""
+    spectra: Spectra | None = None
+    """Beads whose spectra are wanted."""
 
     @field_validator("beads", mode="before")
     @classmethod
@@ -175,6 +178,8 @@ class BaseScene(Part):
         self._check_motion(system)
         if self.output.forces is not None:
             self.output.forces.refuse(self)
+        if self.output.spectra is not None:
+            self.output.spectra.refuse(self)
         self._check_times()
         return self
 

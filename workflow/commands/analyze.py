@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from analysis.gauges.forces import Readings
+from analysis.gauges.spectra import Spectra
 from analysis.sharing.cells import CellEnergy
 from analysis.sharing.energy_flow import Flow
 from analysis.sharing.equipartition import CLEAR
@@ -56,7 +57,8 @@ def execute(arguments: argparse.Namespace) -> int:
         arrival=arguments.arrival,
     )
     _print(found)
-    tables = ["waves.csv", *([] if found.forces is None else ["forces.csv"]), "analysis.json"]
+    tables = ["waves.csv", *([] if found.forces is None else ["forces.csv"])]
+    tables += [*([] if found.spectra is None else ["spectra.csv"]), "analysis.json"]
     names = [*tables, *(path.name for path in found.figures)]
     print(f"{one_line(arguments.directory)}: {', '.join(names)}")
     return 0
@@ -112,6 +114,8 @@ def _print(found: Analysis) -> None:
         _print_cells(problem, found.cells)
     if found.forces is not None:
         _print_forces(problem, found.forces)
+    if found.spectra is not None:
+        _print_spectra(problem, found.spectra)
     if found.left is not None:
         print(found.left.sentence(waves))
     drifts = {"energy": seen.energy_drift, "momentum": seen.momentum_drift}
@@ -161,6 +165,23 @@ def _print_forces(problem: Problem, readings: Readings) -> None:
             rows.append([gauge.name if chain == 0 else "", str(chain + 1), *numbers])
     head = ["force at", "chain", f"largest{force}", f"at{time}", f"impulse{momentum}", f"dwell{time}"]
     print_table(f"{problem.name}: forces", head, rows)
+
+
+def _print_spectra(problem: Problem, spectra: Spectra) -> None:
+    """The highest line of every bead, and what it has of the drives."""
+    scale = problem.scale
+    hertz, velocity = (" (Hz)", f" ({scale.symbol('velocity')})") if scale.si else ("", "")
+    head = ["bead", "chain", f"highest line at{hertz}", f"its velocity{velocity}"]
+    head += [f"at {frequency / scale.time:.5g}{hertz}, over bead {spectra.beads[0]}" for frequency in spectra.drive]
+    rows = []
+    for place, bead in enumerate(spectra.beads):
+        for chain in range(min(problem.chains, MOST_CHAINS)):
+            top = int(np.argmax(spectra.amplitude[:, chain, place]))
+            height = float(spectra.amplitude[top, chain, place] * scale.velocity)
+            line = [f"{spectra.frequency[top] / scale.time:.5g}", f"{height:.5g}"]
+            passed_on = [f"{share:.5g}" for share in spectra.transmissibility[:, chain, place]]
+            rows.append([str(bead) if chain == 0 else "", str(chain + 1), *line, *passed_on])
+    print_table(f"{problem.name}: spectra from t = {spectra.after * scale.time:.5g} on", head, rows)
 
 
 def _print_energy(problem: Problem, flow: Flow) -> None:

@@ -13,6 +13,8 @@ from analysis.files.binary_dump import CutDumpWarning
 from analysis.files.recording import FARTHEST
 from analysis.gauges.forces import ForceMeter, Readings, gauges, to_csv
 from analysis.gauges.restitution import restitution
+from analysis.gauges.spectra import Spectra, SpectrumMeter
+from analysis.gauges.spectra import to_csv as spectra_csv
 from analysis.largest_overlap import LargestOverlap, shown_by_frames
 from analysis.mirror import direction_of
 from analysis.sharing.cells import CellEnergy
@@ -37,6 +39,7 @@ from workflow.verdicts.analysis_report import (
     forces_report,
     last_clear_bead,
     report,
+    spectra_report,
     waves_csv,
 )
 
@@ -45,7 +48,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Analysis", "analyse", "default_beads", "last_clear_bead"]
 
-WAVES, FORCES = "waves.csv", "forces.csv"
+WAVES, FORCES, SPECTRA = "waves.csv", "forces.csv", "spectra.csv"
 
 LARGEST = 1e100
 """Displacement or velocity that no run has, far from where squares overflow; dimensionless."""
@@ -67,6 +70,7 @@ class Analysis:
         energy: where the energy was over time, where no pulse stays together and every bead was recorded; else None.
         cells: what the pulse left behind, where beads differ and every one was recorded; else None.
         forces: what the scene's gauges read; None where it names none.
+        spectra: of the beads that the scene names; None where it names none, and of too few frames.
     """
 
     problem: Problem
@@ -81,6 +85,7 @@ class Analysis:
     energy: Flow | None
     cells: CellEnergy | None
     forces: Readings | None
+    spectra: Spectra | None
 
     @property
     def waves(self) -> Waves:
@@ -129,8 +134,8 @@ def analyse(
         cells = CellEnergy(problem, period(scene), tuple((one.chain, one.bead) for one in scene.replace or ()))
     fingerprint = Fingerprint()
     watchers: list[Any] = [conservation, fingerprint]
-    meter = _meter(directory)
-    watchers += [watcher for watcher in (left, flow, cells, meter) if watcher is not None]
+    meter, spectrum = _meter(directory), _spectrum_meter(directory)
+    watchers += [watcher for watcher in (left, flow, cells, meter, spectrum) if watcher is not None]
     overlap = LargestOverlap() if has_contacts(directory) else None
     if overlap is not None and shown_by_frames(problem):
         watchers.append(overlap)
@@ -161,25 +166,47 @@ def analyse(
         conservation.energy_drift, conservation.momentum_drift = whole.energy_drift, whole.momentum_drift
     energy = None if flow is None else flow.result()
     forces = None if meter is None else meter.result()
+    spectra = None if spectrum is None else spectrum.result()
     figures_of = _makers(found, spacetime, history, energy, forces) if figures else {}
-    claim(directory.path, (WAVES, REPORT, *([] if forces is None else [FORCES]), *figure_files(*figures_of)))
+    if figures and spectra is not None:
+        from analysis.figures import spectra_figure
+
+        figures_of["spectra"] = lambda: spectra_figure(problem, spectra)
+    tables = [WAVES, *([] if forces is None else [FORCES]), *([] if spectra is None else [SPECTRA])]
+    claim(directory.path, (*tables, REPORT, *figure_files(*figures_of)))
     drawn = tuple(path for name, make in figures_of.items() for path in write_figure(directory.path, name, make()))
     write_text(directory.path / WAVES, waves_csv(found))
     if forces is not None:
         write_text(directory.path / FORCES, to_csv(forces, problem.scale))
+    if spectra is not None:
+        write_text(directory.path / SPECTRA, spectra_csv(spectra, problem.scale))
     hardest = None if overlap is None else of_overlap(directory.scene, overlap)
     found_contacts = {} if hardest is None else {"contacts": hardest.plain()}
     more: dict[str, Any] = {**found_contacts, **({} if energy is None else {"energy": energy_report(problem, energy)})}
     if forces is not None:
         given_back = {side: restitution(found.pulses, problem, right=side == "right") for side in ("left", "right")}
         more["forces"] = forces_report(problem, forces, given_back)
+    if spectra is not None:
+        more["spectra"] = spectra_report(problem, spectra)
     if cells is not None:
         more["cells"] = cells_report(problem, cells)
     write_json(directory.path / REPORT, {**report(found, conservation, allowed, left), **more})
     complete = conservation.frames == problem.frames + 1
     altered = recorded_fingerprint(directory) not in ("", fingerprint.sha256())
     return Analysis(
-        problem, found, conservation, complete, drawn, left, directory.failure, altered, hardest, energy, cells, forces
+        problem,
+        found,
+        conservation,
+        complete,
+        drawn,
+        left,
+        directory.failure,
+        altered,
+        hardest,
+        energy,
+        cells,
+        forces,
+        spectra,
     )
 
 
@@ -190,6 +217,14 @@ def _meter(directory: RunDirectory) -> ForceMeter | None:
         return None
     places = gauges(problem, wall=wanted.wall is True, contacts=wanted.contacts or (), sensors=wanted.sensors or ())
     return ForceMeter(problem, places)
+
+
+def _spectrum_meter(directory: RunDirectory) -> SpectrumMeter | None:
+    """What collects the spectra that the scene names; None where it names none."""
+    wanted, problem = directory.scene.output.spectra, directory.problem
+    if wanted is None:
+        return None
+    return SpectrumMeter(problem, wanted.beads, None if wanted.after is None else wanted.after / problem.scale.time)
 
 
 def _found_on_the_way(directory: RunDirectory) -> Waves | None:

@@ -8,6 +8,7 @@ import numpy as np
 
 from analysis.conservation import Conservation
 from analysis.gauges.forces import Readings
+from analysis.gauges.spectra import Spectra, drives
 from analysis.mirror import mirrored_bead
 from analysis.shape.wave_of import wave_of
 from analysis.sharing.cells import CellEnergy
@@ -213,6 +214,50 @@ def forces_report(problem: Problem, readings: Readings, restitution: dict[str, F
                 entry["restitution"] = _number(float(restitution[side][chain]))
             entries.append(entry)
     return entries
+
+
+def spectra_report(problem: Problem, spectra: Spectra) -> dict[str, Any]:
+    """What ``analysis.json`` says under ``spectra``, in the scene's units; all spectra are in ``spectra.csv``.
+
+    | key              | what                                                                                      |
+    |------------------|-------------------------------------------------------------------------------------------|
+    | after            | time from which on frames were taken                                                      |
+    | resolution       | distance of two lines; swings nearer than two of it are not told apart                    |
+    | beads            | entries: chain, bead, frequency and amplitude of the highest line of the velocity, and of |
+    |                  | each drive ``at_drive``: frequency, amplitude, transmissibility (over that of the chain's |
+    |                  | first bead; null where that does not move)                                                |
+    | transmissibility | of the last bead named, in the chain of the first drive, at its frequency                 |
+    """
+    scale, entries = problem.scale, []
+    passed_on = spectra.transmissibility
+    for chain in range(problem.chains):
+        for place, bead in enumerate(spectra.beads):
+            top = int(np.argmax(spectra.amplitude[:, chain, place]))
+            entries.append(
+                {
+                    "chain": chain + 1,
+                    "bead": bead,
+                    "frequency": float(spectra.frequency[top] / scale.time),
+                    "amplitude": float(spectra.amplitude[top, chain, place] * scale.velocity),
+                    "at_drive": [
+                        {
+                            "frequency": float(frequency / scale.time),
+                            "amplitude": _number(float(spectra.at_drive[k, chain, place] * scale.velocity)),
+                            "transmissibility": _number(float(passed_on[k, chain, place])),
+                        }
+                        for k, frequency in enumerate(spectra.drive)
+                    ],
+                }
+            )
+    found = None
+    for chain, _, frequency in drives(problem)[:1]:
+        found = _number(float(passed_on[np.searchsorted(spectra.drive, frequency), chain - 1, -1]))
+    return {
+        "after": spectra.after * scale.time,
+        "resolution": float((spectra.frequency[1] - spectra.frequency[0]) / scale.time),
+        "transmissibility": found,
+        "beads": entries,
+    }
 
 
 def _window(left: LeftBehind, found: Survey) -> dict[str, Any]:
