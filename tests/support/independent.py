@@ -21,6 +21,8 @@ def integrated(
     strength: Any = 1.0,
     exponent: float = 1.5,
     rtol: float = 1e-12,
+    pushed: dict[tuple[int, int], Any] | None = None,
+    moved: dict[tuple[int, int], Any] | None = None,
 ) -> Floats:
     """Velocities [frame, chain, bead] of chains with contacts, springs between neighbours and to the ground, and walls.
 
@@ -31,12 +33,13 @@ def integrated(
         strength: of the contacts, [chain, contact] or one number.
         exponent: of the overlap in their force.
         rtol: of the integrator.
+        pushed, moved: (chain, bead) from 0 -> force from outside, or acceleration whatever the forces, over time.
         walls: force over overlap**1.5 of the walls on the left and on the right, a gap away.
     """
     shape = problem.chains, problem.beads
     size = problem.chains * problem.beads
 
-    def rate(_: float, state: Floats) -> Floats:
+    def rate(time: float, state: Floats) -> Floats:
         x = state[:size].reshape(shape)
         push = strength * np.maximum(x[:, :-1] - x[:, 1:] - problem.gap, 0.0) ** exponent
         force = -ground * x - ground_cubic * x**3
@@ -47,7 +50,12 @@ def integrated(
         pull = problem.kappa * np.diff(x, axis=0)
         force[:-1] += pull
         force[1:] -= pull
-        return np.concatenate([state[size:], (force / mass).reshape(-1)])
+        for place, of_time in (pushed or {}).items():
+            force[place] += of_time(time)
+        acceleration = force / mass
+        for place, of_time in (moved or {}).items():
+            acceleration[place] = of_time(time)
+        return np.concatenate([state[size:], acceleration.reshape(-1)])
 
     start = np.concatenate([np.zeros(size), problem.initial_velocity().reshape(-1)])
     time = np.arange(problem.frames + 1) * problem.every
