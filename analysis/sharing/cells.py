@@ -22,7 +22,7 @@ BEHIND = 4
 
 @dataclass(frozen=True)
 class Left:
-    """What one chain's pulse left behind, in shares of the energy of the kicks.
+    """What one chain's pulse left behind, in shares of the energy that was put in.
 
     Attributes:
         first, last: beads, as numbered in the scene, at which the pulse was compared; whole cells apart.
@@ -38,7 +38,7 @@ class Left:
 
 @dataclass(frozen=True)
 class Split:
-    """Where the energy of a chain is at the end, seen from one of its beads, in shares of the energy of the kicks.
+    """Where the energy of a chain is at the end, seen from one of its beads, in shares of the energy that was put in.
 
     Attributes:
         chain, bead: counted from 1.
@@ -69,6 +69,8 @@ class CellEnergy:
         self._carried = np.full((problem.chains, problem.beads), np.nan)
         self._front = np.zeros(problem.chains, dtype=np.int64)
         self._final: Floats | None = None
+        self._end = np.zeros(problem.chains)
+        self._most = 0.0
 
     def add(self, block: Trajectory) -> None:
         """Take the next frames, from the first of the run on."""
@@ -76,6 +78,9 @@ class CellEnergy:
             block = mirrored(block)
         energy = motion.bead_energy(block.problem, block.displacement, block.velocity)
         self._final = energy[-1]
+        self._most = max(self._most, float(np.max(np.sum(energy, axis=(-2, -1)))))
+        mass = block.problem.mass_of(slice(None), -1)
+        self._end = np.maximum(self._end, np.max(0.5 * mass * block.velocity[..., -1] ** 2, axis=0))
         ahead = np.cumsum(energy[..., ::-1], axis=-1)[..., ::-1]
         force = motion.contact_force(block.problem, motion.overlaps(block.problem, block.displacement))
         place = np.where(force.max(axis=-1) > 0.0, np.argmax(force, axis=-1), 0)
@@ -88,7 +93,7 @@ class CellEnergy:
 
     def left(self, chain: int) -> Left | None:
         """What the pulse of a chain, from 1, left behind on the second half of its way; None if it ran nowhere."""
-        row = self._carried[chain - 1] / self._problem.energy
+        row = self._carried[chain - 1] / self._energy
         seen = np.flatnonzero(np.isfinite(row[: self._problem.beads - CLEAR]))
         if len(seen) == 0 or seen[-1] == 0:
             return None
@@ -100,12 +105,21 @@ class CellEnergy:
         ends = (self._bead(first + 1), self._bead(last + 1))
         return Left(*ends, float(row[last]), float(per_cell))
 
+    def end(self, chain: int) -> float | None:
+        """Largest kinetic energy that the last bead on the pulse's way has had; None if no pulse came there."""
+        return float(self._end[chain - 1] / self._energy) if self._front[chain - 1] >= self._problem.beads - 2 else None
+
+    @property
+    def _energy(self) -> float:
+        """All that was put in: by forces from outside the most that any frame has."""
+        return self._most if self._problem.loads else self._problem.energy
+
     def splits(self) -> tuple[Split, ...]:
         """Where the energy is at the end of the frames so far, seen from each of the places."""
         if self._final is None:
             return ()
         final = self._final if direction_of(self._problem) > 0 else self._final[:, ::-1]
-        share = final / self._problem.energy
+        share = final / self._energy
         return tuple(
             Split(
                 chain,

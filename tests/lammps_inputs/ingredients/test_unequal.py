@@ -2,6 +2,7 @@
 
 import itertools
 import json
+import re
 
 import lammps_here as here
 import numpy as np
@@ -14,6 +15,7 @@ from stock_lammps import run as run_stock
 from analysis import motion
 from analysis.mirror import mirrored_problem
 from analysis.sharing.cells import CellEnergy
+from analysis.sharing.verdict import State
 from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import find_peaks
 from lammps_inputs import InputError, find, library
@@ -21,6 +23,7 @@ from lammps_inputs.decks import deck
 from lammps_inputs.ingredients.unequal import Disorder, period
 from lammps_inputs.limits.timestep import stability_bound
 from lammps_inputs.lines import types_by_contact
+from workflow.cli import main
 from workflow.engines.reference import engine
 from workflow.runs.resume import resume
 from workflow.runs.run import run
@@ -228,8 +231,12 @@ def test_least_is_left_behind_at_the_published_anti_resonances(ratio):
 @pytest.mark.parametrize(("taper", "share"), [(0.02, 0.9332), (0.08, 0.4618)])
 def test_a_taper_hands_on_less_of_the_energy(taper, share):
     problem = scene(chains=1, coupling=None, beads=20, taper=taper, duration=25.0, output=None).problem()
-    last = engine.run(problem).velocity[:, 0, -1].max()
+    trajectory = engine.run(problem)
+    last = trajectory.velocity[:, 0, -1].max()
     assert 0.5 * problem.mass[0, -1] * last**2 / problem.energy == pytest.approx(share, abs=5e-5)
+    cells = CellEnergy(problem, 1)
+    cells.add(trajectory)
+    assert cells.end(1) == pytest.approx(share, abs=5e-5)
 
 
 @pytest.mark.slow
@@ -298,6 +305,23 @@ def test_analysis_tells_what_is_left_behind_and_compares_beads_of_one_kind(tmp_p
     (odd,) = cells["replaced"]
     assert odd["before"] + odd["at"] + odd["beyond"] == pytest.approx(1.0, abs=1e-3)
     assert validate(directory).passed
+
+
+def test_chains_of_different_beads_are_not_said_to_beat(tmp_path):
+    case = scene(beads=30, duration=40.0, **{**DIMER, "pattern": [["heavy"], ["light"]]})
+    verdict = analyse(run(case, tmp_path / "run", check=False).directory, figures=False).survey.verdict
+    assert verdict.state is State.UNLIKE
+    assert verdict.sentence.startswith("the chains are of different beads")
+
+
+def test_a_heavy_striker_s_wave_is_told_to_be_above_the_kick_and_to_head_a_train(tmp_path, capsys):
+    case = scene(chains=1, coupling=None, beads=60, striker={"mass": 4.0, "velocity": 1.0}, kick=None, duration=110.0)
+    run(case, tmp_path / "run", check=False)
+    assert main(["analyze", str(tmp_path / "run"), "--no-figures"]) == 0
+    told = capsys.readouterr().out
+    assert "21.3% above the kick" in told
+    assert re.search(r"a train of \d pulses passed bead \d+ of chain 1: 1\.213\d, 0\.5505, 0\.2658, 0\.1324", told)
+    assert "in every bead" not in told
 
 
 # --- mistakes ---------------------------------------------------------------------------------------------------------
