@@ -1,12 +1,11 @@
 """How well a run conserves energy and momentum, from its trajectory (LAMMPS reports neither for these chains)."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from analysis import motion
 from analysis.trajectory import Floats, Trajectory
 from analysis.work import Work
+from lammps_inputs import Problem
 from lammps_inputs.facts import Fact
 
 
@@ -52,7 +51,7 @@ class Conservation:
         for fact, drift in ((Fact.ENERGY, energy), (Fact.MOMENTUM, momentum)):
             if not problem.holds(fact):
                 drift[:] = np.nan
-        if problem.loads:
+        if problem.acted_on:
             self._budget(block, energy, momentum)
             return
         # np.maximum, unlike max(), lets NaN through
@@ -65,13 +64,26 @@ class Conservation:
         """With forces from outside: energy is that of the kicks and the work done, momentum likewise."""
         problem = block.problem
         self._work = self._work or Work(problem)
-        put_in = replace(problem, loads=()).energy + self._work.add(block)
+        put_in = problem.energy_at_start + self._work.add(block)
         self._put_in = max(self._put_in, float(np.max(np.abs(put_in))))
         self._missing = float(np.maximum(self._missing, np.max(np.abs(energy - put_in))))
         self.energy_drift = self._missing / self._put_in if self._missing > 0.0 else self._missing
-        given = sum(load.impulse(block.time) for load in problem.loads)
+        if not problem.holds(Fact.MOMENTUM):
+            self.momentum_drift = float("nan")
+            return
         size = problem.pushed + sum(load.law.total for load in problem.loads)
         # in the velocity of a bead that is pushed LAMMPS has half a step of the mean of the force
-        over = block.time > max(load.end for load in problem.loads) + 0.5 * problem.timestep * (1.0 + 1e-6)
-        missing = float(np.max(np.abs(momentum - problem.momentum - given)[over], initial=0.0))
-        self.momentum_drift = float(np.maximum(self.momentum_drift, missing / size))
+        half = 0.5 * problem.timestep
+        over = block.time > max(load.end for load in problem.loads) + half * (1.0 + 1e-6)
+        missing = np.abs(momentum - problem.momentum - _given(problem, block.time))
+        if problem.driven:
+            halfway = 0.5 * (_given(problem, block.time - half) + _given(problem, block.time + half))
+            missing = np.minimum(missing, np.abs(momentum - problem.momentum - halfway))
+            over = block.time > 0.0
+        largest = float(np.max(missing[over], initial=0.0))
+        self.momentum_drift = float(np.maximum(self.momentum_drift, largest / size))
+
+
+def _given(problem: Problem, time: Floats) -> Floats:
+    """Impulse by all forces from outside until a time."""
+    return np.asarray(sum(load.impulse(time) for load in problem.loads))

@@ -35,6 +35,7 @@ def mirrored_problem(problem: Problem) -> Problem:
         links=tuple(link.mirrored() for link in problem.links),
         mass=problem.mass_of(Ellipsis, slice(None, None, -1)),
         loads=tuple(load.mirrored(mirrored_bead(problem, load.bead)) for load in problem.loads),
+        motions=tuple(motion.mirrored(mirrored_bead(problem, motion.bead)) for motion in problem.motions),
         recorded=None if recorded is None else tuple(mirrored_bead(problem, bead) for bead in reversed(recorded)),
     )
 

@@ -92,7 +92,10 @@ def acceleration(system: System, displacement: Floats, first: int = 1, *, time: 
         link.drive(result, link.force(displacement, first))
     for load in system.loads if time is not None else ():
         result[..., load.chain - 1, load.bead - first] += load.force(time)
-    return result if isinstance(system.mass, float) else result / system.mass_from(first, result)
+    result = result if isinstance(system.mass, float) else result / system.mass_from(first, result)
+    for given in system.motions if time is not None else ():
+        result[..., given.chain - 1, given.bead - first] = given.acceleration(time)
+    return result
 
 
 def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, bead: Integers) -> tuple[Floats, Floats]:
@@ -133,7 +136,11 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
         rate += np.where(here, load.rate(time), 0.0)
     if not isinstance(problem.mass, float):
         mass = problem.mass_of(chain, row)
-        return acceleration / mass, rate / mass
+        acceleration, rate = acceleration / mass, rate / mass
+    for given in problem.motions:
+        here, time = (chain == given.chain - 1) & (row == given.bead - 1), block.time[frame]
+        acceleration = np.where(here, given.acceleration(time), acceleration)
+        rate = np.where(here, given.jerk(time), rate)
     return acceleration, rate
 
 

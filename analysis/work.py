@@ -1,4 +1,4 @@
-"""The work that forces from outside do on the beads of a run, from its frames."""
+"""The work that forces from outside, and what moves beads, do on the beads of a run, from its frames."""
 
 from dataclasses import replace
 
@@ -7,6 +7,7 @@ import numpy as np
 from analysis import hermite, motion
 from analysis.trajectory import Floats, Trajectory, joined
 from lammps_inputs import Problem
+from lammps_inputs.loads import Motion
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 
@@ -16,12 +17,15 @@ class Work:
 
     Between two frames a bead's velocity is that which the force from outside alone gives it, exactly, and a polynomial
     through the rest and its first two derivatives. So no kink of the force is smoothed over.
+
+    What moves a bead as the scene says has to bring up the bead's kinetic energy, and to act against the forces of its
+    links, as polynomials through displacements, velocities and accelerations have them between two frames.
     """
 
     def __init__(self, problem: Problem) -> None:
         self._problem = problem
-        self._inside = replace(problem, loads=())
-        self._done = np.zeros(len(problem.loads))
+        self._inside = replace(problem, loads=(), motions=())
+        self._done = np.zeros(len(problem.loads) + len(problem.motions))
         self._last: Trajectory | None = None
 
     def add(self, block: Trajectory) -> Floats:
@@ -29,12 +33,39 @@ class Work:
         before = self._last
         self._last = block[-1:]
         both = block if before is None else joined([before, block])
-        steps = np.zeros((both.frames, len(self._problem.loads)))
-        for number in range(len(self._problem.loads)):
+        loads = len(self._problem.loads)
+        steps = np.zeros((both.frames, len(self._done)))
+        for number in range(loads):
             steps[1:, number] = self._between(both, number)
+        for number, given in enumerate(self._problem.motions, loads):
+            steps[1:, number] = self._moved(both, given)
         until = np.cumsum(steps, axis=0) + self._done
         self._done = until[-1]
         return np.asarray(until[both.frames - block.frames :].sum(axis=1))
+
+    def _moved(self, block: Trajectory, given: Motion) -> Floats:
+        """Work of what moves one bead from each frame to the next."""
+        problem, time = self._problem, block.time
+        if len(time) < 2:
+            return np.zeros(0)
+        # the beads that it may touch or be tied to, between frames
+        first, last = max(1, given.bead - 1), min(problem.beads, given.bead + 1)
+        x, v = block.displacement, block.velocity
+        state = np.stack([x, v, motion.acceleration(problem, x, time=time)])[..., first - 1 : last]
+        between = hermite.coefficients((0, 1), np.stack([state[:, :-1], state[:, 1:]]), block.spacing)
+        s = 0.5 + 0.5 * _NODES
+        there = np.moveaxis(hermite.value(between[..., np.newaxis], s), -1, 1)
+        t = time[:-1, np.newaxis] + s * block.spacing
+        for other in problem.motions:
+            if first <= other.bead <= last:
+                there[..., other.chain - 1, other.bead - first] = other.displacement(t)
+        force = np.zeros_like(there)
+        for link in problem.links:
+            link.drive(force, link.force(there, first))
+        felt = force[..., given.chain - 1, given.bead - first] * given.velocity(t)
+        against = np.sum(felt * _WEIGHTS, axis=1) * 0.5 * block.spacing
+        mass = problem.mass_of(given.chain - 1, given.bead - 1)
+        return np.asarray(np.diff(0.5 * mass * given.velocity(time) ** 2) - against)
 
     def _between(self, block: Trajectory, number: int) -> Floats:
         """Work of one load from each frame to the next."""

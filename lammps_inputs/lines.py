@@ -34,6 +34,7 @@ class Lines:
         variables: numbers at the top, which ``-var`` changes.
         interactions: of atoms with each other, a section of their own.
         motion: fixes that act beside the integration, once the beads are read and at rest.
+        moved: fixes that move beads by the time, for which the length of a step must be known.
         bonds: type of the bond that is each link across, [edge, row], counted from 1; 0 for none.
         types: of the atoms, where contacts differ; else recorded beads are of type 2 and others of type 1.
     """
@@ -41,6 +42,7 @@ class Lines:
     variables: tuple[str, ...] = ()
     interactions: tuple[str, ...] = ()
     motion: tuple[str, ...] = ()
+    moved: tuple[str, ...] = ()
     bonds: NDArray[np.int64] | None = None
     types: AtomTypes | None = None
 

@@ -1,15 +1,16 @@
-"""Forces on single beads from outside, over time, and what they are to LAMMPS.
+"""Forces on single beads from outside, over time, and beads whose motion is given; and what they are to LAMMPS.
 
 LAMMPS's beads are pushed by the mean of the force over the step around each instant, so that the impulse is exact at
 any time step, also where the force begins and ends within one; the error still falls as the square of the step.
 """
 
+import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lammps_inputs.laws.in_time import TimeLaw
+from lammps_inputs.laws.in_time import Sine, TimeLaw
 from lammps_inputs.lines import Lines
 from lammps_inputs.numbers import text
 
@@ -55,8 +56,18 @@ class Load:
 
     @property
     def end(self) -> float:
-        """Time from which on there is no force."""
+        """Time from which on there is no force; infinite where it never ends."""
         return self.law.kinks[-1]
+
+    @property
+    def endless(self) -> bool:
+        """Whether the force never ends."""
+        return math.isinf(self.end)
+
+    @property
+    def blow(self) -> float:
+        """All of its impulse; of one that never ends, that of half a swing."""
+        return self.law.total if self.endless else float(self.impulse(self.end))
 
     def at(self, bead: int) -> "Load":
         """The same on another bead."""
@@ -65,6 +76,93 @@ class Load:
     def mirrored(self, bead: int) -> "Load":
         """The opposite force on another bead."""
         return replace(self, bead=bead, law=self.law.reversed())
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A bead that moves as it is told, whatever pushes it: by ``amplitude * (sin(omega t + phase) - sin(phase))``.
+
+    Attributes:
+        chain, bead: counted from 1.
+        amplitude: in units of L.
+        omega: angular frequency, in units of 1 / T.
+        phase: in radians.
+    """
+
+    chain: int
+    bead: int
+    amplitude: float
+    omega: float
+    phase: float
+
+    @property
+    def law(self) -> Sine:
+        """Of the acceleration in time; from rest at the start, but for the velocity then."""
+        return Sine(-self.amplitude * self.omega**2, self.omega, self.phase)
+
+    def displacement(self, time: Any) -> Any:
+        """At a time."""
+        return self.amplitude * (np.sin(self.omega * time + self.phase) - np.sin(self.phase))
+
+    def velocity(self, time: Any) -> Any:
+        """At a time."""
+        return self.amplitude * self.omega * np.cos(self.omega * time + self.phase)
+
+    def acceleration(self, time: Any) -> Any:
+        """At a time."""
+        return self.law.force(time, *self.law)
+
+    def jerk(self, time: Any) -> Any:
+        """How fast the acceleration changes."""
+        return self.law.rate(time, *self.law)
+
+    @property
+    def speed(self) -> float:
+        """The largest, about the mean."""
+        return abs(self.amplitude) * self.omega
+
+    def at(self, bead: int) -> "Motion":
+        """The same of another bead."""
+        return replace(self, bead=bead)
+
+    def mirrored(self, bead: int) -> "Motion":
+        """The opposite motion of another bead."""
+        return replace(self, bead=bead, amplitude=-self.amplitude)
+
+
+def motion_lines(motions: tuple[Motion, ...], problem: "Problem") -> list[Lines]:
+    """What beads whose motion is given are to LAMMPS, one after the other: nothing pushes them, and they are moved."""
+    found = []
+    for number, motion in enumerate(motions, 1):
+        name = f"drive{number}"
+        turn = f"v_{name}omega*step*v_timestep+v_{name}phase"
+        found.append(
+            Lines(
+                variables=(
+                    f"variable {name}amplitude index {text(motion.amplitude)}",
+                    f"variable {name}omega index {text(motion.omega)}",
+                    f"variable {name}phase index {text(motion.phase)}",
+                ),
+                motion=(
+                    f"# bead {motion.bead} of chain {motion.chain} moves as it is told; no force acts on it",
+                    f"variable {name}x equal v_{name}amplitude*(sin({turn})-sin(v_{name}phase))",
+                    f"variable {name}v equal v_{name}amplitude*v_{name}omega*cos({turn})",
+                    f"group {name} id {(motion.chain - 1) * problem.rows + motion.bead}",
+                    f"fix {name}free {name} setforce 0.0 NULL NULL",
+                ),
+                moved=(f"fix {name} {name} move variable v_{name}x NULL NULL v_{name}v NULL NULL",),
+            )
+        )
+    return found
+
+
+def start_lines(motions: tuple[Motion, ...], problem: "Problem") -> list[str]:
+    """The velocities that such beads start with."""
+    return [
+        f"set atom {(motion.chain - 1) * problem.rows + motion.bead} "
+        f"vx $(v_drive{number}amplitude*v_drive{number}omega*cos(v_drive{number}phase):%.17g)"
+        for number, motion in enumerate(motions, 1)
+    ]
 
 
 def lines(loads: tuple[Load, ...], problem: "Problem") -> list[Lines]:
@@ -79,12 +177,13 @@ def lines(loads: tuple[Load, ...], problem: "Problem") -> list[Lines]:
 def _lines(load: Load, name: str, problem: "Problem") -> Lines:
     first, last = text(load.law.kinks[0]), text(load.law.kinks[-1])
     variables = load.law.variables(name)
-    if variables:
+    if variables and not load.endless:
         last = f"v_{name}duration"
 
     def within(time: str) -> str:
         before = "" if first == "0" else f"{first}*({time}<={first})+"
-        return f"{before}{time}*({time}>{first})*({time}<{last})+{last}*({time}>={last})"
+        during = f"{before}{time}*({time}>{first})"
+        return during if load.endless else f"{during}*({time}<{last})+{last}*({time}>={last})"
 
     return Lines(
         variables=variables,

@@ -18,15 +18,19 @@ from numpy.typing import NDArray
 
 from lammps_inputs import laws
 from lammps_inputs.facts import Fact
+from lammps_inputs.laws.in_time import Sine
 from lammps_inputs.laws.linear import Linear
 from lammps_inputs.links import Across, Along, Ground, Link, Wall, largest_eigenvalue
-from lammps_inputs.loads import Load
+from lammps_inputs.loads import Load, Motion
 from lammps_inputs.numbers import power_of_two_at_least, text
 from lammps_inputs.scheme import SchemeName
 from lammps_inputs.units import Scale
 
 PLACES = "places"
 """Fix of LAMMPS that has noted where beads rest, where that is no formula of their numbers."""
+
+_FASTER = 4.0
+"""Velocity that beads beside a driven one are taken to reach at most, in the drive's own."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -45,6 +49,8 @@ class System:
     """What does not hold."""
     loads: tuple[Load, ...] = ()
     """Forces on beads from outside, over time."""
+    motions: tuple[Motion, ...] = ()
+    """Beads whose motion is given."""
 
     def __eq__(self, other: object) -> bool:
         """Whether all is the same, to the last number of every array."""
@@ -80,13 +86,43 @@ class System:
 
     @property
     def energy(self) -> float:
-        """Energy of the kicks; with loads the most that they and the kicks can put in: that of free beads."""
-        kicked = 0.5 * sum(self._kicked_mass(kick) * kick[2] ** 2 for kick in self.kicks)
-        if not self.loads:
+        """Energy of the kicks; with loads the most that they and the kicks can put in: that of free beads.
+
+        What never ends puts in without end; then it is what one contact is taken to hold, that of beads some times
+        faster than the drive. Runs are checked for overlaps that LAMMPS could not hold.
+        """
+        kicked = self._kicked
+        if not self.driven and not self.loads:
             return kicked
         # a force F puts in F v at most F sqrt(2 E / m), so that sqrt(2 E) grows by no more than its impulse / sqrt(m)
-        given = sum(load.law.total / math.sqrt(self.mass_of(load.chain - 1, load.bead - 1)) for load in self.loads)
+        given = sum(
+            load.law.total
+            * (0.5 * _FASTER if load.endless else 1.0)
+            / math.sqrt(self.mass_of(load.chain - 1, load.bead - 1))
+            for load in self.loads
+        )
+        given += _FASTER * math.sqrt(np.max(self.mass)) * sum(motion.speed for motion in self.motions)
         return 0.5 * (math.sqrt(2.0 * kicked) + given) ** 2
+
+    @property
+    def _kicked(self) -> float:
+        return 0.5 * sum(self._kicked_mass(kick) * kick[2] ** 2 for kick in self.kicks)
+
+    @property
+    def energy_at_start(self) -> float:
+        """Kinetic energy of the kicks, and of beads whose motion is given."""
+        started = (self.mass_of(each.chain - 1, each.bead - 1) * each.velocity(0.0) ** 2 for each in self.motions)
+        return self._kicked + 0.5 * sum(map(float, started))
+
+    @property
+    def acted_on(self) -> bool:
+        """Whether anything but the kicks comes from outside."""
+        return bool(self.loads) or bool(self.motions)
+
+    @property
+    def driven(self) -> bool:
+        """Whether anything outside moves or pushes beads for ever."""
+        return bool(self.motions) or any(load.endless for load in self.loads)
 
     @property
     def momentum(self) -> float:
@@ -104,8 +140,9 @@ class System:
     @property
     def struck(self) -> tuple[tuple[int, int, float], ...]:
         """(chain, bead, impulse), counted from 1, of every kick and load: what sets the beads in motion."""
-        loads = ((load.chain, load.bead, float(load.impulse(load.end))) for load in self.loads)
-        return (*self.kicks, *loads)
+        loads = ((load.chain, load.bead, load.blow) for load in self.loads)
+        motions = ((motion.chain, motion.bead, motion.amplitude * motion.omega) for motion in self.motions)
+        return (*self.kicks, *loads, *motions)
 
     @cached_property
     def along(self) -> tuple[Along, ...]:
@@ -136,6 +173,11 @@ class System:
     def kappa(self) -> float:
         """Stiffness at rest of the springs between chains, the largest if they differ; 0 where there are none."""
         return max((float(np.max(laws.stiffness(link.law, 0.0))) for link in self.across), default=0.0)
+
+    @property
+    def exponent(self) -> float | None:
+        """Of the overlap in the force of a contact; None where that is no power of it."""
+        return getattr(self.along[0].law, "exponent", None) if len(self.along) == 1 else None
 
     @property
     def gap(self) -> float:
@@ -182,7 +224,9 @@ class System:
     @property
     def fastest(self) -> float:
         """Angular frequency, at most, of any motion (Gershgorin); energy bounds how stiff a contact can get."""
-        return float(np.sqrt(self._contacts() + self._springs()))
+        endless = (load.law.omega for load in self.loads if isinstance(load.law, Sine))
+        own = float(np.sqrt(self._contacts() + self._springs()))
+        return max((own, *endless, *(motion.omega for motion in self.motions)))
 
     def _contacts(self) -> float:
         if self.alike:
@@ -236,7 +280,7 @@ class System:
 
         Its beads have the mass 1.
         """
-        return isinstance(self.mass, float) and self.open_row and not self.ground and not self.loads
+        return isinstance(self.mass, float) and self.open_row and not self.ground and not self.acted_on
 
     @cached_property
     def groups(self) -> tuple[frozenset[int], ...]:
@@ -298,6 +342,8 @@ class System:
         velocity = np.zeros((self.chains, self.beads))
         for chain, bead, value in self.kicks:
             velocity[chain - 1, bead - 1] = value
+        for motion in self.motions:
+            velocity[motion.chain - 1, motion.bead - 1] = motion.velocity(0.0)
         return velocity
 
 

@@ -31,6 +31,7 @@ from lammps_inputs.limits.hertz import WHOLE_BEAD, overlap_bounds, sound_speed
 from lammps_inputs.limits.timestep import default_timestep
 from lammps_inputs.problem import Problem, System
 from lammps_inputs.scheme import SchemeName
+from lammps_inputs.spectrum_readout import Spectra
 from lammps_inputs.static_load import LoadError, under_load
 from lammps_inputs.units import Scale, hertz_constant, make_scale, sphere_mass
 from lammps_inputs.window import HEADROOM, LEAST_WINDOW, behind, rows_for
@@ -90,6 +91,8 @@ class Output(Part):
     """Whether the leading pulse is found at every bead while LAMMPS runs, from all beads at every frame's time."""
     forces: Forces | None = None
     """Where force is read."""
+    spectra: Spectra | None = None
+    """Beads whose spectra are wanted."""
 
     @field_validator("beads", mode="before")
     @classmethod
@@ -150,7 +153,7 @@ class BaseScene(Part):
             raise ValueError(f"beads: {self.chains} x {self.beads} beads are more than LAMMPS numbers (2147483647)")
         if not self.kicks and not self._speed() > 0.0:
             missing = "" if "kick" in self.model_fields_set else "is missing; "
-            raise ValueError(f"kick: {missing}at least one bead must be hit, or a striker or a push be there")
+            raise ValueError(f"kick: {missing}at least one bead must be hit, or a striker, a push or a drive be there")
         for number, kick in enumerate(self.kicks):
             key = _kick_key(self, number)
             if kick.chain > self.chains:
@@ -178,6 +181,8 @@ class BaseScene(Part):
         self._check_motion(system)
         if self.output.forces is not None:
             self.output.forces.refuse(self)
+        if self.output.spectra is not None:
+            self.output.spectra.refuse(self)
         self._check_times()
         return self
 
@@ -285,16 +290,13 @@ class BaseScene(Part):
     @property
     def scale(self) -> Scale:
         """What one dimensionless unit is worth in this scene's units."""
-        velocity = self._speed()
-        if self.material is None:
-            return make_scale(1.0, 1.0, velocity, si=False)
-        ball = self.material
-        return make_scale(
-            sphere_mass(ball.radius, ball.density),
-            hertz_constant(ball.radius, ball.youngs_modulus, ball.poisson_ratio),
-            velocity,
-            si=True,
-        )
+        ball, velocity = self.material, self._speed()
+        scales = (ingredient.contact_scale() for ingredient in self.ingredients)
+        exponent, constant = next((found for found in scales if found is not None), (1.5, None))
+        if ball is None:
+            return make_scale(1.0, constant or 1.0, velocity, si=False, exponent=exponent)
+        constant = constant or hertz_constant(ball.radius, ball.youngs_modulus, ball.poisson_ratio)
+        return make_scale(sphere_mass(ball.radius, ball.density), constant, velocity, si=True, exponent=exponent)
 
     def _speed(self) -> float:
         """V: of the fastest kick, or of a bead that has been given the impulse of a push."""
@@ -315,20 +317,22 @@ class BaseScene(Part):
         """Beads, links and kicks, dimensionless at V = 1."""
         scale = self.scale
         mass, strength = masses_and_strengths(self)
-        made = [(ingredient, ingredient.links(self)) for ingredient in self.ingredients]
+        laws = (ingredient.contact(strength) for ingredient in self.ingredients)
+        touching = contacts(self.gap / scale.length, strength, next((law for law in laws if law is not None), None))
+        made = [link for ingredient in self.ingredients for link in ingredient.links(self)]
         loads = tuple(load for ingredient in self.ingredients for load in ingredient.loads(self))
-        taken = {fact for ingredient, links in made if links for fact in ingredient.takes_away}
+        motions = tuple(motion for ingredient in self.ingredients for motion in ingredient.motions(self))
+        taken = {fact for ingredient in self.ingredients for fact in ingredient.lacks(self)}
         static = sum((ingredient.static(self, mass) for ingredient in self.ingredients), np.float64(0.0))
-        if np.any(static):
-            taken.add(Fact.SONIC_VACUUM)
         system = System(
             chains=self.chains,
             beads=self.beads,
             kicks=tuple((kick.chain, kick.bead, kick.velocity / scale.velocity) for kick in self.kicks),
             mass=mass,
-            links=(*contacts(self.gap / scale.length, strength), *(link for _, links in made for link in links)),
+            links=(*touching, *made),
             lacks=frozenset(taken | ({Fact.SECOND_ORDER} if any(load.law.jumps for load in loads) else set())),
             loads=loads,
+            motions=motions,
         )
         if not np.any(static):
             return system

@@ -1,11 +1,11 @@
 """The scales that turn a scene's own units into the dimensionless problem at V = 1, and back.
 
-With mass m, contact constant A (force = A overlap**1.5) and fastest kick V::
+With mass m, contact constant A (force = A overlap**p, p = 1.5 for spheres) and fastest kick V::
 
-    length  L = (m V**2 / A)**0.4      time  T = L / V
+    length  L = (m V**2 / A)**(1 / (p + 1))      time  T = L / V
 
 so that x = L x^, t = T t^, and a spring k becomes kappa = k T**2 / m. Reduced units are the case m = A = 1, where
-kappa = k V**-0.4. The scaling is exact (Starosvetsky, Hasan & Vakakis: the array has no other scale).
+kappa = k V**-0.4 for spheres. The scaling is exact (Starosvetsky, Hasan & Vakakis: the array has no other scale).
 """
 
 import math
@@ -69,16 +69,17 @@ _SI = {
 }
 
 
-def make_scale(mass: float, contact_constant: float, velocity: float, *, si: bool) -> Scale:
+def make_scale(mass: float, contact_constant: float, velocity: float, *, si: bool, exponent: float = 1.5) -> Scale:
     """Scale of a chain of beads of this mass whose fastest bead starts with this velocity (> 0).
 
     Args:
         mass: bead mass (kg, or 1).
-        contact_constant: A in ``force = A overlap**1.5`` (N/m^1.5, or 1).
+        contact_constant: A in ``force = A overlap**p`` (N/m^p, or 1).
         velocity: largest kick velocity (m/s, or reduced).
         si: whether the three are in SI units.
+        exponent: p.
     """
-    return Scale(mass, (mass * velocity**2 / contact_constant) ** 0.4, velocity, si)
+    return Scale(mass, (mass * velocity**2 / contact_constant) ** (1.0 / (exponent + 1.0)), velocity, si)
 
 
 def sphere_mass(radius: float, density: float) -> float:

@@ -63,6 +63,7 @@ def identify_beads(trajectory: Trajectory) -> Felt | None:
     behind, ahead = np.full((2, problem.chains, problem.beads - 1), np.nan)
     power = np.sum(contacts**2, axis=0)
     telling = power > TELLING * power.max(axis=1, keepdims=True)
+    told = {(motion.chain, motion.bead) for motion in problem.motions}  # how they move, whatever they weigh
     for chain, bead in np.ndindex(problem.chains, problem.beads):
         columns = [column[:, chain, bead] for column in others]
         sides = [(ahead, bead - 1, 1.0)] if bead > 0 else []
@@ -70,7 +71,7 @@ def identify_beads(trajectory: Trajectory) -> Felt | None:
         columns += [sign * contacts[:, chain, contact] for _, contact, sign in sides]
         factors = np.linalg.lstsq(np.array(columns).T, change[:, chain, bead], rcond=1e-9)[0]
         for (side, contact, _), factor in zip(sides, factors[len(others) :], strict=True):
-            if telling[chain, contact]:
+            if telling[chain, contact] and (chain + 1, bead + 1) not in told:
                 side[chain, contact] = factor
     mass, strength = np.full(change.shape[1:], np.nan), np.full(behind.shape, np.nan)
     for chain in range(problem.chains):

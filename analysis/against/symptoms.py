@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from analysis.trajectory import Floats, Trajectory
-from lammps_inputs import laws
+from lammps_inputs import Problem, laws
 from lammps_inputs.laws import Law
 from lammps_inputs.laws.preloaded import Preloaded
 from lammps_inputs.links import Link
@@ -102,6 +102,12 @@ class Springs:
     residual: float
 
 
+_UNEXPLAINED = 1e-4
+"""Share of the squared changes of momentum that may be left where an exponent is to explain them."""
+
+_BETTER = 0.03
+"""What is left by an exponent that is not the problem's own, over what that leaves."""
+
 _APART = 1e-6
 """Least relative displacement that is more than rounding, in units of L."""
 
@@ -118,6 +124,8 @@ def identify_springs(trajectory: Trajectory) -> Springs | None:
     """
     problem = trajectory.problem
     if problem.chains < 2 or not problem.open_row or problem.recorded is not None or trajectory.frames < 10:
+        return None
+    if problem.motions:  # by forces that nobody knows
         return None
     x, v = trajectory.displacement, trajectory.velocity
     spacing = np.diff(trajectory.time)[:, np.newaxis, np.newaxis]
@@ -165,7 +173,8 @@ def identify_strengths(trajectory: Trajectory) -> dict[str, float] | None:
     for link in problem.links:
         column = np.zeros_like(v[1:])
         link.drive(column, integral(link.force(x), link.force_rate(x, v), spacing))
-        columns.append(column.reshape(-1))
+        columns.append(_but_for_driven(column, problem).reshape(-1))
+    _but_for_driven(change, problem)
     factors, _, rank, _ = np.linalg.lstsq(np.array(columns).T, change.reshape(-1), rcond=1e-6)
     if rank < len(columns):
         return None
@@ -213,7 +222,7 @@ def identify_load(trajectory: Trajectory) -> StaticLoad | None:
             law = _pressed(link.law, factor)
             pressed = replace(link, law=law)
             pressed.drive(total, -integral(pressed.force(x), pressed.force_rate(x, v), spacing))
-        return total
+        return _but_for_driven(total, problem)
 
     outside = np.zeros(x.shape[1:])
     for link in problem.links:
@@ -239,6 +248,45 @@ def _at_rest(link: Link) -> Floats:
     """Force at rest of each link that bears a load."""
     side = getattr(link.law, "side", 1.0)
     return np.asarray(side * laws.load(link.law))
+
+
+def identify_exponent(trajectory: Trajectory) -> float | None:
+    """The power of the overlap that the contacts' force was felt to be; the problem's own unless another explains all.
+
+    None where that is none, contacts differ, not all beads are recorded, or there are few frames.
+    """
+    from scipy.optimize import minimize_scalar
+
+    problem = trajectory.problem
+    if problem.exponent is None or not problem.alike or problem.recorded is not None or trajectory.frames < 10:
+        return None
+    x, v = trajectory.displacement, trajectory.velocity
+    spacing = np.diff(trajectory.time)[:, np.newaxis, np.newaxis]
+    left = np.diff(v, axis=0)
+    for load in problem.loads:
+        left[:, load.chain - 1, load.bead - 1] -= np.diff(load.impulse(trajectory.time))
+    (contact,), others = problem.along, (*problem.across, *problem.ground)
+    for link in others:
+        link.drive(left, -integral(link.force(x), link.force_rate(x, v), spacing))
+    overlap, closing = np.maximum(contact.strain(x), 0.0), v[..., :-1] - v[..., 1:]
+
+    def unexplained(exponent: float) -> float:
+        force = overlap**exponent
+        rate = exponent * overlap ** (exponent - 1.0) * closing * (overlap > 0.0)
+        column = np.zeros_like(left)
+        contact.drive(column, integral(force, rate, spacing))
+        return float(np.sum(_but_for_driven(left - column, problem) ** 2))
+
+    found = minimize_scalar(unexplained, (1.0, 2.0), (0.9, 4.0), method="bounded", options={"xatol": 1e-6})
+    explains = found.fun < _UNEXPLAINED * float(np.sum(_but_for_driven(left, problem) ** 2))
+    return float(found.x) if explains and found.fun < _BETTER * unexplained(problem.exponent) else problem.exponent
+
+
+def _but_for_driven(values: Floats, problem: Problem) -> Floats:
+    """Values [..., chain, bead] with 0, in place, at beads whose motion is given: by what forces, nobody knows."""
+    for motion in problem.motions:
+        values[..., motion.chain - 1, motion.bead - 1] = 0.0
+    return values
 
 
 def integral(value: Floats, rate: Floats, spacing: Floats) -> Floats:

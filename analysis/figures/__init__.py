@@ -7,6 +7,7 @@ from analysis.figures.forces import force_figure
 from analysis.figures.response import BeadHistory, response_figure
 from analysis.figures.shape import shape_figure
 from analysis.figures.spacetime import SpaceTime, spacetime_figure
+from analysis.figures.spectra import spectra_figure
 from analysis.figures.style import (
     CHAIN_COLOURS,
     CHAIN_DASHES,
@@ -37,5 +38,6 @@ __all__ = [
     "shape_figure",
     "shown_chains",
     "spacetime_figure",
+    "spectra_figure",
     "title",
 ]

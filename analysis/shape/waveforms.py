@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis import hermite, motion
-from analysis.shape.exact_wave import solitary_wave
+from analysis.shape.wave_of import wave_of
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem
 
@@ -54,8 +54,8 @@ class Shape:
         width: full width at half maximum of the velocity, in beads: its duration times the local speed. How well, says
             `analysis.tracking.accuracy.width_error`: on coarse grids far worse than the rest.
         momentum: in units of m V.
-        energy: kinetic and of the contacts, in units of m V**2; where only some beads are recorded, 9/5 of the kinetic
-            energy, as in the exact wave.
+        energy: kinetic and of the contacts, in units of m V**2; where only some beads are recorded, from the
+            kinetic energy as in the exact wave (9/5 of it for spheres).
         residual: largest difference from the exact wave of the same peak velocity, in units of that.
     """
 
@@ -96,7 +96,7 @@ class Waveforms:
         self.passages = passages
         every = problem.every
         speed = np.where(np.isfinite(passages.speed) & (passages.speed > 0.0), passages.speed, np.nan)
-        speed = np.where(np.isnan(speed), solitary_wave().speed_at(passages.peak_velocity), speed)
+        speed = np.where(np.isnan(speed), wave_of(problem).speed_at(passages.peak_velocity), speed)
         frames = np.ceil(REACH / speed / every)
         stride = np.maximum(1, np.ceil(2.0 * frames / SAMPLES)).astype(np.int64)
         half = np.minimum(np.ceil(frames / stride), SAMPLES // 2).astype(np.int64)
@@ -135,7 +135,7 @@ class Waveforms:
 
     def shape(self) -> Shape:
         """What the waveforms say."""
-        passages, exact = self.passages, solitary_wave()
+        passages, exact = self.passages, wave_of(self.problem)
         # two beads may peak at one time, which is no speed of a wave
         finite = np.where(np.isfinite(passages.speed), passages.speed, np.nan)
         speed, peak = finite[:, np.newaxis], passages.peak_velocity[:, np.newaxis]
@@ -149,8 +149,9 @@ class Waveforms:
             return np.asarray(np.sum(np.where(watched, values, 0.0) * speed * step, axis=1) * sign)
 
         mass = np.reshape(self.problem.mass_of(passages.chain - 1, passages.bead - 1), (-1, 1))
+        kinetic_share = (exact.exponent + 1.0) / (exact.exponent + 3.0)
         kinetic = travelled(0.5 * mass * self.velocity**2)
-        energy = kinetic + travelled(self.contact_energy) if self.problem.recorded is None else 1.8 * kinetic
+        energy = kinetic + travelled(self.contact_energy) if self.problem.recorded is None else kinetic / kinetic_share
         xi = exact.speed_at(peak) * late
         difference = np.abs(self.velocity / peak - exact.velocity(xi))
         difference[~(watched & (np.abs(xi) <= COMPARED))] = 0.0

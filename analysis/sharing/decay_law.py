@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis.shape.exact_wave import solitary_wave
+from analysis.shape.exact_wave import HERTZ, solitary_wave
 from analysis.sharing.equipartition import Sharing
 from lammps_inputs import Problem, laws
 from lammps_inputs.facts import Fact
@@ -76,12 +76,13 @@ def stiffness_of_springs(problem: Problem, chain: int) -> float | None:
 def fit_decay(shared: Sharing, problem: Problem) -> DecayFit | None:
     """The law fitted where it holds; None if it does not for ten recorded beads, or if several beads were hit.
 
-    It is one of linear springs that are the same in all rows.
+    It is one of linear springs that are the same in all rows, and of the contacts of spheres.
 
     ``(v / v0)**0.4 = 1 - n / n*`` is a straight line.
     """
     if (
-        not (problem.alike and problem.holds(Fact.PULSE) and problem.holds(Fact.SONIC_VACUUM))
+        problem.exponent != HERTZ
+        or not (problem.alike and problem.holds(Fact.PULSE) and problem.holds(Fact.SONIC_VACUUM))
         or len(problem.struck) != 1
         or len(shared) == 0
     ):

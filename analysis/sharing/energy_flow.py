@@ -58,7 +58,8 @@ class EnergyFlow:
         x, v = block.displacement[chosen], block.velocity[chosen]
         energy = motion.bead_energy(block.problem, x, v, block.first)
         of_chain = energy.sum(axis=-1, keepdims=True)
-        share = (of_chain / of_chain.sum(axis=-2, keepdims=True))[..., 0]
+        total = of_chain.sum(axis=-2, keepdims=True)
+        share = (of_chain / np.where(total > 0.0, total, np.inf))[..., 0]  # a drive may begin with none
         between = np.zeros(len(x))
         for link in block.problem.across:
             between += np.sum(link.energy(x, block.first), axis=(-2, -1)) / block.problem.energy

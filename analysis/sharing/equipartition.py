@@ -7,14 +7,15 @@ below it.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.shape.exact_wave import solitary_wave
+from analysis.shape.exact_wave import SolitaryWave, solitary_wave
 from analysis.shape.loaded_wave import LoadedSpeed, make_speed
+from analysis.shape.wave_of import wave_of
 from analysis.tracking.leading_waves import Waves
 from analysis.tracking.pulses import of_one_kind
 from analysis.trajectory import Floats
@@ -59,6 +60,7 @@ class Sharing:
         energy: put in by kicks and forces from outside, in units of m V**2; NaN where that is not known.
         noise: standard deviation of an amplitude, in units of V; 0 for a record without noise.
         arrival_error, amplitude_error: [place, chain] bounds on what the time between frames leaves; NaN if unknown.
+        exact: the exact wave of the contacts.
     """
 
     kicked: int
@@ -69,6 +71,7 @@ class Sharing:
     noise: float = 0.0
     arrival_error: Floats | None = None
     amplitude_error: Floats | None = None
+    exact: SolitaryWave = field(default_factory=solitary_wave)
     loaded: LoadedSpeed | None = None
     """How fast waves run on a static load; None without one."""
 
@@ -103,11 +106,10 @@ class Sharing:
     @property
     def _passage(self) -> Floats:
         """[place] time in which the exact wave of the mean amplitude passes at half its height."""
-        exact = solitary_wave()
-        speed = exact.speed_at(self._mean)
+        speed = self.exact.speed_at(self._mean)
         if self.loaded is not None:  # a wave on a static load is about as long, and faster
             speed = self.loaded.at(self.kicked + 1, self.bead, self._mean)
-        return np.asarray(exact.width / speed)
+        return np.asarray(self.exact.width / speed)
 
     def sure_to(self) -> tuple[float, float]:
         """How well amplitudes (relative) and arrivals (in passages) of single waves are known over the last half beat.
@@ -124,7 +126,7 @@ class Sharing:
     @cached_property
     def wave_share(self) -> Floats:
         """[place, chain] energy of the exact wave of this amplitude, in that put in; 0 where no wave counts."""
-        return np.nan_to_num(solitary_wave().energy_at(self.amplitude) / self.energy)
+        return np.nan_to_num(self.exact.energy_at(self.amplitude) / self.energy)
 
     @cached_property
     def beats(self) -> Floats:
@@ -259,6 +261,7 @@ def sharing(waves: Waves, problem: Problem, noise: float = 0.0) -> Sharing:
         noise,
         side_by_side(waves.arrival_error),
         side_by_side(waves.velocity_error),
+        wave_of(problem),
         make_speed(problem) if problem.loaded else None,
     )
 

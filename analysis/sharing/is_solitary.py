@@ -6,13 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from analysis.mirror import mirrored_bead
-from analysis.shape.exact_wave import solitary_wave
+from analysis.shape.wave_of import has_wave, wave_of
 from analysis.shape.waveforms import REACH, Passages
 from analysis.sharing.equipartition import CLEAR
 from analysis.tracking.pulses import Pulse
 from analysis.trajectory import Floats
 from lammps_inputs import Problem, laws
-from lammps_inputs.facts import Fact
 
 CONSTANT_OVER = 10
 """Beads over which the amplitude must be constant."""
@@ -69,7 +68,7 @@ def measured_at(pulse: Pulse, problem: Problem, last_time: float) -> int:
     """Position in a pulse of the last passage clear of the chain's end and recorded whole; the last, if none is."""
     way = pulse.bead if pulse.direction > 0 else mirrored_bead(problem, pulse.bead)
     with np.errstate(divide="ignore", invalid="ignore"):
-        watched = np.ceil(REACH / solitary_wave().speed_at(pulse.peak_velocity) / problem.every) + 1.0
+        watched = np.ceil(REACH / wave_of(problem).speed_at(pulse.peak_velocity) / problem.every) + 1.0
         over = pulse.arrival + watched * problem.every
     good = np.flatnonzero((way <= problem.beads - CLEAR) & (over < last_time))
     return int(good[-1]) if len(good) else len(pulse) - 1
@@ -108,7 +107,7 @@ def characterise(
     """
     allowed = tolerances or Tolerances()
     peak, speed = float(pulse.peak_velocity[at]), float(pulse.speed[at])
-    excess = speed / float(solitary_wave().speed_at(peak)) - 1.0
+    excess = speed / float(wave_of(problem).speed_at(peak)) - 1.0
     near = np.abs(pulse.bead[: at + 1] - pulse.bead[at]) <= CONSTANT_OVER
     exact = _as_reference_beads(problem, pulse.chain - 1, int(pulse.bead[at]) - 1)
     if not exact:
@@ -134,8 +133,11 @@ def characterise(
 
 
 def _as_reference_beads(problem: Problem, chain: int, bead: int) -> bool:
-    """Whether a bead, from 0, and those within the length of the exact wave are of mass 1, with contacts of A = 1."""
-    if not problem.holds(Fact.SONIC_VACUUM):
+    """Whether a bead, from 0, and those within the length of the exact wave are of mass 1, with contacts of A = 1.
+
+    Not where there is no exact wave.
+    """
+    if not has_wave(problem):
         return False
     near = slice(max(0, bead - math.ceil(REACH)), bead + math.ceil(REACH) + 1)
     strength = (laws.at(link.law, chain, near) for link in problem.along)

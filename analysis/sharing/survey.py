@@ -11,6 +11,7 @@ import numpy as np
 
 from analysis import motion
 from analysis.mirror import direction_of, mirrored, mirrored_problem
+from analysis.shape.wave_of import wave_of
 from analysis.shape.waveforms import Passages, Shape, Waveforms
 from analysis.sharing.decay_law import DecayFit, fit_decay
 from analysis.sharing.energy_shares import EnergyShares
@@ -112,11 +113,11 @@ def survey(
     options: dict[str, Any] = {"threshold": max(THRESHOLD, SURE * left), "noisy": noise > 0.0}
     forward, backward = PeakFinder(direction=1, **options), PeakFinder(direction=-1, **options)
     most = _Most()
-    watchers = [*watchers, most] if problem.loads else watchers
+    watchers = [*watchers, most] if problem.acted_on else watchers
     last_time = _first_reading(read, problem, noise, watchers, forward, backward)
     peaks = {1: forward.result(), -1: backward.result()}
     if noise > 0.0:
-        peaks = {way: distinct(found) for way, found in peaks.items()}
+        peaks = {way: distinct(found, wave_of(problem)) for way, found in peaks.items()}
 
     direction = direction_of(problem)
     along = problem if direction > 0 else mirrored_problem(problem)
@@ -136,7 +137,7 @@ def survey(
         sharp = np.isfinite(waves.arrival) & (arrival == "maximum")  # of others nobody knows when they are fastest
     every_bead = along if leading is None else replace(along, recorded=None)
     shared = sharing(waves if direction > 0 else mirrored_waves(waves, problem), every_bead, left)
-    if problem.loads:
+    if problem.acted_on:
         shared = replace(shared, energy=most.energy)
     if noise > 0.0:
         error = peak_error(problem.every, waves.peak_velocity, noise=noise)

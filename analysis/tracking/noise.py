@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from analysis.shape.exact_wave import solitary_wave
+from analysis.shape.exact_wave import SolitaryWave, solitary_wave
 from analysis.tracking.peaks import Peaks
 from analysis.trajectory import Floats, Trajectory, joined
 
@@ -97,13 +97,13 @@ def _smooth(values: Floats, window: int) -> Floats:
     return result
 
 
-def distinct(peaks: Peaks) -> Peaks:
+def distinct(peaks: Peaks, exact: SolitaryWave | None = None) -> Peaks:
     """The maxima of a noisy record without those that belong to one passage.
 
     Left out is whatever is nearer to a higher maximum of its bead than `APART` times the time in which the exact wave
     of that height passes at half its height.
     """
-    exact = solitary_wave()
+    exact = exact or solitary_wave()
     while len(peaks) > 1:
         near = APART * exact.width / exact.speed_at(peaks.velocity)
         same = (np.diff(peaks.chain) == 0) & (np.diff(peaks.bead) == 0)

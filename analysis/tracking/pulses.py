@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.mirror import mirrored_bead, mirrored_problem
-from analysis.shape.exact_wave import solitary_wave
+from analysis.shape.exact_wave import SolitaryWave
 from analysis.shape.loaded_wave import LoadedSpeed, make_speed
+from analysis.shape.wave_of import wave_of
 from analysis.tracking.peaks import Peaks, in_mirror
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
@@ -95,16 +96,16 @@ def track_pulses(
         like = problem.recorded_beads
     recorded = like if direction > 0 else mirrored_bead(problem, like)[::-1]
     least = max(2, min(least_beads, len(recorded)))
-    exact = solitary_wave()
+    exact = wave_of(problem)
     loaded = make_speed(problem if direction > 0 else mirrored_problem(problem)) if problem.loaded else None
-    pressed = PRESSED * exact.overlap(0.5) * peaks.velocity**0.8
+    pressed = PRESSED * exact.overlap(0.5) * peaks.velocity ** (2.0 / (exact.exponent + 1.0))
     passages = peaks.where(
         (peaks.velocity > 0.25 * smallest) & ~(peaks.overlap < pressed) & np.isin(peaks.bead, recorded)
     )
     found = []
     for chain in np.unique(passages.chain):
         own = passages.where(passages.chain == chain)
-        for track in _linked(own, recorded, noise, loaded):
+        for track in _linked(own, recorded, noise, exact, loaded):
             if len(track) >= least and np.max(own.velocity[track]) >= smallest:
                 bead, arrival = own.bead[track], own.time[track]
                 speed = local_speed(bead, arrival)
@@ -155,9 +156,10 @@ class _Track:
     bound: float = np.inf
 
 
-def _linked(peaks: Peaks, recorded: Integers, noise: float, loaded: LoadedSpeed | None = None) -> Iterator[list[int]]:
+def _linked(
+    peaks: Peaks, recorded: Integers, noise: float, exact: SolitaryWave, loaded: LoadedSpeed | None = None
+) -> Iterator[list[int]]:
     """Positions in the table of the passages of one chain, pulse by pulse. Beads are taken in ascending order."""
-    exact = solitary_wave()
 
     def speed_at(amplitude: Floats, bead: Integers) -> Floats:
         return exact.speed_at(amplitude) if loaded is None else loaded.at(int(peaks.chain[0]), bead, amplitude)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.shape.exact_wave import solitary_wave
+from analysis.shape.exact_wave import SolitaryWave, solitary_wave
 from analysis.tracking.pulses import Pulse
 from analysis.trajectory import Floats
 
@@ -40,7 +40,9 @@ class Train:
         return np.diff(self.arrival)
 
 
-def train_of(pulses: Iterable[Pulse], chain: int, direction: int, bead: int) -> Train:
+def train_of(
+    pulses: Iterable[Pulse], chain: int, direction: int, bead: int, exact: SolitaryWave | None = None
+) -> Train:
     """Those pulses of a chain, running one way, that were seen at a bead.
 
     Of those that are nearer to each other than the exact wave passes at half its height, as light and heavy beads see
@@ -51,7 +53,7 @@ def train_of(pulses: Iterable[Pulse], chain: int, direction: int, bead: int) -> 
         at: NDArray[np.int64] = np.flatnonzero(pulse.bead == bead)
         if (pulse.chain, pulse.direction) == (chain, direction) and len(at):
             found.append((float(pulse.arrival[at[0]]), float(pulse.peak_velocity[at[0]])))
-    exact = solitary_wave()
+    exact = exact or solitary_wave()
     apart: list[tuple[float, float]] = []
     for pulse_at in sorted(found):
         if apart and pulse_at[0] - apart[-1][0] < float(exact.width / exact.speed_at(pulse_at[1])):

@@ -95,6 +95,7 @@ def render_continuation(problem: Problem) -> str:
             "variable before equal $(step-1)",
             "reset_timestep 0                 # the time is that of the step",
             "reset_timestep ${before}",
+            *deck.moved_lines(problem),
             "run 0 post no",
             *_from_rest(),
             "run 1 pre no post no",

@@ -77,11 +77,14 @@ def render_deck(problem: Problem) -> str:
         *interactions(problem),
         motion_lines(problem, "all"),
     ]
-    if problem.kicks:
+    if problem.kicks or problem.motions:
         sections.append(
             [
-                f"set atom {_atom(problem, chain, bead)} vx ${{kick{number}}}"
-                for number, (chain, bead, _) in enumerate(problem.kicks, 1)
+                *loads.start_lines(problem.motions, problem),
+                *(
+                    f"set atom {_atom(problem, chain, bead)} vx ${{kick{number}}}"
+                    for number, (chain, bead, _) in enumerate(problem.kicks, 1)
+                ),
             ]
         )
     if problem.window is not None:
@@ -92,7 +95,7 @@ def render_deck(problem: Problem) -> str:
             *output_lines(problem, "${every}", DUMP),
         ]
     )
-    sections.append([scheme.timestep_command(problem.scheme), *travel_lines(problem)])
+    sections.append([scheme.timestep_command(problem.scheme), *moved_lines(problem), *travel_lines(problem)])
     return "\n\n".join("\n".join(lines) for lines in sections) + "\n"
 
 
@@ -112,7 +115,7 @@ def spelling(problem: Problem) -> list[Lines]:
     Raises:
         ValueError: LAMMPS has no words for one of them.
     """
-    return [*_of_links(problem), *loads.lines(problem.loads, problem)]
+    return [*_of_links(problem), *_from_outside(problem)]
 
 
 def _of_links(problem: Problem) -> list[Lines]:
@@ -124,6 +127,10 @@ def _of_links(problem: Problem) -> list[Lines]:
             raise ValueError(f"{link.name}: LAMMPS does not know this force; use the reference engine")
         found.append(spell(link if isinstance(link, Across) else link.name, problem))
     return found
+
+
+def _from_outside(problem: Problem) -> list[Lines]:
+    return [*loads.lines(problem.loads, problem), *loads.motion_lines(problem.motions, problem)]
 
 
 def interactions(problem: Problem) -> list[list[str]]:
@@ -138,11 +145,16 @@ def motion_lines(problem: Problem, group: str) -> list[str]:
         *at_rest.place_lines(problem),
         *(line for found in _of_links(problem) for line in found.motion),
         *at_rest.hold_lines(problem),
-        *(line for found in loads.lines(problem.loads, problem) for line in found.motion),
+        *(line for found in _from_outside(problem) for line in found.motion),
     ]
     if problem.coupled:
         lines.append("fix line all lineforce 1 0 0     # beads move along their chain only")
     return lines
+
+
+def moved_lines(problem: Problem) -> list[str]:
+    """What moves beads by the time, with the beads at rest, once LAMMPS knows the time step."""
+    return [line for found in spelling(problem) for line in found.moved]
 
 
 def output_lines(problem: Problem, every: str, dump: str, snapshots: str = SNAPSHOTS) -> list[str]:

@@ -11,8 +11,9 @@ import importlib
 import os
 
 from lammps_inputs.ingredients.base import Ingredient
-from lammps_inputs.ingredients.contact import contacts
+from lammps_inputs.ingredients.contact import Contact, contacts
 from lammps_inputs.ingredients.coupling import Coupling, springs
+from lammps_inputs.ingredients.drive import Drive
 from lammps_inputs.ingredients.foundation import Foundation
 from lammps_inputs.ingredients.preload import Gravity, Precompression
 from lammps_inputs.ingredients.push import Push
@@ -25,7 +26,9 @@ OWN_INGREDIENTS = "GRANCHAIN_INGREDIENTS"
 __all__ = ["INGREDIENTS", "OWN_INGREDIENTS", "Ingredient", "contacts", "coupled_chains"]
 
 INGREDIENTS: dict[str, type[Ingredient]] = {
+    "contact": Contact,
     "coupling": Coupling,
+    "drive": Drive,
     "foundation": Foundation,
     "gravity": Gravity,
     "precompression": Precompression,

@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict
 
 from lammps_inputs.facts import Fact
+from lammps_inputs.laws import Law, Parameter
 from lammps_inputs.links import Link
-from lammps_inputs.loads import Load
+from lammps_inputs.loads import Load, Motion
 
 if TYPE_CHECKING:
     from lammps_inputs.problem import System
@@ -53,6 +54,25 @@ class Ingredient(Part):
         """The links that it makes, dimensionless; none where its numbers come to nothing."""
         raise NotImplementedError
 
+    def contact(self, strength: Parameter) -> Law | None:  # noqa: ARG002
+        """The law of the contacts between beads, where it makes them other than those of spheres.
+
+        Args:
+            strength: in that of two reference beads, a number or [chain, contact].
+        """
+        return None
+
+    def contact_scale(self) -> tuple[float, float | None] | None:
+        """Exponent p and constant A of a force ``A overlap**p`` by which lengths are measured; without A the usual one.
+
+        None for the contacts of spheres.
+        """
+        return None
+
+    def lacks(self, scene: "BaseScene") -> frozenset[Fact]:
+        """What no longer holds in this scene."""
+        return self.takes_away if self.links(scene) else frozenset()
+
     def speed(self, mass: float) -> float:  # noqa: ARG002
         """Of a bead of this mass that it sets in motion, in the scene's units: a measure of V."""
         return 0.0
@@ -68,4 +88,8 @@ class Ingredient(Part):
 
     def loads(self, scene: "BaseScene") -> tuple[Load, ...]:  # noqa: ARG002
         """The forces from outside that it makes, dimensionless."""
+        return ()
+
+    def motions(self, scene: "BaseScene") -> tuple[Motion, ...]:  # noqa: ARG002
+        """The beads whose motion it gives, dimensionless."""
         return ()

@@ -1,15 +1,87 @@
-"""Contacts between neighbouring beads of a chain: what every scene has, with or without a gap."""
+"""Contacts between neighbouring beads of a chain: what every scene has, with or without a gap.
 
-from lammps_inputs.laws import Parameter
+They are those of elastic spheres (Hertz 1882), unless the scene names another exponent. Measured for shells, hollow
+spheres, cylinders and rubber O-rings: p from 1 to 3 (Nesterenko 2001; Spadoni & Daraio, PNAS 107, 2010).
+"""
+
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+from pydantic import Field
+
+from lammps_inputs import laws
+from lammps_inputs.facts import Fact
+from lammps_inputs.ingredients.base import Ingredient
+from lammps_inputs.laws import Law, Parameter
 from lammps_inputs.laws.hertz import Hertz
-from lammps_inputs.links import Along
+from lammps_inputs.laws.power import Power
+from lammps_inputs.links import Along, Link
+
+if TYPE_CHECKING:
+    from lammps_inputs.problem import System
+    from lammps_inputs.scene import BaseScene
+
+HERTZ = 1.5
+"""Exponent of the contact of spheres."""
+
+LEAST_OF_PULSES = 1.05
+"""Exponent below which a solitary wave, if there is one, is longer than forty beads."""
 
 
-def contacts(gap: float, strength: Parameter = 1.0) -> tuple[Along, ...]:
-    """Hertzian contacts, which begin to touch a clear distance ``gap`` (in units of L) from rest.
+class Contact(Ingredient):
+    """A force ``stiffness * overlap**exponent``."""
+
+    exponent: Annotated[float, Field(ge=1, le=3)]
+    stiffness: Annotated[float, Field(gt=0, le=1e30)] | None = None
+    """1 in reduced units; N/m^exponent with a material, whose own it is for the exponent 1.5 alone."""
+
+    def refuse(self, scene: "BaseScene") -> None:
+        """Refuse units that do not fit, and what is known of spheres only."""
+        if scene.material is not None and self.exponent == HERTZ and self.stiffness is not None:
+            raise ValueError("contact.stiffness: the material says how stiff contacts of the exponent 1.5 are")
+        if scene.material is not None and self.exponent != HERTZ and self.stiffness is None:
+            raise ValueError(f"contact.stiffness: is missing; the force at an overlap of 1 m, in N/m^{self.exponent:g}")
+        if scene.scheme == "suzuki4" and self.exponent < HERTZ:
+            raise ValueError(
+                f"contact.exponent: contacts of exponent {self.exponent:g} open and close so abruptly that suzuki4 "
+                "gains nothing; leave the scheme out"
+            )
+
+    def refuse_system(self, scene: "BaseScene", system: "System") -> None:  # noqa: ARG002
+        """Refuse what is known of spheres only."""
+        if self.exponent == HERTZ:
+            return
+        if system.walls:
+            raise ValueError(f"contact.exponent: {self.exponent:g} given; walls are those of spheres, which have 1.5")
+        if any(laws.differs(link.law) or np.any(next(iter(link.law)) != 1.0) for link in system.along):
+            raise ValueError(
+                f"contact.exponent: {self.exponent:g} given; how the contacts of beads of unlike radius or modulus "
+                "differ is known for spheres, which have 1.5; let them differ in mass alone"
+            )
+
+    def links(self, scene: "BaseScene") -> tuple[Link, ...]:  # noqa: ARG002
+        """None beside the contacts."""
+        return ()
+
+    def contact(self, strength: Parameter) -> Law:
+        """Hertz's law where it is that."""
+        return Hertz(strength) if self.exponent == HERTZ else Power(strength, self.exponent)
+
+    def contact_scale(self) -> tuple[float, float | None]:
+        """By which the contacts have the strength 1."""
+        return self.exponent, self.stiffness
+
+    def lacks(self, scene: "BaseScene") -> frozenset[Fact]:  # noqa: ARG002
+        """Linear contacts disperse any pulse."""
+        return frozenset({Fact.PULSE}) if self.exponent < LEAST_OF_PULSES else frozenset()
+
+
+def contacts(gap: float, strength: Parameter = 1.0, law: Law | None = None) -> tuple[Along, ...]:
+    """Contacts, which begin to touch a clear distance ``gap`` (in units of L) from rest.
 
     Args:
         gap: the same everywhere.
         strength: in that of two reference beads, a number or [chain, contact].
+        law: theirs; Hertz's of this strength by default.
     """
-    return (Along("contacts", Hertz(strength), gap=gap),)
+    return (Along("contacts", law or Hertz(strength), gap=gap),)

@@ -13,6 +13,7 @@ from pydantic import Field, GetJsonSchemaHandler, model_serializer, model_valida
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
 
+from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Ingredient
 from lammps_inputs.laws.wall import faces
 from lammps_inputs.lines import MOST_GROUPS
@@ -52,6 +53,10 @@ class _Load(Ingredient):
                     f"{self.key}: more than {MOST_GROUPS} chains differ in where their last beads rest, and each needs "
                     "a wall of its own, for which LAMMPS has no room; fewer kinds of chains are needed"
                 )
+
+    def lacks(self, scene: "BaseScene") -> frozenset[Fact]:  # noqa: ARG002
+        """There is sound."""
+        return frozenset({Fact.SONIC_VACUUM})
 
     def links(self, scene: "BaseScene") -> tuple[Link, ...]:  # noqa: ARG002
         """None: it changes those that there are."""

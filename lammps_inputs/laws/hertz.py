@@ -18,6 +18,11 @@ class Hertz(NamedTuple):
     strength: Parameter = 1.0
     """A, in units of the scale's contact constant."""
 
+    @property
+    def exponent(self) -> float:
+        """Of the overlap, in the force."""
+        return 1.5
+
     @staticmethod
     def force(s: Any, strength: Any) -> Any:
         """Repulsion at an overlap; none where the beads are apart."""

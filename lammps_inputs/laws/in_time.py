@@ -48,7 +48,7 @@ class TimeLaw(Protocol):
 
     @property
     def kinks(self) -> tuple[float, ...]:
-        """Times between which the force is smooth, from the first at which it acts to the last."""
+        """Times between which the force is smooth, from the first at which it acts to the last, which may be never."""
 
     @property
     def jumps(self) -> bool:
@@ -56,7 +56,7 @@ class TimeLaw(Protocol):
 
     @property
     def total(self) -> float:
-        """Integral of the force's size."""
+        """Integral of the force's size; of one that never ends, over half a swing."""
 
     def reversed(self) -> "TimeLaw":
         """The opposite force."""
@@ -179,6 +179,65 @@ class Rectangular(NamedTuple):
     def formula(self, name: str) -> str:
         """See the module."""
         return f"v_{name}peak*(v_{name}to-v_{name}from)"
+
+
+class Sine(NamedTuple):
+    """``peak * sin(omega t + phase)`` from the start on, for ever."""
+
+    peak: float
+    omega: float
+    phase: float
+
+    @staticmethod
+    def force(t: Any, peak: Any, omega: Any, phase: Any) -> Any:
+        """See the module."""
+        return peak * np.sin(omega * t + phase) * (t >= 0.0)
+
+    @staticmethod
+    def rate(t: Any, peak: Any, omega: Any, phase: Any) -> Any:
+        """See the module."""
+        return peak * omega * np.cos(omega * t + phase) * (t >= 0.0)
+
+    @staticmethod
+    def impulse(t: Any, peak: Any, omega: Any, phase: Any) -> Any:
+        """Swings about a mean that is not 0, unless the force begins at its largest."""
+        return peak / omega * (np.cos(phase) - np.cos(omega * np.maximum(t, 0.0) + phase))
+
+    @staticmethod
+    def travel(t: Any, peak: Any, omega: Any, phase: Any) -> Any:
+        """Swings, and drifts with the mean impulse."""
+        acting = np.maximum(t, 0.0)
+        wave = (np.sin(omega * acting + phase) - np.sin(phase)) / omega
+        return peak / omega * (acting * np.cos(phase) - wave)
+
+    @property
+    def kinks(self) -> tuple[float, ...]:
+        """The start."""
+        return 0.0, math.inf
+
+    @property
+    def jumps(self) -> bool:
+        """Never later than at the start."""
+        return False
+
+    @property
+    def total(self) -> float:
+        """Of half a swing."""
+        return 2.0 * abs(self.peak) / self.omega
+
+    def reversed(self) -> "Sine":
+        """The opposite force."""
+        return Sine(-self.peak, self.omega, self.phase)
+
+    def variables(self, name: str) -> tuple[str, ...]:
+        """Peak, angular frequency and phase (rad)."""
+        return tuple(f"variable {name}{key} index {text(value)}" for key, value in self._asdict().items())
+
+    def formula(self, name: str) -> str:
+        """See the module; a product, for a difference of cosines would lose digits."""
+        turn, start, end = f"0.5*v_{name}omega", f"v_{name}from", f"v_{name}to"
+        middle = f"sin({turn}*({start}+{end})+v_{name}phase)"
+        return f"2*v_{name}peak/v_{name}omega*{middle}*sin({turn}*({end}-{start}))"
 
 
 class Table(NamedTuple):

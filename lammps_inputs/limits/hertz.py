@@ -11,6 +11,9 @@ import numpy as np
 
 from lammps_inputs import laws
 from lammps_inputs.facts import Fact
+from lammps_inputs.laws import Law
+from lammps_inputs.laws.hertz import Hertz
+from lammps_inputs.laws.preloaded import Preloaded
 from lammps_inputs.problem import System
 
 LARGEST_OVERLAP = 0.1
@@ -24,7 +27,10 @@ YIELD_PRESSURE = 1.6
 contact radii (Johnson, 6.1, Tresca or von Mises).
 """
 
-_TWO_BEADS = 1.25  # delta'' = -2 delta**1.5 from a speed w: 0.8 delta**2.5 = w**2 / 2
+
+def is_of_spheres(law: Law) -> bool:
+    """Whether a contact is one of elastic spheres."""
+    return isinstance(law, Hertz | Preloaded)
 
 
 def sound_speed(youngs_modulus: float, density: float) -> float:
@@ -50,11 +56,12 @@ def overlap_bounds(system: System) -> tuple[float, float]:
     """What the largest overlap of a run that lasts long enough is not below, and what it never exceeds; dimensionless.
 
     From above: beads that belong together (one chain, or all of them with springs) keep their energy, and what their
-    centre of mass carries cannot be stored: ``0.4 overlap**2.5 <= E - P**2 / (2 M)``. Two beads reach that.
+    centre of mass carries cannot be stored: ``U(overlap) <= E - P**2 / (2 M)``, where U is the energy of a contact (for
+    spheres ``0.4 overlap**2.5``). Two beads reach that.
 
     From below: a contact is opposed by its own force alone, for both neighbours press it together, and by springs,
     whose pull on its two beads, s, their energy bounds. So where beads set out at a closing speed w, the overlap where
-    they come to rest is no less than the root of ``0.8 overlap**2.5 + s (overlap + gap) = w**2 / 2``.
+    they come to rest is no less than the root of ``2 U(overlap) + s (overlap + gap) = w**2 / 2``.
 
     Under a static load: the overlap at rest, and that with what energy can add to it. Beads that differ, or that other
     springs hold too, get the bound from above by the whole energy, none from below.
@@ -85,18 +92,19 @@ def overlap_bounds(system: System) -> tuple[float, float]:
     springs = min(4, 2 * (chains - 1)) if coupled else 0
     pull = math.sqrt(2.0 * springs * kappa * max(storable, 0.0))
     high = laws.reach(law, max(storable, 0.0))
-    return min(_comes_to_rest(closing, pull, system.gap), high), high
+    return min(_comes_to_rest(law, closing, pull, system.gap), high), high
 
 
-def _comes_to_rest(speed: float, pull: float, gap: float) -> float:
-    """Root of ``0.8 overlap**2.5 + pull (overlap + gap) = speed**2 / 2``, from below; 0 where there is none."""
+def _comes_to_rest(law: Law, speed: float, pull: float, gap: float) -> float:
+    """Root of ``2 U(overlap) + pull (overlap + gap) = speed**2 / 2``, from below; 0 where there is none."""
     energy = 0.5 * speed**2 - pull * gap
     if not energy > 0.0:
         return 0.0
-    low, high = 0.0, math.pow(_TWO_BEADS * energy, 0.4)
+    low, high = 0.0, laws.reach(law, 0.5 * energy)
     if pull == 0.0:
         return high
     for _ in range(60):
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if 0.8 * middle**2.5 + pull * middle <= energy else (low, middle)
+        held = 2.0 * float(laws.energy(law, middle)) + pull * middle
+        low, high = (middle, high) if held <= energy else (low, middle)
     return low

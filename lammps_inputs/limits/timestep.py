@@ -23,7 +23,7 @@ _STEPS_PER_BOUND = 50.0
 
 _STEPS_PER_BOUND_UNLIKE = 120.0
 """Where beads differ, and light ones may swing faster; what is left behind rattles, which asks for half as many again
-as `DEFAULT` is to the paper's.
+as `DEFAULT` is to the paper's. And where contacts are harder, at their hardest, than those of spheres.
 """
 
 _STEPS_PER_SOUND = 200.0
@@ -62,17 +62,22 @@ def stability_bound(system: System, scheme: SchemeName = "verlet") -> float:
 def default_timestep(system: System, scheme: SchemeName = "verlet") -> float:
     """0.01, or less where stiff springs, many kicks or short forces from outside need it, in dimensionless time."""
     bound = stability_bound(system)
-    step = min(DEFAULT, bound / (_STEPS_PER_BOUND if system.one_kind else _STEPS_PER_BOUND_UNLIKE))
+    step = min(DEFAULT, bound / (_STEPS_PER_BOUND if _as_spheres(system) else _STEPS_PER_BOUND_UNLIKE))
     if system.loaded:
         step = min(step, largest_phase("verlet") / system.sound_frequency / _STEPS_PER_SOUND)
     for load in system.loads:  # an impulse of 1 that begins within a step leaves up to step**2 / (8 duration)
-        if load.end > SHORTEST_LOAD:
+        if SHORTEST_LOAD < load.end < math.inf:
             step = min(step, DEFAULT * math.sqrt(load.end))
     if system.stiffest_spring <= 1.0:
         return step
     if scheme == "suzuki4":
         return min(step, _STIFF_SUZUKI / math.pow(system.swing, 1.25))
     return min(step, max(_STIFF / math.pow(system.swing, 1.5), bound / _MOST_STEPS_PER_BOUND))
+
+
+def _as_spheres(system: System) -> bool:
+    """Whether the beads are alike, and their contacts no harder, at their hardest, than those of spheres."""
+    return system.one_kind and (system.exponent or 0.0) <= 1.5
 
 
 def largest_timestep(system: System, scheme: SchemeName = "verlet") -> float:
@@ -88,11 +93,8 @@ def timestep_for(accuracy: float, duration: float, system: System, scheme: Schem
     times, but with a gap it is up to 2.5 times too large. It knows no stability bound.
     """
     swing = system.swing
-    faster = (
-        1.0
-        if system.alike and not system.loaded
-        else max(1.0, DEFAULT * _STEPS_PER_BOUND_UNLIKE / stability_bound(system))
-    )
+    plain = _as_spheres(system) and not system.loaded
+    faster = 1.0 if plain else max(1.0, DEFAULT * _STEPS_PER_BOUND_UNLIKE / stability_bound(system))
     if scheme == "verlet":
         return math.sqrt(accuracy / (duration * (_PULSE * faster**3 + _SWING * swing**3)))
     twice = 2.0 * duration / accuracy  # each part is given half of the accuracy

@@ -21,6 +21,10 @@ def integrated(
     mass: Any = 1.0,
     strength: Any = 1.0,
     static: Any = 0.0,
+    exponent: float = 1.5,
+    rtol: float = 1e-12,
+    pushed: dict[tuple[int, int], Any] | None = None,
+    moved: dict[tuple[int, int], Any] | None = None,
 ) -> Floats:
     """Velocities [frame, chain, bead] of chains with contacts, springs between neighbours and to the ground, and walls.
 
@@ -33,12 +37,15 @@ def integrated(
             contacts and walls do not balance of them acts on the beads from outside.
         walls: force over overlap**1.5 of the walls on the left and on the right, a gap away, [chain] or one number.
         push: chain and bead, from 1, peak and duration of a half-sine of force.
+        exponent: of the overlap in the contacts' force.
+        rtol: of the integrator.
+        pushed, moved: (chain, bead) from 0 -> force from outside, or acceleration whatever the forces, over time.
     """
     shape = problem.chains, problem.beads
     size = problem.chains * problem.beads
 
     load = np.broadcast_to(static, (problem.chains, problem.beads + 1))
-    rest = (load[:, 1:-1] / strength) ** (2.0 / 3.0)
+    rest = (load[:, 1:-1] / strength) ** (1.0 / exponent)
     there = [np.asarray(wall) > 0.0 for wall in walls]
     left, right = (
         np.where(on, load[:, end] / np.where(on, wall, 1.0), 0.0) ** (2.0 / 3.0)
@@ -50,7 +57,7 @@ def integrated(
 
     def rate(time: float, state: Floats) -> Floats:
         x = state[:size].reshape(shape)
-        contact = strength * np.maximum(x[:, :-1] - x[:, 1:] - problem.gap + rest, 0.0) ** 1.5
+        contact = strength * np.maximum(x[:, :-1] - x[:, 1:] - problem.gap + rest, 0.0) ** exponent
         force = outside - ground * x - ground_cubic * x**3
         force[:, 0] += walls[0] * np.maximum(left - x[:, 0] - problem.gap, 0.0) ** 1.5
         force[:, -1] -= walls[1] * np.maximum(right + x[:, -1] - problem.gap, 0.0) ** 1.5
@@ -61,9 +68,14 @@ def integrated(
         force[1:] -= pull
         if push is not None and time < push[3]:
             force[push[0] - 1, push[1] - 1] += push[2] * np.sin(np.pi * time / push[3])
-        return np.concatenate([state[size:], (force / mass).reshape(-1)])
+        for place, of_time in (pushed or {}).items():
+            force[place] += of_time(time)
+        acceleration = force / mass
+        for place, of_time in (moved or {}).items():
+            acceleration[place] = of_time(time)
+        return np.concatenate([state[size:], acceleration.reshape(-1)])
 
     start = np.concatenate([np.zeros(size), problem.initial_velocity().reshape(-1)])
     time = np.arange(problem.frames + 1) * problem.every
-    found = solve_ivp(rate, (0.0, time[-1]), start, t_eval=time, method="DOP853", rtol=1e-12, atol=1e-14)
+    found = solve_ivp(rate, (0.0, time[-1]), start, t_eval=time, method="DOP853", rtol=rtol, atol=1e-2 * rtol)
     return np.asarray(found.y[size:].T.reshape(-1, *shape))

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from analysis.gauges.readings import Readings
+from analysis.gauges.spectra import Spectra
 from analysis.shape.loaded_wave import sound_speed
 from analysis.sharing.cells import CellEnergy
 from analysis.sharing.energy_flow import Flow
@@ -86,7 +87,11 @@ def execute(arguments: argparse.Namespace) -> Answer:
     _print(found)
     if isinstance(found.dispersion, str) and (arguments.dispersion or found.problem.loaded):
         print(f"no dispersion map: {found.dispersion}")
-    more = (("forces.csv", found.forces is not None), ("dispersion.csv", not isinstance(found.dispersion, str)))
+    more = (
+        ("forces.csv", found.forces is not None),
+        ("spectra.csv", found.spectra is not None),
+        ("dispersion.csv", not isinstance(found.dispersion, str)),
+    )
     tables = ["waves.csv", *(name for name, there in more if there), REPORT]
     names = [*tables, *(path.name for path in found.figures)]
     print(f"{one_line(arguments.directory)}: {', '.join(names)}")
@@ -145,12 +150,14 @@ def _print(found: Analysis) -> None:
         _print_cells(problem, found.cells)
     if found.forces is not None:
         _print_forces(problem, found.forces, found.given_back)
+    if found.spectra is not None:
+        _print_spectra(problem, found.spectra)
     if found.left is not None:
         print(found.left.sentence(waves))
     drifts = {"energy": seen.energy_drift, "momentum": seen.momentum_drift}
     known = {name: drift for name, drift in drifts.items() if np.isfinite(drift)}
     if known:
-        right = "what was put in" if problem.loads else "the kick's"
+        right = "what was put in" if problem.acted_on else "the kick's"
         print(", ".join(f"{name} within {drift:.1e}" for name, drift in known.items()) + f" of {right}")
         if max(known.values()) > ENERGY_TOLERANCE:
             print(found.failure or "that is not this scene: was the deck run with another kappa or kick?")
@@ -235,6 +242,23 @@ def _print_forces(problem: Problem, readings: Readings, given_back: dict[str, Fl
                 said.append(f"the first pulse is thrown back at {back:.4f} of its velocity")
             if said:
                 print(f"{gauge.name}, chain {chain + 1}: {', '.join(said)}")
+
+
+def _print_spectra(problem: Problem, spectra: Spectra) -> None:
+    """The highest line of every bead, and what it has of the drives."""
+    scale = problem.scale
+    hertz, velocity = (" (Hz)", f" ({scale.symbol('velocity')})") if scale.si else ("", "")
+    head = ["bead", "chain", f"highest line at{hertz}", f"its velocity{velocity}"]
+    head += [f"at {frequency / scale.time:.5g}{hertz}, over bead {spectra.beads[0]}" for frequency in spectra.drive]
+    rows = []
+    for place, bead in enumerate(spectra.beads):
+        for chain in range(min(problem.chains, MOST_CHAINS)):
+            top = int(np.argmax(spectra.amplitude[:, chain, place]))
+            height = float(spectra.amplitude[top, chain, place] * scale.velocity)
+            line = [f"{spectra.frequency[top] / scale.time:.5g}", f"{height:.5g}"]
+            passed_on = [f"{share:.5g}" for share in spectra.transmissibility[:, chain, place]]
+            rows.append([str(bead) if chain == 0 else "", str(chain + 1), *line, *passed_on])
+    print_table(f"{problem.name}: spectra from t = {spectra.after * scale.time:.5g} on", head, rows)
 
 
 def _print_energy(problem: Problem, flow: Flow) -> None:

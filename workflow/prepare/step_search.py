@@ -179,6 +179,7 @@ def _shorter(problem: Problem, share: float) -> Problem:
         mass=problem.mass_of(Ellipsis, kept),
         kicks=tuple((chain, place[bead], velocity) for chain, bead, velocity in problem.kicks),
         loads=tuple(load.at(place[load.bead]) for load in problem.loads),
+        motions=tuple(motion.at(place[motion.bead]) for motion in problem.motions),
         timestep=problem.every / apart,
         steps_per_frame=1,
         frames=max(1, math.ceil(problem.frames * apart * share)),

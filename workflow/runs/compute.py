@@ -35,8 +35,8 @@ def refuse_what_it_cannot_do(engine: str, problem: Problem) -> None:
     if engine == "collisions" and not isinstance(problem.mass, float):
         raise InputError("--engine: `collisions` knows only beads of equal mass; use lammps or reference")
     if engine == "collisions" and not problem.simply_coupled:
-        if problem.loads:
-            raise InputError("--engine: `collisions` knows no forces over time such as a push; use lammps or reference")
+        if problem.acted_on:
+            raise InputError("--engine: `collisions` knows no push and no drive; use lammps or reference")
         raise InputError(
             "--engine: `collisions` knows only equal linear springs between neighbouring chains; "
             "use lammps or reference"

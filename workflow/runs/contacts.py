@@ -62,9 +62,11 @@ class Contacts:
 
 
 def at_most(scene: Scene) -> Contacts | None:
-    """What energy and momentum allow, before anything runs; None without a material."""
+    """What energy and momentum allow, before anything runs; None without a material, or without contacts of spheres."""
     problem = scene.problem()
     law = problem.along[0].law
+    if not hertz.is_of_spheres(law):
+        return None
     high = laws.rest(law) + law.reach(problem.energy, *law) if laws.differs(law) else hertz.overlap_bounds(problem)[1]
     return _contacts(scene, high, measured=False)
 
@@ -92,8 +94,9 @@ def measure(directory: RunDirectory) -> Contacts | None:
 
 
 def has_contacts(directory: RunDirectory) -> bool:
-    """Whether the run has contacts in SI units."""
-    return directory.scene.material is not None and directory.engine != "collisions"
+    """Whether the run has contacts of spheres, in SI units."""
+    spheres = all(hertz.is_of_spheres(link.law) for link in directory.problem.along)
+    return directory.scene.material is not None and spheres and directory.engine != "collisions"
 
 
 def _contacts(scene: Scene, overlap: Any, *, measured: bool) -> Contacts | None:

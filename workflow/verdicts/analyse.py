@@ -15,6 +15,8 @@ from analysis.gauges.forces import ForceMeter
 from analysis.gauges.gauge import gauges
 from analysis.gauges.readings import Readings, to_csv
 from analysis.gauges.restitution import restitution
+from analysis.gauges.spectra import Spectra, SpectrumMeter
+from analysis.gauges.spectra import to_csv as spectra_csv
 from analysis.largest_overlap import LargestOverlap, shown_by_frames
 from analysis.mirror import direction_of
 from analysis.sharing.cells import CellEnergy
@@ -43,6 +45,7 @@ from workflow.verdicts.ingredient_reports import (
     energy_report,
     forces_report,
     sound_report,
+    spectra_report,
 )
 from workflow.verdicts.waves_table import waves_csv
 
@@ -51,7 +54,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Analysis", "analyse", "default_beads", "last_clear_bead"]
 
-WAVES, FORCES, DISPERSION = "waves.csv", "forces.csv", "dispersion.csv"
+WAVES, FORCES, SPECTRA, DISPERSION = "waves.csv", "forces.csv", "spectra.csv", "dispersion.csv"
 
 LARGEST = 1e100
 """Displacement or velocity that no run has, far from where squares overflow; dimensionless."""
@@ -73,6 +76,7 @@ class Analysis:
         energy: where the energy was over time, where no pulse stays together and every bead was recorded; else None.
         cells: what the pulse left behind, where beads differ and every one was recorded; else None.
         forces: what the scene's gauges read; None where it names none.
+        spectra: of the beads that the scene names; None where it names none, and of too few frames.
         given_back: of the walls among them, by side: velocity of the pulse thrown back over that which came, [chain].
         sound: the leading pulse above a static load; None without one, and where it did not come far enough.
         bead_length: distance of neighbouring beads at rest, in m; None where there is no one such distance.
@@ -91,6 +95,7 @@ class Analysis:
     energy: Flow | None
     cells: CellEnergy | None
     forces: Readings | None
+    spectra: Spectra | None
     given_back: dict[str, Floats]
     sound: LoadedWave | None
     dispersion: Map | str
@@ -143,11 +148,11 @@ def analyse(
         cells = CellEnergy(problem, period(scene), tuple((one.chain, one.bead) for one in scene.replace or ()))
     fingerprint = Fingerprint()
     watchers: list[Any] = [conservation, fingerprint]
-    meter = _meter(directory)
-    pulse = LoadedPulse(problem) if problem.loaded and problem.whole else None
-    spectrum = _spectrum(problem)
-    watchers += [watcher for watcher in (left, flow, cells, meter, pulse) if watcher is not None]
-    watchers += [spectrum] if isinstance(spectrum, Dispersion) else []
+    meter, spectrum = _meter(directory), _spectrum_meter(directory)
+    pulse = LoadedPulse(problem) if problem.loaded and problem.whole and problem.holds(Fact.PULSE) else None
+    sounds = _dispersion(problem)
+    watchers += [watcher for watcher in (left, flow, cells, meter, spectrum, pulse) if watcher is not None]
+    watchers += [sounds] if isinstance(sounds, Dispersion) else []
     overlap = LargestOverlap() if has_contacts(directory) else None
     if overlap is not None and shown_by_frames(problem):
         watchers.append(overlap)
@@ -178,19 +183,25 @@ def analyse(
         conservation.energy_drift, conservation.momentum_drift = whole.energy_drift, whole.momentum_drift
     energy = None if flow is None else flow.result()
     forces = None if meter is None else meter.result()
+    spectra = None if spectrum is None else spectrum.result()
     sound = None if pulse is None else pulse.result()
-    dispersion = _mapped(spectrum)
+    dispersion = _mapped(sounds)
     figures_of = _makers(found, spacetime, history, energy, forces, dispersion) if figures else {}
-    tables = [
-        name for name, there in ((FORCES, forces is not None), (DISPERSION, isinstance(dispersion, Map))) if there
-    ]
-    claim(directory.path, (WAVES, REPORT, *tables, *figure_files(*figures_of)))
+    if figures and spectra is not None:
+        from analysis.figures import spectra_figure
+
+        figures_of["spectra"] = lambda: spectra_figure(problem, spectra)
+    there = ((FORCES, forces is not None), (SPECTRA, spectra is not None), (DISPERSION, isinstance(dispersion, Map)))
+    tables = [WAVES, *(name for name, is_there in there if is_there)]
+    claim(directory.path, (*tables, REPORT, *figure_files(*figures_of)))
     drawn = tuple(path for name, make in figures_of.items() for path in write_figure(directory.path, name, make()))
     write_text(directory.path / WAVES, waves_csv(found))
     if forces is not None:
         write_text(directory.path / FORCES, to_csv(forces, problem.scale))
     if isinstance(dispersion, Map):
         write_text(directory.path / DISPERSION, table_of(dispersion, problem.scale))
+    if spectra is not None:
+        write_text(directory.path / SPECTRA, spectra_csv(spectra, problem.scale))
     hardest = None if overlap is None else of_overlap(directory.scene, overlap)
     found_contacts = {} if hardest is None else {"contacts": hardest.plain()}
     more: dict[str, Any] = {**found_contacts, **({} if energy is None else {"energy": energy_report(problem, energy)})}
@@ -202,6 +213,8 @@ def analyse(
     if problem.loaded:
         more["sound"] = sound_report(problem, sound, length)
         more["dispersion"] = dispersion_report(problem, dispersion)
+    if spectra is not None:
+        more["spectra"] = spectra_report(problem, spectra)
     if cells is not None:
         more["cells"] = cells_report(problem, cells)
     write_json(directory.path / REPORT, {**report(found, conservation, allowed, left), **more})
@@ -224,10 +237,11 @@ def analyse(
         sound=sound,
         dispersion=dispersion,
         bead_length=length,
+        spectra=spectra,
     )
 
 
-def _spectrum(problem: Problem) -> Dispersion | str:
+def _dispersion(problem: Problem) -> Dispersion | str:
     """What collects the dispersion of a run, or why nothing does."""
     try:
         return Dispersion(problem)
@@ -235,11 +249,11 @@ def _spectrum(problem: Problem) -> Dispersion | str:
         return str(why)
 
 
-def _mapped(spectrum: Dispersion | str) -> Map | str:
-    if isinstance(spectrum, str):
-        return spectrum
+def _mapped(sounds: Dispersion | str) -> Map | str:
+    if isinstance(sounds, str):
+        return sounds
     try:
-        return spectrum.result()
+        return sounds.result()
     except NoDispersionError as why:
         return str(why)
 
@@ -259,6 +273,14 @@ def _meter(directory: RunDirectory) -> ForceMeter | None:
         return None
     places = gauges(problem, wall=wanted.wall is True, contacts=wanted.contacts or (), sensors=wanted.sensors or ())
     return ForceMeter(problem, places)
+
+
+def _spectrum_meter(directory: RunDirectory) -> SpectrumMeter | None:
+    """What collects the spectra that the scene names; None where it names none."""
+    wanted, problem = directory.scene.output.spectra, directory.problem
+    if wanted is None:
+        return None
+    return SpectrumMeter(problem, wanted.beads, None if wanted.after is None else wanted.after / problem.scale.time)
 
 
 def _found_on_the_way(directory: RunDirectory) -> Waves | None:

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from analysis.conservation import Conservation
+from analysis.shape.wave_of import wave_of
 from analysis.sharing.equipartition import AGREEMENTS, CLEAR, Estimate
 from analysis.sharing.is_solitary import Character, Tolerances
 from analysis.sharing.survey import Survey
@@ -81,7 +82,7 @@ def train(found: Survey) -> Train | None:
     for pulse in found.pulses:
         if (pulse.chain, pulse.direction) == (chain, ahead) and 4 * abs(int(np.ptp(pulse.bead))) >= beads:
             reached.append(ahead * int(pulse.bead[-1]))
-    return train_of(found.pulses, chain, ahead, abs(min(reached)))
+    return train_of(found.pulses, chain, ahead, abs(min(reached)), wave_of(found.problem))
 
 
 def train_report(found: Survey) -> dict[str, Any] | None:

@@ -23,6 +23,8 @@ _MOST_NAMED = 10
 
 _LOAD_DOUBT = 5e-3
 """Share of a static load."""
+_MOTION_DOUBT = 1e-6
+"""Share of the amplitude; the motion is given, to rounding."""
 
 _PUSH_DOUBT = 5e-3
 """Share of the impulse; half a step of a force that ends at a frame may be missing there."""
@@ -42,7 +44,8 @@ def causes(own: Trajectory, reference: Trajectory) -> list[str]:
         own: consecutive frames of the trajectory, all beads.
         reference: the same frames, right.
     """
-    found = _numbers(own) or _times(own, reference) or _start(own) or _pushes(own, reference) or _static(own, reference)
+    found = _numbers(own) or _times(own, reference) or _moved(own) or _start(own) or _pushes(own, reference)
+    found = found or _static(own, reference) or _exponent(own, reference)
     found = found or ([] if own.problem.one_kind else _beads(own, reference))
     found = found or _strengths(own, reference) or _springs(own, reference)
     return found or (_beads(own, reference) if own.problem.one_kind else [])
@@ -104,6 +107,22 @@ def _start(own: Trajectory) -> list[str]:
     return [f"bead {bead + 1} of chain {chain + 1} starts with velocity {found:.6g} instead of {right:.6g}"]
 
 
+def _moved(own: Trajectory) -> list[str]:
+    """Whether beads whose motion is given move so."""
+    problem, found = own.problem, []
+    for given in problem.motions:
+        right, velocity = given.displacement(own.time), given.velocity(own.time)
+        is_at = own.displacement[:, given.chain - 1, given.bead - 1]
+        if np.max(np.abs(is_at - right)) < _MOTION_DOUBT * abs(given.amplitude):
+            continue
+        factor = float(np.sum(own.velocity[:, given.chain - 1, given.bead - 1] * velocity) / np.sum(velocity**2))
+        found.append(
+            f"bead {given.bead} of chain {given.chain} does not move as the drive says"
+            + (f": {factor:.4g} times as far" if abs(factor - 1.0) > _MOTION_DOUBT else "")
+        )
+    return found
+
+
 def _pushes(own: Trajectory, reference: Trajectory) -> list[str]:
     """Whether the beads were given another impulse from outside than the scene says."""
     problem, found = own.problem, []
@@ -118,7 +137,8 @@ def _pushes(own: Trajectory, reference: Trajectory) -> list[str]:
         most = float(np.max(np.abs(right)))
         if most == 0.0 or np.max(np.abs(felt - right)) < _PUSH_DOUBT * most:
             continue
-        name = "the push" if len(problem.loads) == 1 else f"the push on bead {load.bead} of chain {load.chain}"
+        what = "drive" if load.endless else "push"
+        name = f"the {what}" if len(problem.loads) == 1 else f"the {what} on bead {load.bead} of chain {load.chain}"
         found.append(f"{name} {_other_push(load, own.time, felt, problem.scale)}")
     return found
 
@@ -251,3 +271,12 @@ def _springs(own: Trajectory, reference: Trajectory) -> list[str]:
             return [f"the chains are not coupled, though the scene says {right_one:.4g}"]
         return [f"the coupling is {found:.4g} instead of {right_one:.4g}"]
     return []
+
+
+def _exponent(own: Trajectory, reference: Trajectory) -> list[str]:
+    """Whether the contacts had another exponent than the scene's."""
+    felt, right = symptoms.identify_exponent(own), symptoms.identify_exponent(reference)
+    expected = own.problem.exponent
+    if felt is None or right is None or expected is None or abs(felt - right) < 1e-3 + 3.0 * abs(right - expected):
+        return []
+    return [f"the contacts have the exponent {felt:.3f} instead of {expected:g}"]

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from analysis.gauges.readings import Readings
+from analysis.gauges.spectra import Spectra, drives
 from analysis.shape.loaded_wave import sound_speed
 from analysis.sharing.cells import CellEnergy
 from analysis.sharing.energy_flow import Flow
@@ -164,6 +165,50 @@ def dispersion_report(problem: Problem, found: Map | str) -> dict[str, Any]:
         "bands": (found.cell.bands() / unit).tolist(),
         "measured": [[known(edge) for edge in band] for band in measured],
         "bin": found.bin / unit,
+    }
+
+
+def spectra_report(problem: Problem, spectra: Spectra) -> dict[str, Any]:
+    """What ``analysis.json`` says under ``spectra``, in the scene's units; all spectra are in ``spectra.csv``.
+
+    | key              | what                                                                                      |
+    |------------------|-------------------------------------------------------------------------------------------|
+    | after            | time from which on frames were taken                                                      |
+    | resolution       | distance of two lines; swings nearer than two of it are not told apart                    |
+    | beads            | entries: chain, bead, frequency and amplitude of the highest line of the velocity, and of |
+    |                  | each drive ``at_drive``: frequency, amplitude, transmissibility (over that of the chain's |
+    |                  | first bead; null where that does not move)                                                |
+    | transmissibility | of the last bead named, in the chain of the first drive, at its frequency                 |
+    """
+    scale, entries = problem.scale, []
+    passed_on = spectra.transmissibility
+    for chain in range(problem.chains):
+        for place, bead in enumerate(spectra.beads):
+            top = int(np.argmax(spectra.amplitude[:, chain, place]))
+            entries.append(
+                {
+                    "chain": chain + 1,
+                    "bead": bead,
+                    "frequency": float(spectra.frequency[top] / scale.time),
+                    "amplitude": float(spectra.amplitude[top, chain, place] * scale.velocity),
+                    "at_drive": [
+                        {
+                            "frequency": float(frequency / scale.time),
+                            "amplitude": known(float(spectra.at_drive[k, chain, place] * scale.velocity)),
+                            "transmissibility": known(float(passed_on[k, chain, place])),
+                        }
+                        for k, frequency in enumerate(spectra.drive)
+                    ],
+                }
+            )
+    found = None
+    for chain, _, frequency in drives(problem)[:1]:
+        found = known(float(passed_on[np.searchsorted(spectra.drive, frequency), chain - 1, -1]))
+    return {
+        "after": spectra.after * scale.time,
+        "resolution": float((spectra.frequency[1] - spectra.frequency[0]) / scale.time),
+        "transmissibility": found,
+        "beads": entries,
     }
 
 

@@ -8,7 +8,8 @@
 | ground       | ``ground`` | tuple of laws                                                                  |
 
 Forces from outside, over time, are tuples of (position in memory, law). Those of ``drifted`` act while beads drift,
-exactly as on free beads; those of ``kicked`` act as LAMMPS has them, by their means over a step.
+exactly as on free beads; so do those of ``moved``, which are accelerations of beads that no force moves. Those of
+``kicked`` act as LAMMPS has them, by their means over a step.
 
 An empty tuple costs nothing: what is not there is gone when the loop is compiled. A parameter is a number or an array
 of the shape of the state, flat; positions in memory are unsigned, which spares the loops a test for negative ones.
@@ -39,7 +40,9 @@ class Forces(NamedTuple):
     across: tuple[tuple[Any, Any], ...]
     ground: tuple[Any, ...]
     lightness: Any
-    """One over the masses; an empty tuple where all are 1."""
+    """One over the masses, 0 of beads whose motion is given; an empty tuple where all are 1."""
+    moved: tuple[tuple[int, Any], ...]
+    """Laws of the acceleration of beads whose motion is given."""
     drifted: tuple[tuple[int, Any], ...]
     kicked: tuple[tuple[int, Any], ...]
 
@@ -52,22 +55,26 @@ def make_forces(system: System, *, as_lammps: bool = False) -> Forces:
         as_lammps: whether forces from outside act as LAMMPS has them.
     """
     loads = tuple((load.bead * system.chains + load.chain - 1, load.law) for load in system.loads)
+    motions = tuple((each.bead * system.chains + each.chain - 1, each.law) for each in system.motions)
     return Forces(
         along=tuple(_flat(link.law, system, first=2) for link in system.along),
         gap=system.gap,
         across=tuple(neighbour for link in system.across for neighbour in _neighbours(link, system)),
         ground=tuple(_flat(link.law, system, first=1) for link in system.ground),
         lightness=_lightness(system),
+        moved=motions,
         drifted=() if as_lammps else loads,
         kicked=loads if as_lammps else (),
     )
 
 
 def _lightness(system: System) -> Any:
-    if isinstance(system.mass, float):
+    if isinstance(system.mass, float) and not system.motions:
         return ()
     rows = np.ones((system.beads + 2, system.chains))
-    rows[1:-1] = 1.0 / system.mass.T
+    rows[1:-1] /= np.transpose(system.mass)
+    for motion in system.motions:
+        rows[motion.bead, motion.chain - 1] = 0.0
     return rows.reshape(-1)
 
 
@@ -220,6 +227,8 @@ def _in_time(function: Any, parameters: int) -> Any:
     function = njit(function)
     if parameters == 2:
         return lambda law, t: function(t, law[0], law[1])
+    if parameters == 3:
+        return lambda law, t: function(t, law[0], law[1], law[2])
     return lambda law, t: function(t, law[0], law[1], law[2], law[3])
 
 

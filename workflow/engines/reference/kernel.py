@@ -86,6 +86,7 @@ def step(
             _drift(x, v, drifts[stage] * h, chains, first, last)
             low, high = first * chains, (last + 1) * chains
             drift_on(forces.drifted, forces.lightness, x, v, time, drifts[stage] * h, low, high)
+            drift_on(forces.moved, (), x, v, time, drifts[stage] * h, low, high)
             time += drifts[stage] * h
             stale = True
             if last < beads and _displaced(x, chains, last):

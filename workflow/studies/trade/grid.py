@@ -39,7 +39,7 @@ RANKS, WINDOW = "ranks", "window"
 def settings(problem: Problem) -> Jobs:
     """Everything to be measured for a problem, which has the scene's own frames and time step."""
     found = lammps_by_step(problem, "verlet") + lammps_by_ranks(problem)
-    if not problem.loads:  # which suzuki4 cannot go with
+    if not problem.acted_on:  # which suzuki4 cannot go with
         found = lammps_by_step(problem, "verlet") + lammps_by_step(problem, "suzuki4") + lammps_by_ranks(problem)
     for scheme in reference_schemes():
         found += reference_by_step(problem, scheme)
@@ -122,7 +122,7 @@ def reference_by_step(problem: Problem, scheme: Scheme) -> Jobs:
 def lammps_by_window(problem: Problem) -> Jobs:
     """LAMMPS at the scene's time step by the number of rows that exist; all of them last."""
     recorded = problem.recorded is None and problem.uniform
-    forward = not problem.loads and all(
+    forward = not problem.acted_on and all(
         velocity > 0.0 and bead <= LEAST_WINDOW - HEADROOM for _, bead, velocity in problem.kicks
     )
     jobs = [Job("lammps", replace(problem, window=rows)) for rows in widths(problem)] if recorded and forward else []

@@ -1,0 +1,123 @@
+"""Spectra of beads' velocities, and how much of a drive's motion reaches them."""
+
+import csv
+import io
+from dataclasses import dataclass
+
+import numpy as np
+
+from analysis.trajectory import Floats, Trajectory
+from lammps_inputs import Problem
+from lammps_inputs.laws.in_time import Sine
+from lammps_inputs.numbers import text
+from lammps_inputs.units import Scale
+
+LEAST_FRAMES = 16
+
+
+@dataclass(frozen=True)
+class Spectra:
+    """Amplitudes of the velocities of chosen beads, dimensionless.
+
+    Attributes:
+        beads: counted from 1; the others are compared with the first.
+        after: time from which on frames were taken, in units of T.
+        frequency: [line] cycles in a unit of time.
+        amplitude: [line, chain, bead] of a swing of that frequency: a sine of amplitude a has a line of height a, if
+            it falls on one (down to 0.85 a between two), and half of that in the lines beside it.
+        drive: [drive] frequencies of the drives.
+        at_drive: [drive, chain, bead] amplitude at just that frequency; NaN where frames are too far apart for it.
+    """
+
+    beads: tuple[int, ...]
+    after: float
+    frequency: Floats
+    amplitude: Floats
+    drive: Floats
+    at_drive: Floats
+
+    @property
+    def transmissibility(self) -> Floats:
+        """[drive, chain, bead] amplitude at a drive's frequency over that of the chain's first chosen bead.
+
+        NaN where that does not move.
+        """
+        first = self.at_drive[..., :1]
+        return np.asarray(self.at_drive / np.where(first > 0.0, first, np.nan))
+
+
+def window(count: int) -> Floats:
+    """Hann's, periodic, of sum 1: swings of other frequencies hardly leak into a line (Harris, Proc. IEEE 66, 1978)."""
+    shape = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(count) / count)
+    return np.asarray(shape / shape.sum())
+
+
+def amplitudes(signal: Floats, every: float) -> tuple[Floats, Floats]:
+    """Frequencies [line], and amplitudes [line, ...] of a signal [frame, ...], its mean left out."""
+    from scipy.fft import rfft, rfftfreq
+
+    about_mean = signal - signal.mean(axis=0)
+    weight = window(len(signal)).reshape(-1, *(1,) * (signal.ndim - 1))
+    return np.asarray(rfftfreq(len(signal), every)), np.asarray(2.0 * np.abs(rfft(weight * about_mean, axis=0)))
+
+
+def amplitude_at(signal: Floats, every: float, frequency: float) -> Floats:
+    """Amplitude [...] at just one frequency of a signal [frame, ...]."""
+    turn = np.exp(-2j * np.pi * frequency * every * np.arange(len(signal))) * window(len(signal))
+    return np.asarray(2.0 * np.abs(np.tensordot(turn, signal - signal.mean(axis=0), axes=1)))
+
+
+def drives(problem: Problem) -> list[tuple[int, int, float]]:
+    """(chain, bead, frequency) of every drive."""
+    forces = [(load.chain, load.bead, load.law.omega) for load in problem.loads if isinstance(load.law, Sine)]
+    motions = [(motion.chain, motion.bead, motion.omega) for motion in problem.motions]
+    return [(chain, bead, omega / (2.0 * np.pi)) for chain, bead, omega in (*motions, *forces)]
+
+
+class SpectrumMeter:
+    """Collects the velocities of a few beads from a run that is given block by block, all frames of which it holds.
+
+    Args:
+        problem: what was run.
+        beads: whose spectra are wanted, counted from 1.
+        after: time from which on frames count, in units of T; half of the duration by default.
+    """
+
+    def __init__(self, problem: Problem, beads: tuple[int, ...], after: float | None = None) -> None:
+        self.problem = problem
+        self.beads = beads
+        self.after = 0.5 * problem.duration if after is None else after
+        self._columns = np.searchsorted(problem.recorded_beads, beads)
+        self._velocity: list[Floats] = []
+
+    def add(self, block: Trajectory) -> None:
+        """Take the next frames."""
+        self._velocity.append(block.velocity[block.time >= self.after * (1.0 - 1e-12)][:, :, self._columns])
+
+    def result(self) -> Spectra | None:
+        """Of the frames so far; None of too few."""
+        velocity = np.concatenate(self._velocity)
+        if len(velocity) < LEAST_FRAMES:
+            return None
+        every = self.problem.every
+        frequency, amplitude = amplitudes(velocity, every)
+        drive = np.unique([each[2] for each in drives(self.problem)])
+        at_drive = np.full((len(drive), *velocity.shape[1:]), np.nan)
+        for place, of_drive in enumerate(drive.tolist()):
+            if of_drive < 0.5 / every:
+                at_drive[place] = amplitude_at(velocity, every, of_drive)
+        return Spectra(self.beads, self.after, frequency, amplitude, drive, at_drive)
+
+
+def to_csv(spectra: Spectra, scale: Scale) -> str:
+    """The contents of ``spectra.csv``: a line a frequency, a column a chain and bead, in the scene's units."""
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    chains = range(1, spectra.amplitude.shape[1] + 1)
+    names = [f"chain {chain} bead {bead}" for chain in chains for bead in spectra.beads]
+    unit = [scale.heading(name, "velocity") for name in names]
+    writer.writerow(["frequency (Hz)" if scale.si else "frequency", *unit])
+    rows = spectra.amplitude.reshape(len(spectra.frequency), -1) * scale.velocity
+    for frequency, row in zip((spectra.frequency / scale.time).tolist(), rows.tolist(), strict=True):
+        writer.writerow([text(frequency), *map(text, row)])
+    return out.getvalue()

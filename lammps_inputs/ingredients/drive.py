@@ -1,0 +1,104 @@
+"""Harmonic drives: a bead that is moved to and fro, or pushed and pulled, for ever: a shaker, a piezo actuator."""
+
+import math
+from typing import TYPE_CHECKING, Annotated, ClassVar, Self
+
+from pydantic import Field, model_validator
+
+from lammps_inputs.facts import Fact
+from lammps_inputs.ingredients.base import Ingredient
+from lammps_inputs.laws.in_time import Sine
+from lammps_inputs.links import Link
+from lammps_inputs.loads import Load, Motion
+
+if TYPE_CHECKING:
+    from lammps_inputs.problem import System
+    from lammps_inputs.scene import BaseScene
+
+Count = Annotated[int, Field(ge=1, le=2**31 - 1)]
+Positive = Annotated[float, Field(gt=0, le=1e30)]
+
+
+class Drive(Ingredient):
+    """``displacement * (sin(2 pi frequency t + phase) - sin(phase))``, or a force ``force * sin(...)``, of one bead."""
+
+    several: ClassVar[bool] = True
+
+    chain: Count = 1
+    bead: Count = 1
+    displacement: Positive | None = None
+    """Amplitude of the bead's motion about its place, which is given whatever pushes it; m with a material."""
+    force: Positive | None = None
+    """Amplitude of a force on the bead; N with a material."""
+    frequency: Positive
+    """Cycles in a unit of time; Hz with a material."""
+    phase: Annotated[float, Field(ge=-360, le=360)] = 0.0
+    """Degrees."""
+
+    @model_validator(mode="after")
+    def _one_of_the_two(self) -> Self:
+        if (self.displacement is None) == (self.force is None):
+            given = "neither is given" if self.force is None else "both are given"
+            raise ValueError(f"displacement: give either displacement or force ({given})")
+        return self
+
+    def refuse(self, scene: "BaseScene") -> None:
+        """Refuse a bead outside the array, and what does not go with motion for ever."""
+        if self.chain > scene.chains:
+            raise ValueError(f"drive.chain: {self.chain} is outside the array (chains 1 to {scene.chains})")
+        if self.bead > scene.beads:
+            raise ValueError(f"drive.bead: {self.bead} is outside the array (beads 1 to {scene.beads})")
+        if scene.window is not None:
+            raise ValueError("drive: a window would take the bead that is driven to its head; leave the window out")
+        if scene.scheme == "suzuki4":
+            raise ValueError("drive: suzuki4 steps back in time within each cycle; leave the scheme out")
+        if scene.output.peaks:
+            raise ValueError("output.peaks: finds the pulse that leads, which a drive makes none of; leave it out")
+        if self.displacement is not None and any(
+            (kick.chain, kick.bead) == (self.chain, self.bead) for kick in scene.kicks
+        ):
+            raise ValueError("drive.displacement: says how the bead moves, so it cannot be kicked; drive another bead")
+
+    def refuse_system(self, scene: "BaseScene", system: "System") -> None:  # noqa: ARG002
+        """Refuse what else would move a bead whose motion is given."""
+        if self.displacement is None:
+            return
+        places = [(load.chain, load.bead) for load in system.loads]
+        places += [(motion.chain, motion.bead) for motion in system.motions]
+        if places.count((self.chain, self.bead)) > 1:
+            raise ValueError(
+                f"drive.displacement: bead {self.bead} of chain {self.chain} is moved or pushed otherwise, too; "
+                "leave one of them out"
+            )
+
+    def links(self, scene: "BaseScene") -> tuple[Link, ...]:  # noqa: ARG002
+        """None."""
+        return ()
+
+    def lacks(self, scene: "BaseScene") -> frozenset[Fact]:  # noqa: ARG002
+        """No pulse leads; and what moves a bead takes up any momentum."""
+        return frozenset({Fact.PULSE} if self.displacement is None else {Fact.PULSE, Fact.MOMENTUM})
+
+    def speed(self, mass: float) -> float:
+        """Largest velocity of the bead's motion; of a free bead under the force, about its mean."""
+        if self.displacement is not None:
+            return self.displacement * self._omega
+        return (self.force or 0.0) / (mass * self._omega)
+
+    def loads(self, scene: "BaseScene") -> tuple[Load, ...]:
+        """The force, dimensionless."""
+        if self.force is None:
+            return ()
+        law = Sine(self.force / scene.scale.force, self._omega * scene.scale.time, math.radians(self.phase))
+        return (Load(self.chain, self.bead, law),)
+
+    def motions(self, scene: "BaseScene") -> tuple[Motion, ...]:
+        """The motion, dimensionless."""
+        if self.displacement is None:
+            return ()
+        amplitude, omega = self.displacement / scene.scale.length, self._omega * scene.scale.time
+        return (Motion(self.chain, self.bead, amplitude, omega, math.radians(self.phase)),)
+
+    @property
+    def _omega(self) -> float:
+        return 2.0 * math.pi * self.frequency

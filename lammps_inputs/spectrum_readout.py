@@ -1,0 +1,53 @@
+"""Beads whose spectra a scene wants; computed from the frames."""
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+from pydantic import Field, field_validator
+
+from lammps_inputs.ingredients.base import Part
+
+if TYPE_CHECKING:
+    from lammps_inputs.scene import BaseScene
+
+Bead = Annotated[int, Field(ge=1, le=2**31 - 1)]
+
+
+class Spectra(Part):
+    """Of the velocity of beads in every chain."""
+
+    beads: tuple[Bead, ...]
+    """The first is that which the others are compared with."""
+    after: Annotated[float, Field(ge=0, le=1e30)] | None = None
+    """Time from which on the motion counts; half of the duration if left out."""
+
+    @field_validator("beads", mode="before")
+    @classmethod
+    def _from_list(cls, value: Any) -> Any:
+        return tuple(value) if isinstance(value, list) else value
+
+    @field_validator("beads")
+    @classmethod
+    def _named(cls, value: Any) -> Any:
+        if not value:
+            raise ValueError("name at least one bead")
+        if len(set(value)) < len(value):
+            raise ValueError("a bead is named twice")
+        return value
+
+    def refuse(self, scene: "BaseScene") -> None:
+        """Refuse beads that do not exist or are not recorded, and times after the end.
+
+        Raises:
+            ValueError: naming the key, what was found and what to do.
+        """
+        if scene.window is not None:
+            raise ValueError("output.spectra: a window lets go of the beads behind it; leave one of them out")
+        if max(self.beads) > scene.beads:
+            raise ValueError(f"output.spectra.beads: {max(self.beads)} is outside the array (beads 1 to {scene.beads})")
+        missing = [] if scene.output.beads == "all" else sorted(set(self.beads) - set(scene.output.beads))
+        if missing:
+            raise ValueError(
+                f"output.spectra.beads: {', '.join(map(str, missing[:10]))} not recorded; add to output.beads"
+            )
+        if self.after is not None and scene.duration is not None and self.after >= scene.duration:
+            raise ValueError(f"output.spectra.after: {self.after:g} is after the end at {scene.duration:g}")
