@@ -316,17 +316,18 @@ class BaseScene(Part):
         """Beads, links and kicks, dimensionless at V = 1."""
         scale = self.scale
         mass, strength = masses_and_strengths(self)
-        made = [(ingredient, ingredient.links(self)) for ingredient in self.ingredients]
+        made = [link for ingredient in self.ingredients for link in ingredient.links(self)]
         loads = tuple(load for ingredient in self.ingredients for load in ingredient.loads(self))
-        taken = {fact for ingredient, links in made if links for fact in ingredient.takes_away}
+        taken = {fact for ingredient in self.ingredients for fact in ingredient.lacks(self)}
         return System(
             chains=self.chains,
             beads=self.beads,
             kicks=tuple((kick.chain, kick.bead, kick.velocity / scale.velocity) for kick in self.kicks),
             mass=mass,
-            links=(*contacts(self.gap / scale.length, strength), *(link for _, links in made for link in links)),
+            links=(*contacts(self.gap / scale.length, strength), *made),
             lacks=frozenset(taken | ({Fact.SECOND_ORDER} if any(load.law.jumps for load in loads) else set())),
             loads=loads,
+            dampers=tuple(link for ingredient in self.ingredients for link in ingredient.dampers(self)),
         )
 
     def _cadence(self) -> tuple[float, int]:

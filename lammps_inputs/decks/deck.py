@@ -112,7 +112,7 @@ def spelling(problem: Problem) -> list[Lines]:
         ValueError: LAMMPS has no words for one of them.
     """
     found = []
-    for link in problem.links:
+    for link in (*problem.links, *(link for link in problem.dampers if not isinstance(link, Along))):
         kind = "along" if isinstance(link, Along) else "across" if isinstance(link, Across) else "ground"
         spell = getattr(link.law, kind, None)
         if spell is None:
@@ -156,6 +156,15 @@ def output_lines(problem: Problem, every: str, dump: str, snapshots: str = SNAPS
 
 def _mass_lines(problem: Problem) -> list[str]:
     """Masses that all are 1, exactly; others stand in the data file, as densities, within rounding."""
+    heavier = [lines.heavier for lines in spelling(problem) if lines.heavier is not None]
+    if heavier:
+        mass = "1.0" if isinstance(problem.mass, float) else "mass"
+        half = "".join(f"+0.5*v_timestep*v_{name}" for name in heavier)
+        return [
+            "# by half of what drag takes in a step, which makes the step one of order 2",
+            f"variable heavier atom {mass}{half}",
+            "set group all mass v_heavier",
+        ]
     if not isinstance(problem.mass, float):
         return []
     return ["set group all mass 1.0           # exact; the data file's density is within rounding"]

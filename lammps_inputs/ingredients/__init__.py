@@ -13,6 +13,7 @@ import os
 from lammps_inputs.ingredients.base import Ingredient
 from lammps_inputs.ingredients.contact import contacts
 from lammps_inputs.ingredients.coupling import Coupling, springs
+from lammps_inputs.ingredients.damping import Damping
 from lammps_inputs.ingredients.foundation import Foundation
 from lammps_inputs.ingredients.push import Push
 from lammps_inputs.ingredients.walls import Walls
@@ -25,6 +26,7 @@ __all__ = ["INGREDIENTS", "OWN_INGREDIENTS", "Ingredient", "contacts", "coupled_
 
 INGREDIENTS: dict[str, type[Ingredient]] = {
     "coupling": Coupling,
+    "damping": Damping,
     "foundation": Foundation,
     "push": Push,
     "walls": Walls,

@@ -51,6 +51,14 @@ class Ingredient(Part):
         """The links that it makes, dimensionless; none where its numbers come to nothing."""
         raise NotImplementedError
 
+    def dampers(self, scene: "BaseScene") -> tuple[Link, ...]:  # noqa: ARG002
+        """Links with laws of damping (`lammps_inputs.laws.dashpot`), dimensionless; they store no energy."""
+        return ()
+
+    def lacks(self, scene: "BaseScene") -> frozenset[Fact]:
+        """What no longer holds in this scene."""
+        return self.takes_away if self.links(scene) else frozenset()
+
     def speed(self, mass: float) -> float:  # noqa: ARG002
         """Of a bead of this mass that it sets in motion, in the scene's units: a measure of V."""
         return 0.0

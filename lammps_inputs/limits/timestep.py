@@ -51,7 +51,12 @@ _USABLE = 0.5
 
 def stability_bound(system: System, scheme: SchemeName = "verlet") -> float:
     """Largest stable (mean) Verlet step, ``2 / omega_max`` for velocity Verlet, of a dimensionless system."""
-    return largest_phase(scheme) / system.fastest
+    phase = largest_phase(scheme) / system.fastest
+    if not system.dampers or system.centred:
+        return phase
+    # the root of (omega h)**2 + 2 drag h = 4, from the characteristic polynomial with velocities of the half step
+    drag = system.drag * phase / 2.0
+    return phase * 2.0 / (drag + math.sqrt(drag * drag + 4.0)) if drag else phase
 
 
 def default_timestep(system: System, scheme: SchemeName = "verlet") -> float:

@@ -1,0 +1,155 @@
+"""Dashpots: forces against the rate at which a link's strain changes, which take energy away.
+
+A law of damping is, like a law of force, a `NamedTuple` of parameters, numbers or arrays over links, with functions of
+strain, rate of strain and the parameters:
+
+- ``damping(s, rate, ...)``: what drives the link's first bead back and its second forward; ``damping * rate`` is the
+  power that is lost, never less than 0;
+- ``resistance(s, ...)``: largest ratio of that to the rate;
+- ``granular(problem)``: of contacts, what LAMMPS's ``pair_style granular`` calls it: coefficient and model.
+
+Dashpots of contacts act while the beads touch. Where they pull harder than the contact pushes, so does their sum;
+``floor`` cuts it at nothing where it is the contact's strength, and is `NO_FLOOR` where beads may stick.
+"""
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from lammps_inputs import laws
+from lammps_inputs.laws import Parameter
+from lammps_inputs.lines import Lines
+from lammps_inputs.numbers import text
+
+if TYPE_CHECKING:
+    from lammps_inputs.problem import System
+
+NO_FLOOR = 1e300
+"""A contact of this strength is never pulled open: its product with an overlap is finite, and 0 at none."""
+
+
+class Dashpot(NamedTuple):
+    """``c s'`` at any strain."""
+
+    coefficient: Parameter
+    """c, in units of m / T."""
+
+    @staticmethod
+    def damping(s: Any, rate: Any, coefficient: Any) -> Any:  # noqa: ARG004
+        """Proportional to the rate."""
+        return coefficient * rate
+
+    @staticmethod
+    def resistance(s: Any, coefficient: Any) -> Any:
+        """The same at any strain."""
+        return coefficient * np.ones_like(s)
+
+    def ground(self, name: str, problem: "System") -> Lines:
+        """A drag on every bead, of the velocity in the middle of the step before.
+
+        With masses larger by half of what a step of the drag takes, LAMMPS's step is that of the drag of the mean of
+        the velocities before and after, which is of order 2. The deck does that where nothing else spoils the order.
+        """
+        return Lines(
+            variables=(f"variable {name} index {text(float(np.max(self.coefficient)))}   # force over velocity",),
+            motion=(f"fix {name} all viscous ${{{name}}}",),
+            heavier=name if problem.centred else None,
+        )
+
+
+class ContactDashpot(NamedTuple):
+    """``g s'`` while the beads touch (Rosas, Romero, Nesterenko & Lindenberg, Phys. Rev. Lett. 98, 2007)."""
+
+    coefficient: Parameter
+    """g, in units of m / T."""
+    floor: Parameter = NO_FLOOR
+
+    @staticmethod
+    def damping(s: Any, rate: Any, coefficient: Any, floor: Any) -> Any:
+        """Jumps where the beads meet and part."""
+        closed = np.maximum(s, 0.0)
+        return np.maximum((s > 0.0) * (coefficient * rate), -floor * (closed * np.sqrt(closed)))
+
+    @staticmethod
+    def resistance(s: Any, coefficient: Any, floor: Any) -> Any:  # noqa: ARG004
+        """The same at any overlap."""
+        return coefficient * (np.asarray(s) > 0.0)
+
+    def granular(self, problem: "System") -> tuple[float, str]:  # noqa: ARG002
+        """LAMMPS's own coefficient."""
+        return float(np.max(self.coefficient)), "damping velocity" + _limit(self.floor)
+
+
+class Viscoelastic(NamedTuple):
+    """``b s**0.5 s'`` (Kuwabara & Kono 1987; Brilliantov, Spahn, Hertzsch & Poeschel 1996)."""
+
+    coefficient: Parameter
+    """b, in units of m / (T L**0.5)."""
+    floor: Parameter = NO_FLOOR
+
+    @staticmethod
+    def damping(s: Any, rate: Any, coefficient: Any, floor: Any) -> Any:
+        """Proportional to the contact's radius."""
+        root = np.sqrt(np.maximum(s, 0.0))
+        return np.maximum(coefficient * root * rate, -floor * (root * root * root))
+
+    @staticmethod
+    def resistance(s: Any, coefficient: Any, floor: Any) -> Any:  # noqa: ARG004
+        """Grows with the overlap."""
+        return coefficient * np.sqrt(np.maximum(s, 0.0))
+
+    def granular(self, problem: "System") -> tuple[float, str]:
+        """LAMMPS multiplies by the contact's radius, sqrt(diameter / 4 * overlap), and the reduced mass, 1/2."""
+        unit = 2.0 / float(np.sqrt(problem.diameter / 4.0))
+        return unit * float(np.max(self.coefficient)), "damping viscoelastic" + _limit(self.floor)
+
+
+class Restitution(NamedTuple):
+    """``a s**0.25 s'``: two beads part with the same share of any speed (Tsuji 1992; Antypov & Elliott 2011)."""
+
+    coefficient: Parameter
+    """a = alpha * sqrt(reduced mass * strength), in units of m / (T L**0.25)."""
+    share: float
+    """e, which sets alpha = -sqrt(5) ln e / sqrt(pi**2 + ln(e)**2)."""
+
+    @staticmethod
+    def damping(s: Any, rate: Any, coefficient: Any, share: Any) -> Any:  # noqa: ARG004
+        """Proportional to the root of the contact's stiffness."""
+        return coefficient * np.sqrt(np.sqrt(np.maximum(s, 0.0))) * rate
+
+    @staticmethod
+    def resistance(s: Any, coefficient: Any, share: Any) -> Any:  # noqa: ARG004
+        """Grows with the overlap."""
+        return coefficient * np.sqrt(np.sqrt(np.maximum(s, 0.0)))
+
+    def granular(self, problem: "System") -> tuple[float, str]:  # noqa: ARG002
+        """LAMMPS knows masses and strengths itself."""
+        return self.share, "damping coeff_restitution"
+
+
+ContactLoss = ContactDashpot | Viscoelastic | Restitution
+
+
+def alpha(share: float) -> float:
+    """Of a restitution (Antypov & Elliott, EPL 94 (2011) 50004, eq. 13)."""
+    loss = -float(np.log(share))
+    return float(np.sqrt(5.0)) * loss / float(np.hypot(np.pi, loss))
+
+
+def damping(law: Any, strain: Any, rate: Any) -> Any:
+    """Force of a law of damping on links."""
+    return law.damping(strain, rate, *law)
+
+
+def resistance(law: Any, strain: Any) -> Any:
+    """Largest ratio of force to rate of a law of damping on links at a strain."""
+    return law.resistance(strain, *law)
+
+
+def at_reach(law: Any, elastic: laws.Law, energy: float) -> Any:
+    """Resistance of contacts where each alone holds an energy."""
+    return resistance(law, elastic.reach(energy, *elastic))
+
+
+def _limit(floor: Parameter) -> str:
+    return " limit_damping" if np.min(floor) < NO_FLOOR else ""
