@@ -11,10 +11,16 @@ All dimensionless. Row i holds bead i of every chain; rows 0 and beads + 1 stay 
 piece of memory, and each loop runs over it without branches and becomes vector instructions.
 """
 
+# ruff: noqa: ARG001, ARG005  numba wants the arguments of what is overloaded, used or not
+from typing import Any
+
 import numpy as np
+from numba import types
+from numba.extending import overload
 from numpy.typing import NDArray
 
 from workflow.compiled import compiled
+from workflow.engines.reference.dashpots import Flow, HalfStep, brake, flow
 from workflow.engines.reference.forces import Forces, drift_on, kick_on, over_mass, pull, sum_of
 
 Floats = NDArray[np.float64]
@@ -53,6 +59,54 @@ def _displaced(x: Floats, chains: int, row: int) -> bool:
     return False
 
 
+def keep_drag(dampers: Any, x: Any, v: Any, gap: Any, chains: Any, first: Any, last: Any) -> Any:
+    """Note the forces of dashpots at these positions, where they are kept."""
+    raise NotImplementedError
+
+
+def kick_all(dampers: Any, v: Any, push: Any, x: Any, forces: Any, factor: Any, chains: Any, first: Any, last: Any
+) -> Any:  # fmt: skip
+    """A kick by all forces."""
+    raise NotImplementedError
+
+
+def _is(dampers: Any, kind: type) -> bool:
+    return isinstance(dampers, types.NamedTuple) and dampers.instance_class is kind
+
+
+@overload(keep_drag, strict=False)
+def _keep_drag(dampers: Any, x: Any, v: Any, gap: Any, chains: Any, first: Any, last: Any) -> Any:
+    if _is(dampers, HalfStep):
+        return lambda dampers, x, v, gap, chains, first, last: brake(dampers, x, v, gap, chains, first, last)
+    return lambda dampers, x, v, gap, chains, first, last: None
+
+
+@overload(kick_all, strict=False)
+def _kick_all(
+    dampers: Any, v: Any, push: Any, x: Any, forces: Any, factor: Any, chains: Any, first: Any, last: Any
+) -> Any:
+    def plain(
+        dampers: Any, v: Any, push: Any, x: Any, forces: Any, factor: Any, chains: Any, first: Any, last: Any
+    ) -> None:
+        kick(v, push, x, forces, factor, chains, first, last)
+
+    def half_step(
+        dampers: Any, v: Any, push: Any, x: Any, forces: Any, factor: Any, chains: Any, first: Any, last: Any
+    ) -> None:
+        kick(v, push, x, forces, factor, chains, first, last)
+        for k in range(np.uint64(first * chains), np.uint64((last + 1) * chains)):
+            v[k] += factor * over_mass(dampers.drag[k], forces.lightness, k)
+
+    def solved(
+        dampers: Any, v: Any, push: Any, x: Any, forces: Any, factor: Any, chains: Any, first: Any, last: Any
+    ) -> None:
+        dampers.steady[first * chains : (last + 1) * chains] = 0.0
+        kick(dampers.steady, push, x, forces, 1.0, chains, first, last)
+        flow(dampers, v, x, forces.lightness, forces.gap, factor, chains, first, last)
+
+    return half_step if _is(dampers, HalfStep) else solved if _is(dampers, Flow) else plain
+
+
 @compiled
 def step(
     x: Floats,
@@ -78,8 +132,9 @@ def step(
         if kicks[stage] != 0.0:
             if stale:
                 press(x, push, forces, chains, first, last)
+                keep_drag(forces.dampers, x, v, forces.gap, chains, first, last)
                 stale = False
-            kick(v, push, x, forces, kicks[stage] * h, chains, first, last)
+            kick_all(forces.dampers, v, push, x, forces, kicks[stage] * h, chains, first, last)
             kick_on(forces.kicked, v, time, h, kicks[stage] * h, first * chains, (last + 1) * chains)
         if stage < drifts.shape[0]:
             _drift(x, v, drifts[stage] * h, chains, first, last)
@@ -101,6 +156,8 @@ def step(
 def advance(
     x: Floats,
     v: Floats,
+    push: Floats,
+    stale: bool,
     span: Integers,
     window: int,
     kicks: Floats,
@@ -112,7 +169,7 @@ def advance(
     recorded: Integers,
     frames_x: Floats,
     frames_v: Floats,
-) -> None:
+) -> bool:
     """Advance a state by ``len(frames_x)`` frames and record the chosen beads at each.
 
     Only rows ``span[0]`` to ``span[1]`` are integrated. Beyond them nothing has moved: a row at rest feels no force
@@ -121,6 +178,7 @@ def advance(
 
     Args:
         x, v: state, flat; advanced in place.
+        push, stale: as for `step`, which returns the latter.
         span: first and last row that may move; advanced in place.
         window: number of rows that are integrated at most.
         kicks, drifts, h: the scheme and its step.
@@ -131,8 +189,6 @@ def advance(
         frames_x, frames_v: filled, [frame, chain, bead].
     """
     chains = frames_x.shape[1]
-    push = np.zeros_like(x)
-    stale = True
     for frame in range(frames_x.shape[0]):
         for number in range(frame * steps_per_frame, (frame + 1) * steps_per_frame):
             time = (first_step + number) * h
@@ -141,3 +197,4 @@ def advance(
             for k in range(recorded.shape[0]):
                 frames_x[frame, j, k] = x[recorded[k] * chains + j]
                 frames_v[frame, j, k] = v[recorded[k] * chains + j]
+    return stale

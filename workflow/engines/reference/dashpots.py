@@ -1,0 +1,178 @@
+"""Forces against velocities, compiled: of contacts, across chains and on beads; beside the `forces` of positions.
+
+A splitting scheme kicks the beads while they stand still. With dashpots a kick is the solution of
+``masses * v' = forces(x) + drag(x, v)`` at fixed x, here by one step of the classical Runge-Kutta method: of order 4,
+as the scheme, and its error is far below that (the kick's part of a step times the drag, to the fifth power, over 120).
+LAMMPS instead takes the drag of the velocities that it has when forces are computed, those of half a step before.
+
+An empty tuple in place of one of the classes costs nothing.
+"""
+
+# ruff: noqa: ARG001, ARG005  numba wants the arguments of what is overloaded, used or not
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit, types
+from numba.extending import overload
+
+from lammps_inputs import System
+from lammps_inputs.links import Across, Along, Ground
+from workflow.compiled import compiled
+from workflow.engines.reference.forces import Floats, at, flat, neighbours, over_mass
+
+
+class Flow(NamedTuple):
+    """Dashpots, and room to solve the flow of a kick; arrays are flat, as the state."""
+
+    along: tuple[Any, ...]
+    across: tuple[tuple[Any, Any], ...]
+    ground: tuple[Any, ...]
+    squeeze: Floats
+    """Force of the dashpot of every contact with the bead behind."""
+    drag: Floats
+    """Force on every bead."""
+    steady: Floats
+    """Accelerations by forces of positions."""
+    total: Floats
+    trial: Floats
+
+
+class HalfStep(NamedTuple):
+    """Dashpots whose forces are kept until positions change."""
+
+    along: tuple[Any, ...]
+    across: tuple[tuple[Any, Any], ...]
+    ground: tuple[Any, ...]
+    squeeze: Floats
+    drag: Floats
+
+
+def make_dampers(system: System, *, as_lammps: bool) -> Any:
+    """The dashpots of a system on a state [bead + 2, chain]; an empty tuple where there are none."""
+    if not system.dampers:
+        return ()
+    laws = (
+        tuple(flat(link.law, system, first=2) for link in system.dampers if isinstance(link, Along)),
+        tuple(near for link in system.dampers if isinstance(link, Across) for near in neighbours(link, system)),
+        tuple(flat(link.law, system, first=1) for link in system.dampers if isinstance(link, Ground)),
+    )
+    room = [np.zeros((system.beads + 2) * system.chains) for _ in range(5)]
+    return HalfStep(*laws, *room[:2]) if as_lammps else Flow(*laws, *room)
+
+
+def resist(law: Any, k: Any, strain: Any, rate: Any) -> Any:
+    """Force of one dashpot at a place in memory."""
+    raise NotImplementedError
+
+
+def all_of(laws: Any, k: Any, strain: Any, rate: Any) -> Any:
+    """Force of several dashpots on the same link."""
+    raise NotImplementedError
+
+
+def hold(across: Any, x: Any, v: Any, k: Any) -> Any:
+    """Force of dashpots to other chains against the motion of a bead."""
+    raise NotImplementedError
+
+
+def hold_of(near: Any, x: Any, v: Any, k: Any) -> Any:
+    """The same of the neighbours at one distance, or at all distances of an array."""
+    raise NotImplementedError
+
+
+def slow(dampers: Any, x: Any, v: Any, a: Any, forces: Any, chains: Any, first: Any, last: Any) -> Any:
+    """Add what dashpots do at these velocities to accelerations in rows first to last."""
+    raise NotImplementedError
+
+
+@overload(resist, inline="always", strict=False)
+def _resist(law: Any, k: Any, strain: Any, rate: Any) -> Any:
+    function = njit(inline="always")(law.instance_class.damping)
+    if len(law.types) == 1:
+        return lambda law, k, strain, rate: function(strain, rate, at(law[0], k))
+    return lambda law, k, strain, rate: function(strain, rate, at(law[0], k), at(law[1], k))
+
+
+@overload(all_of, inline="always", strict=False)
+def _all_of(laws: Any, k: Any, strain: Any, rate: Any) -> Any:
+    if len(laws) == 0:
+        return lambda laws, k, strain, rate: 0.0
+    if len(laws) == 1:
+        return lambda laws, k, strain, rate: resist(laws[0], k, strain, rate)
+    return lambda laws, k, strain, rate: resist(laws[0], k, strain, rate) + all_of(laws[1:], k, strain, rate)
+
+
+@overload(hold, inline="always", strict=False)
+def _hold(across: Any, x: Any, v: Any, k: Any) -> Any:
+    if len(across) == 0:
+        return lambda across, x, v, k: 0.0
+    if len(across) == 1:
+        return lambda across, x, v, k: hold_of(across[0], x, v, k)
+    return lambda across, x, v, k: hold_of(across[0], x, v, k) + hold(across[1:], x, v, k)
+
+
+@overload(hold_of, inline="always", strict=False)
+def _hold_of(near: Any, x: Any, v: Any, k: Any) -> Any:
+    if not isinstance(near[0], types.Array):
+        return lambda near, x, v, k: resist(near[1], k, x[k] - x[k + near[0]], v[k] - v[k + near[0]])
+
+    def total(near: Any, x: Any, v: Any, k: Any) -> Any:
+        result = 0.0
+        for n in range(np.uint64(near[0].shape[0])):
+            other = k + near[0][n]
+            result += resist(near[1], (n, k), x[k] - x[other], v[k] - v[other])
+        return result
+
+    return total
+
+
+@compiled
+def brake(dampers: Any, x: Floats, v: Floats, gap: float, chains: int, first: int, last: int) -> None:
+    """Force of all dashpots on the beads of rows first to last, which touch none that moves, into ``drag``."""
+    row = np.uint64(chains)
+    dampers.squeeze[first * chains : (first + 1) * chains] = 0.0
+    dampers.squeeze[(last + 1) * chains : (last + 2) * chains] = 0.0
+    for k in range(np.uint64((first + 1) * chains), np.uint64((last + 1) * chains)):
+        dampers.squeeze[k] = all_of(dampers.along, k, x[k - row] - x[k] - gap, v[k - row] - v[k])
+    for k in range(np.uint64(first * chains), np.uint64((last + 1) * chains)):
+        held = hold(dampers.across, x, v, k) + all_of(dampers.ground, k, x[k], v[k])
+        dampers.drag[k] = dampers.squeeze[k] - dampers.squeeze[k + row] - held
+
+
+@compiled
+def flow(flow: Any, v: Floats, x: Floats, lightness: Any, gap: float, factor: float, chains: int, first: int, last: int
+) -> None:  # fmt: skip
+    """Velocities after a kick of length ``factor`` by the accelerations ``steady`` and the dashpots."""
+    low, high = np.uint64(first * chains), np.uint64((last + 1) * chains)
+    drag, steady, total, trial = flow.drag, flow.steady, flow.total, flow.trial
+    brake(flow, x, v, gap, chains, first, last)
+    for k in range(low, high):
+        slope = steady[k] + over_mass(drag[k], lightness, k)
+        total[k] = slope
+        trial[k] = v[k] + 0.5 * factor * slope
+    brake(flow, x, trial, gap, chains, first, last)
+    for k in range(low, high):
+        slope = steady[k] + over_mass(drag[k], lightness, k)
+        total[k] += 2.0 * slope
+        trial[k] = v[k] + 0.5 * factor * slope
+    brake(flow, x, trial, gap, chains, first, last)
+    for k in range(low, high):
+        slope = steady[k] + over_mass(drag[k], lightness, k)
+        total[k] += 2.0 * slope
+        trial[k] = v[k] + factor * slope
+    brake(flow, x, trial, gap, chains, first, last)
+    for k in range(low, high):
+        v[k] += factor / 6.0 * (total[k] + steady[k] + over_mass(drag[k], lightness, k))
+
+
+@overload(slow, strict=False)
+def _slow(dampers: Any, x: Any, v: Any, a: Any, forces: Any, chains: Any, first: Any, last: Any) -> Any:
+    if not isinstance(dampers, types.NamedTuple):
+        return lambda dampers, x, v, a, forces, chains, first, last: None
+
+    def act(dampers: Any, x: Any, v: Any, a: Any, forces: Any, chains: Any, first: Any, last: Any) -> None:
+        brake(dampers, x, v, forces.gap, chains, first, last)
+        for k in range(np.uint64(first * chains), np.uint64((last + 1) * chains)):
+            a[k] += over_mass(dampers.drag[k], forces.lightness, k)
+
+    return act
