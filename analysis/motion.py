@@ -67,14 +67,23 @@ def momentum(system: System, velocity: Floats, first: int = 1) -> Floats:
     return np.asarray(np.sum(_weighed(system, velocity, first), axis=(-2, -1)))
 
 
-def acceleration(system: System, displacement: Floats, first: int = 1, *, time: Floats | None = None) -> Floats:
+def acceleration(
+    system: System,
+    displacement: Floats,
+    first: int = 1,
+    *,
+    time: Floats | None = None,
+    velocity: Floats | None = None,
+) -> Floats:
     """Acceleration of every bead, [..., chain, bead] from the same; every bead must be recorded (eq. 1).
 
-    Forces from outside are left out where no times, [...], are given.
+    Forces from outside are left out where no times, [...], are given, and those of dashpots without velocities.
     """
     result = np.zeros_like(displacement)
     for link in system.links:
         link.drive(result, link.force(displacement, first))
+    for link in system.dampers if velocity is not None else ():
+        link.drive(result, link.damping(displacement, velocity, first))
     for load in system.loads if time is not None else ():
         result[..., load.chain - 1, load.bead - first] += load.force(time)
     return result if isinstance(system.mass, float) else result / system.mass_from(first, result)
@@ -116,10 +125,32 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
         here, time = (chain == load.chain - 1) & (row == load.bead - 1), block.time[frame]
         acceleration += np.where(here, load.force(time), 0.0)
         rate += np.where(here, load.rate(time), 0.0)
+    if problem.dampers:
+        drag, drag_rate = _drag_and_rate(block)
+        acceleration += drag[frame, chain, bead]
+        rate += drag_rate[frame, chain, bead]
     if not isinstance(problem.mass, float):
         mass = problem.mass_of(chain, row)
         return acceleration / mass, rate / mass
     return acceleration, rate
+
+
+_ALONG = 1e-5
+"""Time by which states are moved on to see how the force of dashpots changes."""
+
+
+def _drag_and_rate(block: Trajectory) -> tuple[Floats, Floats]:
+    """Force of all dashpots on every bead, and how fast it changes (to 1e-6 or so), [frame, chain, bead]."""
+    problem, x, v = block.problem, block.displacement, block.velocity
+    a = acceleration(problem, x, block.first, time=block.time, velocity=v)
+    found = []
+    for later in (0.0, -_ALONG, _ALONG):
+        total = np.zeros_like(x)
+        for link in problem.dampers:
+            link.drive(total, link.damping(x + later * v, v + later * a, block.first))
+        found.append(total)
+    here, before, after = found
+    return here, (after - before) / (2.0 * _ALONG)
 
 
 def larger_overlap(block: Trajectory, frame: Integers, chain: Integers, bead: Integers) -> Floats:
