@@ -6,6 +6,8 @@ strain, rate of strain and the parameters:
 - ``damping(s, rate, ...)``: what drives the link's first bead back and its second forward; ``damping * rate`` is the
   power that is lost, never less than 0;
 - ``resistance(s, ...)``: largest ratio of that to the rate;
+- ``impulse(s, ...)``: integral of the resistance from no strain to this one: where no tension is cut, that is what a
+  dashpot has given in time, on whatever way the strain came about;
 - ``granular(problem)``: of contacts, what LAMMPS's ``pair_style granular`` calls it: coefficient and model.
 
 Dashpots of contacts act while the beads touch. Where they pull harder than the contact pushes, so does their sum;
@@ -44,6 +46,11 @@ class Dashpot(NamedTuple):
         """The same at any strain."""
         return coefficient * np.ones_like(s)
 
+    @staticmethod
+    def impulse(s: Any, coefficient: Any) -> Any:
+        """``c s``."""
+        return coefficient * s
+
     def ground(self, name: str, problem: "System") -> Lines:
         """A drag on every bead, of the velocity in the middle of the step before.
 
@@ -75,6 +82,11 @@ class ContactDashpot(NamedTuple):
         """The same at any overlap."""
         return coefficient * (np.asarray(s) > 0.0)
 
+    @staticmethod
+    def impulse(s: Any, coefficient: Any, floor: Any) -> Any:  # noqa: ARG004
+        """``g (s)+``."""
+        return coefficient * np.maximum(s, 0.0)
+
     def granular(self, problem: "System") -> tuple[float, str]:  # noqa: ARG002
         """LAMMPS's own coefficient."""
         return float(np.max(self.coefficient)), "damping velocity" + _limit(self.floor)
@@ -97,6 +109,12 @@ class Viscoelastic(NamedTuple):
     def resistance(s: Any, coefficient: Any, floor: Any) -> Any:  # noqa: ARG004
         """Grows with the overlap."""
         return coefficient * np.sqrt(np.maximum(s, 0.0))
+
+    @staticmethod
+    def impulse(s: Any, coefficient: Any, floor: Any) -> Any:  # noqa: ARG004
+        """``2/3 b (s)+**1.5``."""
+        closed = np.maximum(s, 0.0)
+        return coefficient * (2.0 / 3.0 * closed * np.sqrt(closed))
 
     def granular(self, problem: "System") -> tuple[float, str]:
         """LAMMPS multiplies by the contact's radius, sqrt(diameter / 4 * overlap), and the reduced mass, 1/2."""
@@ -122,6 +140,12 @@ class Restitution(NamedTuple):
         """Grows with the overlap."""
         return coefficient * np.sqrt(np.sqrt(np.maximum(s, 0.0)))
 
+    @staticmethod
+    def impulse(s: Any, coefficient: Any, share: Any) -> Any:  # noqa: ARG004
+        """``4/5 a (s)+**1.25``."""
+        closed = np.maximum(s, 0.0)
+        return coefficient * (0.8 * closed * np.sqrt(np.sqrt(closed)))
+
     def granular(self, problem: "System") -> tuple[float, str]:  # noqa: ARG002
         """LAMMPS knows masses and strengths itself."""
         return self.share, "damping coeff_restitution"
@@ -144,6 +168,11 @@ def damping(law: Any, strain: Any, rate: Any) -> Any:
 def resistance(law: Any, strain: Any) -> Any:
     """Largest ratio of force to rate of a law of damping on links at a strain."""
     return law.resistance(strain, *law)
+
+
+def cut(law: Any) -> bool:
+    """Whether a law of damping cuts tension, so that its force does not follow from the strain and its rate alone."""
+    return isinstance(law, ContactDashpot | Viscoelastic) and bool(np.min(law.floor) < NO_FLOOR)
 
 
 def at_reach(law: Any, elastic: laws.Law, energy: float) -> Any:

@@ -1,8 +1,12 @@
 """Forces against velocities, compiled: of contacts, across chains and on beads; beside the `forces` of positions.
 
-A splitting scheme kicks the beads while they stand still. With dashpots a kick is the solution of
-``masses * v' = forces(x) + drag(x, v)`` at fixed x, here by one step of the classical Runge-Kutta method: of order 4,
-as the scheme, and its error is far below that (the kick's part of a step times the drag, to the fifth power, over 120).
+A dashpot's force is the rate of a function of the strain (`lammps_inputs.laws.dashpot`, ``impulse``). So where no
+tension is cut, velocities are replaced by ``w = v - impulses / masses`` (as Lienard did): w changes by the forces of
+positions alone, by kicks that are exact, and ``x' = w + impulses(x) / masses`` is the drift at fixed w. Forces that
+jump where contacts open become mere kinks that way. Where tension is cut, a kick is the solution of
+``masses * v' = forces(x) + drag(x, v)`` at fixed x. Either is one step of the classical Runge-Kutta method: of order 4,
+as the scheme, and its error is far below that (a part of a step times the drag, to the fifth power, over 120).
+
 LAMMPS instead takes the drag of the velocities that it has when forces are computed, those of half a step before.
 
 An empty tuple in place of one of the classes costs nothing.
@@ -16,21 +20,36 @@ from numba import njit, types
 from numba.extending import overload
 
 from lammps_inputs import System
+from lammps_inputs.laws import dashpot
 from lammps_inputs.links import Across, Along, Ground
 from workflow.compiled import compiled
 from workflow.engines.reference.forces import Floats, at, flat, neighbours, over_mass
 
 
-class Flow(NamedTuple):
-    """Dashpots, and room to solve the flow of a kick; arrays are flat, as the state."""
+class Given(NamedTuple):
+    """Dashpots, and room to solve the flow of a drift; the velocities of the state are w. Arrays are flat, as it."""
 
     along: tuple[Any, ...]
     across: tuple[tuple[Any, Any], ...]
     ground: tuple[Any, ...]
     squeeze: Floats
-    """Force of the dashpot of every contact with the bead behind."""
+    """Force, or impulse, of the dashpot of every contact with the bead behind."""
     drag: Floats
-    """Force on every bead."""
+    """Force, or impulse, on every bead."""
+    actual: Floats
+    """Velocities."""
+    total: Floats
+    trial: Floats
+
+
+class Flow(NamedTuple):
+    """Dashpots, and room to solve the flow of a kick."""
+
+    along: tuple[Any, ...]
+    across: tuple[tuple[Any, Any], ...]
+    ground: tuple[Any, ...]
+    squeeze: Floats
+    drag: Floats
     steady: Floats
     """Accelerations by forces of positions."""
     total: Floats
@@ -57,7 +76,9 @@ def make_dampers(system: System, *, as_lammps: bool) -> Any:
         tuple(flat(link.law, system, first=1) for link in system.dampers if isinstance(link, Ground)),
     )
     room = [np.zeros((system.beads + 2) * system.chains) for _ in range(5)]
-    return HalfStep(*laws, *room[:2]) if as_lammps else Flow(*laws, *room)
+    if as_lammps:
+        return HalfStep(*laws, *room[:2])
+    return (Flow if any(dashpot.cut(link.law) for link in system.dampers) else Given)(*laws, *room)
 
 
 def resist(law: Any, k: Any, strain: Any, rate: Any) -> Any:
@@ -76,6 +97,26 @@ def hold(across: Any, x: Any, v: Any, k: Any) -> Any:
 
 
 def hold_of(near: Any, x: Any, v: Any, k: Any) -> Any:
+    """The same of the neighbours at one distance, or at all distances of an array."""
+    raise NotImplementedError
+
+
+def give(law: Any, k: Any, strain: Any) -> Any:
+    """Impulse of one dashpot at a place in memory."""
+    raise NotImplementedError
+
+
+def given(laws: Any, k: Any, strain: Any) -> Any:
+    """Impulse of several dashpots on the same link."""
+    raise NotImplementedError
+
+
+def given_by(across: Any, x: Any, k: Any) -> Any:
+    """Impulse of dashpots to other chains against the motion of a bead."""
+    raise NotImplementedError
+
+
+def given_by_those(near: Any, x: Any, k: Any) -> Any:
     """The same of the neighbours at one distance, or at all distances of an array."""
     raise NotImplementedError
 
@@ -126,6 +167,46 @@ def _hold_of(near: Any, x: Any, v: Any, k: Any) -> Any:
     return total
 
 
+@overload(give, inline="always", strict=False)
+def _give(law: Any, k: Any, strain: Any) -> Any:
+    function = njit(inline="always")(law.instance_class.impulse)
+    if len(law.types) == 1:
+        return lambda law, k, strain: function(strain, at(law[0], k))
+    return lambda law, k, strain: function(strain, at(law[0], k), at(law[1], k))
+
+
+@overload(given, inline="always", strict=False)
+def _given(laws: Any, k: Any, strain: Any) -> Any:
+    if len(laws) == 0:
+        return lambda laws, k, strain: 0.0
+    if len(laws) == 1:
+        return lambda laws, k, strain: give(laws[0], k, strain)
+    return lambda laws, k, strain: give(laws[0], k, strain) + given(laws[1:], k, strain)
+
+
+@overload(given_by, inline="always", strict=False)
+def _given_by(across: Any, x: Any, k: Any) -> Any:
+    if len(across) == 0:
+        return lambda across, x, k: 0.0
+    if len(across) == 1:
+        return lambda across, x, k: given_by_those(across[0], x, k)
+    return lambda across, x, k: given_by_those(across[0], x, k) + given_by(across[1:], x, k)
+
+
+@overload(given_by_those, inline="always", strict=False)
+def _given_by_those(near: Any, x: Any, k: Any) -> Any:
+    if not isinstance(near[0], types.Array):
+        return lambda near, x, k: give(near[1], k, x[k] - x[k + near[0]])
+
+    def total(near: Any, x: Any, k: Any) -> Any:
+        result = 0.0
+        for n in range(np.uint64(near[0].shape[0])):
+            result += give(near[1], (n, k), x[k] - x[k + near[0][n]])
+        return result
+
+    return total
+
+
 @compiled
 def brake(dampers: Any, x: Floats, v: Floats, gap: float, chains: int, first: int, last: int) -> None:
     """Force of all dashpots on the beads of rows first to last, which touch none that moves, into ``drag``."""
@@ -137,6 +218,46 @@ def brake(dampers: Any, x: Floats, v: Floats, gap: float, chains: int, first: in
     for k in range(np.uint64(first * chains), np.uint64((last + 1) * chains)):
         held = hold(dampers.across, x, v, k) + all_of(dampers.ground, k, x[k], v[k])
         dampers.drag[k] = dampers.squeeze[k] - dampers.squeeze[k + row] - held
+
+
+@compiled
+def impulses(given_all: Any, x: Floats, gap: float, chains: int, first: int, last: int) -> None:
+    """What all dashpots have given the beads of rows first to last, which touch none that moved, into ``drag``."""
+    row = np.uint64(chains)
+    squeeze, drag = given_all.squeeze, given_all.drag
+    squeeze[first * chains : (first + 1) * chains] = 0.0
+    squeeze[(last + 1) * chains : (last + 2) * chains] = 0.0
+    for k in range(np.uint64((first + 1) * chains), np.uint64((last + 1) * chains)):
+        squeeze[k] = given(given_all.along, k, x[k - row] - x[k] - gap)
+    for k in range(np.uint64(first * chains), np.uint64((last + 1) * chains)):
+        held = given_by(given_all.across, x, k) + given(given_all.ground, k, x[k])
+        drag[k] = squeeze[k] - squeeze[k + row] - held
+
+
+@compiled
+def slide(given_all: Any, x: Floats, w: Floats, lightness: Any, gap: float, factor: float, chains: int, first: int,
+          last: int) -> None:  # fmt: skip
+    """Positions after a drift of length ``factor`` at fixed w."""
+    low, high = np.uint64(first * chains), np.uint64((last + 1) * chains)
+    drag, total, trial = given_all.drag, given_all.total, given_all.trial
+    impulses(given_all, x, gap, chains, first, last)
+    for k in range(low, high):
+        slope = w[k] + over_mass(drag[k], lightness, k)
+        total[k] = slope
+        trial[k] = x[k] + 0.5 * factor * slope
+    impulses(given_all, trial, gap, chains, first, last)
+    for k in range(low, high):
+        slope = w[k] + over_mass(drag[k], lightness, k)
+        total[k] += 2.0 * slope
+        trial[k] = x[k] + 0.5 * factor * slope
+    impulses(given_all, trial, gap, chains, first, last)
+    for k in range(low, high):
+        slope = w[k] + over_mass(drag[k], lightness, k)
+        total[k] += 2.0 * slope
+        trial[k] = x[k] + factor * slope
+    impulses(given_all, trial, gap, chains, first, last)
+    for k in range(low, high):
+        x[k] += factor / 6.0 * (total[k] + w[k] + over_mass(drag[k], lightness, k))
 
 
 @compiled

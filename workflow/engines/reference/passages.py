@@ -19,7 +19,7 @@ from workflow.engines.reference import engine
 from workflow.engines.reference.blanes_moan import BLANES_MOAN
 from workflow.engines.reference.dashpots import slow
 from workflow.engines.reference.forces import Forces, force_on
-from workflow.engines.reference.kernel import Floats, Integers, kick, press, step
+from workflow.engines.reference.kernel import Floats, Integers, kick, press, step, velocities
 from workflow.engines.reference.scheme import Scheme
 
 
@@ -71,7 +71,7 @@ def _pass(
 ) -> float:  # fmt: skip
     """Some steps; returns the largest |velocity| that a row had when it was let go."""
     chains = a.shape[1]
-    v_rows = v.reshape((-1, chains))
+    v_rows = velocities(forces.dampers, x, v, forces, chains, span[0], span[1]).reshape((-1, chains))
     let_go = 0.0
     for number in range(first_step, first_step + steps):
         before = span[0]
@@ -80,10 +80,11 @@ def _pass(
                 v_before[row, j] = v_rows[row, j]
                 a_before[row, j] = a[row, j]
         step(x, v, push, True, span, window, kicks, drifts, number * h, h, forces, chains)
+        velocities(forces.dampers, x, v, forces, chains, span[0], span[1])
         for row in range(before, span[0]):
             for j in range(chains):
                 let_go = max(let_go, abs(v_rows[row, j]))
-        _accelerate(x, v, a, push, forces, span, (number + 1) * h)
+        _accelerate(x, v_rows.reshape(-1), a, push, forces, span, (number + 1) * h)
         _note(v_rows, a, v_before, a_before, span, (number + 1) * h, h, threshold, arrival, peak)
     return let_go
 
