@@ -13,6 +13,7 @@ from analysis.trajectory import Floats, Trajectory, joined
 from analysis.work import Work
 from lammps_inputs import Problem
 from lammps_inputs.laws import dashpot
+from lammps_inputs.units import Scale
 
 MOST_INSTANTS = 500
 
@@ -42,6 +43,30 @@ class Account:
     def missing(self) -> Floats:
         """What was put in and is nowhere."""
         return np.asarray(self.put_in - sum(self.held.values()) - sum(self.lost.values()))
+
+    def sentence(self, scale: Scale) -> str:
+        """Where the energy is at the last instant, largest part first."""
+        total = float(self.put_in[-1])
+        lost = {f"lost in {name.replace('_', ' ')}": part for name, part in self.lost.items()}
+        parts = {name: float(part[-1]) for name, part in (*self.held.items(), *lost.items())}
+        named = sorted(((part, name) for name, part in parts.items() if part > 0.0), reverse=True)
+        shares = ", ".join(f"{part / total:.2%} {name}" for part, name in named)
+        unit = f" {scale.symbol('energy')}" if scale.si else ""
+        return (
+            f"energy: {total * scale.energy:.6g}{unit} put in until t = {self.time[-1] * scale.time:.6g}, "
+            f"of which {shares}"
+        )
+
+    def plain(self, scale: Scale) -> dict[str, object]:
+        """For ``analysis.json``, in the scene's units."""
+        unit = scale.energy
+        return {
+            "time": (self.time * scale.time).tolist(),
+            "put_in": (self.put_in * unit).tolist(),
+            **{name: (part * unit).tolist() for name, part in self.held.items()},
+            "lost": {name: (part * unit).tolist() for name, part in self.lost.items()},
+            "missing": (self.missing * unit).tolist(),
+        }
 
 
 class Budget:
