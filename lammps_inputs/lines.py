@@ -36,6 +36,7 @@ class Lines:
         motion: fixes that act beside the integration, once the beads are read and at rest.
         bonds: type of the bond that is each link across, [edge, row], counted from 1; 0 for none.
         types: of the atoms, where contacts differ; else recorded beads are of type 2 and others of type 1.
+        beside: a second pair style with its arguments, and the lines that give its coefficients.
         heavier: variable of what masses are larger by, over half a time step.
     """
 
@@ -45,6 +46,7 @@ class Lines:
     bonds: NDArray[np.int64] | None = None
     types: AtomTypes | None = None
     heavier: str | None = None
+    beside: tuple[str, ...] = ()
 
 
 def types_by_contact(strength: NDArray[np.float64]) -> AtomTypes:

@@ -77,6 +77,11 @@ class Damping(Ingredient):
                 "damping.law: LAMMPS's viscoelastic dashpots grow with the beads' masses, and these differ; "
                 "take linear or restitution"
             )
+        if self.coupling and not (system.open_row and system.alike):
+            raise ValueError(
+                "damping.coupling: LAMMPS damps equal linear springs between each chain and the next, of equal beads, "
+                "only; leave it out"
+            )
         if self.contact and system.contact_loss is not None and self.tension == "cut" and not system.alike:
             raise ValueError("damping.tension: is cut at the force of equal contacts only; leave it out")
 

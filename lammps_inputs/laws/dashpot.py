@@ -20,10 +20,11 @@ import numpy as np
 
 from lammps_inputs import laws
 from lammps_inputs.laws import Parameter
-from lammps_inputs.lines import Lines
+from lammps_inputs.lines import AtomTypes, Lines
 from lammps_inputs.numbers import text
 
 if TYPE_CHECKING:
+    from lammps_inputs.links import Across
     from lammps_inputs.problem import System
 
 NO_FLOOR = 1e300
@@ -61,6 +62,26 @@ class Dashpot(NamedTuple):
             variables=(f"variable {name} index {text(float(np.max(self.coefficient)))}   # force over velocity",),
             motion=(f"fix {name} all viscous ${{{name}}}",),
             heavier=name if problem.centred else None,
+        )
+
+
+    def across(self, link: "Across", problem: "System") -> Lines:
+        """LAMMPS's thermostat of DPD at no temperature, whose drag, if the same along and across, is this.
+
+        Beads of neighbouring chains differ by their type; the cutoff is between that of a row and those beside it.
+        """
+        name = link.name
+        types = np.repeat(1 + np.arange(problem.chains)[:, np.newaxis] % 2, problem.beads, axis=1)
+        cutoff = text(4.25**0.5 * problem.spacing)
+        return Lines(
+            types=AtomTypes(types, {}, 2),
+            variables=(f"variable {name} index {text(float(np.max(self.coefficient)))}   # force over velocity",),
+            beside=(
+                f"dpd/ext/tstat 0 0 {cutoff} 1",
+                "# dashpots between chains: a thermostat at no temperature, the same in all directions, up to a cutoff",
+                "special_bonds lj/coul 1 1 1      # also between those that have springs",
+                f"pair_coeff 1 2 dpd/ext/tstat ${{{name}}} ${{{name}}} 0 0 {cutoff}",
+            ),
         )
 
 
