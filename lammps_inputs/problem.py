@@ -229,7 +229,9 @@ class System:
 
         Its beads have the mass 1.
         """
-        return isinstance(self.mass, float) and self.open_row and not self.ground and not self.loads and not self.dampers
+        return (
+            isinstance(self.mass, float) and self.open_row and not self.ground and not self.loads and not self.dampers
+        )
 
     @cached_property
     def groups(self) -> tuple[frozenset[int], ...]:

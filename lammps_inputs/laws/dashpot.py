@@ -64,7 +64,6 @@ class Dashpot(NamedTuple):
             heavier=name if problem.centred else None,
         )
 
-
     def across(self, link: "Across", problem: "System") -> Lines:
         """LAMMPS's thermostat of DPD at no temperature, whose drag, if the same along and across, is this.
 

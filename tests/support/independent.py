@@ -1,5 +1,6 @@
 """Trajectories by an integrator that shares no code with the product: scipy's DOP853 at tight tolerances."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,12 @@ def integrated(
     *,
     mass: Any = 1.0,
     strength: Any = 1.0,
+    loss: Callable[[Floats], Any] = lambda _: 0.0,
+    tension: bool = True,
+    drag: float = 0.0,
+    drag_across: float = 0.0,
+    max_step: float = np.inf,
+    rtol: float = 1e-12,
 ) -> Floats:
     """Velocities [frame, chain, bead] of chains with contacts, springs between neighbours and to the ground, and walls.
 
@@ -27,6 +34,12 @@ def integrated(
         ground, ground_cubic: stiffness of the springs to the ground, [chain, bead] or one number.
         mass: of the beads, likewise.
         strength: of the contacts, [chain, contact] or one number.
+        loss: force of a contact's dashpot over the rate of overlap, from the overlap.
+        tension: whether a contact may pull.
+        drag: force on a bead over its velocity.
+        drag_across: force between beads of a row in neighbouring chains over their relative velocity.
+        max_step: of the integrator, which may not see jumps of the force in longer ones.
+        rtol: likewise.
         walls: force over overlap**1.5 of the walls on the left and on the right, a gap away.
     """
     shape = problem.chains, problem.beads
@@ -34,18 +47,25 @@ def integrated(
 
     def rate(_: float, state: Floats) -> Floats:
         x = state[:size].reshape(shape)
-        push = strength * np.maximum(x[:, :-1] - x[:, 1:] - problem.gap, 0.0) ** 1.5
-        force = -ground * x - ground_cubic * x**3
+        v = state[size:].reshape(shape)
+        overlap = x[:, :-1] - x[:, 1:] - problem.gap
+        closed = np.maximum(overlap, 0.0)
+        push = strength * closed**1.5 + np.where(overlap > 0.0, loss(closed) * (v[:, :-1] - v[:, 1:]), 0.0)
+        if not tension:
+            push = np.maximum(push, 0.0)
+        force = -ground * x - ground_cubic * x**3 - drag * v
         force[:, 0] += walls[0] * np.maximum(-x[:, 0] - problem.gap, 0.0) ** 1.5
         force[:, -1] -= walls[1] * np.maximum(x[:, -1] - problem.gap, 0.0) ** 1.5
         force[:, 1:] += push
         force[:, :-1] -= push
-        pull = problem.kappa * np.diff(x, axis=0)
+        pull = problem.kappa * np.diff(x, axis=0) + drag_across * np.diff(v, axis=0)
         force[:-1] += pull
         force[1:] -= pull
         return np.concatenate([state[size:], (force / mass).reshape(-1)])
 
     start = np.concatenate([np.zeros(size), problem.initial_velocity().reshape(-1)])
     time = np.arange(problem.frames + 1) * problem.every
-    found = solve_ivp(rate, (0.0, time[-1]), start, t_eval=time, method="DOP853", rtol=1e-12, atol=1e-14)
+    found = solve_ivp(
+        rate, (0.0, time[-1]), start, t_eval=time, method="DOP853", rtol=rtol, atol=1e-2 * rtol, max_step=max_step
+    )
     return np.asarray(found.y[size:].T.reshape(-1, *shape))

@@ -58,9 +58,8 @@ def _times(own: Trajectory, reference: Trajectory) -> list[str]:
     """Whether a shift in time, of all or of the velocities alone, explains the difference."""
     problem = own.problem
     velocity = symptoms.time_shift(
-        own.velocity - reference.velocity, motion.acceleration(
-            problem, reference.displacement, time=reference.time, velocity=reference.velocity
-        ),
+        own.velocity - reference.velocity,
+        motion.acceleration(problem, reference.displacement, time=reference.time, velocity=reference.velocity),
     )
     displacement = symptoms.time_shift(own.displacement - reference.displacement, reference.velocity)
     if velocity.explained < _CLEAR:
