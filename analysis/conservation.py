@@ -70,7 +70,7 @@ class Conservation:
         """With forces from outside or dashpots: energy is what was put in until then less what was lost."""
         self._put_in = max(self._put_in, float(np.max(np.abs(put_in))))
         self._missing = float(np.maximum(self._missing, np.max(np.abs(energy + lost - put_in))))
-        self.energy_drift = self._missing / self._put_in if not self._missing == 0.0 else 0.0
+        self.energy_drift = self._missing / self._put_in if self._missing != 0.0 else 0.0
 
     def _given(self, block: Trajectory, momentum: Floats) -> None:
         """With forces from outside: momentum is that of the kicks and what they have given."""

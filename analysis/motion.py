@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import System, laws
+from lammps_inputs.links import Link
 
 Integers = NDArray[np.int64]
 
@@ -82,8 +83,9 @@ def acceleration(
     result = np.zeros_like(displacement)
     for link in system.links:
         link.drive(result, link.force(displacement, first))
-    for link in system.dampers if velocity is not None else ():
-        link.drive(result, link.damping(displacement, velocity, first))
+    if velocity is not None:
+        for damper in system.dampers:
+            damper.drive(result, damper.damping(displacement, velocity, first))
     for load in system.loads if time is not None else ():
         result[..., load.chain - 1, load.bead - first] += load.force(time)
     return result if isinstance(system.mass, float) else result / system.mass_from(first, result)
@@ -126,7 +128,7 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
         acceleration += np.where(here, load.force(time), 0.0)
         rate += np.where(here, load.rate(time), 0.0)
     if problem.dampers:
-        drag, drag_rate = _drag_and_rate(block)
+        drag, drag_rate = drag_and_rate(block, *problem.dampers)
         acceleration += drag[frame, chain, bead]
         rate += drag_rate[frame, chain, bead]
     if not isinstance(problem.mass, float):
@@ -139,14 +141,14 @@ _ALONG = 1e-5
 """Time by which states are moved on to see how the force of dashpots changes."""
 
 
-def _drag_and_rate(block: Trajectory) -> tuple[Floats, Floats]:
-    """Force of all dashpots on every bead, and how fast it changes (to 1e-6 or so), [frame, chain, bead]."""
+def drag_and_rate(block: Trajectory, *dampers: Link) -> tuple[Floats, Floats]:
+    """Force of some dashpots on every bead, and how fast it changes (to 1e-6 or so), [frame, chain, bead]."""
     problem, x, v = block.problem, block.displacement, block.velocity
     a = acceleration(problem, x, block.first, time=block.time, velocity=v)
     found = []
     for later in (0.0, -_ALONG, _ALONG):
         total = np.zeros_like(x)
-        for link in problem.dampers:
+        for link in dampers:
             link.drive(total, link.damping(x + later * v, v + later * a, block.first))
         found.append(total)
     here, before, after = found

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from analysis import motion
 from analysis.trajectory import Floats, Trajectory
 
 SINGLE = "single precision"
@@ -122,6 +123,8 @@ def identify_springs(trajectory: Trajectory) -> Springs | None:
         change[:, load.chain - 1, load.bead - 1] -= np.diff(load.impulse(trajectory.time))
     for link in (*problem.along, *problem.ground):
         link.drive(change, -_integral(link.force(x), link.force_rate(x, v), spacing))
+    for damper in problem.dampers:
+        change -= _integral(*motion.drag_and_rate(trajectory, damper), spacing)
     felt = np.cumsum(change, axis=1)[:, :-1]
     relative, relative_rate = x[:, 1:] - x[:, :-1], v[:, 1:] - v[:, :-1]
     if np.max(np.abs(relative)) < _APART:
@@ -162,10 +165,13 @@ def identify_strengths(trajectory: Trajectory) -> dict[str, float] | None:
         column = np.zeros_like(v[1:])
         link.drive(column, _integral(link.force(x), link.force_rate(x, v), spacing))
         columns.append(column.reshape(-1))
+    for damper in problem.dampers:
+        drag, drag_rate = motion.drag_and_rate(trajectory, damper)
+        columns.append(_integral(drag, drag_rate, spacing).reshape(-1))
     factors, _, rank, _ = np.linalg.lstsq(np.array(columns).T, change.reshape(-1), rcond=1e-6)
     if rank < len(columns):
         return None
-    return {link.name: float(factor) for link, factor in zip(problem.links, factors, strict=True)}
+    return {link.name: float(factor) for link, factor in zip((*problem.links, *problem.dampers), factors, strict=True)}
 
 
 def _integral(value: Floats, rate: Floats, spacing: Floats) -> Floats:

@@ -68,7 +68,7 @@ class Damping(Ingredient):
                 "leave the window out"
             )
 
-    def refuse_system(self, scene: "BaseScene", system: "System") -> None:
+    def refuse_system(self, scene: "BaseScene", system: "System") -> None:  # noqa: ARG002
         """Refuse contacts and masses with which LAMMPS's dashpots are others."""
         if self.contact and not isinstance(system.along[0].law, Hertz):
             raise ValueError("damping.contact: only Hertzian contacts can be damped; leave it out")

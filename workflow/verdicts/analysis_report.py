@@ -77,8 +77,8 @@ def report(found: Survey, seen: Conservation, tolerances: Tolerances, left: Left
 
     Where no pulse stays together, `workflow.verdicts.analyse` adds ``energy``, see `energy_report`; where beads differ,
     ``cells``, see `cells_report`. With a material it adds ``contacts``, see `workflow.runs.contacts.Contacts`; where
-    the scene has ``output.forces``, ``forces``, see `forces_report`. Where frames hold all beads, ``budget`` is where the
-    energy is over time, and what dashpots have taken, see `analysis.budget.Account`.
+    the scene has ``output.forces``, ``forces``, see `forces_report`. Where frames hold all beads, ``budget`` says where
+    the energy is over time, and what dashpots have taken, see `analysis.budget.Account`.
     """
     problem, scale = found.problem, found.problem.scale
     order = np.argsort([-character.peak_velocity for character in found.characters], kind="stable")

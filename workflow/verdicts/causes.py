@@ -109,7 +109,7 @@ def _pushes(own: Trajectory) -> list[str]:
 def _strengths(own: Trajectory, reference: Trajectory) -> list[str]:
     """Whether the beads were held, or tied in ways that `_springs` does not know, otherwise than the scene says."""
     problem = own.problem
-    links = (*problem.ground, *(() if problem.open_row else problem.across))
+    links = (*problem.ground, *(() if problem.open_row else problem.across), *problem.dampers)
     if not links:
         return []
     felt, right = symptoms.identify_strengths(own), symptoms.identify_strengths(reference)

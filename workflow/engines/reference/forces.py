@@ -23,6 +23,7 @@ from numba.extending import overload
 from numpy.typing import NDArray
 
 from lammps_inputs import System, laws
+from lammps_inputs.laws import dashpot
 from lammps_inputs.links import Across
 
 Floats = NDArray[np.float64]
@@ -71,7 +72,7 @@ def make_forces(system: System, dampers: Any = (), *, as_lammps: bool = False, s
 def _lightness(system: System, step: float) -> Any:
     mass = system.mass
     if step:
-        more = sum(np.asarray(link.law.coefficient) for link in system.dampers)  # type: ignore[attr-defined]
+        more = sum(float(np.max(dashpot.resistance(link.law, 0.0))) for link in system.dampers)
         mass = np.broadcast_to(mass + 0.5 * step * more, (system.chains, system.beads))
     if isinstance(mass, float):
         return ()
