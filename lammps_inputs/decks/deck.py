@@ -1,8 +1,8 @@
 """LAMMPS input for a scene: ``in.chains`` and ``data.chains``, rendered in memory and written once.
 
 The deck is the equation of motion and nothing else: what the scene does not name leaves no line. It runs with a stock
-``lmp`` (GRANULAR; MOLECULE for coupled chains, CLASS2 for cubic springs) from the 29Sep2021 release on, serial or with
-MPI, without Python.
+``lmp`` (GRANULAR; MOLECULE for coupled chains, CLASS2 for cubic springs, DPD-BASIC for damped ones) from the 29Sep2021
+release on, serial or with MPI, without Python.
 
 How the equation becomes LAMMPS:
 

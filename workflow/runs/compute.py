@@ -37,6 +37,8 @@ def refuse_what_it_cannot_do(engine: str, problem: Problem) -> None:
     if engine == "collisions" and not problem.simply_coupled:
         if problem.loads:
             raise InputError("--engine: `collisions` knows no forces over time such as a push; use lammps or reference")
+        if problem.dampers:
+            raise InputError("--engine: `collisions` knows no damping; use lammps or reference")
         raise InputError(
             "--engine: `collisions` knows only equal linear springs between neighbouring chains; "
             "use lammps or reference"
