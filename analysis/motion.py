@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import System, laws
-from lammps_inputs.links import Link
 
 Integers = NDArray[np.int64]
 
@@ -128,7 +127,7 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
         acceleration += np.where(here, load.force(time), 0.0)
         rate += np.where(here, load.rate(time), 0.0)
     if problem.dampers:
-        drag, drag_rate = drag_and_rate(block, *problem.dampers)
+        drag, drag_rate = _drag_and_rate(block)
         acceleration += drag[frame, chain, bead]
         rate += drag_rate[frame, chain, bead]
     if not isinstance(problem.mass, float):
@@ -137,22 +136,15 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
     return acceleration, rate
 
 
-_ALONG = 1e-5
-"""Time by which states are moved on to see how the force of dashpots changes."""
-
-
-def drag_and_rate(block: Trajectory, *dampers: Link) -> tuple[Floats, Floats]:
-    """Force of some dashpots on every bead, and how fast it changes (to 1e-6 or so), [frame, chain, bead]."""
+def _drag_and_rate(block: Trajectory) -> tuple[Floats, Floats]:
+    """Force of all dashpots on every bead, and how fast it changes, [frame, chain, bead]."""
     problem, x, v = block.problem, block.displacement, block.velocity
     a = acceleration(problem, x, block.first, time=block.time, velocity=v)
-    found = []
-    for later in (0.0, -_ALONG, _ALONG):
-        total = np.zeros_like(x)
-        for link in dampers:
-            link.drive(total, link.damping(x + later * v, v + later * a, block.first))
-        found.append(total)
-    here, before, after = found
-    return here, (after - before) / (2.0 * _ALONG)
+    drag, rate = np.zeros_like(x), np.zeros_like(x)
+    for link in problem.dampers:
+        link.drive(drag, link.damping(x, v, block.first))
+        link.drive(rate, link.damping_rate(x, v, a, block.first))
+    return drag, rate
 
 
 def larger_overlap(block: Trajectory, frame: Integers, chain: Integers, bead: Integers) -> Floats:

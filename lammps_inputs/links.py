@@ -98,6 +98,17 @@ class Link:
         law = self._seen(displacement, first)
         return np.asarray(dashpot.damping(law, self.strain(displacement), self.rate(velocity)))
 
+    def damping_rate(self, displacement: Floats, velocity: Floats, acceleration: Floats, first: int = 1) -> Floats:
+        """How fast that force changes, but for jumps."""
+        law, s = self._seen(displacement, first), self.strain(displacement)
+        growth = law.growth(s, *law) * self.rate(velocity) ** 2  # type: ignore[attr-defined]
+        return np.asarray(dashpot.resistance(law, s) * self.rate(acceleration) + growth)
+
+    def given(self, displacement: Floats, first: int = 1) -> Floats:
+        """What each dashpot has given in time since there was no strain, but for tension that was cut."""
+        law = self._seen(displacement, first)
+        return np.asarray(law.impulse(self.strain(displacement), *law))  # type: ignore[attr-defined]
+
     def rate(self, velocity: Floats) -> Floats:
         """Of the strain of each link, which is linear in the displacements, but for a constant."""
         return self.strain(velocity) - self.strain(np.zeros_like(velocity))

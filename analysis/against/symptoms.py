@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analysis import motion
 from analysis.trajectory import Floats, Trajectory
 
 SINGLE = "single precision"
@@ -124,7 +123,7 @@ def identify_springs(trajectory: Trajectory) -> Springs | None:
     for link in (*problem.along, *problem.ground):
         link.drive(change, -_integral(link.force(x), link.force_rate(x, v), spacing))
     for damper in problem.dampers:
-        change -= _integral(*motion.drag_and_rate(trajectory, damper), spacing)
+        damper.drive(change, -np.diff(damper.given(x), axis=0))
     felt = np.cumsum(change, axis=1)[:, :-1]
     relative, relative_rate = x[:, 1:] - x[:, :-1], v[:, 1:] - v[:, :-1]
     if np.max(np.abs(relative)) < _APART:
@@ -166,8 +165,9 @@ def identify_strengths(trajectory: Trajectory) -> dict[str, float] | None:
         link.drive(column, _integral(link.force(x), link.force_rate(x, v), spacing))
         columns.append(column.reshape(-1))
     for damper in problem.dampers:
-        drag, drag_rate = motion.drag_and_rate(trajectory, damper)
-        columns.append(_integral(drag, drag_rate, spacing).reshape(-1))
+        column = np.zeros_like(v[1:])
+        damper.drive(column, np.diff(damper.given(x), axis=0))
+        columns.append(column.reshape(-1))
     factors, _, rank, _ = np.linalg.lstsq(np.array(columns).T, change.reshape(-1), rcond=1e-6)
     if rank < len(columns):
         return None

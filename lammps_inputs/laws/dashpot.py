@@ -8,6 +8,7 @@ strain, rate of strain and the parameters:
 - ``resistance(s, ...)``: largest ratio of that to the rate;
 - ``impulse(s, ...)``: integral of the resistance from no strain to this one: where no tension is cut, that is what a
   dashpot has given in time, on whatever way the strain came about;
+- ``growth(s, ...)``: slope of the resistance, where that does not jump;
 - ``granular(problem)``: of contacts, what LAMMPS's ``pair_style granular`` calls it: coefficient and model.
 
 Dashpots of contacts act while the beads touch. Where they pull harder than the contact pushes, so does their sum;
@@ -30,6 +31,9 @@ if TYPE_CHECKING:
 NO_FLOOR = 1e300
 """A contact of this strength is never pulled open: its product with an overlap is finite, and 0 at none."""
 
+LEAST = 1e-4
+"""Overlap below which a resistance grows no faster than there."""
+
 
 class Dashpot(NamedTuple):
     """``c s'`` at any strain."""
@@ -46,6 +50,11 @@ class Dashpot(NamedTuple):
     def resistance(s: Any, coefficient: Any) -> Any:
         """The same at any strain."""
         return coefficient * np.ones_like(s)
+
+    @staticmethod
+    def growth(s: Any, coefficient: Any) -> Any:
+        """None."""
+        return 0.0 * coefficient * s
 
     @staticmethod
     def impulse(s: Any, coefficient: Any) -> Any:
@@ -103,6 +112,11 @@ class ContactDashpot(NamedTuple):
         return coefficient * (np.asarray(s) > 0.0)
 
     @staticmethod
+    def growth(s: Any, coefficient: Any, floor: Any) -> Any:  # noqa: ARG004
+        """None."""
+        return 0.0 * coefficient * s
+
+    @staticmethod
     def impulse(s: Any, coefficient: Any, floor: Any) -> Any:  # noqa: ARG004
         """``g (s)+``."""
         return coefficient * np.maximum(s, 0.0)
@@ -129,6 +143,11 @@ class Viscoelastic(NamedTuple):
     def resistance(s: Any, coefficient: Any, floor: Any) -> Any:  # noqa: ARG004
         """Grows with the overlap."""
         return coefficient * np.sqrt(np.maximum(s, 0.0))
+
+    @staticmethod
+    def growth(s: Any, coefficient: Any, floor: Any) -> Any:  # noqa: ARG004
+        """Without end where the beads meet, and so cut there."""
+        return 0.5 * coefficient * (s > 0.0) / np.sqrt(np.maximum(s, LEAST))
 
     @staticmethod
     def impulse(s: Any, coefficient: Any, floor: Any) -> Any:  # noqa: ARG004
@@ -159,6 +178,11 @@ class Restitution(NamedTuple):
     def resistance(s: Any, coefficient: Any, share: Any) -> Any:  # noqa: ARG004
         """Grows with the overlap."""
         return coefficient * np.sqrt(np.sqrt(np.maximum(s, 0.0)))
+
+    @staticmethod
+    def growth(s: Any, coefficient: Any, share: Any) -> Any:  # noqa: ARG004
+        """Likewise."""
+        return 0.25 * coefficient * (s > 0.0) / np.maximum(s, LEAST) ** 0.75
 
     @staticmethod
     def impulse(s: Any, coefficient: Any, share: Any) -> Any:  # noqa: ARG004

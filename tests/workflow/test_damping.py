@@ -1,5 +1,6 @@
 """Damped runs from end to end: reference, budget, interruption, ranks, validation with its cause."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from lammps_inputs.laws.dashpot import alpha
 from workflow.engines.reference import engine
 from workflow.engines.reference.verlet import VERLET
 from workflow.runs.run import Run, run
+from workflow.verdicts.causes import causes
 
 SLOW = pytest.mark.slow
 
@@ -115,3 +117,14 @@ def test_weak_damping_slows_the_pulse_by_its_law(name: str, tmp_path: Path) -> N
 def test_rigid_beads_refuse_damping(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="damping"):
         run(damped(gap=1.0), tmp_path / "run", engine="collisions")
+
+
+@pytest.mark.parametrize(
+    ("felt", "words"), [(0.0, "the contact damping is missing"), (0.12, "the contact damping is 1.2 times as strong")]
+)
+def test_wrong_damping_is_named_as_the_cause(felt: float, words: str) -> None:
+    right, wrong = (engine.run(damped(damping=Damping(contact=g)).problem()) for g in (0.1, felt))
+    found = causes(replace(wrong, problem=right.problem), right)
+    assert len(found) == 1
+    assert found[0].startswith(words)
+    assert causes(right, right) == []
