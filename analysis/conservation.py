@@ -76,7 +76,7 @@ class Conservation:
         """With forces from outside: momentum is that of the kicks and what they have given."""
         problem = block.problem
         given = sum(load.impulse(block.time) for load in problem.loads)
-        size = sum(abs(velocity) for _, _, velocity in problem.kicks) + sum(load.law.total for load in problem.loads)
+        size = problem.pushed + sum(load.law.total for load in problem.loads)
         # in the velocity of a bead that is pushed LAMMPS has half a step of the mean of the force
         over = block.time > max(load.end for load in problem.loads) + 0.5 * problem.timestep * (1.0 + 1e-6)
         missing = float(np.max(np.abs(momentum - problem.momentum - given)[over], initial=0.0))

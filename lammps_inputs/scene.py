@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, create_model, field_validator, model_validator
 
+from lammps_inputs import html, strict_yaml
 from lammps_inputs import scheme as schemes
 from lammps_inputs.facts import Fact
 from lammps_inputs.force_readout import Forces
@@ -219,10 +220,6 @@ class BaseScene(Part):
 
     def _check_motion(self, system: System) -> None:
         """Refuse scenes in which nothing happens, or what no beads of the material would do."""
-        if system.loads and not isinstance(system.mass, float):
-            raise ValueError("push: only beads of one mass can be pushed; leave either out")
-        if system.walls and not system.alike:
-            raise ValueError("walls: are those of equal beads; leave either out")
         if system.simply_coupled and never_closes(self.chains, system.kappa, system.gap, system.kicks, self.beads):
             raise ValueError(
                 f"kick: none ever closes the gap of {self.gap:g}, so nothing collides; "
@@ -382,6 +379,14 @@ class BaseScene(Part):
             scheme=self.scheme or "verlet",
             window=None if self.window is None or self.window >= self.beads else self.window,
         )
+
+    def __repr__(self) -> str:
+        return f"<scene {self.name}: {self.chains} x {self.beads} beads>"
+
+    __str__ = __repr__
+
+    def _repr_html_(self) -> str:
+        return html.text(strict_yaml.dump(self.plain()))
 
     def plain(self) -> dict[str, Any]:
         """Nested plain data for YAML, without what the scene does not name."""

@@ -16,14 +16,21 @@ An empty tuple in place of one of the classes costs nothing.
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit, types
+from numba import types
 from numba.extending import overload
 
 from lammps_inputs import System
 from lammps_inputs.laws import dashpot
 from lammps_inputs.links import Across, Along, Ground
 from workflow.compiled import compiled
-from workflow.engines.reference.forces import Floats, at, flat, neighbours, over_mass
+from workflow.engines.reference.forces import (
+    Floats,
+    flat,
+    neighbours,
+    over_mass,
+    written_for_laws,
+    written_for_neighbours,
+)
 
 
 class Given(NamedTuple):
@@ -81,11 +88,6 @@ def make_dampers(system: System, *, as_lammps: bool) -> Any:
     return (Flow if any(dashpot.cut(link.law) for link in system.dampers) else Given)(*laws, *room)
 
 
-def resist(law: Any, k: Any, strain: Any, rate: Any) -> Any:
-    """Force of one dashpot at a place in memory."""
-    raise NotImplementedError
-
-
 def all_of(laws: Any, k: Any, strain: Any, rate: Any) -> Any:
     """Force of several dashpots on the same link."""
     raise NotImplementedError
@@ -93,16 +95,6 @@ def all_of(laws: Any, k: Any, strain: Any, rate: Any) -> Any:
 
 def hold(across: Any, x: Any, v: Any, k: Any) -> Any:
     """Force of dashpots to other chains against the motion of a bead."""
-    raise NotImplementedError
-
-
-def hold_of(near: Any, x: Any, v: Any, k: Any) -> Any:
-    """The same of the neighbours at one distance, or at all distances of an array."""
-    raise NotImplementedError
-
-
-def give(law: Any, k: Any, strain: Any) -> Any:
-    """Impulse of one dashpot at a place in memory."""
     raise NotImplementedError
 
 
@@ -116,95 +108,29 @@ def given_by(across: Any, x: Any, k: Any) -> Any:
     raise NotImplementedError
 
 
-def given_by_those(near: Any, x: Any, k: Any) -> Any:
-    """The same of the neighbours at one distance, or at all distances of an array."""
-    raise NotImplementedError
-
-
 def slow(dampers: Any, x: Any, v: Any, a: Any, forces: Any, chains: Any, first: Any, last: Any) -> Any:
     """Add what dashpots do at these velocities to accelerations in rows first to last."""
     raise NotImplementedError
 
 
-@overload(resist, inline="always", strict=False)
-def _resist(law: Any, k: Any, strain: Any, rate: Any) -> Any:
-    function = njit(inline="always")(law.instance_class.damping)
-    if len(law.types) == 1:
-        return lambda law, k, strain, rate: function(strain, rate, at(law[0], k))
-    return lambda law, k, strain, rate: function(strain, rate, at(law[0], k), at(law[1], k))
-
-
 @overload(all_of, inline="always", strict=False)
 def _all_of(laws: Any, k: Any, strain: Any, rate: Any) -> Any:
-    if len(laws) == 0:
-        return lambda laws, k, strain, rate: 0.0
-    if len(laws) == 1:
-        return lambda laws, k, strain, rate: resist(laws[0], k, strain, rate)
-    return lambda laws, k, strain, rate: resist(laws[0], k, strain, rate) + all_of(laws[1:], k, strain, rate)
+    return written_for_laws("damping", laws, "laws, k, strain, rate", "strain, rate")
 
 
 @overload(hold, inline="always", strict=False)
 def _hold(across: Any, x: Any, v: Any, k: Any) -> Any:
-    if len(across) == 0:
-        return lambda across, x, v, k: 0.0
-    if len(across) == 1:
-        return lambda across, x, v, k: hold_of(across[0], x, v, k)
-    return lambda across, x, v, k: hold_of(across[0], x, v, k) + hold(across[1:], x, v, k)
-
-
-@overload(hold_of, inline="always", strict=False)
-def _hold_of(near: Any, x: Any, v: Any, k: Any) -> Any:
-    if not isinstance(near[0], types.Array):
-        return lambda near, x, v, k: resist(near[1], k, x[k] - x[k + near[0]], v[k] - v[k + near[0]])
-
-    def total(near: Any, x: Any, v: Any, k: Any) -> Any:
-        result = 0.0
-        for n in range(np.uint64(near[0].shape[0])):
-            other = k + near[0][n]
-            result += resist(near[1], (n, k), x[k] - x[other], v[k] - v[other])
-        return result
-
-    return total
-
-
-@overload(give, inline="always", strict=False)
-def _give(law: Any, k: Any, strain: Any) -> Any:
-    function = njit(inline="always")(law.instance_class.impulse)
-    if len(law.types) == 1:
-        return lambda law, k, strain: function(strain, at(law[0], k))
-    return lambda law, k, strain: function(strain, at(law[0], k), at(law[1], k))
+    return written_for_neighbours("damping", across, "across, x, v, k", "x[k] - x[{other}], v[k] - v[{other}]")
 
 
 @overload(given, inline="always", strict=False)
 def _given(laws: Any, k: Any, strain: Any) -> Any:
-    if len(laws) == 0:
-        return lambda laws, k, strain: 0.0
-    if len(laws) == 1:
-        return lambda laws, k, strain: give(laws[0], k, strain)
-    return lambda laws, k, strain: give(laws[0], k, strain) + given(laws[1:], k, strain)
+    return written_for_laws("impulse", laws, "laws, k, strain", "strain")
 
 
 @overload(given_by, inline="always", strict=False)
 def _given_by(across: Any, x: Any, k: Any) -> Any:
-    if len(across) == 0:
-        return lambda across, x, k: 0.0
-    if len(across) == 1:
-        return lambda across, x, k: given_by_those(across[0], x, k)
-    return lambda across, x, k: given_by_those(across[0], x, k) + given_by(across[1:], x, k)
-
-
-@overload(given_by_those, inline="always", strict=False)
-def _given_by_those(near: Any, x: Any, k: Any) -> Any:
-    if not isinstance(near[0], types.Array):
-        return lambda near, x, k: give(near[1], k, x[k] - x[k + near[0]])
-
-    def total(near: Any, x: Any, k: Any) -> Any:
-        result = 0.0
-        for n in range(np.uint64(near[0].shape[0])):
-            result += give(near[1], (n, k), x[k] - x[k + near[0][n]])
-        return result
-
-    return total
+    return written_for_neighbours("impulse", across, "across, x, k", "x[k] - x[{other}]")
 
 
 @compiled

@@ -31,7 +31,7 @@ def _accelerate(x: Floats, v: Floats, a: Floats, push: Floats, forces: Forces, s
     a[span[0] : span[1] + 1] = 0.0
     kick(a.reshape(-1), push, x, forces, 1.0, chains, span[0], span[1])
     slow(forces.dampers, x, v, a.reshape(-1), forces, chains, span[0], span[1])
-    force_on(forces.drifted, a.reshape(-1), time, span[0] * chains, (span[1] + 1) * chains)
+    force_on(forces.drifted, forces.lightness, a.reshape(-1), time, span[0] * chains, (span[1] + 1) * chains)
 
 
 @compiled
@@ -73,13 +73,14 @@ def _pass(
     chains = a.shape[1]
     v_rows = velocities(forces.dampers, x, v, forces, chains, span[0], span[1]).reshape((-1, chains))
     let_go = 0.0
+    stale = np.bool_(True)  # a literal would compile `step` once more
     for number in range(first_step, first_step + steps):
         before = span[0]
         for row in range(span[0], span[1] + 1):
             for j in range(chains):
                 v_before[row, j] = v_rows[row, j]
                 a_before[row, j] = a[row, j]
-        step(x, v, push, True, span, window, kicks, drifts, number * h, h, forces, chains)
+        step(x, v, push, stale, span, window, kicks, drifts, number * h, h, forces, chains)
         velocities(forces.dampers, x, v, forces, chains, span[0], span[1])
         for row in range(before, span[0]):
             for j in range(chains):
