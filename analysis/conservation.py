@@ -3,8 +3,8 @@
 import numpy as np
 
 from analysis import motion
+from analysis.budget import Budget
 from analysis.trajectory import Floats, Trajectory
-from analysis.work import Work
 from lammps_inputs import Problem
 from lammps_inputs.facts import Fact
 
@@ -15,12 +15,13 @@ class Conservation:
     That is the kicks', and what forces from outside have added until then.
 
     Attributes:
-        energy_drift: relative to the most that was put in; NaN where not all beads are recorded, as in a window, and
-            where the problem does not conserve it.
+        energy_drift: relative to the most that was put in; what dashpots have taken counts as being there. NaN where
+            not all beads are recorded, as in a window, and where nothing tells what it should be.
         momentum_drift: relative to the sum of the absolute momenta of kicks and forces from outside, from when these
             are over; NaN likewise.
         frames: number of frames seen.
         last_time: time of the last of them, in units of T.
+        budget: where the energy is; None where not all beads are recorded.
         front: foremost bead (largest number) seen moving faster than 1e-3 of V.
     """
 
@@ -30,7 +31,7 @@ class Conservation:
         self.frames = 0
         self.last_time = 0.0
         self.front = 0
-        self._work: Work | None = None
+        self.budget: Budget | None = None
         self._put_in = self._missing = 0.0
 
     def add(self, block: Trajectory) -> None:
@@ -48,26 +49,34 @@ class Conservation:
         # all beads, for the order in which a sum is taken must not depend on which of them move in this block
         energy = motion.energy(problem, block.displacement, velocity)
         momentum = motion.momentum(problem, velocity)
-        for fact, drift in ((Fact.ENERGY, energy), (Fact.MOMENTUM, momentum)):
-            if not problem.holds(fact):
-                drift[:] = np.nan
+        if problem.acted_on or problem.dampers:
+            self.budget = self.budget or Budget(problem)
+            put_in, lost = self.budget.add(block)
+        if not problem.dampers and not problem.holds(Fact.ENERGY):
+            energy[:] = np.nan
+        if not problem.holds(Fact.MOMENTUM):
+            momentum[:] = np.nan
+        if problem.acted_on or problem.dampers:
+            self._closed(energy, put_in, lost)
         if problem.acted_on:
-            self._budget(block, energy, momentum)
+            self._pushed(block, momentum)
             return
         # np.maximum, unlike max(), lets NaN through
-        self.energy_drift = float(np.maximum(self.energy_drift, np.max(np.abs(energy / problem.energy - 1.0))))
+        if not problem.dampers:
+            self.energy_drift = float(np.maximum(self.energy_drift, np.max(np.abs(energy / problem.energy - 1.0))))
         self.momentum_drift = float(
             np.maximum(self.momentum_drift, np.max(np.abs(momentum - problem.momentum)) / problem.pushed)
         )
 
-    def _budget(self, block: Trajectory, energy: Floats, momentum: Floats) -> None:
-        """With forces from outside: energy is that of the kicks and the work done, momentum likewise."""
-        problem = block.problem
-        self._work = self._work or Work(problem)
-        put_in = problem.energy_at_start + self._work.add(block)
+    def _closed(self, energy: Floats, put_in: Floats, lost: Floats) -> None:
+        """With forces from outside or dashpots: energy is what was put in until then less what was lost."""
         self._put_in = max(self._put_in, float(np.max(np.abs(put_in))))
-        self._missing = float(np.maximum(self._missing, np.max(np.abs(energy - put_in))))
-        self.energy_drift = self._missing / self._put_in if self._missing > 0.0 else self._missing
+        self._missing = float(np.maximum(self._missing, np.max(np.abs(energy + lost - put_in))))
+        self.energy_drift = self._missing / self._put_in if self._missing != 0.0 else 0.0
+
+    def _pushed(self, block: Trajectory, momentum: Floats) -> None:
+        """With forces from outside: momentum is that of the kicks and what they have given."""
+        problem = block.problem
         if not problem.holds(Fact.MOMENTUM):
             self.momentum_drift = float("nan")
             return

@@ -33,6 +33,7 @@ def mirrored_problem(problem: Problem) -> Problem:
         problem,
         kicks=tuple((chain, mirrored_bead(problem, bead), -velocity) for chain, bead, velocity in problem.kicks),
         links=tuple(link.mirrored() for link in problem.links),
+        dampers=tuple(link.mirrored() for link in problem.dampers),
         mass=problem.mass_of(Ellipsis, slice(None, None, -1)),
         loads=tuple(load.mirrored(mirrored_bead(problem, load.bead)) for load in problem.loads),
         motions=tuple(motion.mirrored(mirrored_bead(problem, motion.bead)) for motion in problem.motions),

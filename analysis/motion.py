@@ -82,14 +82,24 @@ def momentum(system: System, velocity: Floats, first: int = 1) -> Floats:
     return np.asarray(np.sum(_weighed(system, velocity, first), axis=(-2, -1)))
 
 
-def acceleration(system: System, displacement: Floats, first: int = 1, *, time: Floats | None = None) -> Floats:
+def acceleration(
+    system: System,
+    displacement: Floats,
+    first: int = 1,
+    *,
+    time: Floats | None = None,
+    velocity: Floats | None = None,
+) -> Floats:
     """Acceleration of every bead, [..., chain, bead] from the same; every bead must be recorded (eq. 1).
 
-    Forces from outside are left out where no times, [...], are given.
+    Forces from outside are left out where no times, [...], are given, and those of dashpots without velocities.
     """
     result = np.zeros_like(displacement)
     for link in system.links:
         link.drive(result, link.force(displacement, first))
+    if velocity is not None:
+        for damper in system.dampers:
+            damper.drive(result, damper.damping(displacement, velocity, first))
     for load in system.loads if time is not None else ():
         result[..., load.chain - 1, load.bead - first] += load.force(time)
     result = result if isinstance(system.mass, float) else result / system.mass_from(first, result)
@@ -134,6 +144,10 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
         here, time = (chain == load.chain - 1) & (row == load.bead - 1), block.time[frame]
         acceleration += np.where(here, load.force(time), 0.0)
         rate += np.where(here, load.rate(time), 0.0)
+    if problem.dampers:
+        drag, drag_rate = _drag_and_rate(block)
+        acceleration += drag[frame, chain, bead]
+        rate += drag_rate[frame, chain, bead]
     if not isinstance(problem.mass, float):
         mass = problem.mass_of(chain, row)
         acceleration, rate = acceleration / mass, rate / mass
@@ -142,6 +156,17 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
         acceleration = np.where(here, given.acceleration(time), acceleration)
         rate = np.where(here, given.jerk(time), rate)
     return acceleration, rate
+
+
+def _drag_and_rate(block: Trajectory) -> tuple[Floats, Floats]:
+    """Force of all dashpots on every bead, and how fast it changes, [frame, chain, bead]."""
+    problem, x, v = block.problem, block.displacement, block.velocity
+    a = acceleration(problem, x, block.first, time=block.time, velocity=v)
+    drag, rate = np.zeros_like(x), np.zeros_like(x)
+    for link in problem.dampers:
+        link.drive(drag, link.damping(x, v, block.first))
+        link.drive(rate, link.damping_rate(x, v, a, block.first))
+    return drag, rate
 
 
 def larger_overlap(block: Trajectory, frame: Integers, chain: Integers, bead: Integers) -> Floats:

@@ -51,17 +51,21 @@ class Work:
         # the beads that it may touch or be tied to, between frames
         first, last = max(1, given.bead - 1), min(problem.beads, given.bead + 1)
         x, v = block.displacement, block.velocity
-        state = np.stack([x, v, motion.acceleration(problem, x, time=time)])[..., first - 1 : last]
+        state = np.stack([x, v, motion.acceleration(problem, x, time=time, velocity=v)])[..., first - 1 : last]
         between = hermite.coefficients((0, 1), np.stack([state[:, :-1], state[:, 1:]]), block.spacing)
         s = 0.5 + 0.5 * _NODES
         there = np.moveaxis(hermite.value(between[..., np.newaxis], s), -1, 1)
+        moving = np.moveaxis(hermite.value((hermite.derivative(between) / block.spacing)[..., np.newaxis], s), -1, 1)
         t = time[:-1, np.newaxis] + s * block.spacing
         for other in problem.motions:
             if first <= other.bead <= last:
                 there[..., other.chain - 1, other.bead - first] = other.displacement(t)
+                moving[..., other.chain - 1, other.bead - first] = other.velocity(t)
         force = np.zeros_like(there)
         for link in problem.links:
             link.drive(force, link.force(there, first))
+        for damper in problem.dampers:
+            damper.drive(force, damper.damping(there, moving, first))
         felt = force[..., given.chain - 1, given.bead - first] * given.velocity(t)
         against = np.sum(felt * _WEIGHTS, axis=1) * 0.5 * block.spacing
         mass = problem.mass_of(given.chain - 1, given.bead - 1)

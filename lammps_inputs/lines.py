@@ -37,6 +37,8 @@ class Lines:
         moved: fixes that move beads by the time, for which the length of a step must be known.
         bonds: type of the bond that is each link across, [edge, row], counted from 1; 0 for none.
         types: of the atoms, where contacts differ; else recorded beads are of type 2 and others of type 1.
+        beside: a second pair style with its arguments, and the lines that give its coefficients.
+        heavier: variable of what masses are larger by, over half a time step.
     """
 
     variables: tuple[str, ...] = ()
@@ -45,6 +47,8 @@ class Lines:
     moved: tuple[str, ...] = ()
     bonds: NDArray[np.int64] | None = None
     types: AtomTypes | None = None
+    heavier: str | None = None
+    beside: tuple[str, ...] = ()
 
 
 def types_by_contact(strength: NDArray[np.float64]) -> AtomTypes:

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lammps_inputs import laws
-from lammps_inputs.laws import Law
+from lammps_inputs.laws import Law, dashpot
 from lammps_inputs.laws.preloaded import PreloadedWall
 from lammps_inputs.laws.wall import HertzWall
 
@@ -90,9 +90,29 @@ class Link:
         return np.asarray(laws.force(self._seen(displacement, first), self.strain(displacement)))
 
     def force_rate(self, displacement: Floats, velocity: Floats, first: int = 1) -> Floats:
-        """How fast the force of each link changes; the strain is linear in the displacements, but for a constant."""
-        rate = self.strain(velocity) - self.strain(np.zeros_like(velocity))
-        return np.asarray(laws.stiffness(self._seen(displacement, first), self.strain(displacement)) * rate)
+        """How fast the force of each link changes."""
+        stiffness = laws.stiffness(self._seen(displacement, first), self.strain(displacement))
+        return np.asarray(stiffness * self.rate(velocity))
+
+    def damping(self, displacement: Floats, velocity: Floats, first: int = 1) -> Floats:
+        """Of each link with a law of damping: its force, which is 0 at rest."""
+        law = self._seen(displacement, first)
+        return np.asarray(dashpot.damping(law, self.strain(displacement), self.rate(velocity)))
+
+    def damping_rate(self, displacement: Floats, velocity: Floats, acceleration: Floats, first: int = 1) -> Floats:
+        """How fast that force changes, but for jumps."""
+        law, s = self._seen(displacement, first), self.strain(displacement)
+        growth = law.growth(s, *law) * self.rate(velocity) ** 2  # type: ignore[attr-defined]
+        return np.asarray(dashpot.resistance(law, s) * self.rate(acceleration) + growth)
+
+    def given(self, displacement: Floats, first: int = 1) -> Floats:
+        """What each dashpot has given in time since there was no strain, but for tension that was cut."""
+        law = self._seen(displacement, first)
+        return np.asarray(law.impulse(self.strain(displacement), *law))  # type: ignore[attr-defined]
+
+    def rate(self, velocity: Floats) -> Floats:
+        """Of the strain of each link, which is linear in the displacements, but for a constant."""
+        return self.strain(velocity) - self.strain(np.zeros_like(velocity))
 
     def _seen(self, displacement: Floats, first: int) -> Law:
         """The law of the links among the beads of an array."""

@@ -11,13 +11,15 @@
 import math
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lammps_inputs import laws
 from lammps_inputs.facts import Fact
+from lammps_inputs.laws import dashpot
+from lammps_inputs.laws.dashpot import ContactLoss
 from lammps_inputs.laws.in_time import Sine
 from lammps_inputs.laws.linear import Linear
 from lammps_inputs.links import Across, Along, Ground, Link, Wall, largest_eigenvalue
@@ -51,6 +53,8 @@ class System:
     """Forces on beads from outside, over time."""
     motions: tuple[Motion, ...] = ()
     """Beads whose motion is given."""
+    dampers: tuple[Link, ...] = ()
+    """Forces against velocities: links with laws of damping."""
 
     def __eq__(self, other: object) -> bool:
         """Whether all is the same, to the last number of every array."""
@@ -163,6 +167,32 @@ class System:
     def walls(self) -> tuple[Wall, ...]:
         """The links to the ground that only push."""
         return tuple(link for link in self.ground if isinstance(link, Wall))
+
+    @property
+    def contact_loss(self) -> ContactLoss | None:
+        """The law of damping of the contacts; None where they lose nothing."""
+        return next((cast(ContactLoss, link.law) for link in self.dampers if isinstance(link, Along)), None)
+
+    @property
+    def centred(self) -> bool:
+        """Whether LAMMPS's step is of order 2 by masses that are larger (`lammps_inputs.laws.dashpot.Dashpot`)."""
+        return bool(self.dampers) and self.holds(Fact.SECOND_ORDER)
+
+    @property
+    def drag(self) -> float:
+        """Rate, at most, at which dashpots stop any motion (Gershgorin)."""
+        contacts = np.zeros((self.chains, self.beads)) if self.contact_loss is not None else np.zeros((1, 1))
+        others = 0.0
+        for link in self.dampers:
+            if isinstance(link, Along):
+                reached = dashpot.at_reach(link.law, self.along[0].law, self.energy)
+                resistance = 2.0 * np.broadcast_to(reached, (self.chains, self.beads - 1))
+                contacts[:, 1:] += resistance
+                contacts[:, :-1] += resistance
+            else:
+                graph = largest_eigenvalue(link, self.chains) if isinstance(link, Across) else 1.0
+                others += graph * float(np.max(dashpot.resistance(link.law, 0.0)))
+        return float(np.max(contacts / self.mass)) + others / float(np.min(self.mass))
 
     @property
     def coupled(self) -> bool:
@@ -280,7 +310,8 @@ class System:
 
         Its beads have the mass 1.
         """
-        return isinstance(self.mass, float) and self.open_row and not self.ground and not self.acted_on
+        free = isinstance(self.mass, float) and not self.ground
+        return free and self.open_row and not self.acted_on and not self.dampers
 
     @cached_property
     def groups(self) -> tuple[frozenset[int], ...]:
@@ -305,7 +336,13 @@ class System:
         law, rest = self.along[0].law, float(np.max(laws.rest(self.along[0].law)))
         alone, shared = (rest + laws.reach(law, energy) for energy in (self.energy, self.energy / 2.0))
         walls = (2.0 * float(np.max(link.law.overlap(self.energy))) for link in self.walls)
-        return power_of_two_at_least(max(4.0, 2.0 * alone, 2.0 * shared, *walls))
+        # a row's dashpots know each other by their distance
+        rows = (2.0 * laws.reach(link.law, self.energy) for link in self.across if self._damped_across)
+        return power_of_two_at_least(max(4.0, 2.0 * alone, 2.0 * shared, *walls, *rows))
+
+    @property
+    def _damped_across(self) -> bool:
+        return any(isinstance(link, Across) for link in self.dampers)
 
     @property
     def spacing(self) -> float:

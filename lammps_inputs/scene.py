@@ -317,7 +317,7 @@ class BaseScene(Part):
         """Beads, links and kicks, dimensionless at V = 1."""
         scale = self.scale
         mass, strength = masses_and_strengths(self)
-        laws = (ingredient.contact(strength) for ingredient in self.ingredients)
+        laws = (ingredient.contact_law(strength) for ingredient in self.ingredients)
         touching = contacts(self.gap / scale.length, strength, next((law for law in laws if law is not None), None))
         made = [link for ingredient in self.ingredients for link in ingredient.links(self)]
         loads = tuple(load for ingredient in self.ingredients for load in ingredient.loads(self))
@@ -333,6 +333,7 @@ class BaseScene(Part):
             lacks=frozenset(taken | ({Fact.SECOND_ORDER} if any(load.law.jumps for load in loads) else set())),
             loads=loads,
             motions=motions,
+            dampers=tuple(link for ingredient in self.ingredients for link in ingredient.dampers(self)),
         )
         if not np.any(static):
             return system

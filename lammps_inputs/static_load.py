@@ -39,6 +39,8 @@ def under_load(system: System, force: NDArray[np.float64]) -> System:
     Raises:
         LoadError: the load is too large or too small.
     """
+    if system.dampers:
+        raise LoadError("LAMMPS notes the forces that hold beads with those of dashpots; leave damping or the load out")
     if not all(isinstance(link.law, Hertz) for link in system.along):
         raise LoadError("how contacts bear it is known for those of spheres, of exponent 1.5; leave one of them out")
     if np.max(force) > MOST:

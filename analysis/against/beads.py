@@ -59,6 +59,9 @@ def identify_beads(trajectory: Trajectory) -> Felt | None:
         else:
             others.append(np.zeros_like(change))
             link.drive(others[-1], impulse)
+    for damper in problem.dampers:
+        others.append(np.zeros_like(change))
+        damper.drive(others[-1], np.diff(damper.given(trajectory.displacement), axis=0))
     # of every contact, as felt by the bead behind it and by the one before it
     behind, ahead = np.full((2, problem.chains, problem.beads - 1), np.nan)
     power = np.sum(contacts**2, axis=0)
@@ -103,6 +106,10 @@ def given(trajectory: Trajectory, load: Load) -> Floats:
     for link in trajectory.problem.links:
         total = np.zeros_like(trajectory.velocity[1:])
         link.drive(total, _impulse(link, trajectory))
+        change = change - total[:, load.chain - 1, load.bead - 1]
+    for damper in trajectory.problem.dampers:
+        total = np.zeros_like(trajectory.velocity[1:])
+        damper.drive(total, np.diff(damper.given(trajectory.displacement), axis=0))
         change = change - total[:, load.chain - 1, load.bead - 1]
     return np.concatenate([[0.0], np.cumsum(change)])
 

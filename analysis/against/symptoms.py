@@ -134,6 +134,8 @@ def identify_springs(trajectory: Trajectory) -> Springs | None:
         change[:, load.chain - 1, load.bead - 1] -= np.diff(load.impulse(trajectory.time))
     for link in (*problem.along, *problem.ground):
         link.drive(change, -integral(link.force(x), link.force_rate(x, v), spacing))
+    for damper in problem.dampers:
+        damper.drive(change, -np.diff(damper.given(x), axis=0))
     felt = np.cumsum(change, axis=1)[:, :-1]
     relative, relative_rate = x[:, 1:] - x[:, :-1], v[:, 1:] - v[:, :-1]
     if np.max(np.abs(relative)) < _APART:
@@ -174,11 +176,15 @@ def identify_strengths(trajectory: Trajectory) -> dict[str, float] | None:
         column = np.zeros_like(v[1:])
         link.drive(column, integral(link.force(x), link.force_rate(x, v), spacing))
         columns.append(_but_for_driven(column, problem).reshape(-1))
+    for damper in problem.dampers:
+        column = np.zeros_like(v[1:])
+        damper.drive(column, np.diff(damper.given(x), axis=0))
+        columns.append(_but_for_driven(column, problem).reshape(-1))
     _but_for_driven(change, problem)
     factors, _, rank, _ = np.linalg.lstsq(np.array(columns).T, change.reshape(-1), rcond=1e-6)
     if rank < len(columns):
         return None
-    return {link.name: float(factor) for link, factor in zip(problem.links, factors, strict=True)}
+    return {link.name: float(factor) for link, factor in zip((*problem.links, *problem.dampers), factors, strict=True)}
 
 
 _EXPLAINED = 0.05
@@ -268,6 +274,8 @@ def identify_exponent(trajectory: Trajectory) -> float | None:
     (contact,), others = problem.along, (*problem.across, *problem.ground)
     for link in others:
         link.drive(left, -integral(link.force(x), link.force_rate(x, v), spacing))
+    for damper in problem.dampers:
+        damper.drive(left, -np.diff(damper.given(x), axis=0))
     overlap, closing = np.maximum(contact.strain(x), 0.0), v[..., :-1] - v[..., 1:]
 
     def unexplained(exponent: float) -> float:

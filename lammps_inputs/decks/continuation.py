@@ -4,6 +4,7 @@ The continued run is bit for bit the uninterrupted one, on any number of ranks. 
 owns them and in which order their forces are added up is settled once, with the beads at rest. So a restart holds the
 beads at rest: each one's place is parked in its ``vy``, which is zero by construction, and is taken from there when
 LAMMPS has settled everything as at the start. The forces at those places are computed by a step in which no bead moves.
+With damping they are those of velocities of half a step before, so they are kept, too, in ``vz``.
 
 Frames of a continued run stand in ``chains.dump.bin``, ``chains.dump.2.bin``, ``chains.dump.3.bin`` and so on; the
 first one that a step stands in counts.
@@ -44,9 +45,11 @@ def restart_lines(problem: Problem, file: str = UNFINISHED) -> list[str]:
         "variable parked atom x",
         f"variable rest atom {_rest(problem)}",
         "set group all vy v_parked",
+        *(["variable force atom fx", "set group all vz v_force"] if problem.dampers else []),
         "set group all x v_rest",
         f"write_restart {file} noinit",
         *_from_rest(),
+        *(["set group all vz 0.0"] if problem.dampers else []),
     ]
 
 
@@ -92,6 +95,7 @@ def render_continuation(problem: Problem) -> str:
         [
             "# neighbours, ranks and order of the beads are settled at rest; then the forces where they are",
             "timestep ${timestep}",
+            *(_given_forces() if problem.dampers else []),
             "variable before equal $(step-1)",
             "reset_timestep 0                 # the time is that of the step",
             "reset_timestep ${before}",
@@ -99,6 +103,7 @@ def render_continuation(problem: Problem) -> str:
             "run 0 post no",
             *_from_rest(),
             "run 1 pre no post no",
+            *(["group given clear", "set group all vz 0.0"] if problem.dampers else []),
             "group free union all",
         ],
         onward_lines(problem),
@@ -116,6 +121,14 @@ def _from_rest() -> list[str]:
         "variable displaced atom vy",
         "set group all x v_displaced",
         "set group all vy 0.0",
+    ]
+
+
+def _given_forces() -> list[str]:
+    return [
+        "variable given atom vz           # forces know the velocities of half a step before",
+        "group given union all",
+        "fix given given setforce v_given 0.0 0.0",
     ]
 
 

@@ -1,8 +1,8 @@
 """LAMMPS input for a scene: ``in.chains`` and ``data.chains``, rendered in memory and written once.
 
 The deck is the equation of motion and nothing else: what the scene does not name leaves no line. It runs with a stock
-``lmp`` (GRANULAR; MOLECULE for coupled chains, CLASS2 for cubic springs) from the 29Sep2021 release on, serial or with
-MPI, without Python.
+``lmp`` (GRANULAR; MOLECULE for coupled chains, CLASS2 for cubic springs, DPD-BASIC for damped ones) from the 29Sep2021
+release on, serial or with MPI, without Python.
 
 How the equation becomes LAMMPS:
 
@@ -120,7 +120,7 @@ def spelling(problem: Problem) -> list[Lines]:
 
 def _of_links(problem: Problem) -> list[Lines]:
     found = []
-    for link in problem.links:
+    for link in (*problem.links, *(link for link in problem.dampers if not isinstance(link, Along))):
         kind = "along" if isinstance(link, Along) else "across" if isinstance(link, Across) else "ground"
         spell = getattr(link.law, kind, None)
         if spell is None:
@@ -135,7 +135,23 @@ def _from_outside(problem: Problem) -> list[Lines]:
 
 def interactions(problem: Problem) -> list[list[str]]:
     """Contacts, and springs where there are any."""
-    return [list(lines.interactions) for lines in spelling(problem) if lines.interactions]
+    found = [list(lines.interactions) for lines in spelling(problem) if lines.interactions]
+    beside = [lines.beside for lines in spelling(problem) if lines.beside]
+    return found if not beside else [_overlaid(found[0], beside), *found[1:]]
+
+
+def _overlaid(contacts: list[str], beside: list[tuple[str, ...]]) -> list[str]:
+    """The lines of contacts, with other pair styles over theirs."""
+    lines = []
+    for line in contacts:
+        word, *rest = line.split(" ")
+        if word == "pair_style":
+            own = rest[0]
+            line = " ".join(["pair_style hybrid/overlay", *rest, *(style for style, *_ in beside)])
+        elif word == "pair_coeff":
+            line = " ".join([word, *rest[:2], own, *rest[2:]])
+        lines.append(line)
+    return [*lines, *(line for _, *more in beside for line in more)]
 
 
 def motion_lines(problem: Problem, group: str) -> list[str]:
@@ -179,6 +195,15 @@ def output_lines(problem: Problem, every: str, dump: str, snapshots: str = SNAPS
 
 def _mass_lines(problem: Problem) -> list[str]:
     """Masses that all are 1, exactly; others stand in the data file, as densities, within rounding."""
+    heavier = [lines.heavier for lines in spelling(problem) if lines.heavier is not None]
+    if heavier:
+        mass = "1.0" if isinstance(problem.mass, float) else "mass"
+        half = "".join(f"+0.5*v_timestep*v_{name}" for name in heavier)
+        return [
+            "# by half of what drag takes in a step, which makes the step one of order 2",
+            f"variable heavier atom {mass}{half}",
+            "set group all mass v_heavier",
+        ]
     if not isinstance(problem.mass, float):
         return []
     return ["set group all mass 1.0           # exact; the data file's density is within rounding"]

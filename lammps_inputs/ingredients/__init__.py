@@ -13,6 +13,7 @@ import os
 from lammps_inputs.ingredients.base import Ingredient
 from lammps_inputs.ingredients.contact import Contact, contacts
 from lammps_inputs.ingredients.coupling import Coupling, springs
+from lammps_inputs.ingredients.damping import Damping
 from lammps_inputs.ingredients.drive import Drive
 from lammps_inputs.ingredients.foundation import Foundation
 from lammps_inputs.ingredients.preload import Gravity, Precompression
@@ -28,6 +29,7 @@ __all__ = ["INGREDIENTS", "OWN_INGREDIENTS", "Ingredient", "contacts", "coupled_
 INGREDIENTS: dict[str, type[Ingredient]] = {
     "contact": Contact,
     "coupling": Coupling,
+    "damping": Damping,
     "drive": Drive,
     "foundation": Foundation,
     "gravity": Gravity,

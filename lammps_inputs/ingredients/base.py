@@ -54,7 +54,7 @@ class Ingredient(Part):
         """The links that it makes, dimensionless; none where its numbers come to nothing."""
         raise NotImplementedError
 
-    def contact(self, strength: Parameter) -> Law | None:  # noqa: ARG002
+    def contact_law(self, strength: Parameter) -> Law | None:  # noqa: ARG002
         """The law of the contacts between beads, where it makes them other than those of spheres.
 
         Args:
@@ -68,6 +68,10 @@ class Ingredient(Part):
         None for the contacts of spheres.
         """
         return None
+
+    def dampers(self, scene: "BaseScene") -> tuple[Link, ...]:  # noqa: ARG002
+        """Links with laws of damping (`lammps_inputs.laws.dashpot`), dimensionless; they store no energy."""
+        return ()
 
     def lacks(self, scene: "BaseScene") -> frozenset[Fact]:
         """What no longer holds in this scene."""

@@ -63,7 +63,7 @@ class Contact(Ingredient):
         """None beside the contacts."""
         return ()
 
-    def contact(self, strength: Parameter) -> Law:
+    def contact_law(self, strength: Parameter) -> Law:
         """Hertz's law where it is that."""
         return Hertz(strength) if self.exponent == HERTZ else Power(strength, self.exponent)
 

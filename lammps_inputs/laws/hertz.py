@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from lammps_inputs.laws import Parameter
-from lammps_inputs.lines import Lines, types_by_contact
+from lammps_inputs.lines import AtomTypes, Lines, types_by_contact
 from lammps_inputs.numbers import text
 
 if TYPE_CHECKING:
@@ -52,6 +52,8 @@ class Hertz(NamedTuple):
         apart by the types of their beads, which takes another pair style: 1.7 times the time of a step.
         """
         unit = float(1.0 / np.sqrt(problem.diameter / 4.0))
+        if problem.contact_loss is not None:
+            return self._damped(unit, *problem.contact_loss.granular(problem))
         if np.ndim(self.strength) == 0:
             return Lines(
                 interactions=(
@@ -61,16 +63,41 @@ class Hertz(NamedTuple):
                 )
             )
         types = types_by_contact(np.asarray(self.strength))
-        no_loss = "0 tangential linear_nohistory 0 0 damping velocity"
+        says = "# contacts: force = strength * overlap^1.5, strength by the types of the two; no friction, no loss"
+        return Lines(types=types, interactions=(says, *_granular(unit, types, "0", "damping velocity")))
+
+    def _damped(self, unit: float, coefficient: float, model: str) -> Lines:
+        """With a dashpot beside the spring, from a deck variable."""
+        same = np.ndim(self.strength) == 0
+        types = None if same else types_by_contact(np.asarray(self.strength))
+        says = "# contacts: force = strength * overlap^1.5 and a dashpot, no friction"
+        strength = unit * float(self.strength) if same else unit
         return Lines(
             types=types,
-            interactions=(
-                "# contacts: force = strength * overlap^1.5, strength by the types of the two; no friction, no loss",
-                "pair_style granular",
-                f"pair_coeff * * hertz {text(unit)} {no_loss}",
-                *(
-                    f"pair_coeff {one} {two} hertz {text(unit * a)} {no_loss}"
-                    for (one, two), a in types.strength.items()
-                ),
-            ),
+            variables=(f"variable contact_damping index {text(coefficient)}   # {model}", *_since(model)),
+            interactions=(says, *_granular(strength, types, "${contact_damping}", model)),
         )
+
+
+def _granular(strength: float, types: AtomTypes | None, loss: str, model: str) -> tuple[str, ...]:
+    """Of a dashpot, in LAMMPS's words, and strengths by types, times one that others have."""
+    model = f"{loss} tangential linear_nohistory 0 0 {model}"
+    return (
+        "pair_style granular",
+        f"pair_coeff * * hertz {text(strength)} {model}",
+        *(
+            f"pair_coeff {one} {two} hertz {text(strength * a)} {model}"
+            for (one, two), a in ({} if types is None else types.strength).items()
+        ),
+    )
+
+
+def _since(model: str) -> tuple[str, ...]:
+    if "restitution" not in model:
+        return ()
+    old = f"damping by restitution needs LAMMPS of {_RESTITUTION_SINCE} or later"
+    return (f'if "$(version) < {_RESTITUTION_SINCE}" then "print \'{old}\'" "quit 1"',)
+
+
+_RESTITUTION_SINCE = 20240627
+"""Release that knows ``damping coeff_restitution``."""

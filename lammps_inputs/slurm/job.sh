@@ -68,7 +68,7 @@ complaint() { grep -h -m 1 -e ERROR -e 'Fatal error' "$@" 2>/dev/null || grep -h
 
 # the executable and what it can do
 quietly "${launch[@]}" "$lmp" -h || fail "$lmp cannot be started: $(complaint .job.check)"
-for package in GRANULAR $(grep -q '^bond_style' in.chains && echo MOLECULE); do
+for package in GRANULAR $(grep -q '^bond_style' in.chains && echo MOLECULE) $(grep -q ' dpd/ext' in.chains && echo DPD-BASIC); do
     grep -qw "$package" .job.check || fail "$lmp has no package $package"
 done
 

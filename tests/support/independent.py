@@ -1,5 +1,6 @@
 """Trajectories by an integrator that shares no code with the product: scipy's DOP853 at tight tolerances."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,11 @@ def integrated(
     strength: Any = 1.0,
     static: Any = 0.0,
     exponent: float = 1.5,
+    loss: Callable[[Floats], Any] = lambda _: 0.0,
+    tension: bool = True,
+    drag: float = 0.0,
+    drag_across: float = 0.0,
+    max_step: float = np.inf,
     rtol: float = 1e-12,
     pushed: dict[tuple[int, int], Any] | None = None,
     moved: dict[tuple[int, int], Any] | None = None,
@@ -35,6 +41,11 @@ def integrated(
         strength: of the contacts, [chain, contact] or one number.
         static: forces at rest, [chain, bead + 1] from before the first bead to behind the last, or one number; what
             contacts and walls do not balance of them acts on the beads from outside.
+        loss: force of a contact's dashpot over the rate of overlap, from the overlap.
+        tension: whether a contact may pull.
+        drag: force on a bead over its velocity.
+        drag_across: force between beads of a row in neighbouring chains over their relative velocity.
+        max_step: of the integrator, which may not see jumps of the force in longer ones.
         walls: force over overlap**1.5 of the walls on the left and on the right, a gap away, [chain] or one number.
         push: chain and bead, from 1, peak and duration of a half-sine of force.
         exponent: of the overlap in the contacts' force.
@@ -57,13 +68,18 @@ def integrated(
 
     def rate(time: float, state: Floats) -> Floats:
         x = state[:size].reshape(shape)
-        contact = strength * np.maximum(x[:, :-1] - x[:, 1:] - problem.gap + rest, 0.0) ** exponent
-        force = outside - ground * x - ground_cubic * x**3
+        v = state[size:].reshape(shape)
+        overlap = x[:, :-1] - x[:, 1:] - problem.gap + rest
+        closed = np.maximum(overlap, 0.0)
+        contact = strength * closed**exponent + np.where(overlap > 0.0, loss(closed) * (v[:, :-1] - v[:, 1:]), 0.0)
+        if not tension:
+            contact = np.maximum(contact, 0.0)
+        force = outside - ground * x - ground_cubic * x**3 - drag * v
         force[:, 0] += walls[0] * np.maximum(left - x[:, 0] - problem.gap, 0.0) ** 1.5
         force[:, -1] -= walls[1] * np.maximum(right + x[:, -1] - problem.gap, 0.0) ** 1.5
         force[:, 1:] += contact
         force[:, :-1] -= contact
-        pull = problem.kappa * np.diff(x, axis=0)
+        pull = problem.kappa * np.diff(x, axis=0) + drag_across * np.diff(v, axis=0)
         force[:-1] += pull
         force[1:] -= pull
         if push is not None and time < push[3]:
@@ -77,5 +93,7 @@ def integrated(
 
     start = np.concatenate([np.zeros(size), problem.initial_velocity().reshape(-1)])
     time = np.arange(problem.frames + 1) * problem.every
-    found = solve_ivp(rate, (0.0, time[-1]), start, t_eval=time, method="DOP853", rtol=rtol, atol=1e-2 * rtol)
+    found = solve_ivp(
+        rate, (0.0, time[-1]), start, t_eval=time, method="DOP853", rtol=rtol, atol=1e-2 * rtol, max_step=max_step
+    )
     return np.asarray(found.y[size:].T.reshape(-1, *shape))

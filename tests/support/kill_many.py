@@ -22,6 +22,7 @@ from stock_lammps import scene
 
 from analysis.files.binary_dump import BinaryDump
 from lammps_inputs import Scene, strict_yaml
+from lammps_inputs.ingredients.damping import Damping
 from workflow.engines.lammps import mpi
 
 GRANCHAIN = str(Path(sys.executable).with_name("granchain"))
@@ -29,6 +30,19 @@ GRANCHAIN = str(Path(sys.executable).with_name("granchain"))
 SCENES = {
     "pair": (scene(name="pair", chains=2, beads=50, kappa=0.1, duration=4000.0, every=0.5), 1),
     "ranks": (scene(name="ranks", chains=3, beads=16, kappa=1e-3, gap=1.5, duration=2000.0, every=0.5), 2),
+    "damped": (
+        scene(
+            name="damped",
+            chains=2,
+            beads=20,
+            kappa=0.1,
+            duration=1500.0,
+            every=0.5,
+            timestep=0.01,
+            damping=Damping(contact=0.002, beads=1e-4),
+        ),
+        1,
+    ),
     "some": (scene(name="some", chains=1, beads=80, duration=4000.0, every=0.1, recorded=(3, 40)), 1),
 }
 """Scene and ranks; each runs for two to three seconds."""

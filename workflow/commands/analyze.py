@@ -157,7 +157,9 @@ def _print(found: Analysis) -> None:
     drifts = {"energy": seen.energy_drift, "momentum": seen.momentum_drift}
     known = {name: drift for name, drift in drifts.items() if np.isfinite(drift)}
     if known:
-        right = "what was put in" if problem.acted_on else "the kick's"
+        right = "what was put in" if problem.acted_on or problem.dampers else "the kick's"
+        if seen.budget is not None:
+            print(seen.budget.result().sentence(problem.scale))
         print(", ".join(f"{name} within {drift:.1e}" for name, drift in known.items()) + f" of {right}")
         if max(known.values()) > ENERGY_TOLERANCE:
             print(found.failure or "that is not this scene: was the deck run with another kappa or kick?")

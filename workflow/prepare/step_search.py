@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lammps_inputs import Problem
+from lammps_inputs.facts import Fact
 from workflow.engines.reference import engine
 from workflow.prepare import twin
 from workflow.prepare.twin import UnreachableError
@@ -147,7 +148,7 @@ def _refuse_chaos(problem: Problem, shorter: Problem, share: float, accuracy: fl
 def _carried_over(measured: twin.Measured, problem: Problem, share: float, asked: float, accuracy: float) -> Found:
     """From a cheaper measurement to the run itself."""
     ratio = accuracy * share / _MARGIN / asked
-    order = 2.0 if problem.scheme == "verlet" else _LEAST_ORDER
+    order = _LEAST_ORDER if problem.scheme != "verlet" else 2.0 if problem.holds(Fact.SECOND_ORDER) else 1.0
     largest = twin.largest_step(problem)
     step = min(largest, measured.timestep * ratio ** (1.0 / order))
     return Found(
@@ -176,6 +177,7 @@ def _shorter(problem: Problem, share: float) -> Problem:
         problem,
         beads=beads,
         links=tuple(link.on(kept) for link in problem.links),
+        dampers=tuple(link.on(kept) for link in problem.dampers),
         mass=problem.mass_of(Ellipsis, kept),
         kicks=tuple((chain, place[bead], velocity) for chain, bead, velocity in problem.kicks),
         loads=tuple(load.at(place[load.bead]) for load in problem.loads),

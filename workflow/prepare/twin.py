@@ -11,6 +11,7 @@ import numpy as np
 from analysis.against.pairing import on_common_rows
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem, scheme
+from lammps_inputs.facts import Fact
 from lammps_inputs.limits import timestep
 from workflow.engines.reference import engine
 from workflow.engines.reference.blanes_moan import BLANES_MOAN
@@ -176,13 +177,14 @@ def _better(cycles: int, part: float, order: float, fewest: int) -> int:
 
 def _order(errors: dict[int, float], problem: Problem) -> float:
     """Order of convergence as measured last, within what the scheme can have."""
-    highest = float(TABLES[problem.scheme].order)
+    highest = float(TABLES[problem.scheme].order) if problem.holds(Fact.SECOND_ORDER) else 1.0
     if len(errors) < 2:
         return highest
     (few, large), (many, small) = sorted(list(errors.items())[-2:])
     if not large > small > 0.0:
         return highest
-    return min(highest, max(2.0, math.log(large / small) / math.log(many / few)))
+    lowest = 2.0 if problem.holds(Fact.SECOND_ORDER) else 1.0
+    return min(highest, max(lowest, math.log(large / small) / math.log(many / few)))
 
 
 def certificate(problem: Problem, steps: int) -> float:

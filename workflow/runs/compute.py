@@ -37,6 +37,8 @@ def refuse_what_it_cannot_do(engine: str, problem: Problem) -> None:
     if engine == "collisions" and not problem.simply_coupled:
         if problem.acted_on:
             raise InputError("--engine: `collisions` knows no push and no drive; use lammps or reference")
+        if problem.dampers:
+            raise InputError("--engine: `collisions` knows no damping; use lammps or reference")
         raise InputError(
             "--engine: `collisions` knows only equal linear springs between neighbouring chains; "
             "use lammps or reference"

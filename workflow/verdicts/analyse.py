@@ -181,6 +181,7 @@ def analyse(
                 spacetime.add(block)
         spacetime = spacetime if whole.frames > 1 else None
         conservation.energy_drift, conservation.momentum_drift = whole.energy_drift, whole.momentum_drift
+        conservation.budget = whole.budget
     energy = None if flow is None else flow.result()
     forces = None if meter is None else meter.result()
     spectra = None if spectrum is None else spectrum.result()
@@ -217,6 +218,8 @@ def analyse(
         more["spectra"] = spectra_report(problem, spectra)
     if cells is not None:
         more["cells"] = cells_report(problem, cells)
+    if conservation.budget is not None:
+        more["budget"] = conservation.budget.result().plain(problem.scale)
     write_json(directory.path / REPORT, {**report(found, conservation, allowed, left), **more})
     complete = conservation.frames == problem.frames + 1
     altered = recorded_fingerprint(directory) not in ("", fingerprint.sha256())

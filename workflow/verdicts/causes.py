@@ -78,7 +78,8 @@ def _times(own: Trajectory, reference: Trajectory) -> list[str]:
     """Whether a shift in time, of all or of the velocities alone, explains the difference."""
     problem = own.problem
     velocity = symptoms.time_shift(
-        own.velocity - reference.velocity, motion.acceleration(problem, reference.displacement, time=reference.time)
+        own.velocity - reference.velocity,
+        motion.acceleration(problem, reference.displacement, time=reference.time, velocity=reference.velocity),
     )
     displacement = symptoms.time_shift(own.displacement - reference.displacement, reference.velocity)
     if velocity.explained < _CLEAR:
@@ -226,7 +227,7 @@ def _static(own: Trajectory, reference: Trajectory) -> list[str]:
 def _strengths(own: Trajectory, reference: Trajectory) -> list[str]:
     """Whether the beads were held, or tied in ways that `_springs` does not know, otherwise than the scene says."""
     problem = own.problem
-    links = (*problem.ground, *(() if problem.open_row else problem.across))
+    links = (*problem.ground, *(() if problem.open_row else problem.across), *problem.dampers)
     if not links:
         return []
     felt, right = symptoms.identify_strengths(own), symptoms.identify_strengths(reference)

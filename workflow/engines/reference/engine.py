@@ -89,7 +89,8 @@ def blocks(
     steps = default_steps_per_frame(problem) if steps_per_frame is None else steps_per_frame
     if window is None and problem.window is not None:
         window = WIDER * problem.window
-    state = make_state(problem, window, as_lammps=scheme is VERLET)
+    step = problem.every / steps
+    state = make_state(problem, window, as_lammps=scheme is VERLET, step=step)
     push, stale = np.zeros(state.x.size), True
     x, v = state.x, state.v
     chains = problem.chains
@@ -113,7 +114,7 @@ def blocks(
             state.window,
             np.array(scheme.kicks),
             np.array(scheme.drifts),
-            problem.every / steps,
+            step,
             (first - 1) * steps,
             steps,
             state.forces,
@@ -163,18 +164,21 @@ class State:
     window: int
 
 
-def make_state(problem: Problem, window: int | None, *, as_lammps: bool = False) -> "State":
+def make_state(problem: Problem, window: int | None, *, as_lammps: bool = False, step: float = 0.0) -> "State":
     """The start of a problem.
 
     Args:
         problem: what is integrated.
         window: rows at most.
-        as_lammps: whether forces from outside act as LAMMPS has them.
+        as_lammps: whether forces from outside, and those against velocities, act as LAMMPS has them.
+        step: of LAMMPS.
 
     Raises:
         ValueError: a window too narrow for the rows that are kicked and a pulse ahead of them.
     """
-    from workflow.engines.reference.forces import make_forces  # numba takes a third of a second to import
+    # numba takes a third of a second to import
+    from workflow.engines.reference.dashpots import make_dampers
+    from workflow.engines.reference.forces import make_forces
 
     shape = (problem.beads + 2, problem.chains)
     x, v = np.zeros(shape), np.zeros(shape)
@@ -184,4 +188,5 @@ def make_state(problem: Problem, window: int | None, *, as_lammps: bool = False)
     least = int(span[1] - span[0]) + 30
     if window is not None and window < least:
         raise ValueError(f"a window of {window} rows is too narrow; at least {least}")
-    return State(x, v, make_forces(problem, as_lammps=as_lammps), span, problem.beads if window is None else window)
+    forces = make_forces(problem, make_dampers(problem, as_lammps=as_lammps), as_lammps=as_lammps, step=step)
+    return State(x, v, forces, span, problem.beads if window is None else window)

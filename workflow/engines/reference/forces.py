@@ -24,6 +24,7 @@ from numba.extending import overload
 from numpy.typing import NDArray
 
 from lammps_inputs import System, laws
+from lammps_inputs.laws import dashpot
 from lammps_inputs.links import Across
 
 Floats = NDArray[np.float64]
@@ -45,40 +46,49 @@ class Forces(NamedTuple):
     """Laws of the acceleration of beads whose motion is given."""
     drifted: tuple[tuple[int, Any], ...]
     kicked: tuple[tuple[int, Any], ...]
+    dampers: Any
+    """Forces against velocities (`dashpots`); an empty tuple where there are none."""
 
 
-def make_forces(system: System, *, as_lammps: bool = False) -> Forces:
+def make_forces(system: System, dampers: Any = (), *, as_lammps: bool = False, step: float = 0.0) -> Forces:
     """The forces of a system on a state [bead + 2, chain], whose rows 0 and beads + 1 stay at rest.
 
     Args:
         system: what is integrated.
+        dampers: its dashpots.
         as_lammps: whether forces from outside act as LAMMPS has them.
+        step: of LAMMPS, where masses depend on it.
     """
     loads = tuple((load.bead * system.chains + load.chain - 1, load.law) for load in system.loads)
     motions = tuple((each.bead * system.chains + each.chain - 1, each.law) for each in system.motions)
     return Forces(
-        along=tuple(_flat(link.law, system, first=2) for link in system.along),
+        along=tuple(flat(link.law, system, first=2) for link in system.along),
         gap=system.gap,
-        across=tuple(neighbour for link in system.across for neighbour in _neighbours(link, system)),
-        ground=tuple(_flat(link.law, system, first=1) for link in system.ground),
-        lightness=_lightness(system),
+        across=tuple(neighbour for link in system.across for neighbour in neighbours(link, system)),
+        ground=tuple(flat(link.law, system, first=1) for link in system.ground),
+        lightness=_lightness(system, step if as_lammps and system.centred else 0.0),
         moved=motions,
         drifted=() if as_lammps else loads,
         kicked=loads if as_lammps else (),
+        dampers=dampers,
     )
 
 
-def _lightness(system: System) -> Any:
-    if isinstance(system.mass, float) and not system.motions:
+def _lightness(system: System, step: float) -> Any:
+    mass = system.mass
+    if step:
+        more = sum(float(np.max(dashpot.resistance(link.law, 0.0))) for link in system.dampers)
+        mass = np.broadcast_to(mass + 0.5 * step * more, (system.chains, system.beads))
+    if isinstance(mass, float) and not system.motions:
         return ()
     rows = np.ones((system.beads + 2, system.chains))
-    rows[1:-1] /= np.transpose(system.mass)
+    rows[1:-1] /= np.transpose(mass)
     for motion in system.motions:
         rows[motion.bead, motion.chain - 1] = 0.0
     return rows.reshape(-1)
 
 
-def _flat(law: Any, system: System, *, first: int) -> Any:
+def flat(law: Any, system: System, *, first: int) -> Any:
     """A law whose parameters that differ lie as the state does, those of the first link in row ``first``."""
 
     def laid(parameter: Any) -> Any:
@@ -91,7 +101,7 @@ def _flat(law: Any, system: System, *, first: int) -> Any:
     return type(law)(*map(laid, law))
 
 
-def _neighbours(link: Across, system: System) -> list[tuple[Any, Any]]:
+def neighbours(link: Across, system: System) -> list[tuple[Any, Any]]:
     """(distance, law) of the springs to chains of lower numbers, the nearest last, then of higher ones.
 
     Where a chain has no other at that distance, the law's parameters are 0, which makes no force. More than `UNROLLED`

@@ -11,10 +11,16 @@ All dimensionless. Row i holds bead i of every chain; rows 0 and beads + 1 stay 
 piece of memory, and each loop runs over it without branches and becomes vector instructions.
 """
 
+# ruff: noqa: ARG001, ARG005  numba wants the arguments of what is overloaded, used or not
+from typing import Any
+
 import numpy as np
+from numba import types
+from numba.extending import overload
 from numpy.typing import NDArray
 
 from workflow.compiled import compiled
+from workflow.engines.reference.dashpots import Flow, Given, HalfStep, brake, flow, impulses, slide
 from workflow.engines.reference.forces import Forces, drift_on, kick_on, over_mass, pull, sum_of
 
 Floats = NDArray[np.float64]
@@ -53,6 +59,89 @@ def _displaced(x: Floats, chains: int, row: int) -> bool:
     return False
 
 
+def keep_drag(dampers: Any, x: Any, v: Any, gap: Any, chains: Any, first: Any, last: Any) -> Any:
+    """Note the forces of dashpots at these positions, where they are kept."""
+    raise NotImplementedError
+
+
+def kick_all(dampers: Any, v: Any, push: Any, x: Any, forces: Any, factor: Any, chains: Any, first: Any, last: Any
+) -> Any:  # fmt: skip
+    """A kick by all forces."""
+    raise NotImplementedError
+
+
+def drift_all(dampers: Any, x: Any, v: Any, forces: Any, factor: Any, chains: Any, first: Any, last: Any) -> Any:
+    """A drift, with dashpots that are known by what they have given."""
+    raise NotImplementedError
+
+
+def velocities(dampers: Any, x: Any, v: Any, forces: Any, chains: Any, first: Any, last: Any) -> Any:
+    """Velocities of a state; the array of the state where it holds them."""
+    raise NotImplementedError
+
+
+def _is(dampers: Any, kind: type) -> bool:
+    return isinstance(dampers, types.NamedTuple) and dampers.instance_class is kind
+
+
+@overload(keep_drag, strict=False)
+def _keep_drag(dampers: Any, x: Any, v: Any, gap: Any, chains: Any, first: Any, last: Any) -> Any:
+    if _is(dampers, HalfStep):
+        return lambda dampers, x, v, gap, chains, first, last: brake(dampers, x, v, gap, chains, first, last)
+    return lambda dampers, x, v, gap, chains, first, last: None
+
+
+@overload(drift_all, strict=False)
+def _drift_all(dampers: Any, x: Any, v: Any, forces: Any, factor: Any, chains: Any, first: Any, last: Any) -> Any:
+    def plain(dampers: Any, x: Any, v: Any, forces: Any, factor: Any, chains: Any, first: Any, last: Any) -> None:
+        _drift(x, v, factor, chains, first, last)
+
+    def sliding(dampers: Any, x: Any, v: Any, forces: Any, factor: Any, chains: Any, first: Any, last: Any) -> None:
+        slide(dampers, x, v, forces.lightness, forces.gap, factor, chains, first, last)
+
+    return sliding if _is(dampers, Given) else plain
+
+
+@overload(velocities, strict=False)
+def _velocities(dampers: Any, x: Any, v: Any, forces: Any, chains: Any, first: Any, last: Any) -> Any:
+    if not _is(dampers, Given):
+        return lambda dampers, x, v, forces, chains, first, last: v
+
+    def with_impulses(dampers: Any, x: Any, v: Any, forces: Any, chains: Any, first: Any, last: Any) -> Any:
+        impulses(dampers, x, forces.gap, chains, first, last)
+        for k in range(np.uint64(first * chains), np.uint64((last + 1) * chains)):
+            dampers.actual[k] = v[k] + over_mass(dampers.drag[k], forces.lightness, k)
+        return dampers.actual
+
+    return with_impulses
+
+
+@overload(kick_all, strict=False)
+def _kick_all(
+    dampers: Any, v: Any, push: Any, x: Any, forces: Any, factor: Any, chains: Any, first: Any, last: Any
+) -> Any:
+    def plain(
+        dampers: Any, v: Any, push: Any, x: Any, forces: Any, factor: Any, chains: Any, first: Any, last: Any
+    ) -> None:
+        kick(v, push, x, forces, factor, chains, first, last)
+
+    def half_step(
+        dampers: Any, v: Any, push: Any, x: Any, forces: Any, factor: Any, chains: Any, first: Any, last: Any
+    ) -> None:
+        kick(v, push, x, forces, factor, chains, first, last)
+        for k in range(np.uint64(first * chains), np.uint64((last + 1) * chains)):
+            v[k] += factor * over_mass(dampers.drag[k], forces.lightness, k)
+
+    def solved(
+        dampers: Any, v: Any, push: Any, x: Any, forces: Any, factor: Any, chains: Any, first: Any, last: Any
+    ) -> None:
+        dampers.steady[first * chains : (last + 1) * chains] = 0.0
+        kick(dampers.steady, push, x, forces, 1.0, chains, first, last)
+        flow(dampers, v, x, forces.lightness, forces.gap, factor, chains, first, last)
+
+    return half_step if _is(dampers, HalfStep) else solved if _is(dampers, Flow) else plain
+
+
 @compiled
 def step(
     x: Floats,
@@ -78,12 +167,13 @@ def step(
         if kicks[stage] != 0.0:
             if stale:
                 press(x, push, forces, chains, first, last)
+                keep_drag(forces.dampers, x, v, forces.gap, chains, first, last)
                 stale = False
-            kick(v, push, x, forces, kicks[stage] * h, chains, first, last)
+            kick_all(forces.dampers, v, push, x, forces, kicks[stage] * h, chains, first, last)
             low, high = first * chains, (last + 1) * chains
             kick_on(forces.kicked, forces.lightness, v, time, h, kicks[stage] * h, low, high)
         if stage < drifts.shape[0]:
-            _drift(x, v, drifts[stage] * h, chains, first, last)
+            drift_all(forces.dampers, x, v, forces, drifts[stage] * h, chains, first, last)
             low, high = first * chains, (last + 1) * chains
             drift_on(forces.drifted, forces.lightness, x, v, time, drifts[stage] * h, low, high)
             drift_on(forces.moved, (), x, v, time, drifts[stage] * h, low, high)
@@ -141,8 +231,9 @@ def advance(
         for number in range(frame * steps_per_frame, (frame + 1) * steps_per_frame):
             time = (first_step + number) * h
             stale = step(x, v, push, stale, span, window, kicks, drifts, time, h, forces, chains)
+        shown = velocities(forces.dampers, x, v, forces, chains, span[0], span[1])
         for j in range(chains):
             for k in range(recorded.shape[0]):
                 frames_x[frame, j, k] = x[recorded[k] * chains + j]
-                frames_v[frame, j, k] = v[recorded[k] * chains + j]
+                frames_v[frame, j, k] = shown[recorded[k] * chains + j]
     return stale

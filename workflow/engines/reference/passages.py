@@ -17,18 +17,20 @@ from lammps_inputs.limits.timestep import stability_bound
 from workflow.compiled import compiled
 from workflow.engines.reference import engine
 from workflow.engines.reference.blanes_moan import BLANES_MOAN
+from workflow.engines.reference.dashpots import slow
 from workflow.engines.reference.forces import Forces, force_on
-from workflow.engines.reference.kernel import Floats, Integers, kick, press, step
+from workflow.engines.reference.kernel import Floats, Integers, kick, press, step, velocities
 from workflow.engines.reference.scheme import Scheme
 
 
 @compiled
-def _accelerate(x: Floats, a: Floats, push: Floats, forces: Forces, span: Integers, time: float) -> None:
+def _accelerate(x: Floats, v: Floats, a: Floats, push: Floats, forces: Forces, span: Integers, time: float) -> None:
     """Accelerations [row, chain] in the rows of a span, everything flat but ``a``."""
     chains = a.shape[1]
     press(x, push, forces, chains, span[0], span[1])
     a[span[0] : span[1] + 1] = 0.0
     kick(a.reshape(-1), push, x, forces, 1.0, chains, span[0], span[1])
+    slow(forces.dampers, x, v, a.reshape(-1), forces, chains, span[0], span[1])
     force_on(forces.drifted, forces.lightness, a.reshape(-1), time, span[0] * chains, (span[1] + 1) * chains)
     force_on(forces.moved, (), a.reshape(-1), time, span[0] * chains, (span[1] + 1) * chains)
 
@@ -70,7 +72,7 @@ def _pass(
 ) -> float:  # fmt: skip
     """Some steps; returns the largest |velocity| that a row had when it was let go."""
     chains = a.shape[1]
-    v_rows = v.reshape((-1, chains))
+    v_rows = velocities(forces.dampers, x, v, forces, chains, span[0], span[1]).reshape((-1, chains))
     let_go = 0.0
     stale = np.bool_(True)  # a literal would compile `step` once more
     for number in range(first_step, first_step + steps):
@@ -80,10 +82,11 @@ def _pass(
                 v_before[row, j] = v_rows[row, j]
                 a_before[row, j] = a[row, j]
         step(x, v, push, stale, span, window, kicks, drifts, number * h, h, forces, chains)
+        velocities(forces.dampers, x, v, forces, chains, span[0], span[1])
         for row in range(before, span[0]):
             for j in range(chains):
                 let_go = max(let_go, abs(v_rows[row, j]))
-        _accelerate(x, a, push, forces, span, (number + 1) * h)
+        _accelerate(x, v_rows.reshape(-1), a, push, forces, span, (number + 1) * h)
         _note(v_rows, a, v_before, a_before, span, (number + 1) * h, h, threshold, arrival, peak)
     return let_go
 

@@ -1,0 +1,138 @@
+"""Damping: of contacts, of beads against what surrounds them, and of the springs between chains.
+
+What it does to weakly damped pulses: Rosas, Romero, Nesterenko & Lindenberg, Phys. Rev. Lett. 98 (2007); Herrmann &
+Seitz (1982) for the restitution of beads in a row.
+"""
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from lammps_inputs.facts import Fact
+from lammps_inputs.ingredients.base import Ingredient
+from lammps_inputs.laws import Parameter
+from lammps_inputs.laws.dashpot import NO_FLOOR, ContactDashpot, ContactLoss, Dashpot, Restitution, Viscoelastic, alpha
+from lammps_inputs.laws.hertz import Hertz
+from lammps_inputs.links import Across, Along, Ground, Link
+
+if TYPE_CHECKING:
+    from lammps_inputs.problem import System
+    from lammps_inputs.scene import BaseScene
+
+Coefficient = Annotated[float, Field(ge=0, le=1e30)]
+
+MOST = 1e3
+"""Dimensionless coefficient; beyond it beads stick where they are, and a step would take for ever."""
+
+
+class Damping(Ingredient):
+    """Forces against velocities, each absent if its coefficient is 0 or not given."""
+
+    contact: Coefficient | None = None
+    """Of contacts, over the rate of overlap (linear: kg/s with a material), that times overlap**0.5 (viscoelastic:
+    kg/(s m**0.5)), or the share of its speed with which a bead comes back from another (restitution)."""
+    law: Literal["linear", "viscoelastic", "restitution"] | None = None
+    """Of contacts; linear if none is named."""
+    tension: Literal["allowed", "cut"] | None = None
+    """Whether contacts that open fast may pull; allowed by default."""
+    beads: Coefficient | None = None
+    """Of every bead, over its velocity; kg/s with a material."""
+    coupling: Coefficient | None = None
+    """Of springs between chains, over the relative velocity; kg/s with a material."""
+
+    def refuse(self, scene: "BaseScene") -> None:
+        """Refuse what says nothing, or more than there is, and what runs in pieces that begin anew."""
+        if self.contact is None:
+            for key in ("law", "tension"):
+                if getattr(self, key) is not None:
+                    raise ValueError(f"damping.{key}: is that of contacts; give damping.contact, too, or leave it out")
+            if self.beads is None and self.coupling is None:
+                raise ValueError("damping: give contact, beads or coupling")
+        elif self.law == "restitution":
+            if not 0.0 < self.contact <= 1.0:
+                raise ValueError(f"damping.contact: {self.contact:g} is no restitution; above 0, and at most 1")
+            if self.tension == "cut":
+                raise ValueError("damping.tension: beads come back with their restitution only if it is allowed")
+        if self.coupling and not any(isinstance(link, Across) for link in _springs(scene)):
+            raise ValueError("damping.coupling: there is no coupling between chains that it could damp")
+        largest = max((float(np.max(link.law.coefficient)) for link in self.dampers(scene)), default=0.0)  # type: ignore[attr-defined]
+        if largest > MOST:
+            raise ValueError(f"damping: {largest:.3g} in dimensionless units; at most {MOST:g}, where beads stick")
+        if scene.scheme == "suzuki4":
+            raise ValueError("scheme: suzuki4 has steps backwards in time, which damping does not; leave it out")
+        if scene.window is not None:
+            raise ValueError(
+                "damping: a window moves on with forces that do not know the velocities of the step before; "
+                "leave the window out"
+            )
+
+    def refuse_system(self, scene: "BaseScene", system: "System") -> None:  # noqa: ARG002
+        """Refuse contacts and masses with which LAMMPS's dashpots are others."""
+        if self.contact and not isinstance(system.along[0].law, Hertz):
+            raise ValueError("damping.contact: only contacts of spheres, of exponent 1.5, can be damped; leave it out")
+        if self.law == "viscoelastic" and self.contact and not isinstance(system.mass, float):
+            raise ValueError(
+                "damping.law: LAMMPS's viscoelastic dashpots grow with the beads' masses, and these differ; "
+                "take linear or restitution"
+            )
+        if self.coupling and not (system.open_row and system.alike):
+            raise ValueError(
+                "damping.coupling: LAMMPS damps equal linear springs between each chain and the next, of equal beads, "
+                "only; leave it out"
+            )
+        if self.contact and system.contact_loss is not None and self.tension == "cut" and not system.alike:
+            raise ValueError("damping.tension: is cut at the force of equal contacts only; leave it out")
+
+    def links(self, scene: "BaseScene") -> tuple[Link, ...]:  # noqa: ARG002
+        """None that stores energy."""
+        return ()
+
+    def dampers(self, scene: "BaseScene") -> tuple[Link, ...]:
+        """Of contacts, springs and beads."""
+        found: list[Link] = []
+        loss = self._loss(scene)
+        if loss is not None:
+            found.append(Along("contact_damping", loss, gap=scene.gap / scene.scale.length))  # type: ignore[arg-type]
+        unit = scene.scale.force / scene.scale.velocity
+        if self.coupling:
+            law = Dashpot(self.coupling / unit)
+            found += [replace(link, name="coupling_damping", law=law) for link in _springs(scene)]  # type: ignore[arg-type]
+        if self.beads:
+            found.append(Ground("bead_damping", Dashpot(self.beads / unit)))  # type: ignore[arg-type]
+        return tuple(found)
+
+    def lacks(self, scene: "BaseScene") -> frozenset[Fact]:
+        """Energy; momentum by drag on beads; order 2 by all other dashpots."""
+        dampers = self.dampers(scene)
+        taken = {Fact.ENERGY} if dampers else set()
+        if any(isinstance(link, Ground) for link in dampers):
+            taken.add(Fact.MOMENTUM)
+        if any(not isinstance(link, Ground) for link in dampers):
+            taken.add(Fact.SECOND_ORDER)
+        return frozenset(taken)
+
+    def _loss(self, scene: "BaseScene") -> ContactLoss | None:
+        """Dimensionless law of the contacts; None where they lose nothing."""
+        if not self.contact or (self.law == "restitution" and self.contact >= 1.0):
+            return None
+        from lammps_inputs.ingredients.unequal import masses_and_strengths
+
+        mass, strength = masses_and_strengths(scene)
+        scale = scene.scale
+        if self.law == "restitution":
+            reduced: Parameter = 0.5
+            if not isinstance(mass, float):
+                reduced = 1.0 / (1.0 / mass[:, :-1] + 1.0 / mass[:, 1:])
+            return Restitution(alpha(self.contact) * np.sqrt(reduced * strength), self.contact)
+        unit = scale.force / scale.velocity
+        floor = strength if self.tension == "cut" else NO_FLOOR
+        if self.law == "viscoelastic":
+            return Viscoelastic(self.contact / unit * scale.length**0.5, floor)
+        return ContactDashpot(self.contact / unit, floor)
+
+
+def _springs(scene: "BaseScene") -> tuple[Across, ...]:
+    found = () if scene.coupling is None else scene.coupling.links(scene)  # type: ignore[attr-defined]
+    return tuple(link for link in found if isinstance(link, Across))

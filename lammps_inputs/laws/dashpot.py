@@ -1,0 +1,228 @@
+"""Dashpots: forces against the rate at which a link's strain changes, which take energy away.
+
+A law of damping is, like a law of force, a `NamedTuple` of parameters, numbers or arrays over links, with functions of
+strain, rate of strain and the parameters:
+
+- ``damping(s, rate, ...)``: what drives the link's first bead back and its second forward; ``damping * rate`` is the
+  power that is lost, never less than 0;
+- ``resistance(s, ...)``: largest ratio of that to the rate;
+- ``impulse(s, ...)``: integral of the resistance from no strain to this one: where no tension is cut, that is what a
+  dashpot has given in time, on whatever way the strain came about;
+- ``growth(s, ...)``: slope of the resistance, where that does not jump;
+- ``granular(problem)``: of contacts, what LAMMPS's ``pair_style granular`` calls it: coefficient and model.
+
+Dashpots of contacts act while the beads touch. Where they pull harder than the contact pushes, so does their sum;
+``floor`` cuts it at nothing where it is the contact's strength, and is `NO_FLOOR` where beads may stick.
+"""
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from lammps_inputs import laws
+from lammps_inputs.laws import Parameter
+from lammps_inputs.lines import AtomTypes, Lines
+from lammps_inputs.numbers import text
+
+if TYPE_CHECKING:
+    from lammps_inputs.links import Across
+    from lammps_inputs.problem import System
+
+NO_FLOOR = 1e300
+"""A contact of this strength is never pulled open: its product with an overlap is finite, and 0 at none."""
+
+LEAST = 1e-4
+"""Overlap below which a resistance grows no faster than there."""
+
+
+class Dashpot(NamedTuple):
+    """``c s'`` at any strain."""
+
+    coefficient: Parameter
+    """c, in units of m / T."""
+
+    @staticmethod
+    def damping(s: Any, rate: Any, coefficient: Any) -> Any:  # noqa: ARG004
+        """Proportional to the rate."""
+        return coefficient * rate
+
+    @staticmethod
+    def resistance(s: Any, coefficient: Any) -> Any:
+        """The same at any strain."""
+        return coefficient * np.ones_like(s)
+
+    @staticmethod
+    def growth(s: Any, coefficient: Any) -> Any:
+        """None."""
+        return 0.0 * coefficient * s
+
+    @staticmethod
+    def impulse(s: Any, coefficient: Any) -> Any:
+        """``c s``."""
+        return coefficient * s
+
+    def ground(self, name: str, problem: "System") -> Lines:
+        """A drag on every bead, of the velocity in the middle of the step before.
+
+        With masses larger by half of what a step of the drag takes, LAMMPS's step is that of the drag of the mean of
+        the velocities before and after, which is of order 2. The deck does that where nothing else spoils the order.
+        """
+        return Lines(
+            variables=(f"variable {name} index {text(float(np.max(self.coefficient)))}   # force over velocity",),
+            motion=(f"fix {name} all viscous ${{{name}}}",),
+            heavier=name if problem.centred else None,
+        )
+
+    def across(self, link: "Across", problem: "System") -> Lines:
+        """LAMMPS's thermostat of DPD at no temperature, whose drag, if the same along and across, is this.
+
+        Beads of neighbouring chains differ by their type; the cutoff is between that of a row and those beside it.
+        """
+        name = link.name
+        types = np.repeat(1 + np.arange(problem.chains)[:, np.newaxis] % 2, problem.beads, axis=1)
+        cutoff = text(4.25**0.5 * problem.spacing)
+        return Lines(
+            types=AtomTypes(types, {}, 2),
+            variables=(f"variable {name} index {text(float(np.max(self.coefficient)))}   # force over velocity",),
+            beside=(
+                f"dpd/ext/tstat 0 0 {cutoff} 1",
+                "# dashpots between chains: a thermostat at no temperature, the same in all directions, up to a cutoff",
+                "special_bonds lj/coul 1 1 1      # also between those that have springs",
+                f"pair_coeff 1 2 dpd/ext/tstat ${{{name}}} ${{{name}}} 0 0 {cutoff}",
+            ),
+        )
+
+
+class ContactDashpot(NamedTuple):
+    """``g s'`` while the beads touch (Rosas, Romero, Nesterenko & Lindenberg, Phys. Rev. Lett. 98, 2007)."""
+
+    coefficient: Parameter
+    """g, in units of m / T."""
+    floor: Parameter = NO_FLOOR
+
+    @staticmethod
+    def damping(s: Any, rate: Any, coefficient: Any, floor: Any) -> Any:
+        """Jumps where the beads meet and part."""
+        closed = np.maximum(s, 0.0)
+        return np.maximum((s > 0.0) * (coefficient * rate), -floor * (closed * np.sqrt(closed)))
+
+    @staticmethod
+    def resistance(s: Any, coefficient: Any, floor: Any) -> Any:  # noqa: ARG004
+        """The same at any overlap."""
+        return coefficient * (np.asarray(s) > 0.0)
+
+    @staticmethod
+    def growth(s: Any, coefficient: Any, floor: Any) -> Any:  # noqa: ARG004
+        """None."""
+        return 0.0 * coefficient * s
+
+    @staticmethod
+    def impulse(s: Any, coefficient: Any, floor: Any) -> Any:  # noqa: ARG004
+        """``g (s)+``."""
+        return coefficient * np.maximum(s, 0.0)
+
+    def granular(self, problem: "System") -> tuple[float, str]:  # noqa: ARG002
+        """LAMMPS's own coefficient."""
+        return float(np.max(self.coefficient)), "damping velocity" + _limit(self.floor)
+
+
+class Viscoelastic(NamedTuple):
+    """``b s**0.5 s'`` (Kuwabara & Kono 1987; Brilliantov, Spahn, Hertzsch & Poeschel 1996)."""
+
+    coefficient: Parameter
+    """b, in units of m / (T L**0.5)."""
+    floor: Parameter = NO_FLOOR
+
+    @staticmethod
+    def damping(s: Any, rate: Any, coefficient: Any, floor: Any) -> Any:
+        """Proportional to the contact's radius."""
+        root = np.sqrt(np.maximum(s, 0.0))
+        return np.maximum(coefficient * root * rate, -floor * (root * root * root))
+
+    @staticmethod
+    def resistance(s: Any, coefficient: Any, floor: Any) -> Any:  # noqa: ARG004
+        """Grows with the overlap."""
+        return coefficient * np.sqrt(np.maximum(s, 0.0))
+
+    @staticmethod
+    def growth(s: Any, coefficient: Any, floor: Any) -> Any:  # noqa: ARG004
+        """Without end where the beads meet, and so cut there."""
+        return 0.5 * coefficient * (s > 0.0) / np.sqrt(np.maximum(s, LEAST))
+
+    @staticmethod
+    def impulse(s: Any, coefficient: Any, floor: Any) -> Any:  # noqa: ARG004
+        """``2/3 b (s)+**1.5``."""
+        closed = np.maximum(s, 0.0)
+        return coefficient * (2.0 / 3.0 * closed * np.sqrt(closed))
+
+    def granular(self, problem: "System") -> tuple[float, str]:
+        """LAMMPS multiplies by the contact's radius, sqrt(diameter / 4 * overlap), and the reduced mass, 1/2."""
+        unit = 2.0 / float(np.sqrt(problem.diameter / 4.0))
+        return unit * float(np.max(self.coefficient)), "damping viscoelastic" + _limit(self.floor)
+
+
+class Restitution(NamedTuple):
+    """``a s**0.25 s'``: two beads part with the same share of any speed (Tsuji 1992; Antypov & Elliott 2011)."""
+
+    coefficient: Parameter
+    """a = alpha * sqrt(reduced mass * strength), in units of m / (T L**0.25)."""
+    share: float
+    """e, which sets alpha = -sqrt(5) ln e / sqrt(pi**2 + ln(e)**2)."""
+
+    @staticmethod
+    def damping(s: Any, rate: Any, coefficient: Any, share: Any) -> Any:  # noqa: ARG004
+        """Proportional to the root of the contact's stiffness."""
+        return coefficient * np.sqrt(np.sqrt(np.maximum(s, 0.0))) * rate
+
+    @staticmethod
+    def resistance(s: Any, coefficient: Any, share: Any) -> Any:  # noqa: ARG004
+        """Grows with the overlap."""
+        return coefficient * np.sqrt(np.sqrt(np.maximum(s, 0.0)))
+
+    @staticmethod
+    def growth(s: Any, coefficient: Any, share: Any) -> Any:  # noqa: ARG004
+        """Likewise."""
+        return 0.25 * coefficient * (s > 0.0) / np.maximum(s, LEAST) ** 0.75
+
+    @staticmethod
+    def impulse(s: Any, coefficient: Any, share: Any) -> Any:  # noqa: ARG004
+        """``4/5 a (s)+**1.25``."""
+        closed = np.maximum(s, 0.0)
+        return coefficient * (0.8 * closed * np.sqrt(np.sqrt(closed)))
+
+    def granular(self, problem: "System") -> tuple[float, str]:  # noqa: ARG002
+        """LAMMPS knows masses and strengths itself."""
+        return self.share, "damping coeff_restitution"
+
+
+ContactLoss = ContactDashpot | Viscoelastic | Restitution
+
+
+def alpha(share: float) -> float:
+    """Of a restitution (Antypov & Elliott, EPL 94 (2011) 50004, eq. 13)."""
+    loss = -float(np.log(share))
+    return float(np.sqrt(5.0)) * loss / float(np.hypot(np.pi, loss))
+
+
+def damping(law: Any, strain: Any, rate: Any) -> Any:
+    """Force of a law of damping on links."""
+    return law.damping(strain, rate, *law)
+
+
+def resistance(law: Any, strain: Any) -> Any:
+    """Largest ratio of force to rate of a law of damping on links at a strain."""
+    return law.resistance(strain, *law)
+
+
+def cut(law: Any) -> bool:
+    """Whether a law of damping cuts tension, so that its force does not follow from the strain and its rate alone."""
+    return isinstance(law, ContactDashpot | Viscoelastic) and bool(np.min(law.floor) < NO_FLOOR)
+
+
+def at_reach(law: Any, elastic: laws.Law, energy: float) -> Any:
+    """Resistance of contacts where each alone holds an energy."""
+    return resistance(law, elastic.reach(energy, *elastic))
+
+
+def _limit(floor: Parameter) -> str:
+    return " limit_damping" if np.min(floor) < NO_FLOOR else ""

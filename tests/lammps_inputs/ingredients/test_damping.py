@@ -1,0 +1,152 @@
+"""Damping: what a scene may say, and what LAMMPS makes of it against an integrator of its own."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from independent import integrated
+from pydantic import ValidationError
+from stock_lammps import run, scene
+
+from lammps_inputs import Coupling, Material, Scene
+from lammps_inputs.decks import deck
+from lammps_inputs.facts import Fact
+from lammps_inputs.force_readout import Forces
+from lammps_inputs.ingredients.contact import Contact
+from lammps_inputs.ingredients.damping import Damping
+from lammps_inputs.ingredients.preload import Precompression
+from lammps_inputs.laws.dashpot import alpha
+from lammps_inputs.limits.timestep import default_timestep, stability_bound
+from lammps_inputs.scene import Output
+
+SLOW = pytest.mark.slow
+
+LOSSES: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
+    "linear": ({"contact": 0.2}, {"loss": lambda _: 0.2}),
+    "linear, cut": ({"contact": 0.2, "tension": "cut"}, {"loss": lambda _: 0.2, "tension": False}),
+    "viscoelastic": ({"contact": 0.3, "law": "viscoelastic"}, {"loss": lambda s: 0.3 * s**0.5}),
+    "viscoelastic, cut": (
+        {"contact": 0.3, "law": "viscoelastic", "tension": "cut"},
+        {"loss": lambda s: 0.3 * s**0.5, "tension": False},
+    ),
+    "restitution": (
+        {"contact": 0.7, "law": "restitution"},
+        {"loss": lambda s: alpha(0.7) * 0.5**0.5 * s**0.25},
+    ),
+    "coupling": ({"coupling": 0.2}, {"drag_across": 0.2}),
+    "all": (
+        {"contact": 0.1, "beads": 0.05, "coupling": 0.1},
+        {"loss": lambda _: 0.1, "drag": 0.05, "drag_across": 0.1},
+    ),
+}
+
+
+def damped(**keys: Any) -> Scene:
+    return scene(chains=2, beads=3, kappa=0.5, duration=3.0, every=0.5, damping=Damping(**keys))
+
+
+def errors(keys: dict[str, Any], physics: dict[str, Any], steps: tuple[float, ...], directory: Path) -> list[float]:
+    asked = damped(**keys)
+    right = integrated(asked.problem(), **physics, max_step=0.02, rtol=1e-9)
+    runs = (run(asked.model_copy(update={"timestep": step}), directory / f"{step}") for step in steps)
+    return [float(np.max(np.abs(found.velocity - right))) for found in runs]
+
+
+_QUICK = ("linear", "coupling")
+
+
+@pytest.mark.parametrize("name", [name if name in _QUICK else pytest.param(name, marks=SLOW) for name in LOSSES])
+def test_lammps_computes_each_law_with_an_error_of_first_order(name: str, tmp_path: Path) -> None:
+    coarse, fine = errors(*LOSSES[name], (0.01, 0.0025), tmp_path)
+    assert coarse < 2e-3
+    assert 3.2 < coarse / fine < 4.8
+
+
+def test_lammps_computes_drag_on_beads_with_an_error_of_second_order(tmp_path: Path) -> None:
+    coarse, fine = errors({"beads": 0.3}, {"drag": 0.3}, (0.02, 0.005), tmp_path)
+    assert coarse < 2e-4
+    assert 12.0 < coarse / fine < 20.0
+
+
+@pytest.mark.parametrize("share", [0.9, 0.7, 0.5])
+def test_two_beads_part_with_their_restitution(share: float, tmp_path: Path) -> None:
+    asked = scene(duration=10.0, damping=Damping(contact=share, law="restitution"), timestep=0.002, every=10.0)
+    first, second = run(asked, tmp_path / "run").velocity[-1, 0]
+    assert second - first == pytest.approx(share, abs=5e-5)
+
+
+@pytest.mark.parametrize("nothing", [{"contact": 0.0}, {"contact": 1.0, "law": "restitution"}, {"beads": 0.0}])
+def test_no_damping_leaves_no_trace(nothing: dict[str, Any]) -> None:
+    plain = scene(chains=2, beads=3, kappa=0.5, duration=3.0, every=0.5).problem()
+    neutral = damped(**nothing).problem()
+    assert neutral == plain
+    assert (deck.render_deck(neutral), deck.render_data(neutral)) == (deck.render_deck(plain), deck.render_data(plain))
+
+
+def test_damping_says_what_it_takes_away() -> None:
+    def lacks(**keys: Any) -> frozenset[Fact]:
+        return damped(**keys).problem().lacks
+
+    assert lacks(contact=0.1) == {Fact.ENERGY, Fact.SECOND_ORDER}
+    assert lacks(beads=0.1) == {Fact.ENERGY, Fact.MOMENTUM}
+    assert lacks(beads=0.1, coupling=0.1) == {Fact.ENERGY, Fact.MOMENTUM, Fact.SECOND_ORDER}
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"damping": Damping()}, "give contact, beads or coupling"),
+        ({"damping": Damping(law="linear")}, "is that of contacts"),
+        ({"damping": Damping(contact=1.2, law="restitution")}, "1.2 is no restitution"),
+        ({"damping": Damping(contact=0.9, law="restitution", tension="cut")}, "only if it is allowed"),
+        ({"damping": Damping(coupling=0.1), "coupling": None}, "no coupling between chains"),
+        ({"damping": Damping(contact=2e3)}, "at most 1000"),
+        ({"damping": Damping(contact=0.1), "scheme": "suzuki4"}, "suzuki4 has steps backwards"),
+        ({"damping": Damping(contact=0.1), "window": 64, "beads": 100}, "leave the window out"),
+        (
+            {"damping": Damping(coupling=0.1), "coupling": Coupling(stiffness=0.1, cubic=0.1)},
+            "equal linear springs between each chain and the next",
+        ),
+        ({"damping": Damping(contact=0.1), "contact": Contact(exponent=2.0)}, "only contacts of spheres"),
+        ({"precompression": Precompression(force=0.1)}, "precompression: LAMMPS notes the forces"),
+        ({"damping": Damping(contact=0.1), "output": Output(forces=Forces(contacts=(1,)))}, "only walls are read"),
+    ],
+)
+def test_what_damping_cannot_go_with_is_refused(changes: dict[str, Any], words: str) -> None:
+    with pytest.raises(ValidationError, match=words):
+        Scene.model_validate({**dict(damped(beads=0.1)), **changes})
+
+
+@pytest.mark.parametrize("keys", [{"contact": 0.3}, {"contact": 0.2, "law": "viscoelastic"}, {"beads": 0.3}])
+def test_units_scale_with_the_kick_and_the_material(keys: dict[str, Any]) -> None:
+    """In reduced units at V = 4, and in SI, coefficients are the dimensionless ones times their units."""
+    ball = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)
+    right = [link.law for link in damped(**keys).problem().dampers]
+    for material in (None, ball):
+        one = scene(material=material, kick=({"velocity": 4.0},))
+        scale = one.scale
+        unit = scale.force / scale.velocity / (scale.length**0.5 if "law" in keys else 1.0)
+        scaled = {key: value * unit if isinstance(value, float) else value for key, value in keys.items()}
+        found = scene(material=material, kick=({"velocity": 4.0},), damping=Damping(**scaled)).problem().dampers
+        np.testing.assert_allclose([tuple(link.law) for link in found], [tuple(law) for law in right], rtol=1e-14)
+
+
+def test_strong_dashpots_shorten_the_stable_and_the_default_step() -> None:
+    free, stuck = scene(beads=4).problem(), scene(beads=4, damping=Damping(contact=100.0)).problem()
+    assert stability_bound(stuck) == pytest.approx(2.0 / stuck.drag, rel=0.01)
+    assert default_timestep(stuck) < stability_bound(stuck) / 19.0
+    assert default_timestep(free) == 0.01
+    assert stability_bound(scene(beads=4, damping=Damping(beads=100.0)).problem()) == stability_bound(free)
+
+
+def test_lammps_is_stable_below_the_bound_and_not_above(tmp_path: Path) -> None:
+    asked = scene(chains=2, kappa=0.5, duration=4.0, every=1.0, damping=Damping(coupling=20.0))
+    bound = stability_bound(asked.problem())
+    largest = []
+    for factor in (0.9, 1.2):
+        step = 1.0 / np.ceil(1.0 / (factor * bound))
+        found = run(asked.model_copy(update={"timestep": step}), tmp_path / f"{factor}")
+        largest.append(np.max(np.abs(found.velocity)))
+    assert largest[0] <= 1.0
+    assert largest[1] > 1.0

@@ -1,0 +1,225 @@
+"""Forces against velocities, compiled: of contacts, across chains and on beads; beside the `forces` of positions.
+
+A dashpot's force is the rate of a function of the strain (`lammps_inputs.laws.dashpot`, ``impulse``). So where no
+tension is cut, velocities are replaced by ``w = v - impulses / masses`` (as Lienard did): w changes by the forces of
+positions alone, by kicks that are exact, and ``x' = w + impulses(x) / masses`` is the drift at fixed w. Forces that
+jump where contacts open become mere kinks that way. Where tension is cut, a kick is the solution of
+``masses * v' = forces(x) + drag(x, v)`` at fixed x. Either is one step of the classical Runge-Kutta method: of order 4,
+as the scheme, and its error is far below that (a part of a step times the drag, to the fifth power, over 120).
+
+LAMMPS instead takes the drag of the velocities that it has when forces are computed, those of half a step before.
+
+An empty tuple in place of one of the classes costs nothing.
+"""
+
+# ruff: noqa: ARG001, ARG005  numba wants the arguments of what is overloaded, used or not
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import types
+from numba.extending import overload
+
+from lammps_inputs import System
+from lammps_inputs.laws import dashpot
+from lammps_inputs.links import Across, Along, Ground
+from workflow.compiled import compiled
+from workflow.engines.reference.forces import (
+    Floats,
+    flat,
+    neighbours,
+    over_mass,
+    written_for_laws,
+    written_for_neighbours,
+)
+
+
+class Given(NamedTuple):
+    """Dashpots, and room to solve the flow of a drift; the velocities of the state are w. Arrays are flat, as it."""
+
+    along: tuple[Any, ...]
+    across: tuple[tuple[Any, Any], ...]
+    ground: tuple[Any, ...]
+    squeeze: Floats
+    """Force, or impulse, of the dashpot of every contact with the bead behind."""
+    drag: Floats
+    """Force, or impulse, on every bead."""
+    actual: Floats
+    """Velocities."""
+    total: Floats
+    trial: Floats
+
+
+class Flow(NamedTuple):
+    """Dashpots, and room to solve the flow of a kick."""
+
+    along: tuple[Any, ...]
+    across: tuple[tuple[Any, Any], ...]
+    ground: tuple[Any, ...]
+    squeeze: Floats
+    drag: Floats
+    steady: Floats
+    """Accelerations by forces of positions."""
+    total: Floats
+    trial: Floats
+
+
+class HalfStep(NamedTuple):
+    """Dashpots whose forces are kept until positions change."""
+
+    along: tuple[Any, ...]
+    across: tuple[tuple[Any, Any], ...]
+    ground: tuple[Any, ...]
+    squeeze: Floats
+    drag: Floats
+
+
+def make_dampers(system: System, *, as_lammps: bool) -> Any:
+    """The dashpots of a system on a state [bead + 2, chain]; an empty tuple where there are none."""
+    if not system.dampers:
+        return ()
+    laws = (
+        tuple(flat(link.law, system, first=2) for link in system.dampers if isinstance(link, Along)),
+        tuple(near for link in system.dampers if isinstance(link, Across) for near in neighbours(link, system)),
+        tuple(flat(link.law, system, first=1) for link in system.dampers if isinstance(link, Ground)),
+    )
+    room = [np.zeros((system.beads + 2) * system.chains) for _ in range(5)]
+    if as_lammps:
+        return HalfStep(*laws, *room[:2])
+    return (Flow if any(dashpot.cut(link.law) for link in system.dampers) else Given)(*laws, *room)
+
+
+def all_of(laws: Any, k: Any, strain: Any, rate: Any) -> Any:
+    """Force of several dashpots on the same link."""
+    raise NotImplementedError
+
+
+def hold(across: Any, x: Any, v: Any, k: Any) -> Any:
+    """Force of dashpots to other chains against the motion of a bead."""
+    raise NotImplementedError
+
+
+def given(laws: Any, k: Any, strain: Any) -> Any:
+    """Impulse of several dashpots on the same link."""
+    raise NotImplementedError
+
+
+def given_by(across: Any, x: Any, k: Any) -> Any:
+    """Impulse of dashpots to other chains against the motion of a bead."""
+    raise NotImplementedError
+
+
+def slow(dampers: Any, x: Any, v: Any, a: Any, forces: Any, chains: Any, first: Any, last: Any) -> Any:
+    """Add what dashpots do at these velocities to accelerations in rows first to last."""
+    raise NotImplementedError
+
+
+@overload(all_of, inline="always", strict=False)
+def _all_of(laws: Any, k: Any, strain: Any, rate: Any) -> Any:
+    return written_for_laws("damping", laws, "laws, k, strain, rate", "strain, rate")
+
+
+@overload(hold, inline="always", strict=False)
+def _hold(across: Any, x: Any, v: Any, k: Any) -> Any:
+    return written_for_neighbours("damping", across, "across, x, v, k", "x[k] - x[{other}], v[k] - v[{other}]")
+
+
+@overload(given, inline="always", strict=False)
+def _given(laws: Any, k: Any, strain: Any) -> Any:
+    return written_for_laws("impulse", laws, "laws, k, strain", "strain")
+
+
+@overload(given_by, inline="always", strict=False)
+def _given_by(across: Any, x: Any, k: Any) -> Any:
+    return written_for_neighbours("impulse", across, "across, x, k", "x[k] - x[{other}]")
+
+
+@compiled
+def brake(dampers: Any, x: Floats, v: Floats, gap: float, chains: int, first: int, last: int) -> None:
+    """Force of all dashpots on the beads of rows first to last, which touch none that moves, into ``drag``."""
+    row = np.uint64(chains)
+    dampers.squeeze[first * chains : (first + 1) * chains] = 0.0
+    dampers.squeeze[(last + 1) * chains : (last + 2) * chains] = 0.0
+    for k in range(np.uint64((first + 1) * chains), np.uint64((last + 1) * chains)):
+        dampers.squeeze[k] = all_of(dampers.along, k, x[k - row] - x[k] - gap, v[k - row] - v[k])
+    for k in range(np.uint64(first * chains), np.uint64((last + 1) * chains)):
+        held = hold(dampers.across, x, v, k) + all_of(dampers.ground, k, x[k], v[k])
+        dampers.drag[k] = dampers.squeeze[k] - dampers.squeeze[k + row] - held
+
+
+@compiled
+def impulses(given_all: Any, x: Floats, gap: float, chains: int, first: int, last: int) -> None:
+    """What all dashpots have given the beads of rows first to last, which touch none that moved, into ``drag``."""
+    row = np.uint64(chains)
+    squeeze, drag = given_all.squeeze, given_all.drag
+    squeeze[first * chains : (first + 1) * chains] = 0.0
+    squeeze[(last + 1) * chains : (last + 2) * chains] = 0.0
+    for k in range(np.uint64((first + 1) * chains), np.uint64((last + 1) * chains)):
+        squeeze[k] = given(given_all.along, k, x[k - row] - x[k] - gap)
+    for k in range(np.uint64(first * chains), np.uint64((last + 1) * chains)):
+        held = given_by(given_all.across, x, k) + given(given_all.ground, k, x[k])
+        drag[k] = squeeze[k] - squeeze[k + row] - held
+
+
+@compiled
+def slide(given_all: Any, x: Floats, w: Floats, lightness: Any, gap: float, factor: float, chains: int, first: int,
+          last: int) -> None:  # fmt: skip
+    """Positions after a drift of length ``factor`` at fixed w."""
+    low, high = np.uint64(first * chains), np.uint64((last + 1) * chains)
+    drag, total, trial = given_all.drag, given_all.total, given_all.trial
+    impulses(given_all, x, gap, chains, first, last)
+    for k in range(low, high):
+        slope = w[k] + over_mass(drag[k], lightness, k)
+        total[k] = slope
+        trial[k] = x[k] + 0.5 * factor * slope
+    impulses(given_all, trial, gap, chains, first, last)
+    for k in range(low, high):
+        slope = w[k] + over_mass(drag[k], lightness, k)
+        total[k] += 2.0 * slope
+        trial[k] = x[k] + 0.5 * factor * slope
+    impulses(given_all, trial, gap, chains, first, last)
+    for k in range(low, high):
+        slope = w[k] + over_mass(drag[k], lightness, k)
+        total[k] += 2.0 * slope
+        trial[k] = x[k] + factor * slope
+    impulses(given_all, trial, gap, chains, first, last)
+    for k in range(low, high):
+        x[k] += factor / 6.0 * (total[k] + w[k] + over_mass(drag[k], lightness, k))
+
+
+@compiled
+def flow(flow: Any, v: Floats, x: Floats, lightness: Any, gap: float, factor: float, chains: int, first: int, last: int
+) -> None:  # fmt: skip
+    """Velocities after a kick of length ``factor`` by the accelerations ``steady`` and the dashpots."""
+    low, high = np.uint64(first * chains), np.uint64((last + 1) * chains)
+    drag, steady, total, trial = flow.drag, flow.steady, flow.total, flow.trial
+    brake(flow, x, v, gap, chains, first, last)
+    for k in range(low, high):
+        slope = steady[k] + over_mass(drag[k], lightness, k)
+        total[k] = slope
+        trial[k] = v[k] + 0.5 * factor * slope
+    brake(flow, x, trial, gap, chains, first, last)
+    for k in range(low, high):
+        slope = steady[k] + over_mass(drag[k], lightness, k)
+        total[k] += 2.0 * slope
+        trial[k] = v[k] + 0.5 * factor * slope
+    brake(flow, x, trial, gap, chains, first, last)
+    for k in range(low, high):
+        slope = steady[k] + over_mass(drag[k], lightness, k)
+        total[k] += 2.0 * slope
+        trial[k] = v[k] + factor * slope
+    brake(flow, x, trial, gap, chains, first, last)
+    for k in range(low, high):
+        v[k] += factor / 6.0 * (total[k] + steady[k] + over_mass(drag[k], lightness, k))
+
+
+@overload(slow, strict=False)
+def _slow(dampers: Any, x: Any, v: Any, a: Any, forces: Any, chains: Any, first: Any, last: Any) -> Any:
+    if not isinstance(dampers, types.NamedTuple):
+        return lambda dampers, x, v, a, forces, chains, first, last: None
+
+    def act(dampers: Any, x: Any, v: Any, a: Any, forces: Any, chains: Any, first: Any, last: Any) -> None:
+        brake(dampers, x, v, forces.gap, chains, first, last)
+        for k in range(np.uint64(first * chains), np.uint64((last + 1) * chains)):
+            a[k] += over_mass(dampers.drag[k], forces.lightness, k)
+
+    return act
