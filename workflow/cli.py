@@ -29,6 +29,7 @@ COMMANDS = (
     "compare",
     "reproduce",
     "map",
+    "fit",
     "trade",
     "sweep",
     "collect",
