@@ -154,7 +154,7 @@ def identify_strengths(trajectory: Trajectory) -> dict[str, float] | None:
         return None
     x, v = trajectory.displacement, trajectory.velocity
     spacing = np.diff(trajectory.time)[:, np.newaxis, np.newaxis]
-    change = np.diff(v, axis=0)
+    change = np.diff(v, axis=0) * problem.mass
     for load in problem.loads:
         change[:, load.chain - 1, load.bead - 1] -= np.diff(load.impulse(trajectory.time))
     columns = []

@@ -173,6 +173,14 @@ def masses_and_strengths(scene: "BaseScene") -> tuple[float | Floats, float | Fl
     )
 
 
+def with_its_like(scene: "BaseScene", bead: int) -> float | Floats:
+    """Strength of the contact of a bead (from 0, or the end) of every chain, [chain], with another like it."""
+    if all(getattr(scene, key) is None for key in KEYS):
+        return 1.0
+    _, radius, modulus = _beads(scene)
+    return np.asarray(modulus[:, bead] * np.sqrt(radius[:, bead]))
+
+
 def _refuse(scene: "BaseScene") -> None:
     kinds = scene.kinds or {}
     for known_name, kind in kinds.items():
