@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from analysis.gauges.forces import Readings
+from analysis.gauges.readings import Readings
 from analysis.sharing.cells import CellEnergy
 from analysis.sharing.energy_flow import Flow
 from analysis.sharing.equipartition import CLEAR

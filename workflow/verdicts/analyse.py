@@ -11,7 +11,9 @@ import numpy as np
 from analysis.conservation import Conservation
 from analysis.files.binary_dump import CutDumpWarning
 from analysis.files.recording import FARTHEST
-from analysis.gauges.forces import ForceMeter, Readings, gauges, to_csv
+from analysis.gauges.forces import ForceMeter
+from analysis.gauges.gauge import gauges
+from analysis.gauges.readings import Readings, to_csv
 from analysis.gauges.restitution import restitution
 from analysis.largest_overlap import LargestOverlap, shown_by_frames
 from analysis.mirror import direction_of
@@ -31,14 +33,9 @@ from workflow.runs.own_files import claim
 from workflow.runs.results import Fingerprint, recorded_fingerprint
 from workflow.runs.run_directory import REPORT, RunDirectory
 from workflow.runs.whole_files import figure_files, write_figure, write_json, write_text
-from workflow.verdicts.analysis_report import (
-    cells_report,
-    energy_report,
-    forces_report,
-    last_clear_bead,
-    report,
-    waves_csv,
-)
+from workflow.verdicts.analysis_report import last_clear_bead, report
+from workflow.verdicts.ingredient_reports import cells_report, energy_report, forces_report
+from workflow.verdicts.waves_table import waves_csv
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
