@@ -3,7 +3,8 @@
 import numpy as np
 
 from analysis.files.traces import Channel
-from analysis.gauges.forces import Gauge, at_frames, gauges
+from analysis.gauges.forces import at_frames
+from analysis.gauges.gauge import Gauge, gauges
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem
 
