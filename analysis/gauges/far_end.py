@@ -30,11 +30,12 @@ class FarEnd:
     def add(self, block: Trajectory) -> None:
         """Take the next frames."""
         x, v = block.displacement[..., self._rows], block.velocity[..., self._rows]
-        energy = motion.bead_energy(self.problem, x, v, self._rows.start + 1)
         self._time.append(block.time.copy())
-        self._energy.append(np.sum(energy, axis=(1, 2)))
-        if self._wall:
-            self._force.append(at_frames(block, self._wall)[..., 0])
+        with np.errstate(over="ignore", invalid="ignore"):  # of a run that blew up
+            energy = motion.bead_energy(self.problem, x, v, self._rows.start + 1)
+            self._energy.append(np.sum(energy, axis=(1, 2)))
+            if self._wall:
+                self._force.append(at_frames(block, self._wall)[..., 0])
 
     def result(self) -> dict[str, float]:
         """Of the frames so far, dimensionless.
@@ -63,6 +64,8 @@ def _top(time: Floats, values: Floats) -> tuple[float, float]:
     if not 0 < k < len(values) - 1:
         return float(time[k]), float(values[k])
     before, at, after = values[k - 1 : k + 2].tolist()
+    if not np.isfinite(before + at + after):
+        return float(time[k]), float(values[k])
     bend = before - 2.0 * at + after
     shift = 0.5 * (before - after) / bend if bend < 0.0 else 0.0
     return float(time[k] + shift * (time[k + 1] - time[k])), float(at - 0.25 * (before - after) * shift)
