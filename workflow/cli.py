@@ -30,6 +30,7 @@ COMMANDS = (
     "reproduce",
     "map",
     "fit",
+    "design",
     "trade",
     "sweep",
     "collect",

@@ -22,8 +22,9 @@ MOST_FRAMES = 2_000_000
 
 
 class Model:
-    """Traces of scenes that differ in some numbers; frames and steps lie at the same times in all, so that small changes
-    of the numbers make small changes of the traces.
+    """Traces of scenes that differ in some numbers.
+
+    Frames and steps lie at the same times in all, so that small changes of the numbers make small ones of the traces.
 
     Args:
         scene: plain data of the scene to begin with.
