@@ -160,6 +160,9 @@ def carry_out(
         mean = sum(timed) / len(timed) if timed else math.nan
         found = Found(design, records, verified, beside, small, mean)
         write_json(directory / REPORT, found.plain())
+        from workflow.studies.design.report import page  # matplotlib takes half a second to import
+
+        write_text(directory / PAGE, page(found))
     return found
 
 
