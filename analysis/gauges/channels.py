@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from analysis.against import resample
 from analysis.files.traces import Channel
 from analysis.gauges.forces import at_frames
 from analysis.gauges.gauge import Gauge, gauges
@@ -18,7 +19,7 @@ def complaint(channel: Channel, problem: Problem) -> str | None:
         sides = [link.law.side > 0.0 for link in problem.walls]
         return None if channel.right in sides else f"the scene has no {'right' if channel.right else 'left'} wall"
     first, last = {"contact": (1, beads - 1), "sensor": (2, beads - 1)}.get(channel.kind, (1, beads))
-    return None if first <= channel.bead <= last else f"the scene has {channel.kind}s of beads {first} to {last}"
+    return None if first <= channel.bead <= last else f"beads {first} to {last} of the scene have such"
 
 
 def beads_of(channels: tuple[Channel, ...], problem: Problem) -> tuple[int, ...]:
@@ -47,6 +48,21 @@ def read(trajectory: Trajectory, channels: tuple[Channel, ...]) -> Floats:
         else:
             of = trajectory.velocity if channel.kind == "velocity" else trajectory.displacement
             values[:, column] = of[:, channel.chain - 1, trajectory.bead(channel.bead)]
+    return values
+
+
+def read_at(run: Trajectory, channels: tuple[Channel, ...], times: Floats) -> Floats:
+    """Values at ascending times, both in the scene's units, [time, channel]; 0 before the start.
+
+    Raises:
+        InputError: times beyond the end of the run.
+    """
+    scale = run.problem.scale
+    worth = np.array([getattr(scale, channel.quantity) for channel in channels])
+    values = np.zeros((len(times), len(channels)))
+    started = times >= 0.0
+    if started.any():
+        values[started] = read(resample.at_times(run, times[started] / scale.time), channels) * worth
     return values
 
 

@@ -5,26 +5,39 @@ from pathlib import Path
 from typing import Any
 
 from lammps_inputs import InputError
+from workflow.cluster.job_arguments import add_job_arguments, job_options
 from workflow.engines.lammps.mpi import cores
 from workflow.screen import count_bar, one_line, print_table
 from workflow.studies.design import file, study
+from workflow.studies.design.found import Found, Verified
+from workflow.sweep.command_job import submit_hint, write_job
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The design, where to, and how."""
     parser.add_argument("design", metavar="DESIGN.yaml", type=Path, help="a scene, bounds of its fields, an objective")
     parser.add_argument("-o", "--output", metavar="DIR", type=Path, required=True, help="made, or gone on with")
-    parser.add_argument("--jobs", metavar="N", type=int, default=cores(), help="designs at a time (default all cores)")
+    parser.add_argument(
+        "--jobs", metavar="N", type=int, help="designs at a time (default all cores; of a job cores_per_node, or 1)"
+    )
+    add_job_arguments(parser)
 
 
 def execute(arguments: argparse.Namespace) -> int:
     """Search, verify, print the best; exit code 130 when interrupted, with all that was computed kept."""
-    if not 1 <= arguments.jobs <= 1024:
+    if arguments.jobs is not None and not 1 <= arguments.jobs <= 1024:
         raise InputError(f"--jobs: {arguments.jobs} given; 1 to 1024")
+    options = job_options(arguments)
     what = file.load(arguments.design)
+    if options is not None:
+        count = arguments.jobs or options.cores_per_node or 1
+        words = ["design", str(arguments.design.absolute()), "-o", ".", "--jobs", str(count)]
+        write_job(arguments.output, options, words, cores=count)
+        print(submit_hint(arguments.output))
+        return 0
     try:
         with count_bar("design") as progress:
-            found = study.carry_out(what, arguments.output, processes=arguments.jobs, progress=progress)
+            found = study.carry_out(what, arguments.output, processes=arguments.jobs or cores(), progress=progress)
     except KeyboardInterrupt:
         print("interrupted: all designs that were computed are kept; the same command goes on")
         return 130
@@ -32,7 +45,7 @@ def execute(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _print(found: study.Found, arguments: argparse.Namespace) -> None:
+def _print(found: Found, arguments: argparse.Namespace) -> None:
     design = found.design
     rows = [_row(str(place), one, design) for place, one in enumerate(found.verified, 1)]
     if found.beside is not None:
@@ -58,7 +71,7 @@ def _print(found: study.Found, arguments: argparse.Namespace) -> None:
     print(f"{one_line(arguments.output)}: {study.PAGE}, {study.BEST}, {study.TABLE}")
 
 
-def _row(place: str, one: study.Verified, design: file.Design) -> list[str]:
+def _row(place: str, one: Verified, design: file.Design) -> list[str]:
     difference = one.difference(design.objective)
     return [
         place,

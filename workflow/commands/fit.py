@@ -5,8 +5,10 @@ from pathlib import Path
 
 from lammps_inputs import library
 from lammps_inputs.numbers import text
+from workflow.cluster.job_arguments import add_job_arguments, job_options
 from workflow.screen import one_line, print_table
 from workflow.studies.fit import study
+from workflow.sweep.command_job import submit_hint, write_job
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -31,10 +33,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("-o", "--output", metavar="DIR", type=Path, required=True, help="made if need be")
     parser.add_argument("--no-lammps", action="store_true", help="do not run the fitted scene in LAMMPS")
+    add_job_arguments(parser)
 
 
 def execute(arguments: argparse.Namespace) -> int:
     """Print what was found; exit code 1 when the search did not come to its end."""
+    options = job_options(arguments)
+    if options is not None:
+        write_job(arguments.output, options, _words(arguments), cores=1, jobs=1)
+        print(submit_hint(arguments.output))
+        return 0
     found = study.fit(
         _plain(arguments.scene),
         arguments.against,
@@ -46,6 +54,16 @@ def execute(arguments: argparse.Namespace) -> int:
     )
     _print(found, arguments)
     return 0 if found.found.converged else 1
+
+
+def _words(arguments: argparse.Namespace) -> list[str]:
+    """The command as a job runs it."""
+    scene = arguments.scene
+    path = scene if scene in library.installed() else str(Path(scene).absolute())
+    library.find(scene)
+    words = ["fit", path, "--against", str(arguments.against.absolute()), "--free", arguments.free, "-o", "."]
+    words += [] if arguments.offset is None else [f"--offset={arguments.offset!r}"]
+    return [*words, *(["--no-lammps"] if arguments.no_lammps else [])]
 
 
 def _plain(name: str) -> dict[str, object]:

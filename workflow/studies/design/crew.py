@@ -41,8 +41,13 @@ class Crew:
             context = multiprocessing.get_context("spawn")
             self._pool = ProcessPoolExecutor(processes, context, initializer=_begin, initargs=(os.getpid(),))
 
-    def all_of(self, designs: Sequence[dict[str, Any]]) -> list[Record]:
-        """Records of designs, each field -> value, in their order; each is computed once."""
+    def all_of(self, designs: Sequence[dict[str, Any]], *, whole: bool = False) -> list[Record]:
+        """Records of designs, each field -> value, in their order; each is computed once.
+
+        Args:
+            designs: which.
+            whole: whether to run also those whose mass rules them out.
+        """
         wanted: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {}
         keys = []
         for values in designs:
@@ -51,18 +56,20 @@ class Crew:
             keys.append(key)
             wanted.setdefault(key, (values, scene))
         missing = {
-            key: entry for key, entry in wanted.items() if self.memory.known(key, self._needed(entry[1])) is None
+            key: entry
+            for key, entry in wanted.items()
+            if self.memory.known(key, self._needed(entry[1], whole=whole)) is None
         }
-        for key, record in self._computed(missing):
+        for key, record in self._computed(missing, whole=whole):
             self.memory.add(key, record)
             if self.tell is not None:
                 self.tell(record)
         return [self.memory.records[key] for key in keys]
 
-    def _needed(self, scene: dict[str, Any]) -> tuple[str, ...]:
+    def _needed(self, scene: dict[str, Any], *, whole: bool) -> tuple[str, ...]:
         """Quantities to know: no more than the mass where that rules a design out."""
         limit = self.design.where.get(MASS)
-        if limit is not None:
+        if limit is not None and not whole:
             try:
                 if limit.violation(mass_of(library.from_plain(scene, self.design.source))) > 0.0:
                     return (MASS,)
@@ -70,10 +77,12 @@ class Crew:
                 pass
         return self.design.names
 
-    def _computed(self, missing: dict[str, tuple[dict[str, Any], dict[str, Any]]]) -> Iterator[tuple[str, Record]]:
+    def _computed(
+        self, missing: dict[str, tuple[dict[str, Any], dict[str, Any]]], *, whole: bool
+    ) -> Iterator[tuple[str, Record]]:
         runs = []
         for key, (values, scene) in missing.items():
-            names = self._needed(scene)
+            names = self._needed(scene, whole=whole)
             if names == (MASS,):
                 mass = mass_of(library.from_plain(scene, self.design.source))
                 yield key, Record(values, {MASS: mass}, "", 0.0)

@@ -39,13 +39,13 @@ def sensitivity(design: Design, crew: Crew, best: dict[str, Any]) -> Sensitivity
         off = {v.field: _off(v, best[v.field], spread * (2.0 * chance.random(v.coordinates) - 1.0)) for v in numbers}
         beads = {"disorder.radius": spread, "disorder.stiffness": spread, "disorder.seed": member + 1}
         made.append({**best, **off, **beads})
-    records = crew.all_of(made)
+    records = crew.all_of(made, whole=True)
     sides = [
         {**best, v.field: _off(v, best[v.field], np.full(v.coordinates, sign * spread))}
         for v in numbers
         for sign in (-1.0, 1.0)
     ]
-    beside = [_objective(design, record) for record in crew.all_of(sides)]
+    beside = [_objective(design, record) for record in crew.all_of(sides, whole=True)]
     found = [value for record in records if (value := _objective(design, record)) is not None]
     return Sensitivity(
         spread=spread,

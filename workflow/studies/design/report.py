@@ -14,8 +14,8 @@ from analysis.gauges.gauge import gauges
 from analysis.mirror import direction_of
 from analysis.trajectory import Floats
 from workflow.runs.run_directory import RunDirectory
+from workflow.studies.design.found import Found, Verified
 from workflow.studies.design.search import RULED_OUT, worth
-from workflow.studies.design.study import Found, Verified
 from workflow.studies.reproduce.page import Picture, document, png, shown
 from workflow.sweep.table import QUANTITIES
 
@@ -168,7 +168,7 @@ def _made(found: Found) -> str:
     words = (
         f"<p>{len(values)} designs whose beads differ in size and stiffness, and whose numbers are off, all evenly "
         f"spread within {small.spread:.2%}: {html.escape(name)} {values.mean():.5g} on average (as designed "
-        f"{best:.5g}), standard deviation {values.std(ddof=1):.2g}, at worst {worst:.5g}.</p>"
+        f"{best:.5g}), standard deviation {values.std():.2g}, at worst {worst:.5g}.</p>"
     )
     rows = [_row(["number", f"{small.spread:.2%} less", f"{small.spread:.2%} more"], "th")]
     rows += [_row([field, *(_change(value, best) for value in pair)]) for field, pair in small.alone.items()]

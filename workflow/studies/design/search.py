@@ -48,7 +48,7 @@ def search(design: Design, crew: Crew) -> list[Record]:
     asked: dict[int, Record] = {}
 
     def ask(vectors: Sequence[Floats]) -> list[float]:
-        records = crew.all_of([values_of(design.variables, vector) for vector in vectors])
+        records = crew.all_of([values_of(design.variables, vector.tolist()) for vector in vectors])
         asked.update((id(record), record) for record in records)
         return [worth(design, record) for record in records]
 
@@ -89,7 +89,7 @@ def _evolved(design: Design, ask: Any) -> tuple[Floats, float]:
 
     def together(_: Any, vectors: Any) -> list[float]:
         chosen = [np.where(whole, np.round(vector), vector) for vector in vectors]
-        found = ask(chosen)
+        found: list[float] = ask(chosen)
         k = int(np.argmin(found))
         if found[k] < best[1]:
             best[:] = chosen[k], found[k]

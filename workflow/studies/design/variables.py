@@ -55,7 +55,8 @@ class Variable:
         if not self.steps:
             return None
         low, high = self.bounds
-        return int(high - low + 1) ** self.coordinates
+        each = int(high - low + 1)
+        return int(each**self.coordinates)
 
     def value(self, coordinates: Sequence[float]) -> Any:
         """What stands in the scene."""

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.stats import t as student
 
@@ -16,6 +17,8 @@ from analysis.trajectory import Floats
 
 Residuals = Callable[[Floats], Floats]
 """Parameters -> data minus model, [row, channel]; NaN without data; all infinite where there is no model."""
+
+Mask = NDArray[np.bool_]
 
 Slopes = Callable[[Floats], Floats]
 """Parameters -> derivatives of the model, [row, channel, parameter]."""
@@ -85,10 +88,10 @@ def estimate(residuals: Residuals, slopes: Slopes, start: Floats, size: Floats) 
         weights = 1.0 / noise
         kept = np.isfinite(residuals(parameters))
 
-        def weighed(p: Floats, kept: np.ndarray = kept, weights: Floats = weights) -> Floats:  # type: ignore[type-arg]
+        def weighed(p: Floats, kept: Mask = kept, weights: Floats = weights) -> Floats:
             return np.asarray((residuals(p) * weights)[kept])
 
-        def derivatives(p: Floats, kept: np.ndarray = kept, weights: Floats = weights) -> Floats:  # type: ignore[type-arg]
+        def derivatives(p: Floats, kept: Mask = kept, weights: Floats = weights) -> Floats:
             return np.asarray(-(slopes(p) * weights[:, np.newaxis])[kept])
 
         found = least_squares(weighed, parameters, derivatives, method="trf", x_scale="jac", xtol=1e-10, ftol=1e-12)

@@ -5,11 +5,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from analysis.against import resample
-from analysis.files.traces import Channel, Traces
-from analysis.gauges.channels import beads_of, read
+from analysis.files.traces import Traces
+from analysis.gauges.channels import beads_of, read_at
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import InputError, Problem, library
 from workflow.engines.reference import engine
@@ -74,19 +71,4 @@ class Model:
 
     def traces(self, run: Trajectory, offset: float) -> Floats:
         """What the table would hold, [row, channel], where its times are later than the scene's by an offset."""
-        return traces_at(run, self.given.channels, self.given.time - offset)
-
-
-def traces_at(run: Trajectory, channels: tuple[Channel, ...], times: Floats) -> Floats:
-    """Traces in the scene's units at ascending times in them, [time, channel]; 0 before the start.
-
-    Raises:
-        InputError: times beyond the end of the run.
-    """
-    scale = run.problem.scale
-    worth = np.array([getattr(scale, channel.quantity) for channel in channels])
-    values = np.zeros((len(times), len(channels)))
-    started = times >= 0.0
-    if started.any():
-        values[started] = read(resample.at_times(run, times[started] / scale.time), channels) * worth
-    return values
+        return read_at(run, self.given.channels, self.given.time - offset)

@@ -18,7 +18,7 @@ from scipy.stats import qmc
 
 from analysis.files import traces
 from analysis.files.traces import Channel
-from analysis.gauges.channels import read
+from analysis.gauges.channels import read, read_at
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import InputError, library, strict_yaml
 from workflow.runs.check import Check
@@ -27,7 +27,7 @@ from workflow.runs.run import run
 from workflow.runs.whole_files import figure_files, write_figure, write_json, write_text
 from workflow.studies.fit.estimate import CONFIDENCE, Estimate, estimate
 from workflow.studies.fit.fields import Free, free
-from workflow.studies.fit.model import Model, traces_at
+from workflow.studies.fit.model import Model
 
 REPORT, FITTED, FIGURE, LAMMPS = "fit.json", "fitted.yaml", "residuals", "lammps"
 
@@ -278,7 +278,7 @@ def _in_lammps(
     kept = {key: value for key, value in fitted.items() if key not in ("until_bead", "output")}
     scene = library.from_plain({**kept, "duration": until}, source)
     done = run(scene, directory, overwrite=directory.exists())
-    theirs = traces_at(done.trajectory, model.given.channels, model.given.time - offset)
+    theirs = read_at(done.trajectory, model.given.channels, model.given.time - offset)
     own = search.traces(found.parameters)
     assert own is not None
     return done.check, float(np.max(np.abs(theirs - own) / found.noise))
