@@ -96,7 +96,7 @@ class Fit:
         return {
             "free": {n: {"start": s, "value": v, "low": a, "high": b} for n, s, v, a, b in columns},
             "correlation": self.found.correlation.tolist(),
-            "channels": {c.name: {"noise": float(n), "share": s, "alike": float(r)} for c, n, s, r in seen},
+            "channels": {c.name: {"noise": float(n), "over_largest": s, "alike": float(r)} for c, n, s, r in seen},
             "rows": self.found.rows,
             "widened": self.found.widened,
             "converged": self.found.converged,
