@@ -12,13 +12,15 @@ import pytest
 from processes import HANGS, wait_until
 from sweeps import GRANCHAIN
 
-from lammps_inputs import strict_yaml
+from lammps_inputs import library, strict_yaml
 from workflow.cli import main
-from workflow.studies.design import file
+from workflow.runs.run import run
+from workflow.studies.design import file, measures
 from workflow.studies.design.crew import Crew
 from workflow.studies.design.memory import Memory
 from workflow.studies.design.search import search, worth
 from workflow.studies.design.variables import Variable
+from workflow.sweep.collect import collect
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
@@ -218,3 +220,17 @@ def test_ctrl_c_keeps_what_was_computed_and_leaves_no_process(tmp_path):
     assert children
     assert wait_until(lambda: not any(Path(f"/proc/{child}").exists() for child in children))
     assert all(json.loads(line)["quantities"] for line in lines.read_text().splitlines())
+
+
+def test_quantities_are_those_of_an_analysis(tmp_path):
+    """Also where a short cut finds them."""
+    plain = {"name": "two", "chains": 2, "beads": 60, "coupling": {"stiffness": 0.3}, "kick": {"velocity": 1}}
+    plain |= {"duration": 90}
+    names = ("amplitude", "agree_10", "beat_length", "energy_share", "delay", "transmitted_energy")
+    found = measures.by_reference(plain, names, "scene")
+    run(library.from_plain(plain, "scene"), tmp_path / "r", engine="reference")
+    assert main(["analyze", str(tmp_path / "r"), "--no-figures"]) == 0
+    row = collect(tmp_path).rows[0]
+    assert found["agree_10"] is not None
+    for name in names:
+        assert found[name] == pytest.approx(row[name], rel=1e-12), name

@@ -9,8 +9,13 @@ import numpy as np
 
 from analysis.conservation import Conservation
 from analysis.gauges.far_end import FarEnd
+from analysis.mirror import direction_of
+from analysis.sharing.equipartition import sharing
 from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.survey import survey
+from analysis.tracking.leading_waves import leading_waves, usual_arrival
+from analysis.tracking.peaks import PeakFinder
+from analysis.tracking.which_leads import beyond_kicks, opposed
 from analysis.trajectory import Trajectory, blocks
 from lammps_inputs import InputError, Problem, Scene, library
 from workflow.engines.reference import engine
@@ -32,6 +37,8 @@ KNOWN = (
     *(name for name, q in QUANTITIES.items() if q.file == REPORT and q.label and name not in _AT_THE_END),
 )
 """Quantities that a design may be about."""
+
+_OF_SHARING = ("amplitude", "agree_10", "agree_1", "in_step_1", "beat_length")
 
 Measured = dict[str, float | None]
 """By name, in the scene's units; None where there is none."""
@@ -72,16 +79,39 @@ def of_frames(
 ) -> Measured:
     """Quantities of a run; ``frames`` starts reading it anew."""
     found: dict[str, Any] = {}
+    quick = _shared(problem, frames) if set(names) & set(_OF_SHARING) and _is_plain(problem) else {}
     if any(name in _AT_THE_END for name in names):
         end = FarEnd(problem)
         for block in frames():
             end.add(block)
         found["far_end"] = far_end_report(problem, end)
-    if any(name in KNOWN and name not in (MASS, *_AT_THE_END) for name in names):
+    if any(name not in (MASS, *_AT_THE_END, *quick) for name in names):
         seen, allowed = Conservation(), Tolerances()
         found |= report(survey(frames, problem, watchers=[seen], tolerances=allowed), seen, allowed)
-    known = {**quantities(found, {}, scene.plain()), MASS: mass_of(scene)}
+    known = {**quantities(found, {}, scene.plain()), **quick, MASS: mass_of(scene)}
     return {name: None if known[name] is None else float(known[name]) for name in names}
+
+
+def _is_plain(problem: Problem) -> bool:
+    """Whether one pulse leads, away from bead 1, so that its waves need not be told from others."""
+    return direction_of(problem) > 0 and not opposed(problem) and not problem.loads
+
+
+def _shared(problem: Problem, frames: Callable[[], Iterable[Trajectory]]) -> dict[str, float | None]:
+    """What an analysis finds of how the chains share the pulse, without all else that it looks for."""
+    finder = PeakFinder()
+    for block in frames():
+        finder.add(block)
+    found = sharing(leading_waves(beyond_kicks(finder.result(), problem), usual_arrival(problem)), problem)
+    final, beat = found.final, found.beat_length
+    values = (
+        None if final is None else final.value,
+        found.agrees_from(0.1),
+        found.agrees_from(0.01),
+        found.in_step_from(0.01),
+        None if beat is None else beat.value,
+    )
+    return dict(zip(_OF_SHARING, values, strict=True))
 
 
 def evaluated(plain: dict[str, Any], names: tuple[str, ...], source: str) -> dict[str, Any]:
