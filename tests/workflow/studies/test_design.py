@@ -234,3 +234,12 @@ def test_quantities_are_those_of_an_analysis(tmp_path):
     assert found["agree_10"] is not None
     for name in names:
         assert found[name] == pytest.approx(row[name], rel=1e-12), name
+
+
+def test_the_example_of_the_readme_is_a_design(tmp_path):
+    text = (Path(__file__).parents[3] / "workflow" / "README.md").read_text(encoding="utf-8")
+    path = tmp_path / "design.yaml"
+    path.write_text(text.partition("<!-- design -->\n```yaml\n")[2].partition("```")[0])
+    design = file.load(path)
+    assert len(design.variables) == 6
+    assert library.from_plain(design.beside, "beside").system.alike
