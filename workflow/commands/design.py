@@ -5,12 +5,19 @@ from pathlib import Path
 from typing import Any
 
 from lammps_inputs import InputError
+from lammps_inputs.slurm.job import JOB
 from workflow.cluster.job_arguments import add_job_arguments, job_options
 from workflow.engines.lammps.mpi import cores
-from workflow.screen import count_bar, one_line, print_table
+from workflow.screen import Answer, count_bar, one_line, print_table
 from workflow.studies.design import file, study
 from workflow.studies.design.found import Found, Verified
 from workflow.sweep.command_job import submit_hint, write_job
+
+ANSWERS = "what design.json holds"
+EXAMPLES = (
+    "design design.yaml -o designed          # the same command goes on; workflow/README.md has such a file",
+    "design design.yaml -o designed --slurm --jobs 64   # then there: sbatch job.sbatch",
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -23,7 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_job_arguments(parser)
 
 
-def execute(arguments: argparse.Namespace) -> int:
+def execute(arguments: argparse.Namespace) -> Answer:
     """Search, verify, print the best; exit code 130 when interrupted, with all that was computed kept."""
     if arguments.jobs is not None and not 1 <= arguments.jobs <= 1024:
         raise InputError(f"--jobs: {arguments.jobs} given; 1 to 1024")
@@ -34,15 +41,15 @@ def execute(arguments: argparse.Namespace) -> int:
         words = ["design", str(arguments.design.absolute()), "-o", ".", "--jobs", str(count)]
         write_job(arguments.output, options, words, cores=count)
         print(submit_hint(arguments.output))
-        return 0
+        return Answer(0, {"job": str(arguments.output / JOB)})
     try:
         with count_bar("design") as progress:
             found = study.carry_out(what, arguments.output, processes=arguments.jobs or cores(), progress=progress)
     except KeyboardInterrupt:
         print("interrupted: all designs that were computed are kept; the same command goes on")
-        return 130
+        return Answer(130, {})
     _print(found, arguments)
-    return 0
+    return Answer(0, found.plain())
 
 
 def _print(found: Found, arguments: argparse.Namespace) -> None:

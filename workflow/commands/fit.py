@@ -5,10 +5,18 @@ from pathlib import Path
 
 from lammps_inputs import library
 from lammps_inputs.numbers import text
+from lammps_inputs.slurm.job import JOB
 from workflow.cluster.job_arguments import add_job_arguments, job_options
-from workflow.screen import one_line, print_table
+from workflow.screen import Answer, one_line, print_table
 from workflow.studies.fit import study
 from workflow.sweep.command_job import submit_hint, write_job
+
+ANSWERS = "what fit.json holds"
+EXAMPLES = (
+    "fit scene.yaml --against data.csv --free coupling.stiffness,kick.velocity -o fitted",
+    "fit scene.yaml --against data.csv --free material.youngs_modulus --offset 0 -o fitted   # times as the scene's",
+    "fit scene.yaml --against data.csv --free coupling.stiffness -o fitted --slurm   # then there: sbatch job.sbatch",
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -36,13 +44,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_job_arguments(parser)
 
 
-def execute(arguments: argparse.Namespace) -> int:
+def execute(arguments: argparse.Namespace) -> Answer:
     """Print what was found; exit code 1 when the search did not come to its end."""
     options = job_options(arguments)
     if options is not None:
         write_job(arguments.output, options, _words(arguments), cores=1, jobs=1)
         print(submit_hint(arguments.output))
-        return 0
+        return Answer(0, {"job": str(arguments.output / JOB)})
     found = study.fit(
         _plain(arguments.scene),
         arguments.against,
@@ -53,7 +61,7 @@ def execute(arguments: argparse.Namespace) -> int:
         lammps=not arguments.no_lammps,
     )
     _print(found, arguments)
-    return 0 if found.found.converged else 1
+    return Answer(0 if found.found.converged else 1, found.plain())
 
 
 def _words(arguments: argparse.Namespace) -> list[str]:

@@ -28,7 +28,7 @@ def write_job(
         InputError: the directory cannot be written, or holds such a file of somebody else's.
     """
     # -P: the directory it works in is no place for modules
-    command = [sys.executable, "-P", "-m", "workflow.cli", *words]
+    command = [sys.executable, "-P", "-m", "workflow", *words]
     text = render_command(options, f"granchain-{words[0]}", command, cores=cores, jobs=jobs)
     try:
         directory.mkdir(parents=True, exist_ok=True)
