@@ -18,7 +18,7 @@ import hashlib
 import importlib.resources
 import re
 import shlex
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from lammps_inputs import scheme, window
@@ -123,7 +123,7 @@ def _ranges(numbers: Sequence[int]) -> str:
     return ",".join(str(first) if first == last else f"{first}-{last}" for first, last in found)
 
 
-def head(options: JobOptions, name: str, more: dict[str, object]) -> list[str]:
+def head(options: JobOptions, name: str, more: Mapping[str, object]) -> list[str]:
     """First lines of a job: what it asks Slurm for, ``more`` by option without those that are None.
 
     Raises:
