@@ -149,13 +149,12 @@ def test_limits_come_before_the_objective(tmp_path, remembered):
     assert worth(design, heavy) < worth(design, light) < worth(design, lighter) < np.inf
 
 
-def test_a_design_that_is_no_scene_is_told_and_passed_over(tmp_path):
-    path = written(tmp_path, vary={"coupling.rows": {"from": 10, "to": 14, "places": 2}, "chains": [2, 3]})
-    assert main(["design", str(path), "-o", str(tmp_path / "d"), "--jobs", "1"]) == 0
-    rows = list(csv.DictReader((tmp_path / "d" / "designs.csv").read_text().splitlines()))
-    refused = [row for row in rows if row["refused"]]
-    assert refused
-    assert all("coupling.rows" in row["refused"] for row in refused)
+def test_a_design_that_is_no_scene_says_why_and_is_worse_than_any_other(tmp_path, remembered):
+    design = file.load(written(tmp_path))
+    crew = Crew(design, remembered(tmp_path / "m.jsonl"), 1)
+    refused = crew.all_of([{"coupling.rows": [10, 14]}])[0]
+    assert "coupling.rows: 10 to 14 given" in refused.refused
+    assert worth(design, refused) == np.inf
 
 
 @pytest.mark.parametrize(
@@ -204,6 +203,7 @@ def test_coordinates_stand_for_values(variable, coordinates, value):
     assert variable.value(coordinates) == value
 
 
+@pytest.mark.slow
 def test_ctrl_c_keeps_what_was_computed_and_leaves_no_process(tmp_path):
     path = written(tmp_path, search={"evaluations": 100_000}, vary={"gap": {"from": 0.01, "to": 0.5}})
     directory = tmp_path / "d"

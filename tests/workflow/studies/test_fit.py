@@ -32,7 +32,7 @@ def found(tmp_path_factory, request):
     request.getfixturevalue("lammps_here")
     directory = tmp_path_factory.mktemp("fit")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(study, "STARTS", 4)
+        patch.setattr(study, "STARTS", 1)
         patch.setattr(study, "BEGUN", 1)
         assert fit(directory) == 0
     return directory / "out"
@@ -80,6 +80,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say(tmp_path, monkeypatch):
     assert np.all(inside >= 0.95 * seeds - 2.6 * np.sqrt(0.95 * 0.05 * seeds))
 
 
+@pytest.mark.slow
 def test_fields_that_stand_for_the_same_are_said_not_to_be_told_apart(tmp_path, monkeypatch, capsys):
     """Contacts know Young's modulus over 1 - nu**2 only."""
     monkeypatch.setattr(study, "STARTS", 2)
