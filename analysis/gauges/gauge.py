@@ -45,6 +45,11 @@ class Gauge:
     bead: int
     probes: tuple[Probe, ...]
 
+    @property
+    def side(self) -> str:
+        """Of a wall: ``left`` or ``right``."""
+        return "left" if self.bead == 1 else "right"
+
 
 def gauges(problem: Problem, *, wall: bool, contacts: tuple[int, ...], sensors: tuple[int, ...]) -> tuple[Gauge, ...]:
     """Gauges at walls, between beads n and n + 1, and inside beads; from left to right by kind."""

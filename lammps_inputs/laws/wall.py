@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from lammps_inputs.laws import Parameter
-from lammps_inputs.lines import Lines, atoms_by_value
+from lammps_inputs.lines import Lines
 from lammps_inputs.numbers import text
 
 if TYPE_CHECKING:
@@ -54,24 +54,29 @@ class HertzWall(NamedTuple):
         return self._replace(side=-self.side)
 
     def ground(self, name: str, problem: "System") -> Lines:
-        """LAMMPS's force of a flat wall is ``K * sqrt(radius) * overlap**1.5``; it acts on the beads that reach it.
+        """LAMMPS's force of a flat wall is ``K * sqrt(radius) * overlap**1.5``.
 
-        All have one radius in LAMMPS, so chains whose walls are not equally hard have walls of their own.
+        Only the beads that can reach it are asked, for the others cost as much. All have one radius in LAMMPS, so
+        chains whose walls are not equally hard have walls of their own.
         """
         radius = problem.diameter / 2.0
         right = self.side > 0.0
         face = problem.beads * problem.spacing + radius + self.gap if right else problem.spacing - radius - self.gap
         faces = f"NULL {text(face)}" if right else f"{text(face)} NULL"
-        root = text(float(np.sqrt(radius)))
+        root, end = text(float(np.sqrt(radius))), problem.beads if right else 1
         no_loss = f"0 tangential linear_nohistory 0 0 damping velocity xplane {faces}"
-        hard = np.max(self.strength, axis=1, keepdims=True)
+        hard = np.max(self.strength, axis=1)
         if np.ptp(hard) == 0.0:
             return Lines(
-                variables=(f"variable {name} index {text(float(hard[0, 0]))}   # force over overlap^1.5",),
-                motion=(f"fix {name} all wall/gran granular hertz $(v_{name}/{root}:%.17g) {no_loss}",),
+                variables=(f"variable {name} index {text(float(hard[0]))}   # force over overlap^1.5",),
+                motion=(
+                    f"group {name} id {end}:{problem.chains * problem.beads}:{problem.beads}",
+                    f"fix {name} {name} wall/gran granular hertz $(v_{name}/{root}:%.17g) {no_loss}",
+                ),
             )
         lines = []
-        for number, ((strength,), atoms) in enumerate(atoms_by_value((hard,), (problem.chains, problem.beads)), 1):
+        for number, strength in enumerate(np.unique(hard).tolist(), 1):
+            atoms = " ".join(str(chain * problem.beads + end) for chain in np.flatnonzero(hard == strength).tolist())
             own, stiffness = f"{name}{number}", f"$({text(strength)}/{root}:%.17g)"
             lines += [f"group {own} id {atoms}", f"fix {own} {own} wall/gran granular hertz {stiffness} {no_loss}"]
         return Lines(motion=tuple(lines))

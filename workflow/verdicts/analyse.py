@@ -24,7 +24,7 @@ from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.survey import Survey, survey
 from analysis.tracking.leading_waves import Arrival, Waves, from_csv, usual_arrival
 from analysis.tracking.left_behind import LeftBehind
-from analysis.trajectory import Trajectory
+from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import InputError, Problem
 from lammps_inputs.decks import deck
 from lammps_inputs.facts import Fact
@@ -65,6 +65,7 @@ class Analysis:
         energy: where the energy was over time, where no pulse stays together and every bead was recorded; else None.
         cells: what the pulse left behind, where beads differ and every one was recorded; else None.
         forces: what the scene's gauges read; None where it names none.
+        given_back: of the walls among them, by side: velocity of the pulse thrown back over that which came, [chain].
     """
 
     problem: Problem
@@ -79,6 +80,7 @@ class Analysis:
     energy: Flow | None
     cells: CellEnergy | None
     forces: Readings | None
+    given_back: dict[str, Floats]
 
     @property
     def waves(self) -> Waves:
@@ -98,7 +100,7 @@ def analyse(
 
     Args:
         directory: a run directory.
-        beads: whose velocity over time is drawn; by default three beads along the way of the pulse.
+        beads: whose velocity over time is drawn; by default three, see `default_beads`.
         figures: whether to draw.
         tolerances: within which a pulse is called solitary; by default 1% each.
         arrival: what counts as the arrival of a wave; by default the maximum where it is sharp, see
@@ -170,8 +172,9 @@ def analyse(
     hardest = None if overlap is None else of_overlap(directory.scene, overlap)
     found_contacts = {} if hardest is None else {"contacts": hardest.plain()}
     more: dict[str, Any] = {**found_contacts, **({} if energy is None else {"energy": energy_report(problem, energy)})}
+    sides = {gauge.side for gauge in forces.gauges if gauge.kind == "wall"} if forces is not None else set()
+    given_back = {side: restitution(found.pulses, problem, right=side == "right") for side in sorted(sides)}
     if forces is not None:
-        given_back = {side: restitution(found.pulses, problem, right=side == "right") for side in ("left", "right")}
         more["forces"] = forces_report(problem, forces, given_back)
     if end is not None:
         more["far_end"] = far_end_report(problem, end)
@@ -181,7 +184,19 @@ def analyse(
     complete = conservation.frames == problem.frames + 1
     altered = recorded_fingerprint(directory) not in ("", fingerprint.sha256())
     return Analysis(
-        problem, found, conservation, complete, drawn, left, directory.failure, altered, hardest, energy, cells, forces
+        problem=problem,
+        survey=found,
+        conservation=conservation,
+        complete=complete,
+        figures=drawn,
+        left=left,
+        failure=directory.failure,
+        altered=altered,
+        contacts=hardest,
+        energy=energy,
+        cells=cells,
+        forces=forces,
+        given_back=given_back,
     )
 
 
@@ -239,8 +254,12 @@ def _sound(directory: RunDirectory, blocks: Iterator[Trajectory]) -> Iterator[Tr
 
 
 def default_beads(problem: Problem) -> tuple[int, ...]:
-    """Three recorded beads, near a sixth, a half and nine tenths of the way."""
+    """Three recorded beads: near a sixth, a half and nine tenths of the way, or near that hit, where no pulse runs."""
     recorded = problem.recorded_beads
+    if not problem.holds(Fact.PULSE):
+        hit = max(problem.struck, key=lambda blow: abs(blow[2]))[1]
+        way = 1 if direction_of(problem) > 0 else -1
+        return tuple(sorted({int(recorded[np.argmin(np.abs(recorded - hit - way * far))]) for far in (0, 2, 5)}))
     places = np.unique(np.round(np.array([0.17, 0.5, 0.9]) * (len(recorded) - 1)).astype(int))
     return tuple(int(recorded[place]) for place in places)
 

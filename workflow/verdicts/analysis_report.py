@@ -66,13 +66,21 @@ def report(found: Survey, seen: Conservation, tolerances: Tolerances, left: Left
 
 
 def train(found: Survey) -> Train | None:
-    """The pulses of the chain that was hit, where the leading one was last clear of the ends; None if it never was."""
+    """The pulses of the chain that was hit, at the farthest bead that all which ran far have passed; None without any.
+
+    To have run far is a quarter of the chain, and clear of its ends.
+    """
     chain, beads = found.shared.kicked + 1, found.problem.beads
     own = found.waves.of_chain(chain)
     clear = own.bead[(own.bead > CLEAR) & (own.bead <= beads - CLEAR)]
     if len(clear) == 0:
         return None
-    return train_of(found.pulses, chain, found.direction, int(clear.max() if found.direction > 0 else clear.min()))
+    ahead = found.direction
+    reached = [ahead * int(clear.max() if ahead > 0 else clear.min())]
+    for pulse in found.pulses:
+        if (pulse.chain, pulse.direction) == (chain, ahead) and 4 * abs(int(np.ptp(pulse.bead))) >= beads:
+            reached.append(ahead * int(pulse.bead[-1]))
+    return train_of(found.pulses, chain, ahead, abs(min(reached)))
 
 
 def train_report(found: Survey) -> dict[str, Any] | None:

@@ -34,22 +34,27 @@ def energy_report(problem: Problem, flow: Flow) -> dict[str, Any]:
 
 
 def cells_report(problem: Problem, cells: CellEnergy) -> dict[str, Any]:
-    """What ``analysis.json`` says under ``cells``, where beads differ; energies in that of the kicks.
+    """What ``analysis.json`` says under ``cells``, where beads differ; energies in shares of what was put in.
 
     | key         | what                                                                                          |
     |-------------|-----------------------------------------------------------------------------------------------|
     | beads       | of a cell: what the pattern repeats                                                           |
     | left_behind | energy that the pulse of the chain that was hit hardest leaves in every cell                  |
-    | chains      | per chain: that, between which beads, and what the pulse carries at the last; null: none ran  |
-    | replaced    | per replaced bead: energy of its chain before, at and beyond it at the end                    |
+    | chains      | per chain: that, between which beads, and what the pulse carries at the last; null: none ran; |
+    |             | rate: share of its own energy that it loses in a cell, by the exponential law fitted there,   |
+    |             | and the law's largest relative deviation                                                      |
+    | last_bead   | per chain: largest kinetic energy of the bead at its end; null where no pulse came there      |
+    | replaced    | per replaced bead: energy of its chain before, at and beyond it at the end; incident: of the  |
+    |             | pulse as it came near; reflected: of that, what is on its side at the end                     |
     """
     found = [cells.left(chain) for chain in range(1, problem.chains + 1)]
-    hit = found[max(problem.kicks, key=lambda kick: abs(kick[2]))[0] - 1]
+    hit = found[max(problem.struck, key=lambda blow: abs(blow[2]))[0] - 1]
     return {
         "beads": cells.period,
         "left_behind": None if hit is None else known(hit.per_cell),
-        "chains": [None if left is None else {**asdict(left), "per_cell": known(left.per_cell)} for left in found],
-        "replaced": [asdict(split) for split in cells.splits()],
+        "chains": [None if left is None else _known(asdict(left)) for left in found],
+        "last_bead": [cells.end(chain) for chain in range(1, problem.chains + 1)],
+        "replaced": [_known(asdict(split)) for split in cells.splits()],
     }
 
 
@@ -82,8 +87,7 @@ def forces_report(problem: Problem, readings: Readings, restitution: dict[str, F
                 "contacts": int(readings.contacts[chain, place]),
             }
             if gauge.kind == "wall":
-                side = "left" if gauge.bead == 1 else "right"
-                entry["restitution"] = known(float(restitution[side][chain]))
+                entry["restitution"] = known(float(restitution[gauge.side][chain]))
             entries.append(entry)
     return entries
 
@@ -93,3 +97,7 @@ def far_end_report(problem: Problem, end: FarEnd) -> dict[str, Any]:
     scale = problem.scale
     worth = {"wall_force": scale.force, "wall_force_chain": scale.force, "delay": scale.time}
     return {name: known(value * worth.get(name, 1.0)) for name, value in end.result().items()}
+
+
+def _known(data: dict[str, Any]) -> dict[str, Any]:
+    return {key: known(value) if isinstance(value, float) else value for key, value in data.items()}
