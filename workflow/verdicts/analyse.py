@@ -11,6 +11,7 @@ import numpy as np
 from analysis.conservation import Conservation
 from analysis.files.binary_dump import CutDumpWarning
 from analysis.files.recording import FARTHEST
+from analysis.gauges.far_end import FarEnd
 from analysis.gauges.forces import ForceMeter
 from analysis.gauges.gauge import gauges
 from analysis.gauges.readings import Readings, to_csv
@@ -34,7 +35,7 @@ from workflow.runs.results import Fingerprint, recorded_fingerprint
 from workflow.runs.run_directory import REPORT, RunDirectory
 from workflow.runs.whole_files import figure_files, write_figure, write_json, write_text
 from workflow.verdicts.analysis_report import last_clear_bead, report
-from workflow.verdicts.ingredient_reports import cells_report, energy_report, forces_report
+from workflow.verdicts.ingredient_reports import cells_report, energy_report, far_end_report, forces_report
 from workflow.verdicts.waves_table import waves_csv
 
 if TYPE_CHECKING:
@@ -130,6 +131,8 @@ def analyse(
     watchers: list[Any] = [conservation, fingerprint]
     meter = _meter(directory)
     watchers += [watcher for watcher in (left, flow, cells, meter) if watcher is not None]
+    end = FarEnd(problem) if problem.whole and directory.engine != "collisions" else None
+    watchers += [] if end is None else [end]
     overlap = LargestOverlap() if has_contacts(directory) else None
     if overlap is not None and shown_by_frames(problem):
         watchers.append(overlap)
@@ -173,6 +176,8 @@ def analyse(
     given_back = {side: restitution(found.pulses, problem, right=side == "right") for side in sorted(sides)}
     if forces is not None:
         more["forces"] = forces_report(problem, forces, given_back)
+    if end is not None:
+        more["far_end"] = far_end_report(problem, end)
     if cells is not None:
         more["cells"] = cells_report(problem, cells)
     write_json(directory.path / REPORT, {**report(found, conservation, allowed, left), **more})

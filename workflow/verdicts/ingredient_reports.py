@@ -3,6 +3,7 @@
 from dataclasses import asdict
 from typing import Any
 
+from analysis.gauges.far_end import FarEnd
 from analysis.gauges.readings import Readings
 from analysis.sharing.cells import CellEnergy
 from analysis.sharing.energy_flow import Flow
@@ -89,6 +90,13 @@ def forces_report(problem: Problem, readings: Readings, restitution: dict[str, F
                 entry["restitution"] = known(float(restitution[gauge.side][chain]))
             entries.append(entry)
     return entries
+
+
+def far_end_report(problem: Problem, end: FarEnd) -> dict[str, Any]:
+    """What ``analysis.json`` says under ``far_end``, see `analysis.gauges.far_end`, in the scene's units."""
+    scale = problem.scale
+    worth = {"wall_force": scale.force, "wall_force_chain": scale.force, "delay": scale.time}
+    return {name: known(value * worth.get(name, 1.0)) for name, value in end.result().items()}
 
 
 def _known(data: dict[str, Any]) -> dict[str, Any]:

@@ -26,6 +26,7 @@ TOLERANCES = {
     "displacement": 2e-3,
     "amplitude": 5e-5,
     "arrival": 2e-3,
+    "force": 2e-3,
     "energy": 1e-4,
     "momentum": 1e-9,
 }
