@@ -150,6 +150,7 @@ class Stated:
     """What a run says of itself, dimensionless: bounds on its velocities, peaks and arrivals."""
 
     velocity: float
+    peak: float
     arrival: float
 
 
@@ -167,7 +168,8 @@ def judge(scene: Scene, directory: Path, *, ranks: int = 1, cut: bool = False) -
     assert result.check is not None
     sure = result.check.reference
     late = [number for number in (result.check.arrival, sure.arrival) if np.isfinite(number)]
-    stated = Stated(result.check.velocity + sure.velocity, sum(late))
+    peak = np.fmax(result.check.velocity, result.check.amplitude)
+    stated = Stated(result.check.velocity + sure.velocity, float(peak) + sure.velocity, sum(late))
     analyse(result.directory, figures=False)
     verdict, reason = _compared(scene, directory, stated, 1e-10)
     if verdict == "WRONG":
@@ -350,15 +352,15 @@ def faults(scene: Scene, path: Path, true: Truth, stated: Stated) -> list[str]:
     needed = pulses(true, scene) if true.opposed else None
     for chain in range(1, scene.chains + 1):
         for bead in recorded:
-            maxima = [one for one in true.maxima(chain, bead) if one.velocity > SMALLEST / 2 - stated.velocity]
+            maxima = [one for one in true.maxima(chain, bead) if one.velocity > SMALLEST / 2 - stated.peak]
             row = rows.pop((chain, bead), None)
             if row is None:
                 due = [
                     one
                     for one in maxima
-                    if one.velocity > SMALLEST + stated.velocity
+                    if one.velocity > SMALLEST + stated.peak
                     and one.since < true.end - 2.0 * true.every
-                    and one.prominence > FLOOR + stated.velocity
+                    and one.prominence > FLOOR + stated.peak
                     and true.shown(one, chain, bead)
                 ]
                 if scene.window:  # what is far behind the front may be gone
@@ -370,7 +372,7 @@ def faults(scene: Scene, path: Path, true: Truth, stated: Stated) -> list[str]:
             off = float(row[unit.heading("peak_velocity_error", "velocity")] or "inf") / unit.velocity
             arrival = float(row[unit.heading("arrival", "time")] or "nan") / unit.time
             late = float(row[unit.heading("arrival_error", "time")] or "inf") / unit.time
-            allowed = max(FLOOR, stated.velocity) + off
+            allowed = max(FLOOR, stated.peak) + off
             first = true.levels(chain, bead) + [
                 one
                 for k, one in enumerate(maxima)
