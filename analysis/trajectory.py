@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,17 @@ LEAST_FRAMES = 8
 def frames_per_block(problem: Problem) -> int:
     """Frames in one piece of a long trajectory: about 1 MB, which stays in the processor's cache, or at least 8."""
     return max(LEAST_FRAMES, BLOCK_BYTES // (16 * problem.chains * problem.rows_a_frame))
+
+
+class Measured(NamedTuple):
+    """Frames in the units of a scene: SI, or reduced ones."""
+
+    time: Floats
+    """[frame]"""
+    displacement: Floats
+    """[frame, chain, bead]"""
+    velocity: Floats
+    """[frame, chain, bead]"""
 
 
 @dataclass(frozen=True)
@@ -55,6 +67,11 @@ class Trajectory:
         """Time between two frames: a multiple of the problem's to the last bit, which a difference of times is not."""
         every = self.problem.every
         return every * max(1, round(float(self.time[1] - self.time[0]) / every))
+
+    def measured(self) -> Measured:
+        """The same in the scene's units."""
+        scale = self.problem.scale
+        return Measured(self.time * scale.time, self.displacement * scale.length, self.velocity * scale.velocity)
 
     def __getitem__(self, frames: slice) -> "Trajectory":
         """The same trajectory, some frames of it."""

@@ -14,11 +14,33 @@ from lammps_inputs.ingredients import INGREDIENTS
 from lammps_inputs.scene import SEVERAL, Scene
 from lammps_inputs.window import LEAST_WINDOW
 
+EDITORS = "# yaml-language-server: $schema="
+"""What a YAML file begins with so that editors complete and check it."""
+
+SCHEMA = "templates/scene.schema.json"
+
 
 def installed() -> dict[str, Path]:
     """Name -> file of the scenes that come with the package."""
     folder = Path(str(importlib.resources.files("lammps_inputs") / "scenes"))
     return {path.stem: path for path in sorted(folder.glob("*.yaml"))}
+
+
+def to_start_from(name: str | None) -> str:
+    """The text of a scene to write one's own from: a commented one, or an installed one by name.
+
+    Its first line tells editors the schema of scenes, as installed here.
+
+    Raises:
+        InputError: no scene of that name is installed.
+    """
+    package = Path(str(importlib.resources.files("lammps_inputs")))
+    scenes = installed()
+    if name is not None and name not in scenes:
+        raise InputError(f"--from: {name[:60]!r} is no installed scene{suggestion(name, scenes)}")
+    text = (package / "templates" / "scene.yaml" if name is None else scenes[name]).read_text(encoding="utf-8")
+    lines = [line for line in text.splitlines() if not line.startswith(EDITORS)]
+    return "\n".join([f"{EDITORS}{(package / SCHEMA).as_uri()}", *lines]) + "\n"
 
 
 def find(name_or_path: str) -> Scene:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, create_model, field_validator, model_validator
 
+from lammps_inputs import html, strict_yaml
 from lammps_inputs import scheme as schemes
 from lammps_inputs.facts import Fact
 from lammps_inputs.force_readout import Forces
@@ -381,6 +382,14 @@ class BaseScene(Part):
             scheme=self.scheme or "verlet",
             window=None if self.window is None or self.window >= self.beads else self.window,
         )
+
+    def __repr__(self) -> str:
+        return f"<scene {self.name}: {self.chains} x {self.beads} beads>"
+
+    __str__ = __repr__
+
+    def _repr_html_(self) -> str:
+        return html.text(strict_yaml.dump(self.plain()))
 
     def plain(self) -> dict[str, Any]:
         """Nested plain data for YAML, without what the scene does not name."""

@@ -7,19 +7,37 @@ import argparse
 import ast
 import contextlib
 import importlib
+import io
 import os
 import signal
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
-from lammps_inputs import InputError
-from workflow.errors import RunError
+try:
+    from lammps_inputs import InputError
+    from workflow import screen
+    from workflow.errors import RunError
+    from workflow.runs.whole_files import as_json
+    from workflow.screen import Answer
+except (ImportError, SyntaxError):
+    from importlib.metadata import distributions
+
+    others = {found.name for found in distributions()} & {"workflow", "analysis"}
+    if not others:
+        raise
+    names = " ".join(sorted(others))
+    sys.exit(
+        f"granchain: other packages of the same name lie over its own: {names}; "
+        f"`pip uninstall {names}`, then `pip install --force-reinstall --no-deps granchain`"
+    )
 
 COMMANDS = (
     "scenes",
     "show",
+    "help",
+    "new",
     "deck",
     "run",
     "rerun",
@@ -34,12 +52,25 @@ COMMANDS = (
     "collect",
     "bench",
     "extremes",
+    "schema",
+    "completion",
 )
 
 
 class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         raise InputError(f"{message}; `{self.prog} --help` tells more")
+
+
+class _Version(argparse.Action):
+    """Say the versions of everything that numbers depend on."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
+        from importlib.metadata import version
+
+        print(f"granchain {version('granchain')}")
+        print(", ".join(f"{name} {version(name)}" for name in ("lammps", "numpy", "scipy", "numba", "MDAnalysis")))
+        parser.exit()
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -50,8 +81,8 @@ def main(argv: Sequence[str] | None = None) -> int:
             if signal.getsignal(ending) is not signal.SIG_IGN:  # nohup
                 signal.signal(ending, signal.default_int_handler)
     try:
-        arguments = _parser(words[:1]).parse_args(words)
-        code = int(arguments.execute(arguments))
+        arguments = parser(words[:1]).parse_args(words)
+        code = _execute(arguments)
         sys.stdout.flush()
     except InputError as error:
         return _say(error, 2)
@@ -67,18 +98,49 @@ def main(argv: Sequence[str] | None = None) -> int:
     return code
 
 
-def _parser(first: list[str]) -> argparse.ArgumentParser:
-    """The parser of the one command that is asked for, or of all by name: some take a second to import."""
-    parser = _Parser(prog="granchain", description="Shock pulses in weakly coupled, uncompressed granular chains.")
-    subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for name in first if first and first[0] in COMMANDS else COMMANDS:
+def _execute(arguments: argparse.Namespace) -> int:
+    """Run a command, as loud as it was asked to be."""
+    asked, quiet = getattr(arguments, "json", False), arguments.quiet
+    with contextlib.ExitStack() as stack:
+        if asked or quiet:
+            stack.enter_context(contextlib.redirect_stdout(io.StringIO()))
+        if quiet:
+            stack.enter_context(screen.without_bars())
+        answer = arguments.execute(arguments)
+    if asked:
+        print(as_json(answer.data))
+    return answer.code if isinstance(answer, Answer) else int(answer)
+
+
+def parser(names: Sequence[str]) -> argparse.ArgumentParser:
+    """The parser with the arguments of these commands; of none it has all by name, for some take long to import."""
+    whole = _Parser(prog="granchain", description="Shock pulses in weakly coupled, uncompressed granular chains.")
+    whole.add_argument("--version", action=_Version, nargs=0, help="print versions and exit")
+    subparsers = whole.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    known = [name for name in names if name in COMMANDS]
+    for name in known or COMMANDS:
         summary = _summary(name)
-        subparser = subparsers.add_parser(name, help=summary, description=summary)
-        if name in first:
-            module = importlib.import_module(f"workflow.commands.{name}")
-            module.add_arguments(subparser)
-            subparser.set_defaults(execute=module.execute)
-    return parser
+        one = subparsers.add_parser(
+            name, help=summary, description=summary, formatter_class=argparse.RawDescriptionHelpFormatter
+        )
+        if name in known:
+            _fill(one, importlib.import_module(f"workflow.commands.{name}"))
+    return whole
+
+
+def _fill(one: argparse.ArgumentParser, module: Any) -> None:
+    """Arguments and examples of a command, and those that all have."""
+    module.add_arguments(one)
+    one.add_argument("-q", "--quiet", action="store_true", help="print errors only")
+    answers = getattr(module, "ANSWERS", None)
+    if answers:
+        one.add_argument("--json", action="store_true", help=f"print one JSON value and nothing else: {answers}")
+    one.epilog = _examples(module.EXAMPLES)
+    one.set_defaults(execute=module.execute)
+
+
+def _examples(lines: Iterable[str]) -> str:
+    return "examples:\n" + "\n".join(f"  granchain {line}" for line in lines)
 
 
 def _summary(name: str) -> str:

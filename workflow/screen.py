@@ -2,12 +2,34 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
+from typing import Any, NamedTuple
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
 from lammps_inputs import Problem
+
+_bars: ContextVar[bool] = ContextVar("bars", default=True)
+
+
+class Answer(NamedTuple):
+    """What a command found, for scripts."""
+
+    code: int
+    data: Any
+    """Plain data, which `--json` prints."""
+
+
+@contextmanager
+def without_bars() -> Iterator[None]:
+    """Show no progress meanwhile."""
+    token = _bars.set(False)
+    try:
+        yield
+    finally:
+        _bars.reset(token)
 
 
 def one_line(text: object) -> str:
@@ -44,7 +66,7 @@ def _bar(done: str) -> Progress:
     """A bar that says by a template how much is done, and disappears at its end."""
     console = Console(stderr=True)
     columns = (TextColumn("{task.description}"), BarColumn(), TextColumn(done), TimeRemainingColumn(compact=True))
-    return Progress(*columns, console=console, transient=True, disable=not console.is_terminal)
+    return Progress(*columns, console=console, transient=True, disable=not (_bars.get() and console.is_terminal))
 
 
 def print_table(title: str, head: list[str], rows: list[list[str]]) -> None:

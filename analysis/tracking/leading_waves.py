@@ -43,6 +43,14 @@ class Waves:
     def __len__(self) -> int:
         return len(self.bead)
 
+    def array(self) -> NDArray[np.void]:
+        """A structured array of these columns."""
+        columns = {field.name: getattr(self, field.name) for field in fields(self)}
+        made = np.zeros(len(self), dtype=[(name, column.dtype) for name, column in columns.items()])
+        for name, column in columns.items():
+            made[name] = column
+        return made
+
     def at(self, bead: int) -> "Waves":
         """The chains' leading pulses at one bead."""
         return self.where(self.bead == bead)

@@ -1,6 +1,7 @@
 """Find the waves in a run and draw them."""
 
 import argparse
+import json
 import math
 from pathlib import Path
 
@@ -16,8 +17,8 @@ from analysis.tracking.leading_waves import ARRIVALS
 from lammps_inputs import InputError, Problem
 from lammps_inputs.facts import Fact
 from workflow.engines.lammps.invariants import ENERGY_TOLERANCE
-from workflow.runs.run_directory import RunDirectory
-from workflow.screen import one_line, print_table
+from workflow.runs.run_directory import REPORT, RunDirectory
+from workflow.screen import Answer, one_line, print_table
 from workflow.verdicts.analyse import Analysis, analyse, last_clear_bead
 from workflow.verdicts.analysis_report import train
 
@@ -34,6 +35,13 @@ FAR = 1.4
 """Time between frames, in T, from which on small maxima beside larger ones were seen to be missed."""
 
 
+ANSWERS = "what analysis.json holds"
+EXAMPLES = (
+    "analyze demo",
+    "analyze demo --beads 10,55,90 --no-figures",
+)
+
+
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The directory and what to draw."""
     parser.add_argument("directory", metavar="DIR", type=Path, help="a run directory, also from a cluster")
@@ -47,7 +55,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--no-figures", action="store_true", help="write the tables only")
 
 
-def execute(arguments: argparse.Namespace) -> int:
+def execute(arguments: argparse.Namespace) -> Answer:
     """Print a short table; write waves.csv, analysis.json and figures."""
     found = analyse(
         RunDirectory(arguments.directory),
@@ -56,10 +64,10 @@ def execute(arguments: argparse.Namespace) -> int:
         arrival=arguments.arrival,
     )
     _print(found)
-    tables = ["waves.csv", *([] if found.forces is None else ["forces.csv"]), "analysis.json"]
+    tables = ["waves.csv", *([] if found.forces is None else ["forces.csv"]), REPORT]
     names = [*tables, *(path.name for path in found.figures)]
     print(f"{one_line(arguments.directory)}: {', '.join(names)}")
-    return 0
+    return Answer(0, json.loads((arguments.directory / REPORT).read_text(encoding="utf-8")))
 
 
 def _beads(text: str | None) -> tuple[int, ...] | None:

@@ -6,6 +6,11 @@ from lammps_inputs import InputError, library
 from workflow.errors import RunError
 from workflow.screen import print_table
 
+EXAMPLES = (
+    "bench",
+    "bench window reader",
+)
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Which parts."""

@@ -6,7 +6,7 @@ from typing import Any
 
 from lammps_inputs import InputError, strict_yaml
 from workflow.runs.whole_files import write_text
-from workflow.screen import count_bar, one_line, print_table
+from workflow.screen import Answer, count_bar, one_line, print_table
 from workflow.sweep import collect as collecting
 from workflow.sweep.table import QUANTITIES, Table
 
@@ -23,6 +23,13 @@ _SHOWN = {
     "wall_seconds": ".2f",
 }
 """Quantities on the screen; the file has all of them."""
+
+
+ANSWERS = "a list of the table's rows, in the scenes' units"
+EXAMPLES = (
+    "collect swept --plot agree_10 --over coupling.stiffness",
+    "collect swept -o table.csv --where beads=120",
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -45,7 +52,7 @@ def _numbers() -> str:
     return ", ".join(name for name, quantity in QUANTITIES.items() if quantity.label)
 
 
-def execute(arguments: argparse.Namespace) -> int:
+def execute(arguments: argparse.Namespace) -> Answer:
     """Write the table and figure, print the table's head."""
     if (arguments.plot is None) != (arguments.over is None):
         raise InputError("--plot and --over go together: a quantity, and the field to draw it over")
@@ -63,7 +70,7 @@ def execute(arguments: argparse.Namespace) -> int:
     write_text(output, table.to_csv())
     _print(table, one_line(arguments.directory))
     print(", ".join(one_line(path) for path in (output, *figures)))
-    return 0
+    return Answer(0, [{name: row[name] for name in table.columns} for row in table.rows])
 
 
 def _condition(words: str) -> tuple[str, Any]:

@@ -15,6 +15,11 @@ from workflow.studies.compare.measure import Result
 from workflow.studies.compare.report import FIGURE, REPORT, Comparison
 from workflow.studies.compare.study import compare, engines_for
 
+EXAMPLES = (
+    "compare two-chains-gapped -o compared",
+    "compare my/gapped.yaml -o compared",
+)
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The scene, where to, and with what."""

@@ -16,6 +16,11 @@ from workflow.runs.run_directory import run_files
 from workflow.runs.whole_files import write_text
 from workflow.screen import one_line
 
+EXAMPLES = (
+    "deck two-chains -o deck                                  # then, there: lmp -in in.chains",
+    "deck my/scene.yaml -o job --slurm --nodes 2 --time 12:00:00   # then, there: sbatch job.sbatch",
+)
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The scene and where to."""

@@ -7,6 +7,11 @@ from workflow.screen import count_bar, one_line, print_table
 from workflow.studies.extremes import cells as grid
 from workflow.studies.extremes import report
 
+EXAMPLES = (
+    "extremes --quick",
+    "extremes -o extremes      # the same command goes on",
+)
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Where to, and how much."""

@@ -7,6 +7,11 @@ from lammps_inputs import InputError
 from workflow.screen import count_bar, one_line, print_table
 from workflow.studies import map as mapping
 
+EXAMPLES = (
+    "map -o map                # some four minutes; the same command goes on",
+    "map -o map --quiet",
+)
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What to map, and where to."""

@@ -7,6 +7,11 @@ from pathlib import Path
 from workflow.screen import one_line
 from workflow.studies.reproduce.report import reproduce
 
+EXAMPLES = (
+    "reproduce -o paper        # then open paper/index.html",
+    "reproduce -o paper --quiet",
+)
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Where to."""

@@ -7,6 +7,11 @@ from pathlib import Path
 from workflow.runs.rerun import Original, Rerun, original, rerun
 from workflow.screen import progress_bar
 
+EXAMPLES = (
+    "rerun demo",
+    "rerun run.json -o again",
+)
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The run, and where to keep the new one."""

@@ -15,8 +15,15 @@ from workflow.runs.compute import ENGINES
 from workflow.runs.contacts import Contacts
 from workflow.runs.own_files import refuse_to_overwrite
 from workflow.runs.resume import begun, resume, settings_of
-from workflow.screen import one_line, progress_bar
+from workflow.screen import Answer, one_line, progress_bar
 from workflow.verdicts.validate import TOLERANCES
+
+ANSWERS = "the record of the run, as in run.json"
+EXAMPLES = (
+    "run two-chains -o demo",
+    "run my/scene.yaml -o out --ranks 2 --restart-every 60   # seconds",
+    "run --resume demo",
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -40,7 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--no-check", action="store_true", help="do not measure the error against the reference")
 
 
-def execute(arguments: argparse.Namespace) -> int:
+def execute(arguments: argparse.Namespace) -> Answer:
     """Run, with a progress bar on a terminal; exit code 130 when interrupted."""
     if arguments.resume is not None:
         return _resume(arguments)
@@ -66,10 +73,10 @@ def execute(arguments: argparse.Namespace) -> int:
             progress=progress,
             restart_every=arguments.restart_every,
         )
-    return _tell(result, settings)
+    return Answer(_tell(result, settings), result.directory.record)
 
 
-def _resume(arguments: argparse.Namespace) -> int:
+def _resume(arguments: argparse.Namespace) -> Answer:
     given = {
         "SCENE": arguments.scene,
         "-o": arguments.output,
@@ -91,8 +98,8 @@ def _resume(arguments: argparse.Namespace) -> int:
         )
     if result is None:
         print(f"{one_line(arguments.resume)}: is done already")
-        return 0
-    return _tell(result, settings_of(directory.record))
+        return Answer(0, directory.record)
+    return Answer(_tell(result, settings_of(directory.record)), result.directory.record)
 
 
 def _tell(result: running.Run, settings: Settings | None) -> int:

@@ -5,6 +5,13 @@ import argparse
 from lammps_inputs import library, strict_yaml
 from lammps_inputs.numbers import text
 from workflow.prepare.settings import settle
+from workflow.screen import Answer
+
+ANSWERS = "the scene"
+EXAMPLES = (
+    "show two-chains",
+    "show my/scene.yaml        # times, lengths in the scene's units: reduced, or SI with a material",
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -12,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scene", metavar="SCENE", help="a YAML file, or the name of an installed scene")
 
 
-def execute(arguments: argparse.Namespace) -> int:
+def execute(arguments: argparse.Namespace) -> Answer:
     """Print YAML that is a scene again; what follows from it stands in comments."""
     scene, settings = settle(library.find(arguments.scene), source=arguments.scene, force=True)
     scene = scene.resolved()
@@ -34,4 +41,4 @@ def execute(arguments: argparse.Namespace) -> int:
         in_unit = f" {scale.symbol('length')}" if scale.si else ""
         print(f"# theta = omega D / V = {theta:.6g}, omega = sqrt(2 kappa): all that rigid beads depend on;")
         print(f"#   eq. 5 has theta = {first_row.THETA_OF_EQ_5:.6g}, which is a gap of {gap:.6g}{in_unit}")
-    return 0
+    return Answer(0, scene.plain())

@@ -1,7 +1,6 @@
 """Say in what state directories are: waiting, running, done, failed or incomplete, and why."""
 
 import argparse
-import json
 import sys
 from collections import Counter
 from pathlib import Path
@@ -11,6 +10,13 @@ from rich.text import Text
 
 from workflow.cluster import queue
 from workflow.runs.status import Status, statuses
+from workflow.screen import Answer
+
+ANSWERS = "a list of objects"
+EXAMPLES = (
+    "status runs",
+    "status demo job --json",
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -18,22 +24,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "directories", metavar="DIR", type=Path, nargs="+", help="run directories, or one with a list of cases"
     )
-    parser.add_argument("--json", action="store_true", help="print a list of objects")
 
 
-def execute(arguments: argparse.Namespace) -> int:
+def execute(arguments: argparse.Namespace) -> Answer:
     """Print a line per directory; exit code 1 if one has failed or holds no run."""
     found = statuses(arguments.directories, queue.ask())
-    if arguments.json:
-        print(json.dumps([one.plain() for one in found], indent=2))
-    else:
-        console = Console(file=sys.stdout, soft_wrap=True, highlight=False)
-        for one in found:
-            console.print(Text(line(one)))
-        if len(found) > 1:
-            counts = Counter(one.state for one in found)
-            print(f"{len(found)} directories: {', '.join(f'{count} {state}' for state, count in counts.items())}")
-    return int(any(one.state in ("failed", "none") for one in found))
+    console = Console(file=sys.stdout, soft_wrap=True, highlight=False)
+    for one in found:
+        console.print(Text(line(one)))
+    if len(found) > 1:
+        counts = Counter(one.state for one in found)
+        print(f"{len(found)} directories: {', '.join(f'{count} {state}' for state, count in counts.items())}")
+    return Answer(int(any(one.state in ("failed", "none") for one in found)), [one.plain() for one in found])
 
 
 def line(status: Status) -> str:

@@ -8,8 +8,14 @@ from lammps_inputs.slurm.job import JOB
 from lammps_inputs.slurm.site import JobOptions
 from workflow.cluster.job_arguments import add_job_arguments, job_options
 from workflow.engines.lammps.mpi import cores
-from workflow.screen import count_bar, one_line
+from workflow.screen import Answer, count_bar, one_line
 from workflow.sweep import carry_out, file
+
+ANSWERS = "how many cases there are, are done, have failed"
+EXAMPLES = (
+    "sweep sweep.yaml -o swept",
+    "sweep sweep.yaml -o swept --slurm --time 02:00:00   # then, there: sbatch job.sbatch",
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -22,7 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_job_arguments(parser)
 
 
-def execute(arguments: argparse.Namespace) -> int:
+def execute(arguments: argparse.Namespace) -> Answer:
     """Run what is missing or failed; exit code 1 when a case failed, 130 when the sweep was interrupted."""
     if not 1 <= arguments.jobs <= 1024:
         raise InputError(f"--jobs: {arguments.jobs} given; 1 to 1024")
@@ -31,7 +37,7 @@ def execute(arguments: argparse.Namespace) -> int:
     return _run(what, arguments) if options is None else _write(what, arguments.output, options)
 
 
-def _run(what: file.Sweep, arguments: argparse.Namespace) -> int:
+def _run(what: file.Sweep, arguments: argparse.Namespace) -> Answer:
     with count_bar("sweep") as progress:
         end = carry_out.sweep(
             what,
@@ -46,17 +52,18 @@ def _run(what: file.Sweep, arguments: argparse.Namespace) -> int:
     before = f" ({end.before} of them before)" if end.before else ""
     failed = f", {len(end.failed)} failed" if end.failed else ""
     print(f"{one_line(arguments.output)}: {end.done} of {end.cases} cases done{before}{failed}")
+    data = {"cases": end.cases, "done": end.done, "failed": dict(end.failed)}
     if end.interrupted:
         print("interrupted: what is done is kept; the same command goes on with the rest")
-        return 130
+        return Answer(130, data)
     if end.failed:
         print("the same command runs those that failed again")
     else:
         print(f"gather them with: granchain collect {one_line(arguments.output)}")
-    return 1 if end.failed else 0
+    return Answer(1 if end.failed else 0, data)
 
 
-def _write(what: file.Sweep, output: Path, options: JobOptions) -> int:
+def _write(what: file.Sweep, output: Path, options: JobOptions) -> Answer:
     from workflow.sweep import on_cluster  # takes half a second to import
 
     with count_bar("decks") as progress:
@@ -69,4 +76,4 @@ def _write(what: file.Sweep, output: Path, options: JobOptions) -> int:
         if written.numbers > on_cluster.USUAL_LIMIT:
             print(f"its numbers go to {written.numbers - 1}; Slurm's MaxArraySize is often {on_cluster.USUAL_LIMIT}")
     print(f"then: granchain status {output}    and: granchain collect {output}")
-    return 0
+    return Answer(0, {"cases": written.cases, "to_do": written.tasks, "under_way": written.under_way})

@@ -16,6 +16,12 @@ LARGE = 1e9
 """Bytes of frames above which a scene is said to be large."""
 
 
+EXAMPLES = (
+    "trade two-chains -o trade",
+    "trade my/scene.yaml -o trade --budget 120   # seconds",
+)
+
+
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The scene, where to, and how long it may take."""
     parser.add_argument("scene", metavar="SCENE", help="a YAML file, or the name of an installed scene")

@@ -1,6 +1,7 @@
 """Compare a run with the certified reference, or with a trajectory of your own."""
 
 import argparse
+import json
 from pathlib import Path
 
 import numpy as np
@@ -9,8 +10,14 @@ from lammps_inputs import InputError, library
 from workflow.prepare.settings import settle
 from workflow.runs import run as running
 from workflow.runs.run_directory import RunDirectory
-from workflow.screen import one_line, print_table, progress_bar
+from workflow.screen import Answer, one_line, print_table, progress_bar
 from workflow.verdicts import validate as validation
+
+ANSWERS = "what validation.json holds"
+EXAMPLES = (
+    "validate demo",
+    "validate demo --against mine.csv --units dimensionless --tolerance velocity=1e-4   # in V",
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -33,7 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def execute(arguments: argparse.Namespace) -> int:
+def execute(arguments: argparse.Namespace) -> Answer:
     """Print a table; exit code 1 when a tolerance is exceeded or something seems wrong."""
     tolerances = _tolerances(arguments.tolerance)
     directory = _directory(arguments)
@@ -46,7 +53,8 @@ def execute(arguments: argparse.Namespace) -> int:
         )
     _print(found)
     print(f"{one_line(directory.path)}: {', '.join((validation.REPORT, *validation.FIGURES))}")
-    return 0 if found.passed else 1
+    data = json.loads((directory.path / validation.REPORT).read_text(encoding="utf-8"))
+    return Answer(0 if found.passed else 1, data)
 
 
 def _directory(arguments: argparse.Namespace) -> RunDirectory:

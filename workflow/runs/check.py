@@ -12,7 +12,7 @@ from analysis.against.pairing import paired
 from analysis.tracking.leading_waves import Waves, leading_waves, usual_arrival
 from analysis.tracking.which_leads import leading_finder, leading_passages
 from analysis.trajectory import Trajectory
-from lammps_inputs import Problem
+from lammps_inputs import Problem, html
 from workflow.engines.reference import engine
 from workflow.engines.reference.certify import Certificate
 from workflow.prepare.instants import SPACING, stride
@@ -43,6 +43,15 @@ class Check:
     amplitude: float
     reference: Certificate
     seconds: float
+
+    def __repr__(self) -> str:
+        return f"<error: velocities {self.velocity:.1e} V, sure to {self.reference.velocity:.1e} V>"
+
+    def _repr_html_(self) -> str:
+        errors = {"velocities (V)": self.velocity, "peaks (V)": self.amplitude, "arrivals (T)": self.arrival}
+        sure = {"velocities (V)": self.reference.velocity, "arrivals (T)": self.reference.arrival}
+        rows = [(name, f"{error:.1e}", f"{sure[name]:.1e}" if name in sure else "") for name, error in errors.items()]
+        return html.table("error against the reference", ("", "largest", "the reference is sure to"), rows)
 
     def plain(self) -> dict[str, object]:
         """For ``run.json``."""

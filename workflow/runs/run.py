@@ -9,8 +9,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from analysis.trajectory import Trajectory
-from lammps_inputs import InputError, Scene
+from analysis.trajectory import Measured, Trajectory
+from lammps_inputs import InputError, Scene, html
 from lammps_inputs.decks import continuation, deck
 from workflow.engines.lammps import engine as lammps_engine
 from workflow.engines.reference import engine as reference
@@ -46,8 +46,25 @@ class Run:
 
     @property
     def trajectory(self) -> Trajectory:
-        """All frames; read from the disk when asked for."""
+        """All frames, dimensionless; read from the disk when asked for."""
         return self.directory.trajectory
+
+    @property
+    def si(self) -> Measured:
+        """All frames in the scene's units."""
+        return self.trajectory.measured()
+
+    def __repr__(self) -> str:
+        record, problem = self.directory.record, self.directory.problem
+        error = "" if self.check is None else f", error {self.check.velocity:.1e} V"
+        return f"<run {problem.name} in {self.directory.path}: {self.outcome}, {record['engine']}{error}>"
+
+    def _repr_html_(self) -> str:
+        record = self.directory.record
+        rows = [
+            (key, record[key]) for key in ("outcome", "engine", "steps", "ranks", "engine_seconds") if key in record
+        ]
+        return html.table(repr(self)[1:-1], (), rows) + ("" if self.check is None else self.check._repr_html_())
 
 
 def run(

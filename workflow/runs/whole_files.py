@@ -75,7 +75,12 @@ def write_text(path: Path, text: str) -> None:
 
 def write_json(path: Path, data: dict[str, Any]) -> None:
     """Write JSON whole or not at all; numbers round-trip, and what is not finite becomes null, for JSON has no NaN."""
-    write_text(path, json.dumps(_finite(data), indent=2, ensure_ascii=False, allow_nan=False) + "\n")
+    write_text(path, as_json(data) + "\n")
+
+
+def as_json(data: Any) -> str:
+    """JSON of plain data; what is not finite becomes null, for JSON has no NaN."""
+    return json.dumps(_finite(data), indent=2, ensure_ascii=False, allow_nan=False)
 
 
 def _finite(data: Any) -> Any:

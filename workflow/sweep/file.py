@@ -6,6 +6,7 @@
     vary:
       coupling.stiffness: [0.05, 0.1, 0.2]
       kick.velocity: {from: 0.1, to: 10, count: 5, spacing: log}
+      # whole numbers: {from: 2, to: 8} is each of them
     combine: product               # or zip: the first values together, then the second, ...
     engine: lammps                 # or reference, collisions
 """
@@ -18,7 +19,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PlainValidator, ValidationError, model_validator
 
-from lammps_inputs import InputError, library, strict_yaml
+from lammps_inputs import InputError, library, schema, strict_yaml
 from workflow.sweep import fields
 
 MAX_CASES = 100_000
@@ -43,7 +44,8 @@ class Range(_Part):
 
     first: Annotated[Any, PlainValidator(_number), Field(alias="from")]
     last: Annotated[Any, PlainValidator(_number), Field(alias="to")]
-    count: Annotated[int, Field(ge=2, le=MAX_CASES)]
+    count: Annotated[int, Field(ge=2, le=MAX_CASES)] | None = None
+    """Left out between whole numbers, all of them."""
     spacing: Literal["linear", "log"] = "linear"
     digits: Annotated[int, Field(ge=1, le=15)] = 15
     """Significant digits that the values between the ends are rounded to."""
@@ -52,12 +54,20 @@ class Range(_Part):
     def _fits_together(self) -> Self:
         if self.first == self.last:
             raise ValueError("to: is the same as from; give the one value as a list")
+        if self.count is None:
+            if not (isinstance(self.first, int) and isinstance(self.last, int)) or self.spacing == "log":
+                raise ValueError("count: is missing; it may be left out between whole numbers, evenly spaced")
+            if abs(self.last - self.first) >= MAX_CASES:
+                raise ValueError(f"to: too far from `from` for every whole number ({MAX_CASES} at most); give a count")
         if self.spacing == "log" and min(self.first, self.last) <= 0:
             raise ValueError("spacing: log needs from and to above 0")
         return self
 
     def values(self) -> list[Number]:
         """The values from first to last; whole numbers where both ends are and the values come out whole."""
+        if self.count is None:
+            step = 1 if self.last > self.first else -1
+            return list(range(self.first, self.last + step, step))
         first, last = Fraction(repr(self.first)), Fraction(repr(self.last))
         inner: list[float] = []
         for k in range(1, self.count - 1):
@@ -83,6 +93,19 @@ class _File(_Part):
     vary: Annotated[dict[str, Any], AfterValidator(_some)]
     combine: Literal["product", "zip"] = "product"
     engine: Literal["lammps", "reference", "collisions"] = "lammps"
+
+
+def schema_of_file() -> dict[str, Any]:
+    """JSON schema of a sweep file; what it says of a scene may lack what is varied."""
+    found = schema.of(_File, "sweep")
+    scene = {key: value for key, value in schema.scene().items() if key not in ("$schema", "required")}
+    found["$defs"] = scene.pop("$defs") | {"Range": schema.of(Range, "range")}
+    found["properties"]["scene"] = {"anyOf": [{"type": "string"}, scene]}
+    found["properties"]["vary"] = {
+        "type": "object",
+        "additionalProperties": {"anyOf": [{"type": "array"}, {"$ref": "#/$defs/Range"}]},
+    }
+    return found
 
 
 @dataclass(frozen=True)
@@ -161,7 +184,9 @@ def _given(given: Any, where: str) -> list[Any] | Range:
 
 
 def _count(values: list[Any] | Range) -> int:
-    return values.count if isinstance(values, Range) else len(values)
+    if not isinstance(values, Range):
+        return len(values)
+    return abs(values.last - values.first) + 1 if values.count is None else values.count
 
 
 def _refuse_too_many(counts: dict[str, int], combine: str, path: Path) -> None:

@@ -8,9 +8,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analysis.sharing.verdict import State
 from analysis.trajectory import Floats
+from lammps_inputs import html
 from lammps_inputs.numbers import text
 from workflow.runs.record import RECORD
 from workflow.runs.run_directory import REPORT
@@ -114,6 +116,36 @@ class Table:
     def columns(self) -> list[str]:
         """Names of the columns, in order."""
         return ["case", *self.fields, "outcome", *QUANTITIES, "reason"]
+
+    def __repr__(self) -> str:
+        return f"<table of {len(self.rows)} cases over {', '.join(self.fields)}>"
+
+    def _repr_html_(self) -> str:
+        rows = [["" if row[name] is None else _written(row[name]) for name in self.columns] for row in self.rows]
+        return html.table(repr(self)[1:-1], [self.heading(name) for name in self.columns], rows)
+
+    def array(self) -> NDArray[Any]:
+        """The table as a structured array: a field per column, text or float64; NaN is unknown."""
+        columns: dict[str, NDArray[Any]] = {}
+        for name in self.columns:
+            if any(isinstance(row[name], str | list | dict) for row in self.rows):
+                columns[name] = np.array(["" if row[name] is None else str(row[name]) for row in self.rows])
+            else:
+                columns[name] = self.numbers(name)
+        made = np.zeros(len(self.rows), dtype=[(name, column.dtype) for name, column in columns.items()])
+        for name, column in columns.items():
+            made[name] = column
+        return made
+
+    def pandas(self) -> Any:
+        """The table as a ``pandas.DataFrame``, headed with units.
+
+        Raises:
+            ImportError: pandas is not installed; `array` needs nothing.
+        """
+        import pandas as pd
+
+        return pd.DataFrame(self.array()).rename(columns={name: self.heading(name) for name in self.columns})
 
     def to_csv(self) -> str:
         """One line a case; numbers read back exactly, and what is unknown is empty."""

@@ -14,7 +14,7 @@ from analysis.against.pairing import OtherFramesError, paired
 from analysis.files import table
 from analysis.files.binary_dump import CutDumpWarning
 from analysis.trajectory import Trajectory, joined
-from lammps_inputs import InputError, Problem
+from lammps_inputs import InputError, Problem, html
 from workflow.engines.reference.certify import Certificate, Certifier
 from workflow.runs.own_files import claim
 from workflow.runs.run_directory import RunDirectory
@@ -82,6 +82,19 @@ class Validation:
         """Whether the run is complete, all is within its tolerance, nothing seems wrong, and the reference is sure."""
         certain = self.certificate is None or not _doubts(self.certificate, self.tolerances)
         return self.complete and certain and not self.causes and not any(map(self.exceeded, self.deviations))
+
+    def __repr__(self) -> str:
+        return (
+            f"<validation of {self.problem.name} against {self.against}: {'passed' if self.passed else 'NOT passed'}>"
+        )
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (name, f"{found.largest:.2e}", f"{self.tolerances[name]:.0e}", "EXCEEDED" if self.exceeded(name) else "ok")
+            for name, found in self.deviations.items()
+        ]
+        words = html.text("\n".join((*self.causes, *self.remarks))) if self.causes or self.remarks else ""
+        return html.table(repr(self)[1:-1], ("quantity", "largest", "tolerance", ""), rows) + words
 
     def plain(self) -> dict[str, Any]:
         """The contents of ``validation.json``, dimensionless; what is not a finite number is null there.

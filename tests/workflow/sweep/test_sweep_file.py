@@ -54,6 +54,8 @@ def test_one_kick_of_two_is_named_by_its_number():
         ({"from": 2, "to": 8, "count": 4}, [2, 4, 6, 8]),
         ({"from": 10, "to": 1000, "count": 5, "spacing": "log", "digits": 2}, [10, 32, 100, 320, 1000]),
         ({"from": 1, "to": -1, "count": 3}, [1, 0, -1]),
+        ({"from": 2, "to": 5}, [2, 3, 4, 5]),
+        ({"from": 1, "to": -1}, [1, 0, -1]),
     ],
 )
 def test_a_range_has_the_numbers_one_would_write(given, values):
@@ -143,6 +145,8 @@ BAD = {
         "vary.gap.to: should be a fin",
     ),
     "range of one": ("scene: two-chains\nvary: {gap: {from: 1, to: 1, count: 3}}", "same as from"),
+    "range without a count": ("scene: two-chains\nvary: {gap: {from: 1, to: 2.5}}", "count: is missing"),
+    "endless whole numbers": ("scene: two-chains\nvary: {beads: {from: 2, to: 900000}}", "to: too far"),
     "logarithm of 0": ("scene: two-chains\nvary: {gap: {from: 0, to: 1, count: 3, spacing: log}}", "above 0"),
     "unequal zip": ("scene: two-chains\nvary: {gap: [1, 2], beads: [9]}\ncombine: zip", "gap has 2"),
     "case that is no scene": (

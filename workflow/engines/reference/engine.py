@@ -84,6 +84,7 @@ def blocks(
     if window is None and problem.window is not None:
         window = WIDER * problem.window
     state = make_state(problem, window, as_lammps=scheme is VERLET)
+    push, stale = np.zeros(state.x.size), True
     x, v = state.x, state.v
     chains = problem.chains
     recorded = _recorded(problem, state, 0.0)
@@ -97,9 +98,11 @@ def blocks(
         recorded = _recorded(problem, state, len(frame) * problem.every)
         shape = (len(frame), chains, len(recorded))
         frames_x, frames_v = np.empty(shape), np.empty(shape)
-        advance(
+        stale = advance(
             x.reshape(-1),
             v.reshape(-1),
+            push,
+            stale,
             state.span,
             state.window,
             np.array(scheme.kicks),

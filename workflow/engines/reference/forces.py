@@ -28,7 +28,7 @@ from lammps_inputs.links import Across
 Floats = NDArray[np.float64]
 
 UNROLLED = 2
-"""Distances to neighbours that the loop is written out for, which an open row has; each doubles the compiler's time."""
+"""Distances to neighbours that the loop is written out for, which an open row has."""
 
 
 class Forces(NamedTuple):
@@ -104,18 +104,8 @@ def _neighbours(link: Across, system: System) -> list[tuple[Any, Any]]:
     return list(zip(distances, springs, strict=True))
 
 
-def at(parameter: Any, k: Any) -> Any:
-    """A parameter at a place in memory."""
-    raise NotImplementedError
-
-
-def force(law: Any, k: Any, strain: Any) -> Any:
-    """Force of one law at a place in memory."""
-    raise NotImplementedError
-
-
 def sum_of(laws: Any, k: Any, strain: Any) -> Any:
-    """Force of several laws on the same link."""
+    """Force of several laws on the same link, at a place in memory."""
     raise NotImplementedError
 
 
@@ -129,6 +119,16 @@ def over_mass(force: Any, lightness: Any, k: Any) -> Any:
     raise NotImplementedError
 
 
+@overload(sum_of, inline="always", strict=False)
+def _sum_of(laws: Any, k: Any, strain: Any) -> Any:
+    return written_for_laws("force", laws, "laws, k, strain", "strain")
+
+
+@overload(pull, inline="always", strict=False)
+def _pull(across: Any, x: Any, k: Any) -> Any:
+    return written_for_neighbours("force", across, "across, x, k", "x[k] - x[{other}]")
+
+
 @overload(over_mass, inline="always", strict=False)
 def _over_mass(force: Any, lightness: Any, k: Any) -> Any:
     if isinstance(lightness, types.Array):
@@ -136,58 +136,53 @@ def _over_mass(force: Any, lightness: Any, k: Any) -> Any:
     return lambda force, lightness, k: force
 
 
-def pull_of(neighbours: Any, x: Any, k: Any) -> Any:
-    """The same of the neighbours at one distance, or at all distances of an array."""
-    raise NotImplementedError
+# Sums over laws are written out as flat source and inlined once: where an inlined function inlines others, the compiler
+# goes through them anew at every level, twice the time for each. And a function that is not inlined, but takes a tuple
+# of arrays, keeps the loop around it from becoming vector instructions.
 
 
-@overload(at, inline="always", strict=False)
-def _at(parameter: Any, k: Any) -> Any:
-    if isinstance(parameter, types.Array):
-        return lambda parameter, k: parameter[k]
-    return lambda parameter, k: parameter
+def written_for_laws(function: str, laws: Any, arguments: str, strain: str) -> Any:
+    """The sum of a function of laws on the same link, with the strain first among its arguments.
+
+    Args:
+        function: of the laws, by name.
+        laws: numba type of the tuple.
+        arguments: of what is returned; ``laws`` is the first, ``k`` the place in memory.
+        strain: first arguments of the function, as source.
+    """
+    names: dict[str, Any] = {}
+    terms = [_call(names, function, law, f"laws[{n}]", "k", strain) for n, law in enumerate(laws)]
+    return _written(names, arguments, [], terms)
 
 
-@overload(force, inline="always", strict=False)
-def _force(law: Any, k: Any, strain: Any) -> Any:
-    function = njit(inline="always")(law.instance_class.force)
-    if len(law.types) == 1:
-        return lambda law, k, strain: function(strain, at(law[0], k))
-    if len(law.types) == 2:
-        return lambda law, k, strain: function(strain, at(law[0], k), at(law[1], k))
-    return lambda law, k, strain: function(strain, at(law[0], k), at(law[1], k), at(law[2], k))
+def written_for_neighbours(function: str, across: Any, arguments: str, strain: str) -> Any:
+    """The same over neighbours in a row; ``across`` is the first argument, ``{other}`` the place of the other bead."""
+    names: dict[str, Any] = {"uint64": np.uint64}
+    lines, terms = [], []
+    for n, (distance, law) in enumerate(across):
+        near, other = f"across[{n}]", f"k + across[{n}][0]"
+        if isinstance(distance, types.Array):
+            term = _call(names, function, law, f"{near}[1]", "m, k", strain.format(other=f"{other}[m]"))
+            lines += [f"total{n} = 0.0", f"for m in range(uint64({near}[0].shape[0])):", f"    total{n} += {term}"]
+            terms.append(f"total{n}")
+        else:
+            terms.append(_call(names, function, law, f"{near}[1]", "k", strain.format(other=other)))
+    return _written(names, arguments, lines, terms)
 
 
-@overload(sum_of, inline="always", strict=False)
-def _sum_of(laws: Any, k: Any, strain: Any) -> Any:
-    if len(laws) == 0:
-        return lambda laws, k, strain: 0.0
-    if len(laws) == 1:
-        return lambda laws, k, strain: force(laws[0], k, strain)
-    return lambda laws, k, strain: force(laws[0], k, strain) + sum_of(laws[1:], k, strain)
+def _call(names: dict[str, Any], function: str, law: Any, name: str, place: str, strain: str) -> str:
+    """Source of a call of a law's function, which goes among the names."""
+    called = f"{function}{len(names)}"
+    names[called] = njit(inline="always")(getattr(law.instance_class, function))
+    parameters = [f"{name}[{n}]" + f"[{place}]" * isinstance(kind, types.Array) for n, kind in enumerate(law.types)]
+    return f"{called}({', '.join([strain, *parameters])})"
 
 
-@overload(pull, inline="always", strict=False)
-def _pull(across: Any, x: Any, k: Any) -> Any:
-    if len(across) == 0:
-        return lambda across, x, k: 0.0
-    if len(across) == 1:
-        return lambda across, x, k: pull_of(across[0], x, k)
-    return lambda across, x, k: pull_of(across[0], x, k) + pull(across[1:], x, k)
-
-
-@overload(pull_of, inline="always", strict=False)
-def _pull_of(neighbours: Any, x: Any, k: Any) -> Any:
-    if not isinstance(neighbours[0], types.Array):
-        return lambda neighbours, x, k: force(neighbours[1], k, x[k] - x[k + neighbours[0]])
-
-    def total(neighbours: Any, x: Any, k: Any) -> Any:
-        result = 0.0
-        for n in range(np.uint64(neighbours[0].shape[0])):
-            result += force(neighbours[1], (n, k), x[k] - x[k + neighbours[0][n]])
-        return result
-
-    return total
+def _written(names: dict[str, Any], arguments: str, lines: list[str], terms: list[str]) -> Any:
+    """A function that runs lines and returns the sum of terms, the last two added first; 0 if there are none."""
+    total = " + (".join(terms or ["0.0"]) + ")" * (len(terms) - 1)
+    exec("\n    ".join([f"def written({arguments}):", *lines, f"return {total}"]), names)
+    return names["written"]
 
 
 def drift_on(loads: Any, x: Any, v: Any, time: Any, duration: Any, low: Any, high: Any) -> Any:
@@ -220,7 +215,7 @@ def force_of(law: Any, t: Any) -> Any:
     raise NotImplementedError
 
 
-def _call(function: Any, parameters: int) -> Any:
+def _in_time(function: Any, parameters: int) -> Any:
     """Of a law's function, with its parameters."""
     function = njit(function)
     if parameters == 2:
@@ -230,17 +225,17 @@ def _call(function: Any, parameters: int) -> Any:
 
 @overload(impulse_of, strict=False)
 def _impulse_of(law: Any, t: Any) -> Any:
-    return _call(law.instance_class.impulse, len(law))
+    return _in_time(law.instance_class.impulse, len(law))
 
 
 @overload(travel_of, strict=False)
 def _travel_of(law: Any, t: Any) -> Any:
-    return _call(law.instance_class.travel, len(law))
+    return _in_time(law.instance_class.travel, len(law))
 
 
 @overload(force_of, strict=False)
 def _force_of(law: Any, t: Any) -> Any:
-    return _call(law.instance_class.force, len(law))
+    return _in_time(law.instance_class.force, len(law))
 
 
 @overload(drift_on, strict=False)

@@ -101,6 +101,8 @@ def step(
 def advance(
     x: Floats,
     v: Floats,
+    push: Floats,
+    stale: bool,
     span: Integers,
     window: int,
     kicks: Floats,
@@ -112,7 +114,7 @@ def advance(
     recorded: Integers,
     frames_x: Floats,
     frames_v: Floats,
-) -> None:
+) -> bool:
     """Advance a state by ``len(frames_x)`` frames and record the chosen beads at each.
 
     Only rows ``span[0]`` to ``span[1]`` are integrated. Beyond them nothing has moved: a row at rest feels no force
@@ -121,6 +123,7 @@ def advance(
 
     Args:
         x, v: state, flat; advanced in place.
+        push, stale: as for `step`, which returns the latter.
         span: first and last row that may move; advanced in place.
         window: number of rows that are integrated at most.
         kicks, drifts, h: the scheme and its step.
@@ -131,8 +134,6 @@ def advance(
         frames_x, frames_v: filled, [frame, chain, bead].
     """
     chains = frames_x.shape[1]
-    push = np.zeros_like(x)
-    stale = True
     for frame in range(frames_x.shape[0]):
         for number in range(frame * steps_per_frame, (frame + 1) * steps_per_frame):
             time = (first_step + number) * h
@@ -141,3 +142,4 @@ def advance(
             for k in range(recorded.shape[0]):
                 frames_x[frame, j, k] = x[recorded[k] * chains + j]
                 frames_v[frame, j, k] = v[recorded[k] * chains + j]
+    return stale

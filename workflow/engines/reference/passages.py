@@ -71,13 +71,14 @@ def _pass(
     chains = a.shape[1]
     v_rows = v.reshape((-1, chains))
     let_go = 0.0
+    stale = np.bool_(True)  # a literal would compile `step` once more
     for number in range(first_step, first_step + steps):
         before = span[0]
         for row in range(span[0], span[1] + 1):
             for j in range(chains):
                 v_before[row, j] = v_rows[row, j]
                 a_before[row, j] = a[row, j]
-        step(x, v, push, True, span, window, kicks, drifts, number * h, h, forces, chains)
+        step(x, v, push, stale, span, window, kicks, drifts, number * h, h, forces, chains)
         for row in range(before, span[0]):
             for j in range(chains):
                 let_go = max(let_go, abs(v_rows[row, j]))

@@ -40,6 +40,8 @@ def integrated(state, like, scheme, h, steps):
     advance(
         state.x.reshape(-1),
         state.v.reshape(-1),
+        np.zeros(state.x.size),
+        True,
         state.span,
         state.window,
         np.array(scheme.kicks),

@@ -1,0 +1,66 @@
+"""The JSON schema of scenes accepts what the program reads, and refuses plain mistakes."""
+
+import json
+from pathlib import Path
+
+import jsonschema
+import pytest
+
+import lammps_inputs
+from lammps_inputs import library, schema
+
+FILE = Path(lammps_inputs.__file__).parent / library.SCHEMA
+VALIDATOR = jsonschema.Draft202012Validator(schema.scene())
+
+
+def complaints(text, tmp_path):
+    path = tmp_path / "scene.yaml"
+    path.write_text(text)
+    return [error.json_path for error in VALIDATOR.iter_errors(library.load_plain(path))]
+
+
+def test_the_file_that_scenes_name_is_the_schema_of_today():
+    assert json.loads(FILE.read_text()) == schema.scene(), (
+        "granchain schema > lammps_inputs/templates/scene.schema.json"
+    )
+
+
+@pytest.mark.parametrize("name", library.installed())
+def test_an_installed_scene_names_the_schema_and_fits_it(name):
+    path = library.installed()[name]
+    first = path.read_text().splitlines()[0]
+    assert (path.parent / first.removeprefix(library.EDITORS)).resolve() == FILE
+    assert list(VALIDATOR.iter_errors(library.load_plain(path))) == []
+
+
+@pytest.mark.parametrize(
+    ("line", "where"),
+    [
+        ("bead: 3", "$"),
+        ("beads: 1", "$.beads"),
+        ("beads: ten", "$.beads"),
+        ("coupling: {stifness: 1}", "$.coupling"),
+        ("kick: {velocity: fast}", "$.kick"),
+        ("scheme: euler", "$.scheme"),
+    ],
+)
+def test_a_mistake_is_found_where_it_stands(line, where, tmp_path):
+    right = {"beads": "beads: 9", "kick": "kick: {velocity: 1}", "duration": "duration: 2", "name": "name: a"}
+    right[line.partition(":")[0]] = line
+    assert complaints("\n".join(right.values()), tmp_path) == [where]
+
+
+def test_one_kick_may_stand_without_a_list(tmp_path):
+    scene = "name: a\nbeads: 9\nduration: 2\nkick: "
+    assert complaints(scene + "{velocity: 1}", tmp_path) == []
+    assert complaints(scene + "[{velocity: 1}, {bead: 3, velocity: -1}]", tmp_path) == []
+
+
+def test_a_scene_to_start_from_is_a_scene_that_knows_its_schema(tmp_path):
+    for name in (None, "dimer"):
+        path = tmp_path / "mine.yaml"
+        path.write_text(library.to_start_from(name))
+        first, *rest = path.read_text().splitlines()
+        assert first == library.EDITORS + FILE.as_uri()
+        assert not any(line.startswith(library.EDITORS) for line in rest)
+        assert library.load(path).problem()

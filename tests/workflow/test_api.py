@@ -1,0 +1,126 @@
+"""For scripts and notebooks: the same as the commands, with results that show themselves."""
+
+import json
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import workflow
+from lammps_inputs import Scene, library
+from workflow import api
+
+NOTEBOOK = Path(workflow.__file__).parent / "first-steps.ipynb"
+SCENE = {"name": "tiny", "beads": 8, "kick": {"velocity": 1.0}, "duration": 4.0}
+STEEL = SCENE | {
+    "material": {"radius": 4.76e-3, "density": 8000.0, "youngs_modulus": 193e9, "poisson_ratio": 0.3},
+    "duration": 1e-4,
+}
+
+
+class Cells(HTMLParser):
+    """Text of a piece of HTML; every tag that is opened must be closed."""
+
+    def __init__(self, html):
+        super().__init__()
+        self.open, self.text = [], []
+        self.feed(html)
+        assert self.open == []
+
+    def handle_starttag(self, tag, attrs):  # noqa: ARG002
+        self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.text.append(data)
+
+
+@pytest.fixture(scope="module")
+def ran(tmp_path_factory):
+    return api.run(STEEL, tmp_path_factory.mktemp("api") / "run")
+
+
+def test_a_scene_comes_by_name_file_data_or_as_it_is(tmp_path):
+    path = tmp_path / "mine.yaml"
+    path.write_text(json.dumps(SCENE))
+    assert api.load(path) == api.load(str(path)) == api.load(SCENE) == Scene(**SCENE)
+    assert api.load("two-chains") == library.find("two-chains")
+    assert api.load(api.load(SCENE)) == Scene(**SCENE)
+
+
+def test_mistakes_raise_our_error_and_never_exit(tmp_path):
+    with pytest.raises(api.InputError, match="scene: beads"):
+        api.load(SCENE | {"beads": 1})
+    with pytest.raises(api.InputError, match="no such"):
+        api.analyse(tmp_path / "nothing")
+
+
+def test_what_a_scene_leaves_open_is_found(tmp_path):
+    scene = {key: value for key, value in SCENE.items() if key != "duration"} | {"until_bead": 6}
+    found = api.run(scene, str(tmp_path / "run"), engine="reference")
+    assert found.directory.problem.duration > 4.0
+
+
+def test_numbers_of_a_run_are_had_in_its_own_units(ran):
+    scale, frames = ran.directory.problem.scale, ran.trajectory
+    assert np.array_equal(ran.si.velocity, frames.velocity * scale.velocity)
+    assert np.array_equal(ran.si.displacement, frames.displacement * scale.length)
+    assert ran.si.time[-1] == pytest.approx(1e-4, rel=0.01)
+
+
+def test_waves_are_a_structured_array(ran):
+    waves = api.analyse(ran).waves
+    found = waves.array()
+    assert found.dtype.names[:3] == ("chain", "bead", "arrival")
+    assert np.array_equal(found["peak_velocity"], waves.peak_velocity)
+
+
+def test_a_run_its_error_its_validation_and_its_scene_show_themselves(ran):
+    judged = api.validate(ran.directory.path)
+    for shown, words in (
+        (ran, "lammps"),
+        (ran.check, "velocities (V)"),
+        (judged, "momentum"),
+        (api.load(STEEL), "radius"),
+    ):
+        assert any(words in text for text in Cells(shown._repr_html_()).text)
+        assert len(repr(shown)) < 200
+        assert repr(shown).startswith("<")
+
+
+def test_a_sweep_is_a_table_as_array_and_as_pandas_if_that_is_there(tmp_path):
+    what = {"scene": SCENE, "vary": {"kick.velocity": [1.0, 2.0]}, "engine": "reference"}
+    found = api.sweep(what, tmp_path / "swept", jobs=1)
+    array = found.array()
+    assert array["kick.velocity"].tolist() == [1.0, 2.0]
+    assert array["engine"].tolist() == ["reference", "reference"]
+    assert array["outcome"].tolist() == ["done", "done"]
+    assert "kick.velocity" in Cells(found._repr_html_()).text
+    pd = pytest.importorskip("pandas")
+    assert isinstance(found.pandas(), pd.DataFrame)
+
+
+def test_what_a_name_holds_is_text_not_markup():
+    from lammps_inputs import html
+
+    assert Cells(html.table("<b>", ("<i>",), [["<script>"]])).text == ["<b>", "<i>", "<script>"]
+
+
+def test_the_notebook_holds_no_output_that_could_be_old():
+    cells = json.loads(NOTEBOOK.read_text())["cells"]
+    assert all(cell.get("outputs", []) == [] for cell in cells)
+
+
+@pytest.mark.slow
+def test_the_notebook_runs(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    cells = json.loads(NOTEBOOK.read_text())["cells"]
+    names = {}
+    for cell in cells:
+        if cell["cell_type"] == "code":
+            exec(compile("".join(cell["source"]), NOTEBOOK.name, "exec"), names)
+    assert "equipartitioned" in capsys.readouterr().out
+    assert len(names["table"].rows) == 3

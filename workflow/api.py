@@ -1,0 +1,156 @@
+"""Everything that the commands do, for scripts and notebooks: ``from workflow.api import load, run, analyse``.
+
+Scenes may be given by name, as a file, as plain data or as a `Scene`; directories as text or paths, or as the `Run`
+that is in them. Mistakes raise `InputError`, failures `RunError`; nothing ends the interpreter. Results show themselves
+in a notebook. On a terminal and in a notebook long work has a progress bar.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Literal
+
+from lammps_inputs import InputError, Scene, library
+from workflow.errors import RunError
+from workflow.prepare.settings import settle
+from workflow.runs import run as running
+from workflow.runs.run import Run
+from workflow.runs.run_directory import RunDirectory
+from workflow.screen import count_bar, progress_bar
+from workflow.sweep import collect as collecting
+from workflow.sweep import file
+from workflow.sweep.table import Table
+from workflow.verdicts import analyse as analysing
+from workflow.verdicts import validate as validating
+from workflow.verdicts.analyse import Analysis
+from workflow.verdicts.validate import Validation
+
+__all__ = ["InputError", "RunError", "analyse", "collect", "load", "run", "sweep", "validate"]
+
+AnyScene = Scene | Mapping[str, Any] | Path | str
+AnyRun = Run | RunDirectory | Path | str
+
+
+def load(scene: AnyScene) -> Scene:
+    """A scene by the name of an installed one, from a file, or from plain data.
+
+    Raises:
+        InputError: it is none.
+    """
+    if isinstance(scene, Scene):
+        return scene
+    if isinstance(scene, Mapping):
+        return library.from_plain(library.with_files(dict(scene), Path()), "scene")
+    return library.find(str(scene))
+
+
+def run(
+    scene: AnyScene,
+    directory: Path | str,
+    *,
+    engine: Literal["lammps", "reference", "collisions"] = "lammps",
+    ranks: int = 1,
+    overwrite: bool = False,
+    check: bool = True,
+) -> Run:
+    """Run a scene in a new directory, with whatever it leaves open found beforehand.
+
+    Args:
+        scene: see `load`.
+        directory: new or empty, or an earlier run's with ``overwrite``.
+        engine: LAMMPS, the reference integrator, or rigid beads.
+        ranks: MPI ranks of LAMMPS.
+        overwrite: whether an earlier run's files may be replaced.
+        check: whether to measure the error of a LAMMPS run against the reference.
+
+    Raises:
+        InputError: the scene or the directory cannot be used.
+        RunError: the run failed.
+    """
+    whole, settings = settle(load(scene), source="scene", force=engine != "lammps")
+    with progress_bar(whole.name, whole.problem()) as progress:
+        return running.run(
+            whole,
+            directory,
+            engine=engine,
+            ranks=ranks,
+            overwrite=overwrite,
+            settings=settings,
+            check=check,
+            progress=progress,
+        )
+
+
+def analyse(run: AnyRun, *, figures: bool = False) -> Analysis:
+    """Find the waves in a run; writes ``waves.csv`` and ``analysis.json`` beside the frames, and figures if asked to.
+
+    Raises:
+        InputError: there are no frames, or they are damaged.
+    """
+    return analysing.analyse(_directory(run), figures=figures)
+
+
+def validate(
+    run: AnyRun,
+    *,
+    against: Path | str | None = None,
+    units: Literal["scene", "dimensionless"] = "scene",
+    tolerances: Mapping[str, float] | None = None,
+) -> Validation:
+    """Compare a run with the certified reference, or with a table of your own.
+
+    Args:
+        run: what to judge.
+        against: a file of yours; the reference without it.
+        units: of that file.
+        tolerances: quantity -> largest error let pass, in place of the usual one; dimensionless.
+
+    Raises:
+        InputError: frames or file cannot be used.
+    """
+    limits = dict(tolerances or {})
+    if against is None:
+        return validating.validate(_directory(run), limits)
+    return validating.validate_against(
+        _directory(run), Path(against), dimensionless=units == "dimensionless", tolerances=limits
+    )
+
+
+def sweep(
+    what: Mapping[str, Any] | Path | str, directory: Path | str, *, jobs: int | None = None, check: bool = True
+) -> Table:
+    """Run a scene for lists or ranges of its fields, on all cores, and gather the cases; goes on with what is missing.
+
+    Args:
+        what: a sweep file, or what stands in one.
+        directory: made, or gone on with.
+        jobs: cases at a time; as many as there are cores by default.
+        check: whether to measure the errors against the reference.
+
+    Raises:
+        InputError: a case is no scene.
+        RunError: the sweep was interrupted.
+    """
+    from workflow.sweep.carry_out import sweep as carry_out
+
+    read = file.from_plain(dict(what), Path("sweep")) if isinstance(what, Mapping) else file.load(Path(what))
+    with count_bar("sweep") as progress:
+        end = carry_out(read, Path(directory), processes=jobs, check=check, progress=progress)
+    if end.interrupted:
+        raise RunError("interrupted: what is done is kept; the same call goes on with the rest")
+    return collect(directory)
+
+
+def collect(directory: Path | str) -> Table:
+    """Gather the cases of a sweep into one table, those that failed with the reason.
+
+    Raises:
+        InputError: there are none.
+    """
+    with count_bar("analyse") as progress:
+        return collecting.collect(Path(directory), progress)
+
+
+def _directory(run: AnyRun) -> RunDirectory:
+    if isinstance(run, Run):
+        return run.directory
+    return run if isinstance(run, RunDirectory) else RunDirectory(Path(run))
