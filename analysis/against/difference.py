@@ -38,8 +38,8 @@ def waves_apart(own: Waves, other: Waves) -> tuple[float, float]:
     Left out are the kicked beads' start and peaks not twice as high as `analysis.tracking.peaks.THRESHOLD`. NaN where
     nothing is left, or no arrival that is defined.
     """
-    keys = [waves.chain * 2**40 + waves.bead for waves in (own, other)]
-    _, here, there = np.intersect1d(*keys, assume_unique=True, return_indices=True)
+    one, two = (waves.chain * 2**40 + waves.bead for waves in (own, other))
+    _, here, there = np.intersect1d(one, two, assume_unique=True, return_indices=True)
     own, other = own.where(here), other.where(there)
     clear = (np.minimum(own.peak_velocity, other.peak_velocity) > 2.0 * THRESHOLD) & (other.time > 0.0)
     found = []

@@ -82,6 +82,11 @@ def test_the_last_line_says_the_error_where_it_is_and_how_sure_that_is(tmp_path,
     held = json.loads((tmp_path / "out" / "run.json").read_text())["check"]
     said = capsys.readouterr().out.splitlines()[-1]
     assert said.startswith(f"error: velocities {held['velocity']:.1e} V (bead {held['where']['bead']} of chain 1, t = ")
+    found = [
+        f"{name} {held[key]:.1e} {unit}"
+        for name, key, unit in (("peaks", "amplitude", "V"), ("arrivals", "arrival", "T"))
+    ]
+    assert f"), {', '.join(found)}; the reference" in said
     assert said.endswith(f"sure to {held['reference']['velocity']:.1e} V and {held['reference']['arrival']:.1e} T")
 
 
