@@ -15,6 +15,11 @@ def text(value: float) -> str:
     return repr(float(value)).removesuffix(".0")
 
 
+def known(value: float) -> float | None:
+    """A number for a JSON file, which knows none that is infinite or not a number."""
+    return value if math.isfinite(value) else None
+
+
 def memory() -> int:
     """Bytes of memory that this machine has; as good as endless where it does not tell."""
     try:

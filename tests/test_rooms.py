@@ -10,7 +10,7 @@ ROOT = Path(__file__).parents[1]
 STAIRS = {  # the lowest first
     "lammps_inputs": ("laws", "ingredients", "limits", "decks", "slurm"),
     "analysis": ("files", "shape", "tracking", "mda", "against", "sharing", "gauges", "figures"),
-    "workflow": ("engines", "cluster", "prepare", "runs", "verdicts", "sweep", "studies", "commands"),
+    "workflow": ("engines", "cluster", "prepare", "runs", "verdicts", "sweep", "view", "studies", "commands"),
 }
 ROOMS = [(package, room) for package, stairs in STAIRS.items() for room in stairs]
 

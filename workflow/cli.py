@@ -43,6 +43,7 @@ COMMANDS = (
     "rerun",
     "status",
     "analyze",
+    "view",
     "validate",
     "compare",
     "reproduce",

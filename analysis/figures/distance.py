@@ -42,6 +42,7 @@ def distance_figure(problem: Problem, shared: Sharing, energies: EnergyShares, d
             panel(axis)
             axis.set_title(f"({letter})", loc="left")
         axes[-1].set_xlabel("bead" if direction > 0 else f"bead, counted from bead {problem.beads}")
+        axes[-1].xaxis.get_major_locator().set_params(integer=True)
         chain_legend(figure, axes[0])
         figure.suptitle(title(problem, each_chain=True))
     return figure

@@ -5,7 +5,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from analysis.figures.style import STYLE, axis_unit, chain_legend, draw_chain, shown_chains, title
-from analysis.gauges.forces import Readings
+from analysis.gauges.readings import Readings
 from lammps_inputs import Problem
 
 MOST_GAUGES = 8
@@ -24,7 +24,10 @@ def force_figure(problem: Problem, readings: Readings) -> Figure:
                 draw_chain(
                     axis, position, chain, readings.time * time.worth, readings.force[:, chain, place] * force.worth
                 )
-            axis.set_ylabel(f"{readings.gauges[place].name}\n({force.symbol})")
+            axis.set_ylabel(f"force ({force.symbol})")
+            largest = float(np.max(readings.largest[:, place])) * force.worth
+            axis.set_title(readings.gauges[place].name, loc="left")
+            axis.set_title(f"largest {largest:.4g}", loc="right", fontsize=8, color="0.3")
         axes[-1].set_xlabel(f"time $t$ ({time.symbol})")
         left_out = len(readings.gauges) - count
         more = f"; {left_out} more gauges are in forces.csv" if left_out else ""

@@ -66,7 +66,7 @@ def response_figure(data: BeadHistory) -> Figure:
             _draw(whole, data, number, data.time * time.worth, velocity.worth)
             inside = (data.time >= low) & (data.time <= high)
             _draw(near, data, number, (data.time - middle) * close.worth, velocity.worth, inside)
-            near.set_title(f"from $t$ = {middle * time.worth:.4g}{then}", loc="left")
+            near.set_title(f"around $t$ = {middle * time.worth:.4g}{then}", loc="left")
             whole.set_title(f"bead {data.beads[number]}", loc="left")
             whole.set_ylabel(f"$v$ ({velocity.symbol})")
         axes[-1, 0].set_xlabel(f"time $t$ ({time.symbol})")

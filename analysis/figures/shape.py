@@ -11,7 +11,7 @@ from analysis.shape.exact_wave import solitary_wave
 from analysis.shape.waveforms import COMPARED, Waveforms
 from lammps_inputs import Problem
 
-MARKERS = "os^DvP*X"
+MARKERS = "os^DvP*Xp"
 
 
 def shape_figure(problem: Problem, waveforms: Waveforms, beads: Sequence[int]) -> Figure:

@@ -1,5 +1,7 @@
 """Velocity in space and time."""
 
+from typing import Any
+
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
@@ -17,6 +19,9 @@ PANELS_A_ROW = 4
 
 NEAR = 5
 """Beads from one that was hit over which its first motion outshines all waves."""
+
+STILL = 1e-3
+"""Share of the largest velocity below which a bead is nowhere seen to move."""
 
 _MOST_LABELS = 8
 
@@ -39,7 +44,7 @@ class SpaceTime:
     def add(self, block: Trajectory) -> None:
         """Take the next frames of the run."""
         first = -self._seen % self._stride
-        chains = shown_chains(self.problem)
+        chains = shown_chains(self.problem, panels=True)
         self._time.append(block.time[first :: self._stride].copy())
         frames = block[first :: self._stride]
         if self.problem.window is not None:
@@ -67,11 +72,12 @@ class SpaceTime:
 def spacetime_figure(data: SpaceTime) -> Figure:
     """Velocity in space and time, the chains side by side (the paper's Figs 1, 3 and 5), those of a lattice as in it.
 
-    Colours diverge from a velocity of 0 and follow its square root, so that the weak tail is seen beside the pulse and
-    the free end is not cut off. The scale ends where all beads do but those up to `NEAR` from one that was hit. Beads
-    that are not evenly spaced stand side by side in columns of one width. Grey: where the window has left.
+    Where less than half of the beads are seen to move, they and some around them are drawn. Colours diverge from a
+    velocity of 0 and follow its square root, so that the weak tail is seen beside the pulse and the free end is not cut
+    off. The scale ends where all beads do but those up to `NEAR` from one that was hit. Beads that are not evenly
+    spaced stand side by side in columns of one width. Grey: where the window has left.
     """
-    problem, chains = data.problem, shown_chains(data.problem)
+    problem, chains = data.problem, shown_chains(data.problem, panels=True)
     time = axis_unit(problem, "time", data.time[-1])
     size = np.abs(np.nan_to_num(data.velocity))
     far = np.all([np.abs(data.beads - bead) > NEAR for _, bead, _ in problem.struck], axis=0)
@@ -112,16 +118,30 @@ def spacetime_figure(data: SpaceTime) -> Figure:
                 axis.xaxis.set_tick_params(labelbottom=True)
             if not even:
                 _name_columns(axis, data.beads)
+        if even:
+            axes[0, 0].xaxis.get_major_locator().set_params(integer=True)
+            axes[0, 0].set_xlim(*_moving(data.beads, np.max(size, axis=(0, 1)) > STILL * largest, places))
         for axis in axes[:, 0]:
             axis.set_ylabel(f"time $t$ ({time.symbol})")
+        shape: dict[str, Any] = {"aspect": 20 * rows, "extendfrac": 0.05 / rows, "fraction": 0.15 / columns}
         beyond = "both" if float(np.max(size)) > largest else "neither"
-        bar = figure.colorbar(image, ax=list(axes.flat[: len(chains)]), ticks=_ticks(top), extend=beyond)
-        bar.ax.yaxis.set_major_formatter("{x:.2g}")
+        bar = figure.colorbar(image, ax=list(axes.flat[: len(chains)]), ticks=_ticks(top), extend=beyond, **shape)
+        bar.ax.yaxis.set_major_formatter("{x:.4g}")
         bar.ax.minorticks_off()
         bar.set_label(f"velocity $v$ ({unit.symbol})")
         grey = "\ngrey: the window has left" if np.isnan(data.velocity).any() else ""
-        figure.suptitle(title(problem, each_chain=True, until=data.until) + grey)
+        figure.suptitle(title(problem, each_chain=True, panels=True, until=data.until) + grey)
     return figure
+
+
+def _moving(beads: NDArray[np.int64], moves: NDArray[np.bool_], whole: tuple[float, float]) -> tuple[float, float]:
+    """Ends of the axis of beads: all, or those that move with as many around if they are less than half."""
+    seen = np.flatnonzero(moves)
+    if len(seen) == 0 or 2 * (seen[-1] + 1 - seen[0]) >= len(beads):
+        return whole
+    step, more = beads[1] - beads[0], (seen[-1] + 1 - seen[0]) // 2
+    low, high = max(0, seen[0] - more), min(len(beads) - 1, seen[-1] + more)
+    return float(beads[low] - 0.5 * step), float(beads[high] + 0.5 * step)
 
 
 def _root(value: Floats) -> Floats:

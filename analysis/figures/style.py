@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from analysis.trajectory import Floats
-from lammps_inputs import Problem
-from lammps_inputs.links import words
+from lammps_inputs import Problem, laws
 
-CHAIN_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
-"""Okabe and Ito's palette, ordered for contrast between the first few."""
+CHAIN_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#882255", "#7F7F7F")
+"""Okabe and Ito's palette, ordered for contrast between the first few; wine (Tol) and grey."""
 
 CHAIN_DASHES: tuple[object, ...] = (
     "-",
@@ -24,14 +24,15 @@ CHAIN_DASHES: tuple[object, ...] = (
     (0, (3, 1, 1, 1, 1, 1)),
     (0, (1, 2.5)),
     (0, (8, 2, 2, 2)),
+    (0, (8, 1, 1, 1, 1, 1)),
 )
 """One for each chain of a figure, so that chains can be told apart in grey."""
 
-MAX_PANELS = 8
+MAX_PANELS = 9
 """Chains that a figure shows at most, see `shown_chains`."""
 
 MAX_PANELS_OF_LATTICE = 25
-"""Likewise of a lattice, whose chains stand as they do in it."""
+"""Likewise of a lattice, where each chain has a panel of its own, which stands as the chain does."""
 
 FEW_NUMBERS = 20
 
@@ -91,36 +92,52 @@ def grid(problem: Problem) -> tuple[int, int] | None:
     return next((link.grid for link in problem.across if link.grid is not None), None)
 
 
-def most_panels(problem: Problem) -> int:
-    """Chains of which a figure shows all: more where they stand in a lattice."""
-    return MAX_PANELS if grid(problem) is None else MAX_PANELS_OF_LATTICE
-
-
-def shown_chains(problem: Problem) -> list[int]:
+def shown_chains(problem: Problem, *, panels: bool = False) -> list[int]:
     """Chains that a figure shows, counted from 0, ascending: all, or those that were hit and some far from those.
 
     Of more than `MAX_PANELS`, first the ones that were hit (the hardest first), then always the one farthest from all
-    chosen so far.
+    chosen so far, along the springs between chains.
+
+    Args:
+        problem: what is drawn.
+        panels: whether each chain has a panel of its own; of a lattice there can be more then.
     """
-    if problem.chains <= most_panels(problem):
+    most = MAX_PANELS_OF_LATTICE if panels and grid(problem) is not None else MAX_PANELS
+    if problem.chains <= most:
         return list(range(problem.chains))
     by_kick = sorted(problem.struck, key=lambda blow: -abs(blow[2]))
     chosen = list(dict.fromkeys(chain - 1 for chain, _, _ in by_kick))[:MAX_PANELS]
+    distance = np.min([_distances(problem, chain) for chain in chosen], axis=0)
     while len(chosen) < MAX_PANELS:
-        distance = np.min(np.abs(np.arange(problem.chains)[:, None] - chosen), axis=1)
         chosen.append(int(np.argmax(distance)))
+        distance = np.minimum(distance, _distances(problem, chosen[-1]))
     return sorted(chosen)
 
 
-def title(problem: Problem, *, each_chain: bool = False, until: float | None = None) -> str:
+def _distances(problem: Problem, chain: int) -> NDArray[np.int64]:
+    """[chain] how many springs away from a chain; as far as can be, and in numbers, if no spring leads there."""
+    row = np.abs(np.arange(problem.chains) - chain)
+    far = np.full(problem.chains, -1)
+    far[chain], edge = 0, np.array([chain])
+    lower, higher = np.array([pair for link in problem.across for pair in link.edges]).reshape(-1, 2).T.astype(np.int64)
+    while len(edge):
+        reached = np.concatenate([higher[np.isin(lower, edge)], lower[np.isin(higher, edge)]])
+        steps = int(far[edge[0]]) + 1
+        edge = np.unique(reached[far[reached] < 0])
+        far[edge] = steps
+    return np.where(far < 0, problem.chains + row, far)
+
+
+def title(problem: Problem, *, each_chain: bool = False, panels: bool = False, until: float | None = None) -> str:
     """Name and numbers of a scene, for the top of a figure.
 
     Args:
         problem: what was run.
         each_chain: whether the figure shows each chain; of many it then says which ones.
+        panels: whether each has a panel of its own.
         until: time of the last frame there is, in units of T; of a run that was cut short it is said.
     """
-    coupled = f", $\\kappa$ = {words(problem.across, '.4g')}" if problem.coupled else ""
+    coupled = f", {_coupling(problem)}" if problem.coupled else ""
     gap = ""
     if problem.gap:
         unit = axis_unit(problem, "length", problem.gap)
@@ -129,9 +146,31 @@ def title(problem: Problem, *, each_chain: bool = False, until: float | None = N
     if until is not None and until < problem.duration - 0.5 * problem.every:
         cut = f"; cut short at {until / problem.duration:.0%} of its time"
     shown = ""
-    if each_chain and problem.chains > most_panels(problem):
-        shown = f" (chains {', '.join(str(chain + 1) for chain in shown_chains(problem))} are shown)"
+    chains = shown_chains(problem, panels=panels)
+    if each_chain and len(chains) < problem.chains:
+        shown = f" (chains {', '.join(str(chain + 1) for chain in chains)} are shown)"
     return f"{problem.name}: $N$ = {problem.chains}{shown}{coupled}{gap}{cut}"
+
+
+def _coupling(problem: Problem) -> str:
+    """Dimensionless stiffness of the springs between chains at rest, where they are, and which chains they tie."""
+    still, pulled = (
+        np.concatenate(
+            [
+                np.broadcast_to(laws.stiffness(link.law, strain), (len(link.edges), problem.beads))
+                for link in problem.across
+            ]
+        )
+        for strain in (0.0, 1.0)
+    )
+    rows = np.flatnonzero(np.any(pulled > 0.0, axis=0)) + 1
+    there = still[:, rows - 1]
+    least, largest = float(np.min(there)), float(np.max(there))
+    symbol = "\\kappa" if problem.scale.time == 1.0 else "\\kappa = k T^2 / m"
+    said = f"${symbol}$ = {largest:.4g}" if least == largest else f"${symbol}$ = {least:.3g} to {largest:.3g}"
+    said += " and cubic" if np.any(pulled != still) else ""
+    said += f" in rows {rows[0]} to {rows[-1]}" if len(rows) < problem.beads else ""
+    return ", ".join([said, *(link.shape for link in problem.across if link.shape)])
 
 
 def chain_look(place: int) -> dict[str, Any]:

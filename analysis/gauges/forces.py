@@ -6,35 +6,23 @@ time: its impulse is an integral by Gauss rules, cut where a contact opens or cl
 frames, and so do the moments at which contacts open and close.
 """
 
-import csv
-import io
-import itertools
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import Literal
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis import hermite, motion
+from analysis.gauges.between_frames import Curve, borders, change, maximum
+from analysis.gauges.gauge import Gauge, Integers, Probe
+from analysis.gauges.readings import Readings
 from analysis.trajectory import Floats, Trajectory, joined
-from lammps_inputs import Problem, laws
-from lammps_inputs.links import Wall
-from lammps_inputs.units import Scale
-
-Integers = NDArray[np.int64]
-Kind = Literal["wall", "contact", "sensor"]
-
-TOUCH = 1e-18
-"""Force from which on there is an impulse to add up, of an overlap of 1e-12."""
+from lammps_inputs import Problem
 
 CLOSED = 1e-9
 """Force from which on a contact counts as closed, of an overlap of 1e-6, far above rounding: behind a pulse beads touch
 with hardly any force.
 """
-
-PANEL = 0.05
-"""Largest stretch of time for one Gauss rule of four nodes."""
 
 NEARLY = 0.99
 """Share of the largest force that a panel's ends must have for the largest to be looked for in it: forces are round
@@ -43,96 +31,6 @@ enough for a panel to hide 0.2%.
 
 MOST_ENTRIES = 4000
 """Stretches from frame to frame that are looked at together, which bounds the memory."""
-
-HALVINGS = 50
-
-
-@dataclass(frozen=True)
-class _Probe:
-    """One contact, at the same place in every chain.
-
-    Attributes:
-        behind, ahead: beads whose difference of displacements is its strain, counted from 1; 0 for what is at rest.
-        force: strain [chain, ...] -> force [chain, ...], never negative.
-    """
-
-    behind: int
-    ahead: int
-    force: Callable[[Floats, Integers], Floats]
-
-
-@dataclass(frozen=True)
-class Gauge:
-    """A place at which force is read, in every chain: the mean of its contacts.
-
-    Attributes:
-        kind: what is read.
-        name: for tables and figures.
-        bead: the first or last one, at a wall; the first of a contact; the one with the sensor.
-    """
-
-    kind: Kind
-    name: str
-    bead: int
-    probes: tuple[_Probe, ...]
-
-
-def gauges(problem: Problem, *, wall: bool, contacts: tuple[int, ...], sensors: tuple[int, ...]) -> tuple[Gauge, ...]:
-    """Gauges at walls, between beads n and n + 1, and inside beads; from left to right by kind."""
-    found = []
-    if wall:
-        for link in problem.walls:
-            right = link.law.side > 0.0
-            name = "right wall" if right else "left wall"
-            found.append(Gauge("wall", name, problem.beads if right else 1, (_at_wall(problem, link),)))
-    found += [Gauge("contact", f"contact {bead}", bead, (_between(problem, bead),)) for bead in contacts]
-    found += [
-        Gauge("sensor", f"sensor {bead}", bead, (_between(problem, bead - 1), _between(problem, bead)))
-        for bead in sensors
-    ]
-    return tuple(found)
-
-
-def _at_wall(problem: Problem, link: Wall) -> _Probe:
-    right = link.law.side > 0.0
-    place = problem.beads - 1 if right else 0
-
-    def force(strain: Floats, chain: Integers) -> Floats:
-        displacement = strain if right else -strain
-        return np.asarray(np.abs(laws.force(laws.at(link.law, chain, place), displacement)))
-
-    return _Probe(problem.beads, 0, force) if right else _Probe(0, 1, force)
-
-
-def _between(problem: Problem, bead: int) -> _Probe:
-    def force(strain: Floats, chain: Integers) -> Floats:
-        return motion.contact_force(problem, strain - problem.gap, chain, np.full(chain.shape, bead - 1))
-
-    return _Probe(bead, bead + 1, force)
-
-
-@dataclass(frozen=True)
-class Readings:
-    """What the gauges read, dimensionless.
-
-    Attributes:
-        gauges: which.
-        time: [frame], in units of T.
-        force: [frame, chain, gauge].
-        largest, largest_at: [chain, gauge] largest force, between frames too, and when; at NaN where there was none.
-        impulse: [chain, gauge] integral of the force over time, of all contacts together.
-        dwell: [chain, gauge] how long the contact lasted in which the force was largest, so far if it still lasts.
-        contacts: [chain, gauge] how many contacts there were.
-    """
-
-    gauges: tuple[Gauge, ...]
-    time: Floats
-    force: Floats
-    largest: Floats
-    largest_at: Floats
-    impulse: Floats
-    dwell: Floats
-    contacts: Integers
 
 
 class ForceMeter:
@@ -212,10 +110,10 @@ class ForceMeter:
         size = (block.frames - 1) * self.problem.chains
         chain = np.tile(np.arange(self.problem.chains), block.frames - 1)
         moving = np.flatnonzero(np.any([np.any(p != 0.0, axis=0) for p in polynomials], axis=0))
-        border = _borders(spacing)
+        border = borders(spacing)
         forces = np.zeros((len(border), size))
         for probe, polynomial in zip(gauge.probes, polynomials, strict=True):
-            single = _Curve(probe.force, polynomial[:, moving], chain[moving])
+            single = Curve(probe.force, polynomial[:, moving], chain[moving])
             forces[:, moving] += np.stack([single(np.full(len(moving), s)) for s in border]) / len(gauge.probes)
             impulse = np.zeros(size)
             impulse[moving] = single.integral(border) * spacing / len(gauge.probes)
@@ -223,9 +121,7 @@ class ForceMeter:
             np.add.at(self._impulse[:, place], chain, impulse)
 
         def mean(entry: Integers, s: Floats) -> Floats:
-            curves = (
-                _Curve(p.force, q[:, entry], chain[entry]) for p, q in zip(gauge.probes, polynomials, strict=True)
-            )
+            curves = (Curve(p.force, q[:, entry], chain[entry]) for p, q in zip(gauge.probes, polynomials, strict=True))
             return np.asarray(sum(curve(s) for curve in curves)) / len(gauge.probes)
 
         start = np.repeat(block.time[:-1], self.problem.chains)
@@ -244,7 +140,7 @@ class ForceMeter:
         """Note when contacts open and close; ``start`` is the time of the frame before, of every entry."""
         panel, entry = np.nonzero(closed[:-1] != closed[1:])
         before = closed[panel, entry]
-        at = _change(lambda s: mean(entry, s) > CLOSED, before, border[panel], border[panel + 1])
+        at = change(lambda s: mean(entry, s) > CLOSED, before, border[panel], border[panel + 1])
         self._changes[place].append((entry % self.problem.chains, start[entry] + at * spacing, ~before))
 
     def _take_largest(
@@ -261,14 +157,14 @@ class ForceMeter:
         top = np.argmax(forces[:, interval, chain], axis=0)
         low, high = border[np.maximum(top - 1, 0)], border[np.minimum(top + 1, len(border) - 1)]
         entry = interval * forces.shape[2] + chain
-        at = _maximum(lambda s: mean(entry, s), low, high)
+        at = maximum(lambda s: mean(entry, s), low, high)
         found = mean(entry, at)
         for k in np.argsort(found):
             if found[k] > self._largest[chain[k], place]:
                 self._largest[chain[k], place] = found[k]
                 self._largest_at[chain[k], place] = block.time[interval[k]] + at[k] * block.spacing
 
-    def _polynomial(self, block: Trajectory, probe: _Probe, spacing: float) -> Floats:
+    def _polynomial(self, block: Trajectory, probe: Probe, spacing: float) -> Floats:
         """Strain in s = (time - frame's) / spacing, [power, interval * chains + chain]."""
         beads = (probe.behind, probe.ahead)
         states = [[self._column(values, bead) for bead in beads] for values in (block.displacement, block.velocity)]
@@ -283,79 +179,3 @@ class ForceMeter:
             return np.zeros((block.frames, self.problem.chains))
         frame, chain = np.indices((block.frames, self.problem.chains))
         return motion.acceleration_and_rate(block, frame, chain, np.full(frame.shape, bead - 1))[0]
-
-
-@dataclass(frozen=True)
-class _Curve:
-    """Force of one contact over s, in many stretches from frame to frame."""
-
-    law: Callable[[Floats, Integers], Floats]
-    polynomial: Floats
-    chain: Integers
-
-    def __call__(self, s: Floats) -> Floats:
-        return self.law(hermite.value(self.polynomial, s), self.chain)
-
-    def integral(self, border: Floats) -> Floats:
-        """Over s from 0 to 1.
-
-        In a panel where the contact opens or closes, the force is a power 3/2 from there on, of which no rule makes
-        much: with the square root of the time from there as variable it is smooth.
-        """
-        node, weight = np.polynomial.legendre.leggauss(4)
-        node, weight = 0.5 * (node + 1.0), 0.5 * weight
-        size = self.polynomial.shape[1]
-        total = np.zeros(size)
-        closed = np.stack([self(np.full(size, s)) for s in border]) > TOUCH
-        for panel, (low, high) in enumerate(itertools.pairwise(border.tolist())):
-            whole = closed[panel] & closed[panel + 1]
-            for s, w in zip(node, weight, strict=True):
-                total += np.where(whole, w * (high - low) * self(np.full(size, low + s * (high - low))), 0.0)
-        panel_of, entry = np.nonzero(closed[:-1] != closed[1:])
-        one = _Curve(self.law, self.polynomial[:, entry], self.chain[entry])
-        low, high, before = border[panel_of], border[panel_of + 1], closed[panel_of, entry]
-        at = _change(lambda s: one(s) > TOUCH, before, low, high)
-        width = np.sqrt(np.where(before, at - low, high - at))
-        way = np.where(before, -1.0, 1.0)
-        for s, w in zip(node, weight, strict=True):
-            root = width * s
-            np.add.at(total, entry, w * width * 2.0 * root * one(at + way * root * root))
-        return total
-
-
-def _borders(spacing: float) -> Floats:
-    """Borders of panels, from 0 to 1."""
-    return np.linspace(0.0, 1.0, max(1, int(np.ceil(spacing / PANEL * (1.0 - 1e-9)))) + 1)
-
-
-def _change(
-    state: Callable[[Floats], NDArray[np.bool_]], before: NDArray[np.bool_], low: Floats, high: Floats
-) -> Floats:
-    """Where a state that is ``before`` at low, and not at high, changes."""
-    for _ in range(HALVINGS):
-        middle = 0.5 * (low + high)
-        same = state(middle) == before
-        low, high = np.where(same, middle, low), np.where(same, high, middle)
-    return 0.5 * (low + high)
-
-
-def _maximum(value: Callable[[Floats], Floats], low: Floats, high: Floats) -> Floats:
-    """Where something with one maximum between low and high is largest."""
-    for _ in range(2 * HALVINGS):
-        one, two = low + (high - low) / 3.0, high - (high - low) / 3.0
-        rising = value(one) < value(two)
-        low, high = np.where(rising, one, low), np.where(rising, high, two)
-    return 0.5 * (low + high)
-
-
-def to_csv(readings: Readings, scale: Scale) -> str:
-    """Force over time in the scene's units: a column for every gauge and chain, such as ``contact 10 chain 1 (N)``."""
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    chains = readings.force.shape[1]
-    names = [f"{gauge.name} chain {chain + 1}" for gauge in readings.gauges for chain in range(chains)]
-    writer.writerow([scale.heading("time", "time"), *(scale.heading(name, "force") for name in names)])
-    columns = np.moveaxis(readings.force, 2, 1).reshape(len(readings.time), -1) * scale.force
-    for time, row in zip((readings.time * scale.time).tolist(), columns.tolist(), strict=True):
-        writer.writerow([repr(time), *map(repr, row)])
-    return out.getvalue()

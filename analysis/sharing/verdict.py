@@ -36,6 +36,7 @@ class State(Enum):
     SHORT = "too short to tell"
     ALONE = "nothing to share"
     UNSURE = "not to be told"
+    UNLIKE = "of different beads"
     NO_PULSE = "does not apply"
 
 
@@ -59,6 +60,22 @@ class Verdict:
 
 def judge(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict:
     """The verdict on a run. Equality must have lasted for half a beat to count."""
+    found = _judge(shared, problem, decay)
+    if found.state in (State.BEATING, State.SHORT) and len(shared) and _unlike(problem, shared.kicked):
+        what = f"the chains are {State.UNLIKE.value} and do not come to swing alike: at bead {shared.bead[-1]} "
+        what += f"amplitudes differ by {shared.mismatch[-1]:.1%}"
+        return Verdict(State.UNLIKE, None, None, what)
+    return found
+
+
+def _unlike(problem: Problem, kicked: int) -> bool:
+    """Whether beads of one row differ between the chain that was hit and those it is tied to."""
+    tied = problem.tied_to(kicked)
+    tables = [np.asarray(problem.mass), *(np.asarray(value) for link in problem.along for value in link.law)]
+    return any(table.ndim == 2 and bool(np.any(np.ptp(table[tied], axis=0))) for table in tables)
+
+
+def _judge(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict:
     if not problem.holds(Fact.PULSE):
         return Verdict(State.NO_PULSE, None, None, f"{State.NO_PULSE.value}: no pulse stays together in this scene")
     if problem.chains == 1 or not problem.coupled:
@@ -95,7 +112,7 @@ def judge(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict:
         what += "the wave's passage over the last half beat"
         return Verdict(State.BEATING, None, None, f"{State.BEATING.value}: {what}; beats of {_beads(beat)} beads")
     sentence = (
-        f"{State.BEATING.value}: amplitudes differ by up to {recent:.1%} over the last half beat to bead {last}, "
+        f"{State.BEATING.value}: amplitudes differ by up to {recent:.2%} over the last half beat to bead {last}, "
         f"beats of {_beads(beat)} beads{_about(expected)}"
     )
     return Verdict(State.BEATING, None, expected, sentence)

@@ -33,7 +33,7 @@ def beyond_kicks(peaks: Peaks, problem: Problem) -> Peaks:
     if not problem.walls:
         return peaks
     way = peaks.direction
-    first = min((way * bead for _, bead, velocity in problem.kicks if velocity * way > 0.0), default=-problem.beads)
+    first = min((way * bead for _, bead, velocity in problem.struck if velocity * way > 0.0), default=-problem.beads)
     return peaks.where(way * peaks.bead >= first)
 
 

@@ -248,8 +248,10 @@ class Table(NamedTuple):
         """None."""
         return ()
 
-    def formula(self, name: str) -> str:
+    def formula(self, name: str) -> str:  # noqa: ARG002  see below
         """Half of each change of slope, times the square of the time since; at most `MOST_POINTS`.
+
+        In steps, as LAMMPS reads what a variable stands for again at each of its places, ten times slower.
 
         Raises:
             ValueError: more points.
@@ -259,18 +261,20 @@ class Table(NamedTuple):
                 f"push.table: {len(self.time)} points; LAMMPS takes {MOST_POINTS} at most: use fewer, or the reference"
             )
         slope = np.diff(self.value) / np.diff(self.time)
-        change = 0.5 * np.diff(slope, prepend=0.0)
-        ends = [f"v_{name}to", f"v_{name}from"]
+        change = 0.5 * np.diff(slope, prepend=0.0, append=0.0)
+        after, before = ("((step+0.5)*v_timestep)", "((step-0.5)*v_timestep)")
 
         def until(t: str) -> str:
-            terms = [f"{text(float(self.value[0]))}*({t}-{text(float(self.time[0]))})"] if self.value[0] else []
+            begin = text(float(self.time[0]))
+            terms = [f"{text(float(self.value[0]))}*({t}>{begin})*({t}-{begin})"] if self.value[0] else []
             terms += [
                 f"{text(float(c))}*({t}>{text(float(at))})*({t}-{text(float(at))})^2"
-                for c, at in zip(change, self.time[:-1], strict=True)
+                for c, at in zip(change, self.time, strict=True)
             ]
             return f"({'+'.join(terms)})"
 
-        return "-".join(map(until, ends))
+        # beyond the last point both are the whole impulse, but for rounding
+        return f"({until(after)}-{until(before)})*({before}<{text(float(self.time[-1]))})"
 
 
 def make_table(time: Floats, value: Floats) -> Table:

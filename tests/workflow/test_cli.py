@@ -314,7 +314,7 @@ def test_scenes_lists_a_line_for_each_installed_scene(capsys):
 
 
 TEXTS = {
-    **{name: path.read_text(encoding="utf-8") for name, path in library.installed().items()},
+    **{name: strict_yaml.dump(library.load_plain(path)) for name, path in library.installed().items()},
     "least": scene_text(),
     "until a bead": scene_text(duration=None, until_bead="7"),
     "several kicks": scene_text(kick="[{bead: 1, velocity: 1.0}, {bead: 9, velocity: -0.3}]"),

@@ -7,13 +7,15 @@ from pathlib import Path
 
 import numpy as np
 
-from analysis.gauges.forces import Readings
+from analysis.gauges.readings import Readings
 from analysis.sharing.cells import CellEnergy
 from analysis.sharing.energy_flow import Flow
 from analysis.sharing.equipartition import CLEAR
 from analysis.sharing.is_solitary import Character
 from analysis.sharing.survey import Survey
 from analysis.tracking.leading_waves import ARRIVALS
+from analysis.tracking.pulses import of_one_kind
+from analysis.trajectory import Floats
 from lammps_inputs import InputError, Problem
 from lammps_inputs.facts import Fact
 from workflow.engines.lammps.invariants import ENERGY_TOLERANCE
@@ -25,11 +27,23 @@ from workflow.verdicts.analysis_report import train
 MOST_CHAINS = 8
 """Chains that a table shows."""
 
+FEW = 4
+"""Chains up to which each has its own line."""
+
+MOST_ROWS = 32
+"""Of the table of the leading pulse."""
+
 MOST_PULSES = 6
 """Of a train, that are told."""
 
 DOCUMENTED = 1e-4
 """Error of a peak velocity, in V, above which the user is told."""
+
+SMALLEST_LOSS = 1e-8
+"""Share of the energy per cell that is told; what frames and time steps blur is less."""
+
+MOSTLY = 0.9
+"""Share of the beads from which on a chain is one of equal beads but for a few."""
 
 FAR = 1.4
 """Time between frames, in T, from which on small maxima beside larger ones were seen to be missed."""
@@ -111,7 +125,7 @@ def _print(found: Analysis) -> None:
             ]
             rows.append([*row, f"{at.peak_velocity[k]:.5f}"] if scale.si else row)
         if len(at) > 8:
-            rows.append(["", f"... {len(at)}", "", "", ""])
+            rows.append(["", f"of {len(at)}", "", "", ""])
     if problem.holds(Fact.PULSE):
         print_table(f"{problem.name}: leading pulse", head, rows)
         _print_accuracy(found)
@@ -119,7 +133,7 @@ def _print(found: Analysis) -> None:
     if found.cells is not None:
         _print_cells(problem, found.cells)
     if found.forces is not None:
-        _print_forces(problem, found.forces)
+        _print_forces(problem, found.forces, found.given_back)
     if found.left is not None:
         print(found.left.sentence(waves))
     drifts = {"energy": seen.energy_drift, "momentum": seen.momentum_drift}
@@ -135,23 +149,31 @@ def _print(found: Analysis) -> None:
 
 def _print_cells(problem: Problem, cells: CellEnergy) -> None:
     """What the pulse of each chain leaves behind, and where the energy is as seen from a replaced bead."""
+    splits = cells.splits()
+    mass = np.asarray(problem.mass)
+    alike = cells.period == 1 and np.mean(mass == np.median(mass)) > MOSTLY
     cell = "bead" if cells.period == 1 else f"cell of {cells.period} beads"
     for chain in range(1, min(problem.chains, MOST_CHAINS) + 1):
         left = cells.left(chain)
         if left is not None and math.isfinite(left.per_cell):
-            print(
-                f"chain {chain}: the pulse carries {left.carried:.4%} of the kick's energy at bead {left.last}; "
-                f"from bead {left.first} on it has left {left.per_cell:.2e} of the kick's in every {cell}"
-            )
-    for split in cells.splits()[:MOST_CHAINS]:
+            lost = f"{left.per_cell:.1e}" if left.per_cell > SMALLEST_LOSS else f"less than {SMALLEST_LOSS:.0e}"
+            # where single beads differ, nothing is left in cell after cell
+            more = "" if alike else f"; from bead {left.first} on it has left {lost} of it in every {cell}"
+            print(f"chain {chain}: the pulse carries {left.carried:.2%} of the energy at bead {left.last}{more}")
+        final = cells.end(chain)
+        if final is not None:
+            print(f"chain {chain}: its last bead has had up to {final:.2%} of the energy, as motion")
+    for split in splits[:MOST_CHAINS]:
         print(
             f"bead {split.bead} of chain {split.chain}: at the end {split.before:.2%} of the energy is before it, "
             f"{split.at:.2%} in it, {split.beyond:.2%} beyond"
         )
+        if math.isfinite(split.reflected):
+            print(f"  of {split.incident:.2%} that the pulse brought it has sent {split.reflected:.2%} back")
 
 
-def _print_forces(problem: Problem, readings: Readings) -> None:
-    """The largest force, impulse and dwell of every gauge."""
+def _print_forces(problem: Problem, readings: Readings, given_back: dict[str, Floats]) -> None:
+    """The largest force, impulse and dwell of every gauge; what walls felt and threw back."""
     scale = problem.scale
     names = ("force", "time", "momentum")
     force, time, momentum = (f" ({scale.symbol(name)})" if scale.si else "" for name in names)
@@ -169,6 +191,19 @@ def _print_forces(problem: Problem, readings: Readings) -> None:
             rows.append([gauge.name if chain == 0 else "", str(chain + 1), *numbers])
     head = ["force at", "chain", f"largest{force}", f"at{time}", f"impulse{momentum}", f"dwell{time}"]
     print_table(f"{problem.name}: forces", head, rows)
+    kinds = [gauge.kind for gauge in readings.gauges]
+    for place, gauge in enumerate(readings.gauges):
+        if gauge.kind != "wall":
+            continue
+        for chain in range(min(problem.chains, MOST_CHAINS)):
+            said = []
+            if "contact" in kinds and (inside := readings.largest[chain, kinds.index("contact")]) > 0.0:
+                other = readings.gauges[kinds.index("contact")].name
+                said.append(f"largest force {readings.largest[chain, place] / inside:.4f} times that at {other}")
+            if math.isfinite(back := given_back[gauge.side][chain]):
+                said.append(f"the first pulse is thrown back at {back:.4f} of its velocity")
+            if said:
+                print(f"{gauge.name}, chain {chain + 1}: {', '.join(said)}")
 
 
 def _print_energy(problem: Problem, flow: Flow) -> None:
@@ -182,7 +217,7 @@ def _print_energy(problem: Problem, flow: Flow) -> None:
         place = f"{flow.centre[-1, chain]:.1f} +- {flow.spread[-1, chain]:.1f}"
         rows.append([str(chain + 1), *ends, f"{flow.share[-1, chain]:.4f}", place])
     if problem.chains > MOST_CHAINS:
-        rows.append([f"... {problem.chains}", "", "", "", ""])
+        rows.append([f"of {problem.chains}", "", "", "", ""])
     head = ["chain", f"least at time{unit}", f"most at time{unit}", "at the end", "there, around bead"]
     print_table(f"{problem.name}: share of the energy", head, rows)
 
@@ -193,8 +228,11 @@ def _print_accuracy(found: Analysis) -> None:
     scale = problem.scale
     if found.survey.arrival == "impulse":
         print("arrival: centre of the impulse until the bead is fastest")
-    elif not np.all(np.isfinite(waves.arrival[waves.bead <= problem.beads - CLEAR])):
-        print("arrivals at the maximum are not defined where beads fly freely; --arrival impulse is")
+    elif free := int(np.count_nonzero(np.isnan(waves.arrival[waves.bead <= problem.beads - CLEAR]))):
+        where = f"{free} beads that fly" if free > 1 else "a bead that flies"
+        print(
+            f"arrivals are maxima, which are not defined at {where} freely (empty in waves.csv); --arrival impulse is"
+        )
     if len(waves) and waves.velocity_error.max() > DOCUMENTED:
         worst = int(np.argmax(waves.velocity_error))
         late = waves.arrival_error[np.isfinite(waves.arrival_error)].max(initial=0.0)
@@ -219,31 +257,52 @@ def _print_pulses(found: Survey) -> None:
         known = np.isfinite(energy) and not found.problem.gap and found.problem.alike
         share = f"; {energy:.1%} of its energy in the leading waves" if known else ""
         uncertainty = max(final.uncertainty, 1e-6)
-        below = "the kick" if found.problem.kicks else "a free bead that was pushed so"
-        print(f"amplitude {final.value:.5f} +- {uncertainty:.1g} V, {1.0 - final.value:.1%} below {below}{share}")
+        than = "the kick" if found.problem.kicks else "what the push would give a free bead"
+        far = f"{abs(1.0 - final.value):.1%} {'above' if final.value > 1.0 else 'below'} {than}"
+        print(f"amplitude {final.value:.5f} +- {uncertainty:.1g} V, {far}{share}")
     if decay is not None:
         print(
             f"decay as (1 - n / n*)**2.5 over beads {decay.first} to {decay.last}: n* = {decay.n_star:.1f} "
             f"+- {decay.n_star_error:.1g}, theory {decay.expected:.1f}"
         )
     _print_train(found)
-    others = 0
-    for pulse, character in zip(found.pulses, found.characters, strict=True):
-        if not found.leads(pulse):
-            others += 1
-        elif pulse.chain <= 8:
-            print(f"chain {pulse.chain}: {_words(character)}")
+    _print_leading(found)
+    others = [pulse for pulse in found.pulses if not found.leads(pulse)]
     if others:
-        strongest = max(pulse.peak_velocity.max() for pulse in found.pulses if not found.leads(pulse))
-        print(f"{others} other pulses, the strongest {strongest:.3f} V (analysis.json lists them)")
+        strongest = max(pulse.peak_velocity.max() for pulse in others)
+        many = f"{len(others)} other pulses, the strongest" if len(others) > 1 else "one other pulse, at most"
+        print(f"{many} {strongest:.3f} V (analysis.json has all)")
     if found.noise:
         print(f"the record is noisy: {found.noise:.1e} V; it was smoothed")
+
+
+def _print_leading(found: Survey) -> None:
+    """What the leading wave of each chain is; in one line where there are many and all are solitary."""
+    leading = [
+        (pulse.chain, character)
+        for pulse, character in zip(found.pulses, found.characters, strict=True)
+        if found.leads(pulse)
+    ]
+    exact = all(character.solitary and math.isfinite(character.residual) for _, character in leading)
+    if exact and len({chain for chain, _ in leading}) > FEW:
+        shape, speed, variation = (
+            np.nanmax(np.abs([getattr(character, name) for _, character in leading]))
+            for name in ("residual", "speed_excess", "variation")
+        )
+        print(
+            f"{len(leading)} leading waves, solitary: shape {shape:.1e}, speed {speed:.1e} off the exact wave at most, "
+            f"amplitude varies by up to {variation:.1e}"
+        )
+        return
+    for chain, character in leading:
+        if chain <= MOST_CHAINS:
+            print(f"chain {chain}: {_words(character)}")
 
 
 def _print_train(found: Survey) -> None:
     """The pulses that followed each other in the chain that was hit, if more than one did."""
     seen = train(found)
-    if seen is None or len(seen) < 2:
+    if seen is None or len(seen) < 2 or np.any(np.diff(seen.peak_velocity) > 0.0):  # the faster ones are the higher
         return
     time = found.problem.scale.time
     each = ", ".join(f"{peak:.4f}" for peak in seen.peak_velocity[:MOST_PULSES])
@@ -259,6 +318,8 @@ def _words(character: Character) -> str:
     if math.isfinite(character.variation):
         measured += f", amplitude varies by {character.variation:.1e}"
     if not math.isfinite(character.speed_excess):
+        if not math.isfinite(character.variation):
+            return f"at bead {character.bead}: too few beads of its mass before it to tell whether the pulse is steady"
         kind = "steady" if character.solitary else "not steady"
         return f"{kind} at bead {character.bead}: amplitude varies by {character.variation:.1e} over beads of its mass"
     if not math.isfinite(character.residual):
@@ -268,11 +329,15 @@ def _words(character: Character) -> str:
 
 
 def _rows(found: Analysis) -> list[int]:
-    """About six beads that a pulse was seen at, from early to the last that the pulse passed undisturbed."""
+    """Some beads that a pulse was seen at, from early to the last that the pulse passed undisturbed: seven at most."""
     if len(found.waves) == 0:
         return []
     recorded = np.unique(found.waves.bead)
+    alike = recorded[of_one_kind(found.problem)[recorded - 1]]
+    recorded = alike if len(alike) else recorded
     last = int(found.waves.bead[last_clear_bead(found.waves, found.problem)])
+    few = max(2, min(7, MOST_ROWS // min(found.problem.chains, MOST_CHAINS)))
     wanted = [2, 5, 10, 20, 55, 90, last] if last <= 200 else np.geomspace(5, last, 7).round().astype(int).tolist()
+    wanted = [wanted[place] for place in np.linspace(0, len(wanted) - 1, few).round().astype(int)]
     near = {int(recorded[np.argmin(np.abs(recorded - bead))]) for bead in wanted if bead <= last}
     return sorted(near)

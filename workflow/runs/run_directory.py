@@ -32,6 +32,7 @@ from workflow.runs.whole_files import figure_files, write_json
 
 EVENTS = "events.csv"
 REPORT = "analysis.json"
+VIEW = "view.html"
 
 OWN_FILES = (
     *(deck.SCENE, deck.DECK, deck.DATA, deck.DUMP, deck.LOG, EVENTS, RECORD),
@@ -49,6 +50,7 @@ OWN_FILES = (
 ANALYSIS_FILES = (
     "waves.csv",
     REPORT,
+    VIEW,
     *figure_files("spacetime", "response", "distance", "shape", "energy"),
     *("validation.json", *figure_files("validation")),
     *("compare.json", *figure_files("compare")),

@@ -78,7 +78,7 @@ def _plural(key: str, count: int) -> str:
 
 
 def _mapping(value: Any, key: str) -> dict[str, Any]:
-    if value is None:
+    if value is None or isinstance(value, str):  # a word, such as `rigid`, for a part that may also be said in numbers
         return {}
     if not isinstance(value, dict):
         raise InputError(f"the scene's {key} should hold `key: value` pairs")

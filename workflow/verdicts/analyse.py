@@ -11,7 +11,9 @@ import numpy as np
 from analysis.conservation import Conservation
 from analysis.files.binary_dump import CutDumpWarning
 from analysis.files.recording import FARTHEST
-from analysis.gauges.forces import ForceMeter, Readings, gauges, to_csv
+from analysis.gauges.forces import ForceMeter
+from analysis.gauges.gauge import gauges
+from analysis.gauges.readings import Readings, to_csv
 from analysis.gauges.restitution import restitution
 from analysis.largest_overlap import LargestOverlap, shown_by_frames
 from analysis.sharing.cells import CellEnergy
@@ -20,7 +22,7 @@ from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.survey import Survey, survey
 from analysis.tracking.leading_waves import Arrival, Waves, usual_arrival
 from analysis.tracking.left_behind import LeftBehind
-from analysis.trajectory import Trajectory
+from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import InputError, Problem
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.unequal import period
@@ -30,14 +32,9 @@ from workflow.runs.peaks_table import found_on_the_way
 from workflow.runs.results import Fingerprint, recorded_fingerprint
 from workflow.runs.run_directory import REPORT, RunDirectory
 from workflow.runs.whole_files import figure_files, write_figure, write_json, write_text
-from workflow.verdicts.analysis_report import (
-    cells_report,
-    energy_report,
-    forces_report,
-    last_clear_bead,
-    report,
-    waves_csv,
-)
+from workflow.verdicts.analysis_report import last_clear_bead, report
+from workflow.verdicts.ingredient_reports import cells_report, energy_report, forces_report
+from workflow.verdicts.waves_table import waves_csv
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -66,6 +63,7 @@ class Analysis:
         energy: where the energy was over time, where no pulse stays together and every bead was recorded; else None.
         cells: what the pulse left behind, where beads differ and every one was recorded; else None.
         forces: what the scene's gauges read; None where it names none.
+        given_back: of the walls among them, by side: velocity of the pulse thrown back over that which came, [chain].
     """
 
     problem: Problem
@@ -80,6 +78,7 @@ class Analysis:
     energy: Flow | None
     cells: CellEnergy | None
     forces: Readings | None
+    given_back: dict[str, Floats]
 
     @property
     def waves(self) -> Waves:
@@ -99,7 +98,7 @@ def analyse(
 
     Args:
         directory: a run directory.
-        beads: whose velocity over time is drawn; by default three beads along the way of the pulse.
+        beads: whose velocity over time is drawn; by default three, see `default_beads`.
         figures: whether to draw.
         tolerances: within which a pulse is called solitary; by default 1% each.
         arrival: what counts as the arrival of a wave; by default the maximum where it is sharp, see
@@ -169,8 +168,9 @@ def analyse(
     hardest = None if overlap is None else of_overlap(directory.scene, overlap)
     found_contacts = {} if hardest is None else {"contacts": hardest.plain()}
     more: dict[str, Any] = {**found_contacts, **({} if energy is None else {"energy": energy_report(problem, energy)})}
+    sides = {gauge.side for gauge in forces.gauges if gauge.kind == "wall"} if forces is not None else set()
+    given_back = {side: restitution(found.pulses, problem, right=side == "right") for side in sorted(sides)}
     if forces is not None:
-        given_back = {side: restitution(found.pulses, problem, right=side == "right") for side in ("left", "right")}
         more["forces"] = forces_report(problem, forces, given_back)
     if cells is not None:
         more["cells"] = cells_report(problem, cells)
@@ -178,7 +178,19 @@ def analyse(
     complete = conservation.frames == problem.frames + 1
     altered = recorded_fingerprint(directory) not in ("", fingerprint.sha256())
     return Analysis(
-        problem, found, conservation, complete, drawn, left, directory.failure, altered, hardest, energy, cells, forces
+        problem=problem,
+        survey=found,
+        conservation=conservation,
+        complete=complete,
+        figures=drawn,
+        left=left,
+        failure=directory.failure,
+        altered=altered,
+        contacts=hardest,
+        energy=energy,
+        cells=cells,
+        forces=forces,
+        given_back=given_back,
     )
 
 
@@ -215,8 +227,12 @@ def _sound(directory: RunDirectory, blocks: Iterator[Trajectory]) -> Iterator[Tr
 
 
 def default_beads(problem: Problem) -> tuple[int, ...]:
-    """Three recorded beads, near a sixth, a half and nine tenths of the way."""
+    """Three recorded beads: near a sixth, a half and nine tenths of the way, or near that hit, where no pulse runs."""
     recorded = problem.recorded_beads
+    if not problem.holds(Fact.PULSE):
+        hit = max(problem.struck, key=lambda blow: abs(blow[2]))[1]
+        way = 1 if direction_of(problem) > 0 else -1
+        return tuple(sorted({int(recorded[np.argmin(np.abs(recorded - hit - way * far))]) for far in (0, 2, 5)}))
     places = np.unique(np.round(np.array([0.17, 0.5, 0.9]) * (len(recorded) - 1)).astype(int))
     return tuple(int(recorded[place]) for place in places)
 

@@ -1,55 +1,19 @@
-"""What an analysis writes: the columns of ``waves.csv`` and the keys of ``analysis.json``."""
+"""What an analysis writes of every scene: the keys of ``analysis.json``."""
 
-import math
-from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
 from analysis.conservation import Conservation
-from analysis.gauges.forces import Readings
-from analysis.mirror import mirrored_bead
-from analysis.sharing.cells import CellEnergy
-from analysis.sharing.energy_flow import Flow
 from analysis.sharing.equipartition import AGREEMENTS, CLEAR, Estimate
 from analysis.sharing.is_solitary import Character, Tolerances
 from analysis.sharing.survey import Survey
-from analysis.tracking.leading_waves import Waves, to_csv
+from analysis.tracking.leading_waves import Waves
 from analysis.tracking.left_behind import LeftBehind
 from analysis.tracking.pulses import Pulse
 from analysis.tracking.train import Train, train_of
-from analysis.trajectory import Floats
 from lammps_inputs import Problem
-
-
-def waves_csv(found: Survey) -> str:
-    """The contents of ``waves.csv``: the leading wave of each chain at each bead, in the scene's units.
-
-    In SI the header names the units: ``arrival (s)``.
-
-    | column        | what                                                                                  |
-    |---------------|---------------------------------------------------------------------------------------|
-    | chain, bead   | counted from 1                                                                        |
-    | arrival       | time at which the bead is fastest, or centre of the impulse; empty if not defined     |
-    | peak_velocity | largest velocity; positive along the pulse's way, whichever that is                   |
-    | speed         | beads per unit time, from the arrivals on either side                                 |
-    | lag           | arrival behind the wave of the chain that was hit                                     |
-    | width         | full width at half maximum of the velocity, beads                                     |
-    | residual      | largest difference from the exact wave of this peak velocity, in units of it          |
-    | chain_energy  | energy of the chain when the waves (on average) pass this bead, half of its springs'  |
-    | wave_energy   | energy within 3 beads of the wave's peak at that time                                 |
-    | arrival_error, peak_velocity_error | how far these may be off by the time between frames, or noise    |
-    """
-    scale, waves = found.problem.scale, found.waves
-    chain_energy, wave_energy = _energies(found)
-    more = {
-        scale.heading("lag", "time"): _lag(found) * scale.time,
-        "width": found.shape.width,
-        "residual": found.shape.residual,
-        scale.heading("chain_energy", "energy"): chain_energy * found.shared.energy * scale.energy,
-        scale.heading("wave_energy", "energy"): wave_energy * found.shared.energy * scale.energy,
-    }
-    return to_csv(waves, scale, more)
+from lammps_inputs.numbers import known
 
 
 def report(found: Survey, seen: Conservation, tolerances: Tolerances, left: LeftBehind | None = None) -> dict[str, Any]:
@@ -75,9 +39,9 @@ def report(found: Survey, seen: Conservation, tolerances: Tolerances, left: Left
     | tolerances      | relative differences within which a pulse is called solitary                     |
     | pulses          | every pulse, the strongest first; see `pulse_entry`                              |
 
-    Where no pulse stays together, `workflow.verdicts.analyse` adds ``energy``, see `energy_report`; where beads differ,
-    ``cells``, see `cells_report`. With a material it adds ``contacts``, see `workflow.runs.contacts.Contacts`; where
-    the scene has ``output.forces``, ``forces``, see `forces_report`.
+    `workflow.verdicts.analyse` adds what only some scenes have, see `workflow.verdicts.ingredient_reports`: ``energy``
+    where no pulse stays together, ``cells`` where beads differ, ``forces`` with ``output.forces``; and with a material
+    ``contacts``, see `workflow.runs.contacts.Contacts`.
     """
     problem, scale = found.problem, found.problem.scale
     order = np.argsort([-character.peak_velocity for character in found.characters], kind="stable")
@@ -85,8 +49,8 @@ def report(found: Survey, seen: Conservation, tolerances: Tolerances, left: Left
         "complete": seen.frames == problem.frames + 1,
         "frames": [seen.frames, problem.frames + 1],
         "front": seen.front,
-        "energy_drift": _number(seen.energy_drift),
-        "momentum_drift": _number(seen.momentum_drift),
+        "energy_drift": known(seen.energy_drift),
+        "momentum_drift": known(seen.momentum_drift),
         "units": "SI" if scale.si else "reduced",
         "scale": {"mass": scale.mass, "length": scale.length, "time": scale.time, "velocity": scale.velocity},
         "kappa": problem.kappa,
@@ -102,13 +66,21 @@ def report(found: Survey, seen: Conservation, tolerances: Tolerances, left: Left
 
 
 def train(found: Survey) -> Train | None:
-    """The pulses of the chain that was hit, where the leading one was last clear of the ends; None if it never was."""
+    """The pulses of the chain that was hit, at the farthest bead that all which ran far have passed; None without any.
+
+    To have run far is a quarter of the chain, and clear of its ends.
+    """
     chain, beads = found.shared.kicked + 1, found.problem.beads
     own = found.waves.of_chain(chain)
     clear = own.bead[(own.bead > CLEAR) & (own.bead <= beads - CLEAR)]
     if len(clear) == 0:
         return None
-    return train_of(found.pulses, chain, found.direction, int(clear.max() if found.direction > 0 else clear.min()))
+    ahead = found.direction
+    reached = [ahead * int(clear.max() if ahead > 0 else clear.min())]
+    for pulse in found.pulses:
+        if (pulse.chain, pulse.direction) == (chain, ahead) and 4 * abs(int(np.ptp(pulse.bead))) >= beads:
+            reached.append(ahead * int(pulse.bead[-1]))
+    return train_of(found.pulses, chain, ahead, abs(min(reached)))
 
 
 def train_report(found: Survey) -> dict[str, Any] | None:
@@ -137,88 +109,12 @@ def train_report(found: Survey) -> dict[str, Any] | None:
     }
 
 
-def energy_report(problem: Problem, flow: Flow) -> dict[str, Any]:
-    """What ``analysis.json`` says under ``energy``, where no pulse stays together; time in the scene's units.
-
-    | key     | what                                                                                              |
-    |---------|---------------------------------------------------------------------------------------------------|
-    | time    | of some frames                                                                                    |
-    | share   | energy of each chain, but for springs to others, in that of all chains, [instant][chain]           |
-    | between | energy in the springs between chains, in that of the kicks                                        |
-    | centre  | mean number of the bead that has it; null where the chain has none                                |
-    | spread  | its standard deviation                                                                            |
-    """
-    return {
-        "time": (flow.time * problem.scale.time).tolist(),
-        "between": flow.between.tolist(),
-        **{
-            name: [[_number(value) for value in row] for row in getattr(flow, name).tolist()]
-            for name in ("share", "centre", "spread")
-        },
-    }
-
-
-def cells_report(problem: Problem, cells: CellEnergy) -> dict[str, Any]:
-    """What ``analysis.json`` says under ``cells``, where beads differ; energies in that of the kicks.
-
-    | key         | what                                                                                          |
-    |-------------|-----------------------------------------------------------------------------------------------|
-    | beads       | of a cell: what the pattern repeats                                                           |
-    | left_behind | energy that the pulse of the chain that was hit hardest leaves in every cell                  |
-    | chains      | per chain: that, between which beads, and what the pulse carries at the last; null: none ran  |
-    | replaced    | per replaced bead: energy of its chain before, at and beyond it at the end                    |
-    """
-    found = [cells.left(chain) for chain in range(1, problem.chains + 1)]
-    hit = found[max(problem.kicks, key=lambda kick: abs(kick[2]))[0] - 1]
-    return {
-        "beads": cells.period,
-        "left_behind": None if hit is None else _number(hit.per_cell),
-        "chains": [None if left is None else {**asdict(left), "per_cell": _number(left.per_cell)} for left in found],
-        "replaced": [asdict(split) for split in cells.splits()],
-    }
-
-
-def forces_report(problem: Problem, readings: Readings, restitution: dict[str, Floats]) -> list[dict[str, Any]]:
-    """What ``analysis.json`` says under ``forces``: an entry for each gauge and chain, in the scene's units.
-
-    | key           | what                                                                                        |
-    |---------------|---------------------------------------------------------------------------------------------|
-    | kind, name    | wall, contact or sensor; name of the column in ``forces.csv``                               |
-    | chain, bead   | at a wall the bead that touches it; the first bead of a contact; the bead with the sensor   |
-    | largest, at   | largest force, between frames too, and when; null where there was none                      |
-    | impulse       | integral of the force over time; what a wall takes of the momentum                          |
-    | dwell         | how long the contact lasted in which the force was largest                                  |
-    | contacts      | how many contacts there were                                                                |
-    | restitution   | walls only: peak velocity of the first pulse thrown back over that of the one that came, at |
-    |               | one bead (`analysis.gauges.restitution`); null where one of them was not seen               |
-    """
-    scale, entries = problem.scale, []
-    for place, gauge in enumerate(readings.gauges):
-        for chain in range(problem.chains):
-            entry: dict[str, Any] = {
-                "kind": gauge.kind,
-                "name": gauge.name,
-                "chain": chain + 1,
-                "bead": gauge.bead,
-                "largest": float(readings.largest[chain, place] * scale.force),
-                "at": _number(float(readings.largest_at[chain, place] * scale.time)),
-                "impulse": float(readings.impulse[chain, place] * scale.momentum),
-                "dwell": float(readings.dwell[chain, place] * scale.time),
-                "contacts": int(readings.contacts[chain, place]),
-            }
-            if gauge.kind == "wall":
-                side = "left" if gauge.bead == 1 else "right"
-                entry["restitution"] = _number(float(restitution[side][chain]))
-            entries.append(entry)
-    return entries
-
-
 def _window(left: LeftBehind, found: Survey) -> dict[str, Any]:
     return {
         "rows": found.problem.window,
         "left_behind": left.velocity,
         "bead": left.bead,
-        "slowest_wave": _number(left.slowest_wave(found.waves)),
+        "slowest_wave": known(left.slowest_wave(found.waves)),
         "sentence": left.sentence(found.waves),
     }
 
@@ -248,10 +144,10 @@ def equipartition(found: Survey) -> dict[str, Any]:
         "expected": _estimate(verdict.expected),
         "amplitudes": {str(tolerance): shared.agrees_from(tolerance) for tolerance in AGREEMENTS},
         "arrivals": {str(tolerance): shared.in_step_from(tolerance) for tolerance in AGREEMENTS},
-        "final": None if final is None else {**_known(final), "reduction": 1.0 - final.value},
+        "final": None if final is None else {**_with_uncertainty(final), "reduction": 1.0 - final.value},
         "energy_share": {
-            "exact": _number(float(np.sum(shared.wave_share[-1]))) if len(shared) and found.problem.alike else None,
-            "measured": _number(float(measured[-1])) if len(measured) else None,
+            "exact": known(float(np.sum(shared.wave_share[-1]))) if len(shared) and found.problem.alike else None,
+            "measured": known(float(measured[-1])) if len(measured) else None,
         },
         "beat_length": _estimate(shared.beat_length),
         "decay_law": None
@@ -294,13 +190,13 @@ def pulse_entry(found: Survey, pulse: Pulse, character: Character) -> dict[str, 
         "bead": character.bead,
         "arrival": character.arrival * scale.time,
         "peak_velocity": character.peak_velocity * scale.velocity,
-        "speed": _number(character.speed / scale.time),
-        "width": _number(character.width),
-        "momentum": _number(character.momentum * scale.momentum),
-        "energy": _number(character.energy * scale.energy),
-        "residual": _number(character.residual),
-        "speed_excess": _number(character.speed_excess),
-        "variation": _number(character.variation),
+        "speed": known(character.speed / scale.time),
+        "width": known(character.width),
+        "momentum": known(character.momentum * scale.momentum),
+        "energy": known(character.energy * scale.energy),
+        "residual": known(character.residual),
+        "speed_excess": known(character.speed_excess),
+        "variation": known(character.variation),
         "solitary": character.solitary,
         "fails": list(character.fails),
     }
@@ -321,42 +217,19 @@ def _chain_summary(waves: Waves, problem: Problem, chain: int) -> dict[str, Any]
         "chain": chain,
         "beads_reached": len(own),
         "bead": int(own.bead[last]),
-        "arrival": _number(float(own.arrival[last] * scale.time)),
+        "arrival": known(float(own.arrival[last] * scale.time)),
         "peak_velocity": float(own.peak_velocity[last] * scale.velocity),
-        "speed": _number(float(own.speed[last] / scale.time)),
+        "speed": known(float(own.speed[last] / scale.time)),
         "peak_velocity_reduced": float(own.peak_velocity[last]),
-        "arrival_reduced": _number(float(own.arrival[last])),
-        "peak_velocity_error": _number(float(own.velocity_error[last] * scale.velocity)),
-        "arrival_error": _number(float(own.arrival_error[last] * scale.time)),
+        "arrival_reduced": known(float(own.arrival[last])),
+        "peak_velocity_error": known(float(own.velocity_error[last] * scale.velocity)),
+        "arrival_error": known(float(own.arrival_error[last] * scale.time)),
     }
 
 
-def _lag(found: Survey) -> Floats:
-    """[wave] arrival behind the wave of the chain that was hit at the same bead; NaN where that was not seen."""
-    waves = found.waves
-    hit = waves.of_chain(found.shared.kicked + 1)
-    arrival = dict(zip(hit.bead.tolist(), hit.arrival.tolist(), strict=True))
-    return waves.arrival - np.array([arrival.get(bead, np.nan) for bead in waves.bead.tolist()], dtype=np.float64)
-
-
-def _energies(found: Survey) -> tuple[Floats, Floats]:
-    """[wave] shares of the energy, see `analysis.sharing.energy_shares`; NaN where not measured."""
-    waves, problem = found.waves, found.problem
-    bead = found.shared.bead[found.energies.place]
-    if found.direction < 0:
-        bead = mirrored_bead(problem, bead)
-    tables = np.full((2, problem.chains, problem.beads + 1), np.nan)
-    tables[0][:, bead], tables[1][:, bead] = found.energies.chain.T, found.energies.wave.T
-    return tables[0, waves.chain - 1, waves.bead], tables[1, waves.chain - 1, waves.bead]
-
-
 def _estimate(estimate: Estimate | None) -> dict[str, float] | None:
-    return None if estimate is None else _known(estimate)
+    return None if estimate is None else _with_uncertainty(estimate)
 
 
-def _known(estimate: Estimate) -> dict[str, float]:
+def _with_uncertainty(estimate: Estimate) -> dict[str, float]:
     return {"value": estimate.value, "uncertainty": estimate.uncertainty}
-
-
-def _number(value: float) -> float | None:
-    return value if math.isfinite(value) else None

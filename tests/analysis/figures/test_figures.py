@@ -165,7 +165,7 @@ def test_beside_the_whole_run_the_passage_is_shown_close_up(found):
     at = found.waves.at(50)
     assert y.max() == pytest.approx(at.peak_velocity[0], abs=2e-3)
     assert abs(x[np.argmax(y)]) < 0.5
-    assert near.get_title(loc="left").startswith("from $t$ = ")
+    assert near.get_title(loc="left").startswith("around $t$ = ")
 
 
 def test_a_cut_run_says_so_and_beads_that_have_not_moved_are_named_not_drawn():

@@ -8,10 +8,11 @@ from stock_lammps import scene
 
 from analysis.figures import BeadHistory, SpaceTime, distance_figure, response_figure, spacetime_figure
 from analysis.figures.engines import Curve, engines_figure
+from analysis.figures.style import shown_chains, title
 from analysis.sharing.energy_shares import EnergyShares
 from analysis.sharing.equipartition import Sharing
 from analysis.trajectory import Trajectory
-from lammps_inputs import Kick, Material
+from lammps_inputs import Kick, Material, library
 
 STEEL = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)
 
@@ -182,4 +183,37 @@ def test_the_title_tells_name_chains_coupling_and_gap():
     data.add(moving(what, 1, 1, 0))
     # kappa at V = 1, the gap as in the scene
     gap = f"{0.5 * SPEED**0.8:.4g}"
-    assert spacetime_figure(data).get_suptitle() == f"test: $N$ = 2, $\\kappa$ = 0.25, gap {gap}"
+    assert spacetime_figure(data).get_suptitle() == f"test: $N$ = 2, $\\kappa = k T^2 / m$ = 0.25, gap {gap}"
+
+
+def coupled(chains, beads=20, **coupling):
+    plain = {"name": "test", "chains": chains, "beads": beads, "kick": {"velocity": 1.0}, "duration": 5.0}
+    return library.from_plain({**plain, "coupling": coupling}, "test").problem()
+
+
+@pytest.mark.parametrize(
+    ("coupling", "words"),
+    [
+        ({"stiffness": 0.1, "rows": [5, 20]}, "= 0.1 in rows 5 to 20"),
+        ({"stiffness": {"from": 0.1, "to": 0.2, "rows": [1, 20]}}, "= 0.1 to 0.2"),
+        ({"stiffness": 0.1, "topology": "ring"}, "= 0.1, ring"),
+        ({"cubic": 0.1}, "= 0 and cubic"),
+    ],
+)
+def test_the_title_tells_where_springs_are_and_of_which_kind(coupling, words):
+    assert title(coupled(3, **coupling)) == f"test: $N$ = 3, $\\kappa$ {words}"
+
+
+def test_lattices_have_a_panel_for_each_chain_and_lines_for_those_far_from_each_other():
+    lattice = coupled(16, stiffness=0.1, topology={"lattice": [4, 4]})
+    assert shown_chains(lattice, panels=True) == list(range(16))
+    corners = {0, 3, 12, 15}
+    assert len(shown_chains(lattice)) == 9
+    assert corners <= set(shown_chains(lattice))
+
+
+def test_where_few_beads_move_the_picture_shows_those():
+    what = problem(False, beads=40)
+    data = SpaceTime(what)
+    data.add(moving(what, 1, 6, 2))
+    assert spacetime_figure(data).axes[0].get_xlim() == (5.5, 6.5)

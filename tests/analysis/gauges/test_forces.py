@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from small_problems import problem, written_down
 
-from analysis.gauges.forces import ForceMeter, gauges
+from analysis.gauges.forces import ForceMeter
+from analysis.gauges.gauge import gauges
 from lammps_inputs import library
 from workflow.engines.reference import engine
 

@@ -151,6 +151,12 @@ def test_lammps_is_not_given_long_tables():
         deck.render(scene(f"{{table: {points}}}"))
 
 
+def test_the_formula_of_a_table_names_steps_not_variables_that_lammps_reads_again_at_each_place():
+    deck_text = deck.render(scene("{table: [[0, 0], [1, 1], [2, 0.5], [3, 0]]}"))[deck.DECK]
+    (line,) = [line for line in deck_text.splitlines() if line.startswith("variable push1 equal")]
+    assert "v_push1" not in line
+
+
 def test_a_kicked_scene_has_no_trace_of_pushes():
     kicked = library.find("two-chains")
     assert kicked.system.loads == ()

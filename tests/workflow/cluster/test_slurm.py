@@ -11,7 +11,7 @@ from processes import wait_until, working_in
 from stock_lammps import WHEEL, scene
 from stock_lammps import run as run_stock
 
-from lammps_inputs import strict_yaml
+from lammps_inputs import library, strict_yaml
 from lammps_inputs.decks import deck
 from lammps_inputs.slurm import job
 from lammps_inputs.slurm.site import JobOptions
@@ -25,6 +25,26 @@ pytest_plugins = ("slurm",)
 SHORT = scene(chains=3, beads=31, kappa=0.1, duration=60.0, every=0.5)
 LONG = scene(chains=5, beads=61, kappa=0.1, duration=5000.0, every=10.0)
 """Some three seconds on one core."""
+
+_UNEQUAL = {
+    "kinds": {"heavy": {"mass": 1}, "light": {"mass": 0.5, "stiffness": 2.0}},  # LAMMPS's style `granular`
+    "pattern": ["heavy", "light"],
+    "coupling": {"stiffness": 0.1, "cubic": 0.02, "topology": "ring"},
+    "kick": {"velocity": 1.0},
+}
+_PUSHED = {
+    "coupling": {"stiffness": {"from": 0.0, "to": 0.2, "rows": [5, 15]}},
+    "foundation": {"stiffness": 0.1},
+    "walls": {"left": "flat", "right": "bead"},
+    "push": [{"peak": 1.0, "duration": 3.0, "shape": "half-sine"}, {"bead": 9, "table": [[0, 0], [2, 0.5], [3, 0]]}],
+}
+
+
+def made_of(ingredients, **changes):
+    """A small scene of three chains."""
+    plain = {"name": "test", "chains": 3, "beads": 20, "duration": 60.0, "timestep": 0.005, "output": {"every": 0.1}}
+    return library.from_plain({**plain, **ingredients, **changes}, "test")
+
 
 ENDLESS = scene(chains=2, beads=60, kappa=0.1, duration=1e6, every=100.0)
 
@@ -89,9 +109,31 @@ def test_a_job_runs_in_a_directory_whose_name_means_something_to_slurm(cluster, 
     assert_same(directory, run_stock(SHORT, tmp_path / "local"))
 
 
+@pytest.mark.parametrize(
+    "ingredients", [_UNEQUAL, pytest.param(_PUSHED, marks=pytest.mark.slow)], ids=("unequal", "pushed")
+)
+def test_a_job_of_a_scene_with_ingredients_ends_bit_for_bit_as_a_run_on_this_machine(ingredients, cluster, tmp_path):
+    case = made_of(ingredients)
+    directory = written(case, tmp_path / "job", ranks_per_node=1)
+    cluster.submit(directory)
+    assert main(["run", str(tmp_path / "job.yaml"), "-o", str(tmp_path / "local"), "--no-check"]) == 0
+    cluster.wait()
+    assert told(directory).state == "done", (directory / job.OUTPUT).read_text()
+    assert_same(directory, RunDirectory(tmp_path / "local").trajectory)
+
+
+CUT = {
+    "coupled": LONG,
+    "unequal": made_of(_UNEQUAL, duration=8000.0, output={"every": 10.0}),
+    "pushed": made_of(_PUSHED, push=_PUSHED["push"][:1], duration=1000.0, output={"every": 5.0}),
+}
+
+
 @pytest.mark.slow
-def test_a_job_cut_by_its_time_limit_submits_itself_and_ends_bit_for_bit_as_one_that_was_not(cluster, tmp_path):
-    directory = written(LONG, tmp_path / "job", ranks_per_node=1, time="00:30:00", margin=54)
+@pytest.mark.parametrize("name", CUT)
+def test_a_job_cut_by_its_time_limit_submits_itself_and_ends_bit_for_bit_as_one_that_was_not(name, cluster, tmp_path):
+    case = CUT[name]
+    directory = written(case, tmp_path / "job", ranks_per_node=1, time="00:30:00", margin=54)
     # a clock that stands still, a second before the limit of the first job and an hour before that of the next
     clock = tmp_path / "clock" / "date"
     clock.parent.mkdir()
@@ -104,8 +146,8 @@ def test_a_job_cut_by_its_time_limit_submits_itself_and_ends_bit_for_bit_as_one_
     cluster.wait()
     assert told(directory).state == "done", (directory / job.OUTPUT).read_text()
     assert len(parts(directory)) > 1
-    assert (np.diff(steps_of(directory)) == 1000).all()
-    assert_same(directory, run_stock(LONG, tmp_path / "whole"))
+    assert (np.diff(steps_of(directory)) == steps_of(directory)[1]).all()
+    assert_same(directory, run_stock(case, tmp_path / "whole"))
     assert not list(directory.glob("chains.restart*"))
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
+from lammps_inputs.numbers import known
 from workflow.runs.whole_files import write_figure
 from workflow.studies.compare.measure import Result
 
@@ -73,7 +74,7 @@ def _plain_result(result: Result) -> dict[str, Any]:
         "impulse": _numbers(impulses.whole),
         "contacts": impulses.contacts.tolist(),
         "first_time": _numbers(impulses.time),
-        "imbalance": impulses.imbalance if math.isfinite(impulses.imbalance) else None,
+        "imbalance": known(impulses.imbalance),
     }
 
 
@@ -81,7 +82,7 @@ def _numbers(values: Floats) -> Any:
     """Nested lists with None for what is not finite."""
     if values.ndim > 1:
         return [_numbers(part) for part in values]
-    return [value if math.isfinite(value) else None for value in values.tolist()]
+    return [known(value) for value in values.tolist()]
 
 
 def draw(directory: Path, found: Comparison) -> None:

@@ -1,0 +1,84 @@
+"""Force of a contact between frames: its integral, where it changes, where it is largest."""
+
+import itertools
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis import hermite
+from analysis.gauges.gauge import Integers
+from analysis.trajectory import Floats
+
+TOUCH = 1e-18
+"""Force from which on there is an impulse to add up, of an overlap of 1e-12."""
+
+PANEL = 0.05
+"""Largest stretch of time for one Gauss rule of four nodes."""
+
+HALVINGS = 50
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Force of one contact over s, in many stretches from frame to frame."""
+
+    law: Callable[[Floats, Integers], Floats]
+    polynomial: Floats
+    chain: Integers
+
+    def __call__(self, s: Floats) -> Floats:
+        """Force at s, a number for each stretch."""
+        return self.law(hermite.value(self.polynomial, s), self.chain)
+
+    def integral(self, border: Floats) -> Floats:
+        """Over s from 0 to 1.
+
+        In a panel where the contact opens or closes, the force is a power 3/2 from there on, of which no rule makes
+        much: with the square root of the time from there as variable it is smooth.
+        """
+        node, weight = np.polynomial.legendre.leggauss(4)
+        node, weight = 0.5 * (node + 1.0), 0.5 * weight
+        size = self.polynomial.shape[1]
+        total = np.zeros(size)
+        closed = np.stack([self(np.full(size, s)) for s in border]) > TOUCH
+        for panel, (low, high) in enumerate(itertools.pairwise(border.tolist())):
+            whole = closed[panel] & closed[panel + 1]
+            for s, w in zip(node, weight, strict=True):
+                total += np.where(whole, w * (high - low) * self(np.full(size, low + s * (high - low))), 0.0)
+        panel_of, entry = np.nonzero(closed[:-1] != closed[1:])
+        one = Curve(self.law, self.polynomial[:, entry], self.chain[entry])
+        low, high, before = border[panel_of], border[panel_of + 1], closed[panel_of, entry]
+        at = change(lambda s: one(s) > TOUCH, before, low, high)
+        width = np.sqrt(np.where(before, at - low, high - at))
+        way = np.where(before, -1.0, 1.0)
+        for s, w in zip(node, weight, strict=True):
+            root = width * s
+            np.add.at(total, entry, w * width * 2.0 * root * one(at + way * root * root))
+        return total
+
+
+def borders(spacing: float) -> Floats:
+    """Borders of panels, from 0 to 1."""
+    return np.linspace(0.0, 1.0, max(1, int(np.ceil(spacing / PANEL * (1.0 - 1e-9)))) + 1)
+
+
+def change(
+    state: Callable[[Floats], NDArray[np.bool_]], before: NDArray[np.bool_], low: Floats, high: Floats
+) -> Floats:
+    """Where a state that is ``before`` at low, and not at high, changes."""
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        same = state(middle) == before
+        low, high = np.where(same, middle, low), np.where(same, high, middle)
+    return 0.5 * (low + high)
+
+
+def maximum(value: Callable[[Floats], Floats], low: Floats, high: Floats) -> Floats:
+    """Where something with one maximum between low and high is largest."""
+    for _ in range(2 * HALVINGS):
+        one, two = low + (high - low) / 3.0, high - (high - low) / 3.0
+        rising = value(one) < value(two)
+        low, high = np.where(rising, one, low), np.where(rising, high, two)
+    return 0.5 * (low + high)

@@ -1,0 +1,25 @@
+"""The README shows what there is."""
+
+import re
+from pathlib import Path
+
+import pytest
+from gallery import FOLDER, PICTURES
+
+from lammps_inputs import library
+
+README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+SHOWN = set(re.findall(r"\]\(\.github/([\w/-]+)\.png\)", README))
+MEASURED = {"trade"}  # a picture of one machine's speed
+
+
+def test_every_picture_is_drawn_by_the_script_and_small():
+    assert set(PICTURES) == SHOWN - MEASURED
+    assert all((FOLDER / f"{name}.png").stat().st_size < 80_000 for name in PICTURES)
+
+
+@pytest.mark.parametrize(
+    "name", [name for name in library.installed() if not name.startswith(("one-", "two-", "three-"))]
+)
+def test_every_scene_of_an_ingredient_stands_in_the_gallery(name):
+    assert f"`{name}`" in README

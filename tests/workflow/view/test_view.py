@@ -1,0 +1,166 @@
+"""The pages of `granchain view`, in a real browser."""
+
+import os
+import shutil
+
+import numpy as np
+import pytest
+
+from analysis import motion
+from workflow import api
+from workflow.cli import main
+from workflow.runs.run_directory import RunDirectory
+from workflow.view.thin import thinned
+
+SCENE = {
+    "name": "seen",
+    "chains": 2,
+    "beads": 20,
+    "coupling": {"stiffness": 0.1},
+    "kick": {"velocity": 1.0},
+    "duration": 20.0,
+}
+BEAD, FRAME = 8, 100
+
+WHERE = """([name, x, y]) => {
+  const plot = Bokeh.documents[0].roots()[0], found = [];
+  const look = view => { if (view.model.type == 'Figure') found.push(view);
+                         for (const child of view.child_views ?? []) look(child); };
+  for (const view of Bokeh.index) look(view);
+  const view = found.find(one => one.model.title && one.model.title.text == name);
+  const box = view.canvas_view.el.getBoundingClientRect();
+  return [box.x + view.frame.x_scale.compute(x), box.y + view.frame.y_scale.compute(y)];
+}"""
+TEXT = """() => {
+  const words = [];
+  const walk = node => { for (const child of node.querySelectorAll('*')) if (child.shadowRoot) {
+    for (const tip of child.shadowRoot.querySelectorAll('.bk-tooltip-row-label, .bk-tooltip-row-value'))
+      words.push(tip.textContent);
+    walk(child.shadowRoot); } };
+  walk(document);
+  return words;
+}"""
+
+
+@pytest.fixture(scope="module")
+def ran(tmp_path_factory):
+    return api.run(SCENE, tmp_path_factory.mktemp("view") / "run", engine="reference")
+
+
+@pytest.fixture(scope="module")
+def browser():
+    path = shutil.which("chromium")
+    if path is None:
+        assert not os.environ.get("CI"), "continuous integration installs chromium"
+        pytest.skip("chromium is not installed")
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as driver:
+        started = driver.chromium.launch(executable_path=path, args=["--no-sandbox", "--disable-gpu"])
+        yield started
+        started.close()
+
+
+@pytest.fixture
+def look(browser):
+    """Opens a page without a network; fails at its end if the page complained."""
+    complaints = []
+
+    def opened(path, **options):
+        page = browser.new_context(offline=True, viewport={"width": 1300, "height": 1700}, **options).new_page()
+        page.set_default_timeout(600_000)
+        page.on("console", lambda said: complaints.append(said.text) if said.type in ("error", "warning") else None)
+        page.on("pageerror", lambda error: complaints.append(str(error)))
+        page.goto(path.resolve().as_uri())
+        page.wait_for_function("window.Bokeh && Bokeh.documents.length && Bokeh.documents[0].is_idle")
+        return page
+
+    yield opened
+    assert complaints == []
+
+
+def model(page, name, what):
+    return page.evaluate(f"() => {{ const it = Bokeh.documents[0].get_model_by_name('{name}'); return {what}; }}")
+
+
+def test_what_a_page_holds_is_the_runs_own(ran):
+    problem, whole = ran.directory.problem, ran.trajectory
+    part = thinned(problem, ran.directory.blocks(), [1], most=1000)
+    assert (part.frame_stride, part.bead_stride) == (5, 1)
+    assert np.array_equal(part.velocity[0], whole.velocity[::5, 1])
+    assert np.array_equal(part.overlap[0, :, :-1], motion.overlaps(problem, whole.displacement)[::5, 1])
+    assert np.array_equal(part.time, whole.time[::5])
+    assert part.energy[0] == pytest.approx(
+        motion.bead_energy(problem, whole.displacement, whole.velocity)[::5, 1].sum(axis=-1), abs=1e-15
+    )
+
+
+def test_pages_without_bokeh_are_refused_in_one_line(ran, monkeypatch, capsys):
+    monkeypatch.setitem(__import__("sys").modules, "bokeh", None)
+    assert main(["view", str(ran.directory.path)]) == 2
+    assert "pip install" in capsys.readouterr().err
+
+
+def test_a_folder_without_a_run_has_no_page(tmp_path, capsys):
+    assert main(["view", str(tmp_path)]) == 2
+    assert "neither a run nor a sweep" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.slow
+def test_the_page_of_a_run_says_the_right_numbers_and_moves_the_right_beads(ran, look):
+    path = ran.directory.path
+    assert main(["view", str(path), "--no-open", "--quiet"]) == 0
+    page, frames = look(path / "view.html"), RunDirectory(path).trajectory
+    assert "view.html" in ran.directory.record["files"]
+
+    time = float(frames.time[FRAME])
+    page.mouse.move(*page.evaluate(WHERE, ["chain 2", BEAD, time]))
+    page.wait_for_function(f"() => ({TEXT})().length > 0")
+    words = page.evaluate(TEXT)
+    told = dict(zip((word.strip() for word in words[::2]), words[1::2], strict=True))
+    overlap = motion.overlaps(ran.directory.problem, frames.displacement)[FRAME, 1, BEAD - 1]
+    assert int(told["bead:"]) == BEAD
+    assert float(told["time:"]) == pytest.approx(time, rel=1e-5)
+    assert float(told["velocity:"]) == pytest.approx(frames.velocity[FRAME, 1, BEAD - 1], rel=1e-5)
+    assert float(told["overlap:"]) == pytest.approx(overlap, rel=1e-4)
+
+    before = model(page, "traces", "it.data.label.length")
+    page.mouse.click(*page.evaluate(WHERE, ["chain 2", BEAD, time]))
+    page.wait_for_function(
+        f"() => Bokeh.documents[0].get_model_by_name('traces').data.label.includes('bead {BEAD}, chain 2')"
+    )
+    assert model(page, "traces", "it.data.label.length") == before + 2
+    drawn = model(page, "traces", f"Array.from(it.data.ys[it.data.label.indexOf('bead {BEAD}, chain 2')])")
+    assert drawn == pytest.approx(frames.velocity[:, 1, BEAD - 1].tolist(), abs=1e-7)
+
+    page.locator(".noUi-handle").first.focus()
+    for _ in range(3):
+        page.keyboard.press("ArrowRight")
+    page.wait_for_function("() => Bokeh.documents[0].get_model_by_name('time').value == 3")
+    places = model(page, "balls", "Array.from(it.data.x)")
+    moved = frames.beads + 0.25 * frames.displacement[3]
+    assert places == pytest.approx(moved.ravel().tolist(), abs=1e-6)
+
+
+@pytest.mark.slow
+def test_a_page_is_readable_in_dark_mode(ran, look):
+    assert main(["view", str(ran.directory.path), "--no-open", "--quiet"]) == 0
+    page = look(ran.directory.path / "view.html", color_scheme="dark")
+    page.wait_for_function(
+        "() => [...Bokeh.documents[0]._all_models.values()].filter(one => one.type == 'Figure')"
+        ".every(one => one.background_fill_color == '#1b1d21')"
+    )
+    assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(27, 29, 33)"
+
+
+@pytest.mark.slow
+def test_the_page_of_a_sweep_draws_any_column_over_any_other(tmp_path, look):
+    what = {"scene": SCENE, "vary": {"coupling.stiffness": [0.1, 0.2, 0.3]}, "engine": "reference"}
+    table = api.sweep(what, tmp_path / "swept", jobs=1, check=False)
+    assert main(["view", str(tmp_path / "swept"), "--no-open", "--quiet"]) == 0
+    page = look(tmp_path / "swept" / "view.html")
+    page.evaluate("() => { Bokeh.documents[0].get_model_by_name('column').value = 'steps'; }")
+    assert model(page, "cases", "Array.from(it.data.y)") == [row["steps"] for row in table.rows]
+    assert model(page, "cases", "Array.from(it.data.x)") == [0.1, 0.2, 0.3]
+    assert page.locator("a").first.get_attribute("href") == f"{table.rows[0]['case']}/"

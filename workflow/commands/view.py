@@ -1,0 +1,42 @@
+"""Make a page to look at a run, sweep or comparison with: one HTML file that needs no network."""
+
+import argparse
+import os
+import sys
+import webbrowser
+from pathlib import Path
+
+from lammps_inputs import InputError
+from workflow.screen import one_line
+
+EXAMPLES = (
+    "view demo                 # writes demo/view.html, and opens it where there is a screen",
+    "view swept --no-open",
+)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The directory."""
+    parser.add_argument(
+        "directory", metavar="DIR", type=Path, help="of a run (also a cut one), a sweep or a comparison"
+    )
+    parser.add_argument("--no-open", action="store_true", help="write the page only")
+
+
+def execute(arguments: argparse.Namespace) -> int:
+    """Write the page; open it in a browser if there is a screen."""
+    try:
+        import bokeh  # noqa: F401
+    except ImportError:
+        raise InputError("view: draws with Bokeh, which is not installed; `pip install 'bokeh>=3.4'`") from None
+    from workflow.view.write import write  # bokeh takes half a second to import
+
+    pages = write(arguments.directory)
+    for page in pages:
+        print(f"{one_line(page)}: {page.stat().st_size / 1e6:.1f} MB")
+    screen = sys.stdout.isatty() and (
+        sys.platform == "darwin" or "DISPLAY" in os.environ or "WAYLAND_DISPLAY" in os.environ
+    )
+    if screen and not arguments.no_open:
+        webbrowser.open(pages[0].resolve().as_uri())
+    return 0

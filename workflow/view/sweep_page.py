@@ -1,0 +1,77 @@
+"""The page of a sweep: its table, sortable, and any column over any other."""
+
+import math
+from typing import Any
+
+from bokeh.layouts import column, row
+from bokeh.models import (
+    ColumnDataSource,
+    CustomJS,
+    DataTable,
+    HoverTool,
+    HTMLTemplateFormatter,
+    OpenURL,
+    Select,
+    TableColumn,
+    TapTool,
+)
+from bokeh.plotting import figure
+
+from workflow.sweep.table import Table
+
+_LINK = '<a href="<%= link %>"><%- value %></a>'
+
+_NUMBER = '<%= value === null ? "" : typeof value === "number" ? +value.toPrecision(6) : _.escape(value) %>'
+
+_CHOOSE = """
+source.data.x = source.data[over.value]; source.data.y = source.data[what.value]; source.change.emit();
+xaxis.axis_label = over.value; yaxis.axis_label = what.value;
+"""
+
+
+def layout(table: Table, pages: dict[str, str]) -> Any:
+    """A table and a plot.
+
+    Args:
+        table: of the sweep.
+        pages: case -> the file in its directory that a click opens; empty for the directory itself.
+    """
+    data: dict[str, list[Any]] = {name: [_plain(row[name]) for row in table.rows] for name in table.columns}
+    data["link"] = [f"{case}/{pages[case]}" for case in data["case"]]
+    numbers = [name for name in table.columns if any(isinstance(value, float | int) for value in data[name])]
+    over = table.fields[0] if table.fields and table.fields[0] in numbers else numbers[0]
+    what = next((name for name in ("amplitude", "peak_velocity", *numbers) if name in numbers and name != over), over)
+    data["x"], data["y"] = data[over], data[what]
+    source = ColumnDataSource(name="cases", data=data)
+    plot = figure(
+        tools="pan,wheel_zoom,box_zoom,reset,save", height=380, width=760, x_axis_label=over, y_axis_label=what
+    )
+    plot.toolbar.logo = None
+    drawn = plot.scatter("x", "y", size=10, source=source, fill_color="#0072B2", line_color="white", name="points")
+    plot.add_tools(HoverTool(renderers=[drawn], tooltips=[("case", "@case"), ("x", "@x"), ("y", "@y")]))
+    plot.add_tools(TapTool(renderers=[drawn], callback=OpenURL(url="@link")))
+    choose_x = Select(title="over", value=over, options=numbers, name="over")
+    choose_y = Select(title="column", value=what, options=numbers, name="column")
+    args = {"source": source, "over": choose_x, "what": choose_y, "xaxis": plot.xaxis[0], "yaxis": plot.yaxis[0]}
+    for chooser in (choose_x, choose_y):
+        chooser.js_on_change("value", CustomJS(args=args, code=_CHOOSE))
+    columns = [
+        TableColumn(
+            field=name,
+            title=table.heading(name),
+            width=230 if name in ("case", "verdict", "reason") else 110,
+            formatter=HTMLTemplateFormatter(template=_LINK if name == "case" else _NUMBER),
+        )
+        for name in table.columns
+        if any(value not in (None, "") for value in data[name])
+    ]
+    grid = DataTable(
+        source=source, columns=columns, height=430, sizing_mode="stretch_width", autosize_mode="none", reorderable=False
+    )
+    return column(row(plot, column(choose_y, choose_x)), grid, sizing_mode="stretch_width")
+
+
+def _plain(value: Any) -> Any:
+    if value is None or (isinstance(value, float) and not math.isfinite(value)):
+        return None
+    return value if isinstance(value, int | float | str) else str(value)

@@ -1,0 +1,92 @@
+"""The pages of a directory: of a run, of a sweep, of a comparison."""
+
+import warnings
+from html import escape
+from pathlib import Path
+
+from analysis.figures.style import shown_chains
+from analysis.files.binary_dump import CutDumpWarning
+from lammps_inputs import InputError, strict_yaml
+from lammps_inputs.decks import deck
+from workflow.runs.own_files import claim
+from workflow.runs.run_directory import VIEW, RunDirectory
+from workflow.runs.whole_files import write_text
+from workflow.sweep.collect import collect
+from workflow.verdicts.analyse import analyse, default_beads
+from workflow.view.page import folded, paragraphs, render
+from workflow.view.run_page import layout
+from workflow.view.sweep_page import layout as sweep_layout
+from workflow.view.thin import thinned
+
+
+def write(directory: Path) -> list[Path]:
+    """Write ``view.html`` into a directory; of a comparison, into that of each of its runs.
+
+    Raises:
+        InputError: there is nothing to be seen in it.
+    """
+    if (directory / deck.SCENE).is_file():
+        return [_run(directory)]
+    if not directory.is_dir():
+        raise InputError(f"{directory}: no such directory")
+    inside = sorted(path for path in directory.iterdir() if (path / deck.SCENE).is_file())
+    if not inside:
+        raise InputError(f"{directory}: neither a run nor a sweep; it has no {deck.SCENE}")
+    if (directory / "compare.json").is_file():
+        return [_run(path) for path in inside]
+    return [_sweep(directory)]
+
+
+def _run(path: Path) -> Path:
+    directory = RunDirectory(path)
+    problem, scene = directory.problem, directory.scene
+    lines, found = [], None
+    try:
+        analysis = analyse(directory, figures=False)
+        found = analysis.survey
+        lines.append(found.verdict.sentence)
+        if not analysis.complete:
+            lines.append("The run is incomplete; what there is is shown.")
+    except InputError as error:
+        lines.append(f"Not analysed: {error}")
+    record = directory.record
+    off = record.get("check", {}).get("velocity")
+    if off is not None:
+        lines.append(f"Error against the reference: velocities {off:.1e} V.")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", CutDumpWarning)  # that the run is incomplete is said in words
+        part = thinned(problem, directory.blocks(), shown_chains(problem))
+    if part.frame_stride > 1 or part.bead_stride > 1 or len(part.chains) < problem.chains:
+        lines.append(
+            f"Shown: {len(part.chains)} of {problem.chains} chains, every {part.bead_stride}. bead, "
+            f"every {part.frame_stride}. frame; each number is the run's own."
+        )
+    texts = {"scene": strict_yaml.dump(scene.plain())}
+    if (path / deck.DECK).is_file():
+        texts[deck.DECK] = (path / deck.DECK).read_text(encoding="utf-8", errors="replace")
+    foot = "".join(folded(heading, text) for heading, text in texts.items())
+    made = render(
+        f"{scene.name}: {problem.chains} x {problem.beads} beads",
+        layout(problem, part, found, list(default_beads(problem))),
+        head=paragraphs([scene.description] * bool(scene.description) + lines),
+        foot=foot,
+    )
+    claim(path, (VIEW,))
+    write_text(path / VIEW, made)
+    return path / VIEW
+
+
+def _sweep(directory: Path) -> Path:
+    table = collect(directory)
+    pages = {row["case"]: VIEW if (directory / row["case"] / VIEW).is_file() else "" for row in table.rows}
+    made = render(
+        f"{table.scene or directory.name}: {len(table.rows)} cases",
+        sweep_layout(table, pages),
+        head="<p>Click a column's head to sort, a case or a point to open it"
+        " (<code>granchain view " + escape(str(directory.name)) + "/CASE</code> makes a case's page).</p>",
+    )
+    path = directory / VIEW
+    if path.exists() and not path.read_text(encoding="utf-8", errors="replace").startswith("<!DOCTYPE html>"):
+        raise InputError(f"{path}: exists and is no page of granchain's; move it away")
+    write_text(path, made)
+    return path
