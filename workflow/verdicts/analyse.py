@@ -16,6 +16,7 @@ from analysis.gauges.gauge import gauges
 from analysis.gauges.readings import Readings, to_csv
 from analysis.gauges.restitution import restitution
 from analysis.largest_overlap import LargestOverlap, shown_by_frames
+from analysis.mirror import direction_of
 from analysis.sharing.cells import CellEnergy
 from analysis.sharing.energy_flow import EnergyFlow, Flow
 from analysis.sharing.is_solitary import Tolerances
