@@ -26,7 +26,7 @@ def built(tmp_path_factory):
     """The wheel, and the sdist that it was built from, of what git knows."""
     place = tmp_path_factory.mktemp("built")
     run("git", "clone", "-q", ROOT, place / "source")
-    code = "import setuptools.build_meta as made; print(made.build_sdist({!r}))".format(str(place))
+    code = f"import setuptools.build_meta as made; print(made.build_sdist({str(place)!r}))"
     run(sys.executable, "-m", "pip", "install", "-q", "--target", place / "backend", "setuptools>=77")
     environment = {"PYTHONPATH": str(place / "backend"), "PATH": "/usr/bin:/bin"}
     sdist = place / run(sys.executable, "-c", code, cwd=place / "source", env=environment).split()[-1]
