@@ -48,6 +48,8 @@ COMMANDS = (
     "compare",
     "reproduce",
     "map",
+    "fit",
+    "design",
     "trade",
     "sweep",
     "collect",

@@ -59,6 +59,10 @@ QUANTITIES = {
     "speed": _analysis("hit/speed", "speed at the last clear bead [speed]"),
     "left_behind": _analysis("cells/left_behind", "energy left behind in a cell / that of the kick"),
     "transmissibility": _analysis("spectra/transmissibility", "velocity at the drive's frequency, last bead / first"),
+    "wall_force": _analysis("far_end/wall_force", "largest force on the far wall [force]"),
+    "wall_force_chain": _analysis("far_end/wall_force_chain", "largest force of a chain on the far wall [force]"),
+    "delay": _analysis("far_end/delay", "delay until the far end [time]"),
+    "transmitted_energy": _analysis("far_end/transmitted_energy", "most energy at the far end / that of the kick"),
     "front": _analysis("front", "foremost bead that moved"),
     "energy_drift": _analysis("energy_drift", "relative drift of the energy"),
     "error_velocity": _run("check/velocity", "error of velocities / $V$"),
@@ -78,7 +82,7 @@ UNCERTAINTIES = {"amplitude": "amplitude_uncertainty", "beat_length": "beat_leng
 UNSETTLED = (State.BEATING.value, State.SHORT.value, State.UNSURE.value)
 """States of a case whose chains have not come to share equally, so that its numbers may yet change."""
 
-_UNITS = {"time": "s", "velocity": "m/s", "speed": "beads/s"}
+_UNITS = {"time": "s", "velocity": "m/s", "speed": "beads/s", "force": "N"}
 
 _FIELD_UNITS = {
     "coupling.stiffness": "N/m",

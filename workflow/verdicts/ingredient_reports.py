@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from analysis.gauges.far_end import FarEnd
 from analysis.gauges.readings import Readings
 from analysis.gauges.spectra import Spectra, drives
 from analysis.shape.loaded_wave import sound_speed
@@ -210,6 +211,13 @@ def spectra_report(problem: Problem, spectra: Spectra) -> dict[str, Any]:
         "transmissibility": found,
         "beads": entries,
     }
+
+
+def far_end_report(problem: Problem, end: FarEnd) -> dict[str, Any]:
+    """What ``analysis.json`` says under ``far_end``, see `analysis.gauges.far_end`, in the scene's units."""
+    scale = problem.scale
+    worth = {"wall_force": scale.force, "wall_force_chain": scale.force, "delay": scale.time}
+    return {name: known(value * worth.get(name, 1.0)) for name, value in end.result().items()}
 
 
 def _known(data: dict[str, Any]) -> dict[str, Any]:

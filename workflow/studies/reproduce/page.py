@@ -55,13 +55,17 @@ def png(figure: Figure) -> bytes:
 
 def render(title: str, summary: str, sections: Sequence[Section], images: dict[str, bytes]) -> str:
     """The page; ``images`` holds the PNG of every picture by name."""
-    body = "\n".join(_section(section, images) for section in sections)
+    return document(title, summary, "\n".join(_section(section, images) for section in sections))
+
+
+def document(title: str, summary: str, body: str) -> str:
+    """A whole page around what its body says in HTML."""
     return _PAGE.format(title=html.escape(title), summary=html.escape(summary), body=body)
 
 
 def _section(section: Section, images: dict[str, bytes]) -> str:
     rows = "\n".join(_row(statement) for statement in section.statements)
-    pictures = "\n".join(_picture(picture, images[picture.name]) for picture in section.pictures)
+    pictures = "\n".join(shown(picture, images[picture.name]) for picture in section.pictures)
     notes = "".join(f"<p>{html.escape(note)}</p>" for note in section.notes)
     table = (
         "<table><thead><tr><th>the paper says</th><th>found here</th><th></th></tr></thead>"
@@ -83,7 +87,8 @@ def _row(statement: Statement) -> str:
     )
 
 
-def _picture(picture: Picture, image: bytes) -> str:
+def shown(picture: Picture, image: bytes) -> str:
+    """A picture, whose PNG is part of the page, with its caption."""
     data = base64.b64encode(image).decode("ascii")
     caption = html.escape(picture.caption)
     return (
