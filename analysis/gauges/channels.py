@@ -18,6 +18,8 @@ def complaint(channel: Channel, problem: Problem) -> str | None:
     if channel.kind == "wall":
         sides = [link.law.side > 0.0 for link in problem.walls]
         return None if channel.right in sides else f"the scene has no {'right' if channel.right else 'left'} wall"
+    if channel.kind in ("contact", "sensor") and problem.contact_loss is not None:
+        return "forces of damped contacts are not read, for they depend on velocities too"
     first, last = {"contact": (1, beads - 1), "sensor": (2, beads - 1)}.get(channel.kind, (1, beads))
     return None if first <= channel.bead <= last else f"beads {first} to {last} of the scene have such"
 
