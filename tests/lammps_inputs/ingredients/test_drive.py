@@ -158,6 +158,30 @@ def test_a_driven_chain_of_unlike_beads_with_damping_is_computed_alike_and_close
     assert seen.energy_drift < 1e-6
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("keys", "static", "wall"),
+    [
+        ({"precompression": {"force": 0.3}}, np.full(9, 0.3), 0.0),
+        ({"gravity": 0.02, "walls": {"right": "flat"}}, 0.02 * np.arange(9), math.sqrt(2.0)),
+    ],
+    ids=["precompression", "gravity"],
+)
+def test_a_driven_chain_under_load_is_computed_alike(tmp_path, keys, static, wall):
+    case = driven(MOVED, **keys, coupling=None, duration=12.0, timestep=0.005)
+    problem, found = case.problem(), run(case, tmp_path / "run")
+    (moved,) = problem.motions
+    right = integrated(
+        problem,
+        static=static / problem.scale.force,
+        walls=(0.0, wall),
+        moved={(0, 0): lambda t: float(moved.acceleration(t))},
+    )
+    assert np.abs(engine.run(problem).velocity - right).max() < 1e-6
+    assert np.abs(found.trajectory.velocity - right).max() == pytest.approx(found.check.velocity, rel=0.1)
+    assert found.check.velocity < 1e-3
+
+
 def test_the_mirror_image_twice_is_the_problem_itself():
     problem = driven().problem()
     assert mirrored_problem(mirrored_problem(problem)) == problem

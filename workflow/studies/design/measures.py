@@ -34,7 +34,11 @@ _AT_THE_END = tuple(name for name, quantity in QUANTITIES.items() if quantity.pa
 KNOWN = (
     MASS,
     *_AT_THE_END,
-    *(name for name, q in QUANTITIES.items() if q.file == REPORT and q.label and name not in _AT_THE_END),
+    *(
+        name
+        for name, q in QUANTITIES.items()
+        if q.file == REPORT and q.label and name not in _AT_THE_END and q.path[0] != "spectra"
+    ),
 )
 """Quantities that a design may be about."""
 
