@@ -5,15 +5,13 @@ loads follow from them, so that neighbours overlap by exactly as much at any pla
 """
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lammps_inputs import laws
-from lammps_inputs.laws import Law
-from lammps_inputs.laws.hertz import Hertz
-from lammps_inputs.laws.preloaded import under, wall_under
-from lammps_inputs.laws.wall import HertzWall
+from lammps_inputs.laws.preloaded import bears, under, wall_under
 from lammps_inputs.links import Along, Link, Wall
 from lammps_inputs.numbers import power_of_two_at_least
 from lammps_inputs.problem import System
@@ -41,7 +39,7 @@ def under_load(system: System, force: NDArray[np.float64]) -> System:
     """
     if system.dampers:
         raise LoadError("LAMMPS notes the forces that hold beads with those of dashpots; leave damping or the load out")
-    if not all(isinstance(link.law, Hertz) for link in system.along):
+    if not all(bears(link.law) for link in system.along):
         raise LoadError("how contacts bear it is known for those of spheres, of exponent 1.5; leave one of them out")
     if np.max(force) > MOST:
         raise LoadError(
@@ -71,12 +69,12 @@ def _grid(system: System, force: NDArray[np.float64]) -> float:
 
 
 def _loaded(link: Link, force: NDArray[np.float64], grid: float) -> Link:
-    law: Law = link.law
-    if isinstance(link, Along) and isinstance(law, Hertz):
+    law: Any = link.law
+    if isinstance(link, Along):
         between = force[:, 1:-1]
         even = np.ndim(law.strength) == 0 and float(np.ptp(between)) == 0.0
         return replace(link, law=under(law, float(between[0, 0]) if even else between, grid))
-    if isinstance(link, Wall) and isinstance(law, HertzWall):
+    if isinstance(link, Wall):
         at_wall = np.zeros((force.shape[0], force.shape[1] - 1))
         bead = -1 if law.side > 0.0 else 0
         at_wall[:, bead] = force[:, bead]

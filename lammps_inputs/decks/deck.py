@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from lammps_inputs import laws, loads, scheme, strict_yaml, window
 from lammps_inputs.decks import at_rest
+from lammps_inputs.laws import dashpot
 from lammps_inputs.lines import AtomTypes, Lines
 from lammps_inputs.links import Across, Along, words
 from lammps_inputs.numbers import text
@@ -137,21 +138,7 @@ def interactions(problem: Problem) -> list[list[str]]:
     """Contacts, and springs where there are any."""
     found = [list(lines.interactions) for lines in spelling(problem) if lines.interactions]
     beside = [lines.beside for lines in spelling(problem) if lines.beside]
-    return found if not beside else [_overlaid(found[0], beside), *found[1:]]
-
-
-def _overlaid(contacts: list[str], beside: list[tuple[str, ...]]) -> list[str]:
-    """The lines of contacts, with other pair styles over theirs."""
-    lines = []
-    for line in contacts:
-        word, *rest = line.split(" ")
-        if word == "pair_style":
-            own = rest[0]
-            line = " ".join(["pair_style hybrid/overlay", *rest, *(style for style, *_ in beside)])
-        elif word == "pair_coeff":
-            line = " ".join([word, *rest[:2], own, *rest[2:]])
-        lines.append(line)
-    return [*lines, *(line for _, *more in beside for line in more)]
+    return found if not beside else [dashpot.overlaid(found[0], beside), *found[1:]]
 
 
 def motion_lines(problem: Problem, group: str) -> list[str]:

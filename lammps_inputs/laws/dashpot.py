@@ -224,5 +224,19 @@ def at_reach(law: Any, elastic: laws.Law, energy: float) -> Any:
     return resistance(law, elastic.reach(energy, *elastic))
 
 
+def overlaid(contacts: list[str], beside: list[tuple[str, ...]]) -> list[str]:
+    """The lines of contacts, with other pair styles over theirs."""
+    lines = []
+    for line in contacts:
+        word, *rest = line.split(" ")
+        if word == "pair_style":
+            own = rest[0]
+            line = " ".join(["pair_style hybrid/overlay", *rest, *(style for style, *_ in beside)])
+        elif word == "pair_coeff":
+            line = " ".join([word, *rest[:2], own, *rest[2:]])
+        lines.append(line)
+    return [*lines, *(line for _, *more in beside for line in more)]
+
+
 def _limit(floor: Parameter) -> str:
     return " limit_damping" if np.min(floor) < NO_FLOOR else ""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from lammps_inputs.laws import Parameter
+from lammps_inputs.laws import Law, Parameter
 from lammps_inputs.laws.hertz import Hertz
 from lammps_inputs.laws.wall import HertzWall, wall_lines
 from lammps_inputs.lines import Lines
@@ -115,6 +115,11 @@ class PreloadedWall(NamedTuple):
     def ground(self, name: str, problem: "System") -> Lines:
         """A wall that is nearer by the overlap at rest."""
         return wall_lines(name, self, problem)
+
+
+def bears(law: Law) -> bool:
+    """Whether it is known how contacts of a law bear a load."""
+    return isinstance(law, Hertz)
 
 
 def under(law: Hertz, load: Parameter, grid: float) -> Preloaded:
