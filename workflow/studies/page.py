@@ -144,9 +144,7 @@ def _kind(holds: str) -> str:
 
 
 def _section(section: Section, number: int, said_by: str) -> str:
-    head = (
-        f'<section id="s{number}"><h2>{html.escape(section.title)}</h2><p>{html.escape(section.introduction)}</p>'
-    )
+    head = f'<section id="s{number}"><h2>{html.escape(section.title)}</h2><p>{html.escape(section.introduction)}</p>'
     if section.failed:
         return f'{head}<p class="no"><strong>failed</strong>: {html.escape(section.failed)}</p></section>'
     rows = "\n".join(_row(statement) for statement in section.statements)

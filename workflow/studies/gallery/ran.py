@@ -6,7 +6,6 @@ from functools import cached_property
 
 import numpy as np
 
-from analysis import motion
 from analysis.gauges.forces import ForceMeter
 from analysis.gauges.gauge import gauges
 from analysis.gauges.readings import Readings
@@ -66,6 +65,11 @@ class Ran:
         """Velocity of the leading pulse at a bead."""
         return float(self.waves.of_chain(chain).at(bead).peak_velocity[0])
 
+    def passages(self, bead: int) -> Floats:
+        """Times of all maxima of the velocity of a bead of chain 1."""
+        peaks = self._forwards
+        return peaks.time[(peaks.bead == bead) & (peaks.chain == 1)]
+
     def speed(self, first: int, last: int) -> float:
         """Beads per unit time of the leading pulse of chain 1 between two beads."""
         arrival = [float(self.waves.of_chain(1).at(bead).arrival[0]) for bead in (first, last)]
@@ -86,10 +90,6 @@ class Ran:
             meter.add(block)
         return meter.result()
 
-    def largest_force(self, contact: int) -> float:
-        """Largest force in the contact between a bead of chain 1 and the next."""
-        return float(self.forces(contacts=(contact,)).largest[0, 0])
-
     def left_behind(self, period: int) -> float:
         """Share of the energy that chain 1's pulse loses from one cell to the next; NaN where it ran none."""
         cells = CellEnergy(self.problem, period)
@@ -105,12 +105,6 @@ class Ran:
         for block in self.directory.blocks():
             flow.add(block)
         return flow.result()
-
-    @cached_property
-    def bead_energy(self) -> Floats:
-        """[frame, chain, bead] energy, of contacts half each bead's."""
-        run = self.trajectory
-        return motion.bead_energy(run.problem, run.displacement, run.velocity)
 
     def width(self, bead: int) -> float:
         """Full width at half maximum of the leading pulse at a bead of chain 1, in beads: time there times speed."""
