@@ -1,6 +1,7 @@
 """One panel in the style of all figures."""
 
 from collections.abc import Callable
+from typing import Any
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
@@ -9,7 +10,7 @@ from matplotlib.figure import Figure
 from analysis.figures.style import CHAIN_COLOURS, STYLE
 
 COLOURS = CHAIN_COLOURS
-PUBLISHED = {"color": "0.45", "linewidth": 1.0, "linestyle": (0, (4, 2))}
+PUBLISHED: dict[str, Any] = {"color": "0.45", "linewidth": 1.0, "linestyle": (0, (4, 2))}
 """How what was published is drawn."""
 
 

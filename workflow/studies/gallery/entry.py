@@ -72,13 +72,12 @@ class Entry:
 
 
 def _own_errors(results: Results) -> str:
-    """The measured error of the runs, in words."""
-    worst = {
-        engine: [max(run.errors[place] for runs in results.values() if (run := runs.get(engine))) for place in (0, 1)]
-        for engine in ENGINES
-    }
+    """The measured error of the runs that both engines made, in words."""
+    both = [runs for runs in results.values() if set(runs) == set(ENGINES)]
+    worst = {engine: [max(runs[engine].errors[place] for runs in both) for place in (0, 1)] for engine in ENGINES}
     return (
-        f"Measured error of these runs: LAMMPS's peak velocities are off by at most {worst['lammps'][0]:.1e} V and its "
-        f"arrivals by {worst['lammps'][1]:.1e} T; the reference is sure to {worst['reference'][0]:.1e} V and "
+        "Measured error of these runs: the peaks of LAMMPS's leading pulse are off by at most "
+        f"{worst['lammps'][0]:.1e} V at any bead, its arrivals by {worst['lammps'][1]:.1e} T; any velocity of the "
+        f"reference, also of beads left behind, is sure to {worst['reference'][0]:.1e} V, its arrivals to "
         f"{worst['reference'][1]:.1e} T."
     )

@@ -68,7 +68,7 @@ class Ran:
     def passages(self, bead: int) -> Floats:
         """Times of all maxima of the velocity of a bead of chain 1."""
         peaks = self._forwards
-        return peaks.time[(peaks.bead == bead) & (peaks.chain == 1)]
+        return np.asarray(peaks.time[(peaks.bead == bead) & (peaks.chain == 1)])
 
     def speed(self, first: int, last: int) -> float:
         """Beads per unit time of the leading pulse of chain 1 between two beads."""

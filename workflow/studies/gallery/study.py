@@ -57,10 +57,10 @@ def gallery(directory: Path, names: Sequence[str] = (), *, progress: Progress | 
 
 _TITLE = "Granular chains: what was published, recomputed"
 _SUMMARY = (
-    "Each result was run through LAMMPS and through the reference integrator when this page was made. What was published "
-    "stands beside what is found, with a verdict; where the publication itself could not be read, its section says so. "
-    "Mass and contact constant of a bead are 1, velocities are in units of the kick V, times in units of T, unless a line "
-    "says otherwise."
+    "Each result was run through LAMMPS and through the reference integrator when this page was made. What was "
+    "published stands beside what is found, with a verdict; where the publication itself could not be read, its "
+    "section says so. Mass and contact constant of a bead are 1, velocities are in units of the kick V, times in "
+    "units of T, unless a line says otherwise."
 )
 
 
@@ -83,7 +83,7 @@ def _section(name: str, future: "Future[page.Section]") -> page.Section:
     """What an entry gave; one that failed, for whatever reason, takes no other with it."""
     try:
         return future.result()
-    except Exception as error:  # noqa: BLE001
+    except Exception as error:
         reason = " ".join(str(error).split()) or type(error).__name__
         return page.Section(name, "", (), failed=reason)
 

@@ -8,8 +8,8 @@ from analysis.figures import response_figure, spacetime_figure
 from analysis.sharing.equipartition import Estimate, sharing
 from lammps_inputs import library
 from workflow.studies import map as mapping
-from workflow.studies.page import Picture, Section, Statement, drawn
 from workflow.studies.kept_runs import Say
+from workflow.studies.page import Picture, Section, Statement, drawn
 from workflow.studies.reproduce.runs import Measured, measured
 
 ENGINES = ("lammps", "reference")

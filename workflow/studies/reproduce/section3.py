@@ -9,8 +9,8 @@ from analysis.figures.partition import relative_mode_figure, scan_figure
 from analysis.sharing.impulses import Impulses
 from workflow.engines.collisions.first_row import THETA_OF_EQ_5
 from workflow.studies import rigid_rows as study
-from workflow.studies.page import Picture, Section, Statement, drawn
 from workflow.studies.kept_runs import Say
+from workflow.studies.page import Picture, Section, Statement, drawn
 
 THETAS = np.linspace(0.02, 8.0, 800)
 KAPPAS = (0.1, 1.0)

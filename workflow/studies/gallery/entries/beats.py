@@ -70,11 +70,11 @@ def picture(results: Results) -> Figure:
 
 ENTRY = Entry(
     title="Beats on a foundation",
-    introduction="Two chains in an elastic matrix (each bead on a spring of stiffness 1), coupled by springs of 0.1; bead 1 of "
-    "chain 1 is hit with 0.1.",
+    introduction="Two chains in an elastic matrix (each bead on a spring of stiffness 1), coupled by springs of 0.1; "
+    "bead 1 of chain 1 is hit with 0.1.",
     sources=(
-        "Y. Starosvetsky, M. A. Hasan, A. F. Vakakis & L. I. Manevitch, SIAM J. Appl. Math. 72, 337 (2012). The paper could "
-        "not be read here; the time of two oscillators follows from their frequencies.",
+        "Y. Starosvetsky, M. A. Hasan, A. F. Vakakis & L. I. Manevitch, SIAM J. Appl. Math. 72, 337 (2012). The paper "
+        "could not be read here; the time of two oscillators follows from their frequencies.",
     ),
     scenes={"beats": SCENE},
     statements=statements,

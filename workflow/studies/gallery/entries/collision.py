@@ -65,7 +65,7 @@ def statements(results: Results) -> list[Statement]:
         ),
         claim(
             "The collision shifts the phase.",
-            engines(early, " T", 3, f"at bead {SEEN} the wave is earlier by "),
+            engines(early, " T", 3, f"earlier at bead {SEEN} than a wave alone by: "),
             min(early.values()) > 0.01,
         ),
     ]
@@ -88,9 +88,9 @@ ENTRY = Entry(
     title="Collision of equal and opposite waves",
     introduction="Both ends of a chain of 100 or 101 beads are hit at once; the waves meet in the middle.",
     sources=(
-        "F. Santibanez, R. Munoz, A. Caussarieu, S. Job & F. Melo, Phys. Rev. E 84, 026604 (2011), arXiv 1102.3364 (abstract "
-        "read; it gives no numbers). Nearly elastic: Ahnert & Pikovsky, arXiv 0808.3059 (abstract read). Secondary waves "
-        "were first seen by M. Manciu, S. Sen & A. J. Hurd (2001), which could not be read here.",
+        "F. Santibanez, R. Munoz, A. Caussarieu, S. Job & F. Melo, Phys. Rev. E 84, 026604 (2011), arXiv 1102.3364 "
+        "(abstract read; it gives no numbers). Nearly elastic: Ahnert & Pikovsky, arXiv 0808.3059 (abstract read). "
+        "Secondary waves were first seen by M. Manciu, S. Sen & A. J. Hurd (2001), which could not be read here.",
     ),
     scenes={"even": _both_ends(100), "odd": _both_ends(101), "alone": ALONE},
     statements=statements,

@@ -1,9 +1,8 @@
 """Small beads between large ones act as softer contacts between heavier beads."""
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-
-import numpy as np
 
 from analysis.shape.exact_wave import solitary_wave
 from workflow.studies.gallery.compare import each, number
@@ -38,8 +37,8 @@ def statements(results: Results) -> list[Statement]:
         expected = _speed(radius, velocity)
         found.append(
             number(
-                f"Small beads of radius {radius:g}: the pulse runs as in a plain chain of the effective mass and contact, "
-                f"{expected:.4f} cells per unit time.",
+                f"Small beads of radius {radius:g}: the pulse runs as in a plain chain of the effective mass and "
+                f"contact, {expected:.4f} cells per unit time.",
                 expected,
                 each(runs, lambda run: 0.5 * run.speed(61, 101)),
                 within=2e-3 * expected,
@@ -76,9 +75,9 @@ ENTRY = Entry(
     title="Decorated chains",
     introduction="Small beads between large ones, all of the same material.",
     sources=(
-        "U. Harbola, A. Rosas, A. H. Romero, M. Esposito & K. Lindenberg, Phys. Rev. E 80, 051302 (2009), arXiv 0909.2627 "
-        "(abstract read): undecorated chains of renormalised mass and effective interaction. The effective constants here "
-        "are those of a light bead between two contacts in series; the paper's own could not be read.",
+        "U. Harbola, A. Rosas, A. H. Romero, M. Esposito & K. Lindenberg, Phys. Rev. E 80, 051302 (2009), arXiv "
+        "0909.2627 (abstract read): undecorated chains of renormalised mass and effective interaction. The effective "
+        "constants here are those of a light bead between two contacts in series; the paper's own could not be read.",
     ),
     scenes={
         f"radius-{radius:g}": {

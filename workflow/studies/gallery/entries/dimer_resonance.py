@@ -78,11 +78,11 @@ def picture(results: Results) -> Figure:
 
 ENTRY = Entry(
     title="Resonance of dimers",
-    introduction="The same chains of heavy and light beads, at the mass ratios at which the pulse loses most to the light "
-    "beads behind it.",
+    introduction="The same chains of heavy and light beads, at the mass ratios at which the pulse loses most to the "
+    "light beads behind it.",
     sources=(
-        "K. R. Jayaprakash, Y. Starosvetsky, A. F. Vakakis & O. V. Gendelman, J. Nonlinear Sci. 23, 363 (2013). The paper "
-        "could not be read here; 0.59 is as it is quoted in the field, without the distance it was seen at.",
+        "K. R. Jayaprakash, Y. Starosvetsky, A. F. Vakakis & O. V. Gendelman, J. Nonlinear Sci. 23, 363 (2013). The "
+        "paper could not be read here; 0.59 is as it is quoted in the field, without the distance it was seen at.",
     ),
     scenes={_name(ratio): dimer(ratio, BEADS) for ratio in (RESONANCE, 0.3428)},
     swept={_name(ratio): dimer(ratio, BEADS) for ratio in SWEPT if ratio != 0.3428},

@@ -51,7 +51,7 @@ def statements(results: Results) -> list[Statement]:
         claim(
             "A light bead in the chain swings while the wave passes, faster than the wave's own spectrum.",
             [
-                *(line for mass in LIGHT for line in engines(frequency[mass], " 1/T", 4, f"mass {mass:g}: swings at ")),
+                *(line for mass in LIGHT for line in engines(frequency[mass], " 1/T", 4, f"mass {mass:g}: swings: ")),
                 *engines(spectrum, " 1/T", 4, "one over the time in which the wave passes: "),
             ],
             min(frequency[0.1].values()) > max(spectrum.values()),
@@ -95,9 +95,9 @@ ENTRY = Entry(
     title="An impurity",
     introduction="One bead of another mass in an otherwise uniform chain; its contacts are as the others'.",
     sources=(
-        "S. Job, F. Santibanez, F. Tapia & F. Melo, Phys. Rev. E 80, 025602 (2009), arXiv 0901.3532 (abstract read): a light "
-        "intruder swings at frequencies above the wave's spectrum, which depend on its size as dimensions demand. The paper's "
-        "intruders are smaller, not only lighter; its numbers could not be read here.",
+        "S. Job, F. Santibanez, F. Tapia & F. Melo, Phys. Rev. E 80, 025602 (2009), arXiv 0901.3532 (abstract read): "
+        "a light intruder swings at frequencies above the wave's spectrum, which depend on its size as dimensions "
+        "demand. The paper's intruders are smaller, not only lighter; its numbers could not be read here.",
     ),
     scenes={_name(mass): _scene(mass) for mass in (*LIGHT, *HEAVY)},
     statements=statements,

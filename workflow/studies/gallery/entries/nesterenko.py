@@ -100,12 +100,14 @@ def picture(results: Results) -> Figure:
 
 ENTRY = Entry(
     title="Nesterenko's solitary wave",
-    introduction="The long-wave theory of an uncompressed chain, whose sound speed is zero: compact waves that are faster "
-    "the stronger they are. A single kicked chain, and a striker of four beads' mass, which makes a train of them.",
+    introduction="The long-wave theory of an uncompressed chain, whose sound speed is zero: compact waves that are "
+    "faster the stronger they are. A single kicked chain, and a striker of four beads' mass, which makes "
+    "a train of them.",
     sources=(
         "V. F. Nesterenko, J. Appl. Mech. Tech. Phys. 24, 733 (1983); Dynamics of Heterogeneous Materials (2001). The "
-        "formulas are derived anew in this program (analysis/shape/exact_wave.py). C. Coste, E. Falcon & S. Fauve, Phys. "
-        "Rev. E 56, 6104 (1997), whose abstract was read here, found good agreement in experiments without free parameter.",
+        "formulas are derived anew in this program (analysis/shape/exact_wave.py). C. Coste, E. Falcon & S. Fauve, "
+        "Phys. Rev. E 56, 6104 (1997), whose abstract was read here, found good agreement in experiments without free "
+        "parameter.",
     ),
     scenes={"single": SINGLE, "striker-4": STRIKER},
     statements=statements,

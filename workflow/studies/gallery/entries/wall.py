@@ -67,12 +67,13 @@ def statements(results: Results) -> list[Statement]:
             [
                 line
                 for name in ("rigid", "soft")
-                for line in engines(delay[name], " T", 3, f"{name}: back at bead {SEEN} after ")
+                for line in engines(delay[name], " T", 3, f"{name}: back at bead {SEEN} after: ")
             ],
             min(delay["soft"].values()) > max(delay["rigid"].values()),
         ),
         number(
-            "A rigid flat wall is the mirror of a collision of equal waves in a contact: what comes back has 0.99852 of the velocity.",
+            "A rigid flat wall is the mirror of a collision of equal waves in a contact: what comes back has 0.99852 "
+            "of the velocity.",
             0.99852,
             back["rigid"],
             within=1e-4,
@@ -103,10 +104,10 @@ ENTRY = Entry(
     introduction="A chain ends at a bead held fast, a flat wall of the same material, a rigid flat wall, or a soft one "
     "(a tenth of a contact's constant).",
     sources=(
-        "S. Job, F. Melo, A. Sokolow & S. Sen, Phys. Rev. Lett. 94, 178002 (2005); its numbers could not be read here. M. "
-        "Przedborski, T. A. Harroun & S. Sen, arXiv 1507.01021 (abstract read): soft walls slow the reflection. The two "
-        "numbers are those of the collisions on this page: by mirror symmetry a wave at such a wall is one that meets its "
-        "equal.",
+        "S. Job, F. Melo, A. Sokolow & S. Sen, Phys. Rev. Lett. 94, 178002 (2005); its numbers could not be read "
+        "here. M. Przedborski, T. A. Harroun & S. Sen, arXiv 1507.01021 (abstract read): soft walls slow the "
+        "reflection. The two numbers are those of the collisions on this page: by mirror symmetry a wave at such a "
+        "wall is one that meets its equal.",
     ),
     scenes={name: _scene(wall) for name, wall in WALLS.items()},
     statements=statements,
