@@ -38,12 +38,18 @@ def number(
         digits: after the point.
     """
     best = found["reference"]
-    off = max(abs(value - published) for value in found.values())
-    holds = HOLDS if off <= within else CORRECTED if off <= roughly else FAILS
+    holds = (
+        HOLDS if _all_near(found, published, within) else CORRECTED if _all_near(found, published, roughly) else FAILS
+    )
     unit = f" {unit}" if unit else ""
     lines = engines(found, unit, digits)
     lines.append(f"{best - published:+.1e}{unit} from what was published ({best / published - 1.0:+.2%})")
     return Statement(says, lines, holds, "" if holds == HOLDS else correction or f"It is {best:.{digits}f}{unit}.")
+
+
+def _all_near(found: Mapping[str, float], published: float, within: float) -> bool:
+    """Whether every engine's number is as near as that; one that is not defined is not."""
+    return all(abs(value - published) <= within for value in found.values())
 
 
 def engines(found: Mapping[str, float], unit: str = "", digits: int = 5, label: str = "") -> list[str]:
