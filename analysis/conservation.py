@@ -1,5 +1,7 @@
 """How well a run conserves energy and momentum, from its trajectory (LAMMPS reports neither for these chains)."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from analysis import motion
@@ -63,12 +65,12 @@ class Conservation:
         """With forces from outside: energy is that of the kicks and the work done, momentum likewise."""
         problem = block.problem
         self._work = self._work or Work(problem)
-        put_in = 0.5 * sum(velocity**2 for _, _, velocity in problem.kicks) + self._work.add(block)
+        put_in = replace(problem, loads=()).energy + self._work.add(block)
         self._put_in = max(self._put_in, float(np.max(np.abs(put_in))))
         self._missing = float(np.maximum(self._missing, np.max(np.abs(energy - put_in))))
         self.energy_drift = self._missing / self._put_in if self._missing > 0.0 else self._missing
         given = sum(load.impulse(block.time) for load in problem.loads)
-        size = sum(abs(velocity) for _, _, velocity in problem.kicks) + sum(load.law.total for load in problem.loads)
+        size = problem.pushed + sum(load.law.total for load in problem.loads)
         # in the velocity of a bead that is pushed LAMMPS has half a step of the mean of the force
         over = block.time > max(load.end for load in problem.loads) + 0.5 * problem.timestep * (1.0 + 1e-6)
         missing = float(np.max(np.abs(momentum - problem.momentum - given)[over], initial=0.0))

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from analysis import motion
-from analysis.trajectory import Trajectory
+from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem
 
 FARTHEST = 0.25
@@ -13,12 +13,17 @@ FARTHEST = 0.25
 
 An overlap d falls by at most ``d**1.5 t**2`` in a time t from its maximum, for no contact is opposed by more than its
 own force on two beads; springs apart, which pull by little at that moment. Frames are half of this away at most.
+Stiff contacts of light beads are over sooner, by the square root of ``mass / strength``.
 """
 
 
 def shown_by_frames(problem: Problem) -> bool:
     """Whether the frames hold neighbouring beads, closely enough in time."""
-    return problem.recorded is None and problem.every <= FARTHEST * (1.0 + 1e-9)
+    quicker = 1.0
+    if not problem.alike:
+        strength = max(float(np.max(next(iter(link.law)))) for link in problem.along)
+        quicker = min(1.0, math.sqrt(float(np.min(problem.mass)) / strength))
+    return problem.recorded is None and problem.every <= FARTHEST * quicker * (1.0 + 1e-9)
 
 
 class LargestOverlap:
@@ -26,13 +31,22 @@ class LargestOverlap:
 
     Attributes:
         value: largest overlap so far, in units of L; negative where none has touched, -inf before the first frame.
+        each: the same of every contact, [chain, contact], where beads differ; else None.
     """
 
     def __init__(self) -> None:
         self.value = -math.inf
+        self.each: Floats | None = None
 
     def add(self, block: Trajectory) -> None:
         """Take more frames into account."""
-        x = block.displacement[..., block.moving]
+        problem, moving = block.problem, block.moving
+        x = block.displacement[..., moving]
+        if not problem.alike and self.each is None:
+            self.each = np.full((problem.chains, problem.beads - 1), -math.inf)
         if x.shape[-1] > 1:
-            self.value = float(np.maximum(self.value, np.max(motion.overlaps(block.problem, x))))
+            overlaps = motion.overlaps(problem, x)
+            self.value = float(np.maximum(self.value, np.max(overlaps)))
+            if self.each is not None:
+                here = self.each[:, moving.start : moving.start + overlaps.shape[-1]]
+                np.maximum(here, np.max(overlaps, axis=0), out=here)

@@ -47,7 +47,8 @@ class Work:
         frame = np.arange(acting + 1)
         chain, bead = (np.full(frame.shape, place - 1) for place in (load.chain, load.bead))
         derivatives = motion.acceleration_and_rate(replace(block, problem=self._inside), frame, chain, bead)
-        alone = sum(other.impulse(time[frame]) for other in same)
+        mass = self._problem.mass_of(load.chain - 1, load.bead - 1)
+        alone = sum(other.impulse(time[frame]) for other in same) / mass
         data = np.stack([block.velocity[frame, chain, bead] - alone, *derivatives])
         rest = hermite.coefficients((0, 1), np.stack([data[:, :-1], data[:, 1:]]), block.spacing)
 
@@ -58,6 +59,6 @@ class Work:
         t = 0.5 * (low + high) + 0.5 * (high - low) * _NODES
         interval = np.searchsorted(time[: acting + 1], low[:, 0], side="right") - 1
         s = (t - time[interval][:, np.newaxis]) / block.spacing
-        velocity = hermite.value(rest[:, interval][..., np.newaxis], s) + sum(other.impulse(t) for other in same)
+        velocity = hermite.value(rest[:, interval][..., np.newaxis], s) + sum(other.impulse(t) for other in same) / mass
         np.add.at(work, interval, np.sum(load.force(t) * velocity * _WEIGHTS * 0.5 * (high - low), axis=1))
         return work

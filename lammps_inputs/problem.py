@@ -76,8 +76,9 @@ class System:
         kicked = 0.5 * sum(self._kicked_mass(kick) * kick[2] ** 2 for kick in self.kicks)
         if not self.loads:
             return kicked
-        # a force F puts in F v at most F sqrt(2 E), so that sqrt(2 E) grows by no more than its impulse
-        return 0.5 * (math.sqrt(2.0 * kicked) + sum(load.law.total for load in self.loads)) ** 2
+        # a force F puts in F v at most F sqrt(2 E / m), so that sqrt(2 E) grows by no more than its impulse / sqrt(m)
+        given = sum(load.law.total / math.sqrt(self.mass_of(load.chain - 1, load.bead - 1)) for load in self.loads)
+        return 0.5 * (math.sqrt(2.0 * kicked) + given) ** 2
 
     @property
     def momentum(self) -> float:
@@ -149,8 +150,8 @@ class System:
         return float(np.sqrt(self._contacts() + self._springs()))
 
     def _contacts(self) -> float:
-        wall = max((laws.stiffest(link.law, self.energy) for link in self.walls), default=0.0)
         if self.alike:
+            wall = max((laws.stiffest(link.law, self.energy) for link in self.walls), default=0.0)
             contacts = sum(4.0 * laws.stiffest(link.law, self.energy) for link in self.along)
             # a bead at the end has one contact, and a wall
             return max(contacts, 0.5 * contacts + wall) if self.walls else contacts
@@ -159,7 +160,8 @@ class System:
             stiff = np.broadcast_to(laws.at_reach(link.law, self.energy), (self.chains, self.beads - 1))
             total[:, 1:] += 2.0 * stiff
             total[:, :-1] += 2.0 * stiff
-        total[:, [0, -1]] += wall
+        for held in self.walls:
+            total += laws.at_reach(held.law, self.energy)
         return float(np.max(total / self.mass))
 
     def _springs(self) -> float:

@@ -220,10 +220,6 @@ class BaseScene(Part):
 
     def _check_motion(self, system: System) -> None:
         """Refuse scenes in which nothing happens, or what no beads of the material would do."""
-        if system.loads and not isinstance(system.mass, float):
-            raise ValueError("push: only beads of one mass can be pushed; leave either out")
-        if system.walls and not system.alike:
-            raise ValueError("walls: are those of equal beads; leave either out")
         if system.simply_coupled and never_closes(self.chains, system.kappa, system.gap, system.kicks, self.beads):
             raise ValueError(
                 f"kick: none ever closes the gap of {self.gap:g}, so nothing collides; "

@@ -1,4 +1,13 @@
-"""Settings of all tests, and a quick way to run LAMMPS in them."""
+"""Settings of all tests, and a quick way to run LAMMPS in them.
+
+What takes time, in seconds of processor (`cpu_times` in support prints them):
+
+- A new combination of laws: 2 to 3 for the reference, 1 to 2 more for its passages, once in a suite. New are other
+  laws or another number of them, and numbers that become arrays (masses that differ), not other values, beads or
+  chains: one chain, an open row of chains, and any other topology are three.
+- A figure, 2; ``analyze`` draws four and ``validate`` one. ``analyse(..., figures=False)`` where they are no claim.
+- A process of Python that imports all, 1 to 2: ``workflow.cli.main`` where a process is no claim, or `lammps_here`.
+"""
 
 import os
 import signal

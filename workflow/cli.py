@@ -49,6 +49,8 @@ COMMANDS = (
     "reproduce",
     "gallery",
     "map",
+    "fit",
+    "design",
     "trade",
     "sweep",
     "collect",

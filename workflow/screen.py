@@ -51,12 +51,16 @@ def progress_bar(name: str, problem: Problem) -> Iterator[Callable[[int, int], N
 
 @contextmanager
 def count_bar(name: str) -> Iterator[Callable[..., None]]:
-    """A bar of cases done, and how many of them failed; on standard error, and only on a terminal."""
+    """A bar of cases done, and how many of them failed or what else is to be said.
+
+    On standard error, and only on a terminal.
+    """
     with _bar("{task.completed:.0f}/{task.total:.0f}") as bar:
         task = bar.add_task(name, total=None)
 
-        def show(done: int, total: int, failed: int = 0) -> None:
-            label = f"{name}, {failed} failed" if failed else name
+        def show(done: int, total: int, failed: int | str = 0) -> None:
+            said = f"{failed} failed" if isinstance(failed, int) and failed else failed or ""
+            label = f"{name}, {said}" if said else name
             bar.update(task, completed=done, total=total, description=label)
 
         yield show

@@ -6,7 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.conservation import Conservation
+from analysis.tracking.leading_waves import Waves
 from analysis.tracking.peaks import THRESHOLD, PeakFinder, Peaks, sharp
+from analysis.tracking.which_leads import leading_finder, leading_passages
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem
 from lammps_inputs.facts import Fact
@@ -28,6 +30,24 @@ def matched(own: Peaks, other: Peaks, beads: int) -> tuple[Peaks, Peaks]:
     clear = [(peaks.velocity > 2.0 * THRESHOLD) & (peaks.bead != last) & (peaks.time > 0.0) for peaks in (own, other)]
     both = np.intersect1d(keys[0][clear[0]], keys[1][clear[1]])
     return own.where(np.isin(keys[0], both)), other.where(np.isin(keys[1], both))
+
+
+def waves_apart(own: Waves, other: Waves) -> tuple[float, float]:
+    """Largest differences of peak velocity and arrival of two runs' leading waves, at beads that both reached.
+
+    Left out are the kicked beads' start and peaks not twice as high as `analysis.tracking.peaks.THRESHOLD`. NaN where
+    nothing is left, or no arrival that is defined.
+    """
+    one, two = (waves.chain * 2**40 + waves.bead for waves in (own, other))
+    _, here, there = np.intersect1d(one, two, assume_unique=True, return_indices=True)
+    own, other = own.where(here), other.where(there)
+    clear = (np.minimum(own.peak_velocity, other.peak_velocity) > 2.0 * THRESHOLD) & (other.time > 0.0)
+    found = []
+    for name in ("peak_velocity", "arrival"):
+        size = np.abs(getattr(own, name) - getattr(other, name))[clear]
+        size = size[np.isfinite(size)]
+        found.append(float(size.max()) if len(size) else float("nan"))
+    return found[0], found[1]
 
 
 @dataclass(frozen=True)
@@ -102,7 +122,7 @@ class Difference:
     def __post_init__(self) -> None:
         self._velocity = _Running(self.tolerances["velocity"])
         self._displacement = _Running(self.tolerances["displacement"])
-        self._peaks = (PeakFinder(first_only=True), PeakFinder(first_only=True))
+        self._peaks: tuple[PeakFinder, PeakFinder] | None = None
         self.conservation = Conservation()
         self._map: list[Floats] = []
         self._times: list[float] = []
@@ -116,8 +136,10 @@ class Difference:
             difference = block.velocity - reference.velocity
             self._velocity.add(block, difference)
             self._displacement.add(block, block.displacement - reference.displacement)
-            self._peaks[0].add(block)
-            self._peaks[1].add(reference)
+            if self._peaks is None:
+                self._peaks = leading_finder(block.problem), leading_finder(block.problem)
+            for finder, frames in zip(self._peaks, (block, reference), strict=True):
+                finder.add(frames)
             self.conservation.add(block)
         self.frames += block.frames
         self._problem = block.problem
@@ -140,12 +162,16 @@ class Difference:
         """Deviation of every quantity in `QUANTITIES`; amplitudes and arrivals are the leading pulse's.
 
         The latter two are not there where no passage was seen by both.
+
+        Raises:
+            ValueError: there was no frame.
         """
         problem = self._problem
+        if problem is None or self._peaks is None:
+            raise ValueError("no frames to compare")
         with np.errstate(over="ignore", invalid="ignore"):
-            own, other = matched(
-                self._peaks[0].result(), self._peaks[1].result(), 0 if problem is None else problem.beads
-            )
+            own, other = (leading_passages(finder.result(), problem).first() for finder in self._peaks)
+            own, other = matched(own, other, problem.beads)
         timed = sharp(other)
         result = {"velocity": self._velocity.result(), "displacement": self._displacement.result()}
         if len(own):
@@ -155,7 +181,7 @@ class Difference:
         kept = {"energy": (Fact.ENERGY, self.conservation.energy_drift)}
         kept["momentum"] = (Fact.MOMENTUM, self.conservation.momentum_drift)
         for name, (fact, drift) in kept.items():
-            if problem is None or (problem.whole and problem.holds(fact)):
+            if problem.whole and problem.holds(fact):
                 result[name] = Deviation(drift, float("nan"))
         return result
 

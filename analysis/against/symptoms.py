@@ -121,13 +121,13 @@ def identify_springs(trajectory: Trajectory) -> Springs | None:
     for load in problem.loads:
         change[:, load.chain - 1, load.bead - 1] -= np.diff(load.impulse(trajectory.time))
     for link in (*problem.along, *problem.ground):
-        link.drive(change, -_integral(link.force(x), link.force_rate(x, v), spacing))
+        link.drive(change, -integral(link.force(x), link.force_rate(x, v), spacing))
     felt = np.cumsum(change, axis=1)[:, :-1]
     relative, relative_rate = x[:, 1:] - x[:, :-1], v[:, 1:] - v[:, :-1]
     if np.max(np.abs(relative)) < _APART:
         return None
-    stretch = _integral(relative, relative_rate, spacing)
-    cube = _integral(relative**3, 3.0 * relative**2 * relative_rate, spacing)
+    stretch = integral(relative, relative_rate, spacing)
+    cube = integral(relative**3, 3.0 * relative**2 * relative_rate, spacing)
     power = np.sum(stretch * stretch, axis=0)
     moved = power > 1e-4 * power.max()
     with np.errstate(divide="ignore", invalid="ignore"):  # rows that never moved
@@ -154,13 +154,13 @@ def identify_strengths(trajectory: Trajectory) -> dict[str, float] | None:
         return None
     x, v = trajectory.displacement, trajectory.velocity
     spacing = np.diff(trajectory.time)[:, np.newaxis, np.newaxis]
-    change = np.diff(v, axis=0)
+    change = np.diff(v, axis=0) * problem.mass
     for load in problem.loads:
         change[:, load.chain - 1, load.bead - 1] -= np.diff(load.impulse(trajectory.time))
     columns = []
     for link in problem.links:
         column = np.zeros_like(v[1:])
-        link.drive(column, _integral(link.force(x), link.force_rate(x, v), spacing))
+        link.drive(column, integral(link.force(x), link.force_rate(x, v), spacing))
         columns.append(column.reshape(-1))
     factors, _, rank, _ = np.linalg.lstsq(np.array(columns).T, change.reshape(-1), rcond=1e-6)
     if rank < len(columns):
@@ -168,7 +168,7 @@ def identify_strengths(trajectory: Trajectory) -> dict[str, float] | None:
     return {link.name: float(factor) for link, factor in zip(problem.links, factors, strict=True)}
 
 
-def _integral(value: Floats, rate: Floats, spacing: Floats) -> Floats:
+def integral(value: Floats, rate: Floats, spacing: Floats) -> Floats:
     """Integral between consecutive frames from values and rates there."""
     ends = 0.5 * spacing * (value[1:] + value[:-1])
     return np.asarray(ends + spacing**2 / 12.0 * (rate[:-1] - rate[1:]))

@@ -107,7 +107,7 @@ def _refuse_what_unpacks_to_too_much(path: Path, archive: zipfile.ZipFile) -> No
 def _from_text(path: Path) -> dict[str, Floats]:
     try:
         with path.open(encoding="utf-8-sig") as file:
-            names, delimiter = _header(file.readline())
+            names, delimiter = header(file.readline())
             wanted = [name for name in (*KEYS, *VALUES) if name in names]
             if not wanted:
                 raise InputError(f"{path}: its first line names no column; wanted are {', '.join((*KEYS, *VALUES))}")
@@ -117,7 +117,7 @@ def _from_text(path: Path) -> dict[str, Floats]:
             with warnings.catch_warnings():
                 warnings.filterwarnings("ignore", "loadtxt: input contained no data")
                 data = np.loadtxt(
-                    _rows_as_wide_as(file, len(names), delimiter, path),
+                    rows_as_wide_as(file, len(names), delimiter, path),
                     delimiter=delimiter,
                     ndmin=2,
                     usecols=[names.index(name) for name in wanted],
@@ -133,14 +133,14 @@ def _from_text(path: Path) -> dict[str, Floats]:
     return {name: data[:, k] for k, name in enumerate(wanted)}
 
 
-def _header(line: str) -> tuple[list[str], str | None]:
+def header(line: str) -> tuple[list[str], str | None]:
     """Names of the columns, and what stands between them (None: blanks)."""
     line = line.strip().lstrip("#").strip()
     delimiter = "," if "," in line else None
     return [name.strip().strip("\"'") for name in line.split(delimiter)], delimiter
 
 
-def _rows_as_wide_as(lines: Iterable[str], width: int, delimiter: str | None, path: Path) -> Iterator[str]:
+def rows_as_wide_as(lines: Iterable[str], width: int, delimiter: str | None, path: Path) -> Iterator[str]:
     """The lines, as long as each has as many columns as the first line names."""
     for number, line in enumerate(lines, 2):
         row = line.partition("#")[0].strip()

@@ -33,6 +33,24 @@ MOST_ENTRIES = 4000
 """Stretches from frame to frame that are looked at together, which bounds the memory."""
 
 
+def at_frames(block: Trajectory, gauges: tuple[Gauge, ...]) -> Floats:
+    """What gauges read at the frames of a run, [frame, chain, gauge]; the beads they need must be recorded."""
+    force = np.zeros((block.frames, block.problem.chains, len(gauges)))
+    chain = np.arange(block.problem.chains)
+    for place, gauge in enumerate(gauges):
+        for probe in gauge.probes:
+            strain = _column(block, block.displacement, probe.behind) - _column(block, block.displacement, probe.ahead)
+            force[..., place] += probe.force(strain, np.broadcast_to(chain, strain.shape)) / len(gauge.probes)
+    return force
+
+
+def _column(block: Trajectory, values: Floats, bead: int) -> Floats:
+    """[frame, chain] of a bead; 0 for what is at rest."""
+    if bead == 0:
+        return np.zeros(values.shape[:2])
+    return np.asarray(values[:, :, int(np.searchsorted(block.problem.recorded_beads, bead))])
+
+
 class ForceMeter:
     """Reads gauges in a run that is given piece by piece; holds one frame and what it found."""
 
@@ -50,7 +68,7 @@ class ForceMeter:
     def add(self, block: Trajectory) -> None:
         """Take the next frames, evenly spaced in time with those before."""
         self._time.append(block.time.copy())
-        self._force.append(self._at_frames(block))
+        self._force.append(at_frames(block, self.gauges))
         if self._carried is not None:
             block = joined([self._carried, block])
         step = max(1, MOST_ENTRIES // self.problem.chains)
@@ -87,21 +105,6 @@ class ForceMeter:
                     dwell[chain, place] = end[hardest] - start[hardest]
         largest = np.copy(self._largest), np.copy(self._largest_at), np.copy(self._impulse)
         return Readings(self.gauges, time, force, *largest, dwell, contacts)
-
-    def _at_frames(self, block: Trajectory) -> Floats:
-        force = np.zeros((block.frames, self.problem.chains, len(self.gauges)))
-        chain = np.arange(self.problem.chains)
-        for place, gauge in enumerate(self.gauges):
-            for probe in gauge.probes:
-                strain = self._column(block.displacement, probe.behind) - self._column(block.displacement, probe.ahead)
-                force[..., place] += probe.force(strain, np.broadcast_to(chain, strain.shape)) / len(gauge.probes)
-        return force
-
-    def _column(self, values: Floats, bead: int) -> Floats:
-        """[frame, chain] of a bead; 0 for what is at rest."""
-        if bead == 0:
-            return np.zeros(values.shape[:2])
-        return np.asarray(values[:, :, int(np.searchsorted(self.problem.recorded_beads, bead))])
 
     def _read(self, block: Trajectory, place: int, gauge: Gauge) -> None:
         """Take in what one gauge reads from the first frame of a block to its last."""
@@ -167,7 +170,7 @@ class ForceMeter:
     def _polynomial(self, block: Trajectory, probe: Probe, spacing: float) -> Floats:
         """Strain in s = (time - frame's) / spacing, [power, interval * chains + chain]."""
         beads = (probe.behind, probe.ahead)
-        states = [[self._column(values, bead) for bead in beads] for values in (block.displacement, block.velocity)]
+        states = [[_column(block, values, bead) for bead in beads] for values in (block.displacement, block.velocity)]
         if self.problem.recorded is None:
             states.append([self._acceleration(block, bead) for bead in beads])
         data = np.array([behind - ahead for behind, ahead in states])  # [derivative, frame, chain]

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from analysis.shape.exact_wave import solitary_wave
 from analysis.tracking.leading_waves import Waves
+from analysis.tracking.pulses import of_one_kind
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
 
@@ -253,21 +254,6 @@ def sharing(waves: Waves, problem: Problem, noise: float = 0.0) -> Sharing:
         side_by_side(waves.arrival_error),
         side_by_side(waves.velocity_error),
     )
-
-
-def of_one_kind(problem: Problem) -> NDArray[np.bool_]:
-    """Which rows, [bead], can be compared: those of the masses that most rows have, the heavier ones of equally many.
-
-    All, if hardly two rows are of the same masses, as in tapered and disordered chains.
-    """
-    if isinstance(problem.mass, float):
-        return np.ones(problem.beads, dtype=bool)
-    kinds, which, count = np.unique(problem.mass, axis=1, return_inverse=True, return_counts=True)
-    if count.max() < 0.1 * problem.beads:
-        return np.ones(problem.beads, dtype=bool)
-    most = np.flatnonzero(count >= count.max() - 1)
-    heaviest = most[np.argmax(kinds[:, most].sum(axis=0))]
-    return np.asarray(which.reshape(-1) == heaviest)
 
 
 def _extrapolated(tops: Floats, tolerance: float) -> float | None:

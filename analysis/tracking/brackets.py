@@ -31,6 +31,11 @@ KINK = 0.4 * 0.012, 0.4 * 0.051
 does in that time: of the polynomial of degree five on ``max(s - a, 0)**2.5``, the largest for any a.
 """
 
+FADING = 90.0, 300.0
+"""How fast that falls with the time, over that between frames, by which a contact closes before the first of the two or
+opens after the second: as ``1 / (1 + FADING * time)`` or faster; of polynomials of degree five and of degree six.
+"""
+
 NODES = (0, 1, 2, 3)
 """Frames that fix a maximum where only some beads are recorded."""
 
@@ -105,22 +110,28 @@ def bracketed(
 
 
 def _kink(block: Trajectory, start: Integers, chain: Integers, bead: Integers) -> Floats:
-    """What contacts that close or open between a frame and the next can do to a bead's velocity; else 0.
+    """What contacts that close or open between a frame and the next, or nearly so, can do to a bead's velocity.
 
     Such a force begins as the power 1.5 of time, which no polynomial follows.
     """
+    fading = FADING[0] if block.spacing < FAR_APART else FADING[1]
     problem, spacing, total = block.problem, block.spacing, np.zeros(len(start))
     for side in (-1, 1):
         there = (bead + side >= 0) & (bead + side < block.velocity.shape[2])
         other = np.where(there, bead + side, bead)
-        pressed, rate = [], []
-        for frame in (start, np.minimum(start + 1, block.frames - 1)):
+        pressed, rate, beyond = [], [], np.full(len(start), np.inf)
+        for frame, way in ((start, side), (np.minimum(start + 1, block.frames - 1), -side)):
             x, v = block.displacement, block.velocity
-            pressed.append(side * (x[frame, chain, bead] - x[frame, chain, other]) - problem.gap > 0.0)
-            rate.append(np.abs(v[frame, chain, bead] - v[frame, chain, other]))
+            overlap = side * (x[frame, chain, bead] - x[frame, chain, other]) - problem.gap
+            inwards = way * (v[frame, chain, bead] - v[frame, chain, other])
+            pressed.append(overlap > 0.0)
+            rate.append(np.abs(inwards))
+            near = pressed[-1] & (inwards > 0.0)
+            beyond[near] = np.minimum(beyond[near], overlap[near] / (inwards[near] * spacing))
+        beyond[pressed[0] != pressed[1]] = 0.0
         contact = np.clip(block.first - 1 + np.minimum(bead, bead + side), 0, problem.beads - 2)
         force = motion.contact_force(problem, np.maximum(*rate) * spacing, chain, contact)
-        total += np.where(there & (pressed[0] != pressed[1]), force * spacing, 0.0)
+        total += np.where(there, force * spacing / (1.0 + fading * beyond), 0.0)
     return np.asarray(total / problem.mass_of(chain, block.first - 1 + bead))
 
 

@@ -80,10 +80,7 @@ def usual_arrival(problem: Problem) -> Arrival:
 
 def leading_waves(peaks: Peaks, arrival: Arrival = "maximum") -> Waves:
     """The first peak of every bead, which is the pulse that runs ahead of all others."""
-    place = np.stack([peaks.chain, peaks.bead])
-    first = np.ones(len(peaks), dtype=bool)
-    first[1:] = np.any(place[:, 1:] != place[:, :-1], axis=0)
-    found = peaks.where(first)
+    found = peaks.first()
     time, error = (found.time, found.time_error) if arrival == "maximum" else (found.centre, found.centre_error)
     defined = np.where(np.isfinite(error), time, np.nan)
     waves = with_speeds(found.chain, found.bead, defined, found.velocity, direction=found.direction)

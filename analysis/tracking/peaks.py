@@ -55,6 +55,12 @@ class Peaks:
         columns = {field.name: getattr(self, field.name)[chosen] for field in fields(self) if field.name != "direction"}
         return replace(self, **columns)
 
+    def first(self) -> "Peaks":
+        """The first maximum of each bead."""
+        new = np.ones(len(self), dtype=bool)
+        new[1:] = (self.chain[1:] != self.chain[:-1]) | (self.bead[1:] != self.bead[:-1])
+        return self.where(new)
+
     def __len__(self) -> int:
         return len(self.time)
 

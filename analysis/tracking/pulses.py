@@ -1,7 +1,8 @@
 """Compressive pulses: passages at single beads linked into what runs along a chain.
 
 A maximum of a bead's velocity is a passage; it belongs to the pulse whose speed brings it there at that time. A maximum
-without contact pressure, such as that of a bead that swings on its spring, is no passage. Pulses that run towards lower
+without contact pressure, such as that of a bead that swings on its spring, is no passage. Where beads differ by
+turns, a pulse is followed on those of one kind, whose maxima can be compared. Pulses that run towards lower
 numbers are found in the mirror (`analysis.mirror`).
 """
 
@@ -88,11 +89,16 @@ def track_pulses(
     direction = peaks.direction
     if direction < 0:
         peaks = in_mirror(peaks, problem)
-    recorded = problem.recorded_beads if direction > 0 else mirrored_bead(problem, problem.recorded_beads)[::-1]
+    like = problem.recorded_beads[of_one_kind(problem)[problem.recorded_beads - 1]]
+    if len(like) == 0:
+        like = problem.recorded_beads
+    recorded = like if direction > 0 else mirrored_bead(problem, like)[::-1]
     least = max(2, min(least_beads, len(recorded)))
     exact = solitary_wave()
     pressed = PRESSED * exact.overlap(0.5) * peaks.velocity**0.8
-    passages = peaks.where((peaks.velocity > 0.25 * smallest) & ~(peaks.overlap < pressed))
+    passages = peaks.where(
+        (peaks.velocity > 0.25 * smallest) & ~(peaks.overlap < pressed) & np.isin(peaks.bead, recorded)
+    )
     found = []
     for chain in np.unique(passages.chain):
         own = passages.where(passages.chain == chain)
@@ -104,6 +110,21 @@ def track_pulses(
                     bead = mirrored_bead(problem, bead)
                 found.append(Pulse(int(chain), direction, bead, arrival, own.velocity[track], speed))
     return tuple(sorted(found, key=lambda pulse: (pulse.chain, pulse.arrival[0])))
+
+
+def of_one_kind(problem: Problem) -> NDArray[np.bool_]:
+    """Which rows, [bead], can be compared: those of the masses that most rows have, the heavier ones of equally many.
+
+    All, if hardly two rows are of the same masses, as in tapered and disordered chains.
+    """
+    if isinstance(problem.mass, float):
+        return np.ones(problem.beads, dtype=bool)
+    kinds, which, count = np.unique(problem.mass, axis=1, return_inverse=True, return_counts=True)
+    if count.max() < 0.1 * problem.beads:
+        return np.ones(problem.beads, dtype=bool)
+    most = np.flatnonzero(count >= count.max() - 1)
+    heaviest = most[np.argmax(kinds[:, most].sum(axis=0))]
+    return np.asarray(which.reshape(-1) == heaviest)
 
 
 def local_speed(bead: Integers, arrival: Floats) -> Floats:

@@ -6,7 +6,7 @@ Knows nothing of arrivals or speeds, which are in `leading_waves`.
 import numpy as np
 
 from analysis.mirror import direction_of
-from analysis.tracking.peaks import Peaks
+from analysis.tracking.peaks import PeakFinder, Peaks
 from analysis.tracking.pulses import Pulse, track_pulses
 from lammps_inputs import Problem
 
@@ -14,6 +14,11 @@ from lammps_inputs import Problem
 def opposed(problem: Problem) -> bool:
     """Whether there are kicks both ways, so that a bead's first maximum may be what the other pulse left behind."""
     return any(velocity * direction_of(problem) < 0.0 for _, _, velocity in problem.struck)
+
+
+def leading_finder(problem: Problem) -> PeakFinder:
+    """What finds the maxima that `leading_passages` chooses from."""
+    return PeakFinder(first_only=not opposed(problem))
 
 
 def leading_passages(peaks: Peaks, problem: Problem) -> Peaks:
@@ -28,7 +33,7 @@ def beyond_kicks(peaks: Peaks, problem: Problem) -> Peaks:
     if not problem.walls:
         return peaks
     way = peaks.direction
-    first = min((way * bead for _, bead, velocity in problem.kicks if velocity * way > 0.0), default=-problem.beads)
+    first = min((way * bead for _, bead, velocity in problem.struck if velocity * way > 0.0), default=-problem.beads)
     return peaks.where(way * peaks.bead >= first)
 
 

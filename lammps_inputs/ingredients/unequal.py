@@ -154,9 +154,9 @@ def masses_and_strengths(scene: "BaseScene") -> tuple[float | Floats, float | Fl
     if all(getattr(scene, key) is None for key in KEYS):
         return 1.0, 1.0
     _refuse(scene)
-    mass, radius, modulus = _beads(scene)
-    strength = 2.0 / (1.0 / modulus[:, :-1] + 1.0 / modulus[:, 1:])
-    strength = strength * np.sqrt(2.0 * radius[:, :-1] * radius[:, 1:] / (radius[:, :-1] + radius[:, 1:]))
+    mass, *_ = _beads(scene)
+    size, modulus = sizes_and_moduli(scene)
+    strength = np.asarray(modulus * np.sqrt(size))
     for name, values in (("mass", mass), ("contact strength", strength)):
         least, most = float(values.min()), float(values.max())
         if not (least >= 1.0 / MOST and most <= MOST):
@@ -171,6 +171,23 @@ def masses_and_strengths(scene: "BaseScene") -> tuple[float | Floats, float | Fl
         1.0 if np.all(mass == 1.0) else mass,
         float(strength[0, 0]) if np.ptp(strength) == 0.0 else strength,
     )
+
+
+def sizes_and_moduli(scene: "BaseScene") -> tuple[float | Floats, float | Floats]:
+    """Radius and plane modulus of two equal beads whose contact is as that of two neighbours, [chain, contact]."""
+    if all(getattr(scene, key) is None for key in KEYS):
+        return 1.0, 1.0
+    _, radius, modulus = _beads(scene)
+    size = 2.0 * radius[:, :-1] * radius[:, 1:] / (radius[:, :-1] + radius[:, 1:])
+    return size, 2.0 / (1.0 / modulus[:, :-1] + 1.0 / modulus[:, 1:])
+
+
+def with_its_like(scene: "BaseScene", bead: int) -> float | Floats:
+    """Strength of the contact of a bead (from 0, or the end) of every chain, [chain], with another like it."""
+    if all(getattr(scene, key) is None for key in KEYS):
+        return 1.0
+    _, radius, modulus = _beads(scene)
+    return np.asarray(modulus[:, bead] * np.sqrt(radius[:, bead]))
 
 
 def _refuse(scene: "BaseScene") -> None:

@@ -2,18 +2,21 @@
 
 How hard a wall is, over a contact of two of the beads (Hertz 1882; Johnson, Contact Mechanics, 1985, 4.2): 1 for a
 bead like the others, held fast; sqrt(2) for the flat face of a block of their material, whose curvature is half as
-large; 2 sqrt(2) if that is also rigid.
+large; 2 sqrt(2) if that is also rigid. Where beads differ, all of this is about the bead that meets the wall.
 """
 
 import math
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field
 
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Ingredient, Part
+from lammps_inputs.ingredients.unequal import with_its_like
 from lammps_inputs.laws.wall import HertzWall
+from lammps_inputs.lines import MOST_GROUPS
 from lammps_inputs.links import Wall
 
 if TYPE_CHECKING:
@@ -66,9 +69,19 @@ class Walls(Ingredient):
             kind = getattr(self, key)
             if kind is not None:
                 strength = np.zeros((scene.chains, scene.beads))
-                strength[:, last] = _strength(kind, scene)
+                strength[:, last] = _strength(kind, scene) * _bead(kind, scene, last)
+                if len(np.unique(strength[:, last])) > MOST_GROUPS:
+                    raise ValueError(
+                        f"walls.{key}: beads of more than {MOST_GROUPS} kinds meet it, for which LAMMPS has no room; "
+                        "say {stiffness: ...}"
+                    )
                 found.append(Wall(f"{key}_wall", HertzWall(strength, side, scene.gap / scene.scale.length)))
         return tuple(found)
+
+
+def _bead(kind: Kind, scene: "BaseScene", bead: int) -> float | NDArray[np.float64]:
+    """What its bead makes of a wall that is named by its kind, for each chain where they differ."""
+    return 1.0 if isinstance(kind, Face) else with_its_like(scene, bead)
 
 
 def _strength(kind: Kind, scene: "BaseScene") -> float:

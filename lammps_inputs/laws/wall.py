@@ -54,16 +54,29 @@ class HertzWall(NamedTuple):
         return self._replace(side=-self.side)
 
     def ground(self, name: str, problem: "System") -> Lines:
-        """LAMMPS's force of a flat wall is ``K * sqrt(radius) * overlap**1.5``; it acts on the beads that reach it."""
+        """LAMMPS's force of a flat wall is ``K * sqrt(radius) * overlap**1.5``.
+
+        Only the beads that can reach it are asked, for the others cost as much. All have one radius in LAMMPS, so
+        chains whose walls are not equally hard have walls of their own.
+        """
         radius = problem.diameter / 2.0
         right = self.side > 0.0
         face = problem.beads * problem.spacing + radius + self.gap if right else problem.spacing - radius - self.gap
         faces = f"NULL {text(face)}" if right else f"{text(face)} NULL"
-        stiffness = f"$(v_{name}/{text(float(np.sqrt(radius)))}:%.17g)"
-        return Lines(
-            variables=(f"variable {name} index {text(float(np.max(self.strength)))}   # force over overlap^1.5",),
-            motion=(
-                f"fix {name} all wall/gran granular hertz {stiffness} 0 "
-                f"tangential linear_nohistory 0 0 damping velocity xplane {faces}",
-            ),
-        )
+        root, end = text(float(np.sqrt(radius))), problem.beads if right else 1
+        no_loss = f"0 tangential linear_nohistory 0 0 damping velocity xplane {faces}"
+        hard = np.max(self.strength, axis=1)
+        if np.ptp(hard) == 0.0:
+            return Lines(
+                variables=(f"variable {name} index {text(float(hard[0]))}   # force over overlap^1.5",),
+                motion=(
+                    f"group {name} id {end}:{problem.chains * problem.beads}:{problem.beads}",
+                    f"fix {name} {name} wall/gran granular hertz $(v_{name}/{root}:%.17g) {no_loss}",
+                ),
+            )
+        lines = []
+        for number, strength in enumerate(np.unique(hard).tolist(), 1):
+            atoms = " ".join(str(chain * problem.beads + end) for chain in np.flatnonzero(hard == strength).tolist())
+            own, stiffness = f"{name}{number}", f"$({text(strength)}/{root}:%.17g)"
+            lines += [f"group {own} id {atoms}", f"fix {own} {own} wall/gran granular hertz {stiffness} {no_loss}"]
+        return Lines(motion=tuple(lines))

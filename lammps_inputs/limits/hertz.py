@@ -5,6 +5,9 @@ in SI units may leave its range without any sign in the dimensionless numbers, w
 """
 
 import math
+from typing import Any
+
+import numpy as np
 
 from lammps_inputs import laws
 from lammps_inputs.facts import Fact
@@ -29,18 +32,18 @@ def sound_speed(youngs_modulus: float, density: float) -> float:
     return math.sqrt(youngs_modulus / density)
 
 
-def peak_pressure(overlap: float, radius: float, youngs_modulus: float, poisson_ratio: float) -> float:
+def peak_pressure(overlap: Any, radius: float, youngs_modulus: float, poisson_ratio: float) -> Any:
     """Pressure in the middle of a contact (Pa): ``2 E* a / (pi R*)`` with ``a**2 = R* overlap`` (Johnson, eq. 4.22-24).
 
     For equal spheres that is ``E / (pi (1 - nu**2)) sqrt(2 overlap / R)``.
 
     Args:
-        overlap: approach of the centres (m).
+        overlap: approach of the centres (m), a number or an array.
         radius: of the beads (m).
         youngs_modulus: E (Pa).
         poisson_ratio: nu.
     """
-    return youngs_modulus / (math.pi * (1.0 - poisson_ratio**2)) * math.sqrt(2.0 * overlap / radius)
+    return youngs_modulus / (math.pi * (1.0 - poisson_ratio**2)) * np.sqrt(2.0 * overlap / radius)
 
 
 def overlap_bounds(system: System) -> tuple[float, float]:
@@ -53,10 +56,11 @@ def overlap_bounds(system: System) -> tuple[float, float]:
     whose pull on its two beads, s, their energy bounds. So where beads set out at a closing speed w, the overlap where
     they come to rest is no less than the root of ``0.8 overlap**2.5 + s (overlap + gap) = w**2 / 2``.
 
-    Beads that other springs hold too get the bound from above by the whole energy, and none from below.
+    Beads that differ, or that other springs hold too, get the bound from above by the whole energy, none from below.
     """
     law = system.along[0].law
-    if not (system.simply_coupled and system.holds(Fact.MOMENTUM)):
+    as_reference = bool(np.all(np.equal(next(iter(law)), 1.0)))
+    if not (as_reference and system.simply_coupled and system.holds(Fact.MOMENTUM)):
         return 0.0, laws.reach(law, system.energy)
     chains, beads, kappa, coupled = system.chains, system.beads, system.kappa, system.coupled
     velocities = {(chain, bead): velocity for chain, bead, velocity in system.kicks}

@@ -18,7 +18,7 @@ import hashlib
 import importlib.resources
 import re
 import shlex
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from lammps_inputs import scheme, window
@@ -123,23 +123,36 @@ def _ranges(numbers: Sequence[int]) -> str:
     return ",".join(str(first) if first == last else f"{first}-{last}" for first, last in found)
 
 
-def _script(options: JobOptions, name: str, listing: str | None = None, tasks: str = "") -> str:
+def head(options: JobOptions, name: str, more: Mapping[str, object]) -> list[str]:
+    """First lines of a job: what it asks Slurm for, ``more`` by option without those that are None.
+
+    Raises:
+        InputError: the name is none.
+    """
     if not _NAME.fullmatch(name):
         raise InputError(f"{name!r}: not a name for a job; letters, digits, `.`, `_`, `-`, at most 64")
-    limit = "" if options.array_limit is None else f"%{options.array_limit}"
     asked = {
         "job-name": name,
         "nodes": options.nodes,
-        "ntasks": options.ranks,
-        "ntasks-per-node": options.ranks_per_node or 1,
-        "cpus-per-task": 1,
+        **{key: value for key, value in more.items() if key != "array"},
         "time": options.time,
         "partition": options.partition,
         "account": options.account,
         "qos": options.qos,
         "constraint": options.constraint,
-        "array": None if listing is None else tasks + limit,
+        "array": more.get("array"),
         "output": "/dev/null",  # the script opens its own: Slurm would expand a % or backslash in the directory's name
+    }
+    return ["#!/bin/bash", *(f"#SBATCH --{key}={value}" for key, value in asked.items() if value is not None), ""]
+
+
+def _script(options: JobOptions, name: str, listing: str | None = None, tasks: str = "") -> str:
+    limit = "" if options.array_limit is None else f"%{options.array_limit}"
+    asked = {
+        "ntasks": options.ranks,
+        "ntasks-per-node": options.ranks_per_node or 1,
+        "cpus-per-task": 1,
+        "array": None if listing is None else tasks + limit,
     }
     values = {
         "ranks": options.ranks,
@@ -152,9 +165,7 @@ def _script(options: JobOptions, name: str, listing: str | None = None, tasks: s
         "cases_sum": "" if listing is None else hashlib.sha256(listing.encode()).hexdigest(),
     }
     lines = [
-        "#!/bin/bash",
-        *(f"#SBATCH --{key}={value}" for key, value in asked.items() if value is not None),
-        "",
+        *head(options, name, asked),
         f"# In this directory: sbatch {JOB}    How far it is: granchain status .",
         *(f"{key}={shlex.quote(str(value))}" for key, value in values.items()),
         f"launch=({shlex.join(options.launch)})",

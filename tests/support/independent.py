@@ -15,8 +15,9 @@ def integrated(
     problem: Problem,
     ground: Any = 0.0,
     ground_cubic: Any = 0.0,
-    walls: tuple[float, float] = (0.0, 0.0),
+    walls: tuple[Any, Any] = (0.0, 0.0),
     *,
+    push: tuple[int, int, float, float] | None = None,
     mass: Any = 1.0,
     strength: Any = 1.0,
 ) -> Floats:
@@ -27,22 +28,25 @@ def integrated(
         ground, ground_cubic: stiffness of the springs to the ground, [chain, bead] or one number.
         mass: of the beads, likewise.
         strength: of the contacts, [chain, contact] or one number.
-        walls: force over overlap**1.5 of the walls on the left and on the right, a gap away.
+        walls: force over overlap**1.5 of the walls on the left and on the right, a gap away, [chain] or one number.
+        push: chain and bead, from 1, peak and duration of a half-sine of force.
     """
     shape = problem.chains, problem.beads
     size = problem.chains * problem.beads
 
-    def rate(_: float, state: Floats) -> Floats:
+    def rate(time: float, state: Floats) -> Floats:
         x = state[:size].reshape(shape)
-        push = strength * np.maximum(x[:, :-1] - x[:, 1:] - problem.gap, 0.0) ** 1.5
+        contact = strength * np.maximum(x[:, :-1] - x[:, 1:] - problem.gap, 0.0) ** 1.5
         force = -ground * x - ground_cubic * x**3
         force[:, 0] += walls[0] * np.maximum(-x[:, 0] - problem.gap, 0.0) ** 1.5
         force[:, -1] -= walls[1] * np.maximum(x[:, -1] - problem.gap, 0.0) ** 1.5
-        force[:, 1:] += push
-        force[:, :-1] -= push
+        force[:, 1:] += contact
+        force[:, :-1] -= contact
         pull = problem.kappa * np.diff(x, axis=0)
         force[:-1] += pull
         force[1:] -= pull
+        if push is not None and time < push[3]:
+            force[push[0] - 1, push[1] - 1] += push[2] * np.sin(np.pi * time / push[3])
         return np.concatenate([state[size:], (force / mass).reshape(-1)])
 
     start = np.concatenate([np.zeros(size), problem.initial_velocity().reshape(-1)])

@@ -239,9 +239,9 @@ def test_a_good_run_of_any_graph_is_valid(tmp_path):
 def test_chains_that_are_tied_to_none_do_not_count(tmp_path):
     coupling = {"stiffness": 0.5, "topology": {"edges": [[1, 3]]}}
     one = scene("", chains=3, beads=100, coupling=coupling, duration=150.0, output={"every": 0.1})
-    found = analyse(run(one, tmp_path / "run", check=False).directory).survey
+    found = analyse(run(one, tmp_path / "run", check=False).directory, figures=False).survey
     plain = scene("", chains=2, beads=100, coupling={"stiffness": 0.5}, duration=150.0, output={"every": 0.1})
-    same = analyse(run(plain, tmp_path / "plain", check=False).directory).survey
+    same = analyse(run(plain, tmp_path / "plain", check=False).directory, figures=False).survey
     assert found.verdict.state is same.verdict.state
     assert found.verdict.since == same.verdict.since
     assert found.shared.final.value == pytest.approx(same.shared.final.value, rel=1e-12)

@@ -14,6 +14,7 @@ from analysis.sharing.equipartition import CLEAR
 from analysis.sharing.is_solitary import Character
 from analysis.sharing.survey import Survey
 from analysis.tracking.leading_waves import ARRIVALS
+from analysis.tracking.pulses import of_one_kind
 from analysis.trajectory import Floats
 from lammps_inputs import InputError, Problem
 from lammps_inputs.facts import Fact
@@ -167,6 +168,8 @@ def _print_cells(problem: Problem, cells: CellEnergy) -> None:
             f"bead {split.bead} of chain {split.chain}: at the end {split.before:.2%} of the energy is before it, "
             f"{split.at:.2%} in it, {split.beyond:.2%} beyond"
         )
+        if math.isfinite(split.reflected):
+            print(f"  of {split.incident:.2%} that the pulse brought it has sent {split.reflected:.2%} back")
 
 
 def _print_forces(problem: Problem, readings: Readings, given_back: dict[str, Floats]) -> None:
@@ -330,6 +333,8 @@ def _rows(found: Analysis) -> list[int]:
     if len(found.waves) == 0:
         return []
     recorded = np.unique(found.waves.bead)
+    alike = recorded[of_one_kind(found.problem)[recorded - 1]]
+    recorded = alike if len(alike) else recorded
     last = int(found.waves.bead[last_clear_bead(found.waves, found.problem)])
     few = max(2, min(7, MOST_ROWS // min(found.problem.chains, MOST_CHAINS)))
     wanted = [2, 5, 10, 20, 55, 90, last] if last <= 200 else np.geomspace(5, last, 7).round().astype(int).tolist()

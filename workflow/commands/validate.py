@@ -6,12 +6,14 @@ from pathlib import Path
 
 import numpy as np
 
+from analysis.files import traces
 from lammps_inputs import InputError, library
 from workflow.prepare.settings import settle
 from workflow.runs import run as running
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import Answer, one_line, print_table, progress_bar
 from workflow.verdicts import validate as validation
+from workflow.verdicts.validate_traces import validate_traces
 
 ANSWERS = "what validation.json holds"
 EXAMPLES = (
@@ -24,7 +26,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What to validate, and against what."""
     parser.add_argument("what", metavar="DIR|SCENE", help="a run directory, or a scene to run first (needs -o)")
     parser.add_argument("-o", "--output", metavar="DIR", type=Path, help="run directory to make for a scene")
-    parser.add_argument("--against", metavar="FILE", type=Path, help="your own trajectory: npz, CSV or blanks")
+    parser.add_argument(
+        "--against",
+        metavar="FILE",
+        type=Path,
+        help="your own trajectory (npz, CSV, blanks, or a text dump of LAMMPS), or traces: "
+        "time, force_wall_right, force_contact_10, "
+        "velocity_1_55 (chain, bead)",
+    )
     parser.add_argument(
         "--units",
         choices=("scene", "dimensionless"),
@@ -48,9 +57,8 @@ def execute(arguments: argparse.Namespace) -> Answer:
         found = validation.validate(directory, tolerances)
     else:
         dimensionless = arguments.units == "dimensionless"
-        found = validation.validate_against(
-            directory, arguments.against, dimensionless=dimensionless, tolerances=tolerances
-        )
+        compare = validate_traces if traces.are_in(arguments.against) else validation.validate_against
+        found = compare(directory, arguments.against, dimensionless=dimensionless, tolerances=tolerances)
     _print(found)
     print(f"{one_line(directory.path)}: {', '.join((validation.REPORT, *validation.FIGURES))}")
     data = json.loads((directory.path / validation.REPORT).read_text(encoding="utf-8"))

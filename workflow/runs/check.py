@@ -5,8 +5,12 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass, replace
 
-from analysis.against.difference import Deviation, Difference, Place
+import numpy as np
+
+from analysis.against.difference import Deviation, Difference, Place, waves_apart
 from analysis.against.pairing import paired
+from analysis.tracking.leading_waves import Waves, leading_waves, usual_arrival
+from analysis.tracking.which_leads import leading_finder, leading_passages
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem, html
 from workflow.engines.reference import engine
@@ -14,6 +18,7 @@ from workflow.engines.reference.certify import Certificate
 from workflow.prepare.instants import SPACING, stride
 from workflow.prepare.settings import Settings, certifiers
 from workflow.prepare.twin import CADENCE
+from workflow.runs.peaks_table import found_on_the_way
 from workflow.runs.run_directory import RunDirectory
 
 
@@ -26,7 +31,8 @@ class Check:
         where: at which bead and time.
         arrival: largest error of an arrival of the leading pulse, where `analysis.tracking.peaks.sharp`; NaN where none
             is.
-        amplitude: largest error of a peak velocity of the leading pulse; NaN where none was seen.
+        amplitude: largest error of a peak velocity of the leading pulse; NaN where none was seen. Both also of the
+            beads in ``peaks.csv`` that were not recorded.
         reference: how sure the reference is of itself.
         seconds: what the check cost.
     """
@@ -73,11 +79,22 @@ def check(directory: RunDirectory, settings: Settings | None = None) -> Check:
         others, sure = _compared(problem.snapshots(), directory.snapshots, settings)
         velocity = max(velocity, others["velocity"], key=lambda deviation: deviation.largest)
         certificate = replace(certificate, velocity=max(certificate.velocity, sure.velocity))
+    amplitude, arrival = (found[name].largest if name in found else math.nan for name in ("amplitude", "arrival"))
+    waves = found_on_the_way(directory)
+    if waves is not None:
+        true, sure = _leading(replace(problem, recorded=None), settings)
+        more = waves_apart(waves, true)
+        amplitude, arrival = (float(np.fmax(*pair)) for pair in zip((amplitude, arrival), more, strict=True))
+        certificate = replace(
+            certificate,
+            velocity=max(certificate.velocity, sure.velocity),
+            arrival=max(certificate.arrival, sure.arrival),
+        )
     return Check(
         velocity=velocity.largest,
         where=velocity.where,
-        arrival=found["arrival"].largest if "arrival" in found else math.nan,
-        amplitude=found["amplitude"].largest if "amplitude" in found else math.nan,
+        arrival=arrival,
+        amplitude=amplitude,
         reference=certificate,
         seconds=time.perf_counter() - started,
     )
@@ -92,3 +109,12 @@ def _compared(
         for block, reference in paired(frames(), certifier.blocks()):
             difference.add(block, reference)
     return difference.deviations(), certifier.certificate
+
+
+def _leading(problem: Problem, settings: Settings | None) -> tuple[Waves, Certificate]:
+    """The reference's own leading waves, found at the same times as LAMMPS's, and how sure it is of itself."""
+    for certifier in certifiers(problem, settings):
+        finder = leading_finder(problem)
+        for block in certifier.blocks():
+            finder.add(block)
+    return leading_waves(leading_passages(finder.result(), problem), usual_arrival(problem)), certifier.certificate

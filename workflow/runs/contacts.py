@@ -7,6 +7,7 @@ import numpy as np
 
 from analysis.largest_overlap import LargestOverlap, shown_by_frames
 from lammps_inputs import Scene, laws
+from lammps_inputs.ingredients.unequal import sizes_and_moduli
 from lammps_inputs.limits import hertz
 from workflow.runs.run_directory import RunDirectory
 
@@ -17,8 +18,8 @@ class Contacts:
 
     Attributes:
         measured: whether the frames show it; else the numbers are what energy and momentum allow at most.
-        radius: of the beads, in m.
-        overlap: largest approach of two centres, over the radius.
+        radius: of the reference bead, in m.
+        overlap: largest approach of two centres, over the radius; of beads that differ, over the harmonic mean of both.
         force: in N.
         pressure: in the middle of the contact, in Pa.
         yield_strength: in Pa; a metal that has less would not stay elastic.
@@ -61,11 +62,10 @@ class Contacts:
 
 
 def at_most(scene: Scene) -> Contacts | None:
-    """What energy and momentum allow, before anything runs; None without a material, or if contacts differ."""
+    """What energy and momentum allow, before anything runs; None without a material."""
     problem = scene.problem()
-    if not _one_radius(scene):
-        return None
-    _, high = hertz.overlap_bounds(problem)
+    law = problem.along[0].law
+    high = law.reach(problem.energy, *law) if laws.differs(law) else hertz.overlap_bounds(problem)[1]
     return _contacts(scene, high, measured=False)
 
 
@@ -73,7 +73,7 @@ def of_overlap(scene: Scene, largest: LargestOverlap) -> Contacts | None:
     """What was found in the frames, or the bound where they do not show it; None without a material."""
     if not shown_by_frames(scene.problem()):
         return at_most(scene)
-    return _contacts(scene, max(largest.value, 0.0), measured=True)
+    return _contacts(scene, np.maximum(largest.value if largest.each is None else largest.each, 0.0), measured=True)
 
 
 def measure(directory: RunDirectory) -> Contacts | None:
@@ -92,26 +92,24 @@ def measure(directory: RunDirectory) -> Contacts | None:
 
 
 def has_contacts(directory: RunDirectory) -> bool:
-    """Whether the run has contacts in SI units, all of the same beads."""
-    return directory.scene.material is not None and _one_radius(directory.scene) and directory.engine != "collisions"
+    """Whether the run has contacts in SI units."""
+    return directory.scene.material is not None and directory.engine != "collisions"
 
 
-def _one_radius(scene: Scene) -> bool:
-    """Whether all contacts are those of two reference beads; which of others is hardest, overlaps alone do not tell."""
-    return all(np.all(np.equal(next(iter(link.law)), 1.0)) for link in scene.system.along)
-
-
-def _contacts(scene: Scene, overlap: float, *, measured: bool) -> Contacts | None:
+def _contacts(scene: Scene, overlap: Any, *, measured: bool) -> Contacts | None:
+    """Of the largest overlap of any contact, or that of each, [chain, contact]; the largest of each number."""
     ball = scene.material
     if ball is None:
         return None
-    metres = overlap * scene.scale.length
-    pressure = hertz.peak_pressure(metres, ball.radius, ball.youngs_modulus, ball.poisson_ratio)
+    size, modulus = sizes_and_moduli(scene)
+    metres = overlap * scene.scale.length / size
+    pressures = modulus * hertz.peak_pressure(metres, ball.radius, ball.youngs_modulus, ball.poisson_ratio)
+    pressure = float(np.max(pressures))
     return Contacts(
         measured=measured,
         radius=ball.radius,
-        overlap=metres / ball.radius,
-        force=float(laws.force(scene.system.along[0].law, overlap)) * scene.scale.force,
+        overlap=float(np.max(metres)) / ball.radius,
+        force=float(np.max(laws.force(scene.system.along[0].law, overlap))) * scene.scale.force,
         pressure=pressure,
         yield_strength=pressure / hertz.YIELD_PRESSURE,
     )

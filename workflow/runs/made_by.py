@@ -113,6 +113,15 @@ _KINDS = {
         "extremes.csv is the table",
         "`granchain extremes -o {}` goes on",
     ),
+    "fit": _Kind(
+        _has("fitted.yaml"), _has("fit.json"), "fit.json says what was found", "the same command makes it anew"
+    ),
+    "design": _Kind(
+        _has("evaluations.jsonl"),
+        _has("index.html"),
+        "index.html is the report",
+        "the same `granchain design DESIGN.yaml -o {}` goes on",
+    ),
     "trade": _Kind(
         _trades,
         _traded,

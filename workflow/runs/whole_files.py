@@ -64,6 +64,7 @@ def write_figure(directory: Path, name: str, figure: "Figure") -> tuple[Path, ..
                 figure.savefig(out, format=path.suffix[1:])
         except OverflowError:
             raise RunError(f"{path}: numbers near 1e308 cannot be drawn; are the frames damaged?") from None
+        figure.set_layout_engine("none")  # laid out once; it takes as long as drawing
         write_bytes(path, out.getvalue())
     return paths
 

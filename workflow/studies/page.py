@@ -112,8 +112,12 @@ def render(
         contents: whether a list of the sections with their verdicts comes first.
     """
     body = "\n".join(_section(section, number, said_by) for number, section in enumerate(sections))
-    listed = _contents(sections) if contents else ""
-    return _PAGE.format(title=html.escape(title), summary=html.escape(summary), body=listed + body)
+    return document(title, summary, _contents(sections) + body if contents else body)
+
+
+def document(title: str, summary: str, body: str) -> str:
+    """A whole page around what its body says in HTML."""
+    return _PAGE.format(title=html.escape(title), summary=html.escape(summary), body=body)
 
 
 def _contents(sections: Sequence[Section]) -> str:
@@ -148,7 +152,7 @@ def _section(section: Section, number: int, said_by: str) -> str:
     if section.failed:
         return f'{head}<p class="no"><strong>failed</strong>: {html.escape(section.failed)}</p></section>'
     rows = "\n".join(_row(statement) for statement in section.statements)
-    pictures = "\n".join(_picture(picture) for picture in section.pictures)
+    pictures = "\n".join(shown(picture) for picture in section.pictures)
     notes = "".join(f"<p>{html.escape(note)}</p>" for note in section.notes)
     table = (
         f"<table><thead><tr><th>{html.escape(said_by)}</th><th>found here</th><th></th></tr></thead>"
@@ -166,7 +170,8 @@ def _row(statement: Statement) -> str:
     )
 
 
-def _picture(picture: Picture) -> str:
+def shown(picture: Picture) -> str:
+    """A picture, whose PNG is part of the page, with its caption."""
     data = base64.b64encode(picture.image).decode("ascii")
     caption = html.escape(picture.caption)
     return (

@@ -54,7 +54,7 @@ def collect(directory: Path, progress: Callable[[int, int], None] | None = None)
         swept = {name: request.swept.get(name, fields.look_up(request.scene, paths[name])) for name in names}
         outcome, reason = _outcome(states[path], report.get("complete") is True, complaints.get(path.name))
         scene = request.scene or _scene(path)
-        row = {"case": path.name, **swept, "outcome": outcome, **_quantities(report, record, scene)}
+        row = {"case": path.name, **swept, "outcome": outcome, **quantities(report, record, scene)}
         rows.append({**row, "reason": reason})
     rows.sort(key=lambda row: [_rank(row[name]) for name in names])
     return Table(names, rows, None if len(kinds) > 1 else kinds == {True}, scenes.pop() if len(scenes) == 1 else "")
@@ -99,8 +99,11 @@ def _outcome(found: Status, analysed: bool, complaint: str | None) -> tuple[str,
     return found.state, found.why or None
 
 
-def _quantities(report: dict[str, Any], record: dict[str, Any], scene: dict[str, Any]) -> dict[str, Any]:
-    """Everything between the outcome and the reason; a file of somebody else's that holds other things holds None."""
+def quantities(report: dict[str, Any], record: dict[str, Any], scene: dict[str, Any]) -> dict[str, Any]:
+    """Everything in a table between the outcome and the reason, from a run's analysis and record.
+
+    A file of somebody else's that holds other things holds None.
+    """
     sources = {REPORT: {**report, "hit": _hit(report, scene)}, RECORD: record}
     found: dict[str, Any] = {}
     for name, quantity in QUANTITIES.items():

@@ -78,7 +78,7 @@ def _plural(key: str, count: int) -> str:
 
 
 def _mapping(value: Any, key: str) -> dict[str, Any]:
-    if value is None:
+    if value is None or isinstance(value, str):  # a word, such as `rigid`, for a part that may also be said in numbers
         return {}
     if not isinstance(value, dict):
         raise InputError(f"the scene's {key} should hold `key: value` pairs")
@@ -97,3 +97,21 @@ def look_up(scene: dict[str, Any], path: Path) -> Any:
                 return value
             value = value[(number or 1) - 1] if (number or 1) <= len(value) else None
     return value
+
+
+def is_whole(path: Path) -> bool:
+    """Whether a field takes whole numbers only."""
+    model: type[BaseModel] | None = Scene
+    annotation: Any = None
+    for key, _ in path:
+        known = {} if model is None else {field.alias or name: field for name, field in model.model_fields.items()}
+        if key in known:  # else a name of the user's
+            annotation = known[key].annotation
+            model = library.model_in(annotation)
+    kinds = set(_types(annotation))
+    return int in kinds and float not in kinds
+
+
+def _types(annotation: Any) -> list[Any]:
+    inner = [kind for argument in getattr(annotation, "__args__", ()) for kind in _types(argument)]
+    return [annotation, *inner]

@@ -27,7 +27,12 @@ MAX_CASES = 100_000
 Number = int | float
 
 
-def _number(value: Any) -> Number:
+def number(value: Any) -> Number:
+    """A number that a scene may hold.
+
+    Raises:
+        ValueError: it is none.
+    """
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise ValueError("should be a number")
     if not -1e30 <= value <= 1e30:
@@ -42,8 +47,8 @@ class _Part(BaseModel):
 class Range(_Part):
     """Evenly spaced values, or evenly spaced logarithms, both ends among them."""
 
-    first: Annotated[Any, PlainValidator(_number), Field(alias="from")]
-    last: Annotated[Any, PlainValidator(_number), Field(alias="to")]
+    first: Annotated[Any, PlainValidator(number), Field(alias="from")]
+    last: Annotated[Any, PlainValidator(number), Field(alias="to")]
     count: Annotated[int, Field(ge=2, le=MAX_CASES)] | None = None
     """Left out between whole numbers, all of them."""
     spacing: Literal["linear", "log"] = "linear"
@@ -163,7 +168,7 @@ def from_plain(data: dict[str, Any], path: Path) -> Sweep:
     _refuse_too_many({name: _count(values) for name, values in given.items()}, file.combine, path)
     return Sweep(
         source=str(path),
-        scene=_scene(file.scene, path),
+        scene=scene_in(file.scene, path),
         vary={name: values.values() if isinstance(values, Range) else values for name, values in given.items()},
         combine=file.combine,
         engine=file.engine,
@@ -199,12 +204,21 @@ def _refuse_too_many(counts: dict[str, int], combine: str, path: Path) -> None:
         raise InputError(f"{path}: vary: makes {count} cases; at most {MAX_CASES}")
 
 
-def _scene(given: Any, path: Path) -> dict[str, Any]:
-    """Plain data of the scene, which need not be whole: what is varied may be missing."""
+def scene_in(given: Any, path: Path, key: str = "scene") -> dict[str, Any]:
+    """Plain data of the scene that a file names or holds, which need not be whole: what is varied may be missing.
+
+    Args:
+        given: what stands in the file.
+        path: the file.
+        key: where in it.
+
+    Raises:
+        InputError: it is neither a scene's name, nor its file, nor the scene itself.
+    """
     if isinstance(given, dict):
         return library.with_files(given, path.parent)
     if not isinstance(given, str):
-        raise InputError(f"{path}: scene: should be a name, a file, or the scene's `key: value` pairs")
+        raise InputError(f"{path}: {key}: should be a name, a file, or the scene's `key: value` pairs")
     installed = library.installed()
     if given in installed:
         return library.load_plain(installed[given])
@@ -215,4 +229,4 @@ def _scene(given: Any, path: Path) -> dict[str, Any]:
     except (OSError, ValueError):
         pass
     hint = library.suggestion(given[:200], installed)
-    raise InputError(f"{path}: scene: {given[:60]!r} is neither a file nor an installed scene{hint}")
+    raise InputError(f"{path}: {key}: {given[:60]!r} is neither a file nor an installed scene{hint}")

@@ -58,6 +58,10 @@ QUANTITIES = {
     "peak_velocity": _analysis("hit/peak_velocity", "peak velocity at the last clear bead [velocity]"),
     "speed": _analysis("hit/speed", "speed at the last clear bead [speed]"),
     "left_behind": _analysis("cells/left_behind", "energy left behind in a cell / that of the kick"),
+    "wall_force": _analysis("far_end/wall_force", "largest force on the far wall [force]"),
+    "wall_force_chain": _analysis("far_end/wall_force_chain", "largest force of a chain on the far wall [force]"),
+    "delay": _analysis("far_end/delay", "delay until the far end [time]"),
+    "transmitted_energy": _analysis("far_end/transmitted_energy", "most energy at the far end / that of the kick"),
     "front": _analysis("front", "foremost bead that moved"),
     "energy_drift": _analysis("energy_drift", "relative drift of the energy"),
     "error_velocity": _run("check/velocity", "error of velocities / $V$"),
@@ -77,7 +81,7 @@ UNCERTAINTIES = {"amplitude": "amplitude_uncertainty", "beat_length": "beat_leng
 UNSETTLED = (State.BEATING.value, State.SHORT.value, State.UNSURE.value)
 """States of a case whose chains have not come to share equally, so that its numbers may yet change."""
 
-_UNITS = {"time": "s", "velocity": "m/s", "speed": "beads/s"}
+_UNITS = {"time": "s", "velocity": "m/s", "speed": "beads/s", "force": "N"}
 
 _FIELD_UNITS = {
     "coupling.stiffness": "N/m",

@@ -29,7 +29,7 @@ from workflow.verdicts.analyse import analyse
 
 def main() -> int:
     """Do every job that comes in, until the input ends."""
-    _die_with_parent(os.getppid())
+    die_with_parent(os.getppid())
     answers = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)  # what LAMMPS or MPI print is no answer
     for line in iter(sys.stdin.readline, ""):
@@ -73,7 +73,7 @@ def _run(directory: Path, case: Asked, *, check: bool) -> Run:
     return run(scene, directory, engine=case.engine, overwrite=True, check=check, lammps=hosted.run)
 
 
-def _die_with_parent(parent: int) -> None:
+def die_with_parent(parent: int) -> None:
     """Let the system kill this process when the one that started it is gone, so that two never share a directory."""
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(1, int(signal.SIGKILL))  # PR_SET_PDEATHSIG

@@ -11,6 +11,7 @@ import numpy as np
 from analysis.conservation import Conservation
 from analysis.files.binary_dump import CutDumpWarning
 from analysis.files.recording import FARTHEST
+from analysis.gauges.far_end import FarEnd
 from analysis.gauges.forces import ForceMeter
 from analysis.gauges.gauge import gauges
 from analysis.gauges.readings import Readings, to_csv
@@ -21,20 +22,20 @@ from analysis.sharing.cells import CellEnergy
 from analysis.sharing.energy_flow import EnergyFlow, Flow
 from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.survey import Survey, survey
-from analysis.tracking.leading_waves import Arrival, Waves, from_csv, usual_arrival
+from analysis.tracking.leading_waves import Arrival, Waves, usual_arrival
 from analysis.tracking.left_behind import LeftBehind
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import InputError, Problem
-from lammps_inputs.decks import deck
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.unequal import period
 from workflow.runs.contacts import Contacts, has_contacts, of_overlap
 from workflow.runs.own_files import claim
+from workflow.runs.peaks_table import found_on_the_way
 from workflow.runs.results import Fingerprint, recorded_fingerprint
 from workflow.runs.run_directory import REPORT, RunDirectory
 from workflow.runs.whole_files import figure_files, write_figure, write_json, write_text
 from workflow.verdicts.analysis_report import last_clear_bead, report
-from workflow.verdicts.ingredient_reports import cells_report, energy_report, forces_report
+from workflow.verdicts.ingredient_reports import cells_report, energy_report, far_end_report, forces_report
 from workflow.verdicts.waves_table import waves_csv
 
 if TYPE_CHECKING:
@@ -130,6 +131,8 @@ def analyse(
     watchers: list[Any] = [conservation, fingerprint]
     meter = _meter(directory)
     watchers += [watcher for watcher in (left, flow, cells, meter) if watcher is not None]
+    end = FarEnd(problem) if problem.whole and directory.engine != "collisions" else None
+    watchers += [] if end is None else [end]
     overlap = LargestOverlap() if has_contacts(directory) else None
     if overlap is not None and shown_by_frames(problem):
         watchers.append(overlap)
@@ -147,7 +150,7 @@ def analyse(
         watchers=watchers,
         tolerances=allowed,
         arrival=arrival,
-        leading=_found_on_the_way(directory) if arrival in (None, usual_arrival(problem)) else None,
+        leading=found_on_the_way(directory) if arrival in (None, usual_arrival(problem)) else None,
     )
     if problem.frames_per_snapshot is not None:
         whole = Conservation()
@@ -173,6 +176,8 @@ def analyse(
     given_back = {side: restitution(found.pulses, problem, right=side == "right") for side in sorted(sides)}
     if forces is not None:
         more["forces"] = forces_report(problem, forces, given_back)
+    if end is not None:
+        more["far_end"] = far_end_report(problem, end)
     if cells is not None:
         more["cells"] = cells_report(problem, cells)
     write_json(directory.path / REPORT, {**report(found, conservation, allowed, left), **more})
@@ -202,27 +207,6 @@ def _meter(directory: RunDirectory) -> ForceMeter | None:
         return None
     places = gauges(problem, wall=wanted.wall is True, contacts=wanted.contacts or (), sensors=wanted.sensors or ())
     return ForceMeter(problem, places)
-
-
-def _found_on_the_way(directory: RunDirectory) -> Waves | None:
-    """The leading waves at every bead that LAMMPS's run has left in ``peaks.csv``; None where there are none.
-
-    Raises:
-        InputError: the file cannot be read.
-    """
-    path, problem = directory.path / deck.PEAKS, directory.problem
-    if not problem.peaks or problem.recorded is None or not path.is_file():
-        return None
-    try:
-        waves = from_csv(path.read_text(encoding="utf-8"), problem.scale, direction=direction_of(problem))
-    except (ValueError, OSError):
-        raise InputError(f"{path}: cannot be read as a table of peaks; delete it to analyse the frames alone") from None
-    chain, bead = waves.chain, waves.bead
-    there = (chain >= 1) & (chain <= problem.chains) & (bead >= 1) & (bead <= problem.beads)
-    in_order = np.array_equal(np.lexsort((bead, chain)), np.arange(len(waves)))
-    if not (in_order and np.all(there & np.isfinite(waves.peak_velocity))):
-        raise InputError(f"{path}: holds what is not this scene's; delete it to analyse the frames alone")
-    return waves
 
 
 def _sound(directory: RunDirectory, blocks: Iterator[Trajectory]) -> Iterator[Trajectory]:

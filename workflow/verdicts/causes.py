@@ -4,12 +4,16 @@ Every measurement is made on the reference too, so that what the method itself g
 round numbers) is not taken for a fault of the trajectory.
 """
 
+from collections import Counter
+
 import numpy as np
 
 from analysis import motion
-from analysis.against import symptoms
-from analysis.trajectory import Trajectory
-from lammps_inputs.facts import Fact
+from analysis.against import beads, symptoms
+from analysis.trajectory import Floats, Trajectory
+from lammps_inputs.laws.in_time import HalfSine, Rectangular, TimeLaw
+from lammps_inputs.loads import Load
+from lammps_inputs.units import Scale
 
 _CLEAR = 0.97
 """Share of the squared difference that a cause must explain."""
@@ -20,6 +24,13 @@ _PUSH_DOUBT = 5e-3
 """Share of the impulse; half a step of a force that ends at a frame may be missing there."""
 
 
+_BEAD_DOUBT = 0.01
+"""Of a mass or a contact's strength."""
+
+_MOST_WRONG = 4
+"""Single beads that are named; were more wrong, something else would be."""
+
+
 def causes(own: Trajectory, reference: Trajectory) -> list[str]:
     """What seems to be wrong, most of all first; empty if nothing can be told.
 
@@ -27,8 +38,10 @@ def causes(own: Trajectory, reference: Trajectory) -> list[str]:
         own: consecutive frames of the trajectory, all beads.
         reference: the same frames, right.
     """
-    found = _numbers(own) or _times(own, reference) or _start(own) or _pushes(own)
-    return found or _strengths(own, reference) or _springs(own, reference)
+    found = _numbers(own) or _times(own, reference) or _start(own) or _pushes(own, reference)
+    found = found or ([] if own.problem.alike else _beads(own, reference))
+    found = found or _strengths(own, reference) or _springs(own, reference)
+    return found or (_beads(own, reference) if own.problem.alike else [])
 
 
 def rounded(own: Trajectory, reference: Trajectory) -> list[str]:
@@ -87,22 +100,87 @@ def _start(own: Trajectory) -> list[str]:
     return [f"bead {bead + 1} of chain {chain + 1} starts with velocity {found:.6g} instead of {right:.6g}"]
 
 
-def _pushes(own: Trajectory) -> list[str]:
-    """Whether the beads were given another impulse from outside than the scene says, where nothing else gives any."""
-    problem = own.problem
-    if not problem.loads or not problem.holds(Fact.MOMENTUM):
+def _pushes(own: Trajectory, reference: Trajectory) -> list[str]:
+    """Whether the beads were given another impulse from outside than the scene says."""
+    problem, found = own.problem, []
+    if own.time[0] != 0.0:
         return []
-    given = sum(load.impulse(own.time) for load in problem.loads)
-    found = motion.momentum(problem, own.velocity) - problem.momentum
-    power = float(np.sum(given * given))
-    factor = float(np.sum(found * given)) / power if power > 0.0 else 1.0
-    if abs(factor) < _PUSH_DOUBT:
-        return ["the push is missing"]
-    if abs(factor - 1.0) > _PUSH_DOUBT:
-        return [f"the push gives {factor:.4g} times the impulse that the scene says"]
-    if np.max(np.abs(found - given)) > _PUSH_DOUBT * np.max(np.abs(given)):
-        return ["the push has another course over time than the scene says"]
-    return []
+    places = Counter((load.chain, load.bead) for load in problem.loads)
+    for load in problem.loads:
+        if places[load.chain, load.bead] > 1:  # which of them is wrong, nobody can tell
+            continue
+        right = load.impulse(own.time)
+        felt = beads.given(own, load) - (beads.given(reference, load) - right)
+        most = float(np.max(np.abs(right)))
+        if most == 0.0 or np.max(np.abs(felt - right)) < _PUSH_DOUBT * most:
+            continue
+        name = "the push" if len(problem.loads) == 1 else f"the push on bead {load.bead} of chain {load.chain}"
+        found.append(f"{name} {_other_push(load, own.time, felt, problem.scale)}")
+    return found
+
+
+def _other_push(load: Load, time: Floats, felt: Floats, scale: Scale) -> str:
+    """What is wrong with a push that gave another impulse over time than it should."""
+
+    def fit(law: TimeLaw) -> tuple[float, float]:
+        """Factor on the law that explains most, and what is left, as a share."""
+        shape = np.asarray(law.impulse(time, *law))  # type: ignore[misc]
+        power, total = float(np.sum(shape * shape)), float(np.sum(felt * felt))
+        factor = float(np.sum(felt * shape)) / power if power > 0.0 else 0.0
+        return factor, float(np.sum((felt - factor * shape) ** 2)) / total if total > 0.0 else 1.0
+
+    law = load.law
+    if np.max(np.abs(felt)) < _PUSH_DOUBT * load.law.total:
+        return "is missing"
+    factor, left = fit(law)
+    if left < _PUSH_DOUBT**2:
+        return f"is {factor:.4g} times as strong as the scene says"
+    if isinstance(law, HalfSine | Rectangular):
+        durations, best = law.duration * np.geomspace(0.1, 10.0, 101), 0.0
+        for _ in range(4):  # ever closer around the best
+            lefts = [fit(law._replace(duration=duration))[1] for duration in durations.tolist()]
+            best = float(durations[int(np.argmin(lefts))])
+            durations = best * (durations / durations[50]) ** 0.05
+        factor, left = fit(law._replace(duration=best))
+        if left < _PUSH_DOUBT**2:
+            said = f"lasts {best * scale.time:.4g} instead of {law.duration * scale.time:.4g}"
+            if abs(factor - 1.0) < _PUSH_DOUBT:
+                return said
+            peak = law.peak * scale.force
+            return f"{said}, and its peak is {factor * peak:.4g} instead of {peak:.4g}"
+    return "has another course over time than the scene says"
+
+
+def _beads(own: Trajectory, reference: Trajectory) -> list[str]:
+    """Whether beads are heavier, or contacts stronger, than the scene says: of one kind, or single ones."""
+    problem = own.problem
+    felt, right = beads.identify_beads(own), beads.identify_beads(reference)
+    if felt is None or right is None:
+        return []
+    law = next(iter(problem.along)).law
+    found = []
+    for values, expected, kinds, what, names in (
+        (felt.mass, right.mass, problem.mass, "heavy", ("beads of mass {}", "all beads", "bead {} of chain {}")),
+        (felt.strength, right.strength, next(iter(law)), "strong",
+         ("contacts of strength {}", "all contacts", "the contact of beads {} and {next} of chain {}")),
+    ):  # fmt: skip
+        with np.errstate(invalid="ignore"):
+            factor, doubt = values / expected, _BEAD_DOUBT + 3.0 * np.abs(expected - 1.0)
+            wrong = np.abs(factor - 1.0) > doubt
+        kind_of = np.broadcast_to(kinds, factor.shape)
+        single = wrong.copy()
+        for kind in np.unique(kind_of[wrong]).tolist():
+            members = (kind_of == kind) & np.isfinite(factor)
+            if np.count_nonzero(members) > 1 and np.all(wrong[members]) and np.ptp(factor[members]) < beads.SAME:
+                single[members] = False
+                name = names[1] if np.ptp(kind_of) == 0.0 else names[0].format(f"{kind:.4g}")
+                found.append(f"{name} are {np.median(factor[members]):.4g} times as {what} as the scene says")
+        if np.count_nonzero(single) > _MOST_WRONG:
+            return []
+        for chain, place in np.argwhere(single).tolist():
+            name = names[2].format(place + 1, chain + 1, next=place + 2)
+            found.append(f"{name} is {factor[chain, place]:.4g} times as {what} as the scene says")
+    return found
 
 
 def _strengths(own: Trajectory, reference: Trajectory) -> list[str]:

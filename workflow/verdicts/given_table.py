@@ -8,6 +8,8 @@ import numpy as np
 
 from analysis.against import symptoms
 from analysis.files.table import Table
+from analysis.files.traces import Channel
+from analysis.gauges.channels import complaint
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import InputError, Problem
 
@@ -71,3 +73,15 @@ def remarks(path: Path, theirs: Trajectory, own: Trajectory) -> Iterator[str]:
             yield f"{name} in {path} have only {precision}"
     if theirs.time[-1] < 0.01 * own.time[-1]:
         yield f"{path} ends at {theirs.time[-1] / own.time[-1]:.2g} of the run: is it in other units? (see --units)"
+
+
+def check_channels(path: Path, channels: tuple[Channel, ...], problem: Problem) -> None:
+    """Refuse traces of what the scene has not.
+
+    Raises:
+        InputError: naming the first of them.
+    """
+    for channel in channels:
+        wrong = complaint(channel, problem)
+        if wrong is not None:
+            raise InputError(f"{path}: has {channel.name}, but {wrong}")

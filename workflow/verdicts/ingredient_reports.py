@@ -3,6 +3,7 @@
 from dataclasses import asdict
 from typing import Any
 
+from analysis.gauges.far_end import FarEnd
 from analysis.gauges.readings import Readings
 from analysis.sharing.cells import CellEnergy
 from analysis.sharing.energy_flow import Flow
@@ -39,18 +40,21 @@ def cells_report(problem: Problem, cells: CellEnergy) -> dict[str, Any]:
     |-------------|-----------------------------------------------------------------------------------------------|
     | beads       | of a cell: what the pattern repeats                                                           |
     | left_behind | energy that the pulse of the chain that was hit hardest leaves in every cell                  |
-    | chains      | per chain: that, between which beads, and what the pulse carries at the last; null: none ran  |
+    | chains      | per chain: that, between which beads, and what the pulse carries at the last; null: none ran; |
+    |             | rate: share of its own energy that it loses in a cell, by the exponential law fitted there,   |
+    |             | and the law's largest relative deviation                                                      |
     | last_bead   | per chain: largest kinetic energy of the bead at its end; null where no pulse came there      |
-    | replaced    | per replaced bead: energy of its chain before, at and beyond it at the end                    |
+    | replaced    | per replaced bead: energy of its chain before, at and beyond it at the end; incident: of the  |
+    |             | pulse as it came near; reflected: of that, what is on its side at the end                     |
     """
     found = [cells.left(chain) for chain in range(1, problem.chains + 1)]
     hit = found[max(problem.struck, key=lambda blow: abs(blow[2]))[0] - 1]
     return {
         "beads": cells.period,
         "left_behind": None if hit is None else known(hit.per_cell),
-        "chains": [None if left is None else {**asdict(left), "per_cell": known(left.per_cell)} for left in found],
+        "chains": [None if left is None else _known(asdict(left)) for left in found],
         "last_bead": [cells.end(chain) for chain in range(1, problem.chains + 1)],
-        "replaced": [asdict(split) for split in cells.splits()],
+        "replaced": [_known(asdict(split)) for split in cells.splits()],
     }
 
 
@@ -86,3 +90,14 @@ def forces_report(problem: Problem, readings: Readings, restitution: dict[str, F
                 entry["restitution"] = known(float(restitution[gauge.side][chain]))
             entries.append(entry)
     return entries
+
+
+def far_end_report(problem: Problem, end: FarEnd) -> dict[str, Any]:
+    """What ``analysis.json`` says under ``far_end``, see `analysis.gauges.far_end`, in the scene's units."""
+    scale = problem.scale
+    worth = {"wall_force": scale.force, "wall_force_chain": scale.force, "delay": scale.time}
+    return {name: known(value * worth.get(name, 1.0)) for name, value in end.result().items()}
+
+
+def _known(data: dict[str, Any]) -> dict[str, Any]:
+    return {key: known(value) if isinstance(value, float) else value for key, value in data.items()}

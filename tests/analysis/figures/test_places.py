@@ -112,6 +112,15 @@ def test_the_response_is_that_of_the_bead_and_chain_it_names(chain, bead, frame,
                 assert line.get_xdata()[peak[0]] * times == pytest.approx(when)
 
 
+def test_the_response_is_that_of_the_bead_it_names_also_where_a_window_has_moved_on():
+    what = problem(False, beads=100, window=64)
+    data = BeadHistory(what, (20, 40, 95))
+    for first, frame in ((1, 0), (30, 1)):
+        v = np.tile(np.arange(first, first + 64) / 100.0, (1, 2, 1))
+        data.add(Trajectory(what, np.array([frame * what.every]), np.zeros_like(v), v, first=first))
+    np.testing.assert_array_equal(data.velocity, np.tile([[[0.2, 0.4, 0.0]], [[np.nan, 0.4, 0.0]]], (1, 2, 1)))
+
+
 def shared(what):
     """Two chains at beads 2 to 5, all different."""
     bead = np.arange(2, 6)

@@ -275,3 +275,10 @@ def test_chains_are_compared_at_the_beads_after_the_one_hit_and_until_five_befor
     found = run(2, 0.1)
     assert found.shared.bead[0] == 2
     assert found.shared.bead[-1] == found.problem.beads - 5
+
+
+def test_without_a_beat_the_final_amplitude_is_that_of_the_last_tenth_of_the_beads():
+    bead = np.arange(2, 102)
+    amplitude = np.where(bead >= 91, 0.3, 0.6)[:, np.newaxis]
+    final = Sharing(0, bead, np.zeros((100, 1)), amplitude, 0.5).final
+    assert (final.value, final.uncertainty) == pytest.approx((0.3, 0.0))

@@ -182,3 +182,16 @@ def test_the_error_of_a_peak_where_a_contact_opens_between_two_frames_is_below_w
         found = find_peaks([thinned(fine[start:], 50, recorded)])
         there = found.bead == 2
         assert np.all(np.abs(found.velocity[there] - 1.0) <= found.velocity_error[there]), start
+
+
+def test_the_error_of_a_peak_is_below_what_is_said_where_a_contact_has_closed_just_before_the_frame():
+    fine = reference(
+        1, 0.0, 6, duration=7.0, every=0.01, kicks=[Kick(bead=1, velocity=1.0), Kick(bead=4, velocity=-0.5)]
+    )
+    true = find_peaks([fine])
+    (time,), (velocity,) = ((part[(true.bead == 4) & (true.velocity > 0.5)]) for part in (true.time, true.velocity))
+    for start in range(50):
+        found = find_peaks([thinned(fine[start:], 50)])
+        found = found.where((found.bead == 4) & (found.velocity > 0.5))
+        assert np.all(np.abs(found.velocity - velocity) <= found.velocity_error), start
+        assert np.all(np.abs(found.time - time) <= found.time_error), start

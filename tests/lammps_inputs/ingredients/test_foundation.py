@@ -2,30 +2,25 @@
 
 import json
 
-import lammps_here as here
 import numpy as np
 import pytest
 from independent import integrated
-from kill_many import frames
+from plain_scene import BEADS, goes_on_bit_for_bit, scene
 from stock_lammps import DEBIAN
 from stock_lammps import run as run_stock
 from wrong_runs import deck_run
 
 from analysis.sharing.energy_flow import EnergyFlow
-from lammps_inputs import InputError, find, library
+from lammps_inputs import InputError, find
 from lammps_inputs.decks import deck
 from lammps_inputs.slurm import job
 from lammps_inputs.slurm.site import JobOptions
 from workflow.engines.reference import engine
-from workflow.runs.resume import resume
 from workflow.runs.run import run
-from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.analyse import analyse
 from workflow.verdicts.validate import validate
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
-
-BEADS = 12
 
 KINDS = {
     "linear": {"stiffness": 0.5},
@@ -36,18 +31,7 @@ KINDS = {
 
 
 def on_foundation(foundation, **changes):
-    plain = {
-        "name": "test",
-        "chains": 2,
-        "beads": BEADS,
-        "coupling": {"stiffness": 0.1},
-        "kick": {"velocity": 1.0},
-        "duration": 20.0,
-        "output": {"every": 0.5},
-        "foundation": foundation,
-    }
-    named = {key: value for key, value in {**plain, **changes}.items() if value is not None}
-    return library.from_plain(named, "test")
+    return scene(foundation=foundation, **changes)
 
 
 def springs(foundation, chains):
@@ -129,13 +113,7 @@ def test_validate_names_a_foundation_that_is_not_the_scenes(tmp_path, edit, said
 
 @pytest.mark.parametrize("foundation", [{"stiffness": 0.5}, {"stiffness": [0.5, 0.2], "cubic": 0.1}], ids=str)
 def test_a_run_that_was_interrupted_goes_on_bit_for_bit(tmp_path, foundation):
-    case = on_foundation(foundation, duration=100.0)
-    run(case, tmp_path / "whole", check=False)
-    run(case, tmp_path / "cut", check=False, lammps=here.interrupted_after(2000))
-    assert RunDirectory(tmp_path / "cut").record["outcome"] == "interrupted"
-    assert resume(tmp_path / "cut", check=False).outcome == "done"
-    assert RunDirectory(tmp_path / "cut").record["resumed"][0]["from_step"] > 0
-    np.testing.assert_array_equal(frames(tmp_path / "cut"), frames(tmp_path / "whole"))
+    goes_on_bit_for_bit(on_foundation(foundation, duration=100.0), tmp_path)
 
 
 @pytest.mark.skipif(not DEBIAN.exists(), reason="needs Debian's LAMMPS")

@@ -3,37 +3,36 @@
 import itertools
 import json
 import re
+from dataclasses import replace
 
-import lammps_here as here
 import numpy as np
+import plain_scene
 import pytest
 from independent import integrated
-from kill_many import frames
 from stock_lammps import DEBIAN
 from stock_lammps import run as run_stock
 
 from analysis import motion
+from analysis.gauges.forces import ForceMeter
+from analysis.gauges.gauge import gauges
 from analysis.mirror import mirrored_problem
 from analysis.sharing.cells import CellEnergy
 from analysis.sharing.verdict import State
 from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import find_peaks
-from lammps_inputs import InputError, find, library
+from lammps_inputs import InputError, find
 from lammps_inputs.decks import deck
 from lammps_inputs.ingredients.unequal import Disorder, period
 from lammps_inputs.limits.timestep import stability_bound
 from lammps_inputs.lines import types_by_contact
 from workflow.cli import main
 from workflow.engines.reference import engine
-from workflow.runs.resume import resume
+from workflow.runs.contacts import measure
 from workflow.runs.run import run
-from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.analyse import analyse
 from workflow.verdicts.validate import validate
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
-
-BEADS = 12
 
 DIMER = {"kinds": {"heavy": {"mass": 1.0}, "light": {"mass": 0.3428}}, "pattern": ["heavy", "light"]}
 
@@ -47,19 +46,17 @@ UNEQUAL = {
     "striker": {"striker": {"mass": 3.0, "velocity": 1.0}, "kick": None},
 }
 
+PUSHED_BEFORE_WALLS = {
+    "kinds": {"big": {}, "small": {"radius": 0.7}},
+    "pattern": [["big"], ["small", "small"]],
+    "walls": {"left": "flat", "right": "bead"},
+    "push": {"bead": 2, "peak": 0.8, "duration": 2.0, "shape": "half-sine"},
+    "kick": None,
+}
+
 
 def scene(**changes):
-    plain = {
-        "name": "test",
-        "chains": 2,
-        "beads": BEADS,
-        "coupling": {"stiffness": 0.1},
-        "kick": {"velocity": 1.0},
-        "duration": 16.0,
-        "output": {"every": 0.5},
-    }
-    named = {key: value for key, value in {**plain, **changes}.items() if value is not None}
-    return library.from_plain(named, "test")
+    return plain_scene.scene(**{"duration": 16.0, **changes})
 
 
 def strengths(problem):
@@ -129,6 +126,57 @@ def test_beads_that_are_alike_after_all_leave_no_trace(neutral):
     assert like == plain
     assert deck.render_deck(like) == deck.render_deck(plain)
     assert deck.render_data(like) == deck.render_data(plain)
+
+
+def test_walls_are_as_hard_as_the_beads_before_them_make_them():
+    """A bead of radius r and modulus e against its like: e sqrt(r); stiffness says it outright."""
+    beads = {"kinds": {"big": {}, "odd": {"radius": 0.49, "stiffness": 2.0}}, "pattern": [["big"], ["big", "odd"]]}
+    left, right = (link.law.strength for link in scene(**beads, walls={"left": "bead", "right": "flat"}).system.walls)
+    np.testing.assert_allclose(left[:, 0], [1.0, 1.0], rtol=1e-15)
+    np.testing.assert_allclose(right[:, -1], [2.0**0.5, 1.4 * 2.0**0.5], rtol=1e-15)
+    (outright,) = scene(**beads, walls={"right": {"stiffness": 3.0}}).system.walls
+    assert outright.law.strength[:, -1].tolist() == [3.0, 3.0]
+
+
+def test_pushed_before_walls_that_differ_lammps_is_right_to_its_stated_error(tmp_path):
+    case = scene(**PUSHED_BEFORE_WALLS)
+    problem, scale = case.problem(), case.scale
+    walls = [2.0**0.5 * np.array([1.0, 0.7**0.5]), np.array([1.0, 0.7**0.5])]
+    push = (1, 2, 0.8 / scale.force, 2.0 / scale.time)
+    exact = integrated(problem, walls=walls, mass=problem.mass, strength=strengths(problem), push=push)
+    assert np.abs(engine.run(problem, steps_per_frame=400).velocity - exact).max() < 5e-8
+    found = run(case, tmp_path / "run")
+    assert np.abs(found.trajectory.velocity - exact).max() == pytest.approx(found.check.velocity, rel=0.1)
+
+
+def test_momentum_is_what_the_push_gave_and_the_walls_took():
+    case = scene(**PUSHED_BEFORE_WALLS)
+    problem = replace(case.problem(), steps_per_frame=1, frames=3000, timestep=0.005)
+    found = engine.run(problem, steps_per_frame=2)
+    meter = ForceMeter(problem, gauges(problem, wall=True, contacts=(), sensors=()))
+    meter.add(found)
+    left, right = (meter.result().impulse[:, side].sum() for side in (0, 1))
+    momentum = motion.momentum(problem, found.velocity)[-1]
+    assert min(left, right) > 0.1
+    assert momentum == pytest.approx(problem.loads[0].law.total + left - right, abs=1e-10)
+
+
+def test_beads_in_si_press_as_hard_as_their_own_contact_says(tmp_path):
+    """Two beads, one of half the radius and twice the modulus: F = A d^1.5, p = 1.5 F / (pi R* d)."""
+    steel = {"radius": 4e-3, "density": 8000.0, "youngs_modulus": 2e11, "poisson_ratio": 0.3}
+    case = scene(
+        material=steel, kinds={"odd": {"radius": 2e-3, "youngs_modulus": 4e11}}, replace={"bead": 2, "kind": "odd"},
+        chains=1, beads=2, coupling=None, duration=6e-5, output={"every": 1e-7},
+    )  # fmt: skip
+    found = measure(run(case, tmp_path / "run", check=False).directory)
+    modulus, radius = 1.0 / (0.91 / 2e11 + 0.91 / 4e11), 4e-3 * 2e-3 / 6e-3
+    constant = 4.0 / 3.0 * modulus * radius**0.5
+    heavy, light = (4.0 / 3.0 * np.pi * r**3 * 8000.0 for r in (4e-3, 2e-3))
+    overlap = (2.5 * 0.5 * heavy * light / (heavy + light) / constant) ** 0.4
+    assert found.measured
+    assert found.force == pytest.approx(constant * overlap**1.5, rel=1e-3)
+    assert found.pressure == pytest.approx(1.5 * constant * overlap**0.5 / (np.pi * radius), rel=1e-3)
+    assert found.overlap == pytest.approx(overlap / (2.0 * radius), rel=1e-3)
 
 
 def test_masses_alone_need_no_other_contacts():
@@ -265,12 +313,7 @@ def test_a_striker_makes_a_train_of_pulses(mass, train):
 
 @pytest.mark.parametrize("name", ["dimer", "dimer of sizes", "disorder"])
 def test_a_run_that_was_interrupted_goes_on_bit_for_bit(tmp_path, name):
-    case = scene(**UNEQUAL[name], duration=80.0)
-    run(case, tmp_path / "whole", check=False)
-    run(case, tmp_path / "cut", check=False, lammps=here.interrupted_after(2000))
-    assert RunDirectory(tmp_path / "cut").record["outcome"] == "interrupted"
-    assert resume(tmp_path / "cut", check=False).outcome == "done"
-    np.testing.assert_array_equal(frames(tmp_path / "cut"), frames(tmp_path / "whole"))
+    plain_scene.goes_on_bit_for_bit(scene(**UNEQUAL[name], duration=80.0), tmp_path)
 
 
 @pytest.mark.skipif(not DEBIAN.exists(), reason="needs Debian's LAMMPS")
@@ -299,7 +342,7 @@ def test_analysis_tells_what_is_left_behind_and_compares_beads_of_one_kind(tmp_p
     beads = {"kinds": {"odd": {"mass": 4.0}}, "replace": {"bead": 20, "kind": "odd"}}
     case = scene(chains=1, coupling=None, beads=40, duration=60.0, **beads)
     directory = run(case, tmp_path / "run").directory
-    analyse(directory)
+    analyse(directory, figures=False)
     cells = json.loads((tmp_path / "run" / "analysis.json").read_text())["cells"]
     assert cells["beads"] == 1
     (odd,) = cells["replaced"]

@@ -4,11 +4,10 @@ import json
 import math
 import re
 
-import lammps_here as here
 import numpy as np
 import pytest
 from independent import integrated
-from kill_many import frames
+from plain_scene import goes_on_bit_for_bit, scene
 from stock_lammps import DEBIAN
 from stock_lammps import run as run_stock
 from wrong_runs import deck_run
@@ -17,14 +16,13 @@ from analysis import motion
 from analysis.mirror import mirrored, mirrored_problem
 from analysis.sharing.survey import survey
 from analysis.trajectory import joined
-from lammps_inputs import InputError, find, library
+from lammps_inputs import InputError, find
 from lammps_inputs.decks import deck
 from lammps_inputs.limits.timestep import default_timestep
 from lammps_inputs.slurm import job
 from lammps_inputs.slurm.site import JobOptions
 from workflow.cli import main
 from workflow.engines.reference import engine
-from workflow.runs.resume import resume
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.analyse import analyse
@@ -42,18 +40,7 @@ STEEL = {"radius": 4.76e-3, "density": 8000.0, "youngs_modulus": 193e9, "poisson
 
 
 def walled(walls, **changes):
-    plain = {
-        "name": "test",
-        "chains": 2,
-        "beads": 12,
-        "coupling": {"stiffness": 0.1},
-        "kick": {"velocity": 1.0},
-        "duration": 40.0,
-        "output": {"every": 0.5},
-        "walls": walls,
-    }
-    named = {key: value for key, value in {**plain, **changes}.items() if value is not None}
-    return library.from_plain(named, "test")
+    return scene(walls=walls, **{"duration": 40.0, **changes})
 
 
 @pytest.mark.parametrize(("walls", "strengths"), KINDS.values(), ids=KINDS)
@@ -101,13 +88,7 @@ def test_validate_names_a_wall_that_is_not_the_scenes(tmp_path, edit, said):
 
 
 def test_a_run_that_was_interrupted_goes_on_bit_for_bit(tmp_path):
-    case = walled(BOTH, duration=100.0)
-    run(case, tmp_path / "whole", check=False)
-    run(case, tmp_path / "cut", check=False, lammps=here.interrupted_after(2000))
-    assert RunDirectory(tmp_path / "cut").record["outcome"] == "interrupted"
-    assert resume(tmp_path / "cut", check=False).outcome == "done"
-    assert RunDirectory(tmp_path / "cut").record["resumed"][0]["from_step"] > 0
-    np.testing.assert_array_equal(frames(tmp_path / "cut"), frames(tmp_path / "whole"))
+    goes_on_bit_for_bit(walled(BOTH, duration=100.0), tmp_path)
 
 
 @pytest.mark.skipif(not DEBIAN.exists(), reason="needs Debian's LAMMPS")
@@ -139,7 +120,7 @@ def test_a_weak_wall_is_reached_into_without_second_beads_meeting_it(tmp_path):
 def test_a_slurm_job_has_the_same_fixes():
     problem = walled({"right": "bead"}).problem()
     for text in (deck.render_deck(problem), job.render_job(JobOptions(), problem)["in.continue"]):
-        assert "fix right_wall all wall/gran granular hertz" in text
+        assert "fix right_wall right_wall wall/gran granular hertz" in text
 
 
 def test_no_walls_leave_no_trace():

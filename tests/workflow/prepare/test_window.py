@@ -95,6 +95,7 @@ def test_restarts_that_are_written_on_the_way_change_no_bit(both, tmp_path):
     assert again.dump.read_bytes() == windowed.dump.read_bytes()
 
 
+@pytest.mark.parametrize("both", ["two chains"], indirect=True)
 def test_figures_are_drawn_of_a_window(both):
     assert analyse(both[1]).figures
 

@@ -11,6 +11,9 @@ from stock_lammps import scene
 
 from analysis.against.difference import Difference
 from analysis.against.pairing import paired
+from analysis.tracking.leading_waves import leading_waves
+from analysis.tracking.peaks import find_peaks
+from analysis.tracking.which_leads import leading_passages
 from lammps_inputs import Kick, Material, Output, strict_yaml
 from workflow.cli import main
 from workflow.commands.run import _judged
@@ -19,6 +22,7 @@ from workflow.engines.reference.certify import certified
 from workflow.prepare import step_search
 from workflow.prepare.settings import better_timestep
 from workflow.runs.check import SPACING, check, stride
+from workflow.runs.peaks_table import found_on_the_way
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 
@@ -78,6 +82,11 @@ def test_the_last_line_says_the_error_where_it_is_and_how_sure_that_is(tmp_path,
     held = json.loads((tmp_path / "out" / "run.json").read_text())["check"]
     said = capsys.readouterr().out.splitlines()[-1]
     assert said.startswith(f"error: velocities {held['velocity']:.1e} V (bead {held['where']['bead']} of chain 1, t = ")
+    found = [
+        f"{name} {held[key]:.1e} {unit}"
+        for name, key, unit in (("peaks", "amplitude", "V"), ("arrivals", "arrival", "T"))
+    ]
+    assert f"), {', '.join(found)}; the reference" in said
     assert said.endswith(f"sure to {held['reference']['velocity']:.1e} V and {held['reference']['arrival']:.1e} T")
 
 
@@ -183,3 +192,21 @@ def test_what_the_reference_is_not_sure_of_is_not_said(velocity, sure, says, fin
     printed = capsys.readouterr().out
     assert says in printed
     assert bool(says) == bool(printed)
+
+
+def test_its_wave_errors_are_also_those_of_peaks_csv_at_beads_that_are_not_recorded(tmp_path):
+    kicks = (Kick(bead=6, velocity=-0.2), Kick(bead=2, velocity=0.5))  # of bead 3 the first maximum does not lead
+    output = Output(every=0.25, beads=(1, 4), peaks=True)
+    done = run(scene(beads=8, kick=kicks, duration=15.0, output=output, timestep=0.025), tmp_path / "run")
+    problem = replace(done.directory.problem, recorded=None)
+    exact = leading_waves(leading_passages(find_peaks(certified(problem, 1e-9).blocks()), problem))
+    table = found_on_the_way(done.directory)
+    assert len(table) == len(exact) > 4
+    clear = exact.peak_velocity > 0.1
+    for name, found, sure in (
+        ("peak_velocity", done.check.amplitude, done.check.reference.velocity),
+        ("arrival", done.check.arrival, done.check.reference.arrival),
+    ):
+        true = np.nanmax(np.abs(getattr(table, name) - getattr(exact, name))[clear])
+        assert found == pytest.approx(true, abs=sure + 1e-9)
+        assert true > 1e-5

@@ -1,14 +1,17 @@
 """Beads that fly far from where they were: every way to run a scene keeps their contacts and springs."""
 
 import random
+from contextlib import suppress
 
+import lammps_here
 import numpy as np
 import pytest
 import random_scenes
 from stock_lammps import scene
 
-from lammps_inputs import Kick
+from lammps_inputs import Kick, Scene
 from workflow.engines.lammps import mpi
+from workflow.runs.resume import resume
 from workflow.runs.run import run
 
 TWO = pytest.mark.skipif(mpi.cores() < 2, reason="needs two cores")
@@ -27,15 +30,35 @@ def test_springs_are_not_lost_on_two_ranks_of_a_composition(tmp_path):
     np.testing.assert_array_equal(one.velocity, two.velocity)
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_random_scenes_are_not_silently_wrong(seed, tmp_path):
+def drawn(seed: int) -> Scene:
+    """The first scene of a seed that is accepted."""
     chance, found = random.Random(seed), None
     while found is None:
-        try:
+        with suppress(ValueError):
             found = random_scenes.draw(chance, seed)
-        except ValueError:
-            continue
-    assert random_scenes.judge(found, tmp_path / "run", cut=seed % 2 == 0)[0] in ("right", "told")
+    return found
+
+
+def some(*seeds, slow=()):
+    return pytest.mark.parametrize("seed", [*seeds, *(pytest.param(seed, marks=pytest.mark.slow) for seed in slow)])
+
+
+@some(2, 12, 36, slow=(15, 28, 39, 45))  # gaps, suzuki4, springs, peaks; a window, a push, walls, a foundation
+def test_random_scenes_are_not_silently_wrong(seed, tmp_path):
+    assert random_scenes.judge(drawn(seed), tmp_path / "run", cut=seed % 2 == 0)[0] in ("right", "told")
+
+
+@TWO
+@some(slow=(8, 15, 36))  # walls, a window, gaps, springs, either scheme
+def test_what_one_rank_can_do_two_can_also_when_they_go_on_from_it(seed, tmp_path):
+    case = drawn(seed)
+    one = run(case, tmp_path / "one", lammps=lammps_here.run, check=False).trajectory
+    two = run(case, tmp_path / "two", ranks=2, check=False).trajectory
+    assert run(case, tmp_path / "on", lammps=lammps_here.interrupted_after(0), check=False).outcome == "interrupted"
+    on = resume(tmp_path / "on", ranks=2, check=False).trajectory
+    for other in (two, on):
+        np.testing.assert_array_equal(other.velocity, one.velocity)
+        np.testing.assert_array_equal(other.displacement, one.displacement)
 
 
 @pytest.mark.parametrize("beads", [(1, 56), (1, 34)])

@@ -11,7 +11,7 @@ import numpy as np
 
 from analysis.tracking.leading_waves import leading_waves, to_csv, usual_arrival
 from analysis.tracking.peaks import PeakFinder
-from analysis.tracking.which_leads import leading_passages, opposed
+from analysis.tracking.which_leads import leading_finder, leading_passages
 from analysis.trajectory import Floats, Trajectory, frames_per_block
 from lammps_inputs import Problem
 from lammps_inputs.decks import deck
@@ -46,7 +46,7 @@ class LivePeaks:
         self._travel = travel
         self._problem = replace(problem, recorded=None)
         self._keeps = keeps
-        self._finder = PeakFinder(first_only=not opposed(problem))
+        self._finder = leading_finder(problem)
         self._size = frames_per_block(self._problem)
         self._steps: list[int] = []
         self._states: list[tuple[Floats, Floats]] = []

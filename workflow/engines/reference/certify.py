@@ -9,7 +9,8 @@ import numpy as np
 from analysis.against.difference import matched
 from analysis.against.pairing import on_common_rows
 from analysis.conservation import Conservation
-from analysis.tracking.peaks import PeakFinder, sharp
+from analysis.tracking.peaks import sharp
+from analysis.tracking.which_leads import leading_finder, leading_passages
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem
 from workflow.engines.reference import engine
@@ -76,7 +77,7 @@ class Certifier:
 
     def _begin(self) -> None:
         self._velocity = np.zeros(len(self._divisors) - 1)
-        self._finders = (PeakFinder(first_only=True), PeakFinder(first_only=True))
+        self._finders = (leading_finder(self.problem), leading_finder(self.problem))
         self._conservation = Conservation()
 
     def blocks(self) -> Iterator[Trajectory]:
@@ -101,7 +102,8 @@ class Certifier:
     @property
     def certificate(self) -> Certificate:
         """Bounds on the errors of the blocks that were taken."""
-        fine, coarse = matched(self._finders[0].result(), self._finders[1].result(), self.problem.beads)
+        fine, coarse = (leading_passages(finder.result(), self.problem).first() for finder in self._finders)
+        fine, coarse = matched(fine, coarse, self.problem.beads)
         arrival = float(np.max(np.abs(fine.time - coarse.time)[sharp(fine)], initial=0.0))
         order = None
         if len(self._velocity) > 1:

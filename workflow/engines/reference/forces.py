@@ -185,17 +185,17 @@ def _written(names: dict[str, Any], arguments: str, lines: list[str], terms: lis
     return names["written"]
 
 
-def drift_on(loads: Any, x: Any, v: Any, time: Any, duration: Any, low: Any, high: Any) -> Any:
+def drift_on(loads: Any, lightness: Any, x: Any, v: Any, time: Any, duration: Any, low: Any, high: Any) -> Any:
     """What loads add to the drift of free beads over a duration, in places of memory from low to below high."""
     raise NotImplementedError
 
 
-def kick_on(loads: Any, v: Any, time: Any, step: Any, duration: Any, low: Any, high: Any) -> Any:
+def kick_on(loads: Any, lightness: Any, v: Any, time: Any, step: Any, duration: Any, low: Any, high: Any) -> Any:
     """What the means of loads over a step around a time give beads in a duration; at the start over half a step."""
     raise NotImplementedError
 
 
-def force_on(loads: Any, a: Any, time: Any, low: Any, high: Any) -> Any:
+def force_on(loads: Any, lightness: Any, a: Any, time: Any, low: Any, high: Any) -> Any:
     """Add loads at a time to accelerations."""
     raise NotImplementedError
 
@@ -239,45 +239,46 @@ def _force_of(law: Any, t: Any) -> Any:
 
 
 @overload(drift_on, strict=False)
-def _drift_on(loads: Any, x: Any, v: Any, time: Any, duration: Any, low: Any, high: Any) -> Any:
+def _drift_on(loads: Any, lightness: Any, x: Any, v: Any, time: Any, duration: Any, low: Any, high: Any) -> Any:
     if len(loads) == 0:
-        return lambda loads, x, v, time, duration, low, high: None
+        return lambda loads, lightness, x, v, time, duration, low, high: None
 
-    def act(loads: Any, x: Any, v: Any, time: Any, duration: Any, low: Any, high: Any) -> None:
+    def act(loads: Any, lightness: Any, x: Any, v: Any, time: Any, duration: Any, low: Any, high: Any) -> None:
         k, law = loads[0]
         if low <= k < high:
             before, after = impulse_of(law, time), impulse_of(law, time + duration)
-            x[k] += travel_of(law, time + duration) - travel_of(law, time) - before * duration
-            v[k] += after - before
-        drift_on(loads[1:], x, v, time, duration, low, high)
+            gone = travel_of(law, time + duration) - travel_of(law, time) - before * duration
+            x[k] += over_mass(gone, lightness, k)
+            v[k] += over_mass(after - before, lightness, k)
+        drift_on(loads[1:], lightness, x, v, time, duration, low, high)
 
     return act
 
 
 @overload(kick_on, strict=False)
-def _kick_on(loads: Any, v: Any, time: Any, step: Any, duration: Any, low: Any, high: Any) -> Any:
+def _kick_on(loads: Any, lightness: Any, v: Any, time: Any, step: Any, duration: Any, low: Any, high: Any) -> Any:
     if len(loads) == 0:
-        return lambda loads, v, time, step, duration, low, high: None
+        return lambda loads, lightness, v, time, step, duration, low, high: None
 
-    def act(loads: Any, v: Any, time: Any, step: Any, duration: Any, low: Any, high: Any) -> None:
+    def act(loads: Any, lightness: Any, v: Any, time: Any, step: Any, duration: Any, low: Any, high: Any) -> None:
         k, law = loads[0]
         if low <= k < high:
             given = impulse_of(law, time + 0.5 * step) - impulse_of(law, time - 0.5 * step)
-            v[k] += given / step * duration * (2.0 if time == 0.0 else 1.0)
-        kick_on(loads[1:], v, time, step, duration, low, high)
+            v[k] += over_mass(given / step * duration * (2.0 if time == 0.0 else 1.0), lightness, k)
+        kick_on(loads[1:], lightness, v, time, step, duration, low, high)
 
     return act
 
 
 @overload(force_on, strict=False)
-def _force_on(loads: Any, a: Any, time: Any, low: Any, high: Any) -> Any:
+def _force_on(loads: Any, lightness: Any, a: Any, time: Any, low: Any, high: Any) -> Any:
     if len(loads) == 0:
-        return lambda loads, a, time, low, high: None
+        return lambda loads, lightness, a, time, low, high: None
 
-    def act(loads: Any, a: Any, time: Any, low: Any, high: Any) -> None:
+    def act(loads: Any, lightness: Any, a: Any, time: Any, low: Any, high: Any) -> None:
         k, law = loads[0]
         if low <= k < high:
-            a[k] += force_of(law, time)
-        force_on(loads[1:], a, time, low, high)
+            a[k] += over_mass(force_of(law, time), lightness, k)
+        force_on(loads[1:], lightness, a, time, low, high)
 
     return act

@@ -80,10 +80,12 @@ def step(
                 press(x, push, forces, chains, first, last)
                 stale = False
             kick(v, push, x, forces, kicks[stage] * h, chains, first, last)
-            kick_on(forces.kicked, v, time, h, kicks[stage] * h, first * chains, (last + 1) * chains)
+            low, high = first * chains, (last + 1) * chains
+            kick_on(forces.kicked, forces.lightness, v, time, h, kicks[stage] * h, low, high)
         if stage < drifts.shape[0]:
             _drift(x, v, drifts[stage] * h, chains, first, last)
-            drift_on(forces.drifted, x, v, time, drifts[stage] * h, first * chains, (last + 1) * chains)
+            low, high = first * chains, (last + 1) * chains
+            drift_on(forces.drifted, forces.lightness, x, v, time, drifts[stage] * h, low, high)
             time += drifts[stage] * h
             stale = True
             if last < beads and _displaced(x, chains, last):

@@ -29,7 +29,7 @@ def _accelerate(x: Floats, a: Floats, push: Floats, forces: Forces, span: Intege
     press(x, push, forces, chains, span[0], span[1])
     a[span[0] : span[1] + 1] = 0.0
     kick(a.reshape(-1), push, x, forces, 1.0, chains, span[0], span[1])
-    force_on(forces.drifted, a.reshape(-1), time, span[0] * chains, (span[1] + 1) * chains)
+    force_on(forces.drifted, forces.lightness, a.reshape(-1), time, span[0] * chains, (span[1] + 1) * chains)
 
 
 @compiled

@@ -4,7 +4,7 @@ import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
-from workflow.studies.bench import against_usual_ways, collisions, reference, sweeps, window
+from workflow.studies.bench import against_usual_ways, collisions, ingredients, reference, sweeps, window
 from workflow.studies.bench.ratio import Ratio
 
 __all__ = ["PARTS", "Ratio", "measure"]
@@ -16,6 +16,7 @@ PARTS: Mapping[str, Part] = {
     "check": against_usual_ways.check_cost,
     "deck": against_usual_ways.tuned_against_plain,
     "reader": against_usual_ways.reader_ratios,
+    "ingredients": ingredients.ingredient_ratios,
     "sweep": sweeps.sweep_ratios,
     "reference": lambda _: reference.reference_against_scipy(),
     "collisions": lambda _: collisions.collision_ratios(),

@@ -1,0 +1,207 @@
+"""Measured traces in a table: a column of times, and one for each force or velocity that was measured.
+
+Columns are named as in ``forces.csv``, or by single words (`WANTED` shows both), with or without a unit in brackets.
+A place without a value is empty or ``nan``. A long table of beads (see `table`) is one trace for every bead.
+"""
+
+import math
+import re
+import warnings
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from analysis.files import table
+from analysis.trajectory import Floats
+from lammps_inputs import InputError
+
+Kind = Literal["wall", "contact", "sensor", "velocity", "displacement"]
+
+WANTED = (
+    "time, force_wall_right, force_contact_10, force_sensor_20_chain_2, velocity_1_55 (chain, bead), "
+    "displacement_1_55; or as in forces.csv: right wall chain 1 (N)"
+)
+
+_CHAIN = r"(?: chain (?P<chain>\d{1,9}))?"
+_PATTERNS = (
+    re.compile(rf"(?:force )?(?:wall (?P<side>left|right)|(?P<which>left|right) wall){_CHAIN}"),
+    re.compile(rf"(?:force )?(?P<kind>contact|sensor) (?P<bead>\d{{1,9}}){_CHAIN}"),
+    re.compile(r"(?P<kind>velocity|displacement)(?: chain)? (?P<chain>\d{1,9})(?: bead)? (?P<bead>\d{1,9})"),
+)
+_MEANT = re.compile(r"(left |right )?(force|wall|contact|sensor|velocity|displacement) |(left|right) wall")
+_UNIT = re.compile(r"(.*?)\s*[(\[](.*?)[)\]]")
+
+_UNITS = {
+    "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "\N{MICRO SIGN}s": 1e-6, "\N{GREEK SMALL LETTER MU}s": 1e-6},
+    "force": {"n": 1.0, "mn": 1e-3, "kn": 1e3},
+    "velocity": {"m/s": 1.0, "mm/s": 1e-3, "cm/s": 1e-2},
+    "displacement": {"m": 1.0, "mm": 1e-3, "um": 1e-6, "\N{MICRO SIGN}m": 1e-6},
+}
+"""Unit in lower letters -> worth in SI."""
+
+
+@dataclass(frozen=True)
+class Channel:
+    """What one trace is of.
+
+    Attributes:
+        kind: the force on a wall, in a contact or inside a bead; or the velocity or displacement of a bead.
+        chain: counted from 1.
+        bead: of a contact the first one; at a wall 0.
+        right: of a wall, whether it is the one behind the last beads.
+    """
+
+    kind: Kind
+    chain: int
+    bead: int = 0
+    right: bool = False
+
+    @property
+    def name(self) -> str:
+        """As a column is called."""
+        if self.kind in ("velocity", "displacement"):
+            return f"{self.kind}_{self.chain}_{self.bead}"
+        place = ("right" if self.right else "left") if self.kind == "wall" else str(self.bead)
+        return f"force_{self.kind}_{place}_chain_{self.chain}"
+
+    @property
+    def quantity(self) -> str:
+        """What `lammps_inputs.units.Scale` calls it."""
+        return {"velocity": "velocity", "displacement": "length"}.get(self.kind, "force")
+
+
+@dataclass(frozen=True)
+class Traces:
+    """Traces over one column of times, in the file's own units (SI where columns name them).
+
+    Attributes:
+        time: [row], ascending.
+        channels: what was measured.
+        values: [row, channel]; NaN where there is none.
+        units: whether any column names a unit, which only SI has.
+    """
+
+    time: Floats
+    channels: tuple[Channel, ...]
+    values: Floats
+    units: bool
+
+
+def are_in(path: Path) -> bool:
+    """Whether a file's first line names traces; a table of beads, an npz, or what cannot be read has none."""
+    try:
+        with path.open(encoding="utf-8-sig") as file:
+            names, _ = table.header(file.readline(100_000))
+    except (OSError, UnicodeDecodeError):
+        return False
+    plain = [_split(name)[0] for name in names]
+    return not {"chain", "bead"} & set(plain) and any(_MEANT.match(name) for name in plain)
+
+
+def load(path: Path) -> Traces:
+    """Read traces, or every bead of a table as one.
+
+    Raises:
+        InputError: the file is missing, of no such kind, names a column wrongly, or holds what is no number.
+    """
+    if not are_in(path):
+        return _of_beads(path)
+    try:
+        if path.stat().st_size > table.MAX_BYTES:
+            raise InputError(f"{path}: larger than 4 GiB; write fewer rows")
+        with path.open(encoding="utf-8-sig") as file:
+            names, delimiter = table.header(file.readline())
+            chosen = list(_chosen(path, names))
+            with warnings.catch_warnings():
+                warnings.filterwarnings("ignore", "loadtxt: input contained no data")
+                data = np.loadtxt(
+                    table.rows_as_wide_as(file, len(names), delimiter, path),
+                    delimiter=delimiter,
+                    ndmin=2,
+                    usecols=[place for place, _, _ in chosen],
+                    converters=lambda text: float(text) if text.strip() else math.nan,
+                )
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from None
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: is not a text table") from None
+    except InputError:
+        raise
+    except ValueError as error:
+        raise InputError(f"{path}: {error}") from None
+    if data.size == 0:
+        raise InputError(f"{path}: holds no row")
+    for (place, _, _), column in zip(chosen, data.T, strict=True):
+        if np.isinf(column).any() or np.isnan(column).all():
+            row = int(np.argmax(~np.isfinite(column)))
+            raise InputError(f"{path}: column {names[place]!r} holds {column[row]} in row {row + 1}")
+    time = data[:, 0] * chosen[0][2]
+    if not np.all(np.diff(time) > 0.0):  # also where a time is missing
+        raise InputError(f"{path}: times are not ascending")
+    channels = tuple(channel for _, channel, _ in chosen[1:] if channel is not None)
+    units = any(_split(names[place])[1] not in ("", "-") for place, _, _ in chosen)
+    return Traces(time, channels, data[:, 1:] * [worth for _, _, worth in chosen[1:]], units)
+
+
+def _chosen(path: Path, names: list[str]) -> Iterator[tuple[int, Channel | None, float]]:
+    """Place, channel and worth of the columns that are read, time first."""
+    found: dict[Channel | None, tuple[int, float]] = {}
+    for place, heading in enumerate(names):
+        name, unit = _split(heading)
+        channel = None if name == "time" else _channel(name)
+        if name != "time" and channel is None:
+            if _MEANT.match(name):
+                raise InputError(f"{path}: column {heading!r}: not known; wanted are such as {WANTED}")
+            continue
+        if channel in found:
+            raise InputError(f"{path}: column {heading!r}: there is another of the same")
+        known = _UNITS["time" if channel is None else "force" if channel.quantity == "force" else channel.kind]
+        if unit not in ("", "-", *known):
+            raise InputError(f"{path}: column {heading!r}: the unit {unit!r} is not known; {', '.join(known)}")
+        found[channel] = place, known.get(unit, 1.0)
+    if None not in found:
+        raise InputError(f"{path}: has no column 'time'; wanted are such as {WANTED}")
+    if len(found) == 1:
+        raise InputError(f"{path}: holds no trace; wanted are such as {WANTED}")
+    for channel, (place, worth) in sorted(found.items(), key=lambda entry: entry[0] is not None):
+        yield place, channel, worth
+
+
+def _split(heading: str) -> tuple[str, str]:
+    """Name and unit, both in lower letters; words of the name with one blank between them."""
+    with_unit = _UNIT.fullmatch(heading.strip().lower())
+    name, unit = with_unit.groups() if with_unit else (heading.lower(), "")
+    return " ".join(re.split(r"[\s_]+", name.strip())), unit.strip()
+
+
+def _channel(name: str) -> Channel | None:
+    for pattern in _PATTERNS:
+        match = pattern.fullmatch(name)
+        if match is None:
+            continue
+        found = match.groupdict()
+        chain = int(found["chain"] or 1)
+        if "side" in found:
+            return Channel("wall", chain, right="right" in (found["side"], found["which"]))
+        kind: Kind = next(kind for kind in ("contact", "sensor", "velocity", "displacement") if kind == found["kind"])
+        return Channel(kind, chain, int(found["bead"]))
+    return None
+
+
+def _of_beads(path: Path) -> Traces:
+    given = table.load(path)
+    channels, values = [], []
+    kinds: tuple[Kind, ...] = ("velocity", "displacement")
+    for kind in kinds:
+        grid = getattr(given, kind)
+        if grid is None:
+            continue
+        for j, chain in enumerate(given.chains.tolist()):
+            for k, bead in enumerate(given.beads.tolist()):
+                if np.isfinite(grid[:, j, k]).any():
+                    channels.append(Channel(kind, chain, bead))
+                    values.append(grid[:, j, k])
+    return Traces(given.time, tuple(channels), np.stack(values, axis=1), units=False)

@@ -1,0 +1,39 @@
+"""What arrives at the far end, against what is known of it."""
+
+import numpy as np
+import pytest
+from small_problems import problem, written_down
+
+from analysis.figures.searched import front
+from analysis.gauges.far_end import FarEnd, _top
+
+
+def test_the_top_of_samples_lies_between_them():
+    time = np.arange(0.0, 3.0, 0.1)
+    when, most = _top(time, 5.0 - (time - 1.234) ** 2)
+    assert when == pytest.approx(1.234, abs=1e-12)
+    assert most == pytest.approx(5.0, abs=1e-12)
+
+
+def test_energy_that_passes_the_last_tenth_is_counted_and_timed():
+    """Bead 20 of 20 moves at 1 - (t - 5)**2 / 100, all else rests; the kick has the energy 1/2."""
+    small = problem(beads=20, chains=1)
+
+    def motion(time):
+        velocity = np.zeros((time.shape[0], 1, 20))
+        velocity[:, :, 19] = 1.0 - (time[..., 0] - 5.0) ** 2 / 100.0
+        return np.zeros_like(velocity), velocity
+
+    end = FarEnd(small)
+    trajectory = written_down(small, motion)
+    for part in (trajectory[:37], trajectory[37:]):
+        end.add(part)
+    found = end.result()
+    assert found["transmitted_energy"] == pytest.approx(1.0, abs=1e-9)
+    assert found["delay"] == pytest.approx(5.0, abs=1e-9)
+    assert "wall_force" not in found
+
+
+def test_a_front_is_what_nothing_else_betters_in_both():
+    one, other = np.array([1.0, 2.0, 2.0, 3.0, 4.0]), np.array([5.0, 6.0, 3.0, 3.0, 1.0])
+    assert front(one, other).tolist() == [0, 2, 4]

@@ -1,0 +1,132 @@
+"""Ingredients in any mixture: LAMMPS keeps the error it states, symmetries hold, and neutral values leave no trace.
+
+The laws are those of a few fixed mixtures, for each new one takes the compiler a while; only numbers are drawn.
+"""
+
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import Phase, given, settings
+from hypothesis import strategies as st
+from plain_scene import BEADS, scene
+
+from analysis import motion
+from analysis.mirror import mirrored_problem
+from lammps_inputs.decks import deck
+from workflow.engines.reference import engine
+from workflow.runs.run import run
+
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
+_FOUND = (Phase.explicit, Phase.generate)  # no search for a simpler example, which takes minutes
+FEW = settings(max_examples=3, derandomize=True, database=None, phases=_FOUND)
+MANY = settings(max_examples=15, derandomize=True, database=None, phases=_FOUND)
+
+NAMES = st.lists(st.sampled_from(["a", "b"]), min_size=2, max_size=4)
+
+
+@st.composite
+def unequal(draw):
+    """Two coupled chains of two kinds of bead, tapered, disordered."""
+    kind = {"mass": draw(st.floats(0.2, 5.0)), "radius": draw(st.floats(0.5, 2.0)), "stiffness": 1.5}
+    return {
+        "kinds": {"a": {}, "b": kind},
+        "pattern": [["a", "b", *draw(NAMES)], ["b", *draw(NAMES)]],
+        "taper": draw(st.floats(0.0, 0.05)),
+        "disorder": {"mass": draw(st.floats(0.0, 0.2)), "seed": draw(st.integers(1, 9))},
+        "coupling": {"stiffness": draw(st.floats(0.01, 1.0))},
+        "duration": 10.0,
+    }
+
+
+@st.composite
+def walled_and_pushed(draw):
+    """The same between walls, pushed."""
+    walls = st.sampled_from(["bead", "flat", "rigid"]) | st.fixed_dictionaries({"stiffness": st.floats(0.1, 10.0)})
+    push = {"chain": draw(st.integers(1, 2)), "bead": draw(st.integers(1, BEADS)), "shape": "half-sine"}
+    push = {**push, "peak": draw(st.floats(0.2, 2.0) | st.floats(-2.0, -0.2)), "duration": draw(st.floats(0.5, 5.0))}
+    return {**draw(unequal()), "walls": {"left": draw(walls), "right": draw(walls)}, "push": push, "kick": None}
+
+
+def keeps_the_error_it_states(changes):
+    case = scene(**changes)
+    problem = case.problem()
+    with tempfile.TemporaryDirectory() as folder:
+        found = run(case, Path(folder) / "run")
+        velocity = found.trajectory.velocity
+    exact = engine.run(problem, steps_per_frame=4 * engine.default_steps_per_frame(problem)).velocity
+    assert np.abs(velocity - exact).max() <= found.check.velocity + found.check.reference.velocity
+
+
+def is_the_same_in_the_mirror_and_with_chains_in_another_order(changes):
+    case = scene(**changes)
+    problem = case.problem()
+    usual = engine.run(problem)
+    seen = engine.run(mirrored_problem(problem))
+    np.testing.assert_allclose(seen.velocity, -usual.velocity[..., ::-1], rtol=0.0, atol=1e-10)
+    hit = "kick" if case.kick else "push"
+    swapped = {"pattern": changes["pattern"][::-1], hit: {**case.plain()[hit], "chain": 3 - case.plain()[hit]["chain"]}}
+    other = engine.run(scene(**{**changes, "disorder": None, **swapped}).problem())
+    same = engine.run(scene(**{**changes, "disorder": None}).problem())
+    np.testing.assert_allclose(other.velocity, same.velocity[:, ::-1], rtol=0.0, atol=1e-10)
+
+
+def closes_its_budget(changes):
+    problem = scene(**changes).problem()
+    found = engine.run(problem, steps_per_frame=2 * engine.default_steps_per_frame(problem))
+    energy = motion.energy(problem, found.displacement, found.velocity)
+    after = found.time > max((load.end for load in problem.loads), default=0.0)
+    assert np.ptp(energy[after]) < 1e-5 * energy[after].max()
+
+
+@FEW
+@given(unequal())
+def test_lammps_keeps_the_error_it_states(changes):
+    keeps_the_error_it_states(changes)
+
+
+@FEW
+@given(walled_and_pushed())
+def test_symmetries_hold(changes):
+    is_the_same_in_the_mirror_and_with_chains_in_another_order(changes)
+
+
+@FEW
+@given(walled_and_pushed())
+def test_energy_is_kept_once_the_push_is_over(changes):
+    closes_its_budget(changes)
+
+
+@pytest.mark.slow
+@MANY
+@given(unequal() | walled_and_pushed())
+def test_many_mixtures(changes):
+    keeps_the_error_it_states(changes)
+    is_the_same_in_the_mirror_and_with_chains_in_another_order(changes)
+    closes_its_budget(changes)
+
+
+NEUTRAL = {
+    "kinds": {"kinds": {"a": {"mass": 1.0}, "b": {"radius": 1.0}}, "pattern": ["a", "b"]},
+    "taper": {"taper": 0.0},
+    "disorder": {"disorder": {"mass": 0.0, "radius": 0.0, "seed": 7}},
+    "striker": {"striker": {"mass": 1.0, "velocity": 1.0}, "kick": None},
+    "foundation": {"foundation": {"stiffness": 0.0}},
+    "a flat ramp": {"coupling": {"stiffness": {"from": 0.1, "to": 0.1, "rows": [1, BEADS]}}},
+    "all rows": {"coupling": {"stiffness": 0.1, "rows": [1, BEADS]}},
+}
+
+
+@settings(max_examples=20)
+@given(st.lists(st.sampled_from(sorted(NEUTRAL)), min_size=1, unique=True))
+def test_neutral_values_leave_the_deck_and_the_problem_of_today(names):
+    changes = {key: value for name in names for key, value in NEUTRAL[name].items()}
+    like, plain = scene(**changes).problem(), scene().problem()
+    assert like == plain
+    assert (deck.render_deck(like), deck.render_data(like)) == (deck.render_deck(plain), deck.render_data(plain))
+
+
+def test_no_stiffness_is_no_coupling():
+    assert scene(coupling={"stiffness": 0.0}).problem() == scene(coupling=None).problem()

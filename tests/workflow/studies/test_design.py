@@ -1,0 +1,245 @@
+"""Designs: what a file may say, that the search finds the best, goes on where it was stopped, and LAMMPS agrees."""
+
+import csv
+import json
+import shutil
+import signal
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from processes import HANGS, wait_until
+from sweeps import GRANCHAIN
+
+from lammps_inputs import library, strict_yaml
+from workflow.cli import main
+from workflow.runs.run import run
+from workflow.studies.design import file, measures
+from workflow.studies.design.crew import Crew
+from workflow.studies.design.memory import Memory
+from workflow.studies.design.search import search, worth
+from workflow.studies.design.variables import Variable
+from workflow.sweep.collect import collect
+
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
+SCENE = {
+    "name": "small",
+    "chains": 2,
+    "beads": 12,
+    "coupling": {"stiffness": 0.1},
+    "walls": {"right": "rigid"},
+    "kick": {"velocity": 1},
+    "duration": 30,
+}
+SMALL = {
+    "scene": SCENE,
+    "vary": {"coupling.stiffness": [0.02, 0.1, 0.5, 2.0], "beads": {"from": 8, "to": 14}},
+    "minimize": "wall_force",
+    "where": {"mass": {"from": 20}},
+    "also": ["delay"],
+    "beside": {**SCENE, "chains": 1, "beads": 24, "duration": 50},
+    "manufacture": {"members": 2},
+    "verify": 1,
+}
+
+
+@pytest.fixture
+def remembered(request):
+    """A memory in a file, closed at the end."""
+
+    def memory(path):
+        made = Memory(path)
+        request.addfinalizer(made.close)
+        return made
+
+    return memory
+
+
+def written(directory, **changes):
+    path = directory / "design.yaml"
+    path.write_text(strict_yaml.dump(json.loads(json.dumps({**SMALL, **changes}))))  # no part is there twice
+    return path
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory, request):
+    """The small design, carried out by the command in this process."""
+    request.getfixturevalue("lammps_here")
+    directory = tmp_path_factory.mktemp("design")
+    assert main(["design", str(written(directory)), "-o", str(directory / "d"), "--jobs", "1"]) == 0
+    return directory / "d"
+
+
+def test_lammps_agrees_with_the_reference_on_the_winner(found):
+    report = json.loads((found / "design.json").read_text())
+    best = report["verified"][0]
+    assert best["error_velocity"] < 5e-4
+    assert best["lammps"]["wall_force"] == pytest.approx(best["reference"]["wall_force"], rel=1e-3)
+    assert best["lammps"]["delay"] == pytest.approx(best["reference"]["delay"], rel=1e-3)
+
+
+def test_where_designs_can_be_counted_all_are_computed_and_the_table_begins_with_the_best(found):
+    rows = list(csv.DictReader((found / "designs.csv").read_text().splitlines()))
+    assert len(rows) == 4 * 7
+    fitting = [float(row["wall_force"]) for row in rows if row["fits"] == "yes"]
+    assert fitting == sorted(fitting)
+    assert all((int(row["beads"]) >= 10) == (row["fits"] == "yes") for row in rows)
+
+
+def test_the_report_is_one_page_with_its_pictures_inside(found):
+    page = (found / "index.html").read_text()
+    assert page.count("<img") == 5
+    assert 'src="http' not in page
+    assert "set against" in page
+
+
+def test_small_errors_of_manufacture_change_the_objective_a_little(found):
+    report = json.loads((found / "design.json").read_text())
+    best = report["quantities"]["wall_force"]
+    members = report["manufacture"]["members"]
+    assert len(members) == 2
+    assert all(0.0 < abs(value / best - 1.0) < 0.1 for value in members)
+
+
+def test_evolution_finds_what_no_exhaustive_search_betters(found, tmp_path, remembered):
+    """With fewer designs than there are; those that it asks for are remembered from the exhaustive search."""
+    shutil.copy(found / "evaluations.jsonl", tmp_path)
+    search_for = {"evaluations": 20, "population": 8, "method": "evolution"}
+    design = file.load(written(tmp_path, search=search_for))
+    crew = Crew(design, remembered(tmp_path / "evaluations.jsonl"), 1)
+    best = min(worth(design, record) for record in search(design, crew))
+    everything = file.load(written(tmp_path))
+    assert best == min(worth(everything, record) for record in search(everything, crew))
+
+
+def test_a_search_that_was_stopped_goes_the_same_way_again(tmp_path, remembered):
+    """Of what is computed already nothing is computed again, so the course is that of one never stopped."""
+    design = file.load(written(tmp_path, search={"evaluations": 20, "population": 8, "method": "evolution"}))
+    stopped_at = 7
+
+    def stop(_):
+        if len(memory.records) == stopped_at:
+            raise KeyboardInterrupt
+
+    memory = remembered(tmp_path / "evaluations.jsonl")
+    with pytest.raises(KeyboardInterrupt):
+        search(design, Crew(design, memory, 1, stop))
+    memory.close()
+    with (tmp_path / "evaluations.jsonl").open("a") as cut_short:
+        cut_short.write('{"key": "abc", "val')
+    computed = []
+    memory = remembered(tmp_path / "evaluations.jsonl")
+    assert len(memory.records) == stopped_at
+    again = search(design, Crew(design, memory, 1, computed.append))
+    whole = search(design, Crew(design, remembered(tmp_path / "other.jsonl"), 1))
+    assert [record.values for record in again] == [record.values for record in whole]
+    assert [record.quantities for record in again] == [record.quantities for record in whole]
+    assert len(computed) == len(memory.records) - stopped_at
+
+
+def test_limits_come_before_the_objective(tmp_path, remembered):
+    design = file.load(written(tmp_path))
+    memory = remembered(tmp_path / "m.jsonl")
+    crew = Crew(design, memory, 1)
+    light, heavy = crew.all_of([{"coupling.stiffness": 0.1, "beads": 8}, {"coupling.stiffness": 0.1, "beads": 12}])
+    lighter = crew.all_of([{"coupling.stiffness": 0.1, "beads": 6}])[0]
+    assert light.seconds == 0.0  # its mass rules it out before anything runs
+    assert worth(design, heavy) < worth(design, light) < worth(design, lighter) < np.inf
+
+
+def test_a_design_that_is_no_scene_says_why_and_is_worse_than_any_other(tmp_path, remembered):
+    design = file.load(written(tmp_path))
+    crew = Crew(design, remembered(tmp_path / "m.jsonl"), 1)
+    refused = crew.all_of([{"coupling.rows": [10, 14]}])[0]
+    assert "coupling.rows: 10 to 14 given" in refused.refused
+    assert worth(design, refused) == np.inf
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"minimize": "wall_farce"}, "minimize: 'wall_farce' is no quantity (did you mean `wall_force`?)"),
+        ({"maximize": "delay"}, "give either minimize or maximize"),
+        ({"vary": {"couplng.stiffness": [1, 2]}}, "did you mean `coupling.stiffness`?"),
+        ({"vary": {"beads": {"from": 8, "to": 10.5}}}, "vary.beads: takes whole numbers"),
+        ({"vary": {"beads": {"from": 9, "to": 8}}}, "the smaller first"),
+        ({"vary": {"beads": [9]}}, "two choices or more"),
+        ({"vary": {"pattern": {"of": ["a", "b"]}}}, "{of: [a, b], places: 4}"),
+        ({"vary": {"coupling.rows": {"from": 1, "to": 4, "places": 0}}}, "places: '0' given"),
+        ({"where": {"mass": {}}}, "where.mass: give from, to or both"),
+        ({"where": {"weight": {"to": 1}}}, "where: 'weight' is no quantity"),
+        ({"scene": "two-chain"}, "did you mean `two-chains`?"),
+        ({"vary": {"gap": {"from": 0.1, "to": 1}}, "search": {"method": "exhaustive"}}, "without end"),
+    ],
+)
+def test_a_mistake_is_one_line_that_names_the_file_and_the_key(changes, says, tmp_path, capsys):
+    path = written(tmp_path, **changes)
+    assert main(["design", str(path), "-o", str(tmp_path / "d")]) == 2
+    err = capsys.readouterr().err
+    assert err.startswith(f"granchain: {path}: ")
+    assert says in err
+    assert err.count("\n") == 1
+
+
+def test_where_nothing_fits_the_reason_is_said(tmp_path, capsys):
+    path = written(tmp_path, where={"mass": {"from": 1000}})
+    assert main(["design", str(path), "-o", str(tmp_path / "d"), "--jobs", "1"]) == 2
+    assert "none of 28 designs keeps the limits" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("variable", "coordinates", "value"),
+    [
+        (Variable("a", low=0.01, high=1.0, log=True), [np.log(0.1)], 0.1),
+        (Variable("a", low=2.0, high=8.0, whole=True), [3.0], 3),
+        (Variable("a", choices=("x", None)), [1.0], None),
+        (Variable("a", choices=("x", "y"), places=3), [1.0, 0.0, 1.0], ["y", "x", "y"]),
+        (Variable("a", low=1.0, high=9.0, whole=True, places=2), [7.0, 2.0], [2, 7]),
+    ],
+)
+def test_coordinates_stand_for_values(variable, coordinates, value):
+    assert variable.value(coordinates) == value
+
+
+@pytest.mark.slow
+def test_ctrl_c_keeps_what_was_computed_and_leaves_no_process(tmp_path):
+    path = written(tmp_path, search={"evaluations": 100_000}, vary={"gap": {"from": 0.01, "to": 0.5}})
+    directory = tmp_path / "d"
+    with subprocess.Popen(
+        [GRANCHAIN, "design", str(path), "-o", str(directory), "--jobs", "2"], stdout=subprocess.PIPE, text=True
+    ) as running:
+        lines = directory / "evaluations.jsonl"
+        assert wait_until(lambda: lines.is_file() and lines.stat().st_size > 0)
+        children = Path(f"/proc/{running.pid}/task/{running.pid}/children").read_text().split()
+        running.send_signal(signal.SIGINT)
+        said, _ = running.communicate(timeout=HANGS)
+    assert running.returncode == 130
+    assert "the same command goes on" in said
+    assert children
+    assert wait_until(lambda: not any(Path(f"/proc/{child}").exists() for child in children))
+    assert all(json.loads(line)["quantities"] for line in lines.read_text().splitlines())
+
+
+def test_quantities_are_those_of_an_analysis(tmp_path):
+    """Also where a short cut finds them."""
+    plain = {"name": "two", "chains": 2, "beads": 60, "coupling": {"stiffness": 0.3}, "kick": {"velocity": 1}}
+    plain |= {"duration": 90}
+    names = ("amplitude", "agree_10", "beat_length", "energy_share", "delay", "transmitted_energy")
+    found = measures.by_reference(plain, names, "scene")
+    run(library.from_plain(plain, "scene"), tmp_path / "r", engine="reference")
+    assert main(["analyze", str(tmp_path / "r"), "--no-figures"]) == 0
+    row = collect(tmp_path).rows[0]
+    assert found["agree_10"] is not None
+    for name in names:
+        assert found[name] == pytest.approx(row[name], rel=1e-12), name
+
+
+def test_the_example_of_the_readme_is_a_design(tmp_path):
+    text = (Path(__file__).parents[3] / "workflow" / "README.md").read_text(encoding="utf-8")
+    path = tmp_path / "design.yaml"
+    path.write_text(text.partition("<!-- design -->\n```yaml\n")[2].partition("```")[0])
+    design = file.load(path)
+    assert len(design.variables) == 6
+    assert library.from_plain(design.beside, "beside").system.alike

@@ -1,0 +1,156 @@
+"""Fields of a scene from force traces that an independent program made: found, as sure as is said, and what is not."""
+
+import json
+import os
+
+import measured
+import numpy as np
+import pytest
+
+from lammps_inputs import library, strict_yaml
+from workflow.cli import main
+from workflow.runs.run_directory import RunDirectory
+from workflow.studies.fit import estimate, study
+
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
+FREE = ",".join(measured.TRUTH)
+
+
+def fit(directory, *more, scene=None, free=FREE, **table):
+    """Exit code of the command, from a scene that is off by some tenths."""
+    data = measured.table(directory / "data.csv", **table)
+    path = directory / "scene.yaml"
+    path.write_text(strict_yaml.dump(scene or measured.scene(modulus=1.15, coupling=0.7, kick=0.9)))
+    words = ["fit", str(path), "--against", str(data), "--free", free, "-o", str(directory / "out"), *more]
+    return main(words)
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory, request):
+    """Directory of a fit of three fields and the time offset to four traces with 2% noise."""
+    request.getfixturevalue("lammps_here")
+    directory = tmp_path_factory.mktemp("fit")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(study, "STARTS", 1)
+        patch.setattr(study, "BEGUN", 1)
+        assert fit(directory) == 0
+    return directory / "out"
+
+
+def test_three_fields_and_the_time_offset_are_found_from_noisy_traces_at_1_mhz(found):
+    report = json.loads((found / "fit.json").read_text())
+    truth = {**measured.TRUTH, "time offset": measured.LATE}
+    for name, value in truth.items():
+        entry = report["free"][name]
+        width = entry["high"] - entry["low"]
+        assert abs(entry["value"] - value) < width  # four standard errors
+        assert width < 0.03 * value
+    for channel in report["channels"].values():
+        assert channel["over_largest"] == pytest.approx(0.02, abs=0.003)
+    assert report["widened"] == 1.0
+    assert report["warnings"] == []
+
+
+def test_the_fitted_scene_is_a_scene_that_lammps_has_run_with_its_error(found):
+    scene = library.load(found / "fitted.yaml")
+    report = json.loads((found / "fit.json").read_text())
+    assert scene.coupling.stiffness == report["free"]["coupling.stiffness"]["value"]
+    directory = RunDirectory(found / "lammps")
+    assert directory.record["outcome"] == "done"
+    assert report["lammps"]["error_velocity"] == directory.record["check"]["velocity"] < 1e-3
+    assert report["lammps"]["difference"] < 0.1
+    assert {"residuals.png", "residuals.pdf"} <= {path.name for path in found.iterdir()}
+
+
+@pytest.mark.slow
+def test_intervals_hold_the_truth_as_often_as_they_say(tmp_path, monkeypatch):
+    """$GRANCHAIN_SEEDS tables (10) that differ in their noise; for each field a binomial number of them, at 95%."""
+    monkeypatch.setattr(study, "_draw", lambda *_: None)
+    monkeypatch.setattr(study, "STARTS", 4)
+    monkeypatch.setattr(study, "BEGUN", 1)
+    seeds = int(os.environ.get("GRANCHAIN_SEEDS", "10"))
+    inside = np.zeros(3, dtype=int)
+    for seed in range(seeds):
+        data = measured.table(tmp_path / "data.csv", seed=seed)
+        wrong = measured.scene(modulus=1.15, coupling=0.7, kick=0.9)
+        result = study.fit(wrong, data, list(measured.TRUTH), tmp_path / "o", source="steel", lammps=False)
+        ends = zip(result.low, measured.TRUTH.values(), result.high, strict=False)
+        inside += [low <= value <= high for low, value, high in ends]
+    assert np.all(inside >= 0.95 * seeds - 2.6 * np.sqrt(0.95 * 0.05 * seeds))
+
+
+@pytest.mark.slow
+def test_fields_that_stand_for_the_same_are_said_not_to_be_told_apart(tmp_path, monkeypatch, capsys):
+    """Contacts know Young's modulus over 1 - nu**2 only."""
+    monkeypatch.setattr(study, "STARTS", 2)
+    monkeypatch.setattr(study, "BEGUN", 1)
+    free = "material.youngs_modulus,material.poisson_ratio"
+    scene = measured.scene(modulus=1.05)
+    assert fit(tmp_path, "--no-lammps", scene=scene, free=free, names=measured.NAMES[:2]) == 0
+    said = capsys.readouterr().out
+    assert "cannot tell material.youngs_modulus and material.poisson_ratio apart" in said
+    report = json.loads((tmp_path / "out" / "fit.json").read_text())
+    assert report["free"]["material.youngs_modulus"]["low"] is None
+    assert report["free"]["time offset"]["value"] == pytest.approx(measured.LATE, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("free", "says"),
+    [
+        ("coupling.stifness", "did you mean `coupling.stiffness`?"),
+        ("beads", "counts something"),
+        ("gap", "gap: is not there"),
+        ("walls.right", "walls.right: is 'rigid'"),
+        ("kick.velocity,kick.velocity", "named twice"),
+        (",", "name at least one field"),
+    ],
+)
+def test_what_cannot_be_free_is_one_line(free, says, tmp_path, capsys):
+    assert fit(tmp_path, free=free) == 2
+    err = capsys.readouterr().err
+    assert says in err
+    assert err.count("\n") == 1
+
+
+def line():
+    """Two parameters of a straight line in two channels, one with half of the noise and a hole."""
+    time = np.linspace(0.0, 1.0, 400)
+    noise = np.random.default_rng(3).standard_normal((400, 2)) * [0.02, 0.01]
+    data = np.stack([1.0 + 2.0 * time, 2.0 * time], axis=1) + noise
+    data[100:150, 1] = np.nan
+    slopes = np.stack([np.stack([np.ones(400), np.zeros(400)], axis=1), np.stack([time, time], axis=1)], axis=-1)
+
+    def residuals(p):
+        return data - slopes @ p
+
+    return residuals, lambda _: slopes, np.array([1.0, 1.0])
+
+
+def test_each_channel_is_weighed_by_its_own_noise():
+    residuals, slopes, size = line()
+    found = estimate.estimate(residuals, slopes, np.zeros(2), size)
+    assert found.parameters == pytest.approx([1.0, 2.0], abs=4.0 * float(found.error.max()))
+    assert found.noise == pytest.approx([0.02, 0.01], rel=0.15)
+    weights = 1.0 / found.noise
+    jacobian = (slopes(None) * weights[:, np.newaxis])[np.isfinite(residuals(np.zeros(2)))]
+    assert found.error == pytest.approx(np.sqrt(np.diag(np.linalg.inv(jacobian.T @ jacobian))), rel=1e-6)
+
+
+def test_residuals_that_are_alike_widen_the_intervals():
+    residuals, slopes, size = line()
+    drift = 0.02 * np.sin(np.arange(400) / 10.0)[:, np.newaxis]
+    white = estimate.estimate(residuals, slopes, np.zeros(2), size)
+    found = estimate.estimate(lambda p: residuals(p) + drift, slopes, np.zeros(2), size)
+    assert white.widened == 1.0
+    assert found.widened > 1.5
+    assert found.error[0] > 1.5 * white.error[0]
+
+
+def test_what_the_data_do_not_depend_on_is_named():
+    residuals, slopes, size = line()
+    more = np.concatenate([slopes(None), np.zeros((400, 2, 1))], axis=-1)
+    found = estimate.estimate(lambda p: residuals(p[:2]), lambda _: more, np.zeros(3), size)
+    assert found.weak == (((2,), True),)
+    assert np.isinf(found.half_width[2])
+    assert np.all(np.isfinite(found.half_width[:2]))

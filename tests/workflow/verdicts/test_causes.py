@@ -1,0 +1,78 @@
+"""Beads, contacts and pushes that are not the scene's: what `validate` says of them."""
+
+import re
+
+import pytest
+from plain_scene import scene
+from wrong_runs import deck_run
+
+from lammps_inputs.decks import deck
+from workflow.verdicts.validate import validate
+
+FRAMES = {"output": {"every": 0.1}, "duration": 16.0}
+DIMER = {"kinds": {"heavy": {}, "light": {"mass": 0.3428}}, "pattern": ["heavy", "light"], **FRAMES}
+SIZES = {"kinds": {"big": {}, "small": {"radius": 0.7}}, "pattern": ["big", "big", "small"], **FRAMES}
+PUSHED = {"push": {"peak": 0.8, "duration": 2.0, "shape": "half-sine", "bead": 2}, "kick": None, **FRAMES}
+
+
+def edited(pattern, instead):
+    def edit(path):
+        text, found = re.subn(pattern, instead, (path / deck.DECK).read_text())
+        assert found == 1
+        (path / deck.DECK).write_text(text)
+
+    return edit
+
+
+def heavier(atoms, factor):
+    """The densities of some atoms of a coupled scene, times a factor."""
+
+    def edit(path):
+        head, body = (path / deck.DATA).read_text().split("bond\n\n", 1)
+        rows, rest = body.split("\n\n", 1)
+        words = [row.split() for row in rows.splitlines()]
+        changed = [[*w[:6], repr(float(w[6]) * factor), w[7]] if int(w[0]) in atoms else w for w in words]
+        (path / deck.DATA).write_text("\n".join([head + "bond\n", *map(" ".join, changed)]) + "\n\n" + rest)
+
+    return edit
+
+
+WRONG = {
+    "a kind of bead": (DIMER, heavier(range(2, 25, 2), 1.1), "beads of mass 0.3428 are 1.1 times as heavy as"),
+    "one bead": (DIMER, heavier([18], 1.3), "bead 6 of chain 2 is 1.3 times as heavy as"),
+    "one bead of a plain scene": (
+        FRAMES,
+        edited(r"(set group all mass 1.0.*\n)", r"\1set atom 6 mass 1.2\n"),
+        "bead 6 of chain 1 is 1.2 times as heavy as",
+    ),
+    "a kind of contact": (
+        SIZES,
+        edited(r"(pair_coeff 1 2 hertz) \S+", r"\1 1.0"),
+        "contacts of strength 0.9075 are 1.102 times as strong as",
+    ),
+    "the push's peak": (
+        {**PUSHED, **DIMER, "walls": {"right": "flat"}},
+        edited(r"(push1peak index) (\S+)", r"\1 0.9"),
+        "the push is 1.15 times as strong as",
+    ),
+    "the push's duration": (
+        PUSHED,
+        edited(r"(push1duration index) (\S+)", r"\1 3.0"),
+        "the push lasts 2.989 instead of 2",  # 3 T
+    ),
+    "no push": (PUSHED, edited(r"fix push1 .*\n", ""), "the push is missing"),
+}
+
+
+@pytest.mark.parametrize(("changes", "edit", "said"), WRONG.values(), ids=WRONG)
+def test_validate_names_what_is_not_the_scenes(tmp_path, changes, edit, said):
+    found = validate(deck_run(scene(**changes), tmp_path / "run", edit))
+    assert not found.passed
+    (cause,) = found.causes
+    assert cause in (said, f"{said} the scene says")
+
+
+def test_of_a_right_run_nothing_is_said(tmp_path):
+    found = validate(deck_run(scene(**SIZES), tmp_path / "run"))
+    assert found.passed
+    assert found.causes == ()

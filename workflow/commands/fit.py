@@ -1,0 +1,112 @@
+"""Find unknown fields of a scene from measured forces or velocities, with how sure they are."""
+
+import argparse
+from pathlib import Path
+
+from lammps_inputs import library
+from lammps_inputs.numbers import text
+from lammps_inputs.slurm.job import JOB
+from workflow.cluster.job_arguments import add_job_arguments, job_options
+from workflow.screen import Answer, one_line, print_table
+from workflow.studies.fit import study
+from workflow.sweep.command_job import submit_hint, write_job
+
+ANSWERS = "what fit.json holds"
+EXAMPLES = (
+    "fit scene.yaml --against data.csv --free coupling.stiffness,kick.velocity -o fitted",
+    "fit scene.yaml --against data.csv --free material.youngs_modulus --offset 0 -o fitted   # times as the scene's",
+    "fit scene.yaml --against data.csv --free coupling.stiffness -o fitted --slurm   # then there: sbatch job.sbatch",
+)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The scene, the data, what is free."""
+    parser.add_argument("scene", metavar="SCENE", help="its fields are where the search starts")
+    parser.add_argument(
+        "--against",
+        metavar="FILE",
+        type=Path,
+        required=True,
+        help="table of traces in the scene's units: time, force_wall_right, force_contact_10, force_sensor_20, "
+        "velocity_1_55 (chain, bead)",
+    )
+    parser.add_argument(
+        "--free", metavar="FIELD,...", required=True, help="fields to find, such as coupling.stiffness,kick.velocity"
+    )
+    parser.add_argument(
+        "--offset",
+        metavar="TIME",
+        type=float,
+        help="by how much times of FILE are later than the scene's (default: found, too)",
+    )
+    parser.add_argument("-o", "--output", metavar="DIR", type=Path, required=True, help="made if need be")
+    parser.add_argument("--no-lammps", action="store_true", help="do not run the fitted scene in LAMMPS")
+    add_job_arguments(parser)
+
+
+def execute(arguments: argparse.Namespace) -> Answer:
+    """Print what was found; exit code 1 when the search did not come to its end."""
+    options = job_options(arguments)
+    if options is not None:
+        write_job(arguments.output, options, _words(arguments), cores=1, jobs=1)
+        print(submit_hint(arguments.output))
+        return Answer(0, {"job": str(arguments.output / JOB)})
+    found = study.fit(
+        _plain(arguments.scene),
+        arguments.against,
+        [name.strip() for name in arguments.free.split(",") if name.strip()],
+        arguments.output,
+        source=arguments.scene,
+        offset=arguments.offset,
+        lammps=not arguments.no_lammps,
+    )
+    _print(found, arguments)
+    return Answer(0 if found.found.converged else 1, found.plain())
+
+
+def _words(arguments: argparse.Namespace) -> list[str]:
+    """The command as a job runs it."""
+    scene = arguments.scene
+    path = scene if scene in library.installed() else str(Path(scene).absolute())
+    library.find(scene)
+    words = ["fit", path, "--against", str(arguments.against.absolute()), "--free", arguments.free, "-o", "."]
+    words += [] if arguments.offset is None else [f"--offset={arguments.offset!r}"]
+    return [*words, *(["--no-lammps"] if arguments.no_lammps else [])]
+
+
+def _plain(name: str) -> dict[str, object]:
+    """Plain data of a scene by name or from a file."""
+    return library.find(name).plain()
+
+
+def _print(found: study.Fit, arguments: argparse.Namespace) -> None:
+    rows = []
+    for name, start, value, low, high in zip(found.names, found.start, found.value, found.low, found.high, strict=True):
+        ends = ["-", "-"] if low is None or high is None else [f"{low:.6g}", f"{high:.6g}"]
+        rows.append([name, f"{start:.6g}", f"{value:.6g}", *ends])
+    print_table(
+        f"{one_line(arguments.scene)} fitted to {one_line(arguments.against)}: {found.found.rows} values",
+        ["free", "start", "found", "95% from", "to"],
+        rows,
+    )
+    if len(found.names) > 1:
+        lines = [
+            [name, *(f"{value:.3f}" for value in row[: place + 1])]
+            for place, (name, row) in enumerate(zip(found.names, found.found.correlation, strict=True))
+        ]
+        print_table(
+            "correlation", ["", *map(str, range(1, len(lines) + 1))], [_padded(row, len(lines)) for row in lines]
+        )
+    for channel, noise, share in zip(found.channels, found.found.noise, found.share, strict=True):
+        print(f"{channel.name}: noise {text(float(f'{noise:.3g}'))} ({share:.2%} of its largest value)")
+    if found.lammps is not None:
+        error = "" if found.check is None else f"error of velocities {found.check.velocity:.1e} V; "
+        print(f"in LAMMPS: {error}traces within {found.lammps:.2g} of the noise from the fitted ones")
+    for warning in found.warnings:
+        print(f"warning: {warning}")
+    out = arguments.output
+    print(f"{one_line(out)}: {study.FITTED}, {study.REPORT}, residuals.png, residuals.pdf")
+
+
+def _padded(row: list[str], count: int) -> list[str]:
+    return [*row, *[""] * (count + 1 - len(row))]

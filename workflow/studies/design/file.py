@@ -1,0 +1,235 @@
+"""A design file: a scene, what may change in it, and what is wanted.
+
+::
+
+    scene: two-chains                        # a name, a file (from this file's directory on), or the scene itself
+    vary:
+      chains: {from: 2, to: 8}               # a number between bounds, whole where the field is
+      coupling.stiffness: {from: 0.01, to: 1, spacing: log}
+      coupling.rows: {from: 1, to: 40, places: 2}      # a list of numbers, ascending
+      walls.right: [bead, rigid]             # one of these
+      pattern: {of: [heavy, light], places: 4}         # a list, each place one of these
+    minimize: wall_force                     # or maximize
+    where:
+      mass: {to: 240}                        # from, to or both
+    also: [delay]                            # what else to look at; the first makes a front with the objective
+    beside: {...}                            # another scene to set the best against
+    search: {evaluations: 2000, population: 40, seed: 1, method: auto}
+    manufacture: {spread: 0.01, members: 32} # sizes and stiffnesses of beads, and the numbers above, off by so much
+    verify: 3                                # of the best, so many in LAMMPS
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from lammps_inputs import InputError, library, strict_yaml
+from workflow.studies.design.measures import KNOWN
+from workflow.studies.design.variables import Variable
+from workflow.sweep import fields
+from workflow.sweep.file import Range, number, scene_in
+
+MOST_PLACES = 64
+MOST_EXHAUSTED = 100_000
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+
+class Search(_Part):
+    """How to search."""
+
+    evaluations: Annotated[int, Field(ge=20, le=10_000_000)] = 2000
+    """Designs that are asked for at most; one that was computed before costs nothing."""
+    population: Annotated[int, Field(ge=8, le=10_000)] | None = None
+    """Designs of one generation; by default five for every coordinate, 20 to 100."""
+    seed: Annotated[int, Field(ge=0, le=2**31 - 1)] = 1
+    method: Literal["auto", "evolution", "exhaustive"] = "auto"
+    """`auto` computes all there are where that is no more than ``evaluations``."""
+
+
+class Manufacture(_Part):
+    """What small errors do to the best."""
+
+    spread: Annotated[float, Field(gt=0, le=0.5)] = 0.01
+    members: Annotated[int, Field(ge=2, le=10_000)] = 32
+
+
+class Limit(_Part):
+    """Bounds of a quantity."""
+
+    low: Annotated[Any, Field(alias="from")] = None
+    high: Annotated[Any, Field(alias="to")] = None
+
+    @model_validator(mode="after")
+    def _is_a_bound(self) -> Self:
+        if self.low is None and self.high is None:
+            raise ValueError("give from, to or both")
+        for bound in (self.low, self.high):
+            if bound is not None:
+                number(bound)
+        return self
+
+    def violation(self, value: float | None) -> float:
+        """By how much a value lies outside, in the bound's size; 0 within."""
+        if value is None:
+            return 1.0
+        below = 0.0 if self.low is None else max(0.0, self.low - value) / max(abs(self.low), 1e-12)
+        above = 0.0 if self.high is None else max(0.0, value - self.high) / max(abs(self.high), 1e-12)
+        return float(max(below, above))
+
+
+class _File(_Part):
+    scene: Any
+    vary: dict[str, Any]
+    minimize: str | None = None
+    maximize: str | None = None
+    where: dict[str, Limit] = {}
+    also: list[str] = []
+    beside: Any = None
+    search: Search = Search()
+    manufacture: Manufacture = Manufacture()
+    verify: Annotated[int, Field(ge=1, le=100)] = 3
+
+
+@dataclass(frozen=True)
+class Design:
+    """A design file that was read.
+
+    Attributes:
+        source: the file, for messages.
+        scene: plain data of the scene to begin with.
+        variables: what may change.
+        objective: the quantity.
+        sign: 1 to make it small, -1 to make it large.
+        where: quantity -> its bounds.
+        also: quantities to look at.
+        beside: plain data of a scene to compare with, or None.
+        search, manufacture, verify: as in the file.
+    """
+
+    source: str
+    scene: dict[str, Any]
+    variables: tuple[Variable, ...]
+    objective: str
+    sign: float
+    where: dict[str, Limit]
+    also: tuple[str, ...]
+    beside: dict[str, Any] | None
+    search: Search
+    manufacture: Manufacture
+    verify: int
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All quantities that matter."""
+        return tuple(dict.fromkeys((self.objective, *self.where, *self.also)))
+
+    @property
+    def count(self) -> int | None:
+        """How many designs there are; None where some number is not whole."""
+        total = 1
+        for variable in self.variables:
+            if variable.values is None:
+                return None
+            total *= variable.values
+        return total
+
+    @property
+    def exhaustive(self) -> bool:
+        """Whether every design is to be computed."""
+        if self.search.method == "auto":
+            return self.count is not None and self.count <= self.search.evaluations
+        return self.search.method == "exhaustive"
+
+    @property
+    def population(self) -> int:
+        """Designs of one generation."""
+        coordinates = sum(variable.coordinates for variable in self.variables)
+        return self.search.population or min(100, max(20, 5 * coordinates))
+
+
+def load(path: Path) -> Design:
+    """Read a design file.
+
+    Raises:
+        InputError: naming the file, the key, what was given and what would be right.
+    """
+    data = strict_yaml.load(path)
+    try:
+        file = _File.model_validate(data)
+    except ValidationError as error:
+        raise InputError(f"{path}: {library.describe(error, _File)}") from None
+    if (file.minimize is None) == (file.maximize is None):
+        raise InputError(f"{path}: give either minimize or maximize, and a quantity: {', '.join(KNOWN)}")
+    objective = file.minimize or file.maximize or ""
+    for key, name in [("minimize" if file.minimize else "maximize", objective)] + [
+        (key, name) for key, names in (("where", file.where), ("also", file.also)) for name in names
+    ]:
+        if name not in KNOWN:
+            hint = library.suggestion(name, KNOWN) or f"; known are {', '.join(KNOWN)}"
+            raise InputError(f"{path}: {key}: {name[:60]!r} is no quantity{hint}")
+    if not file.vary:
+        raise InputError(f"{path}: vary: names no field")
+    design = Design(
+        source=str(path),
+        scene=scene_in(file.scene, path, "scene"),
+        variables=tuple(_variable(name, given, path) for name, given in file.vary.items()),
+        objective=objective,
+        sign=1.0 if file.minimize else -1.0,
+        where=file.where,
+        also=tuple(file.also),
+        beside=None if file.beside is None else scene_in(file.beside, path, "beside"),
+        search=file.search,
+        manufacture=file.manufacture,
+        verify=file.verify,
+    )
+    if design.search.method == "exhaustive" and (design.count is None or design.count > MOST_EXHAUSTED):
+        count = "without end" if design.count is None else f"{design.count}"
+        raise InputError(
+            f"{path}: search.method: there are {count} designs; exhaustive is for {MOST_EXHAUSTED} at most"
+        )
+    return design
+
+
+def _variable(name: str, given: Any, path: Path) -> Variable:
+    where = f"{path}: vary.{name}"
+    try:
+        keys = fields.parse(name)
+    except InputError as error:
+        raise InputError(f"{path}: vary: {error}") from None
+    if isinstance(given, list):
+        return Variable(name, choices=_choices(given, where))
+    if not isinstance(given, dict):
+        raise InputError(f"{where}: should be bounds such as {{from: 1, to: 10}}, or a list of choices")
+    places = given.get("places")
+    if places is not None and not (type(places) is int and 1 <= places <= MOST_PLACES):
+        raise InputError(f"{where}.places: {str(places)[:60]!r} given; a whole number from 1 to {MOST_PLACES}")
+    rest = {key: value for key, value in given.items() if key != "places"}
+    if "of" in rest:
+        if set(rest) != {"of"} or places is None or not isinstance(rest["of"], list):
+            raise InputError(f"{where}: a list of choices is written as {{of: [a, b], places: 4}}")
+        return Variable(name, choices=_choices(rest["of"], where), places=places)
+    try:
+        bounds = Range.model_validate({**rest, "count": 2})
+    except ValidationError as error:
+        raise InputError(f"{where}.{library.describe(error, Range)}") from None
+    if "count" in rest or "digits" in rest:
+        raise InputError(f"{where}: a search takes bounds, from and to; no count or digits")
+    first, last = bounds.first, bounds.last
+    whole = fields.is_whole(keys)
+    if whole and not all(isinstance(end, int) for end in (first, last)):
+        raise InputError(f"{where}: takes whole numbers; {first} to {last} given")
+    if last < first:
+        raise InputError(f"{where}: goes from {first} to {last}; the smaller first")
+    log = bounds.spacing == "log" and not whole
+    return Variable(name, low=float(first), high=float(last), log=log, whole=whole, places=places)
+
+
+def _choices(given: list[Any], where: str) -> tuple[Any, ...]:
+    if len(given) < 2:
+        raise InputError(f"{where}: needs two choices or more")
+    return tuple(given)

@@ -1,0 +1,83 @@
+"""What a design study found."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from workflow.runs.run_directory import RunDirectory
+from workflow.studies.design.file import Design
+from workflow.studies.design.manufacture import Sensitivity
+from workflow.studies.design.memory import Record
+from workflow.studies.design.search import worth
+
+
+@dataclass(frozen=True)
+class Verified:
+    """One scene in LAMMPS beside the reference.
+
+    Attributes:
+        directory: of its run.
+        values: field -> value; empty for the scene beside.
+        reference, lammps: quantities.
+        error: largest error of its velocities against the reference, in units of V.
+    """
+
+    directory: RunDirectory
+    values: dict[str, Any]
+    reference: dict[str, float | None]
+    lammps: dict[str, float | None]
+    error: float
+
+    def difference(self, name: str) -> float | None:
+        """Of a quantity, LAMMPS from the reference, as a share of it."""
+        one, other = self.reference[name], self.lammps[name]
+        return None if one is None or other is None or one == 0.0 else other / one - 1.0
+
+    def plain(self) -> dict[str, Any]:
+        """For ``design.json``."""
+        kept = {"values": self.values, "reference": self.reference, "lammps": self.lammps}
+        return {**kept, "error_velocity": self.error, "directory": self.directory.path.name}
+
+
+@dataclass(frozen=True)
+class Found:
+    """What came of a search.
+
+    Attributes:
+        design: what was wanted.
+        records: all that the search asked for, in its order.
+        verified: the best few, the best first.
+        beside: the scene to set them against; None if there is none.
+        sensitivity: of the best.
+        seconds: mean processor time of a design.
+    """
+
+    design: Design
+    records: list[Record]
+    verified: list[Verified]
+    beside: Verified | None
+    sensitivity: Sensitivity
+    seconds: float
+
+    @property
+    def best(self) -> Record:
+        """By the reference."""
+        return min(self.records, key=lambda record: worth(self.design, record))
+
+    def plain(self) -> dict[str, Any]:
+        """For ``design.json``."""
+        return {
+            "objective": self.design.objective,
+            "exhaustive": self.design.exhaustive,
+            "asked": len(self.records),
+            "best": self.best.values,
+            "quantities": self.best.quantities,
+            "verified": [one.plain() for one in self.verified],
+            "beside": None if self.beside is None else self.beside.plain(),
+            "manufacture": {
+                "spread": self.sensitivity.spread,
+                "members": list(self.sensitivity.members),
+                "alone": {field: list(pair) for field, pair in self.sensitivity.alone.items()},
+                "refused": self.sensitivity.refused,
+            },
+            "seconds_a_design": self.seconds,
+        }

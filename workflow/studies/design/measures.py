@@ -1,0 +1,126 @@
+"""What is known of a scene once it has run, by the names of a sweep's table; from the reference, or from any frames."""
+
+import json
+import time
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import numpy as np
+
+from analysis.conservation import Conservation
+from analysis.gauges.far_end import FarEnd
+from analysis.mirror import direction_of
+from analysis.sharing.equipartition import sharing
+from analysis.sharing.is_solitary import Tolerances
+from analysis.sharing.survey import survey
+from analysis.tracking.leading_waves import leading_waves, usual_arrival
+from analysis.tracking.peaks import PeakFinder
+from analysis.tracking.which_leads import beyond_kicks, opposed
+from analysis.trajectory import Trajectory, blocks
+from lammps_inputs import InputError, Problem, Scene, library
+from workflow.engines.reference import engine
+from workflow.prepare.duration import with_duration
+from workflow.runs.run_directory import REPORT
+from workflow.sweep.collect import quantities
+from workflow.sweep.table import QUANTITIES
+from workflow.verdicts.analysis_report import report
+from workflow.verdicts.ingredient_reports import far_end_report
+
+MASS = "mass"
+"""Of all beads, in the scene's units: known before anything runs."""
+
+_AT_THE_END = tuple(name for name, quantity in QUANTITIES.items() if quantity.path[0] == "far_end")
+
+KNOWN = (
+    MASS,
+    *_AT_THE_END,
+    *(name for name, q in QUANTITIES.items() if q.file == REPORT and q.label and name not in _AT_THE_END),
+)
+"""Quantities that a design may be about."""
+
+_OF_SHARING = ("amplitude", "agree_10", "agree_1", "in_step_1", "beat_length")
+
+Measured = dict[str, float | None]
+"""By name, in the scene's units; None where there is none."""
+
+
+def mass_of(scene: Scene) -> float:
+    """Of all beads, in the scene's units."""
+    system, scale = scene.system, scene.scale
+    return float(np.sum(np.broadcast_to(system.mass, (system.chains, system.beads)))) * scale.mass
+
+
+def scene_to_run(plain: dict[str, Any], source: str) -> Scene:
+    """A scene with its end, all of whose beads are recorded.
+
+    Raises:
+        InputError: it is none, or its end is not reached.
+    """
+    scene = with_duration(library.from_plain({**plain, "output": {}}, source))
+    if scene.window is not None:
+        raise InputError(f"{source}: window: what is left behind counts here; leave it out")
+    return scene
+
+
+def by_reference(plain: dict[str, Any], names: tuple[str, ...], source: str) -> Measured:
+    """Quantities of a scene, run by the reference.
+
+    Raises:
+        InputError: as `scene_to_run`.
+    """
+    scene = scene_to_run(plain, source)
+    problem = scene.model_copy(update={"accuracy": None}).problem()
+    trajectory = engine.run(problem)
+    return of_frames(problem, lambda: blocks(trajectory), scene, names)
+
+
+def of_frames(
+    problem: Problem, frames: Callable[[], Iterable[Trajectory]], scene: Scene, names: tuple[str, ...]
+) -> Measured:
+    """Quantities of a run; ``frames`` starts reading it anew."""
+    found: dict[str, Any] = {}
+    quick = _shared(problem, frames) if set(names) & set(_OF_SHARING) and _is_plain(problem) else {}
+    if any(name in _AT_THE_END for name in names):
+        end = FarEnd(problem)
+        for block in frames():
+            end.add(block)
+        found["far_end"] = far_end_report(problem, end)
+    if any(name not in (MASS, *_AT_THE_END, *quick) for name in names):
+        seen, allowed = Conservation(), Tolerances()
+        found |= report(survey(frames, problem, watchers=[seen], tolerances=allowed), seen, allowed)
+    known = {**quantities(found, {}, scene.plain()), **quick, MASS: mass_of(scene)}
+    return {name: None if known[name] is None else float(known[name]) for name in names}
+
+
+def _is_plain(problem: Problem) -> bool:
+    """Whether one pulse leads, away from bead 1, so that its waves need not be told from others."""
+    return direction_of(problem) > 0 and not opposed(problem) and not problem.loads
+
+
+def _shared(problem: Problem, frames: Callable[[], Iterable[Trajectory]]) -> dict[str, float | None]:
+    """What an analysis finds of how the chains share the pulse, without all else that it looks for."""
+    finder = PeakFinder()
+    for block in frames():
+        finder.add(block)
+    found = sharing(leading_waves(beyond_kicks(finder.result(), problem), usual_arrival(problem)), problem)
+    final, beat = found.final, found.beat_length
+    values = (
+        None if final is None else final.value,
+        found.agrees_from(0.1),
+        found.agrees_from(0.01),
+        found.in_step_from(0.01),
+        None if beat is None else beat.value,
+    )
+    return dict(zip(_OF_SHARING, values, strict=True))
+
+
+def evaluated(plain: dict[str, Any], names: tuple[str, ...], source: str) -> dict[str, Any]:
+    """What a process answers: ``quantities`` or ``refused``, and ``seconds`` of processor time."""
+    started = time.process_time()
+    answer: dict[str, Any]
+    try:
+        with np.errstate(all="ignore"):
+            answer = {"quantities": json.loads(json.dumps(by_reference(plain, names, source)))}
+    except (InputError, ValueError, ArithmeticError) as error:
+        answer = {"refused": str(error)}
+    return {**answer, "seconds": time.process_time() - started}

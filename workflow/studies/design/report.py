@@ -1,0 +1,191 @@
+"""The page of a design study: the best in pictures, the search, and what small errors do. Computes nothing new."""
+
+import html
+import math
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from analysis.figures import SpaceTime, spacetime_figure
+from analysis.figures.searched import Objective, front_figure, history_figure, members_figure, wall_figure
+from analysis.gauges.forces import at_frames
+from analysis.gauges.gauge import gauges
+from analysis.mirror import direction_of
+from analysis.trajectory import Floats
+from workflow.runs.run_directory import RunDirectory
+from workflow.studies.design.found import Found, Verified
+from workflow.studies.design.search import RULED_OUT, worth
+from workflow.studies.page import Picture, document, drawn, shown
+from workflow.sweep.table import QUANTITIES
+
+
+def page(found: Found) -> str:
+    """The report in HTML, pictures and all."""
+    design, best = found.design, found.verified[0]
+    wanted = ("least" if design.sign > 0.0 else "largest") + f" {design.objective}"
+    parts = [
+        f"<section><h2>The best</h2>{_table(found)}{_words(found)}{_shown(_of_best(found))}</section>",
+        f"<section><h2>The search</h2>{_search_words(found)}{_shown(_of_search(found))}</section>",
+        f"<section><h2>Made by {found.sensitivity.spread:.2%} wrong</h2>{_made(found)}</section>",
+    ]
+    scene = best.directory.scene.name
+    summary = (
+        f"Of {len(found.records)} designs of {scene} the one with the {wanted}. Numbers are in the scene's units; "
+        "every design was computed by the reference, the best again by LAMMPS."
+    )
+    return document(f"{scene}: {wanted}", summary, "\n".join(parts))
+
+
+def _shown(pictures: list[Picture]) -> str:
+    return "".join(shown(picture) for picture in pictures)
+
+
+def _row(cells: list[str], tag: str = "td") -> str:
+    return "<tr>" + "".join(f"<{tag}>{html.escape(cell)}</{tag}>" for cell in cells) + "</tr>"
+
+
+def _table(found: Found) -> str:
+    """A column for each design: fields, quantities by the reference, and how far LAMMPS is from them."""
+    columns = [(f"no. {place}", one) for place, one in enumerate(found.verified, 1)]
+    if found.beside is not None:
+        columns.append(("set against", found.beside))
+    rows = [_row(["", *(name for name, _ in columns)], "th")]
+    for variable in found.design.variables:
+        rows.append(_row([variable.field, *(_text(one.values.get(variable.field)) for _, one in columns)]))
+    for name in found.design.names:
+        rows.append(_row([name, *(_text(one.reference[name]) for _, one in columns)]))
+        rows.append(_row([f"{name}: LAMMPS differs by", *(_share(one, name) for _, one in columns)]))
+    rows.append(_row(["error of LAMMPS's velocities / V", *(f"{one.error:.1e}" for _, one in columns)]))
+    note = ""
+    if any(one.error > LARGE for _, one in columns):
+        note = (
+            "<p>In long runs beads that pulses left behind amplify any error of their velocities, so these differ more "
+            "than what is asked for: see the rows of differences.</p>"
+        )
+    return f"<table>{''.join(rows)}</table>{note}"
+
+
+LARGE = 1e-3
+"""Error of velocities, in units of V, of which a word is said."""
+
+
+def _text(value: Any) -> str:
+    if value is None:
+        return "-"
+    if isinstance(value, list):
+        return " ".join(map(_text, value))
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _share(one: Verified, name: str) -> str:
+    difference = one.difference(name)
+    return "-" if difference is None else f"{difference:.1e}"
+
+
+def _words(found: Found) -> str:
+    name = found.design.objective
+    if found.beside is None or not found.beside.reference[name]:
+        return ""
+    ratio = (found.verified[0].reference[name] or 0.0) / (found.beside.reference[name] or 1.0)
+    return f"<p>The best has {ratio:.3g} times the {html.escape(name)} of what it is set against.</p>"
+
+
+def _search_words(found: Found) -> str:
+    values = _values(found)
+    how = (
+        "These are all designs there are."
+        if found.design.exhaustive
+        else "Differential evolution, and steps along each field from its best; a better design may exist."
+    )
+    return (
+        f"<p>{how} {int(np.isfinite(values).sum())} of {len(values)} keep the limits; a design took "
+        f"{found.seconds * 1e3:.3g} ms of processor time.</p>"
+    )
+
+
+def _values(found: Found, name: str | None = None) -> Floats:
+    """A quantity of every design, by default the objective; NaN where limits are broken."""
+    design = found.design
+    chosen = name or design.objective
+    return np.array(
+        [
+            math.nan if worth(design, r) >= RULED_OUT or (v := r.quantities.get(chosen)) is None else v
+            for r in found.records
+        ]
+    )
+
+
+def _objective(found: Found) -> Objective:
+    beside = None if found.beside is None else found.beside.reference[found.design.objective]
+    return Objective(_label(found, found.design.objective), found.design.sign, beside)
+
+
+def _label(found: Found, name: str) -> str:
+    words, bracket, unit = QUANTITIES[name].label.partition(" [") if name in QUANTITIES else (name, "", "")
+    si = found.verified[0].directory.problem.scale.si
+    symbols = {"time": "s", "force": "N", "velocity": "m/s", "speed": "beads/s"}
+    return f"{words} ({symbols[unit[:-1]] if si else 'reduced'})" if bracket else words
+
+
+def _of_search(found: Found) -> list[Picture]:
+    what, values = _objective(found), _values(found)
+    pictures = [Picture("history", history_figure(what, values), "Every design, as the search came to it.")]
+    if found.design.also:
+        name = found.design.also[0]
+        figure = front_figure(what, values, _label(found, name), _values(found, name))
+        pictures.append(drawn("front", figure, f"What is to be had of {found.design.objective} at any {name}."))
+    return pictures
+
+
+def _of_best(found: Found) -> list[Picture]:
+    best = found.verified[0].directory
+    spacetime = SpaceTime(best.problem)
+    for block in best.blocks():
+        spacetime.add(block)
+    pictures = [Picture("spacetime", spacetime_figure(spacetime), "The best in space and time, by LAMMPS.")]
+    against = [] if found.beside is None else [("set against", found.beside.directory)]
+    curves = [
+        (name, *curve) for name, directory in [("the best", best), *against] if (curve := _wall(directory)) is not None
+    ]
+    if curves:
+        scale = best.problem.scale
+        labels = (f"time ({scale.symbol('time')})", f"force on the wall, all chains ({scale.symbol('force')})")
+        pictures.append(drawn("wall", wall_figure(curves, *labels), "Force on the far wall over time, by LAMMPS."))
+    return pictures
+
+
+def _wall(directory: RunDirectory) -> tuple[Floats, Floats] | None:
+    problem = directory.problem
+    name = "right wall" if direction_of(problem) > 0 else "left wall"
+    wall = tuple(one for one in gauges(problem, wall=True, contacts=(), sensors=()) if one.name == name)
+    if not wall:
+        return None
+    times, forces = [], []
+    for block in directory.blocks():
+        times.append(block.time * problem.scale.time)
+        forces.append(at_frames(block, wall)[..., 0].sum(axis=1) * problem.scale.force)
+    return np.concatenate(times), np.concatenate(forces)
+
+
+def _made(found: Found) -> str:
+    small, name = found.sensitivity, found.design.objective
+    if not small.members:
+        return f"<p>There is no ensemble: {html.escape(small.refused)}</p>"
+    best = found.best.quantities[name] or 0.0
+    values = np.array(small.members)
+    worst = float(np.max(found.design.sign * values) * found.design.sign)
+    words = (
+        f"<p>{len(values)} designs whose beads differ in size and stiffness, and whose numbers are off, all evenly "
+        f"spread within {small.spread:.2%}: {html.escape(name)} {values.mean():.5g} on average (as designed "
+        f"{best:.5g}), standard deviation {values.std():.2g}, at worst {worst:.5g}.</p>"
+    )
+    rows = [_row(["number", f"{small.spread:.2%} less", f"{small.spread:.2%} more"], "th")]
+    rows += [_row([field, *(_change(value, best) for value in pair)]) for field, pair in small.alone.items()]
+    table = f"<table>{''.join(rows)}</table>" if small.alone else ""
+    figure: Figure = members_figure(_objective(found), best, small.members)
+    return words + _shown([Picture("members", figure, "The ensemble.")]) + table
+
+
+def _change(value: float | None, best: float) -> str:
+    return "-" if value is None or best == 0.0 else f"{value / best - 1.0:+.2%}"

@@ -1,0 +1,152 @@
+"""The search: all designs where they can be counted out, else evolution, and at its end steps along each coordinate.
+
+Evolution is scipy's differential evolution (Storn & Price, J. Global Optim. 11, 1997). Its course follows from the seed
+and from what designs are worth alone: one that was interrupted goes the same way again, through what is remembered.
+"""
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+from scipy.optimize import differential_evolution
+from scipy.stats import qmc
+
+from analysis.trajectory import Floats
+from workflow.studies.design.crew import Crew
+from workflow.studies.design.file import Design
+from workflow.studies.design.memory import Record
+from workflow.studies.design.variables import values_of
+
+RULED_OUT = 1e30
+"""Worth of what violates a limit, times one and by how much, so that any other is better and less is better (Deb,
+Comput. Methods Appl. Mech. Eng. 186, 2000)."""
+
+LEFT = 0.2
+"""Share of the evaluations that is left for the steps at the end."""
+
+STRIDES = (0.1, 0.03, 0.01, 0.003)
+"""Of a number, in its range, one after the other."""
+
+
+def worth(design: Design, record: Record) -> float:
+    """The smaller the better; infinite of what is no scene."""
+    if record.refused:
+        return math.inf
+    broken = sum(
+        limit.violation(record.quantities[name]) for name, limit in design.where.items() if name in record.quantities
+    )
+    value = record.quantities.get(design.objective)
+    if broken > 0.0:
+        return RULED_OUT * (1.0 + broken)
+    return math.inf if value is None or not math.isfinite(value) else design.sign * value
+
+
+def search(design: Design, crew: Crew) -> list[Record]:
+    """Records of all designs that were asked for, in that order; each once."""
+    asked: dict[int, Record] = {}
+
+    def ask(vectors: Sequence[Floats]) -> list[float]:
+        records = crew.all_of([values_of(design.variables, vector.tolist()) for vector in vectors])
+        asked.update((id(record), record) for record in records)
+        return [worth(design, record) for record in records]
+
+    if design.exhaustive:
+        vectors = _all_vectors(design)
+        while batch := list(itertools.islice(vectors, design.population)):
+            ask(batch)
+    else:
+        best = _evolved(design, ask)
+        _stepped(design, ask, *best)
+    return list(asked.values())
+
+
+def _coordinates(design: Design) -> Iterator[tuple[float, float, bool]]:
+    """Low, high, and whether whole."""
+    for variable in design.variables:
+        for _ in range(variable.coordinates):
+            yield *variable.bounds, variable.steps
+
+
+def _all_vectors(design: Design) -> Iterator[Floats]:
+    axes = [np.arange(low, high + 1.0) for low, high, _ in _coordinates(design)]
+    return (np.array(vector) for vector in itertools.product(*axes))
+
+
+def _evolved(design: Design, ask: Any) -> tuple[Floats, float]:
+    """The best vector of the evolution, and its worth."""
+    low, high, whole = (np.array(column) for column in zip(*_coordinates(design), strict=True))
+    population = design.population
+    generations = max(1, math.floor((1.0 - LEFT) * design.search.evaluations / population) - 1)
+    first = qmc.scale(
+        qmc.LatinHypercube(len(low), seed=design.search.seed).random(population),
+        np.where(whole, low - 0.499, low),
+        np.where(whole, high + 0.499, np.where(high > low, high, low + 1e-9)),
+    )
+    first = np.where(whole, np.round(first), first)
+    best: list[Any] = [first[0], math.inf]
+
+    def together(_: Any, vectors: Any) -> list[float]:
+        chosen = [np.where(whole, np.round(vector), vector) for vector in vectors]
+        found: list[float] = ask(chosen)
+        k = int(np.argmin(found))
+        if found[k] < best[1]:
+            best[:] = chosen[k], found[k]
+        return found
+
+    differential_evolution(
+        len,  # never called: `together` takes its place
+        list(zip(low, np.where(high > low, high, low + 1e-9), strict=True)),
+        maxiter=generations,
+        init=np.clip(first, low, np.where(high > low, high, low + 1e-9)),
+        integrality=whole,
+        workers=together,
+        updating="deferred",
+        polish=False,
+        tol=0.0,
+        mutation=(0.5, 1.0),
+        recombination=0.9,
+        seed=design.search.seed,
+    )
+    return best[0], best[1]
+
+
+def _stepped(design: Design, ask: Any, vector: Floats, value: float) -> None:
+    """From the best on, the best of all changes of one coordinate, until none is better or the evaluations are over."""
+    left = int(LEFT * design.search.evaluations)
+    for stride in STRIDES:
+        while True:
+            around = _around(design, vector, stride)[:left]
+            if not around:
+                return
+            left -= len(around)
+            found = ask(around)
+            k = int(np.argmin(found))
+            if not found[k] < value:
+                break
+            vector, value = around[k], found[k]
+
+
+def _around(design: Design, vector: Floats, stride: float) -> list[Floats]:
+    found, place = [], 0
+    for variable in design.variables:
+        low, high = variable.bounds
+        for _ in range(variable.coordinates):
+            for other in _others(
+                vector[place], low, high, stride, choices=bool(variable.choices), whole=variable.steps
+            ):
+                moved = vector.copy()
+                moved[place] = other
+                found.append(moved)
+            place += 1
+    return found
+
+
+def _others(at: float, low: float, high: float, stride: float, *, choices: bool, whole: bool) -> list[float]:
+    """Other values of a coordinate: every choice, whole numbers on either side, or a stride up and down."""
+    if choices:
+        return [float(k) for k in range(round(low), round(high) + 1) if k != round(at)]
+    step = max(1.0, round(stride * (high - low))) if whole else stride * (high - low)
+    moved = {min(max(at + sign * step, low), high) for sign in (-1.0, 1.0)}
+    return sorted(moved - {at})

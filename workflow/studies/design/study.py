@@ -1,0 +1,162 @@
+"""A design study from beginning to end: search, the best in LAMMPS, small errors, and what is written.
+
+| file               | what                                                                            |
+|--------------------|---------------------------------------------------------------------------------|
+| evaluations.jsonl  | every design that was computed, a line as it was done                            |
+| designs.csv        | the same as a table, the best first                                              |
+| best.yaml          | scene of the best                                                                |
+| design.json        | what was found                                                                   |
+| best-1/, beside/   | run directories of LAMMPS: the best few, and the scene to set them against       |
+| index.html         | the report                                                                       |
+"""
+
+import csv
+import io
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from lammps_inputs import InputError, library, strict_yaml
+from workflow.engines.lammps.mpi import cores
+from workflow.runs.locks import alone
+from workflow.runs.own_files import claim
+from workflow.runs.run import run
+from workflow.runs.run_directory import RunDirectory
+from workflow.runs.whole_files import write_json, write_text
+from workflow.studies.design import memory as memories
+from workflow.studies.design.crew import Crew
+from workflow.studies.design.file import Design
+from workflow.studies.design.found import Found, Verified
+from workflow.studies.design.manufacture import sensitivity
+from workflow.studies.design.measures import by_reference, of_frames, scene_to_run
+from workflow.studies.design.memory import Memory, Record
+from workflow.studies.design.search import RULED_OUT, search, worth
+from workflow.studies.design.variables import scene_with
+
+REPORT, TABLE, BEST, PAGE, BESIDE = "design.json", "designs.csv", "best.yaml", "index.html", "beside"
+
+Progress = Callable[[int, int, str], None]
+"""Called with designs computed, how many there may be, and what is going on."""
+
+
+def carry_out(
+    design: Design, directory: Path, *, processes: int | None = None, progress: Progress | None = None
+) -> Found:
+    """Search, verify and write; what a directory holds of an earlier start is made use of.
+
+    Args:
+        design: what is wanted.
+        directory: made if need be.
+        processes: by default as many as there are cores.
+        progress: told what is going on.
+
+    Raises:
+        InputError: the directory or a scene cannot be used, or nothing fits the limits.
+        RunError: LAMMPS failed.
+    """
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{directory}: cannot be written to ({error.strerror})") from None
+    with alone(directory):
+        claim(directory, (memories.FILE, REPORT, TABLE, BEST, PAGE, BESIDE, *_best_names(design)))
+        memory = Memory(directory / memories.FILE)
+        crew = Crew(design, memory, processes or cores(), _teller(design, progress))
+        try:
+            records = search(design, crew)
+            good = sorted((r for r in records if worth(design, r) < RULED_OUT), key=lambda r: worth(design, r))
+            write_text(directory / TABLE, _table(design, records))
+            if not good:
+                raise InputError(_why_nothing(design, records))
+            small = sensitivity(design, crew, good[0].values)
+        finally:
+            crew.close()
+            memory.close()
+        best_scene = library.from_plain(scene_with(design.scene, good[0].values), design.source)
+        write_text(directory / BEST, strict_yaml.dump(best_scene.plain()))
+        verified = [
+            _verified(
+                design, scene_with(design.scene, record.values), record.values, directory / name, record.quantities
+            )
+            for name, record in zip(_best_names(design), good, strict=False)
+        ]
+        beside = None if design.beside is None else _beside(design, design.beside, directory / BESIDE)
+        timed = [record.seconds for record in records if record.quantities and record.seconds > 0.0]
+        mean = sum(timed) / len(timed) if timed else math.nan
+        found = Found(design, records, verified, beside, small, mean)
+        write_json(directory / REPORT, found.plain())
+        from workflow.studies.design.report import page  # matplotlib takes half a second to import
+
+        write_text(directory / PAGE, page(found))
+    return found
+
+
+def _best_names(design: Design) -> list[str]:
+    return [f"best-{place}" for place in range(1, design.verify + 1)]
+
+
+def _teller(design: Design, progress: Progress | None) -> Callable[[Record], None] | None:
+    if progress is None:
+        return None
+    seen = [0, math.inf]
+
+    def tell(record: Record) -> None:
+        seen[0] += 1
+        seen[1] = min(seen[1], worth(design, record))
+        said = "" if seen[1] >= RULED_OUT else f"{design.objective} {design.sign * seen[1]:.4g}"
+        progress(int(seen[0]), design.count if design.exhaustive and design.count else design.search.evaluations, said)
+
+    return tell
+
+
+def _why_nothing(design: Design, records: list[Record]) -> str:
+    refused = [record.refused for record in records if record.refused]
+    if len(refused) == len(records):
+        return f"{design.source}: none of {len(records)} designs is a scene; the first: {refused[0]}"
+    return f"{design.source}: where: none of {len(records)} designs keeps the limits and has a {design.objective}"
+
+
+def _beside(design: Design, plain: dict[str, Any], path: Path) -> Verified:
+    source = f"{design.source}: beside"
+    return _verified(design, plain, {}, path, by_reference(plain, design.names, source))
+
+
+def _verified(
+    design: Design, plain: dict[str, Any], values: dict[str, Any], path: Path, known: dict[str, float | None]
+) -> Verified:
+    """A scene run in LAMMPS, or taken from an earlier start."""
+    scene = scene_to_run(plain, design.source)
+    directory = _finished(path, strict_yaml.dump(scene.resolved().plain()))
+    if directory is None:
+        directory = run(scene, path, overwrite=path.exists()).directory
+    check = directory.record.get("check", {})
+    lammps = of_frames(directory.problem, directory.blocks, scene, design.names)
+    return Verified(directory, values, known, lammps, float(check.get("velocity", math.nan)))
+
+
+def _finished(path: Path, scene: str) -> RunDirectory | None:
+    """An earlier run of just this scene that came to its end."""
+    if not (path / "scene.yaml").is_file() or (path / "scene.yaml").read_text(encoding="utf-8") != scene:
+        return None
+    directory = RunDirectory(path)
+    return directory if directory.record.get("outcome") == "done" and "check" in directory.record else None
+
+
+def _table(design: Design, records: list[Record]) -> str:
+    """All designs as CSV, the best first."""
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    fields = [variable.field for variable in design.variables]
+    writer.writerow([*fields, *design.names, "fits", "refused"])
+    for record in sorted(records, key=lambda record: worth(design, record)):
+        values = [record.values[field] for field in fields]
+        quantities = ["" if (value := record.quantities.get(name)) is None else repr(value) for name in design.names]
+        fits = "yes" if worth(design, record) < RULED_OUT else "no"
+        writer.writerow([*map(_written, values), *quantities, fits, record.refused])
+    return out.getvalue()
+
+
+def _written(value: Any) -> str:
+    return json.dumps(value) if isinstance(value, list | dict) else str(value)

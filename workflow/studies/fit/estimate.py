@@ -1,0 +1,154 @@
+"""Least squares: the best parameters, how sure they are, and what the data cannot tell apart. Knows no physics.
+
+The noise is taken to be normal, of one size in each channel, found from the residuals. Of residuals that are alike from
+row to row (noise that is not white, or a model that is not the truth) fewer count: with a correlation r of neighbours
+``(1 - r) / (1 + r)`` of them, as of a process of first order (Bartlett, J. R. Stat. Soc. Suppl. 8, 1946).
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+from scipy.stats import t as student
+
+from analysis.trajectory import Floats
+
+Residuals = Callable[[Floats], Floats]
+"""Parameters -> data minus model, [row, channel]; NaN without data; all infinite where there is no model."""
+
+Mask = NDArray[np.bool_]
+
+Slopes = Callable[[Floats], Floats]
+"""Parameters -> derivatives of the model, [row, channel, parameter]."""
+
+CONFIDENCE = 0.95
+
+ROUNDS = 3
+"""Fits, each with the noise that the one before left."""
+
+WEAK = 0.1
+"""Singular value of the derivatives, each of length 1, below which parameters are hard to tell apart: of two, it is a
+correlation of 0.99.
+"""
+
+BLIND = 1e-3
+"""Below this they are not told apart at all."""
+
+UNSEEN = 1e-6
+"""Length of a parameter's derivatives over the largest below which the data do not depend on it."""
+
+SHARE = 0.3
+"""Part that a parameter must have in such a direction to be named."""
+
+_EXTRA = 3.0
+"""Standard errors of the correlation of white residuals that are let pass as white."""
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """What was found.
+
+    Attributes:
+        parameters: the best.
+        error: standard error of each; infinite where the data tell nothing.
+        half_width: of each one's confidence interval.
+        correlation: [parameter, parameter]; NaN where the data tell nothing.
+        noise: [channel] standard deviation of the residuals, in the channel's unit.
+        alike: [channel] correlation of neighbouring residuals.
+        widened: how many times wider intervals are than of white noise.
+        rows: number of values that were fitted.
+        weak: groups of parameters, by number, that the data hardly tell apart, and whether not at all.
+        converged: whether the search came to its end.
+    """
+
+    parameters: Floats
+    error: Floats
+    half_width: Floats
+    correlation: Floats
+    noise: Floats
+    alike: Floats
+    widened: float
+    rows: int
+    weak: tuple[tuple[tuple[int, ...], bool], ...]
+    converged: bool
+
+
+def estimate(residuals: Residuals, slopes: Slopes, start: Floats, size: Floats) -> Estimate:
+    """Fit.
+
+    Args:
+        residuals, slopes: of the model.
+        start: parameters to begin with.
+        size: [channel] largest value of the data, to weigh channels by at first.
+    """
+    noise, parameters, converged = size, start, True
+    for _ in range(ROUNDS):
+        weights = 1.0 / noise
+        kept = np.isfinite(residuals(parameters))
+
+        def weighed(p: Floats, kept: Mask = kept, weights: Floats = weights) -> Floats:
+            return np.asarray((residuals(p) * weights)[kept])
+
+        def derivatives(p: Floats, kept: Mask = kept, weights: Floats = weights) -> Floats:
+            return np.asarray(-(slopes(p) * weights[:, np.newaxis])[kept])
+
+        found = least_squares(weighed, parameters, derivatives, method="trf", x_scale="jac", xtol=1e-10, ftol=1e-12)
+        parameters, converged = found.x, bool(found.status > 0)
+        noise = _noise(residuals(parameters), len(parameters), size)
+    left = residuals(parameters)
+    jacobian = -(slopes(parameters) / noise[:, np.newaxis])[np.isfinite(left)]
+    alike = _alike(left)
+    rows = len(jacobian)
+    white = np.abs(alike) < _EXTRA / np.sqrt(np.maximum(1, np.isfinite(left).sum(axis=0)))
+    r = float(np.max(np.where(white, 0.0, alike), initial=0.0))
+    widened = float(np.sqrt((1.0 + r) / (1.0 - min(r, 0.999))))
+    covariance, weak = _covariance(jacobian)
+    error = np.sqrt(np.diag(covariance)) * widened
+    factor = float(student.ppf(0.5 + 0.5 * CONFIDENCE, max(1, rows - len(parameters))))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        correlation = covariance / np.sqrt(np.outer(np.diag(covariance), np.diag(covariance)))
+    return Estimate(parameters, error, factor * error, correlation, noise, alike, widened, rows, weak, converged)
+
+
+def _noise(left: Floats, parameters: int, size: Floats) -> Floats:
+    """Standard deviation of each channel's residuals; never so small that a perfect model weighs without bounds."""
+    count = np.isfinite(left).sum(axis=0)
+    freedom = np.maximum(1.0, count * (1.0 - parameters / max(parameters + 1, int(count.sum()))))
+    return np.asarray(np.maximum(np.sqrt(np.nansum(left**2, axis=0) / freedom), 1e-9 * size))
+
+
+def _alike(left: Floats) -> Floats:
+    """Correlation of neighbouring residuals, [channel]."""
+    found = np.zeros(left.shape[1])
+    for channel, column in enumerate(left.T):
+        values = column[np.isfinite(column)]
+        total = float(np.sum(values**2))
+        found[channel] = float(np.sum(values[1:] * values[:-1])) / total if total > 0.0 else 0.0
+    return found
+
+
+def _covariance(jacobian: Floats) -> tuple[Floats, tuple[tuple[tuple[int, ...], bool], ...]]:
+    """Inverse of the normal matrix, infinite where there is none, and what is hardly told apart."""
+    count = jacobian.shape[1]
+    length = np.sqrt(np.sum(jacobian**2, axis=0))
+    blind = length <= UNSEEN * max(float(np.max(length, initial=0.0)), 1e-300)
+    weak: list[tuple[tuple[int, ...], bool]] = [((int(k),), True) for k in np.flatnonzero(blind)]
+    seen = np.flatnonzero(~blind)
+    covariance = np.full((count, count), np.nan)
+    _, singular, directions = np.linalg.svd(jacobian[:, seen] / length[seen], full_matrices=False)
+    lost = np.zeros(len(seen), dtype=bool)
+    for value, direction in zip(singular[::-1], directions[::-1], strict=True):
+        group = np.abs(direction) > SHARE
+        if value < WEAK and len(seen) > 1:
+            weak.append((tuple(int(k) for k in seen[group]), bool(value < BLIND)))
+        if value < BLIND:
+            lost |= group
+    safe = np.maximum(singular, BLIND)
+    inverse = (directions.T / safe**2) @ directions / np.outer(length[seen], length[seen])
+    covariance[np.ix_(seen, seen)] = inverse
+    for k in (*np.flatnonzero(blind), *seen[lost]):
+        covariance[k, :] = covariance[:, k] = np.nan
+        covariance[k, k] = np.inf
+    return covariance, tuple(weak)

@@ -1,0 +1,43 @@
+"""A command of ours as a Slurm job on one node: `granchain ... --slurm` writes it in place of doing the work."""
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from lammps_inputs import InputError
+from lammps_inputs.slurm.command import OUTPUT, render_command
+from lammps_inputs.slurm.job import JOB
+from lammps_inputs.slurm.site import JobOptions
+from workflow.runs.own_files import claim
+from workflow.runs.whole_files import write_text
+
+
+def write_job(
+    directory: Path, options: JobOptions, words: Sequence[str], *, cores: int, jobs: int | None = None
+) -> None:
+    """Write ``job.sbatch`` into a directory, which is made if need be.
+
+    Args:
+        directory: to be submitted in; the command is to name it as ``.``.
+        options: of the job.
+        words: of the command, after ``granchain``; paths in them absolute.
+        cores: that it uses.
+        jobs: as of `render_command`.
+
+    Raises:
+        InputError: the directory cannot be written, or holds such a file of somebody else's.
+    """
+    # -P: the directory it works in is no place for modules
+    command = [sys.executable, "-P", "-m", "workflow", *words]
+    text = render_command(options, f"granchain-{words[0]}", command, cores=cores, jobs=jobs)
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{directory}: cannot be written to ({error.strerror})") from None
+    claim(directory, (JOB, OUTPUT))
+    write_text(directory / JOB, text)
+
+
+def submit_hint(directory: Path) -> str:
+    """What to do with it, in one line."""
+    return f"{directory}: {JOB}; on the cluster, there: sbatch {JOB}    (what it says: {OUTPUT})"
