@@ -130,7 +130,7 @@ def _label(found: Found, name: str) -> str:
 
 def _of_search(found: Found) -> list[Picture]:
     what, values = _objective(found), _values(found)
-    pictures = [Picture("history", history_figure(what, values), "Every design, as the search came to it.")]
+    pictures = [drawn("history", history_figure(what, values), "Every design, as the search came to it.")]
     if found.design.also:
         name = found.design.also[0]
         figure = front_figure(what, values, _label(found, name), _values(found, name))
@@ -143,7 +143,7 @@ def _of_best(found: Found) -> list[Picture]:
     spacetime = SpaceTime(best.problem)
     for block in best.blocks():
         spacetime.add(block)
-    pictures = [Picture("spacetime", spacetime_figure(spacetime), "The best in space and time, by LAMMPS.")]
+    pictures = [drawn("spacetime", spacetime_figure(spacetime), "The best in space and time, by LAMMPS.")]
     against = [] if found.beside is None else [("set against", found.beside.directory)]
     curves = [
         (name, *curve) for name, directory in [("the best", best), *against] if (curve := _wall(directory)) is not None
@@ -184,7 +184,7 @@ def _made(found: Found) -> str:
     rows += [_row([field, *(_change(value, best) for value in pair)]) for field, pair in small.alone.items()]
     table = f"<table>{''.join(rows)}</table>" if small.alone else ""
     figure: Figure = members_figure(_objective(found), best, small.members)
-    return words + _shown([Picture("members", figure, "The ensemble.")]) + table
+    return words + _shown([drawn("members", figure, "The ensemble.")]) + table
 
 
 def _change(value: float | None, best: float) -> str:
