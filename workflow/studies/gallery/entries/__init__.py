@@ -12,7 +12,9 @@ from workflow.studies.gallery.entries import (
     exact_wave,
     impurity,
     kicked_chain,
+    kuwabara_kono,
     nesterenko,
+    rosas,
     striker_trains,
     tapered,
     wall,
@@ -36,4 +38,6 @@ ENTRIES: dict[str, Callable[[Path, Say], Section]] = {
     "impurity": impurity.ENTRY.build,
     "wall": wall.ENTRY.build,
     "beats": beats.ENTRY.build,
+    "rosas": rosas.ENTRY.build,
+    "kuwabara-kono": kuwabara_kono.ENTRY.build,
 }

@@ -1,0 +1,75 @@
+"""Viscoelastic contacts: the decay of a pulse."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from workflow.studies.gallery.compare import each, number
+from workflow.studies.gallery.draw import COLOURS, panel
+from workflow.studies.gallery.entry import Entry, Results
+from workflow.studies.gallery.ran import Ran
+from workflow.studies.page import Statement
+
+COEFFICIENTS = (0.01, 0.002)
+BEADS = np.arange(40, 101)
+
+
+def _name(coefficient: float) -> str:
+    return f"viscoelastic-{coefficient:g}"
+
+
+def _inverse(run: Ran) -> "np.ndarray[tuple[int], np.dtype[np.float64]]":
+    return np.array([run.peak(int(bead)) ** -0.2 for bead in BEADS])
+
+
+def statements(results: Results) -> list[Statement]:
+    """How evenly the peak velocity to the power -1/5 rises."""
+    return [
+        number(
+            "The peak velocity to the power -1/5 rises evenly, by 0.07577 times the coefficient a bead (here "
+            f"{one:g}).",
+            0.07577,
+            each(results[_name(one)], lambda run, one=one: float(np.polyfit(BEADS, _inverse(run), 1)[0]) / one),  # type: ignore[misc]
+            within=1e-3,
+            roughly=4e-3,
+            correction="Derived for vanishing damping.",
+        )
+        for one in COEFFICIENTS
+    ]
+
+
+def picture(results: Results) -> Figure:
+    """The same over distance."""
+
+    def draw(axis: Axes) -> None:
+        for place, one in enumerate(COEFFICIENTS):
+            axis.plot(
+                BEADS, _inverse(results[_name(one)]["lammps"]), color=COLOURS[place], label=f"coefficient {one:g}"
+            )
+
+    return panel("bead", "peak velocity to the power -1/5", draw)
+
+
+ENTRY = Entry(
+    title="Viscoelastic contacts",
+    introduction="Contacts that lose energy as viscoelastic spheres do, b overlap^(1/2) times the rate of overlap.",
+    sources=(
+        "The law: G. Kuwabara & K. Kono, Jpn. J. Appl. Phys. 26, 1230 (1987); N. V. Brilliantov, F. Spahn, J.-M. "
+        "Hertzsch & T. Poeschel, Phys. Rev. E 53, 5382 (1996); neither could be read here. The decay is derived from "
+        "the exact wave for weak damping; no published number was found for it.",
+    ),
+    scenes={
+        _name(one): {
+            "beads": 120,
+            "damping": {"contact": one, "law": "viscoelastic"},
+            "kick": {"velocity": 1.0},
+            "duration": 130,
+            "timestep": 0.005,
+            "output": {"every": 0.1},
+        }
+        for one in COEFFICIENTS
+    },
+    statements=statements,
+    picture=picture,
+    caption="What rises evenly along the chain (LAMMPS).",
+)
