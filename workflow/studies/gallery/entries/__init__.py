@@ -4,16 +4,19 @@ from collections.abc import Callable
 from pathlib import Path
 
 from workflow.studies.gallery.entries import (
+    band_gap,
     beats,
     collision,
     decorated,
     dimer_resonance,
     dimers,
     exact_wave,
+    gravity,
     impurity,
     kicked_chain,
     kuwabara_kono,
     nesterenko,
+    precompressed,
     rosas,
     striker_trains,
     tapered,
@@ -40,4 +43,7 @@ ENTRIES: dict[str, Callable[[Path, Say], Section]] = {
     "beats": beats.ENTRY.build,
     "rosas": rosas.ENTRY.build,
     "kuwabara-kono": kuwabara_kono.ENTRY.build,
+    "precompressed": precompressed.ENTRY.build,
+    "band-gap": band_gap.ENTRY.build,
+    "gravity": gravity.ENTRY.build,
 }

@@ -1,0 +1,89 @@
+"""Two kinds of beads by turns under a load pass on no sound between two frequencies."""
+
+import math
+
+from analysis.sound.dispersion import Dispersion, Map
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from workflow.studies.gallery.compare import number
+from workflow.studies.gallery.draw import COLOURS, PUBLISHED, panel
+from workflow.studies.gallery.entry import Entry, Results
+from workflow.studies.gallery.ran import Ran
+from workflow.studies.page import Statement
+
+LIGHT, LOAD = 0.5, 1.0
+STIFFNESS = 1.5 * LOAD ** (1.0 / 3.0)
+EDGES = {
+    "The acoustic band ends": math.sqrt(2.0 * STIFFNESS),
+    "The optical band begins": math.sqrt(2.0 * STIFFNESS / LIGHT),
+    "The optical band ends": math.sqrt(2.0 * STIFFNESS * (1.0 + 1.0 / LIGHT)),
+}
+PLACES = ((0, 1), (1, 0), (1, 1))
+
+
+def _map(run: Ran) -> Map:
+    found = Dispersion(run.problem)
+    for block in run.directory.blocks():
+        found.add(block)
+    return found.result()
+
+
+def statements(results: Results) -> list[Statement]:
+    """The three edges, from the power of the velocities over wavenumber and frequency."""
+    runs = results["diatomic"]
+    maps = {engine: _map(run) for engine, run in runs.items()}
+    second = {engine: run.problem.scale.time for engine, run in runs.items()}
+    bin_width = max(found.bin / second[engine] for engine, found in maps.items())
+    return [
+        number(
+            f"{says} at an angular frequency of {edge:.4f}.",
+            edge,
+            {engine: float(found.measured_bands()[place]) / second[engine] for engine, found in maps.items()},
+            within=bin_width,
+            digits=4,
+            correction=f"A bin of frequency is {bin_width:.4f} wide.",
+        )
+        for (says, edge), place in zip(EDGES.items(), PLACES, strict=True)
+    ]
+
+
+def picture(results: Results) -> Figure:
+    """Branches."""
+
+    def draw(axis: Axes) -> None:
+        run = results["diatomic"]["lammps"]
+        found, second = _map(run), run.problem.scale.time
+        for branch in range(2):
+            axis.plot(found.folded, found.measured[:, branch] / second, "o", ms=4, color=COLOURS[branch])
+        for edge in EDGES.values():
+            axis.axhline(edge, **PUBLISHED)
+
+    return panel("wavenumber (radians a bead)", "angular frequency", draw)
+
+
+ENTRY = Entry(
+    title="Band gap of a diatomic chain",
+    introduction="Heavy beads and beads of half their mass by turns, pressed together by a force of 1 and tapped.",
+    sources=(
+        "Edges 2k/M, 2k/m and 2k(1/M + 1/m) of the squared frequency: L. Brillouin, Wave Propagation in Periodic "
+        "Structures (1946); N. Boechler, G. Theocharis, S. Job, P. G. Kevrekidis, M. A. Porter & C. Daraio, Phys. "
+        "Rev. Lett. 104, 244302 (2010), arXiv 0911.2817 (abstract read), measured such a spectrum in a compressed "
+        "diatomic chain.",
+    ),
+    scenes={
+        "diatomic": {
+            "beads": 160,
+            "kinds": {"heavy": {"mass": 1}, "light": {"mass": LIGHT}},
+            "pattern": ["heavy", "light"],
+            "precompression": {"force": LOAD},
+            "kick": {"velocity": 1e-3},
+            "duration": 200,
+            "timestep": 0.01,
+            "output": {"every": 0.25},
+        }
+    },
+    statements=statements,
+    picture=picture,
+    caption="Frequencies over wavenumber as the LAMMPS run shows them; lines: the published edges.",
+)

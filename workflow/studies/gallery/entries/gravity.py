@@ -1,0 +1,86 @@
+"""A column under gravity: how a weak pulse decays with depth."""
+
+from itertools import pairwise
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from workflow.studies.gallery.compare import each, number
+from workflow.studies.gallery.draw import COLOURS, PUBLISHED, panel
+from workflow.studies.gallery.entry import Entry, Results
+from workflow.studies.gallery.ran import Ran
+from workflow.studies.page import Statement
+
+DEPTHS = np.arange(60, 241, 20)
+
+
+def _peaks(run: Ran) -> "np.ndarray[tuple[int], np.dtype[np.float64]]":
+    return np.array([run.peak(int(depth)) for depth in DEPTHS])
+
+
+def statements(results: Results) -> list[Statement]:
+    """Exponents of velocity and of speed over depth."""
+    runs = results["column"]
+    depth = np.log(DEPTHS)
+    middle = np.log(0.5 * (DEPTHS[1:] + DEPTHS[:-1]))
+
+    def speeds(run: Ran) -> float:
+        speed = [run.speed(int(a), int(b)) for a, b in pairwise(DEPTHS)]
+        return float(np.polyfit(middle, np.log(speed), 1)[0])
+
+    return [
+        number(
+            "The velocity of the leading peak falls as depth^(-0.250).",
+            -0.25,
+            each(runs, lambda run: float(np.polyfit(depth, np.log(_peaks(run)), 1)[0])),
+            within=0.005,
+            roughly=0.02,
+            digits=4,
+            correction="Down to some 240 beads it falls a little more slowly: the pulse still grows broader.",
+        ),
+        number(
+            "The pulse's speed grows as depth^(1/2 (1 - 1/p)), with the exponent p = 3/2 of the contact force: 1/6.",
+            1.0 / 6.0,
+            each(runs, speeds),
+            within=0.005,
+            roughly=0.02,
+            digits=4,
+        ),
+    ]
+
+
+def picture(results: Results) -> Figure:
+    """Velocity over depth."""
+
+    def draw(axis: Axes) -> None:
+        peaks = _peaks(results["column"]["lammps"])
+        axis.loglog(DEPTHS, peaks, "o", color=COLOURS[0], label="LAMMPS")
+        axis.loglog(DEPTHS, peaks[0] * (DEPTHS / DEPTHS[0]) ** -0.25, label="depth^(-1/4)", **PUBLISHED)
+
+    return panel("depth (beads)", "velocity of the leading peak (V)", draw)
+
+
+ENTRY = Entry(
+    title="A column under gravity",
+    introduction="Three hundred beads one on top of the other; the top one is tapped.",
+    sources=(
+        "J. Hong, J.-Y. Ji & H. Kim, Phys. Rev. Lett. 82, 3058 (1999), arXiv cond-mat/9812137, and patt-sol/9808008 "
+        "(abstracts read: exponent 0.250 of the leading peak for Hertzian contacts; phase velocity (1 - 1/p)/2. For "
+        "waves that oscillate they give (1/3 + 1/p)/4 for the velocity, which is 1/4 for p = 3/2, too).",
+    ),
+    scenes={
+        "column": {
+            "beads": 300,
+            "gravity": 0.01,
+            "walls": {"right": "flat"},
+            "kick": {"velocity": 1e-3},
+            "duration": 230,
+            "timestep": 0.01,
+            "output": {"every": 0.25},
+        }
+    },
+    statements=statements,
+    picture=picture,
+    caption="Velocity of the leading peak over depth.",
+)

@@ -1,0 +1,92 @@
+"""Chains pressed together: sound, and solitary waves on top of the load."""
+
+import math
+
+import numpy as np
+from analysis.shape.loaded_wave import speed_over_sound
+from analysis.sound.loaded_pulse import LoadedPulse, LoadedWave
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from workflow.studies.gallery.compare import number
+from workflow.studies.gallery.draw import COLOURS, PUBLISHED, panel
+from workflow.studies.gallery.entry import Entry, Results
+from workflow.studies.gallery.ran import Ran
+from workflow.studies.page import Statement
+
+LOADS = (0.1, 0.01, 0.003)
+
+
+def _name(load: float) -> str:
+    return f"load-{load:g}"
+
+
+def _wave(run: Ran) -> LoadedWave:
+    pulse = LoadedPulse(run.problem)
+    for block in run.directory.blocks():
+        pulse.add(block)
+    found = pulse.result()
+    assert found is not None
+    return found
+
+
+def statements(results: Results) -> list[Statement]:
+    """Sound, then the wave's speed over it at three force ratios."""
+    waves = {load: {engine: _wave(run) for engine, run in results[_name(load)].items()} for load in LOADS}
+    found = []
+    for load, by_engine in waves.items():
+        wave = by_engine["reference"]
+        found.append(
+            number(
+                f"At F_m / F_0 = {wave.force_ratio:.2f} the wave is {wave.theory:.4f} times as fast as sound, "
+                f"c_0 = sqrt(3/2) F_0^(1/6) = {math.sqrt(1.5) * load ** (1.0 / 6.0):.4f}.",
+                wave.theory,
+                {engine: one.over_sound for engine, one in by_engine.items()},
+                within=1e-3,
+                roughly=0.012 * wave.theory,
+                digits=4,
+                correction="The discrete chain is faster than the long-wave theory, the more so the farther it is "
+                "from sound.",
+            )
+        )
+    return found
+
+
+def picture(results: Results) -> Figure:
+    """Speed over sound, over the force ratio."""
+
+    def draw(axis: Axes) -> None:
+        every = np.geomspace(1.05, 300.0, 100)
+        axis.semilogx(every, speed_over_sound(every), label="Nesterenko", **PUBLISHED)
+        waves = [_wave(results[_name(load)]["lammps"]) for load in LOADS]
+        axis.semilogx(
+            [w.force_ratio for w in waves], [w.over_sound for w in waves], "o", color=COLOURS[0], label="LAMMPS"
+        )
+
+    return panel("largest force over that at rest", "speed over that of sound", draw)
+
+
+ENTRY = Entry(
+    title="Waves in precompressed chains",
+    introduction="A chain under a constant load has a speed of sound; solitary waves run ahead of it.",
+    sources=(
+        "C. Coste, E. Falcon & S. Fauve, Phys. Rev. E 56, 6104 (1997) (abstract read: measured at three static "
+        "forces, all on one curve in rescaled variables, that of Nesterenko). C. Daraio, V. F. Nesterenko, E. B. "
+        "Herbold & S. Jin, Phys. Rev. E 73, 026610 (2006), which could not be read here; the formula is that of "
+        "Nesterenko (2001).",
+    ),
+    scenes={
+        _name(load): {
+            "beads": 120,
+            "precompression": {"force": load},
+            "kick": {"velocity": 1.0},
+            "duration": 105,
+            "timestep": 0.01,
+            "output": {"every": 0.1},
+        }
+        for load in LOADS
+    },
+    statements=statements,
+    picture=picture,
+    caption="Speed of the pulse over that of sound; the line is the long-wave theory.",
+)
