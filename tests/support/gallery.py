@@ -28,6 +28,13 @@ PICTURES = {
     "gallery/hammer-from-a-file": ("hammer-from-a-file", "spacetime"),
     "gallery/beats-on-a-foundation": ("beats-on-a-foundation", "energy"),
     "gallery/cubic-coupling": ("cubic-coupling", "spacetime"),
+    "gallery/damped-contacts": ("damped-contacts", "spacetime"),
+    "gallery/restitution": ("restitution", "spacetime"),
+    "gallery/precompressed": ("precompressed", "dispersion"),
+    "gallery/gravity-column": ("gravity-column", "spacetime"),
+    "gallery/other-exponent": ("other-exponent", "spacetime"),
+    "gallery/driven-chain": ("driven-chain", "spectra"),
+    "gallery/drive-above-the-cut-off": ("drive-above-the-cut-off", "spectra"),
     "gallery/two-chains-gapped": ("two-chains-gapped", "spacetime"),
 }
 """File in ``.github`` -> installed scene, and which of its figures."""

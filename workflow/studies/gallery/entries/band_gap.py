@@ -2,10 +2,10 @@
 
 import math
 
-from analysis.sound.dispersion import Dispersion, Map
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from analysis.sound.dispersion import Dispersion, Map
 from workflow.studies.gallery.compare import number
 from workflow.studies.gallery.draw import COLOURS, PUBLISHED, panel
 from workflow.studies.gallery.entry import Entry, Results

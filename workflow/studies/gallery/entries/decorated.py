@@ -1,5 +1,7 @@
 """Small beads between large ones act as softer contacts between heavier beads."""
 
+import math
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -19,7 +21,7 @@ def _effective(radius: float) -> tuple[float, float]:
     A small bead between two large ones is light: its two contacts feel the same force and share the overlap.
     """
     contact = (2.0 * radius / (1.0 + radius)) ** 0.5
-    return contact / 2.0**1.5, 1.0 + radius**3
+    return contact / math.sqrt(8.0), 1.0 + radius**3
 
 
 def _speed(radius: float, velocity: float) -> float:

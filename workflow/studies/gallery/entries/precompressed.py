@@ -3,11 +3,11 @@
 import math
 
 import numpy as np
-from analysis.shape.loaded_wave import speed_over_sound
-from analysis.sound.loaded_pulse import LoadedPulse, LoadedWave
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from analysis.shape.loaded_wave import speed_over_sound
+from analysis.sound.loaded_pulse import LoadedPulse, LoadedWave
 from workflow.studies.gallery.compare import number
 from workflow.studies.gallery.draw import COLOURS, PUBLISHED, panel
 from workflow.studies.gallery.entry import Entry, Results
