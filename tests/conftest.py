@@ -5,7 +5,8 @@ What takes time, in seconds of processor (`cpu_times` in support prints them):
 - A new combination of laws: 2 to 3 for the reference, 1 to 2 more for its passages, once in a suite. New are other
   laws or another number of them, and numbers that become arrays (masses that differ), not other values, beads or
   chains: one chain, an open row of chains, and any other topology are three.
-- A figure, 2; ``analyze`` draws four and ``validate`` one. ``analyse(..., figures=False)`` where they are no claim.
+- A figure, 2; ``analyze`` draws four: ``analyse(..., figures=False)`` where they are no claim. ``validate`` draws its
+  own only in tests that ask for `drawn`.
 - A process of Python that imports all, 1 to 2: ``workflow.cli.main`` where a process is no claim, or `lammps_here`.
 """
 
@@ -32,6 +33,19 @@ settings.load_profile("granchain")
 for number, usual in ((signal.SIGINT, signal.default_int_handler), (signal.SIGQUIT, signal.SIG_DFL)):
     if signal.getsignal(number) == signal.SIG_IGN:  # of a suite in the background; commands would inherit it
         signal.signal(number, usual)
+
+
+@pytest.fixture(autouse=True)
+def _no_figure_of_a_validation(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Validations in this process leave no figure, which takes them longer than all else."""
+    if "drawn" not in request.fixturenames:
+        for module in ("validate", "validate_traces"):
+            monkeypatch.setattr(f"workflow.verdicts.{module}.write_figure", lambda *_: ())
+
+
+@pytest.fixture
+def drawn() -> None:
+    """For tests that look at the figure of a validation."""
 
 
 @pytest.fixture(scope="module")

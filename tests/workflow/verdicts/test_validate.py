@@ -17,24 +17,11 @@ from lammps_inputs.decks import deck
 from workflow.cli import main
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
-from workflow.verdicts import validate as validation
 from workflow.verdicts.validate import FIGURES, REPORT, TOLERANCES, validate
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
 SCENE = scene(chains=2, beads=40, kappa=0.1, duration=40.0)
-
-
-@pytest.fixture(autouse=True)
-def _without_figures(request, monkeypatch):
-    """Drawing takes longer than all else, so only a few tests draw."""
-    if "drawn" not in request.fixturenames:
-        monkeypatch.setattr(validation, "FIGURES", ())
-
-
-@pytest.fixture
-def drawn():
-    """Figures are drawn in the tests that ask for this."""
 
 
 @pytest.fixture(scope="module")
