@@ -7,7 +7,8 @@ What takes time, in seconds of processor (`cpu_times` in support prints them):
   chains: one chain, an open row of chains, and any other topology are three.
 - A figure, 2; ``analyze`` draws four: ``analyse(..., figures=False)`` where they are no claim. ``validate`` draws its
   own only in tests that ask for `drawn`.
-- A process of Python that imports all, 1 to 2: ``workflow.cli.main`` where a process is no claim, or `lammps_here`.
+- A process of Python that imports all, 1 to 2: ``workflow.cli.main`` where a process is no claim, or `lammps_here`,
+  or `pool_here` for sweeps.
 """
 
 import os
@@ -53,4 +54,14 @@ def lammps_here() -> Iterator[None]:
     """Runs of LAMMPS on one rank take place in this process, for tests whose claim is not about one of its own."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(engine, "run", run)
+        yield
+
+
+@pytest.fixture(scope="module")
+def pool_here() -> Iterator[None]:
+    """Cases of sweeps are computed in this process, for tests whose claim is not about those of their own."""
+    from pool_here import answers  # only for those who sweep
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("workflow.sweep.pool.answers", answers)
         yield
