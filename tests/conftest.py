@@ -5,21 +5,24 @@ What takes time, in seconds of processor (`cpu_times` in support prints them):
 - A new combination of laws: 2 to 3 for the reference, 1 to 2 more for its passages, once in a suite. New are other
   laws or another number of them, and numbers that become arrays (masses that differ), not other values, beads or
   chains: one chain, an open row of chains, and any other topology are three.
-- A figure, 2; ``analyze`` draws four: ``analyse(..., figures=False)`` where they are no claim. ``validate`` draws its
-  own only in tests that ask for `drawn`.
+- A figure, 2; ``analyze`` draws four: ``analyse(..., figures=False)`` where they are no claim, or `draw_only`.
+  ``validate`` draws its own only in tests that ask for `drawn`.
 - A process of Python that imports all, 1 to 2: ``workflow.cli.main`` where a process is no claim, or `lammps_here`,
   or `pool_here` for sweeps.
 """
 
 import os
 import signal
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
 from lammps_here import run
 
 from workflow.engines.lammps import engine
+from workflow.runs.whole_files import write_figure
 
 # a busy machine is no failure
 settings.register_profile(
@@ -47,6 +50,19 @@ def _no_figure_of_a_validation(request: pytest.FixtureRequest, monkeypatch: pyte
 @pytest.fixture
 def drawn() -> None:
     """For tests that look at the figure of a validation."""
+
+
+@pytest.fixture
+def draw_only(monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
+    """A function: of the figures of an analysis that are made, write only this one."""
+
+    def only(wanted: str) -> None:
+        def write(directory: Path, name: str, figure: Any) -> tuple[Path, ...]:
+            return write_figure(directory, name, figure) if name == wanted else (directory / f"{name}.png",)
+
+        monkeypatch.setattr("workflow.verdicts.analyse.write_figure", write)
+
+    return only
 
 
 @pytest.fixture(scope="module")

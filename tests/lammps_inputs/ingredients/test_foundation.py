@@ -94,7 +94,8 @@ def test_energy_is_kept_and_momentum_is_not_asked_for(directory):
     assert found.passed
 
 
-def test_analysis_says_where_the_energy_is_in_place_of_a_verdict(directory):
+def test_analysis_says_where_the_energy_is_in_place_of_a_verdict(directory, draw_only):
+    draw_only("energy")
     assert {path.stem for path in analyse(directory).figures} == {"energy", "response", "spacetime"}
     report = json.loads((directory.path / "analysis.json").read_text())
     assert report["equipartition"]["state"] == "does not apply"

@@ -243,9 +243,10 @@ def test_rigid_beads_before_a_wall_are_refused(tmp_path):
         run(walled({"right": "bead"}, gap=1.0), tmp_path / "run", engine="collisions")
 
 
-def test_the_installed_scene_shows_the_known_numbers_through_lammps(tmp_path):
+def test_the_installed_scene_shows_the_known_numbers_through_lammps(tmp_path, draw_only):
     """Wall over bulk force 1.75040, reflected over incident velocity 0.9998."""
     found = run(find("wall-reflection"), tmp_path / "run")
+    draw_only("forces")
     analysed = analyse(found.directory)
     assert {"forces.png", "forces.pdf"} <= {path.name for path in analysed.figures}
     wall, contact, sensor = json.loads((tmp_path / "run" / "analysis.json").read_text())["forces"]
