@@ -331,7 +331,7 @@ def test_the_2021_release_computes_the_same(tmp_path, name):
 
 @pytest.mark.parametrize("name", ["dimer", "disorder"])
 def test_two_ranks_compute_the_same_bits(tmp_path, name):
-    case = scene(**UNEQUAL[name], beads=40)
+    case = scene(**UNEQUAL[name], beads=40, timestep=0.05)
     one, two = (run_stock(case, tmp_path / str(ranks), ranks=ranks) for ranks in (1, 2))
     np.testing.assert_array_equal(one.vx, two.vx)
 

@@ -104,7 +104,7 @@ def test_the_2021_release_computes_the_same_to_rounding(tmp_path):
 
 
 def test_two_ranks_compute_the_same_bits(tmp_path):
-    case = walled(BOTH, beads=40, duration=80.0)
+    case = walled(BOTH, beads=40, duration=80.0, timestep=0.05)
     one, two = (run_stock(case, tmp_path / str(ranks), ranks=ranks) for ranks in (1, 2))
     np.testing.assert_array_equal(one.vx, two.vx)
 

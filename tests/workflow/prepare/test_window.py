@@ -124,7 +124,7 @@ def test_stock_lammps_does_without_python_what_the_local_run_does(changes, tmp_p
 
 
 def test_two_ranks_give_the_bits_of_one(tmp_path):
-    case = long_scene(chains=2, kappa=0.1, window=ROWS, duration=120.0)
+    case = long_scene(chains=2, kappa=0.1, window=ROWS, duration=120.0, timestep=0.05)
     one, two = (by_stock_lammps(case, tmp_path / str(ranks), ranks=ranks) for ranks in (1, 2))
     assert np.array_equal(one, two)
 
