@@ -73,7 +73,9 @@ def test_bytes_of_a_frame_of_a_restart_and_of_memory_are_those_of_a_real_run(cas
 
 
 @pytest.mark.parametrize(
-    ("changes", "count"), [({}, 2), ({"chains": 4, "kappa": 0.1}, 4), ({"chains": 2, "kappa": 0.1, "gap": 0.3}, 2)], ids=str
+    ("changes", "count"),
+    [({}, 2), ({"chains": 4, "kappa": 0.1}, 4), ({"chains": 2, "kappa": 0.1, "gap": 0.3}, 2)],
+    ids=str,
 )
 def test_more_ranks_even_than_cores_change_no_bit(changes, count, tmp_path):
     case = scene(beads=16, duration=0.5, **changes)
