@@ -3,10 +3,34 @@
 Imports nothing of the other two packages. Runs nothing, and reads no results.
 """
 
-from lammps_inputs.errors import InputError
-from lammps_inputs.ingredients.coupling import Coupling
-from lammps_inputs.library import find, load
-from lammps_inputs.problem import Problem, System
-from lammps_inputs.scene import Kick, Material, Output, Scene
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from lammps_inputs.errors import InputError
+    from lammps_inputs.ingredients.coupling import Coupling
+    from lammps_inputs.library import find, load
+    from lammps_inputs.problem import Problem, System
+    from lammps_inputs.scene import Kick, Material, Output, Scene
 
 __all__ = ["Coupling", "InputError", "Kick", "Material", "Output", "Problem", "Scene", "System", "find", "load"]
+
+_PLACES = {
+    "Coupling": "ingredients.coupling",
+    "InputError": "errors",
+    "find": "library",
+    "load": "library",
+    "Problem": "problem",
+    "System": "problem",
+    "Kick": "scene",
+    "Material": "scene",
+    "Output": "scene",
+    "Scene": "scene",
+}
+"""Imported when first asked for: what a scene may be takes a while to load, and not every command needs it."""
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _PLACES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(importlib.import_module(f"{__name__}.{_PLACES[name]}"), name)

@@ -12,18 +12,13 @@ from lammps_inputs import strict_yaml
 from lammps_inputs.errors import InputError
 from lammps_inputs.ingredients import INGREDIENTS
 from lammps_inputs.scene import SEVERAL, Scene
+from lammps_inputs.shipped import installed
 from lammps_inputs.window import LEAST_WINDOW
 
 EDITORS = "# yaml-language-server: $schema="
 """What a YAML file begins with so that editors complete and check it."""
 
 SCHEMA = "templates/scene.schema.json"
-
-
-def installed() -> dict[str, Path]:
-    """Name -> file of the scenes that come with the package."""
-    folder = Path(str(importlib.resources.files("lammps_inputs") / "scenes"))
-    return {path.stem: path for path in sorted(folder.glob("*.yaml"))}
 
 
 def to_start_from(name: str | None) -> str:
@@ -194,7 +189,7 @@ def _listed(known: list[str]) -> str:
     return text if len(text) <= _ROOM else f"{text[:_ROOM].rpartition(',')[0]}, ..."
 
 
-_ROOM = 160
+_ROOM = 120
 
 
 def _short(value: Any) -> str:

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from gallery import FOLDER, PICTURES
 
-from lammps_inputs import library
+from lammps_inputs import shipped
 
 README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
 SHOWN = set(re.findall(r"\]\(\.github/([\w/-]+)\.png\)", README))
@@ -19,7 +19,7 @@ def test_every_picture_is_drawn_by_the_script_and_small():
 
 
 @pytest.mark.parametrize(
-    "name", [name for name in library.installed() if not name.startswith(("one-", "two-", "three-"))]
+    "name", [name for name in shipped.installed() if not name.startswith(("one-", "two-", "three-"))]
 )
 def test_every_scene_of_an_ingredient_stands_in_the_gallery(name):
     assert f"`{name}`" in README

@@ -3,13 +3,12 @@
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-from rich.table import Table
+if TYPE_CHECKING:
+    from rich.progress import Progress
 
-from lammps_inputs import Problem
+    from lammps_inputs import Problem
 
 _bars: ContextVar[bool] = ContextVar("bars", default=True)
 
@@ -38,7 +37,7 @@ def one_line(text: object) -> str:
 
 
 @contextmanager
-def progress_bar(name: str, problem: Problem) -> Iterator[Callable[[int, int], None]]:
+def progress_bar(name: str, problem: "Problem") -> Iterator[Callable[[int, int], None]]:
     """A bar of steps done, with the bead that the front has reached; on standard error, and only on a terminal."""
     with _bar("step {task.completed:.0f}/{task.total:.0f}  bead {task.fields[bead]}") as bar:
         task = bar.add_task(name, total=problem.steps, bead=1)
@@ -66,8 +65,11 @@ def count_bar(name: str) -> Iterator[Callable[..., None]]:
         yield show
 
 
-def _bar(done: str) -> Progress:
+def _bar(done: str) -> "Progress":
     """A bar that says by a template how much is done, and disappears at its end."""
+    from rich.console import Console  # rich takes a tenth of a second to import
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
     console = Console(stderr=True)
     columns = (TextColumn("{task.description}"), BarColumn(), TextColumn(done), TimeRemainingColumn(compact=True))
     return Progress(*columns, console=console, transient=True, disable=not (_bars.get() and console.is_terminal))
@@ -75,6 +77,9 @@ def _bar(done: str) -> Progress:
 
 def print_table(title: str, head: list[str], rows: list[list[str]]) -> None:
     """A table on standard output; numbers are right-aligned."""
+    from rich.console import Console
+    from rich.table import Table
+
     table = Table(title=title, title_justify="left", box=None, pad_edge=False, header_style="bold")
     for name in head:
         table.add_column(name, justify="right")

@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from strategies import VALUES, YAML_LIKE
 
-from lammps_inputs import InputError, Scene, find, library, load, strict_yaml
+from lammps_inputs import InputError, Scene, find, library, load, shipped, strict_yaml
 
 PAPER = ["one-chain", "three-chains", "two-chains", "two-chains-steel", "two-chains-strong"]
 
@@ -78,10 +78,10 @@ def test_any_positive_numbers_give_a_scene_or_one_line(numbers):
 
 
 def test_the_scenes_of_the_paper_are_installed():
-    assert set(library.installed()) >= set(PAPER)
+    assert set(shipped.installed()) >= set(PAPER)
 
 
-@pytest.mark.parametrize("name", library.installed())
+@pytest.mark.parametrize("name", shipped.installed())
 def test_an_installed_scene_has_its_own_name_and_says_what_it_is(name):
     scene = find(name)
     assert scene.name == name

@@ -13,7 +13,7 @@ from bad_scenes import BAD_SCENES, scene_text
 from processes import HANGS
 from stock_lammps import scene
 
-from lammps_inputs import library, strict_yaml
+from lammps_inputs import library, shipped, strict_yaml
 from workflow import cli
 from workflow.cli import COMMANDS, main
 from workflow.engines.lammps import mpi
@@ -311,12 +311,12 @@ def test_a_run_is_analysed_whatever_run_json_holds(record, a_run, capsys):
 def test_scenes_lists_a_line_for_each_installed_scene(capsys):
     assert main(["scenes"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert [line.split()[0] for line in lines] == list(library.installed())
+    assert [line.split()[0] for line in lines] == list(shipped.installed())
     assert all(len(line.split()) > 3 for line in lines)
 
 
 TEXTS = {
-    **{name: strict_yaml.dump(library.load_plain(path)) for name, path in library.installed().items()},
+    **{name: strict_yaml.dump(library.load_plain(path)) for name, path in shipped.installed().items()},
     "least": scene_text(),
     "until a bead": scene_text(duration=None, until_bead="7"),
     "several kicks": scene_text(kick="[{bead: 1, velocity: 1.0}, {bead: 9, velocity: -0.3}]"),

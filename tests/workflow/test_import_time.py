@@ -40,3 +40,15 @@ with contextlib.redirect_stdout(io.StringIO()), contextlib.suppress(SystemExit):
 print(*(m for m in {HEAVY} if m in sys.modules))
 """
     assert python(code) == []
+
+
+@pytest.mark.parametrize("command", [["scenes"], ["--help"]])
+def test_commands_that_only_list_load_neither_numpy_nor_pydantic(command):
+    code = f"""
+import contextlib, io, sys
+from workflow.cli import main
+with contextlib.redirect_stdout(io.StringIO()), contextlib.suppress(SystemExit):
+    main({command})
+print(*(m for m in ("numpy", "pydantic", "rich") if m in sys.modules))
+"""
+    assert python(code) == []

@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from lammps_inputs import library
+from lammps_inputs import library, shipped
 from lammps_inputs.numbers import text
 from lammps_inputs.slurm.job import JOB
 from workflow.cluster.job_arguments import add_job_arguments, job_options
@@ -67,7 +67,7 @@ def execute(arguments: argparse.Namespace) -> Answer:
 def _words(arguments: argparse.Namespace) -> list[str]:
     """The command as a job runs it."""
     scene = arguments.scene
-    path = scene if scene in library.installed() else str(Path(scene).absolute())
+    path = scene if scene in shipped.installed() else str(Path(scene).absolute())
     library.find(scene)
     words = ["fit", path, "--against", str(arguments.against.absolute()), "--free", arguments.free, "-o", "."]
     words += [] if arguments.offset is None else [f"--offset={arguments.offset!r}"]

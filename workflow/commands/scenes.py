@@ -2,7 +2,7 @@
 
 import argparse
 
-from lammps_inputs import library
+from lammps_inputs import shipped
 from workflow.screen import Answer
 
 ANSWERS = "name -> description"
@@ -18,8 +18,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> Answer:  # noqa: ARG001
     """Print a name and a line for each."""
-    scenes = {name: library.load(path) for name, path in library.installed().items()}
+    scenes = shipped.descriptions()
     width = max(map(len, scenes))
-    for name, scene in scenes.items():
-        print(f"{name:{width}}  {scene.description}")
-    return Answer(0, {name: scene.description for name, scene in scenes.items()})
+    for name, description in scenes.items():
+        print(f"{name:{width}}  {description}")
+    return Answer(0, scenes)

@@ -30,7 +30,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--against",
         metavar="FILE",
         type=Path,
-        help="your own trajectory (npz, CSV or blanks), or traces: time, force_wall_right, force_contact_10, "
+        help="your own trajectory (npz, CSV, blanks, or a text dump of LAMMPS), or traces: "
+        "time, force_wall_right, force_contact_10, "
         "velocity_1_55 (chain, bead)",
     )
     parser.add_argument(

@@ -19,7 +19,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PlainValidator, ValidationError, model_validator
 
-from lammps_inputs import InputError, library, schema, strict_yaml
+from lammps_inputs import InputError, library, schema, shipped, strict_yaml
 from workflow.sweep import fields
 
 MAX_CASES = 100_000
@@ -219,7 +219,7 @@ def scene_in(given: Any, path: Path, key: str = "scene") -> dict[str, Any]:
         return library.with_files(given, path.parent)
     if not isinstance(given, str):
         raise InputError(f"{path}: {key}: should be a name, a file, or the scene's `key: value` pairs")
-    installed = library.installed()
+    installed = shipped.installed()
     if given in installed:
         return library.load_plain(installed[given])
     try:

@@ -11,7 +11,7 @@ import numpy as np
 from analysis.against import resample
 from analysis.against.difference import Deviation, Difference
 from analysis.against.pairing import OtherFramesError, paired
-from analysis.files import table
+from analysis.files import table, text_dump
 from analysis.files.binary_dump import CutDumpWarning
 from analysis.trajectory import Trajectory, joined
 from lammps_inputs import InputError, Problem, html
@@ -215,7 +215,9 @@ def _sure_enough(problem: Problem, limits: dict[str, float]) -> Certifier:
 def validate_against(
     directory: RunDirectory, path: Path, *, dimensionless: bool = False, tolerances: dict[str, float] | None = None
 ) -> Validation:
-    """Compare a run with a user's own trajectory in a file (see `analysis.files.table`); writes what `validate` writes.
+    """Compare a run with a user's own trajectory in a file; writes what `validate` writes.
+
+    Files: see `analysis.files.table` and `analysis.files.text_dump`.
 
     The run is interpolated to the table's times. Peaks and arrivals are compared where the table has displacement and
     velocity at evenly spaced times. That the table's numbers are rounded is remarked, but counts only by its effect.
@@ -231,7 +233,11 @@ def validate_against(
     """
     limits = {**TOLERANCES, **(tolerances or {})}
     problem = directory.problem
-    given = table.load(path)
+    if text_dump.is_one(path):
+        step = problem.timestep if dimensionless else problem.timestep * problem.scale.time
+        given = text_dump.load(path, problem.beads, step)
+    else:
+        given = table.load(path)
     given_table.check_places(path, given, problem)
     own = joined(_blocks(directory))
     own = own[: problem.frames + 1]

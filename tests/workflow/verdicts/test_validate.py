@@ -281,7 +281,7 @@ def test_the_report_holds_every_quantity_with_its_tolerance_and_places(good, tmp
         "interpolation_error",
     }
     assert {name: quantity["tolerance"] for name, quantity in report["quantities"].items()} == {
-        **TOLERANCES,
+        **{name: tolerance for name, tolerance in TOLERANCES.items() if name != "force"},  # of measured traces only
         "velocity": 1e-9,
     }
     velocity = report["quantities"]["velocity"]

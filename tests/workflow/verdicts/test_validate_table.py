@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 import wrong_runs
+from stock_lammps import run as run_stock
 from stock_lammps import scene
 
 from lammps_inputs import Kick, Material
@@ -266,3 +267,15 @@ def test_a_run_of_three_frames_is_too_short_to_interpolate(tmp_path, capsys):
     (tmp_path / "own.csv").write_text("time,chain,bead,velocity\n0.05,1,1,1\n")
     assert main(["validate", str(RunDirectory(short.path).path), "--against", str(tmp_path / "own.csv")]) == 2
     assert "3 frames are too few" in capsys.readouterr().err
+
+
+def test_a_text_dump_of_the_deck_by_stock_lammps_is_the_run(tmp_path):
+    given = scene(chains=2, beads=12, kappa=0.1, duration=6.0)
+    ran = run(given, tmp_path / "run", check=False)
+    lines = "dump mine all custom 10 mine.lammpstrj id x vx\ndump_modify mine format float %.17g"
+    run_stock(given, tmp_path / "stock", before_run=lines)
+    found = validate_against(ran.directory, tmp_path / "stock" / "mine.lammpstrj", dimensionless=True)
+    assert found.passed
+    assert found.compared == 61
+    assert found.deviations["velocity"].largest < 1e-10  # times differ in their last bit
+    assert found.deviations["displacement"].largest < 1e-12

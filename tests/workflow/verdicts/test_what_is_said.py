@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from analysis.sharing.verdict import State
-from lammps_inputs import library, strict_yaml
+from lammps_inputs import shipped, strict_yaml
 from lammps_inputs.units import hertz_constant, make_scale, sphere_mass
 from workflow.cli import main
 
@@ -187,7 +187,7 @@ def test_what_steel_does_not_do_is_refused(absurd, tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", sorted(library.installed()))
+@pytest.mark.parametrize("name", sorted(shipped.installed()))
 def test_every_installed_scene_passes_validate(name, paper, capsys):
     assert main(["validate", str(paper(name))]) == 0
     assert capsys.readouterr().out.count("\npassed\n") == 1

@@ -1,0 +1,62 @@
+"""What is built from the sources: whole, and at work elsewhere."""
+
+import subprocess
+import sys
+import tarfile
+import zipfile
+from pathlib import Path
+
+import pytest
+from processes import HANGS
+
+ROOT = Path(__file__).parents[1]
+PACKAGES = ("lammps_inputs", "analysis", "workflow")
+
+pytestmark = pytest.mark.slow
+
+
+def run(*words, **options):
+    done = subprocess.run([str(word) for word in words], capture_output=True, text=True, timeout=HANGS, **options)
+    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory):
+    """The wheel, and the sdist that it was built from, of what git knows."""
+    place = tmp_path_factory.mktemp("built")
+    run("git", "clone", "-q", ROOT, place / "source")
+    code = f"import setuptools.build_meta as made; print(made.build_sdist({str(place)!r}))"
+    run(sys.executable, "-m", "pip", "install", "-q", "--target", place / "backend", "setuptools>=77")
+    environment = {"PYTHONPATH": str(place / "backend"), "PATH": "/usr/bin:/bin"}
+    sdist = place / run(sys.executable, "-c", code, cwd=place / "source", env=environment).split()[-1]
+    run(sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "-w", place, sdist)
+    return sdist, next(place.glob("*.whl"))
+
+
+def tracked(*folders):
+    return {name for name in run("git", "ls-files", *folders, cwd=ROOT).split() if "/" in name}
+
+
+def test_the_wheel_holds_every_file_of_the_packages(built):
+    held = {name for name in zipfile.ZipFile(built[1]).namelist() if name.split("/")[0] in PACKAGES}
+    assert held == tracked(*PACKAGES)
+
+
+def test_the_sdist_holds_the_tests_and_the_change_log(built):
+    with tarfile.open(built[0]) as archive:
+        held = {name.partition("/")[2] for name in archive.getnames()}
+    assert tracked(*PACKAGES, "tests") - held == set()
+    assert {"README.md", "CHANGELOG.md", "LICENSE", "pyproject.toml"} <= held
+
+
+def test_the_main_job_runs_from_the_wheel_elsewhere(built, tmp_path):
+    run(sys.executable, "-m", "pip", "install", "-q", "--no-deps", "--target", tmp_path / "site", built[1])
+    # no path of the sources: the interpreter starts elsewhere, and what was installed comes first
+    environment = {"PYTHONPATH": str(tmp_path / "site"), "PATH": "/usr/bin:/bin", "HOME": str(tmp_path)}
+    where = "import workflow; print(workflow.__file__)"
+    assert run(sys.executable, "-P", "-c", where, cwd=tmp_path, env=environment).startswith(str(tmp_path))
+    command = (sys.executable, "-P", "-m", "workflow")
+    run(*command, "run", "one-chain", "-o", "demo", cwd=tmp_path, env=environment)
+    assert "analysis.json" in run(*command, "analyze", "demo", "--no-figures", cwd=tmp_path, env=environment)
+    assert "springs between" in run(*command, "help", "coupling", cwd=tmp_path, env=environment)
