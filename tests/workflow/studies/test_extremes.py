@@ -269,6 +269,7 @@ def test_the_command_writes_table_and_figure_goes_on_where_it_stopped_and_fails_
 ):
     monkeypatch.setattr(cells, "grid", lambda: [Cell("beads", "8", SHORT), REFUSED])
     monkeypatch.setattr(report, "_program", lambda: "this one")
+    monkeypatch.setattr(report, "cores", lambda: 1)
     command = ["extremes", "-o", str(tmp_path)]
     assert main(command) == 0
     out = capsys.readouterr().out
