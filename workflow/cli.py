@@ -47,6 +47,7 @@ COMMANDS = (
     "validate",
     "compare",
     "reproduce",
+    "gallery",
     "map",
     "fit",
     "design",

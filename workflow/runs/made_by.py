@@ -98,6 +98,12 @@ _KINDS = {
         "index.html is the report",
         "`granchain reproduce -o {}` goes on",
     ),
+    "gallery": _Kind(
+        _holds(f"entries/*/runs/*/{deck.SCENE}"),
+        _has("index.html"),
+        "index.html is the page",
+        "`granchain gallery -o {}` goes on",
+    ),
     "map": _Kind(
         _holds("cases/N*_kappa*.json"), _has("map.csv"), "map.csv is the table", "`granchain map -o {}` goes on"
     ),

@@ -71,6 +71,7 @@ def alps(*jobs):
 WHOLE = {
     "compare": (["scene.yaml", "lammps/scene.yaml"], "compare.json"),
     "reproduce": (["runs/two-chains-lammps/scene.yaml"], "index.html"),
+    "gallery": (["entries/dimers/runs/ratio-0.3428-lammps/scene.yaml"], "index.html"),
     "map": (["cases/N2_kappa0.1_beads60.json"], "map.csv"),
     "extremes": (["cells/V_1.json"], "extremes.csv"),
     "trade": (["trade.csv"], "trade.json"),

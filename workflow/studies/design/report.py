@@ -16,7 +16,7 @@ from analysis.trajectory import Floats
 from workflow.runs.run_directory import RunDirectory
 from workflow.studies.design.found import Found, Verified
 from workflow.studies.design.search import RULED_OUT, worth
-from workflow.studies.reproduce.page import Picture, document, png, shown
+from workflow.studies.page import Picture, document, drawn, shown
 from workflow.sweep.table import QUANTITIES
 
 
@@ -38,7 +38,7 @@ def page(found: Found) -> str:
 
 
 def _shown(pictures: list[Picture]) -> str:
-    return "".join(shown(picture, png(picture.figure)) for picture in pictures)
+    return "".join(shown(picture) for picture in pictures)
 
 
 def _row(cells: list[str], tag: str = "td") -> str:
@@ -130,11 +130,11 @@ def _label(found: Found, name: str) -> str:
 
 def _of_search(found: Found) -> list[Picture]:
     what, values = _objective(found), _values(found)
-    pictures = [Picture("history", history_figure(what, values), "Every design, as the search came to it.")]
+    pictures = [drawn("history", history_figure(what, values), "Every design, as the search came to it.")]
     if found.design.also:
         name = found.design.also[0]
         figure = front_figure(what, values, _label(found, name), _values(found, name))
-        pictures.append(Picture("front", figure, f"What is to be had of {found.design.objective} at any {name}."))
+        pictures.append(drawn("front", figure, f"What is to be had of {found.design.objective} at any {name}."))
     return pictures
 
 
@@ -143,7 +143,7 @@ def _of_best(found: Found) -> list[Picture]:
     spacetime = SpaceTime(best.problem)
     for block in best.blocks():
         spacetime.add(block)
-    pictures = [Picture("spacetime", spacetime_figure(spacetime), "The best in space and time, by LAMMPS.")]
+    pictures = [drawn("spacetime", spacetime_figure(spacetime), "The best in space and time, by LAMMPS.")]
     against = [] if found.beside is None else [("set against", found.beside.directory)]
     curves = [
         (name, *curve) for name, directory in [("the best", best), *against] if (curve := _wall(directory)) is not None
@@ -151,7 +151,7 @@ def _of_best(found: Found) -> list[Picture]:
     if curves:
         scale = best.problem.scale
         labels = (f"time ({scale.symbol('time')})", f"force on the wall, all chains ({scale.symbol('force')})")
-        pictures.append(Picture("wall", wall_figure(curves, *labels), "Force on the far wall over time, by LAMMPS."))
+        pictures.append(drawn("wall", wall_figure(curves, *labels), "Force on the far wall over time, by LAMMPS."))
     return pictures
 
 
@@ -184,7 +184,7 @@ def _made(found: Found) -> str:
     rows += [_row([field, *(_change(value, best) for value in pair)]) for field, pair in small.alone.items()]
     table = f"<table>{''.join(rows)}</table>" if small.alone else ""
     figure: Figure = members_figure(_objective(found), best, small.members)
-    return words + _shown([Picture("members", figure, "The ensemble.")]) + table
+    return words + _shown([drawn("members", figure, "The ensemble.")]) + table
 
 
 def _change(value: float | None, best: float) -> str:

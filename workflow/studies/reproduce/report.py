@@ -5,8 +5,9 @@ from pathlib import Path
 from lammps_inputs import InputError
 from workflow.runs.own_files import claim
 from workflow.runs.whole_files import write_bytes, write_text
-from workflow.studies.reproduce import page, section2, section3
-from workflow.studies.reproduce.runs import Say
+from workflow.studies import page
+from workflow.studies.kept_runs import Say
+from workflow.studies.reproduce import section2, section3
 
 PAGE = "index.html"
 
@@ -32,16 +33,15 @@ def reproduce(directory: Path, say: Say) -> Path:
     except OSError as error:
         raise InputError(f"{directory}: cannot be written to ({error.strerror})") from None
     sections = [build(runs, say) for build in SECTIONS]
-    images = {picture.name: page.png(picture.figure) for section in sections for picture in section.pictures}
-    claim(directory, (f"{name}.png" for name in images))
-    for name, image in images.items():
-        write_bytes(directory / f"{name}.png", image)
+    pictures = [picture for section in sections for picture in section.pictures]
+    claim(directory, (f"{picture.name}.png" for picture in pictures))
+    for picture in pictures:
+        write_bytes(directory / f"{picture.name}.png", picture.image)
     text = page.render(
         "Pulse equipartition in coupled granular chains, recomputed",
         "Every number and figure on this page was computed when it was made: nothing is copied from the paper but its "
         "statements. Velocities are in units of the kick V, times in units of T.",
         sections,
-        images,
     )
     write_text(directory / PAGE, text)
     return directory / PAGE

@@ -8,8 +8,9 @@ from analysis.figures import response_figure, spacetime_figure
 from analysis.sharing.equipartition import Estimate, sharing
 from lammps_inputs import library
 from workflow.studies import map as mapping
-from workflow.studies.reproduce.page import Picture, Section, Statement
-from workflow.studies.reproduce.runs import Measured, Say, measured
+from workflow.studies.kept_runs import Say
+from workflow.studies.page import Picture, Section, Statement, drawn
+from workflow.studies.reproduce.runs import Measured, measured
 
 ENGINES = ("lammps", "reference")
 
@@ -153,9 +154,9 @@ def _pictures(runs: dict[str, dict[str, Measured]]) -> list[Picture]:
     for name, bead, space, time in CASES:
         run = runs[name]["lammps"]
         caption = f"Fig. {space}: velocity in space and time ({name}, LAMMPS)."
-        pictures.append(Picture(f"fig{space}", spacetime_figure(run.spacetime), caption))
+        pictures.append(drawn(f"fig{space}", spacetime_figure(run.spacetime), caption))
         caption = f"Fig. {time}: velocity of bead {bead} in all chains ({name}, LAMMPS)."
-        pictures.append(Picture(f"fig{time}", response_figure(run.history), caption))
+        pictures.append(drawn(f"fig{time}", response_figure(run.history), caption))
     return pictures
 
 

@@ -9,8 +9,8 @@ from analysis.figures.partition import relative_mode_figure, scan_figure
 from analysis.sharing.impulses import Impulses
 from workflow.engines.collisions.first_row import THETA_OF_EQ_5
 from workflow.studies import rigid_rows as study
-from workflow.studies.reproduce.page import Picture, Section, Statement
-from workflow.studies.reproduce.runs import Say
+from workflow.studies.kept_runs import Say
+from workflow.studies.page import Picture, Section, Statement, drawn
 
 THETAS = np.linspace(0.02, 8.0, 800)
 KAPPAS = (0.1, 1.0)
@@ -140,15 +140,15 @@ def _pictures(scan: study.Scan, hertz: dict[float, Impulses], rigid: Impulses) -
             found = history.impulses
             curves.append(Curve(engine, history.time, history.velocity, found.bead, found.first))
         caption = f"Fig. {name[3:]}: first impulses, and velocities of beads 5 and 25; kappa = {kappa:g}, gap of eq. 5."
-        pictures.append(Picture(name, engines_figure(problem, ROWS, curves), caption))
+        pictures.append(drawn(name, engines_figure(problem, ROWS, curves), caption))
     rows = np.isin(scan.bead, (5, 25, 30))
     scanned = scan_figure(scan.theta, scan.difference()[:, rows], (5, 25, 30), study.AGREE)
-    pictures.append(Picture("scan", scanned, "Rigid beads: how unequal the chains are at many gaps; the line is 1%."))
+    pictures.append(drawn("scan", scanned, "Rigid beads: how unequal the chains are at many gaps; the line is 1%."))
     shown = [("rigid", study.relative_mode(rigid, 2, LAST))]
     shown += [(rf"Hertz, $\kappa$ = {kappa:g}", study.relative_mode(found, 2, LAST)) for kappa, found in hertz.items()]
     curve = relative_mode_figure([(label, mode.bead, mode.difference) for label, mode in shown])
     caption = (
         "The difference of the chains along the way, at the gap of eq. 5: Hertz beads level out, rigid ones do not."
     )
-    pictures.append(Picture("relative-mode", curve, caption))
+    pictures.append(drawn("relative-mode", curve, caption))
     return pictures

@@ -12,7 +12,7 @@ import pytest
 from processes import HANGS
 
 from workflow.cli import main
-from workflow.studies.reproduce.page import Section, Statement, render
+from workflow.studies.page import Section, Statement, render
 
 
 @pytest.fixture(scope="module", params=[pytest.param("", marks=pytest.mark.slow)])
@@ -85,7 +85,7 @@ def test_the_page_opens_in_a_browser_without_errors(report: Path, tmp_path: Path
 
 def test_text_from_outside_cannot_become_markup() -> None:
     section = Section("<script>", "a & b", [Statement("<b>", ["<i>"], "holds")])
-    assert "<script>" not in render("t", "s", [section], {})
+    assert "<script>" not in render("t", "s", [section])
 
 
 def test_section_3_says_what_the_rigid_model_does_not_show(report: Path) -> None:

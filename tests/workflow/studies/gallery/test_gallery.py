@@ -1,0 +1,89 @@
+"""The gallery as a command; that its entries come out as known."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from workflow.cli import main
+from workflow.studies.gallery import entries
+from workflow.studies.gallery.entries import ENTRIES
+from workflow.studies.page import FAILS, kept
+
+CHEAP = ("kicked-chain", "tapered")
+
+RED = {"paper-gapped": 2, "tapered": 2}
+"""Statements that do not hold, by entry: rigid rows, and hard spheres in place of elastic beads."""
+
+
+def verdicts(page: Path, name: str) -> list[str]:
+    section = kept(page / "entries" / name)
+    assert section is not None
+    return [statement.holds for statement in section.statements]
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    directory = tmp_path_factory.mktemp("gallery")
+    words = [word for name in CHEAP for word in ("--only", name)]
+    assert main(["gallery", "-o", str(directory), *words]) == 0
+    return directory
+
+
+def test_an_entry_whose_numbers_do_not_hold_is_red_and_no_failure(page):
+    assert verdicts(page, "kicked-chain") == ["holds"] * 3
+    assert FAILS in verdicts(page, "tapered")
+
+
+def test_the_page_has_both_engines_numbers_and_needs_no_other_file(page):
+    text = (page / "index.html").read_text()
+    assert "LAMMPS 0.68163 V, reference 0.68163 V" in text
+    assert "LAMMPS 0.9332, reference 0.9332" in text  # computed by two other integrators
+    assert not re.findall(r'(?:src|href)="(?!data:|#)', text)
+
+
+def test_an_entry_that_cannot_be_run_fails_alone(page, capsys):
+    spoilt = page / "entries" / "kicked-chain" / "runs" / "kicked-lammps" / "run.json"
+    whole = spoilt.read_text()
+    spoilt.write_text("{")
+    capsys.readouterr()
+    words = [word for name in CHEAP for word in ("--only", name)]
+    assert main(["gallery", "-o", str(page), "--json", *words]) == 1
+    spoilt.write_text(whole)
+    failed = {one["name"]: one["failed"] for one in json.loads(capsys.readouterr().out)}
+    assert "run.json" in failed["kicked-chain"]
+    assert failed["tapered"] is None
+
+
+def test_a_second_start_runs_nothing_again_and_keeps_what_is_not_asked_for_on_the_page(page):
+    dumps = {path: path.stat().st_mtime_ns for path in page.rglob("*.bin")}
+    assert main(["gallery", "-o", str(page), "--only", "tapered"]) == 0
+    assert {path: path.stat().st_mtime_ns for path in page.rglob("*.bin")} == dumps
+    assert "A kicked chain" in (page / "index.html").read_text()
+
+
+def test_an_entry_that_is_not_there_is_one_line(tmp_path, capsys):
+    assert main(["gallery", "-o", str(tmp_path), "--only", "dimer"]) == 2
+    said = capsys.readouterr().err
+    assert "did you mean `dimers`?" in said
+    assert said.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_every_entry_is_listed(capsys):
+    assert main(["gallery", "--list"]) == 0
+    assert capsys.readouterr().out.split() == list(ENTRIES)
+
+
+def test_every_file_of_an_entry_is_listed():
+    files = [path for path in Path(entries.__file__).parent.glob("*.py") if path.stem != "__init__"]
+    own = [build for name, build in ENTRIES.items() if not name.startswith("paper")]
+    assert len(own) == len(files) >= 12
+
+
+@pytest.mark.slow
+def test_all_entries_come_out_as_known(tmp_path):
+    assert main(["gallery", "-o", str(tmp_path), "--quiet"]) == 0
+    red = {name: verdicts(tmp_path, name).count(FAILS) for name in ENTRIES}
+    assert {name: count for name, count in red.items() if count} == RED

@@ -1,0 +1,32 @@
+"""Pages of statements, and sections kept as files."""
+
+import re
+
+from matplotlib.figure import Figure
+
+from workflow.studies.page import FAILS, HOLDS, SECTION, Section, Statement, drawn, keep, kept, render
+
+SOME = Section(
+    "Waves", "of beads", [Statement("fast", ["1"], HOLDS), Statement("slow", ["2"], FAILS, "not so")], notes=["read"]
+)
+
+
+def test_a_section_that_was_kept_is_the_same_again(tmp_path):
+    section = Section("Waves", "of beads", SOME.statements, [drawn("one", Figure((1, 1)), "none")], ["read"])
+    keep(section, tmp_path)
+    assert kept(tmp_path) == section
+
+
+def test_a_damaged_section_is_none(tmp_path):
+    keep(SOME, tmp_path)
+    (tmp_path / SECTION).write_text('{"title": 1}')
+    assert kept(tmp_path) is None
+
+
+def test_the_contents_link_to_each_section_and_count_its_verdicts():
+    text = render("t", "s", [SOME, Section("Lost", "", (), failed="no <disk>")], contents=True)
+    targets = re.findall(r'<section id="(\w+)"', text)
+    assert re.findall(r'href="#(\w+)"', text) == targets
+    listed = text[text.index("<ol") : text.index("</ol>")]
+    assert re.findall(r"<strong>(.*?)</strong>", listed) == ["1 holds", "1 does not hold", "failed"]
+    assert "no &lt;disk&gt;" in text

@@ -1,0 +1,48 @@
+"""The field's canonical results, each run anew and compared with what was published, as one HTML page."""
+
+import argparse
+from pathlib import Path
+
+from workflow.screen import Answer, count_bar, one_line, print_table
+from workflow.studies.gallery.entries import ENTRIES
+from workflow.studies.gallery.study import PAGE, gallery
+from workflow.studies.page import CORRECTED, FAILS, HOLDS
+
+EXAMPLES = (
+    "gallery -o gallery                # some minutes; the same command goes on; then open gallery/index.html",
+    "gallery -o gallery --only dimers  # this one anew; the others as they are",
+    "gallery --list",
+)
+
+ANSWERS = "each entry with its title, its verdicts, and why it failed"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Where to, and what."""
+    where = parser.add_mutually_exclusive_group(required=True)
+    where.add_argument("-o", "--output", metavar="DIR", type=Path, help="made, or gone on with")
+    where.add_argument("--list", action="store_true", help="print the names of the entries, and run nothing")
+    parser.add_argument(
+        "--only", metavar="NAME", action="append", default=[], help="run this entry only; may be given several times"
+    )
+
+
+def execute(arguments: argparse.Namespace) -> Answer:
+    """Run what is missing, write the page, print the verdicts; exit code 1 if an entry could not be run."""
+    if arguments.list:
+        print("\n".join(ENTRIES))
+        return Answer(0, list(ENTRIES))
+    with count_bar("gallery") as progress:
+        found = gallery(arguments.output, arguments.only, progress=progress)
+    rows, plain = [], []
+    for name, section in found.items():
+        words = [statement.holds for statement in section.statements]
+        counts = {word: words.count(word) for word in (HOLDS, CORRECTED, FAILS)}
+        rows.append([name, *(str(count or "-") for count in counts.values()), "failed" if section.failed else ""])
+        plain.append({"name": name, "title": section.title, **counts, "failed": section.failed or None})
+    print_table("what was published", ["entry", HOLDS, CORRECTED, FAILS, ""], rows)
+    for name, section in found.items():
+        if section.failed:
+            print(f"{name}: failed: {one_line(section.failed)}")
+    print(one_line(arguments.output / PAGE))
+    return Answer(int(any(section.failed for section in found.values())), plain)

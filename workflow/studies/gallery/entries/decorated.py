@@ -1,0 +1,97 @@
+"""Small beads between large ones act as softer contacts between heavier beads."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from analysis.shape.exact_wave import solitary_wave
+from workflow.studies.gallery.compare import each, number
+from workflow.studies.gallery.draw import COLOURS, PUBLISHED, panel
+from workflow.studies.gallery.entry import Entry, Results
+from workflow.studies.page import Statement
+
+RADII = (0.2, 0.3, 0.4)
+
+
+def _effective(radius: float) -> tuple[float, float]:
+    """Contact constant and mass of the plain chain that a decorated one acts as.
+
+    A small bead between two large ones is light: its two contacts feel the same force and share the overlap.
+    """
+    contact = (2.0 * radius / (1.0 + radius)) ** 0.5
+    return contact / 2.0**1.5, 1.0 + radius**3
+
+
+def _speed(radius: float, velocity: float) -> float:
+    """Cells per unit time of the effective chain's solitary wave."""
+    contact, mass = _effective(radius)
+    return float((contact / mass) ** 0.4 * solitary_wave().speed_at(velocity))
+
+
+def statements(results: Results) -> list[Statement]:
+    """Speed and amplitude of the effective chain."""
+    found = []
+    for radius in RADII:
+        runs = results[f"radius-{radius:g}"]
+        velocity = runs["reference"].peak(81)
+        expected = _speed(radius, velocity)
+        found.append(
+            number(
+                f"Small beads of radius {radius:g}: the pulse runs as in a plain chain of the effective mass and "
+                f"contact, {expected:.4f} cells per unit time.",
+                expected,
+                each(runs, lambda run: 0.5 * run.speed(61, 101)),
+                within=2e-3 * expected,
+                digits=4,
+            )
+        )
+        found.append(
+            number(
+                f"Its velocity is that of a plain kicked chain (radius {radius:g}).",
+                0.68163,
+                each(runs, lambda run: run.peak(81)),
+                within=2e-3,
+                roughly=0.01,
+                unit="V",
+                digits=4,
+            )
+        )
+    return found
+
+
+def picture(results: Results) -> Figure:
+    """Speed over the radius of the small beads."""
+
+    def draw(axis: Axes) -> None:
+        every = np.linspace(0.15, 0.45, 50)
+        axis.plot(every, [_speed(one, 0.68163) for one in every], label="effective chain", **PUBLISHED)
+        found = [0.5 * results[f"radius-{radius:g}"]["lammps"].speed(61, 101) for radius in RADII]
+        axis.plot(RADII, found, "o", color=COLOURS[0], label="LAMMPS")
+
+    return panel("radius of the small beads", "speed (cells per unit time)", draw)
+
+
+ENTRY = Entry(
+    title="Decorated chains",
+    introduction="Small beads between large ones, all of the same material.",
+    sources=(
+        "U. Harbola, A. Rosas, A. H. Romero, M. Esposito & K. Lindenberg, Phys. Rev. E 80, 051302 (2009), arXiv "
+        "0909.2627 (abstract read): undecorated chains of renormalised mass and effective interaction. The effective "
+        "constants here are those of a light bead between two contacts in series; the paper's own could not be read.",
+    ),
+    scenes={
+        f"radius-{radius:g}": {
+            "beads": 141,
+            "kinds": {"big": {"radius": 1}, "small": {"radius": radius}},
+            "pattern": ["big", "small"],
+            "kick": {"velocity": 1},
+            "duration": 140,
+            "timestep": 0.002,
+            "output": {"every": 0.1},
+        }
+        for radius in RADII
+    },
+    statements=statements,
+    picture=picture,
+    caption="Speed of the pulse over the radius of the small beads; the line is the effective chain's.",
+)

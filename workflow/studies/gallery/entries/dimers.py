@@ -1,0 +1,93 @@
+"""Heavy and light beads by turns: mass ratios at which nothing is left behind."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from workflow.studies.gallery.compare import claim, each, engines, number
+from workflow.studies.gallery.draw import COLOURS, PUBLISHED, panel
+from workflow.studies.gallery.entry import Entry, Results
+from workflow.studies.page import Statement
+
+PUBLISHED_RATIOS = (0.3428, 0.1548, 0.0901)
+AROUND = (0.98, 0.99, 1.01, 1.02)
+BEADS = 90
+
+
+def dimer(ratio: float, beads: int = BEADS) -> dict[str, object]:
+    """A chain of dimers whose light beads have this mass."""
+    return {
+        "beads": beads,
+        "kinds": {"heavy": {"mass": 1}, "light": {"mass": float(f"{ratio:.6g}")}},
+        "pattern": ["heavy", "light"],
+        "kick": {"velocity": 1},
+        "duration": 1.07 * beads,
+        "timestep": 0.005,
+        "output": {"every": 0.1},
+    }
+
+
+def _name(ratio: float) -> str:
+    return f"ratio-{ratio:.4f}"
+
+
+def _least(results: Results, ratio: float) -> float:
+    """Where nothing is left behind in a cell: what is grows as the square of the distance, so its root is a line."""
+    ratios = np.array([ratio * factor for factor in AROUND])
+    left = np.array([results[_name(one)]["reference"].left_behind(2) for one in ratios])
+    roots = np.roots(np.polyfit(ratios / ratio - 1.0, np.copysign(np.sqrt(left), ratios - ratio), 2))
+    return float(ratio * (1.0 + roots[np.argmin(np.abs(roots))].real))
+
+
+def statements(results: Results) -> list[Statement]:
+    """Where the minima lie, and how deep they are."""
+    found = []
+    for ratio in PUBLISHED_RATIOS:
+        runs = results[_name(ratio)]
+        left = each(runs, lambda run: run.left_behind(2))
+        found.append(
+            number(
+                f"No energy is left behind at a mass ratio of {ratio}.",
+                ratio,
+                {"reference": _least(results, ratio)},
+                within=1e-4,
+                roughly=2e-3,
+            )
+        )
+        found.append(
+            claim(
+                f"There a genuine solitary wave runs ({ratio}).",
+                engines(left, digits=10, label="share of the energy left in a cell: "),
+                max(left.values()) < 2e-7,
+            )
+        )
+    return found
+
+
+def picture(results: Results) -> Figure:
+    """What is left behind, over the ratio."""
+
+    def draw(axis: Axes) -> None:
+        for place, ratio in enumerate(PUBLISHED_RATIOS):
+            cases = sorted((*AROUND, 1.0))
+            left = [results[_name(ratio * factor)]["reference"].left_behind(2) for factor in cases]
+            axis.semilogy(cases, left, "o-", ms=4, color=COLOURS[place], label=f"near {ratio}")
+        axis.axvline(1.0, **PUBLISHED)
+
+    return panel("mass ratio over the published one", "energy left in a cell (share)", draw)
+
+
+ENTRY = Entry(
+    title="Anti-resonances of dimers",
+    introduction="Heavy and light beads by turns, all contacts alike. In general the light beads rattle on behind the "
+    "pulse, which fades; at some mass ratios nothing stays behind.",
+    sources=(
+        "K. R. Jayaprakash, Y. Starosvetsky & A. F. Vakakis, Phys. Rev. E 83, 036606 (2011). The paper could not be "
+        "read here; the ratios are as they are quoted in the field.",
+    ),
+    scenes={_name(ratio): dimer(ratio) for ratio in PUBLISHED_RATIOS},
+    swept={_name(ratio * factor): dimer(ratio * factor) for ratio in PUBLISHED_RATIOS for factor in AROUND},
+    statements=statements,
+    picture=picture,
+    caption="Energy left behind in a cell around the published mass ratios (reference).",
+)

@@ -1,0 +1,106 @@
+"""One bead that is lighter or heavier than the others."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from analysis.shape.exact_wave import solitary_wave
+from workflow.studies.gallery.compare import NAMES, claim, each, engines, number
+from workflow.studies.gallery.draw import COLOURS, panel
+from workflow.studies.gallery.entry import Entry, Results
+from workflow.studies.gallery.ran import Ran
+from workflow.studies.page import Statement
+
+LIGHT, HEAVY = (0.05, 0.1, 0.2), (2.0, 8.0)
+PLACE = 40
+
+
+def _scene(mass: float) -> dict[str, object]:
+    return {
+        "beads": 90,
+        "kinds": {"other": {"mass": mass}},
+        "replace": {"chain": 1, "bead": PLACE, "kind": "other"},
+        "kick": {"velocity": 1},
+        "duration": 100,
+        "timestep": 0.002,
+        "output": {"every": 0.05},
+    }
+
+
+def _name(mass: float) -> str:
+    return f"mass-{mass:g}"
+
+
+def _frequency(run: Ran) -> float:
+    """Of the first swing of the impurity, while the wave presses on it most."""
+    first, second = run.passages(PLACE)[:2]
+    return float(1.0 / (second - first))
+
+
+def statements(results: Results) -> list[Statement]:
+    """Light ones swing, heavy ones throw back."""
+    frequency = {mass: each(results[_name(mass)], _frequency) for mass in LIGHT}
+    passes = each(results[_name(0.1)], lambda run: float(run.speed(60, 75)))
+    spectrum = {engine: speed / solitary_wave().width for engine, speed in passes.items()}
+    slope = {
+        engine: float(np.polyfit(np.log(LIGHT), [np.log(frequency[mass][engine]) for mass in LIGHT], 1)[0])
+        for engine in NAMES
+    }
+    passed = {mass: each(results[_name(mass)], lambda run: run.peak(70) / run.peak(PLACE - 15)) for mass in HEAVY}
+    return [
+        claim(
+            "A light bead in the chain swings while the wave passes, faster than the wave's own spectrum.",
+            [
+                *(line for mass in LIGHT for line in engines(frequency[mass], " 1/T", 4, f"mass {mass:g}: swings: ")),
+                *engines(spectrum, " 1/T", 4, "one over the time in which the wave passes: "),
+            ],
+            min(frequency[0.1].values()) > max(spectrum.values()),
+        ),
+        number(
+            "Its frequency follows from dimensions: with the contacts' stiffness as they are, as mass^(-1/2).",
+            -0.5,
+            slope,
+            within=0.02,
+            roughly=0.1,
+            digits=3,
+            correction=f"mass^({slope['reference']:.2f}): the lightest stay longest within one wave.",
+        ),
+        claim(
+            "A heavy bead throws part of the wave back and lets a train of weaker ones on.",
+            [
+                line
+                for mass in HEAVY
+                for line in engines(
+                    passed[mass], digits=5, label=f"mass {mass:g}: first wave behind it over incident one: "
+                )
+            ],
+            max(passed[8.0].values()) < min(passed[2.0].values()) < 1.0,
+        ),
+    ]
+
+
+def picture(results: Results) -> Figure:
+    """The impurities over time."""
+
+    def draw(axis: Axes) -> None:
+        for place, mass in enumerate((*LIGHT[1:2], *HEAVY)):
+            run = results[_name(mass)]["lammps"].trajectory
+            axis.plot(run.time, run.velocity[:, 0, PLACE - 1], color=COLOURS[place], label=f"mass {mass:g}")
+        axis.set_xlim(42.0, 65.0)
+
+    return panel("time (T)", "velocity of the impurity (V)", draw)
+
+
+ENTRY = Entry(
+    title="An impurity",
+    introduction="One bead of another mass in an otherwise uniform chain; its contacts are as the others'.",
+    sources=(
+        "S. Job, F. Santibanez, F. Tapia & F. Melo, Phys. Rev. E 80, 025602 (2009), arXiv 0901.3532 (abstract read): "
+        "a light intruder swings at frequencies above the wave's spectrum, which depend on its size as dimensions "
+        "demand. The paper's intruders are smaller, not only lighter; its numbers could not be read here.",
+    ),
+    scenes={_name(mass): _scene(mass) for mass in (*LIGHT, *HEAVY)},
+    statements=statements,
+    picture=picture,
+    caption="A light impurity swings several times while the wave passes; heavy ones are slow (LAMMPS).",
+)

@@ -1,0 +1,116 @@
+"""A wave is thrown back by a wall."""
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from workflow.studies.gallery.compare import claim, each, engines, number
+from workflow.studies.gallery.draw import COLOURS, panel
+from workflow.studies.gallery.entry import Entry, Results
+from workflow.studies.gallery.ran import Ran
+from workflow.studies.page import Statement
+
+WALLS: dict[str, object] = {"soft": {"stiffness": 0.1}, "bead": "bead", "flat": "flat", "rigid": "rigid"}
+BEADS, SEEN = 60, 35
+
+
+def _scene(wall: object) -> dict[str, object]:
+    return {
+        "beads": BEADS,
+        "walls": {"right": wall},
+        "kick": {"velocity": 1},
+        "duration": 120,
+        "timestep": 0.005,
+        "output": {"every": 0.1},
+    }
+
+
+def _ratio(run: Ran) -> float:
+    """Largest force on the wall over that in the chain."""
+    wall, chain = run.forces(contacts=(SEEN,), wall=True).largest[0]
+    return float(wall / chain)
+
+
+def _back(run: Ran) -> tuple[float, float]:
+    """Arrival and velocity of the reflected pulse at a bead."""
+    pulse = max(run.pulses(-1, 0.1), key=lambda one: float(one.peak_velocity.max()))
+    at = int(list(pulse.bead).index(SEEN))
+    return float(pulse.arrival[at]), float(pulse.peak_velocity[at])
+
+
+def statements(results: Results) -> list[Statement]:
+    """Force, what comes back, and when."""
+    ratio = {name: each(runs, _ratio) for name, runs in results.items()}
+    back = {name: each(runs, lambda run: _back(run)[1] / run.peak(SEEN)) for name, runs in results.items()}
+    delay = {
+        name: each(runs, lambda run: _back(run)[0] - float(run.waves.at(SEEN).arrival[0]))
+        for name, runs in results.items()
+    }
+    return [
+        claim(
+            "How a wave is reflected depends on the mechanical properties of the wall.",
+            [
+                line
+                for name in WALLS
+                for line in engines(ratio[name], label=f"{name}: force on the wall over that in the chain: ")
+            ],
+            all(
+                later > earlier
+                for earlier, later in zip(
+                    [min(one.values()) for one in ratio.values()][:-1],
+                    [max(one.values()) for one in ratio.values()][1:],
+                    strict=True,
+                )
+            ),
+        ),
+        claim(
+            "Soft walls slow the reflection.",
+            [
+                line
+                for name in ("rigid", "soft")
+                for line in engines(delay[name], " T", 3, f"{name}: back at bead {SEEN} after: ")
+            ],
+            min(delay["soft"].values()) > max(delay["rigid"].values()),
+        ),
+        number(
+            "A rigid flat wall is the mirror of a collision of equal waves in a contact: what comes back has 0.99852 "
+            "of the velocity.",
+            0.99852,
+            back["rigid"],
+            within=1e-4,
+        ),
+        number(
+            "A held bead is the mirror of a collision on a bead: what comes back has 0.99978 of the velocity.",
+            0.99978,
+            back["bead"],
+            within=1e-4,
+        ),
+    ]
+
+
+def picture(results: Results) -> Figure:
+    """Force on the walls over time."""
+
+    def draw(axis: Axes) -> None:
+        for place, (name, runs) in enumerate(results.items()):
+            read = runs["lammps"].forces(wall=True)
+            axis.plot(read.time, read.force[:, 0, 0], color=COLOURS[place], label=name)
+        axis.set_xlim(64.0, 84.0)
+
+    return panel("time (T)", "force on the wall", draw)
+
+
+ENTRY = Entry(
+    title="Reflection at a wall",
+    introduction="A chain ends at a bead held fast, a flat wall of the same material, a rigid flat wall, or a soft one "
+    "(a tenth of a contact's constant).",
+    sources=(
+        "S. Job, F. Melo, A. Sokolow & S. Sen, Phys. Rev. Lett. 94, 178002 (2005); its numbers could not be read "
+        "here. M. Przedborski, T. A. Harroun & S. Sen, arXiv 1507.01021 (abstract read): soft walls slow the "
+        "reflection. The two numbers are those of the collisions on this page: by mirror symmetry a wave at such a "
+        "wall is one that meets its equal.",
+    ),
+    scenes={name: _scene(wall) for name, wall in WALLS.items()},
+    statements=statements,
+    picture=picture,
+    caption="Force on the wall over time (LAMMPS).",
+)

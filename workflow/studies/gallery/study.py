@@ -1,0 +1,98 @@
+"""Makes the gallery: entries side by side in processes of their own, each kept in a folder, then one page of all.
+
+What an entry leaves is kept: its runs, which a later start takes, and its section of the page, which stays when only
+other entries are asked for.
+"""
+
+import multiprocessing
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from pathlib import Path
+
+from lammps_inputs import InputError
+from lammps_inputs.library import suggestion
+from workflow.engines.lammps.mpi import cores
+from workflow.runs.own_files import claim
+from workflow.runs.whole_files import write_text
+from workflow.studies import page
+from workflow.studies.gallery.entries import ENTRIES
+
+PAGE = "index.html"
+FOLDER = "entries"
+
+Progress = Callable[[int, int, int], None]
+
+
+def gallery(directory: Path, names: Sequence[str] = (), *, progress: Progress | None = None) -> dict[str, page.Section]:
+    """Run entries, and write the page of these and of those that earlier starts have left.
+
+    Args:
+        directory: made if need be, or gone on with.
+        names: of the entries to run; all by default.
+        progress: called with the entries done, all that are run, and how many of them failed.
+
+    Returns:
+        The sections of the entries that were asked for, in the page's order; of one that failed it says why.
+
+    Raises:
+        InputError: no such entry; the directory cannot be written, or holds such a file of somebody else's.
+    """
+    for name in names:
+        if name not in ENTRIES:
+            raise InputError(f"--only: {name!r} is no entry{suggestion(name, ENTRIES)}; there are {', '.join(ENTRIES)}")
+    asked = [name for name in ENTRIES if name in names or not names]
+    folder = directory / FOLDER
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        claim(directory, (FOLDER, PAGE))
+        folder.mkdir(exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{directory}: cannot be written to ({error.strerror})") from None
+    found = _side_by_side(asked, folder, progress)
+    shown = {name: found.get(name) or page.kept(folder / name) for name in ENTRIES}
+    sections = [section for section in shown.values() if section is not None]
+    write_text(directory / PAGE, page.render(_TITLE, _SUMMARY, sections, said_by="published", contents=True))
+    return {name: found[name] for name in asked}
+
+
+_TITLE = "Granular chains: what was published, recomputed"
+_SUMMARY = (
+    "Each result was run through LAMMPS and through the reference integrator when this page was made. What was "
+    "published stands beside what is found, with a verdict; where the publication itself could not be read, its "
+    "section says so. Mass and contact constant of a bead are 1, velocities are in units of the kick V, times in "
+    "units of T, unless a line says otherwise."
+)
+
+
+def _side_by_side(names: Sequence[str], folder: Path, progress: Progress | None) -> dict[str, page.Section]:
+    found: dict[str, page.Section] = {}
+    with ProcessPoolExecutor(min(cores(), len(names)), multiprocessing.get_context("spawn")) as pool:
+        futures = {pool.submit(run_entry, name, folder): name for name in names}
+        try:
+            for future in as_completed(futures):
+                found[futures[future]] = _section(futures[future], future)
+                if progress is not None:
+                    progress(len(found), len(names), sum(1 for section in found.values() if section.failed))
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+    return found
+
+
+def _section(name: str, future: "Future[page.Section]") -> page.Section:
+    """What an entry gave; one that failed, for whatever reason, takes no other with it."""
+    try:
+        return future.result()
+    except Exception as error:
+        reason = " ".join(str(error).split()) or type(error).__name__
+        return page.Section(name, "", (), failed=reason)
+
+
+def run_entry(name: str, folder: Path) -> page.Section:
+    """Run one entry in its own folder, and keep its section there."""
+    own = folder / name
+    runs = own / "runs"
+    runs.mkdir(parents=True, exist_ok=True)
+    section = ENTRIES[name](runs, lambda _: None)
+    page.keep(section, own)
+    return section

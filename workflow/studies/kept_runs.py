@@ -1,0 +1,55 @@
+"""The runs that a page needs, each in a directory of its own, kept from an earlier start if it came to its end."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from lammps_inputs import Scene, strict_yaml
+from lammps_inputs.decks import deck
+from workflow.runs.run import run
+from workflow.runs.run_directory import RunDirectory
+
+Say = Callable[[str], None]
+
+
+def kept_run(scene: Scene, engine: str, folder: Path, say: Say) -> RunDirectory:
+    """Run a scene, or take the run that an earlier start finished.
+
+    Args:
+        scene: what to run.
+        engine: "lammps" or "reference".
+        folder: where run directories are kept.
+        say: told what is going on.
+
+    Raises:
+        RunError: the run failed.
+    """
+    path = folder / f"{scene.name}-{engine}"
+    directory = _finished(path, scene, engine)
+    if directory is None:
+        say(f"{scene.name}: {engine}")
+        directory = run(scene, path, engine=engine, overwrite=True).directory
+    return directory
+
+
+def errors(directory: RunDirectory) -> tuple[float, float]:
+    """Bounds on the errors of a run's peak velocities, in units of V, and of its arrivals, in units of T.
+
+    For LAMMPS the difference from the reference found when it was run, for the reference its certificate.
+    """
+    record = directory.record
+    if record["engine"] == "lammps":
+        return record["check"]["amplitude"], record["check"]["arrival"]
+    return record["certificate"]["velocity"], record["certificate"]["arrival"]
+
+
+def _finished(path: Path, scene: Scene, engine: str) -> RunDirectory | None:
+    """An earlier run of just this scene that came to its end."""
+    if not (path / deck.SCENE).is_file():
+        return None
+    directory = RunDirectory(path)
+    same = (path / deck.SCENE).read_text(encoding="utf-8") == strict_yaml.dump(scene.resolved().plain())
+    record = directory.record
+    checked = "check" in record or "certificate" in record
+    return (
+        directory if same and checked and record.get("outcome") == "done" and record.get("engine") == engine else None
+    )

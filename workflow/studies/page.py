@@ -1,0 +1,211 @@
+"""A self-contained HTML page of statements, tables and figures; its sections as files. Knows no physics."""
+
+import base64
+import html
+import io
+import json
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from workflow.runs.own_files import claim
+from workflow.runs.whole_files import write_bytes, write_text
+
+SECTION = "section.json"
+
+HOLDS, CORRECTED, FAILS = "holds", "holds with a correction", "does not hold"
+"""Verdicts on a statement."""
+
+
+@dataclass(frozen=True)
+class Statement:
+    """What was published, beside what is found here.
+
+    Attributes:
+        says: the published statement.
+        found: the numbers measured, as text with their uncertainties.
+        holds: one of `HOLDS`, `CORRECTED` and `FAILS`.
+        correction: what should be said instead; may be empty.
+    """
+
+    says: str
+    found: Sequence[str]
+    holds: str
+    correction: str = ""
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure as PNG, with the name of its file (without suffix) and its caption."""
+
+    name: str
+    image: bytes
+    caption: str
+
+
+@dataclass(frozen=True)
+class Section:
+    """One section of a page.
+
+    Attributes:
+        title, introduction: what it is about.
+        statements: row by row.
+        pictures: below them.
+        notes: paragraphs between the two.
+        failed: why there are no statements, where that is so.
+    """
+
+    title: str
+    introduction: str
+    statements: Sequence[Statement]
+    pictures: Sequence[Picture] = field(default_factory=tuple)
+    notes: Sequence[str] = field(default_factory=tuple)
+    failed: str = ""
+
+
+def drawn(name: str, figure: Figure, caption: str) -> Picture:
+    """A picture of a figure."""
+    out = io.BytesIO()
+    figure.savefig(out, format="png", dpi=150)
+    return Picture(name, out.getvalue(), caption)
+
+
+def keep(section: Section, folder: Path) -> None:
+    """Write a section's text and pictures into a folder of its own, for `kept`.
+
+    Raises:
+        InputError: such a file of somebody else's stands there.
+    """
+    claim(folder, (SECTION, *(f"{picture.name}.png" for picture in section.pictures)))
+    for picture in section.pictures:
+        write_bytes(folder / f"{picture.name}.png", picture.image)
+    captions = [{"name": picture.name, "caption": picture.caption} for picture in section.pictures]
+    plain = {**asdict(replace(section, pictures=())), "pictures": captions}
+    write_text(folder / SECTION, json.dumps(plain, indent=1) + "\n")
+
+
+def kept(folder: Path) -> Section | None:
+    """The section that `keep` wrote; None if there is none, or if it is damaged."""
+    try:
+        plain = json.loads((folder / SECTION).read_text(encoding="utf-8"))
+        pictures = [
+            Picture(one["name"], (folder / f"{one['name']}.png").read_bytes(), one["caption"])
+            for one in plain["pictures"]
+        ]
+        statements = [Statement(**one) for one in plain["statements"]]
+        return Section(**{**plain, "statements": statements, "pictures": pictures})
+    except (OSError, ValueError, TypeError, KeyError, RecursionError):
+        return None
+
+
+def render(
+    title: str, summary: str, sections: Sequence[Section], *, said_by: str = "the paper says", contents: bool = False
+) -> str:
+    """The page.
+
+    Args:
+        title, summary: its head.
+        sections: one below the other.
+        said_by: heading of the statements.
+        contents: whether a list of the sections with their verdicts comes first.
+    """
+    body = "\n".join(_section(section, number, said_by) for number, section in enumerate(sections))
+    return document(title, summary, _contents(sections) + body if contents else body)
+
+
+def document(title: str, summary: str, body: str) -> str:
+    """A whole page around what its body says in HTML."""
+    return _PAGE.format(title=html.escape(title), summary=html.escape(summary), body=body)
+
+
+def _contents(sections: Sequence[Section]) -> str:
+    rows = "".join(
+        f'<li><a href="#s{number}">{html.escape(section.title)}</a> {_verdicts(section)}</li>'
+        for number, section in enumerate(sections)
+    )
+    return f'<ol class="contents">{rows}</ol>\n'
+
+
+def _verdicts(section: Section) -> str:
+    if section.failed:
+        return '<span class="no"><strong>failed</strong></span>'
+    words = [statement.holds for statement in section.statements]
+    return ", ".join(
+        f'<span class="{_kind(word)}"><strong>{words.count(word)} {html.escape(_PLURAL[word])}</strong></span>'
+        if words.count(word) > 1
+        else f'<span class="{_kind(word)}"><strong>1 {html.escape(word)}</strong></span>'
+        for word in dict.fromkeys(sorted(words, key=list(_PLURAL).index))
+    )
+
+
+_PLURAL = {HOLDS: "hold", CORRECTED: "hold with a correction", FAILS: "do not hold"}
+
+
+def _kind(holds: str) -> str:
+    return {HOLDS: "yes", FAILS: "no"}.get(holds, "partly")
+
+
+def _section(section: Section, number: int, said_by: str) -> str:
+    head = f'<section id="s{number}"><h2>{html.escape(section.title)}</h2><p>{html.escape(section.introduction)}</p>'
+    if section.failed:
+        return f'{head}<p class="no"><strong>failed</strong>: {html.escape(section.failed)}</p></section>'
+    rows = "\n".join(_row(statement) for statement in section.statements)
+    pictures = "\n".join(shown(picture) for picture in section.pictures)
+    notes = "".join(f"<p>{html.escape(note)}</p>" for note in section.notes)
+    table = (
+        f"<table><thead><tr><th>{html.escape(said_by)}</th><th>found here</th><th></th></tr></thead>"
+        f"<tbody>{rows}</tbody></table>"
+    )
+    return f"{head}{table}{notes}{pictures}</section>"
+
+
+def _row(statement: Statement) -> str:
+    found = "<br>".join(html.escape(line) for line in statement.found)
+    correction = f"<br><em>{html.escape(statement.correction)}</em>" if statement.correction else ""
+    return (
+        f"<tr><td>{html.escape(statement.says)}</td><td>{found}</td>"
+        f'<td class="{_kind(statement.holds)}"><strong>{html.escape(statement.holds)}</strong>{correction}</td></tr>'
+    )
+
+
+def shown(picture: Picture) -> str:
+    """A picture, whose PNG is part of the page, with its caption."""
+    data = base64.b64encode(picture.image).decode("ascii")
+    caption = html.escape(picture.caption)
+    return (
+        f'<figure><img alt="{caption}" src="data:image/png;base64,{data}"><figcaption>{caption}</figcaption></figure>'
+    )
+
+
+_PAGE = """<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<link rel="icon" href="data:,">
+<title>{title}</title>
+<style>
+body {{ font: 16px/1.5 system-ui, sans-serif; color: #222; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; }}
+h1, h2 {{ line-height: 1.2; }}
+table {{ border-collapse: collapse; width: 100%; margin: 1rem 0; }}
+th, td {{ text-align: left; vertical-align: top; padding: .5rem .7rem; border-bottom: 1px solid #ccc; }}
+table {{ table-layout: fixed; }}
+th:nth-child(1) {{ width: 26%; }}
+th:nth-child(2) {{ width: 44%; }}
+.yes strong {{ color: #005a32; }}
+.partly strong {{ color: #8a4b00; }}
+.no strong {{ color: #a50f15; }}
+figure {{ margin: 1.5rem 0; }}
+img {{ max-width: 100%; height: auto; }}
+figcaption {{ color: #555; font-size: .9rem; }}
+</style>
+</head>
+<body>
+<h1>{title}</h1>
+<p>{summary}</p>
+{body}
+</body>
+</html>
+"""
