@@ -5,19 +5,24 @@ What takes time, in seconds of processor (`cpu_times` in support prints them):
 - A new combination of laws: 2 to 3 for the reference, 1 to 2 more for its passages, once in a suite. New are other
   laws or another number of them, and numbers that become arrays (masses that differ), not other values, beads or
   chains: one chain, an open row of chains, and any other topology are three.
-- A figure, 2; ``analyze`` draws four and ``validate`` one. ``analyse(..., figures=False)`` where they are no claim.
-- A process of Python that imports all, 1 to 2: ``workflow.cli.main`` where a process is no claim, or `lammps_here`.
+- A figure, 2; ``analyze`` draws four: ``analyse(..., figures=False)`` where they are no claim, or `draw_only`.
+  ``validate`` draws its own only in tests that ask for `drawn`.
+- A process of Python that imports all, 1 to 2: ``workflow.cli.main`` where a process is no claim, or `lammps_here`,
+  or `pool_here` for sweeps.
 """
 
 import os
 import signal
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
 from lammps_here import run
 
 from workflow.engines.lammps import engine
+from workflow.runs.whole_files import write_figure
 
 # a busy machine is no failure
 settings.register_profile(
@@ -34,9 +39,45 @@ for number, usual in ((signal.SIGINT, signal.default_int_handler), (signal.SIGQU
         signal.signal(number, usual)
 
 
+@pytest.fixture(autouse=True)
+def _no_figure_of_a_validation(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Validations in this process leave no figure, which takes them longer than all else."""
+    if "drawn" not in request.fixturenames:
+        for module in ("validate", "validate_traces"):
+            monkeypatch.setattr(f"workflow.verdicts.{module}.write_figure", lambda *_: ())
+
+
+@pytest.fixture
+def drawn() -> None:
+    """For tests that look at the figure of a validation."""
+
+
+@pytest.fixture
+def draw_only(monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
+    """A function: of the figures of an analysis that are made, write only this one."""
+
+    def only(wanted: str) -> None:
+        def write(directory: Path, name: str, figure: Any) -> tuple[Path, ...]:
+            return write_figure(directory, name, figure) if name == wanted else (directory / f"{name}.png",)
+
+        monkeypatch.setattr("workflow.verdicts.analyse.write_figure", write)
+
+    return only
+
+
 @pytest.fixture(scope="module")
 def lammps_here() -> Iterator[None]:
     """Runs of LAMMPS on one rank take place in this process, for tests whose claim is not about one of its own."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(engine, "run", run)
+        yield
+
+
+@pytest.fixture(scope="module")
+def pool_here() -> Iterator[None]:
+    """Cases of sweeps are computed in this process, for tests whose claim is not about those of their own."""
+    from pool_here import answers  # only for those who sweep
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("workflow.sweep.pool.answers", answers)
         yield

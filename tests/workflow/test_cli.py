@@ -20,6 +20,8 @@ from workflow.engines.lammps import mpi
 from workflow.prepare.duration import with_duration
 from workflow.runs.run import run
 
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
 GRANCHAIN = str(Path(sys.executable).with_name("granchain"))
 
 

@@ -4,12 +4,15 @@ from pathlib import Path
 
 import MDAnalysis as mda
 import numpy as np
+import pytest
 
 from analysis.mda.waves import LeadingWaves
 from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import find_peaks
 from lammps_inputs import Coupling, Kick, Scene
 from workflow.runs.run import run
+
+pytestmark = pytest.mark.usefixtures("lammps_here")
 
 SCENE = Scene(
     name="small", chains=2, beads=30, coupling=Coupling(stiffness=0.1), kick=(Kick(velocity=1.0),), duration=40.0

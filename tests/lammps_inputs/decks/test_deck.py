@@ -322,7 +322,7 @@ def test_a_recorded_subset_is_bit_for_bit_that_part_of_the_whole(kappa, tmp_path
 
 @pytest.mark.parametrize("changes", [{}, {"chains": 3, "kappa": 0.1}, {"chains": 2, "gap": 0.3}], ids=str)
 def test_two_ranks_give_bit_for_bit_what_one_gives(changes, tmp_path):
-    case = scene(beads=30, duration=30.0, **changes)
+    case = scene(beads=30, duration=30.0, timestep=0.05, **changes)
     one, two = run(case, tmp_path / "one"), run(case, tmp_path / "two", ranks=2)
     assert "  2 by 1 by 1 MPI processor grid" in two.log
     assert (two.x == one.x).all()

@@ -1,5 +1,6 @@
 """Beads that differ: kinds, patterns, replacements, tapers, disorder, strikers; against an integrator of their own."""
 
+import functools
 import itertools
 import json
 import re
@@ -63,22 +64,26 @@ def strengths(problem):
     return problem.along[0].law.strength
 
 
-@pytest.mark.parametrize("beads", UNEQUAL.values(), ids=UNEQUAL)
-def test_the_reference_agrees_with_an_independent_integrator(beads):
-    problem = scene(**beads).problem()
-    found = engine.run(problem, steps_per_frame=200).velocity
-    assert np.abs(found - integrated(problem, mass=problem.mass, strength=strengths(problem))).max() < 5e-8
+@functools.cache
+def exact(name):
+    """Velocities by an integrator of their own."""
+    problem = scene(**UNEQUAL[name]).problem()
+    return integrated(problem, mass=problem.mass, strength=strengths(problem))
 
 
-@pytest.mark.parametrize("beads", UNEQUAL.values(), ids=UNEQUAL)
-def test_lammps_agrees_to_second_order_and_measures_its_own_error(tmp_path, beads):
-    problem = scene(**beads).problem()
-    exact = integrated(problem, mass=problem.mass, strength=strengths(problem))
+@pytest.mark.parametrize("name", UNEQUAL)
+def test_the_reference_agrees_with_an_independent_integrator(name):
+    found = engine.run(scene(**UNEQUAL[name]).problem(), steps_per_frame=200).velocity
+    assert np.abs(found - exact(name)).max() < 5e-8
+
+
+@pytest.mark.parametrize("name", UNEQUAL)
+def test_lammps_agrees_to_second_order_and_measures_its_own_error(tmp_path, name):
     errors = []
     for step in (0.01, 0.005):
-        found = run(scene(**beads, timestep=step), tmp_path / f"{step}")
-        errors.append(np.abs(found.trajectory.velocity - exact).max())
-        assert found.check.velocity == pytest.approx(errors[-1], rel=0.1)
+        found = run(scene(**UNEQUAL[name], timestep=step), tmp_path / f"{step}", check=step == 0.005)
+        errors.append(np.abs(found.trajectory.velocity - exact(name)).max())
+    assert found.check.velocity == pytest.approx(errors[-1], rel=0.1)
     assert errors[0] / errors[1] == pytest.approx(4.0, abs=0.4)
     assert errors[1] < 3e-4
 
@@ -326,7 +331,7 @@ def test_the_2021_release_computes_the_same(tmp_path, name):
 
 @pytest.mark.parametrize("name", ["dimer", "disorder"])
 def test_two_ranks_compute_the_same_bits(tmp_path, name):
-    case = scene(**UNEQUAL[name], beads=40)
+    case = scene(**UNEQUAL[name], beads=40, timestep=0.05)
     one, two = (run_stock(case, tmp_path / str(ranks), ranks=ranks) for ranks in (1, 2))
     np.testing.assert_array_equal(one.vx, two.vx)
 

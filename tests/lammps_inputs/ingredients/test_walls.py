@@ -1,5 +1,6 @@
 """Walls at the ends of the chains: laws, deck, LAMMPS and reference against an integrator of their own."""
 
+import functools
 import json
 import math
 import re
@@ -43,27 +44,31 @@ def walled(walls, **changes):
     return scene(walls=walls, **{"duration": 40.0, **changes})
 
 
-@pytest.mark.parametrize(("walls", "strengths"), KINDS.values(), ids=KINDS)
-@pytest.mark.parametrize("gap", [0.0, 0.3])
-def test_the_reference_agrees_with_an_independent_integrator(walls, strengths, gap):
-    problem = walled(walls, gap=gap).problem()
-    found = engine.run(problem, steps_per_frame=400).velocity
-    assert np.abs(found - integrated(problem, walls=strengths)).max() < 5e-7
+@functools.cache
+def exact(kind, gap=0.0):
+    """Velocities by an integrator of their own."""
+    walls, strengths = KINDS[kind]
+    return integrated(walled(walls, gap=gap).problem(), walls=strengths)
 
 
-@pytest.mark.parametrize(("walls", "strengths"), KINDS.values(), ids=KINDS)
-def test_lammps_agrees_to_second_order_and_measures_its_own_error(tmp_path, walls, strengths):
-    exact = integrated(walled(walls).problem(), walls=strengths)
+@pytest.mark.parametrize(("kind", "gap"), [*((kind, 0.0) for kind in KINDS), ("both", 0.3)])
+def test_the_reference_agrees_with_an_independent_integrator(kind, gap):
+    found = engine.run(walled(KINDS[kind][0], gap=gap).problem(), steps_per_frame=400).velocity
+    assert np.abs(found - exact(kind, gap)).max() < 5e-7
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_lammps_agrees_to_second_order_and_measures_its_own_error(tmp_path, kind):
     errors = []
     for step in (0.01, 0.005):
-        found = run(walled(walls, timestep=step), tmp_path / f"{step}")
-        errors.append(np.abs(found.trajectory.velocity - exact).max())
-        assert found.check.velocity == pytest.approx(errors[-1], rel=0.1)
+        found = run(walled(KINDS[kind][0], timestep=step), tmp_path / f"{step}", check=step == 0.005)
+        errors.append(np.abs(found.trajectory.velocity - exact(kind)).max())
+    assert found.check.velocity == pytest.approx(errors[-1], rel=0.1)
     assert errors[0] / errors[1] == pytest.approx(4.0, abs=0.4)
 
 
 def test_energy_is_kept_and_momentum_is_not_asked_for(tmp_path):
-    found = validate(run(walled(BOTH, timestep=0.005), tmp_path / "run").directory)
+    found = validate(run(walled(BOTH, timestep=0.005), tmp_path / "run", check=False).directory)
     assert found.deviations["energy"].largest < 1e-4
     assert "momentum" not in found.deviations
     assert found.passed
@@ -99,7 +104,7 @@ def test_the_2021_release_computes_the_same_to_rounding(tmp_path):
 
 
 def test_two_ranks_compute_the_same_bits(tmp_path):
-    case = walled(BOTH, beads=40, duration=80.0)
+    case = walled(BOTH, beads=40, duration=80.0, timestep=0.05)
     one, two = (run_stock(case, tmp_path / str(ranks), ranks=ranks) for ranks in (1, 2))
     np.testing.assert_array_equal(one.vx, two.vx)
 
@@ -238,9 +243,10 @@ def test_rigid_beads_before_a_wall_are_refused(tmp_path):
         run(walled({"right": "bead"}, gap=1.0), tmp_path / "run", engine="collisions")
 
 
-def test_the_installed_scene_shows_the_known_numbers_through_lammps(tmp_path):
+def test_the_installed_scene_shows_the_known_numbers_through_lammps(tmp_path, draw_only):
     """Wall over bulk force 1.75040, reflected over incident velocity 0.9998."""
     found = run(find("wall-reflection"), tmp_path / "run")
+    draw_only("forces")
     analysed = analyse(found.directory)
     assert {"forces.png", "forces.pdf"} <= {path.name for path in analysed.figures}
     wall, contact, sensor = json.loads((tmp_path / "run" / "analysis.json").read_text())["forces"]
@@ -255,7 +261,7 @@ def test_the_installed_scene_shows_the_known_numbers_through_lammps(tmp_path):
 @pytest.mark.parametrize(("kind", "ratio"), [("flat", 1.94390), ({"stiffness": 100.0}, 1.86245)], ids=str)
 def test_harder_walls_feel_the_known_forces_through_lammps(tmp_path, kind, ratio):
     output = {"every": 0.05, "forces": {"wall": True, "contacts": [30]}}
-    case = walled({"right": kind}, chains=1, coupling=None, beads=60, duration=90.0, timestep=0.0025, output=output)
+    case = walled({"right": kind}, chains=1, coupling=None, beads=60, duration=80.0, timestep=0.0025, output=output)
     found = run(case, tmp_path / "run")
     readings = analyse(found.directory, figures=False).forces
     wall, contact = readings.largest[0]

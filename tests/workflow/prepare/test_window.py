@@ -21,6 +21,7 @@ from workflow.verdicts.analyse import analyse
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
 ROWS = 64
+BEADS = 115
 CASES = {
     "one chain": {"chains": 1},
     "two chains": {"chains": 2, "kappa": 0.1},
@@ -32,7 +33,7 @@ CASES = {
 
 def long_scene(**changes):
     """Chains that the pulse runs through in the given time."""
-    return scene(**{"beads": 150, "duration": 220.0, "every": 0.5, "timestep": 0.02, **changes})
+    return scene(**{"beads": BEADS, "duration": 170.0, "every": 0.5, "timestep": 0.02, **changes})
 
 
 def frames(directory):
@@ -62,11 +63,17 @@ def both(request, tmp_path_factory):
     return whole.directory, windowed.directory
 
 
+@pytest.fixture(scope="module")
+def analysed(both):
+    """Both, analysed."""
+    return [analyse(directory, figures=False) for directory in both]
+
+
 def test_the_front_half_of_a_window_that_moves_on_is_the_whole_run_to_the_last_bit(both):
     whole, windowed = both
     expected, seen, moved = whole.trajectory, 0, False
     for block in windowed.blocks():
-        if block.beads[-1] == 150:
+        if block.beads[-1] == BEADS:
             break
         part = near_the_front(block)
         rows, same = part.beads - 1, slice(seen, seen + part.frames)
@@ -77,10 +84,10 @@ def test_the_front_half_of_a_window_that_moves_on_is_the_whole_run_to_the_last_b
     assert moved
 
 
-def test_the_leading_waves_are_those_of_the_whole_chains(both):
-    whole, windowed = (analyse(directory, figures=False).waves for directory in both)
+def test_the_leading_waves_are_those_of_the_whole_chains(analysed):
+    whole, windowed = (found.waves for found in analysed)
     # the last beads fly off and are fastest only after the pulse has gone
-    inner = whole.bead < 145
+    inner = whole.bead < BEADS - 5
     place = list(zip(windowed.chain.tolist(), windowed.bead.tolist(), strict=True))
     same = [place.index(one) for one in zip(whole.chain[inner].tolist(), whole.bead[inner].tolist(), strict=True)]
     assert len(same) > 100
@@ -89,6 +96,7 @@ def test_the_leading_waves_are_those_of_the_whole_chains(both):
     np.testing.assert_allclose(windowed.peak_velocity[same], whole.peak_velocity[inner], rtol=0, atol=1e-12)
 
 
+@pytest.mark.parametrize("both", ["two chains"], indirect=True)
 def test_restarts_that_are_written_on_the_way_change_no_bit(both, tmp_path):
     windowed = both[1]
     again = run(windowed.scene, tmp_path / "run", check=False, restart_every=0.0).directory
@@ -96,7 +104,8 @@ def test_restarts_that_are_written_on_the_way_change_no_bit(both, tmp_path):
 
 
 @pytest.mark.parametrize("both", ["two chains"], indirect=True)
-def test_figures_are_drawn_of_a_window(both):
+def test_figures_are_drawn_of_a_window(both, draw_only):
+    draw_only("spacetime")
     assert analyse(both[1]).figures
 
 
@@ -115,7 +124,7 @@ def test_stock_lammps_does_without_python_what_the_local_run_does(changes, tmp_p
 
 
 def test_two_ranks_give_the_bits_of_one(tmp_path):
-    case = long_scene(chains=2, kappa=0.1, window=ROWS, duration=120.0)
+    case = long_scene(chains=2, kappa=0.1, window=ROWS, duration=120.0, timestep=0.05)
     one, two = (by_stock_lammps(case, tmp_path / str(ranks), ranks=ranks) for ranks in (1, 2))
     assert np.array_equal(one, two)
 
@@ -134,7 +143,7 @@ def test_a_window_as_long_as_the_chains_leaves_no_line_in_the_deck():
 
 
 def test_the_error_of_a_windowed_run_is_that_of_the_whole_run(tmp_path):
-    case = long_scene(chains=2, kappa=0.1, beads=120)
+    case = long_scene(chains=2, kappa=0.1)
     whole, windowed = (
         run(case.model_copy(update={"window": rows}), tmp_path / str(rows)).check for rows in (None, ROWS)
     )
@@ -172,8 +181,8 @@ def test_a_dump_whose_molecules_are_no_rows_is_refused(tmp_path):
     assert list(recording.blocks([tmp_path / "as-if-whole"], other.problem()))
 
 
+@pytest.mark.usefixtures("analysed")
 def test_what_a_window_leaves_behind_is_slower_than_the_leading_waves(both):
-    analyse(both[1], figures=False)
     left = json.loads((both[1].path / "analysis.json").read_text())["window"]
     assert 0.0 < left["left_behind"] < left["slowest_wave"]
     assert "nothing comes back" in left["sentence"]
@@ -181,6 +190,6 @@ def test_what_a_window_leaves_behind_is_slower_than_the_leading_waves(both):
 
 def test_pulses_left_behind_that_could_catch_up_are_told(tmp_path):
     # with so weak a coupling the leading wave of chain 2 is a hundred times lower than what chain 1 leaves
-    case = long_scene(chains=2, kappa=1e-4, window=ROWS)
+    case = long_scene(chains=2, kappa=1e-4, window=ROWS, beads=150, duration=220.0)
     analysis = analyse(run(case, tmp_path / "run", check=False).directory, figures=False)
     assert "might catch up" in analysis.left.sentence(analysis.waves)

@@ -17,6 +17,8 @@ from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.analyse import analyse
 
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
 two_ranks = pytest.mark.skipif(mpi.cores() < 2, reason="needs two cores")
 
 STEEL = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)

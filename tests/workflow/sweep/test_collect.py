@@ -15,6 +15,8 @@ from workflow.runs.run_directory import RunDirectory
 from workflow.sweep import collect as collecting
 from workflow.sweep.collect import collect
 
+pytestmark = pytest.mark.usefixtures("lammps_here", "pool_here")
+
 SCENE = {
     "name": "small",
     "chains": 2,

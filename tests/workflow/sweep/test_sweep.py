@@ -7,6 +7,7 @@ import subprocess
 from pathlib import Path
 
 import numpy as np
+import pool_here
 import pytest
 from processes import HANGS, started, wait_until
 from sweeps import GRANCHAIN, SMALL, UNTIL, sweep, sweep_file
@@ -21,30 +22,13 @@ from workflow.sweep import pool
 from workflow.sweep.directory import Asked, begin
 from workflow.sweep.jobs import Job
 
-# --- running ----------------------------------------------------------------------------------------------------------
+pytestmark = pytest.mark.usefixtures("lammps_here")
 
 
-def test_a_swept_case_is_bit_for_bit_the_scene_run_alone(tmp_path):
-    path = sweep_file(tmp_path, coupling__stiffness=[0.1, 0.2])
-    assert sweep(path, tmp_path / "s") == 0
-    swept = RunDirectory(tmp_path / "s" / "coupling.stiffness=0.2").trajectory
-    alone = run(library.from_plain({**SMALL, "coupling": {"stiffness": 0.2}}, ""), tmp_path / "alone", check=False)
-    np.testing.assert_array_equal(swept.velocity, alone.trajectory.velocity)
-    np.testing.assert_array_equal(swept.displacement, alone.trajectory.displacement)
-
-
-@pytest.mark.parametrize("engine", ["reference", "collisions"])
-def test_other_engines_sweep_too(engine, tmp_path):
-    path = sweep_file(tmp_path, {**SMALL, "gap": 0.1}, engine=engine, beads=[12])
-    assert sweep(path, tmp_path / "s") == 0
-    assert RunDirectory(tmp_path / "s" / "beads=12").record["engine"] == engine
-
-
-def test_a_scene_that_ends_at_a_bead_sweeps_and_is_recognised_again(tmp_path, capsys):
-    path = sweep_file(tmp_path, UNTIL, beads=[12])
-    assert sweep(path, tmp_path / "s") == 0
-    assert sweep(path, tmp_path / "s") == 0
-    assert "1 of 1 cases done (1 of them before)" in capsys.readouterr().out
+@pytest.fixture
+def here(monkeypatch):
+    """Cases are computed in this process; as by `pool_here`, for one test."""
+    monkeypatch.setattr(pool, "answers", pool_here.answers)
 
 
 @pytest.fixture(scope="module")
@@ -54,6 +38,32 @@ def done(tmp_path_factory):
     path = sweep_file(folder, coupling__stiffness=[0.1, 0.2])
     assert sweep(path, folder / "s") == 0
     return path, folder / "s"
+
+
+# --- running ----------------------------------------------------------------------------------------------------------
+
+
+def test_a_swept_case_is_bit_for_bit_the_scene_run_alone(done, tmp_path):
+    swept = RunDirectory(done[1] / "coupling.stiffness=0.2").trajectory
+    alone = run(library.from_plain({**SMALL, "coupling": {"stiffness": 0.2}}, ""), tmp_path / "alone", check=False)
+    np.testing.assert_array_equal(swept.velocity, alone.trajectory.velocity)
+    np.testing.assert_array_equal(swept.displacement, alone.trajectory.displacement)
+
+
+@pytest.mark.usefixtures("here")
+@pytest.mark.parametrize("engine", ["reference", "collisions"])
+def test_other_engines_sweep_too(engine, tmp_path):
+    path = sweep_file(tmp_path, {**SMALL, "gap": 0.1}, engine=engine, beads=[12])
+    assert sweep(path, tmp_path / "s") == 0
+    assert RunDirectory(tmp_path / "s" / "beads=12").record["engine"] == engine
+
+
+@pytest.mark.usefixtures("here")
+def test_a_scene_that_ends_at_a_bead_sweeps_and_is_recognised_again(tmp_path, capsys):
+    path = sweep_file(tmp_path, UNTIL, beads=[12])
+    assert sweep(path, tmp_path / "s") == 0
+    assert sweep(path, tmp_path / "s") == 0
+    assert "1 of 1 cases done (1 of them before)" in capsys.readouterr().out
 
 
 def stamps(directory):
@@ -67,6 +77,7 @@ def test_a_finished_sweep_is_not_computed_again(done):
     assert stamps(directory) == before
 
 
+@pytest.mark.usefixtures("here")
 def test_what_is_missing_failed_or_cut_short_is_computed_again_and_nothing_else(tmp_path):
     path = sweep_file(tmp_path, coupling__stiffness=[0.1, 0.2, 0.3, 0.4, 0.5])
     assert sweep(path, tmp_path / "s") == 0
@@ -84,6 +95,7 @@ def test_what_is_missing_failed_or_cut_short_is_computed_again_and_nothing_else(
     assert before[kept / "run.json"] == (kept / "run.json").stat().st_mtime_ns
 
 
+@pytest.mark.usefixtures("here")
 def test_added_values_are_computed_and_cases_no_longer_named_stay(tmp_path, capsys):
     assert sweep(sweep_file(tmp_path, beads=[10, 11]), tmp_path / "s") == 0
     assert sweep(sweep_file(tmp_path, beads=[11, 12]), tmp_path / "s") == 0
@@ -104,6 +116,7 @@ def test_the_same_case_of_another_sweep_is_refused_before_anything_runs(change, 
     assert stamps(directory) == before
 
 
+@pytest.mark.usefixtures("here")
 def test_a_case_whose_scene_was_changed_by_hand_is_refused(tmp_path, capsys):
     path = sweep_file(tmp_path, beads=[12])
     case = tmp_path / "s" / "beads=12"
@@ -133,6 +146,7 @@ def test_two_sweeps_do_not_share_a_directory(done, monkeypatch, capsys):
 # --- failures ---------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.usefixtures("here")
 def test_a_failing_case_among_good_ones_is_told_in_one_line_and_tried_again(tmp_path, capsys):
     scene = {**SMALL, "duration": 200, "output": {"every": 1.4}}
     path = sweep_file(tmp_path, scene, timestep=[0.01, 0.1, 0.7])
@@ -147,6 +161,7 @@ def test_a_failing_case_among_good_ones_is_told_in_one_line_and_tried_again(tmp_
     assert found == {"timestep=0.01": "done", "timestep=0.1": "done", "timestep=0.7": "failed"}
 
 
+@pytest.mark.usefixtures("here")
 def test_a_pulse_that_does_not_arrive_is_its_cases_failure(tmp_path, capsys):
     path = sweep_file(tmp_path, UNTIL, kick__velocity=[1, -1])
     assert sweep(path, tmp_path / "s") == 1

@@ -17,7 +17,6 @@ from lammps_inputs.decks import deck
 from workflow.cli import main
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
-from workflow.verdicts import validate as validation
 from workflow.verdicts.validate import FIGURES, REPORT, TOLERANCES, validate
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
@@ -25,22 +24,18 @@ pytestmark = pytest.mark.usefixtures("lammps_here")
 SCENE = scene(chains=2, beads=40, kappa=0.1, duration=40.0)
 
 
-@pytest.fixture(autouse=True)
-def _without_figures(request, monkeypatch):
-    """Drawing takes longer than all else, so only a few tests draw."""
-    if "drawn" not in request.fixturenames:
-        monkeypatch.setattr(validation, "FIGURES", ())
-
-
-@pytest.fixture
-def drawn():
-    """Figures are drawn in the tests that ask for this."""
-
-
 @pytest.fixture(scope="module")
 def good(tmp_path_factory):
     """The deck of `SCENE`, run by plain ``lmp``."""
     return wrong_runs.deck_run(SCENE, tmp_path_factory.mktemp("validate") / "good")
+
+
+@pytest.fixture(scope="module")
+def validated(good, tmp_path_factory):
+    """What is found of it."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("workflow.verdicts.validate.write_figure", lambda *_: ())
+        return validate(copied(good, tmp_path_factory.mktemp("validated") / "run"))
 
 
 def copied(directory, path):
@@ -260,9 +255,9 @@ def test_a_wrong_option_ends_in_one_line_and_exit_code_2(arguments, words, good,
     ("quantity", "usual"),
     [("velocity", 2.6e-4), ("displacement", 6.6e-4), ("amplitude", 7.7e-6), ("arrival", 5.9e-4), ("energy", 1.9e-5)],
 )
-def test_a_run_may_be_off_by_a_few_times_what_the_default_step_leaves(quantity, usual, good, tmp_path):
+def test_a_run_may_be_off_by_a_few_times_what_the_default_step_leaves(quantity, usual, validated):
     """``usual``: the largest measured in the paper's three scenes."""
-    found = validate(copied(good, tmp_path / "run"))
+    found = validated
     for share, passes in ((1.5, True), (8.0, False)):
         deviations = {**found.deviations, quantity: Deviation(share * usual, share * usual)}
         assert replace(found, deviations=deviations).exceeded(quantity) is not passes
@@ -296,10 +291,10 @@ def test_the_report_holds_every_quantity_with_its_tolerance_and_places(good, tmp
     assert report["reference"]["velocity"] == found.certificate.velocity
 
 
-def test_the_velocity_error_is_that_of_an_independent_comparison(good, tmp_path):
+def test_the_velocity_error_is_that_of_an_independent_comparison(good, validated):
     from workflow.engines.reference import engine
 
-    found = validate(copied(good, tmp_path / "run"))
+    found = validated
     own, fine = good.trajectory, engine.run(good.problem, steps_per_frame=64)
     error = np.abs(own.velocity - fine.velocity)
     assert found.deviations["velocity"].largest == pytest.approx(error.max(), abs=2.0 * found.certificate.velocity)

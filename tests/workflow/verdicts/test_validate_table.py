@@ -13,7 +13,6 @@ from workflow.cli import main
 from workflow.engines.reference import engine
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
-from workflow.verdicts import validate as validation
 from workflow.verdicts.validate import REPORT, validate_against
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
@@ -31,12 +30,6 @@ SCENES = {
         duration=25.0 * UNIT.time,
     ),
 }
-
-
-@pytest.fixture(autouse=True)
-def _without_figures(monkeypatch):
-    """Drawing takes longer than all else; ``test_validate.py`` looks at the figures."""
-    monkeypatch.setattr(validation, "FIGURES", ())
 
 
 @pytest.fixture(scope="module")

@@ -17,6 +17,8 @@ from lammps_inputs import shipped, strict_yaml
 from lammps_inputs.units import hertz_constant, make_scale, sphere_mass
 from workflow.cli import main
 
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
 EQUAL, BEATING, SHORT, ALONE = State.EQUAL, State.BEATING, State.SHORT, State.ALONE
 
 STEEL = {"radius": 4.76e-3, "density": 8000, "youngs_modulus": 193e9, "poisson_ratio": 0.3}

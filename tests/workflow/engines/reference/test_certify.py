@@ -23,6 +23,8 @@ from workflow.engines.reference.verlet import VERLET
 from workflow.errors import RunError
 from workflow.runs.run_directory import RunDirectory
 
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
 PAPER = find("two-chains").problem()
 
 extended = pytest.mark.skipif(np.finfo(np.longdouble).eps > 1e-18, reason="longdouble is no longer than float64 here")
@@ -85,7 +87,7 @@ def test_a_small_case_is_that_of_another_scheme_in_extended_precision(small):
     weight = 1.0 / (np.longdouble(4.0) - np.longdouble(4.0) ** (np.longdouble(1.0) / 3.0))
     parts = [weight, weight, 1.0 - 4.0 * weight, weight, weight]
     ends = []
-    for steps in (8000, 16000):
+    for steps in (4000, 8000):
         x = np.zeros(reference.velocity[0].shape, np.longdouble)
         v = reference.problem.initial_velocity().astype(np.longdouble)
         h = np.longdouble(10.0) / steps
@@ -133,8 +135,8 @@ SCENES = [
         beads=30, frames=round(40.0 / every), chains=chains, kappa=kappa, gap=gap, timestep=every / 10.0, kicks=kicks
     )
     for every in (0.1, 0.4, 2.0)
-    for chains, kappa in ((1, 0.0), (2, 0.01), (2, 0.1), (3, 0.5), (4, 10.0))
-    for gap in (0.0, 0.5, 2.874)
+    for chains, kappa in ((1, 0.0), (2, 0.01), (4, 10.0))
+    for gap in (0.0, 2.874)
     for kicks in (((1, 1, 1.0),), ((1, 15, -1.0), (1, 4, 0.3)))
 ]
 
