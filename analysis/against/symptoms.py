@@ -277,10 +277,12 @@ def identify_exponent(trajectory: Trajectory) -> float | None:
     for damper in problem.dampers:
         damper.drive(left, -np.diff(damper.given(x), axis=0))
     overlap, closing = np.maximum(contact.strain(x), 0.0), v[..., :-1] - v[..., 1:]
+    closed = overlap > 0.0
+    pressed = np.where(closed, overlap, 1.0)  # below an exponent of 1 the rate of a contact that just opens has no end
 
     def unexplained(exponent: float) -> float:
         force = overlap**exponent
-        rate = exponent * overlap ** (exponent - 1.0) * closing * (overlap > 0.0)
+        rate = exponent * pressed ** (exponent - 1.0) * closing * closed
         column = np.zeros_like(left)
         contact.drive(column, integral(force, rate, spacing))
         return float(np.sum(_but_for_driven(left - column, problem) ** 2))

@@ -197,7 +197,7 @@ def parts(directory: Path, tmp_path: Path) -> list[Path]:
 def test_several_dumps_in_a_row_are_one_trajectory(
     directory: Path, tmp_path: Path, expected: trajectory.Trajectory
 ) -> None:
-    rest = np.tile(rest_positions(PROBLEM), PROBLEM.chains)
+    rest = rest_positions(PROBLEM).ravel()
     chain = mda.Universe(
         directory / deck.DATA, parts(directory, tmp_path), timestep=PROBLEM.timestep, rest=rest
     ).trajectory
@@ -299,7 +299,7 @@ def test_only_recorded_beads_are_atoms(tmp_path: Path, scene: Scene) -> None:
     assert universe.atoms.resids.tolist() == [1, 1, 1, 2, 2, 2, 3, 3, 3]
     assert len(universe.bonds) == (6 if scene is SOME else 0)
     first = universe.trajectory[0].data["x"].reshape(3, 3)
-    np.testing.assert_array_equal(first, np.tile(rest_positions(scene.problem()), (3, 1)))
+    np.testing.assert_array_equal(first, rest_positions(scene.problem()))
 
 
 def test_a_file_that_is_no_data_file_is_refused_by_name(tmp_path: Path) -> None:

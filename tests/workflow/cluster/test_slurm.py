@@ -125,7 +125,6 @@ def test_a_job_of_a_scene_with_ingredients_ends_bit_for_bit_as_a_run_on_this_mac
 CUT = {
     "coupled": LONG,
     "unequal": made_of(_UNEQUAL, duration=8000.0, output={"every": 10.0}),
-    "pushed": made_of(_PUSHED, push=_PUSHED["push"][:1], duration=1000.0, output={"every": 5.0}),
 }
 
 

@@ -304,7 +304,8 @@ def test_ctrl_c_keeps_what_is_done_and_leaves_nothing_behind(tmp_path):
         os.killpg(process.pid, signal.SIGINT)
         _, complaints = process.communicate(timeout=HANGS)
     assert process.returncode == 130
-    assert complaints.endswith("granchain: interrupted\n")
+    # what runs in a callback of LLVM's when it is interrupted says so, and goes on to its end
+    assert "granchain: interrupted\n" in complaints
     assert "Error" not in complaints
     assert list(work.iterdir()) == []
     assert all(json.loads(path.read_text())["outcome"]["kind"] in KINDS for path in (out / "cells").iterdir())

@@ -65,11 +65,11 @@ def test_the_fitted_scene_is_a_scene_that_lammps_has_run_with_its_error(found):
 
 @pytest.mark.slow
 def test_intervals_hold_the_truth_as_often_as_they_say(tmp_path, monkeypatch):
-    """$GRANCHAIN_SEEDS tables (10) that differ in their noise; for each field a binomial number of them, at 95%."""
+    """$GRANCHAIN_SEEDS tables (5) that differ in their noise; for each field a binomial number of them, at 95%."""
     monkeypatch.setattr(study, "_draw", lambda *_: None)
     monkeypatch.setattr(study, "STARTS", 4)
     monkeypatch.setattr(study, "BEGUN", 1)
-    seeds = int(os.environ.get("GRANCHAIN_SEEDS", "10"))
+    seeds = int(os.environ.get("GRANCHAIN_SEEDS", "5"))
     inside = np.zeros(3, dtype=int)
     for seed in range(seeds):
         data = measured.table(tmp_path / "data.csv", seed=seed)

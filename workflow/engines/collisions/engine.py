@@ -162,18 +162,16 @@ def collide(state: State, modes: Modes, gap: float, end: float, events: Events) 
         time, chain = queue.time[pair], state.chain[pair]
         if time > end:
             break
-        if chain < 0:
-            predict(state, pair, time, modes, gap, end)
-            continue
-        evolve(rows, pair, time, modes, near)  # evolve
-        striker, target = near[1, 0, chain], near[1, 1, chain]
-        if striker <= target:  # a graze within rounding
-            predict(state, pair, time, modes, gap, end)
-            continue
-        resolve(rows, pair, time, chain, near)  # resolve
-        events.time[count], events.chain[count], events.row[count] = time, chain, pair  # record
-        events.striker[count], events.target[count] = striker, target
-        count += 1
-        for touched in range(max(pair - 1, 0), min(pair + 2, len(state.chain))):
+        first, last = pair, pair
+        if chain >= 0:
+            evolve(rows, pair, time, modes, near)  # evolve
+            striker, target = near[1, 0, chain], near[1, 1, chain]
+            if striker > target:  # no graze within rounding
+                resolve(rows, pair, time, chain, near)  # resolve
+                events.time[count], events.chain[count], events.row[count] = time, chain, pair  # record
+                events.striker[count], events.target[count] = striker, target
+                count += 1
+                first, last = max(pair - 1, 0), min(pair + 1, len(state.chain) - 1)
+        for touched in range(first, last + 1):
             predict(state, touched, time, modes, gap, end)
     return count

@@ -87,7 +87,7 @@ def test_a_small_case_is_that_of_another_scheme_in_extended_precision(small):
     weight = 1.0 / (np.longdouble(4.0) - np.longdouble(4.0) ** (np.longdouble(1.0) / 3.0))
     parts = [weight, weight, 1.0 - 4.0 * weight, weight, weight]
     ends = []
-    for steps in (4000, 8000):
+    for steps in (6000, 12000):
         x = np.zeros(reference.velocity[0].shape, np.longdouble)
         v = reference.problem.initial_velocity().astype(np.longdouble)
         h = np.longdouble(10.0) / steps
@@ -159,7 +159,7 @@ def measured():
 @pytest.mark.parametrize("quantity", ["velocity", "arrival"])
 def test_the_certificate_bounds_the_error_in_every_scene(quantity, measured):
     told = [(scene, *found) for scene, found in zip(SCENES, measured, strict=True) if quantity in found[1]]
-    assert len(told) > 0.7 * len(SCENES)  # with kicks both ways and frames far apart no pulse may lead
+    assert len(told) > 0.6 * len(SCENES)  # with kicks both ways and frames far apart no pulse may lead
     for scene, certificate, deviations in told:
         assert deviations[quantity].largest <= getattr(certificate, quantity), scene
 

@@ -66,7 +66,7 @@ def test_momentum_afterwards_is_the_impulse_and_energy_the_work(name):
     assert seen.energy_drift < 2e-6  # contacts close and open between frames
 
 
-@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("name", ["half-sine", "table"])
 def test_stepping_as_lammps_does_is_of_order_two_and_gives_the_impulse_exactly(name):
     one = pushed(Load(1, 1, LAWS[name]), frames=60)
     right = engine.run(one, steps_per_frame=64).velocity

@@ -84,6 +84,8 @@ def test_every_file_of_an_entry_is_listed():
 
 @pytest.mark.slow
 def test_all_entries_come_out_as_known(tmp_path):
-    assert main(["gallery", "-o", str(tmp_path), "--quiet"]) == 0
-    red = {name: verdicts(tmp_path, name).count(FAILS) for name in ENTRIES}
-    assert {name: count for name, count in red.items() if count} == RED
+    own = [name for name in ENTRIES if not name.startswith("paper")]  # the others are tested with `reproduce`
+    words = [word for name in own for word in ("--only", name)]
+    assert main(["gallery", "-o", str(tmp_path), "--quiet", *words]) == 0
+    red = {name: verdicts(tmp_path, name).count(FAILS) for name in own}
+    assert {name: count for name, count in red.items() if count} == {name: RED[name] for name in own if name in RED}
