@@ -83,8 +83,8 @@ def test_every_file_of_an_entry_is_listed():
 
 
 @pytest.mark.slow
-def test_all_entries_come_out_as_known(tmp_path):
-    own = [name for name in ENTRIES if not name.startswith("paper")]  # the others are tested with `reproduce`
+def test_every_other_entry_comes_out_as_known(tmp_path):
+    own = [name for name in ENTRIES if not name.startswith("paper")][::2]  # `granchain gallery` runs them all
     words = [word for name in own for word in ("--only", name)]
     assert main(["gallery", "-o", str(tmp_path), "--quiet", *words]) == 0
     red = {name: verdicts(tmp_path, name).count(FAILS) for name in own}
