@@ -6,7 +6,7 @@ import numpy as np
 
 from analysis import motion
 from analysis.trajectory import Floats, Trajectory
-from lammps_inputs import Problem
+from lammps_inputs import Problem, laws
 
 FARTHEST = 0.25
 """Time between frames, in units of T, up to which they show the largest overlap to two per cent.
@@ -21,7 +21,7 @@ def shown_by_frames(problem: Problem) -> bool:
     """Whether the frames hold neighbouring beads, closely enough in time."""
     quicker = 1.0
     if not problem.one_kind:
-        strength = max(float(np.max(next(iter(link.law)))) for link in problem.along)
+        strength = max(float(np.max(laws.strength(link.law))) for link in problem.along)
         quicker = min(1.0, math.sqrt(float(np.min(problem.mass)) / strength))
     return problem.recorded is None and problem.every <= FARTHEST * quicker * (1.0 + 1e-9)
 

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field, field_validator
 
+from lammps_inputs import strict_yaml
 from lammps_inputs.ingredients.base import Part
 
 if TYPE_CHECKING:
@@ -22,10 +23,7 @@ class Forces(Part):
     sensors: tuple[Bead, ...] | None = None
     """Inside bead n: the mean of its two contacts, as an embedded sensor gives it."""
 
-    @field_validator("contacts", "sensors", mode="before")
-    @classmethod
-    def _from_list(cls, value: Any) -> Any:
-        return tuple(value) if isinstance(value, list) else value
+    _from_list = field_validator("contacts", "sensors", mode="before")(strict_yaml.as_tuple)
 
     @field_validator("contacts", "sensors")
     @classmethod

@@ -82,7 +82,7 @@ class System:
     @cached_property
     def one_kind(self) -> bool:
         """Whether all beads are the same, and all contacts but for the load that they bear."""
-        return isinstance(self.mass, float) and not any(np.ndim(next(iter(link.law))) for link in self.along)
+        return isinstance(self.mass, float) and not any(np.ndim(laws.strength(link.law)) for link in self.along)
 
     def holds(self, fact: Fact) -> bool:
         """Whether a fact is true of this system."""
@@ -95,7 +95,7 @@ class System:
         What never ends puts in without end; then it is what one contact is taken to hold, that of beads some times
         faster than the drive. Runs are checked for overlaps that LAMMPS could not hold.
         """
-        kicked = self._kicked
+        kicked = 0.5 * sum(self._kicked_mass(kick) * kick[2] ** 2 for kick in self.kicks)
         if not self.driven and not self.loads:
             return kicked
         # a force F puts in F v at most F sqrt(2 E / m), so that sqrt(2 E) grows by no more than its impulse / sqrt(m)
@@ -107,16 +107,6 @@ class System:
         )
         given += _FASTER * math.sqrt(np.max(self.mass)) * sum(motion.speed for motion in self.motions)
         return 0.5 * (math.sqrt(2.0 * kicked) + given) ** 2
-
-    @property
-    def _kicked(self) -> float:
-        return 0.5 * sum(self._kicked_mass(kick) * kick[2] ** 2 for kick in self.kicks)
-
-    @property
-    def energy_at_start(self) -> float:
-        """Kinetic energy of the kicks, and of beads whose motion is given."""
-        started = (self.mass_of(each.chain - 1, each.bead - 1) * each.velocity(0.0) ** 2 for each in self.motions)
-        return self._kicked + 0.5 * sum(map(float, started))
 
     @property
     def acted_on(self) -> bool:
@@ -181,14 +171,11 @@ class System:
     @property
     def drag(self) -> float:
         """Rate, at most, at which dashpots stop any motion (Gershgorin)."""
-        contacts = np.zeros((self.chains, self.beads)) if self.contact_loss is not None else np.zeros((1, 1))
-        others = 0.0
+        contacts, others = np.zeros(1), 0.0
         for link in self.dampers:
             if isinstance(link, Along):
                 reached = dashpot.at_reach(link.law, self.along[0].law, self.energy)
-                resistance = 2.0 * np.broadcast_to(reached, (self.chains, self.beads - 1))
-                contacts[:, 1:] += resistance
-                contacts[:, :-1] += resistance
+                contacts = contacts + self._on_beads(reached)
             else:
                 graph = largest_eigenvalue(link, self.chains) if isinstance(link, Across) else 1.0
                 others += graph * float(np.max(dashpot.resistance(link.law, 0.0)))
@@ -229,11 +216,7 @@ class System:
         """Angular frequency, at most, of sound: small motions about rest, springs left out; 0 where there is none."""
         if not self.loaded:
             return 0.0
-        total = np.zeros((self.chains, self.beads))
-        for link in self.along:
-            stiff = np.broadcast_to(laws.stiffness(link.law, 0.0), (self.chains, self.beads - 1))
-            total[:, 1:] += 2.0 * stiff
-            total[:, :-1] += 2.0 * stiff
+        total = sum(self._on_beads(laws.stiffness(link.law, 0.0)) for link in self.along)
         for wall in self.walls:
             total += laws.stiffness(wall.law, 0.0)
         return float(np.sqrt(np.max(total / self.mass)))
@@ -243,7 +226,7 @@ class System:
         """Beads that a pulse passes in a unit of time, at most; as fast as sound at the largest force, if any bead is
         lighter, or any contact under load or harder, than the reference's.
         """
-        plain = self.alike and not self.loaded and all(link.law == type(link.law)() for link in self.along)
+        plain = self.alike and not self.loaded and all(laws.strength(link.law) == 1.0 for link in self.along)
         return 1.0 if plain else max(1.0, 0.5 * float(np.sqrt(self._contacts())))
 
     @property
@@ -264,14 +247,17 @@ class System:
             contacts = sum(4.0 * laws.stiffest(link.law, self.energy) for link in self.along)
             # a bead at the end has one contact, and a wall
             return max(contacts, 0.5 * contacts + wall) if self.walls else contacts
-        total = np.zeros((self.chains, self.beads))
-        for link in self.along:
-            stiff = np.broadcast_to(laws.at_reach(link.law, self.energy), (self.chains, self.beads - 1))
-            total[:, 1:] += 2.0 * stiff
-            total[:, :-1] += 2.0 * stiff
+        total = sum(self._on_beads(laws.at_reach(link.law, self.energy)) for link in self.along)
         for held in self.walls:
             total += laws.at_reach(held.law, self.energy)
         return float(np.max(total / self.mass))
+
+    def _on_beads(self, contact: Any) -> NDArray[np.float64]:
+        """Bound on what the contacts do to each bead's motion (Gershgorin), [chain, bead]: twice the sum of both."""
+        total = np.zeros((self.chains, self.beads))
+        for side in (slice(1, None), slice(None, -1)):
+            total[:, side] += 2.0 * np.broadcast_to(contact, (self.chains, self.beads - 1))
+        return total
 
     def _springs(self) -> float:
         held = (laws.stiffest(link.law, self.energy) for link in self._holding)
@@ -328,7 +314,7 @@ class System:
         """Chains, counted from 0, of the group that one is in, ascending."""
         return sorted(next(group for group in self.groups if chain in group))
 
-    @property
+    @cached_property
     def diameter(self) -> float:
         """Bead diameter in LAMMPS: a power of two, so that touching is exact, and never small enough for second
         neighbours to meet or for one overlap to reach half of it. The dynamics do not depend on it.

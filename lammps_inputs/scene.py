@@ -94,10 +94,7 @@ class Output(Part):
     spectra: Spectra | None = None
     """Beads whose spectra are wanted."""
 
-    @field_validator("beads", mode="before")
-    @classmethod
-    def _from_list(cls, value: Any) -> Any:
-        return tuple(value) if isinstance(value, list) else value
+    _from_list = field_validator("beads", mode="before")(strict_yaml.as_tuple)
 
     @field_validator("beads")
     @classmethod

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field, field_validator
 
+from lammps_inputs import strict_yaml
 from lammps_inputs.ingredients.base import Part
 
 if TYPE_CHECKING:
@@ -20,10 +21,7 @@ class Spectra(Part):
     after: Annotated[float, Field(ge=0, le=1e30)] | None = None
     """Time from which on the motion counts; half of the duration if left out."""
 
-    @field_validator("beads", mode="before")
-    @classmethod
-    def _from_list(cls, value: Any) -> Any:
-        return tuple(value) if isinstance(value, list) else value
+    _from_list = field_validator("beads", mode="before")(strict_yaml.as_tuple)
 
     @field_validator("beads")
     @classmethod

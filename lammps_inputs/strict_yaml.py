@@ -18,6 +18,11 @@ MAX_VALUES = 30_000
 """Keys, values, lists and mappings: what is read within a second or two."""
 
 
+def as_tuple(value: Any) -> Any:
+    """What was read, with tuples for lists, which frozen parts of a scene have; anything else as it is."""
+    return tuple(map(as_tuple, value)) if isinstance(value, list) else value
+
+
 class _Loader(yaml.SafeLoader):
     """A safe loader that refuses duplicate keys, keys that are not text, tags, anchors and aliases."""
 

@@ -1,18 +1,16 @@
 """How heavy the beads of a trajectory were felt to be, how strong their contacts, and what pushed them.
 
-What is measured is the change of every bead's momentum between frames, against the impulses of all links on it, which
-are integrals from their forces and rates at the frames (`analysis.against.symptoms`).
+What is measured is the change of every bead's momentum between frames, against the impulses of all links on it
+(`analysis.against.impulses`).
 """
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from analysis.against.symptoms import integral
+from analysis.against import impulses
 from analysis.trajectory import Floats, Trajectory
-from lammps_inputs import Problem
-from lammps_inputs.links import Along, Link
+from lammps_inputs.links import Along
 from lammps_inputs.loads import Load
 
 MOST = 4000
@@ -50,18 +48,16 @@ def identify_beads(trajectory: Trajectory) -> Felt | None:
     problem = trajectory.problem
     if problem.recorded is not None or trajectory.frames < 10 or problem.chains * problem.beads > MOST:
         return None
-    change = _change_of_momentum(trajectory)
+    change = impulses.unexplained(trajectory)
     contacts, others = np.zeros(change[:, :, 1:].shape), []
     for link in problem.links:
-        impulse = _impulse(link, trajectory)
+        impulse = impulses.of_link(link, trajectory)
         if isinstance(link, Along):
             contacts += impulse
         else:
-            others.append(np.zeros_like(change))
-            link.drive(others[-1], impulse)
+            others.append(impulses.on_beads(link, impulse, trajectory))
     for damper in problem.dampers:
-        others.append(np.zeros_like(change))
-        damper.drive(others[-1], np.diff(damper.given(trajectory.displacement), axis=0))
+        others.append(impulses.on_beads(damper, impulses.of_damper(damper, trajectory), trajectory))
     # of every contact, as felt by the bead behind it and by the one before it
     behind, ahead = np.full((2, problem.chains, problem.beads - 1), np.nan)
     power = np.sum(contacts**2, axis=0)
@@ -102,28 +98,6 @@ def _apart(behind: Floats, ahead: Floats) -> tuple[Floats, Floats]:
 
 def given(trajectory: Trajectory, load: Load) -> Floats:
     """Impulse from outside until each frame, [frame], on the bead of a load: what the links on it do not explain."""
-    change = _change_of_momentum(trajectory, loads=False)[:, load.chain - 1, load.bead - 1]
-    for link in trajectory.problem.links:
-        total = np.zeros_like(trajectory.velocity[1:])
-        link.drive(total, _impulse(link, trajectory))
-        change = change - total[:, load.chain - 1, load.bead - 1]
-    for damper in trajectory.problem.dampers:
-        total = np.zeros_like(trajectory.velocity[1:])
-        damper.drive(total, np.diff(damper.given(trajectory.displacement), axis=0))
-        change = change - total[:, load.chain - 1, load.bead - 1]
-    return np.concatenate([[0.0], np.cumsum(change)])
-
-
-def _change_of_momentum(trajectory: Trajectory, *, loads: bool = True) -> Floats:
-    """Between frames, [interval, chain, bead]; without what loads give."""
-    problem: Problem = trajectory.problem
-    change: NDArray[np.float64] = np.diff(trajectory.velocity, axis=0) * problem.mass
-    for load in problem.loads if loads else ():
-        change[:, load.chain - 1, load.bead - 1] -= np.diff(load.impulse(trajectory.time))
-    return change
-
-
-def _impulse(link: Link, trajectory: Trajectory) -> Floats:
-    spacing = np.diff(trajectory.time)[:, np.newaxis, np.newaxis]
-    x, v = trajectory.displacement, trajectory.velocity
-    return integral(link.force(x), link.force_rate(x, v), spacing)
+    problem = trajectory.problem
+    change = impulses.unexplained(trajectory, problem.links, problem.dampers, loads=False)
+    return np.concatenate([[0.0], np.cumsum(change[:, load.chain - 1, load.bead - 1])])

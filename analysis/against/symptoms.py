@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from analysis.against import impulses
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem, laws
 from lammps_inputs.laws import Law
@@ -120,7 +121,6 @@ def identify_springs(trajectory: Trajectory) -> Springs | None:
 
     Between two frames, the change of a bead's velocity minus the impulse of its contacts is the impulse of its springs.
     Summed over the chains from the first to j, all that is left is the spring between j and j + 1 (of an open row).
-    Impulses are integrals from the forces and their rates at the two frames (corrected trapezoid, order 4).
     """
     problem = trajectory.problem
     if problem.chains < 2 or not problem.open_row or problem.recorded is not None or trajectory.frames < 10:
@@ -128,20 +128,14 @@ def identify_springs(trajectory: Trajectory) -> Springs | None:
     if problem.motions:  # by forces that nobody knows
         return None
     x, v = trajectory.displacement, trajectory.velocity
-    spacing = np.diff(trajectory.time)[:, np.newaxis, np.newaxis]
-    change = np.diff(v, axis=0) * problem.mass
-    for load in problem.loads:
-        change[:, load.chain - 1, load.bead - 1] -= np.diff(load.impulse(trajectory.time))
-    for link in (*problem.along, *problem.ground):
-        link.drive(change, -integral(link.force(x), link.force_rate(x, v), spacing))
-    for damper in problem.dampers:
-        damper.drive(change, -np.diff(damper.given(x), axis=0))
+    change = impulses.unexplained(trajectory, (*problem.along, *problem.ground), problem.dampers)
     felt = np.cumsum(change, axis=1)[:, :-1]
     relative, relative_rate = x[:, 1:] - x[:, :-1], v[:, 1:] - v[:, :-1]
     if np.max(np.abs(relative)) < _APART:
         return None
-    stretch = integral(relative, relative_rate, spacing)
-    cube = integral(relative**3, 3.0 * relative**2 * relative_rate, spacing)
+    spacing = impulses.spacing(trajectory)
+    stretch = impulses.integral(relative, relative_rate, spacing)
+    cube = impulses.integral(relative**3, 3.0 * relative**2 * relative_rate, spacing)
     power = np.sum(stretch * stretch, axis=0)
     moved = power > 1e-4 * power.max()
     with np.errstate(divide="ignore", invalid="ignore"):  # rows that never moved
@@ -159,32 +153,22 @@ def identify_springs(trajectory: Trajectory) -> Springs | None:
 def identify_strengths(trajectory: Trajectory) -> dict[str, float] | None:
     """How strong each kind of link was felt to be, name -> factor on the problem's own force; 1 is right.
 
-    Least squares of the change of every bead's momentum between frames on the impulses of the links, which are
-    integrals as in `identify_springs`. None for fewer than ten frames, where not all beads are recorded, and where the
-    impulses of two kinds of link cannot be told apart.
+    Least squares of the change of every bead's momentum between frames on the impulses of the links. None for fewer
+    than ten frames, where not all beads are recorded, and where the impulses of two kinds of link cannot be told apart.
     """
     problem = trajectory.problem
     if problem.recorded is not None or trajectory.frames < 10:
         return None
-    x, v = trajectory.displacement, trajectory.velocity
-    spacing = np.diff(trajectory.time)[:, np.newaxis, np.newaxis]
-    change = np.diff(v, axis=0) * problem.mass
-    for load in problem.loads:
-        change[:, load.chain - 1, load.bead - 1] -= np.diff(load.impulse(trajectory.time))
-    columns = []
-    for link in problem.links:
-        column = np.zeros_like(v[1:])
-        link.drive(column, integral(link.force(x), link.force_rate(x, v), spacing))
-        columns.append(_but_for_driven(column, problem).reshape(-1))
-    for damper in problem.dampers:
-        column = np.zeros_like(v[1:])
-        damper.drive(column, np.diff(damper.given(x), axis=0))
-        columns.append(_but_for_driven(column, problem).reshape(-1))
-    _but_for_driven(change, problem)
+    change = _but_for_driven(impulses.unexplained(trajectory), problem)
+    given = [(link, impulses.of_link(link, trajectory)) for link in problem.links]
+    given += [(damper, impulses.of_damper(damper, trajectory)) for damper in problem.dampers]
+    columns = [
+        _but_for_driven(impulses.on_beads(link, impulse, trajectory), problem).reshape(-1) for link, impulse in given
+    ]
     factors, _, rank, _ = np.linalg.lstsq(np.array(columns).T, change.reshape(-1), rcond=1e-6)
     if rank < len(columns):
         return None
-    return {link.name: float(factor) for link, factor in zip((*problem.links, *problem.dampers), factors, strict=True)}
+    return {link.name: float(factor) for (link, _), factor in zip(given, factors, strict=True)}
 
 
 _EXPLAINED = 0.05
@@ -213,27 +197,20 @@ def identify_load(trajectory: Trajectory) -> StaticLoad | None:
     problem = trajectory.problem
     if not problem.loaded or problem.recorded is not None or trajectory.frames < 10:
         return None
-    x, v = trajectory.displacement, trajectory.velocity
-    spacing = np.diff(trajectory.time)[:, np.newaxis, np.newaxis]
-    change = np.diff(v, axis=0) * problem.mass
-    for load in problem.loads:
-        change[:, load.chain - 1, load.bead - 1] -= np.diff(load.impulse(trajectory.time))
-    rest = [link for link in problem.links if link not in problem.along]
-    for link in rest:
-        link.drive(change, -integral(link.force(x), link.force_rate(x, v), spacing))
+    change = impulses.unexplained(trajectory, (*problem.across, *problem.ground))
 
     def left(factor: float) -> Floats:
         total = change.copy()
         for link in problem.along:
-            law = _pressed(link.law, factor)
-            pressed = replace(link, law=law)
-            pressed.drive(total, -integral(pressed.force(x), pressed.force_rate(x, v), spacing))
+            pressed = replace(link, law=_pressed(link.law, factor))
+            pressed.drive(total, -impulses.of_link(pressed, trajectory))
         return _but_for_driven(total, problem)
 
-    outside = np.zeros(x.shape[1:])
+    start = trajectory.displacement[0]
+    outside = np.zeros_like(start)
     for link in problem.links:
-        link.drive(outside, -np.broadcast_to(_at_rest(link), link.strain(x[0]).shape))
-    power = float(np.sum(outside**2) * np.sum(spacing))
+        link.drive(outside, -np.broadcast_to(_at_rest(link), link.strain(start).shape))
+    power = float(np.sum(outside**2) * np.sum(np.diff(trajectory.time)))
     size = float(np.max(np.abs(outside)))
     far = 1e-9 * size * problem.chains * problem.beads
     held = 1.0 + float(np.sum(left(1.0).sum(axis=0) * outside)) / power if size > far else np.nan
@@ -266,25 +243,17 @@ def identify_exponent(trajectory: Trajectory) -> float | None:
     problem = trajectory.problem
     if problem.exponent is None or not problem.alike or problem.recorded is not None or trajectory.frames < 10:
         return None
-    x, v = trajectory.displacement, trajectory.velocity
-    spacing = np.diff(trajectory.time)[:, np.newaxis, np.newaxis]
-    left = np.diff(v, axis=0)
-    for load in problem.loads:
-        left[:, load.chain - 1, load.bead - 1] -= np.diff(load.impulse(trajectory.time))
-    (contact,), others = problem.along, (*problem.across, *problem.ground)
-    for link in others:
-        link.drive(left, -integral(link.force(x), link.force_rate(x, v), spacing))
-    for damper in problem.dampers:
-        damper.drive(left, -np.diff(damper.given(x), axis=0))
-    overlap, closing = np.maximum(contact.strain(x), 0.0), v[..., :-1] - v[..., 1:]
+    (contact,) = problem.along
+    left = impulses.unexplained(trajectory, (*problem.across, *problem.ground), problem.dampers)
+    spacing, v = impulses.spacing(trajectory), trajectory.velocity
+    overlap, closing = np.maximum(contact.strain(trajectory.displacement), 0.0), v[..., :-1] - v[..., 1:]
     closed = overlap > 0.0
     pressed = np.where(closed, overlap, 1.0)  # below an exponent of 1 the rate of a contact that just opens has no end
 
     def unexplained(exponent: float) -> float:
         force = overlap**exponent
         rate = exponent * pressed ** (exponent - 1.0) * closing * closed
-        column = np.zeros_like(left)
-        contact.drive(column, integral(force, rate, spacing))
+        column = impulses.on_beads(contact, impulses.integral(force, rate, spacing), trajectory)
         return float(np.sum(_but_for_driven(left - column, problem) ** 2))
 
     found = minimize_scalar(unexplained, (1.0, 2.0), (0.9, 4.0), method="bounded", options={"xatol": 1e-6})
@@ -297,9 +266,3 @@ def _but_for_driven(values: Floats, problem: Problem) -> Floats:
     for motion in problem.motions:
         values[..., motion.chain - 1, motion.bead - 1] = 0.0
     return values
-
-
-def integral(value: Floats, rate: Floats, spacing: Floats) -> Floats:
-    """Integral between consecutive frames from values and rates there."""
-    ends = 0.5 * spacing * (value[1:] + value[:-1])
-    return np.asarray(ends + spacing**2 / 12.0 * (rate[:-1] - rate[1:]))

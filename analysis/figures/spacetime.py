@@ -69,6 +69,13 @@ class SpaceTime:
         return self.problem.recorded_beads[:: self._thin]
 
 
+def largest_afar(problem: Problem, beads: NDArray[np.int64], velocity: Floats) -> float:
+    """Largest |velocity| [..., bead] of beads farther than `NEAR` from those that were hit; of all if that is 0."""
+    size = np.abs(np.nan_to_num(velocity))
+    far = np.all([np.abs(beads - bead) > NEAR for _, bead, _ in problem.struck], axis=0)
+    return float(np.max(size[..., far], initial=0.0)) or float(np.max(size, initial=0.0)) or 1.0
+
+
 def spacetime_figure(data: SpaceTime) -> Figure:
     """Velocity in space and time, the chains side by side (the paper's Figs 1, 3 and 5), those of a lattice as in it.
 
@@ -80,8 +87,7 @@ def spacetime_figure(data: SpaceTime) -> Figure:
     problem, chains = data.problem, shown_chains(data.problem, panels=True)
     time = axis_unit(problem, "time", data.time[-1])
     size = np.abs(np.nan_to_num(data.velocity))
-    far = np.all([np.abs(data.beads - bead) > NEAR for _, bead, _ in problem.struck], axis=0)
-    largest = float(np.max(size[:, :, far], initial=0.0)) or float(np.max(size, initial=0.0)) or 1.0
+    largest = largest_afar(problem, data.beads, data.velocity)
     unit = axis_unit(problem, "velocity", largest)
     top = largest * unit.worth
     rows = -(-len(chains) // PANELS_A_ROW)

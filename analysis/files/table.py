@@ -11,9 +11,10 @@ import struct
 import warnings
 import zipfile
 import zlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,8 @@ from numpy.typing import NDArray
 from analysis.trajectory import Floats
 from lammps_inputs import InputError
 from lammps_inputs.numbers import memory
+
+Name = TypeVar("Name")
 
 KEYS = ("time", "chain", "bead")
 VALUES = ("displacement", "velocity")
@@ -105,32 +108,61 @@ def _refuse_what_unpacks_to_too_much(path: Path, archive: zipfile.ZipFile) -> No
 
 
 def _from_text(path: Path) -> dict[str, Floats]:
+    def chosen(names: list[str]) -> dict[str, int]:
+        wanted = [name for name in (*KEYS, *VALUES) if name in names]
+        if not wanted:
+            raise InputError(f"{path}: its first line names no column; wanted are {', '.join((*KEYS, *VALUES))}")
+        for name in wanted:
+            if names.count(name) > 1:
+                raise InputError(f"{path}: its first line names {name!r} twice")
+        return {name: names.index(name) for name in wanted}
+
+    found, data = read_text(path, chosen, "is neither a text table nor an npz")
+    return {name: data[:, k] for k, name in enumerate(found)}
+
+
+def read_text(
+    path: Path,
+    chosen: Callable[[list[str]], dict[Name, int]],
+    otherwise: str,
+    convert: Callable[[str], float] | None = None,
+) -> tuple[dict[Name, int], Floats]:
+    """Some columns of a text with a header line.
+
+    Args:
+        path: the file.
+        chosen: from the names in the header, what is to be read -> which column it is; may raise.
+        otherwise: what is said of a file that is no text.
+        convert: a cell to a number, where not every cell is one.
+
+    Returns:
+        What was chosen, and the columns [row, choice] in its order.
+
+    Raises:
+        InputError: it is no such text, or holds what is no number.
+    """
     try:
         with path.open(encoding="utf-8-sig") as file:
             names, delimiter = header(file.readline())
-            wanted = [name for name in (*KEYS, *VALUES) if name in names]
-            if not wanted:
-                raise InputError(f"{path}: its first line names no column; wanted are {', '.join((*KEYS, *VALUES))}")
-            for name in wanted:
-                if names.count(name) > 1:
-                    raise InputError(f"{path}: its first line names {name!r} twice")
+            places = chosen(names)
             with warnings.catch_warnings():
                 warnings.filterwarnings("ignore", "loadtxt: input contained no data")
                 data = np.loadtxt(
-                    rows_as_wide_as(file, len(names), delimiter, path),
+                    _rows_as_wide_as(file, len(names), delimiter, path),
                     delimiter=delimiter,
                     ndmin=2,
-                    usecols=[names.index(name) for name in wanted],
+                    usecols=list(places.values()),
+                    converters=convert,
                 )
     except UnicodeDecodeError:
-        raise InputError(f"{path}: is neither a text table nor an npz") from None
+        raise InputError(f"{path}: {otherwise}") from None
     except InputError:
         raise
     except ValueError as error:
         raise InputError(f"{path}: {error}") from None
     if data.size == 0:
         raise InputError(f"{path}: holds no row")
-    return {name: data[:, k] for k, name in enumerate(wanted)}
+    return places, data
 
 
 def header(line: str) -> tuple[list[str], str | None]:
@@ -140,7 +172,7 @@ def header(line: str) -> tuple[list[str], str | None]:
     return [name.strip().strip("\"'") for name in line.split(delimiter)], delimiter
 
 
-def rows_as_wide_as(lines: Iterable[str], width: int, delimiter: str | None, path: Path) -> Iterator[str]:
+def _rows_as_wide_as(lines: Iterable[str], width: int, delimiter: str | None, path: Path) -> Iterator[str]:
     """The lines, as long as each has as many columns as the first line names."""
     for number, line in enumerate(lines, 2):
         row = line.partition("#")[0].strip()

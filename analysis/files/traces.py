@@ -6,11 +6,9 @@ A place without a value is empty or ``nan``. A long table of beads (see `table`)
 
 import math
 import re
-import warnings
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -112,42 +110,37 @@ def load(path: Path) -> Traces:
     try:
         if path.stat().st_size > table.MAX_BYTES:
             raise InputError(f"{path}: larger than 4 GiB; write fewer rows")
-        with path.open(encoding="utf-8-sig") as file:
-            names, delimiter = table.header(file.readline())
-            chosen = list(_chosen(path, names))
-            with warnings.catch_warnings():
-                warnings.filterwarnings("ignore", "loadtxt: input contained no data")
-                data = np.loadtxt(
-                    table.rows_as_wide_as(file, len(names), delimiter, path),
-                    delimiter=delimiter,
-                    ndmin=2,
-                    usecols=[place for place, _, _ in chosen],
-                    converters=lambda text: float(text) if text.strip() else math.nan,
-                )
+        found, data = table.read_text(
+            path,
+            lambda names: _chosen(path, names),
+            "is not a text table",
+            lambda text: float(text) if text.strip() else math.nan,
+        )
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror or error})") from None
-    except UnicodeDecodeError:
-        raise InputError(f"{path}: is not a text table") from None
-    except InputError:
-        raise
-    except ValueError as error:
-        raise InputError(f"{path}: {error}") from None
-    if data.size == 0:
-        raise InputError(f"{path}: holds no row")
-    for (place, _, _), column in zip(chosen, data.T, strict=True):
-        if np.isinf(column).any() or np.isnan(column).all():
-            row = int(np.argmax(~np.isfinite(column)))
-            raise InputError(f"{path}: column {names[place]!r} holds {column[row]} in row {row + 1}")
-    time = data[:, 0] * chosen[0][2]
+    columns = list(found)
+    for column, values in zip(columns, data.T, strict=True):
+        if np.isinf(values).any() or np.isnan(values).all():
+            row = int(np.argmax(~np.isfinite(values)))
+            raise InputError(f"{path}: column {column.heading!r} holds {values[row]} in row {row + 1}")
+    time = data[:, 0] * columns[0].worth
     if not np.all(np.diff(time) > 0.0):  # also where a time is missing
         raise InputError(f"{path}: times are not ascending")
-    channels = tuple(channel for _, channel, _ in chosen[1:] if channel is not None)
-    units = any(_split(names[place])[1] not in ("", "-") for place, _, _ in chosen)
-    return Traces(time, channels, data[:, 1:] * [worth for _, _, worth in chosen[1:]], units)
+    channels = tuple(column.channel for column in columns if column.channel is not None)
+    units = any(_split(column.heading)[1] not in ("", "-") for column in columns)
+    return Traces(time, channels, data[:, 1:] * [column.worth for column in columns[1:]], units)
 
 
-def _chosen(path: Path, names: list[str]) -> Iterator[tuple[int, Channel | None, float]]:
-    """Place, channel and worth of the columns that are read, time first."""
+class _Column(NamedTuple):
+    """A column that is read: of times where it has no channel; what its unit is worth; as the file heads it."""
+
+    channel: Channel | None
+    worth: float
+    heading: str
+
+
+def _chosen(path: Path, names: list[str]) -> dict[_Column, int]:
+    """The columns that are read, time first, and where they are."""
     found: dict[Channel | None, tuple[int, float]] = {}
     for place, heading in enumerate(names):
         name, unit = _split(heading)
@@ -166,8 +159,8 @@ def _chosen(path: Path, names: list[str]) -> Iterator[tuple[int, Channel | None,
         raise InputError(f"{path}: has no column 'time'; wanted are such as {WANTED}")
     if len(found) == 1:
         raise InputError(f"{path}: holds no trace; wanted are such as {WANTED}")
-    for channel, (place, worth) in sorted(found.items(), key=lambda entry: entry[0] is not None):
-        yield place, channel, worth
+    in_order = sorted(found.items(), key=lambda entry: entry[0] is not None)
+    return {_Column(channel, worth, names[place]): place for channel, (place, worth) in in_order}
 
 
 def _split(heading: str) -> tuple[str, str]:

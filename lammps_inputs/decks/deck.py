@@ -12,6 +12,7 @@ How the equation becomes LAMMPS:
 - a spring joins beads of one row, so ranks divide the rows, never a row.
 """
 
+import functools
 import io
 import itertools
 from collections.abc import Iterator
@@ -119,7 +120,8 @@ def spelling(problem: Problem) -> list[Lines]:
     return [*_of_links(problem), *_from_outside(problem)]
 
 
-def _of_links(problem: Problem) -> list[Lines]:
+@functools.lru_cache(maxsize=1)  # types of atoms that tell contacts apart take a second of many beads
+def _of_links(problem: Problem) -> tuple[Lines, ...]:
     found = []
     for link in (*problem.links, *(link for link in problem.dampers if not isinstance(link, Along))):
         kind = "along" if isinstance(link, Along) else "across" if isinstance(link, Across) else "ground"
@@ -127,7 +129,7 @@ def _of_links(problem: Problem) -> list[Lines]:
         if spell is None:
             raise ValueError(f"{link.name}: LAMMPS does not know this force; use the reference engine")
         found.append(spell(link if isinstance(link, Across) else link.name, problem))
-    return found
+    return tuple(found)
 
 
 def _from_outside(problem: Problem) -> list[Lines]:
@@ -136,8 +138,9 @@ def _from_outside(problem: Problem) -> list[Lines]:
 
 def interactions(problem: Problem) -> list[list[str]]:
     """Contacts, and springs where there are any."""
-    found = [list(lines.interactions) for lines in spelling(problem) if lines.interactions]
-    beside = [lines.beside for lines in spelling(problem) if lines.beside]
+    said = spelling(problem)
+    found = [list(lines.interactions) for lines in said if lines.interactions]
+    beside = [lines.beside for lines in said if lines.beside]
     return found if not beside else [dashpot.overlaid(found[0], beside), *found[1:]]
 
 
@@ -320,15 +323,15 @@ def render_data(problem: Problem) -> str:
     kind = np.ones(beads, dtype=int)
     if problem.recorded is not None:
         kind[problem.recorded_beads - 1] = 2
-    unit = sphere_density(problem.diameter)
-    same_size = f"{text(problem.diameter)} {text(unit)}"
+    diameter, unit = text(problem.diameter), sphere_density(problem.diameter)
+    same_size = f"{diameter} {text(unit)}"
     out.write(f"\nAtoms # {_atom_style(problem)}\n\n")
     for chain in range(chains):
         first, y = chain * beads + 1, text(apart * chain)
         of_chain = kind if by_contact is None else by_contact.of[chain]
         sizes: Iterator[str] = itertools.repeat(same_size, beads)
         if not isinstance(problem.mass, float):
-            sizes = (f"{text(problem.diameter)} {text(unit * mass)}" for mass in problem.mass[chain].tolist())
+            sizes = (f"{diameter} {text(unit * mass)}" for mass in problem.mass[chain].tolist())
         if not problem.even:
             places = [text(x) for x in problem.places[chain]]
         rows = enumerate(zip(of_chain.tolist(), places, sizes, strict=True))

@@ -53,7 +53,7 @@ class Contact(Ingredient):
             return
         if system.walls:
             raise ValueError(f"contact.exponent: {self.exponent:g} given; walls are those of spheres, which have 1.5")
-        if any(laws.differs(link.law) or np.any(next(iter(link.law)) != 1.0) for link in system.along):
+        if any(laws.differs(link.law) or np.any(laws.strength(link.law) != 1.0) for link in system.along):
             raise ValueError(
                 f"contact.exponent: {self.exponent:g} given; how the contacts of beads of unlike radius or modulus "
                 "differ is known for spheres, which have 1.5; let them differ in mass alone"

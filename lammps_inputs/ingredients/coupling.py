@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Discriminator, Field, Tag, create_model, field_validator
 
+from lammps_inputs import strict_yaml
 from lammps_inputs.ingredients.base import Ingredient, Part
 from lammps_inputs.laws import Law
 from lammps_inputs.laws.duffing import Duffing
@@ -34,19 +35,12 @@ _ROUNDED = 1e-10
 """Stiffness that may be lost where the lateral part of LAMMPS's cubic bond is taken away."""
 
 
-def _as_tuple(value: Any) -> Any:
-    return tuple(map(_as_tuple, value)) if isinstance(value, list) else value
-
-
 class _Ramp(Part):
     """Stiffness that changes evenly from bead ``rows[0]`` to ``rows[1]``, and stays as it is before and after."""
 
     rows: Rows
 
-    @field_validator("rows", mode="before")
-    @classmethod
-    def _from_list(cls, value: Any) -> Any:
-        return _as_tuple(value)
+    _from_list = field_validator("rows", mode="before")(strict_yaml.as_tuple)
 
 
 # `from` is a word of Python's, so it cannot be written as an attribute
@@ -65,10 +59,7 @@ class Graph(Part):
     edges: tuple[Edge, ...] | None = None
     """Pairs of chains, counted from 1; one with a third number has a stiffness of its own."""
 
-    @field_validator("lattice", "edges", mode="before")
-    @classmethod
-    def _from_list(cls, value: Any) -> Any:
-        return _as_tuple(value)
+    _from_list = field_validator("lattice", "edges", mode="before")(strict_yaml.as_tuple)
 
 
 def _told_apart(model: type[Part]) -> Discriminator:
@@ -94,10 +85,7 @@ class Coupling(Ingredient):
     cubic: Stiffness | None = None
     """N/m**3 with a material."""
 
-    @field_validator("rows", mode="before")
-    @classmethod
-    def _from_list(cls, value: Any) -> Any:
-        return _as_tuple(value)
+    _from_list = field_validator("rows", mode="before")(strict_yaml.as_tuple)
 
     def refuse(self, scene: "BaseScene") -> None:
         """Refuse what does not fit the chains, springs as good as rigid, and rows that differ in a window."""

@@ -4,12 +4,13 @@ Beats between chains on foundations, and their targeted transfer of energy: Star
 SIAM J. Appl. Math. 72 (2012); Hasan et al., Granular Matter 15 (2013).
 """
 
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, field_validator
 
+from lammps_inputs import strict_yaml
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Ingredient
 from lammps_inputs.laws import Law
@@ -40,10 +41,7 @@ class Foundation(Ingredient):
     rows: tuple[Row, Row] | None = None
     """First and last bead that has a spring; all by default."""
 
-    @field_validator("stiffness", "cubic", "rows", mode="before")
-    @classmethod
-    def _from_list(cls, value: Any) -> Any:
-        return tuple(value) if isinstance(value, list) else value
+    _from_list = field_validator("stiffness", "cubic", "rows", mode="before")(strict_yaml.as_tuple)
 
     def refuse(self, scene: "BaseScene") -> None:
         """Refuse what does not fit the chains, and a window: beads that it leaves behind swing on."""

@@ -95,6 +95,11 @@ def whole_force(law: Law, overlap: Any) -> Any:
     return law.force(overlap - rest(law), *law) + load(law)
 
 
+def strength(law: Law) -> Any:
+    """Of a contact's law: its first parameter, 1 for two reference beads."""
+    return next(iter(law))
+
+
 def differs(law: Law) -> bool:
     """Whether a law differs from link to link."""
     return any(np.ndim(parameter) > 0 for parameter in law)

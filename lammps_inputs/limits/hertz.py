@@ -70,7 +70,7 @@ def overlap_bounds(system: System) -> tuple[float, float]:
     if system.loaded:
         rest = laws.rest(law)
         return float(np.max(rest)), float(np.max(rest + law.reach(system.energy, *law)))
-    as_reference = bool(np.all(np.equal(next(iter(law)), 1.0)))
+    as_reference = bool(np.all(np.equal(laws.strength(law), 1.0)))
     if not (as_reference and system.simply_coupled and system.holds(Fact.MOMENTUM)):
         return 0.0, laws.reach(law, system.energy)
     chains, beads, kappa, coupled = system.chains, system.beads, system.kappa, system.coupled

@@ -60,10 +60,7 @@ class JobOptions(BaseModel):
     """What starts the ranks, such as ``srun --mpi=pmi2`` or ``mpirun -np {ranks}``."""
     lmp: str = "lmp"
 
-    @field_validator("modules", mode="before")
-    @classmethod
-    def _from_list(cls, value: Any) -> Any:
-        return tuple(value) if isinstance(value, list) else value
+    _from_list = field_validator("modules", mode="before")(strict_yaml.as_tuple)
 
     @field_validator("time")
     @classmethod

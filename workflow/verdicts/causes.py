@@ -12,6 +12,7 @@ from analysis import motion
 from analysis.against import beads, symptoms
 from analysis.files.recording import rest_positions
 from analysis.trajectory import Floats, Trajectory
+from lammps_inputs import laws
 from lammps_inputs.laws.in_time import HalfSine, Rectangular, TimeLaw
 from lammps_inputs.loads import Load
 from lammps_inputs.units import Scale
@@ -182,11 +183,10 @@ def _beads(own: Trajectory, reference: Trajectory) -> list[str]:
     felt, right = beads.identify_beads(own), beads.identify_beads(reference)
     if felt is None or right is None:
         return []
-    law = next(iter(problem.along)).law
     found = []
     for values, expected, kinds, what, names in (
         (felt.mass, right.mass, problem.mass, "heavy", ("beads of mass {}", "all beads", "bead {} of chain {}")),
-        (felt.strength, right.strength, next(iter(law)), "strong",
+        (felt.strength, right.strength, laws.strength(problem.along[0].law), "strong",
          ("contacts of strength {}", "all contacts", "the contact of beads {} and {next} of chain {}")),
     ):  # fmt: skip
         with np.errstate(invalid="ignore"):

@@ -20,6 +20,7 @@ from bokeh.models import (
 from bokeh.palettes import diverging_palette, interp_palette
 from bokeh.plotting import figure
 
+from analysis.figures.spacetime import largest_afar
 from analysis.figures.style import CHAIN_COLOURS
 from analysis.sharing.survey import Survey
 from lammps_inputs import Problem
@@ -104,9 +105,11 @@ def layout(problem: Problem, part: Thinned, found: Survey | None, shown: list[in
     symbol = {name: f" ({problem.scale.symbol(name)})" if problem.scale.si else "" for name in ("time", "velocity")}
     images = [_image_source(part, place) for place in range(len(part.chains))]
     now = Span(dimension="width", location=float(part.time[0]), line_color="#d55e00", line_width=1.5)
-    maps, bead_range, time_range = _maps(part, images, now, symbol)
+    largest = largest_afar(problem, part.beads, part.velocity)
+    colours = LinearColorMapper(palette=_BLUE_RED, low=-largest, high=largest, nan_color="#999999")
+    maps, bead_range, time_range = _maps(part, images, now, colours, symbol)
     traces, trace_source = _traces(part, shown, time_range, symbol)
-    moving, controls = _moving(problem, part, images, now)
+    moving, controls = _moving(problem, part, images, now, colours)
     tapped = {"beads": part.beads.tolist(), "chains": part.chains, "time": part.time.tolist(), "images": images}
     tap = CustomJS(args={**tapped, "traces": trace_source, "colours": list(CHAIN_COLOURS)}, code=_TRACE)
     for one in maps:
@@ -116,8 +119,7 @@ def layout(problem: Problem, part: Thinned, found: Survey | None, shown: list[in
         below += _distances(problem, part, found, bead_range, symbol)
     if problem.whole:
         below.append(_energy(problem, part, traces.x_range, symbol))
-    for one in (moving, *below):
-        one.toolbar.logo = None
+    moving.toolbar.logo = None
     return column(
         gridplot(
             [maps[k : k + 4] for k in range(0, len(maps), 4)], toolbar_location="right", toolbar_options={"logo": None}
@@ -146,12 +148,9 @@ def _image_source(part: Thinned, place: int) -> ColumnDataSource:
 
 
 def _maps(
-    part: Thinned, images: list[ColumnDataSource], now: Span, symbol: dict[str, str]
+    part: Thinned, images: list[ColumnDataSource], now: Span, colours: LinearColorMapper, symbol: dict[str, str]
 ) -> tuple[list[Any], Any, Any]:
     """Velocity in space and time, a plot for each chain, with linked axes and a cursor that says the numbers."""
-    largest = float(np.nanmax(np.abs(part.velocity), initial=0.0)) or 1.0
-    away = np.nanmax(np.abs(part.velocity[:, len(part.time) // 50 :, 5:]), initial=0.0) or largest
-    colours = LinearColorMapper(palette=_BLUE_RED, low=-float(away), high=float(away), nan_color="#999999")
     lists = {"beads": part.beads.tolist(), "time": part.time.tolist(), "stride": part.bead_stride}
     bead = CustomJSHover(args=lists, code="return '' + beads[Math.round((special_vars.x - beads[0]) / stride)]")
     time = CustomJSHover(
@@ -197,14 +196,11 @@ def _traces(part: Thinned, shown: list[int], time_range: Any, symbol: dict[str, 
             data["colour"].append(CHAIN_COLOURS[len(data["label"]) % len(CHAIN_COLOURS)])
             data["label"].append(f"bead {part.beads[k]}, chain {chain}")
     source = ColumnDataSource(name="traces", data=data)
-    plot = figure(
-        title="velocity over time; click into a map for another bead",
-        tools=_TOOLS,
-        width=680,
-        height=330,
-        x_axis_label=f"time{symbol['time']}",
-        y_axis_label=f"velocity{symbol['velocity']}",
-        x_range=(float(part.time[0]), float(part.time[-1])),
+    plot = _graph(
+        "velocity over time; click into a map for another bead",
+        f"time{symbol['time']}",
+        f"velocity{symbol['velocity']}",
+        (float(part.time[0]), float(part.time[-1])),
     )
     time_range.js_link("start", plot.x_range, "start")
     time_range.js_link("end", plot.x_range, "end")
@@ -214,7 +210,9 @@ def _traces(part: Thinned, shown: list[int], time_range: Any, symbol: dict[str, 
     return plot, source
 
 
-def _moving(problem: Problem, part: Thinned, images: list[ColumnDataSource], now: Span) -> tuple[Any, Any]:
+def _moving(
+    problem: Problem, part: Thinned, images: list[ColumnDataSource], now: Span, colours: LinearColorMapper
+) -> tuple[Any, Any]:
     """Beads, springs and contact forces at one time, with a slider and a button that moves it."""
     chains = len(part.chains)
     first = float(part.beads[0])
@@ -230,8 +228,6 @@ def _moving(problem: Problem, part: Thinned, images: list[ColumnDataSource], now
     plot.yaxis.ticker = [-k for k in range(chains)]
     plot.yaxis.major_label_overrides = {-k: f"chain {chain}" for k, chain in enumerate(part.chains)}
     plot.grid.visible = False
-    largest = float(np.nanmax(np.abs(part.velocity[:, :, 3:]), initial=0.0)) or 1.0
-    colours = LinearColorMapper(palette=_BLUE_RED, low=-largest, high=largest, nan_color="#999999")
     balls = ColumnDataSource(name="balls", data={"x": [], "y": [], "v": []})
     pushes = ColumnDataSource(name="pushes", data={"x": [], "y": [], "h": []})
     ties = ColumnDataSource(name="ties", data={"x0": [], "x1": [], "y0": [], "y1": [], "alpha": []})
@@ -285,17 +281,13 @@ def _distances(problem: Problem, part: Thinned, found: Survey, bead_range: Any, 
     waves, scale = found.waves, problem.scale
     if not len(waves):
         return []
-    peaks, lags = (
-        figure(title=title, tools=_TOOLS, width=680, height=330, x_axis_label="bead", x_range=bead_range)
-        for title in ("peak velocity of the leading pulse", f"arrival after that in chain {part.chains[0]}")
-    )
-    peaks.yaxis.axis_label, lags.yaxis.axis_label = f"velocity{symbol['velocity']}", f"time{symbol['time']}"
+    peaks = _graph("peak velocity of the leading pulse", "bead", f"velocity{symbol['velocity']}", bead_range)
+    lags = _graph(f"arrival after that in chain {part.chains[0]}", "bead", f"time{symbol['time']}", bead_range)
     reference = waves.of_chain(part.chains[0])
     drawn = []
     for place, chain in enumerate(part.chains):
         own = waves.of_chain(chain)
-        colour = CHAIN_COLOURS[place % len(CHAIN_COLOURS)]
-        style = {"line_color": colour, "legend_label": f"chain {chain}", "line_width": 1.5}
+        style = _of_chain(place, chain)
         drawn.append(
             peaks.line("bead", "peak", source={"bead": own.bead, "peak": own.peak_velocity * scale.velocity}, **style)
         )
@@ -310,16 +302,22 @@ def _energy(problem: Problem, part: Thinned, time_range: Any, symbol: dict[str, 
     """Energy of the beads of each chain that is shown, with their contacts and what holds them, over time."""
     scale = problem.scale
     unit = f" ({scale.symbol('energy')})" if scale.si else ""
-    plot = figure(
-        title="energy of each chain, without the springs between chains",
-        tools=_TOOLS,
-        width=680,
-        height=330,
-        x_axis_label=f"time{symbol['time']}",
-        y_axis_label=f"energy{unit}",
-        x_range=time_range,
-    )
+    heading = "energy of each chain, without the springs between chains"
+    plot = _graph(heading, f"time{symbol['time']}", f"energy{unit}", time_range)
     for place, chain in enumerate(part.chains):
-        colour = CHAIN_COLOURS[place % len(CHAIN_COLOURS)]
-        plot.line(part.time, part.energy[place], line_color=colour, legend_label=f"chain {chain}", line_width=1.5)
+        plot.line(part.time, part.energy[place], **_of_chain(place, chain))
     return plot
+
+
+def _graph(title: str, x: str, y: str, x_range: Any) -> Any:
+    """A plot of lines, as wide as half of the page."""
+    return figure(title=title, tools=_TOOLS, width=680, height=330, x_axis_label=x, y_axis_label=y, x_range=x_range)
+
+
+def _of_chain(place: int, chain: int) -> dict[str, Any]:
+    """How the line of a chain is drawn."""
+    return {
+        "line_color": CHAIN_COLOURS[place % len(CHAIN_COLOURS)],
+        "legend_label": f"chain {chain}",
+        "line_width": 1.5,
+    }

@@ -3,11 +3,11 @@
 import re
 import subprocess
 
-import lammps_here as here
 import numpy as np
 import pytest
 from independent import integrated
 from kill_many import frames
+from plain_scene import goes_on_bit_for_bit
 from processes import HANGS
 from stock_lammps import DEBIAN
 from wrong_runs import deck_run
@@ -19,9 +19,7 @@ from lammps_inputs.facts import Fact
 from lammps_inputs.laws.hertz import Hertz
 from lammps_inputs.laws.power import Power
 from workflow.engines.reference import certify
-from workflow.runs.resume import resume
 from workflow.runs.run import run
-from workflow.runs.run_directory import RunDirectory
 from workflow.sweep.fields import all_fields
 from workflow.verdicts.analyse import analyse
 from workflow.verdicts.validate import validate
@@ -112,13 +110,17 @@ def test_linear_contacts_carry_no_pulse(tmp_path):
     assert found.conservation.energy_drift < 1e-4
 
 
+def test_a_pulse_is_no_faster_than_a_bead_a_unit_of_time_whatever_the_exponent():
+    assert [touching(p).problem().pace for p in (1.0, 1.25, 1.5, 2.0, 3.0)] == [1.0] * 5
+
+
+def test_an_accuracy_is_kept_with_another_exponent(tmp_path):
+    asked = touching(2.0, accuracy=1e-3, duration=10.0)
+    assert run(asked, tmp_path / "run").check.velocity <= 1e-3
+
+
 def test_a_run_that_was_interrupted_goes_on_bit_for_bit(tmp_path):
-    case = touching(2.0, duration=20.0)
-    run(case, tmp_path / "whole", check=False)
-    run(case, tmp_path / "cut", check=False, lammps=here.interrupted_after(500))
-    assert resume(tmp_path / "cut", check=False).outcome == "done"
-    assert RunDirectory(tmp_path / "cut").record["resumed"][0]["from_step"] > 0
-    np.testing.assert_array_equal(frames(tmp_path / "cut"), frames(tmp_path / "whole"))
+    goes_on_bit_for_bit(touching(2.0, duration=20.0), tmp_path, after=500)
 
 
 def test_two_ranks_compute_the_same_bits(tmp_path):

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from independent import integrated
 from kill_many import frames
+from plain_scene import goes_on_bit_for_bit
 from wrong_runs import deck_run
 
 from analysis.mirror import mirrored_problem
@@ -16,9 +17,7 @@ from lammps_inputs.decks import deck
 from lammps_inputs.decks.continuation import render_continuation
 from lammps_inputs.facts import Fact
 from workflow.engines.reference import certify, engine
-from workflow.runs.resume import resume
 from workflow.runs.run import run
-from workflow.runs.run_directory import RunDirectory
 from workflow.sweep.fields import all_fields
 from workflow.verdicts.analyse import analyse
 from workflow.verdicts.validate import validate
@@ -113,12 +112,7 @@ def test_impulse_of_a_force_alone_is_momentum(tmp_path):
 
 
 def test_a_run_that_was_interrupted_goes_on_bit_for_bit(tmp_path):
-    case = driven(duration=40.0)
-    run(case, tmp_path / "whole", check=False)
-    run(case, tmp_path / "cut", check=False, lammps=here.interrupted_after(1000))
-    assert resume(tmp_path / "cut", check=False).outcome == "done"
-    assert RunDirectory(tmp_path / "cut").record["resumed"][0]["from_step"] > 0
-    np.testing.assert_array_equal(frames(tmp_path / "cut"), frames(tmp_path / "whole"))
+    goes_on_bit_for_bit(driven(duration=40.0), tmp_path, after=1000)
 
 
 def test_two_ranks_compute_the_same_bits(tmp_path):

@@ -24,6 +24,7 @@ from analysis.tracking.peaks import find_peaks
 from lammps_inputs import InputError, find
 from lammps_inputs.decks import deck
 from lammps_inputs.ingredients.unequal import Disorder, period
+from lammps_inputs.laws import hertz
 from lammps_inputs.limits.timestep import stability_bound
 from lammps_inputs.lines import types_by_contact
 from workflow.cli import main
@@ -314,6 +315,13 @@ def test_a_striker_makes_a_train_of_pulses(mass, train):
 
 
 # --- runs -------------------------------------------------------------------------------------------------------------
+
+
+def test_types_that_tell_contacts_apart_are_found_once_for_a_deck(monkeypatch):
+    found = []
+    monkeypatch.setattr(hertz, "types_by_contact", lambda strength: found.append(1) or types_by_contact(strength))
+    deck.render(scene(disorder={"radius": 0.1, "seed": 7}, timestep=0.005))
+    assert found == [1]
 
 
 @pytest.mark.parametrize("name", ["dimer", "dimer of sizes", "disorder"])
