@@ -148,7 +148,7 @@ def title(problem: Problem, *, each_chain: bool = False, panels: bool = False, u
     shown = ""
     chains = shown_chains(problem, panels=panels)
     if each_chain and len(chains) < problem.chains:
-        shown = f" (chains {', '.join(str(chain + 1) for chain in chains)} are shown)"
+        shown = f"\n(chains {', '.join(str(chain + 1) for chain in chains)} are shown)"
     return f"{problem.name}: $N$ = {problem.chains}{shown}{coupled}{gap}{cut}"
 
 
