@@ -157,7 +157,10 @@ def _kink(block: Trajectory, start: Integers, chain: Integers, bead: Integers) -
 def _pushed(
     load: Load, times: Floats, fit: Callable[[Floats], tuple[Floats, Floats]], low: Floats, high: Floats
 ) -> Floats:
-    """How far a fit to what a force alone gives a bead of mass 1 is off, as `Brackets.kink`; times are [node, maximum]."""
+    """How far a fit is off to what a force alone gives a bead of mass 1, as `Brackets.kink`.
+
+    Times are [node, maximum].
+    """
     states = [load.travel(times), load.impulse(times), load.force(times), load.rate(times)]
     velocity, _ = fit(np.stack(states, axis=1))
     slope, spacing = hermite.derivative(velocity), times[1] - times[0]
