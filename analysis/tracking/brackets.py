@@ -74,7 +74,7 @@ class Brackets:
 def bracketed(
     block: Trajectory, frame: Integers, chain: Integers, bead: Integers, way: int, *, noisy: bool
 ) -> Brackets:
-    """Maxima whose largest frames are given. One at frame 0 stays there."""
+    """Maxima whose largest frames are given. One at frame 0 stays there but of a bead that is pushed or moved."""
     spacing = block.spacing
     x, v = block.displacement, block.velocity
     by_equations = block.problem.recorded is None and not noisy
@@ -101,9 +101,11 @@ def bracketed(
 
     velocity, lower = fit(data)
     share = _share_of_doubt(spacing, by_equations=by_equations)
-    kink = np.zeros((2, len(frame)))
+    kink, acted_on = np.zeros((2, len(frame))), np.zeros(len(frame), dtype=bool)
     if by_equations:
         kink += np.multiply.outer(KINK, _kink(block, start, chain, bead))
+    for given in (*block.problem.loads, *block.problem.motions):
+        acted_on |= (chain == given.chain - 1) & (block.beads[bead] == given.bead)
     for load in block.problem.loads:
         here = (chain == load.chain - 1) & (block.beads[bead] == load.bead)
         if np.any(here):
@@ -117,7 +119,7 @@ def bracketed(
         origin=block.time[start],
         spacing=np.full(len(frame), spacing),
         low=low,
-        high=np.where(frame == 0, low, high),
+        high=np.where(frame == 0, low + acted_on, high),
         overlap=motion.larger_overlap(block, frame, chain, bead),
         displacement=data[0, 0],
         velocity=velocity,
