@@ -104,9 +104,10 @@ def bracketed(
     kink, acted_on = np.zeros((2, len(frame))), np.zeros(len(frame), dtype=bool)
     if by_equations:
         kink += np.multiply.outer(KINK, _kink(block, start, chain, bead))
-    for given in (*block.problem.loads, *block.problem.motions):
-        acted_on |= (chain == given.chain - 1) & (block.beads[bead] == given.bead)
-    for load in block.problem.loads:
+    loads, motions = block.problem.loads, block.problem.motions
+    for place in [(load.chain, load.bead) for load in loads] + [(motion.chain, motion.bead) for motion in motions]:
+        acted_on |= (chain + 1 == place[0]) & (block.beads[bead] == place[1])
+    for load in loads:
         here = (chain == load.chain - 1) & (block.beads[bead] == load.bead)
         if np.any(here):
             times = block.time[start[here]] + spacing * np.array(nodes)[:, None]
