@@ -33,6 +33,7 @@ from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import InputError, Problem, Scene, laws
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.unequal import period
+from workflow.runs.accounts import accountant
 from workflow.runs.contacts import Contacts, has_contacts, of_overlap
 from workflow.runs.own_files import claim
 from workflow.runs.peaks_table import found_on_the_way
@@ -141,7 +142,8 @@ def analyse(
             f"{directory.path}: its frames are {problem.every * problem.scale.time:.4g} apart, too far to find waves "
             f"between them; run it with output.every at most {limit:.4g}"
         )
-    conservation = Conservation()
+    ledger = accountant(directory, problem)
+    conservation = Conservation(ledger.of)
     left = LeftBehind() if problem.window is not None else None
     flow = EnergyFlow(problem) if problem.whole and not problem.holds(Fact.PULSE) else None
     cells = None
@@ -177,7 +179,8 @@ def analyse(
         leading=found_on_the_way(directory) if arrival in (None, usual_arrival(problem)) else None,
     )
     if problem.frames_per_snapshot is not None:
-        whole = Conservation()
+        ledger = accountant(directory, problem.snapshots())
+        whole = Conservation(ledger.of)
         for block in _sound(directory, directory.snapshots()):
             whole.add(block)
             fingerprint.add(block)
