@@ -14,6 +14,9 @@ from lammps_inputs.units import Scale
 
 MOST_INSTANTS = 500
 
+_LITTLE = 1e-3
+"""Share of the most that was put in, at the end, from which on shares of it are told."""
+
 
 @dataclass(frozen=True)
 class Account:
@@ -42,12 +45,16 @@ class Account:
         lost = {f"lost in {name.replace('_', ' ')}": part for name, part in self.lost.items()}
         parts = {name: float(part[-1]) for name, part in (*self.held.items(), *lost.items())}
         named = sorted(((part, name) for name, part in parts.items() if part > 0.0), reverse=True)
-        shares = ", ".join(f"{part / total:.2%} {name}" for part, name in named)
         unit = f" {scale.symbol('energy')}" if scale.si else ""
-        return (
-            f"energy: {total * scale.energy:.6g}{unit} put in until t = {self.time[-1] * scale.time:.6g}, "
-            f"of which {shares}"
-        )
+        said = f"energy: {total * scale.energy:.6g}{unit} put in until t = {self.time[-1] * scale.time:.6g}"
+        if not total > _LITTLE * self.most:  # a drive may have taken back what it gave
+            return f"{said}, at most {self.most * scale.energy:.6g}{unit} before"
+        return f"{said}, of which {', '.join(f'{part / total:.2%} {name}' for part, name in named)}"
+
+    @property
+    def most(self) -> float:
+        """That was put in until any instant."""
+        return float(np.max(np.abs(self.put_in)))
 
     def plain(self, scale: Scale) -> dict[str, object]:
         """For ``analysis.json``, in the scene's units."""
