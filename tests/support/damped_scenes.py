@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import lammps_here
+import numpy as np
 
 from analysis.conservation import Conservation
 from lammps_inputs import Scene
@@ -74,26 +75,36 @@ def draw(chance: random.Random, kind: str, number: int) -> Scene:
 
 @dataclass(frozen=True)
 class Closed:
-    """Of one run: what its budget misses and how well that is known, in shares of what was put in; the error stated."""
+    """Of one run, in shares of what was put in.
+
+    Attributes:
+        missing: what its budget misses.
+        unsure: how well that is known.
+        stated: error of velocities that the run states, in V.
+        allowed: what the energy of its beads is off by if every velocity is off by that, where they move most.
+    """
 
     missing: float
     unsure: float
     stated: float
+    allowed: float
 
     @property
     def in_the_error(self) -> float:
-        """What is missing, in what a velocity of 1 that is off by the stated error would make of its energy."""
-        return self.missing / (2.0 * self.stated)
+        """What is missing over what is allowed."""
+        return self.missing / self.allowed if self.missing > CLOSED else 0.0
 
 
 def closed(found: Run, stated: float) -> Closed:
     """Of a run whose velocities are off by so much at most."""
     keeper = accountant(found.directory, found.directory.problem)
-    seen = Conservation(keeper.of)
+    seen, moving = Conservation(keeper.of), 0.0
     for block in found.directory.blocks():
         seen.add(block)
+        moving = max(moving, float(np.max(np.sum(np.abs(block.velocity), axis=(1, 2)))))
     assert seen.budget is not None
-    return Closed(seen.energy_drift, keeper.unsure / seen.budget.result().most, stated)
+    most = seen.budget.result().most
+    return Closed(seen.energy_drift, keeper.unsure / most, stated, stated * moving / most)
 
 
 def both(scene: Scene) -> tuple[Closed, Closed]:
