@@ -5,13 +5,13 @@ loads follow from them, so that neighbours overlap by exactly as much at any pla
 """
 
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lammps_inputs import laws
-from lammps_inputs.laws.preloaded import bears, under, wall_under
+from lammps_inputs.laws.preloaded import Contact, rest_under, under, wall_under
 from lammps_inputs.links import Along, Link, Wall
 from lammps_inputs.numbers import power_of_two_at_least
 from lammps_inputs.problem import System
@@ -39,14 +39,15 @@ def under_load(system: System, force: NDArray[np.float64]) -> System:
     """
     if system.dampers:
         raise LoadError("LAMMPS notes the forces that hold beads with those of dashpots; leave damping or the load out")
-    if not all(bears(link.law) for link in system.along):
-        raise LoadError("how contacts bear it is known for those of spheres, of exponent 1.5; leave one of them out")
+    if not all(isinstance(link.law, Contact) for link in system.along):
+        raise LoadError("how contacts bear it is known for powers of the overlap; leave one of them out")
     if np.max(force) > MOST:
         raise LoadError(
             f"{np.max(force):.3g} times m V / T, the unit of the kick's forces; at most {MOST:.0e}: a faster kick or a "
             "smaller load is needed"
         )
-    grid = _grid(system, force)
+    rest = max(float(np.max(rest_under(cast(Contact, link.law), force[:, 1:-1]))) for link in system.along)
+    grid = _grid(system, rest)
     links = tuple(_loaded(link, force, grid) for link in system.links)
     found = replace(system, links=links)
     wanted = force[:, 1:-1]
@@ -60,9 +61,8 @@ def under_load(system: System, force: NDArray[np.float64]) -> System:
     return found
 
 
-def _grid(system: System, force: NDArray[np.float64]) -> float:
-    """The difference of two numbers of LAMMPS as large as the last bead's place may be."""
-    rest = max(float(np.max(np.cbrt(force[:, 1:-1] / link.law.strength) ** 2)) for link in system.along)  # type: ignore[attr-defined]
+def _grid(system: System, rest: float) -> float:
+    """The difference of two numbers of LAMMPS as large as the last bead's place may be, with overlaps up to this."""
     alone = max(laws.reach(link.law, system.energy) for link in (*system.along, *system.walls))
     diameter = power_of_two_at_least(max(system.diameter, 4.0, 2.0 * (rest + alone)))
     return float(np.spacing(0.75 * power_of_two_at_least((system.beads + 1) * diameter)))
