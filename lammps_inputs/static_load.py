@@ -37,8 +37,6 @@ def under_load(system: System, force: NDArray[np.float64]) -> System:
     Raises:
         LoadError: the load is too large or too small.
     """
-    if system.dampers:
-        raise LoadError("LAMMPS notes the forces that hold beads with those of dashpots; leave damping or the load out")
     if not all(isinstance(link.law, Contact) for link in system.along):
         raise LoadError("how contacts bear it is known for powers of the overlap; leave one of them out")
     if np.max(force) > MOST:
@@ -50,6 +48,7 @@ def under_load(system: System, force: NDArray[np.float64]) -> System:
     grid = _grid(system, rest)
     links = tuple(_loaded(link, force, grid) for link in system.links)
     found = replace(system, links=links)
+    found = replace(found, dampers=tuple(_damped(link, found) for link in system.dampers))
     wanted = force[:, 1:-1]
     for link in found.along:
         off = np.max(np.abs(laws.load(link.law) - wanted) / np.where(wanted > 0.0, wanted, np.inf))
@@ -80,3 +79,10 @@ def _loaded(link: Link, force: NDArray[np.float64], grid: float) -> Link:
         at_wall[:, bead] = force[:, bead]
         return replace(link, law=wall_under(law, at_wall, grid))
     return link
+
+
+def _damped(link: Link, system: System) -> Link:
+    """Dashpots of contacts, which know the overlap at rest."""
+    if not isinstance(link, Along):
+        return link
+    return replace(link, law=link.law._replace(rest=laws.rest(system.along[0].law)))  # type: ignore[attr-defined]

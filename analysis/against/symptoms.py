@@ -196,7 +196,7 @@ def identify_load(trajectory: Trajectory) -> StaticLoad | None:
     problem = trajectory.problem
     if not problem.loaded or problem.recorded is not None or trajectory.frames < 10:
         return None
-    change = impulses.unexplained(trajectory, (*problem.across, *problem.ground))
+    change = impulses.unexplained(trajectory, (*problem.across, *problem.ground), problem.dampers)
 
     def left(factor: float) -> Floats:
         total = change.copy()

@@ -12,9 +12,9 @@ from pydantic import Field
 
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Ingredient
+from lammps_inputs.ingredients.contact import HERTZ
 from lammps_inputs.laws import Parameter
 from lammps_inputs.laws.dashpot import NO_FLOOR, ContactDashpot, ContactLoss, Dashpot, Restitution, Viscoelastic, alpha
-from lammps_inputs.laws.hertz import Hertz
 from lammps_inputs.links import Across, Along, Ground, Link
 
 if TYPE_CHECKING:
@@ -70,19 +70,19 @@ class Damping(Ingredient):
 
     def refuse_system(self, scene: "BaseScene", system: "System") -> None:  # noqa: ARG002
         """Refuse contacts and masses with which LAMMPS's dashpots are others."""
-        if self.contact and not isinstance(system.along[0].law, Hertz):
+        if self.contact and system.exponent != HERTZ:
             raise ValueError("damping.contact: only contacts of spheres, of exponent 1.5, can be damped; leave it out")
         if self.law == "viscoelastic" and self.contact and not isinstance(system.mass, float):
             raise ValueError(
                 "damping.law: LAMMPS's viscoelastic dashpots grow with the beads' masses, and these differ; "
                 "take linear or restitution"
             )
-        if self.coupling and not (system.open_row and system.alike):
+        if self.coupling and not (system.open_row and system.one_kind):
             raise ValueError(
                 "damping.coupling: LAMMPS damps equal linear springs between each chain and the next, of equal beads, "
                 "only; leave it out"
             )
-        if self.contact and system.contact_loss is not None and self.tension == "cut" and not system.alike:
+        if self.contact and system.contact_loss is not None and self.tension == "cut" and not system.one_kind:
             raise ValueError("damping.tension: is cut at the force of equal contacts only; leave it out")
 
     def links(self, scene: "BaseScene") -> tuple[Link, ...]:  # noqa: ARG002

@@ -46,8 +46,10 @@ def damped(**keys: Any) -> Scene:
     return scene(chains=2, beads=3, kappa=0.5, duration=3.0, every=0.5, damping=Damping(**keys))
 
 
-def errors(keys: dict[str, Any], physics: dict[str, Any], steps: tuple[float, ...], directory: Path) -> list[float]:
-    asked = damped(**keys)
+def errors(
+    keys: dict[str, Any], physics: dict[str, Any], steps: tuple[float, ...], directory: Path, **changes: Any
+) -> list[float]:
+    asked = Scene.model_validate({**dict(damped(**keys)), **changes})
     right = integrated(asked.problem(), **physics, max_step=0.02, rtol=1e-9)
     runs = (run(asked.model_copy(update={"timestep": step}), directory / f"{step}") for step in steps)
     return [float(np.max(np.abs(found.velocity - right))) for found in runs]
@@ -59,6 +61,15 @@ _QUICK = ("linear", "coupling")
 @pytest.mark.parametrize("name", [name if name in _QUICK else pytest.param(name, marks=SLOW) for name in LOSSES])
 def test_lammps_computes_each_law_with_an_error_of_first_order(name: str, tmp_path: Path) -> None:
     coarse, fine = errors(*LOSSES[name], (0.01, 0.0025), tmp_path)
+    assert coarse < 2e-3
+    assert 3.2 < coarse / fine < 4.8
+
+
+@pytest.mark.parametrize("name", [name if name in _QUICK else pytest.param(name, marks=SLOW) for name in LOSSES])
+def test_lammps_computes_each_law_under_a_static_load(name: str, tmp_path: Path) -> None:
+    keys, physics = LOSSES[name]
+    load = {"precompression": Precompression(force=0.3)}
+    coarse, fine = errors(keys, {**physics, "static": 0.3}, (0.01, 0.0025), tmp_path, **load)
     assert coarse < 2e-3
     assert 3.2 < coarse / fine < 4.8
 
@@ -109,7 +120,6 @@ def test_damping_says_what_it_takes_away() -> None:
             "equal linear springs between each chain and the next",
         ),
         ({"damping": Damping(contact=0.1), "contact": Contact(exponent=2.0)}, "only contacts of spheres"),
-        ({"precompression": Precompression(force=0.1)}, "precompression: LAMMPS notes the forces"),
         ({"damping": Damping(contact=0.1), "output": Output(forces=Forces(contacts=(1,)))}, "only walls are read"),
     ],
 )

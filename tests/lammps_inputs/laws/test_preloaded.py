@@ -36,9 +36,7 @@ def test_force_is_the_slope_of_the_energy_and_stiffness_that_of_the_force(law, s
     np.testing.assert_allclose((strong - weak) / (2 * h), laws.stiffness(law, strain), rtol=1e-5, atol=1e-9 * size)
 
 
-@pytest.mark.parametrize(
-    "law", [LAWS["arrays"], LAWS["linear"], LAWS["cubic, arrays"]], ids=["spheres", "linear", "cubic"]
-)
+@pytest.mark.parametrize("name", ["arrays", "linear", "cubic, arrays"])
 def test_the_energy_of_small_strains_has_all_its_digits(name):
     law = LAWS[name]
     expected = 0.5 * laws.stiffness(law, 0.0) * 1e-12**2
@@ -52,9 +50,7 @@ def test_the_energy_of_any_exponent_goes_on_smoothly_from_its_series():
         assert above == pytest.approx(below, rel=1e-11)
 
 
-@pytest.mark.parametrize(
-    "law", [LAWS["arrays"], LAWS["linear"], LAWS["cubic, arrays"]], ids=["spheres", "linear", "cubic"]
-)
+@pytest.mark.parametrize("name", ["arrays", "linear", "cubic, arrays"])
 def test_reach_is_the_strain_that_holds_an_energy(name):
     law = LAWS[name]
     np.testing.assert_allclose(laws.energy(law, law.reach(0.5, *law)), 0.5, rtol=1e-12)
