@@ -205,10 +205,14 @@ class Restitution(NamedTuple):
 ContactLoss = ContactDashpot | Viscoelastic | Restitution
 
 
-def alpha(share: float) -> float:
-    """Of a restitution (Antypov & Elliott, EPL 94 (2011) 50004, eq. 13)."""
+def alpha(share: float, exponent: float = 1.5) -> float:
+    """Of a restitution, for a dashpot ``alpha sqrt(reduced mass * strength) s**((p - 1) / 2)``.
+
+    Antypov & Elliott, EPL 94 (2011) 50004, eq. 13, for spheres; with ``s**((p + 1) / 2)`` as variable the contact is a
+    damped oscillator for any exponent p, and ``sqrt(5)`` there is ``sqrt(2 (p + 1))``.
+    """
     loss = -float(np.log(share))
-    return float(np.sqrt(5.0)) * loss / float(np.hypot(np.pi, loss))
+    return float(np.sqrt(2.0 * (exponent + 1.0))) * loss / float(np.hypot(np.pi, loss))
 
 
 def damping(law: Any, strain: Any, rate: Any) -> Any:
@@ -229,6 +233,17 @@ def cut(law: Any) -> bool:
 def at_reach(law: Any, elastic: laws.Law, energy: float) -> Any:
     """Resistance of contacts where each alone holds an energy."""
     return resistance(law, elastic.reach(energy, *elastic))
+
+
+def alone(problem: "System") -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Contacts' dashpots beside a pair style that knows none: lines at the top, and `Lines.beside`."""
+    assert problem.contact_loss is not None
+    coefficient, model = problem.contact_loss.granular(problem)
+    return (f"variable contact_damping index {text(coefficient)}   # {model}",), (
+        "granular",
+        "# dashpots of contacts: those of spheres of no stiffness",
+        f"pair_coeff * * granular hertz 0 ${{contact_damping}} tangential linear_nohistory 0 0 {model}",
+    )
 
 
 def overlaid(contacts: list[str], beside: list[tuple[str, ...]]) -> list[str]:

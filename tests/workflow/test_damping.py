@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from independent import integrated
+from kill_many import frames
 from plain_scene import goes_on_bit_for_bit
 from stock_lammps import run as stock_run
 from stock_lammps import scene
@@ -15,6 +16,7 @@ from analysis.conservation import Conservation
 from analysis.tracking.peaks import PeakFinder
 from analysis.trajectory import joined
 from lammps_inputs import Coupling, InputError, Kick, Scene, laws
+from lammps_inputs.ingredients.contact import Contact
 from lammps_inputs.ingredients.damping import Damping
 from lammps_inputs.ingredients.preload import Gravity, Precompression
 from lammps_inputs.ingredients.walls import Walls
@@ -209,6 +211,21 @@ def test_a_damped_column_goes_on_bit_for_bit(tmp_path: Path) -> None:
         timestep=0.002,
     )
     goes_on_bit_for_bit(case, tmp_path, after=500)
+
+
+def test_damped_contacts_of_another_exponent_go_on_bit_for_bit_and_on_two_ranks(tmp_path: Path) -> None:
+    case = damped(
+        chains=2,
+        coupling=Coupling(stiffness=0.1),
+        contact=Contact(exponent=2.0),
+        precompression=PRESSED,
+        damping=Damping(contact=0.1, coupling=0.1),
+        duration=20.0,
+        timestep=0.002,
+    )
+    goes_on_bit_for_bit(case, tmp_path, after=500)
+    run(case, tmp_path / "two", ranks=2, check=False)
+    np.testing.assert_array_equal(frames(tmp_path / "two"), frames(tmp_path / "whole"))
 
 
 def test_damped_chains_under_load_rest_exactly(tmp_path: Path) -> None:
