@@ -1,5 +1,6 @@
 """Damped runs from end to end: reference, budget, interruption, ranks, validation with its cause."""
 
+import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,14 +17,18 @@ from analysis.conservation import Conservation
 from analysis.tracking.peaks import PeakFinder
 from analysis.trajectory import joined
 from lammps_inputs import Coupling, InputError, Kick, Scene, laws
+from lammps_inputs.force_readout import Forces
 from lammps_inputs.ingredients.contact import Contact
 from lammps_inputs.ingredients.damping import Damping
 from lammps_inputs.ingredients.preload import Gravity, Precompression
 from lammps_inputs.ingredients.walls import Walls
 from lammps_inputs.laws.dashpot import alpha
+from lammps_inputs.scene import Output
+from workflow.cli import main
 from workflow.engines.reference import engine
 from workflow.engines.reference.verlet import VERLET
 from workflow.runs.run import Run, run
+from workflow.verdicts.analyse import analyse
 from workflow.verdicts.causes import causes
 
 SLOW = pytest.mark.slow
@@ -141,8 +146,9 @@ PRESSED = Precompression(force=0.3)
 
 @pytest.fixture(scope="module")
 def pressed(tmp_path_factory: pytest.TempPathFactory) -> Run:
-    """Under a static load."""
-    return run(damped(precompression=PRESSED), tmp_path_factory.mktemp("pressed") / "run")
+    """Under a static load, with a gauge."""
+    output = Output(forces=Forces(contacts=(6,), sensors=(6,)))
+    return run(damped(precompression=PRESSED, output=output), tmp_path_factory.mktemp("pressed") / "run")
 
 
 def test_a_damped_chain_under_load_keeps_its_budget_above_the_static_state(pressed: Run) -> None:
@@ -159,6 +165,18 @@ def test_a_damped_chain_under_load_keeps_its_budget_above_the_static_state(press
     assert seen.momentum_drift < 1e-12
     assert seen.budget is not None
     assert seen.budget.result().lost["contact_damping"][-1] > 0.2
+
+
+def test_a_gauge_reads_the_whole_force_of_a_damped_contact(pressed: Run) -> None:
+    directory = pressed.directory
+    analyse(directory, figures=False)
+    contact, sensor = json.loads((directory.path / "analysis.json").read_text())["forces"]
+    ahead = float(joined(directory.blocks()).velocity[-1, 0, 6:].sum())
+    assert pressed.check is not None
+    assert contact["impulse"] == pytest.approx(ahead, abs=pressed.check.velocity)
+    assert contact["static"] == pytest.approx(0.3, rel=1e-9)
+    assert sensor["dynamic"] < contact["dynamic"]
+    assert main(["validate", str(directory.path), "--against", str(directory.path / "forces.csv")]) == 0
 
 
 def test_the_twin_steps_as_lammps_does_under_load(pressed: Run) -> None:

@@ -12,13 +12,11 @@ from stock_lammps import run, scene
 from lammps_inputs import Coupling, Material, Scene
 from lammps_inputs.decks import deck
 from lammps_inputs.facts import Fact
-from lammps_inputs.force_readout import Forces
 from lammps_inputs.ingredients.contact import Contact
 from lammps_inputs.ingredients.damping import Damping
 from lammps_inputs.ingredients.preload import Precompression
 from lammps_inputs.laws.dashpot import alpha
 from lammps_inputs.limits.timestep import default_timestep, stability_bound
-from lammps_inputs.scene import Output
 
 SLOW = pytest.mark.slow
 
@@ -151,7 +149,6 @@ def test_damping_says_what_it_takes_away() -> None:
             {"damping": Damping(contact=0.7, law="restitution"), "contact": Contact(exponent=3.0)},
             "for contacts of exponent 1, 1.5 and 2, not 3",
         ),
-        ({"damping": Damping(contact=0.1), "output": Output(forces=Forces(contacts=(1,)))}, "only walls are read"),
     ],
 )
 def test_what_damping_cannot_go_with_is_refused(changes: dict[str, Any], words: str) -> None:
