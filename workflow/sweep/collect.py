@@ -1,6 +1,6 @@
 """Gather the cases of a sweep into one table, and draw one quantity of it over one or two fields."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -57,7 +57,19 @@ def collect(directory: Path, progress: Callable[[int, int], None] | None = None)
         row = {"case": path.name, **swept, "outcome": outcome, **quantities(report, record, scene)}
         rows.append({**row, "reason": reason})
     rows.sort(key=lambda row: [_rank(row[name]) for name in names])
-    return Table(names, rows, None if len(kinds) > 1 else kinds == {True}, scenes.pop() if len(scenes) == 1 else "")
+    return Table(
+        names,
+        rows,
+        si=None if len(kinds) > 1 else kinds == {True},
+        scene=scenes.pop() if len(scenes) == 1 else "",
+        units={name: _shared_unit(paths[name], requests.values()) for name in names},
+    )
+
+
+def _shared_unit(path: fields.Path, requests: Iterable[Asked]) -> str:
+    """Of a field; empty where the cases have several."""
+    found = {fields.unit(path, request.scene) for request in requests if request.scene}
+    return found.pop() if len(found) == 1 else ""
 
 
 def _scene(directory: Path) -> dict[str, Any]:
