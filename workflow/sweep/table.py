@@ -93,6 +93,7 @@ class Table:
         si: whether the scenes are in SI units; None if some are and some are not.
         scene: name of the scenes; empty if they have several.
         units: of the fields: a symbol, "reduced", or empty for none.
+        bands: case -> lowest and highest frequencies at which small waves pass, [[low, high], ...]; where known.
     """
 
     fields: list[str]
@@ -100,6 +101,7 @@ class Table:
     si: bool | None
     scene: str = ""
     units: dict[str, str] = field(default_factory=dict)
+    bands: dict[str, list[list[float]]] = field(default_factory=dict)
 
     @property
     def columns(self) -> list[str]:
@@ -152,6 +154,18 @@ class Table:
             [math.nan if value is None or isinstance(value, str) else float(value) for value in values],
             dtype=np.float64,
         )
+
+    def passed(self, name: str) -> Floats | None:
+        """Frequencies at which small waves pass, [band, 2], if a field is one and all cases have the same."""
+        found = [self.bands.get(row["case"]) for row in self.rows]
+        if (
+            not found
+            or name.rpartition(".")[2] != "frequency"
+            or any(np.shape(one) != np.shape(found[0]) for one in found)
+        ):
+            return None
+        bands = np.array(found, dtype=np.float64)  # a load is rounded a little differently in each case
+        return bands[0] if bands.ndim == 3 and np.allclose(bands, bands[0], rtol=1e-3) else None
 
     def heading(self, name: str) -> str:
         """The name of a column in the table; with its unit where the scenes are in SI."""

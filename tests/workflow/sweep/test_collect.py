@@ -4,6 +4,7 @@ import csv
 import json
 import os
 import shutil
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -300,3 +301,62 @@ def test_labels_tell_the_units_of_the_scenes(swept):
     assert reduced.label("beads") == "beads"
     assert reduced.label("speed") == "speed at the last clear bead (reduced)"
     assert type(reduced)([], [], si=True).label("speed") == "speed at the last clear bead (beads/s)"
+
+
+# --- over frequency ---------------------------------------------------------------------------------------------------
+
+SHAKEN = {
+    "name": "shaken",
+    "beads": 16,
+    "material": {"radius": 4.76e-3, "density": 8000, "youngs_modulus": 193e9, "poisson_ratio": 0.3},
+    "precompression": {"force": 20},
+    "drive": {"displacement": 1e-9, "frequency": 1000, "phase": -90},
+    "duration": 8e-4,
+    "output": {"every": 1e-5, "spectra": {"beads": [1, 5], "after": 4e-4}},
+}
+
+
+@pytest.fixture(scope="module")
+def shaken(tmp_path_factory):
+    """A finished sweep below and above the cut-off, which is at 20.6 kHz."""
+    folder = tmp_path_factory.mktemp("shaken")
+    vary = {"drive.frequency": [10000, 25000]}
+    (folder / "sweep.yaml").write_text(strict_yaml.dump({"scene": SHAKEN, "vary": vary}))
+    assert main(["sweep", str(folder / "sweep.yaml"), "-o", str(folder / "s"), "--jobs", "1", "--no-check"]) == 0
+    return folder / "s"
+
+
+def test_what_a_drive_passes_on_falls_above_the_cut_off_of_the_load(shaken):
+    found = collect(shaken)
+    assert found.heading("drive.frequency") == "drive.frequency (Hz)"
+    (band,) = found.passed("drive.frequency")
+    speed, factor = 369.2 / 9.52e-3, 20.0 ** (1.0 / 6.0)  # of sound at 1 N, in beads a second
+    np.testing.assert_allclose(band, [0.0, speed * factor / np.pi], rtol=1e-3, atol=1e-3)
+    low, high = found.numbers("transmissibility")
+    assert 0.3 < low < 3.0
+    decay = np.arccosh(25000 / band[1])
+    assert high == pytest.approx(np.exp(-2.0 * decay * 4), rel=0.1)
+
+
+def test_frequencies_that_do_not_pass_are_shaded_in_the_figure_over_frequency(shaken, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(collecting, "write_figure", lambda _path, _name, figure: drawn.append(figure) or ())
+    collecting.plot(collect(shaken), shaken, "transmissibility", "drive.frequency", None)
+    assert drawn[0].axes[0].get_title() == "shaken; shaded: no small waves pass"
+
+
+def test_what_lies_between_bands_is_shaded():
+    x = np.array([1.0, 5.0, 9.0])
+    bands = np.array([[6.0, 7.0], [0.0, 3.0], [2.0, 4.0]])
+    axis = swept_figure(Axis("y", x), Axis("x", x), None, "", bands).axes[0]
+    first, last = axis.get_xlim()
+    shaded = [(patch.get_x(), patch.get_x() + patch.get_width()) for patch in axis.patches]
+    np.testing.assert_allclose(shaded, [(4.0, 6.0), (7.0, last)])
+    assert first < 1.0 < 9.0 < last
+
+
+def test_bands_that_differ_from_case_to_case_are_not_those_of_the_figure(shaken):
+    found = collect(shaken)
+    one = next(iter(found.bands))
+    assert replace(found, bands={**found.bands, one: [[0.0, 1.0]]}).passed("drive.frequency") is None
+    assert found.passed("drive.displacement") is None
