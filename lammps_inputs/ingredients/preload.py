@@ -88,7 +88,7 @@ class Gravity(_Load):
     @model_validator(mode="before")
     @classmethod
     def _from_number(cls, value: Any) -> Any:
-        return {"acceleration": value} if isinstance(value, int | float) and not isinstance(value, bool) else value
+        return value if isinstance(value, dict | cls) else {"acceleration": value}
 
     @classmethod
     def __get_pydantic_json_schema__(cls, core_schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:

@@ -38,6 +38,12 @@ _PUSHED = {
     "walls": {"left": "flat", "right": "bead"},
     "push": [{"peak": 1.0, "duration": 3.0, "shape": "half-sine"}, {"bead": 9, "table": [[0, 0], [2, 0.5], [3, 0]]}],
 }
+_DAMPED = {
+    "chains": 2,
+    "coupling": {"stiffness": 0.1},
+    "damping": {"contact": 0.002, "tension": "cut", "beads": 1e-4, "coupling": 0.01},
+    "kick": {"velocity": 1.0},
+}
 
 
 def made_of(ingredients, **changes):
@@ -125,6 +131,7 @@ def test_a_job_of_a_scene_with_ingredients_ends_bit_for_bit_as_a_run_on_this_mac
 CUT = {
     "coupled": LONG,
     "unequal": made_of(_UNEQUAL, duration=8000.0, output={"every": 10.0}),
+    "damped": made_of(_DAMPED, duration=2000.0, output={"every": 5.0}),
 }
 
 
