@@ -5,15 +5,19 @@ import json
 import os
 import shutil
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from analysis.figures.swept import MOST_LINES, Axis, logarithmic, swept_figure
+from analysis.sound.dispersion import cell_of
 from lammps_inputs import strict_yaml
 from workflow.cli import main
 from workflow.runs.run_directory import RunDirectory
 from workflow.sweep import collect as collecting
+from workflow.sweep import file as sweep_file
+from workflow.sweep.cases import all_cases, scene_of
 from workflow.sweep.collect import collect
 
 pytestmark = pytest.mark.usefixtures("lammps_here", "pool_here")
@@ -360,3 +364,13 @@ def test_bands_that_differ_from_case_to_case_are_not_those_of_the_figure(shaken)
     one = next(iter(found.bands))
     assert replace(found, bands={**found.bands, one: [[0.0, 1.0]]}).passed("drive.frequency") is None
     assert found.passed("drive.displacement") is None
+
+
+def test_the_example_of_the_readme_is_a_sweep_across_the_cut_off(tmp_path):
+    text = (Path(__file__).parents[3] / "workflow" / "README.md").read_text(encoding="utf-8")
+    path = tmp_path / "shaken.yaml"
+    path.write_text(text.partition("<!-- transmissibility -->\n```yaml\n")[2].partition("```")[0])
+    what = sweep_file.load(path)
+    first, *_, last = (scene_of(what, case).problem() for case in all_cases(what))
+    (band,) = cell_of(first).bands() / first.scale.time
+    assert first.motions[0].omega / first.scale.time < band[1] < last.motions[0].omega / last.scale.time
