@@ -11,45 +11,43 @@ def loads() -> list[Cell]:
     return [
         *(_load(f) for f in (*decades(-9, 3, 3), 1e6, 1e7)),
         *(_gravity(g) for g in (1e-9, 1e-3, 1.0, 1e3)),
-        *(_loaded_exponent(p) for p in (1.0, 1.25, 2.0, 3.0)),
+        *(_loaded_exponent(p) for p in (1.0, 3.0)),
     ]
 
 
 def losses() -> list[Cell]:
     """Dashpots of every law, from none to where beads stick."""
-    none_to_stuck = (1e-9, 1e-3, 0.1, 1.0, 10.0, 1e3)
-    shares = (1e-30, 0.1, 0.5, 0.9, 0.999999, 1.0)
     return [
-        *(_lossy("dashpots", g, contact=g) for g in (0.0, *none_to_stuck, 1e4)),
-        *(_lossy("dashpots, cut", g, contact=g, tension="cut") for g in (1e-3, 0.1, 10.0, 1e3)),
-        *(_lossy("viscoelastic", b, contact=b, law="viscoelastic") for b in none_to_stuck),
-        *(_lossy("restitution", e, contact=e, law="restitution") for e in shares),
-        *(_lossy("drag", c, beads=c) for c in (0.0, *none_to_stuck, 1e4)),
-        *(_lossy("drag, rows", c, coupling=c) for c in (1e-3, 0.1, 10.0, 1e3)),
+        *(_lossy("dashpots", g, contact=g) for g in (0.0, 1e-9, 0.1, 1.0, 10.0, 1e3, 1e4)),
+        *(_lossy("dashpots, cut", g, contact=g, tension="cut") for g in (0.1, 10.0, 1e3)),
+        *(_lossy("viscoelastic", b, contact=b, law="viscoelastic") for b in (1e-3, 1.0, 1e3)),
+        *(_lossy("restitution", e, contact=e, law="restitution") for e in (1e-30, 0.5, 0.999999, 1.0)),
+        *(_lossy("drag", c, beads=c) for c in (1e-9, 0.1, 1.0, 10.0, 1e3, 1e4)),
+        *(_lossy("drag, rows", c, coupling=c) for c in (0.1, 10.0, 1e3)),
         *_lossy_corners(),
     ]
 
 
 def masses() -> list[Cell]:
     """Light beads and heavy ones."""
-    tapers = {"1e-9": 1e-9, "to 0.1": 0.0261, "to 0.001": 0.0764, "to 1e-9": 0.3}
+    tapers = {"1e-9": 1e-9, "to 0.001": 0.0764, "to 1e-9": 0.3}
     return [
-        *(_two_by_two(m) for m in (*decades(-3, 3, 1), 1e7)),
-        *(_impurity(m) for m in (1e-3, 0.1, 10.0, 1e3)),
+        *(_two_by_two(m) for m in (1e-3, 1e-2, 0.1, 10.0, 1e3, 1e7)),
+        *(_impurity(m) for m in (1e-3, 1e3)),
         *(Cell("taper", name, changed(BASE, taper=share, duration=20.0)) for name, share in tapers.items()),
     ]
 
 
 def exponents() -> list[Cell]:
     """Contacts from springs to walls."""
-    return [_exponent(p) for p in (1.0, 1.05, 1.25, 1.5, 2.0, 3.0)]
+    return [_exponent(p) for p in (1.0, 1.05, 1.25, 2.0, 3.0)]
 
 
 def drives() -> list[Cell]:
     """From slower than the chain to faster than anything in it."""
     return [
-        *(_moved(f) for f in (1e-3, 1e-2, 0.1, 1.0, 10.0, 1e3)),
-        *(_forced(f) for f in (1e-3, 0.1, 10.0, 1e3)),
+        *(_moved(f) for f in (1e-3, 0.1, 1.0, 1e3)),
+        *(_forced(f) for f in (1e-2, 1e3)),
     ]
 
 
