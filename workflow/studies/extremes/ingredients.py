@@ -47,7 +47,7 @@ def drives() -> list[Cell]:
     """From slower than the chain to faster than anything in it."""
     return [
         *(_moved(f) for f in (1e-3, 0.1, 1.0, 1e3)),
-        *(_forced(f) for f in (1e-2, 1e3)),
+        *(_forced(f) for f in (0.1, 1e3)),
     ]
 
 
