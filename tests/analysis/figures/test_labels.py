@@ -1,13 +1,14 @@
 """What labels, titles and legends say is what is drawn there: by numbers made by hand."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from stock_lammps import scene
 
 from analysis.against.difference import Deviation, ErrorMap
-from analysis.figures import dispersion_figure, energy_figure, force_figure, spectra_figure
+from analysis.figures import dispersion_figure, energy_figure, force_figure, shape_figure, spectra_figure
 from analysis.figures.error import BAD, GOOD, validation_figure
 from analysis.figures.map import map_figure
 from analysis.figures.partition import scan_figure
@@ -18,6 +19,8 @@ from analysis.files.traces import Channel, Traces
 from analysis.gauges.gauge import gauges
 from analysis.gauges.readings import Readings
 from analysis.gauges.spectra import Spectra
+from analysis.shape.exact_wave import solitary_wave
+from analysis.shape.waveforms import Passages
 from analysis.sharing.energy_flow import Flow
 from analysis.sound.dispersion import Cell, Map
 from lammps_inputs import Kick, Material
@@ -171,6 +174,22 @@ def test_a_validation_shows_each_error_at_its_bead_and_as_a_share_of_its_toleran
     colours = {"velocity": BAD, "arrival": GOOD}
     for name, bar in widths.items():
         assert "#{:02X}{:02X}{:02X}".format(*(round(255 * c) for c in bar.get_facecolor()[:3])) == colours[name]
+
+
+def test_samples_from_before_the_peak_are_drawn_ahead_of_it():
+    """Velocity falls in time, from 0.3 to 0.1 in chain 1 and half of that in chain 2; peaks of 1, at t = 3."""
+    what = scene(chains=2, beads=10)
+    both = np.array([1, 2])
+    passages = Passages(both, np.array([5, 5]), np.full(2, 3.0), np.ones(2), np.ones(2), np.ones(2, dtype=np.int64))
+    time, velocity = np.tile([2.0, 3.0, 4.0], (2, 1)), np.outer([1.0, 0.5], [0.3, 0.2, 0.1])
+    waveforms = SimpleNamespace(passages=passages, time=time, velocity=velocity)
+    above, below = shape_figure(what.problem(), waveforms, [5]).axes
+    assert above.get_title(loc="left") == "bead 5"
+    for chain, line in of_chains(above).items():
+        ahead, velocity = line.get_data()
+        assert np.array(ahead) == pytest.approx(solitary_wave().speed_at(1.0) * np.array([1.0, 0.0, -1.0]))
+        assert velocity == pytest.approx(np.array([0.3, 0.2, 0.1]) / chain)
+    assert below.get_lines()[1].get_ydata()[1] == pytest.approx(0.2 - 1.0)
 
 
 @pytest.mark.parametrize(("sign", "best"), [(1.0, [3.0, 3.0, 1.0, 1.0]), (-1.0, [3.0, 3.0, 3.0, 5.0])])

@@ -267,6 +267,7 @@ def test_a_directory_of_runs_stands_for_them_all(tmp_path):
 
 def test_a_local_run_that_is_done_is_done(tmp_path):
     assert status(with_record(with_deck(tmp_path / "x"), outcome="done", steps_done=STEPS)).state == "done"
+    assert status(with_record(tmp_path / "x", outcome="done")).step == STEPS
 
 
 def test_a_local_run_that_failed_says_why(tmp_path):
