@@ -108,6 +108,14 @@ def test_recording_the_beads_concerned_is_enough(found):
     np.testing.assert_allclose(part.impulse, whole.impulse, atol=1e-4)
 
 
+def test_under_a_load_walls_and_contacts_read_it_at_rest():
+    loaded = walled(beads=8, precompression={"force": 0.5}, duration=2.0)
+    readings = read(written_down(loaded, lambda t: (0.0 * t, 0.0 * t)), contacts=(4,), sensors=(4,))
+    np.testing.assert_allclose(readings.force, 0.5, rtol=1e-4)
+    np.testing.assert_allclose(readings.static, 0.5, rtol=1e-4)
+    np.testing.assert_allclose(readings.impulse, 0.0, atol=1e-15)
+
+
 def test_the_dwell_is_that_of_the_hardest_contact():
     """Beads 1 and 2 overlap by 0.1 at most from t = 1 to 2, by 0.5 from 4 to 7, by 0.2 from 8 to 9."""
     small = problem(chains=1, recorded=(1, 2))
