@@ -3,7 +3,7 @@
 import pytest
 
 from workflow.sweep import collect, fields
-from workflow.sweep.table import QUANTITIES, UNCERTAINTIES
+from workflow.sweep.table import QUANTITIES, UNCERTAINTIES, Table
 
 REPORT = {
     "front": 58,
@@ -60,6 +60,19 @@ def test_an_uncertainty_is_that_of_the_quantity_that_it_is_drawn_with():
 
 def test_rows_are_in_the_order_of_numbers_not_of_their_digits():
     assert sorted([10, 9.5, "bead", 2, 100.0], key=collect._rank) == [2, 9.5, 10, 100.0, "bead"]
+
+
+def test_a_figure_is_of_cases_that_are_done(tmp_path, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(collect, "write_figure", lambda _path, _name, figure: drawn.append(figure) or ())
+    blank = dict.fromkeys(QUANTITIES)
+    rows = [
+        {**blank, "case": str(gap), "gap": gap, "outcome": outcome, "speed": 10.0 * gap, "reason": None}
+        for gap, outcome in ((1.0, "done"), (2.0, "failed"), (3.0, "done"), (4.0, "incomplete"))
+    ]
+    collect.plot(Table(["gap"], rows, False), tmp_path, "speed", "gap", None)
+    (line,) = drawn[0].axes[0].get_lines()
+    assert line.get_xydata().tolist() == [[1.0, 10.0], [3.0, 30.0]]
 
 
 @pytest.mark.parametrize(
