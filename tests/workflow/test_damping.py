@@ -76,9 +76,9 @@ def budget(blocks: Iterable[Trajectory], keeper: Accountant | None = None) -> tu
 def test_the_budget_of_lammps_closes_to_the_error_of_the_run_however_far_apart_its_frames_are(done: Run) -> None:
     assert done.check is not None
     problem = done.directory.problem
-    for stride in (1, 20):
-        keeper = Accountant(problem.coarser(stride))
-        missing, account = budget(done.directory.blocks(stride), keeper)
+    for coarse in (1, 20):
+        keeper = Accountant(problem.coarser(coarse))
+        missing, account = budget(done.directory.blocks(coarse), keeper)
         assert missing < 2.0 * done.check.velocity
         assert keeper.unsure < 0.1 * done.check.velocity
         assert account.lost["contact_damping"][-1] > 0.2

@@ -157,7 +157,7 @@ class Table:
 
     def passed(self, name: str) -> Floats | None:
         """Frequencies at which small waves pass, [band, 2], if a field is one and all cases have the same."""
-        found = [self.bands.get(row["case"]) for row in self.rows]
+        found = [self.bands.get(row["case"]) or [] for row in self.rows]
         if (
             not found
             or name.rpartition(".")[2] != "frequency"

@@ -275,7 +275,8 @@ def _bands(problem: Problem) -> list[list[float]] | None:
         bands = cell_of(problem).bands()
     except NoDispersionError:
         return None
-    return np.asarray(bands / (2.0 * np.pi * problem.scale.time)).tolist()
+    frequencies: list[list[float]] = (bands / (2.0 * np.pi * problem.scale.time)).tolist()
+    return frequencies
 
 
 def far_end_report(problem: Problem, end: FarEnd) -> dict[str, Any]:
