@@ -60,8 +60,8 @@ class Parts:
         """[frame, column, atom] of a frame and of some that follow it in the same file, at most so many."""
         stop = int(np.searchsorted(self._file, self._file[frame], side="right"))
         start = int(self._frame[frame])
-        count = min(count, stop - frame)
-        return self._dumps[self._file[frame]].read(start, start + count, columns=self.columns)
+        dump: BinaryDump = self._dumps[self._file[frame]]
+        return dump.read(start, start + min(count, stop - frame), columns=self.columns)
 
 
 def _opened(paths: Sequence[Path | str]) -> list[BinaryDump]:
@@ -80,5 +80,4 @@ def _opened(paths: Sequence[Path | str]) -> list[BinaryDump]:
 
 
 def _box(dump: BinaryDump) -> Floats:
-    box: Floats = dump.box if dump.tilt is None else np.dstack([dump.box, dump.tilt])
-    return box
+    return dump.box if dump.tilt is None else np.dstack([dump.box, dump.tilt])

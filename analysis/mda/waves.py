@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 from MDAnalysis.analysis.base import AnalysisBase
-from MDAnalysis.analysis.results import ResultsGroup
+from MDAnalysis.analysis.results import Results, ResultsGroup
 
 import analysis.mda.formats  # noqa: F401  registers the readers
 from analysis.files import recording
@@ -59,7 +59,7 @@ class LeadingWaves(AnalysisBase):  # type: ignore[misc]  # MDAnalysis has no typ
         return ResultsGroup({"_part": ResultsGroup.flatten_sequence})
 
     def _prepare(self) -> None:
-        self.results._part = [_Part(self._threshold)]
+        self.results = Results(_part=[_Part(self._threshold)])  # without those of an earlier run
         self._pending: list[tuple[float, Any]] = []
 
     def _single_frame(self) -> None:

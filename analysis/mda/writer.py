@@ -41,7 +41,7 @@ class BinaryDumpWriter(WriterBase):  # type: ignore[misc]  # MDAnalysis has no t
         self.filename = str(filename)
         self.n_atoms = n_atoms
         self._file: BufferedWriter | None = None
-        self._columns: tuple[str, ...] = ()
+        self._names = ""
 
     def _write_next_frame(self, obj: Any) -> None:
         """Write the current frame of an AtomGroup or a Universe.
@@ -64,9 +64,9 @@ class BinaryDumpWriter(WriterBase):  # type: ignore[misc]  # MDAnalysis has no t
         names = " ".join(("id", *columns))
         if self._file is None:
             self._file = self._opened(trajectory)
-            self._columns = tuple(columns)
-        if self._columns != tuple(columns):
-            raise ValueError(f"{self.filename}: a frame has columns {names}; before it was {' '.join(self._columns)}")
+            self._names = names
+        if self._names != names:
+            raise ValueError(f"{self.filename}: a frame has columns {names}; before it was {self._names}")
         rows = np.stack([ids, *columns.values()], axis=1).astype("<f8")
         step = int(ts.data.get("step", ts.frame))
         head = header(step, float(ts.time), len(ids), box[:, :2].reshape(-1), box[:, 2:].reshape(-1), names)
