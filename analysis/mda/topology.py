@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from lammps_inputs.decks import deck
 from lammps_inputs.units import sphere_density
 
-NAME = "bead"
-"""Of every atom and residue: formats that demand a name get one."""
+ATOM, RESIDUE = "X", "bead"
+"""Names, for formats that demand some; X is no chemical element to other programs."""
 
 _SECTION = re.compile(r"^(Atoms|Bonds)\b.*\n", re.MULTILINE)
 _RECORDED = re.compile(r"^group recorded (type|id) (.+)$", re.MULTILINE)
@@ -64,20 +64,19 @@ def of_deck(data: str, commands: str) -> Topology:
     place = np.cumsum(kept) - 1
     count = int(np.count_nonzero(kept))
     row = (number[kept] - 1) % rows + 1
-    names = np.full(count, NAME, dtype=object)
     return Topology(
         count,
         count,
         chain[-1] + 1,
         attrs=[
             attributes.Atomids(number[kept]),
-            attributes.Atomnames(names),
+            attributes.Atomnames(np.full(count, ATOM, dtype=object)),
             attributes.Atomtypes(kind[kept].astype(str).astype(object)),
             attributes.Masses(mass[kept]),
             attributes.Radii(diameter[kept] / 2.0),
             attributes.Resids(row),
             attributes.Resnums(row.copy()),
-            attributes.Resnames(names.copy()),
+            attributes.Resnames(np.full(count, RESIDUE, dtype=object)),
             attributes.Segids(np.array([f"C{number + 1}" for number in range(chain[-1] + 1)], dtype=object)),
             attributes.Bonds([tuple(pair) for pair in place[bonds[:, 2:] - 1].tolist()]),
         ],
