@@ -11,7 +11,7 @@ from MDAnalysisTests.coordinates import base
 
 import analysis.mda.formats as formats
 
-pytestmark = pytest.mark.filterwarnings("default")  # theirs
+pytestmark = pytest.mark.filterwarnings("ignore")  # theirs
 
 
 class Reference(base.BaseReference):
