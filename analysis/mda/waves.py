@@ -53,7 +53,7 @@ class LeadingWaves(AnalysisBase):  # type: ignore[misc]  # MDAnalysis has no typ
     @classmethod
     def get_supported_backends(cls) -> tuple[str, ...]:
         """How it can be run."""
-        return ("serial", "multiprocessing", "dask")
+        return ("serial", "multiprocessing")
 
     def _get_aggregator(self) -> ResultsGroup:
         return ResultsGroup({"_part": ResultsGroup.flatten_sequence})
