@@ -24,7 +24,7 @@ def universe(problem: Problem, dumps: Sequence[Path | str]) -> MDAnalysis.Univer
 
     Raises:
         OSError: a file cannot be read as a binary dump; the text names it and says why.
-        ValueError: it holds other atoms than the problem.
+        ValueError: it holds other atoms than the problem, or the deck has no words for one of its forces.
     """
     first, *parts = dumps
     return MDAnalysis.Universe(
