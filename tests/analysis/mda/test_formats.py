@@ -130,13 +130,6 @@ def test_chains_lie_side_by_side_as_in_the_data_file_also_in_what_mdanalysis_wri
             np.testing.assert_allclose(ts.positions[:, 1], across, atol=1e-4)
 
 
-def test_only_recorded_beads_lie_on_their_chains_too(tmp_path: Path) -> None:
-    run_lammps(tmp_path, SOME)
-    universe = mda.Universe(tmp_path / deck.DATA, tmp_path / deck.DUMP)
-    width = 2.0 * SOME.problem().spacing
-    np.testing.assert_array_equal(universe.atoms.positions[:, 1], np.repeat(np.arange(3.0), 3) * width)
-
-
 def atom_lines(path: Path) -> list[str]:
     return path.read_text().split("Atoms #")[1].split("Bonds")[0].strip().splitlines()[2:]
 
@@ -305,7 +298,7 @@ def test_beads_that_differ_are_atoms_with_their_masses(
 
 
 @pytest.mark.parametrize("scene", [SOME, LOOSE_SOME], ids=["springs", "no springs"])
-def test_only_recorded_beads_are_atoms(tmp_path: Path, scene: Scene) -> None:
+def test_only_recorded_beads_are_atoms_and_lie_on_their_chains(tmp_path: Path, scene: Scene) -> None:
     run_lammps(tmp_path, scene)
     universe = mda.Universe(tmp_path / deck.DATA, tmp_path / deck.DUMP)
     assert universe.atoms.ids.tolist() == [2, 7, 9, 12, 17, 19, 22, 27, 29]
@@ -314,6 +307,8 @@ def test_only_recorded_beads_are_atoms(tmp_path: Path, scene: Scene) -> None:
     assert len(universe.bonds) == (6 if scene is SOME else 0)
     first = universe.trajectory[0].data["x"].reshape(3, 3)
     np.testing.assert_array_equal(first, rest_positions(scene.problem()))
+    width = 2.0 * scene.problem().spacing
+    np.testing.assert_array_equal(universe.atoms.positions[:, 1], np.repeat(np.arange(3.0), 3) * width)
 
 
 def test_a_file_that_is_no_data_file_is_refused_by_name(tmp_path: Path) -> None:

@@ -72,7 +72,7 @@ def test_every_second_frame_from_the_tenth_on_can_be_chosen_or_saved_first(
 def test_several_processes_find_what_one_does_also_of_few_frames_each_and_of_a_window(
     runs: tuple[RunDirectory, RunDirectory],
 ) -> None:
-    for directory, options in zip(runs * 2, [{}, {}, {"stop": 21}, {"step": 3}], strict=True):
+    for directory, options in zip((*runs, runs[0]), [{}, {}, {"stop": 21}], strict=True):
         waves = LeadingWaves(universe(directory.problem, directory.dumps), directory.problem)
         alone = waves.run(**options).results
         shared = waves.run(backend="multiprocessing", n_workers=2, n_parts=8, **options).results
