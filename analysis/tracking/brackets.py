@@ -74,7 +74,7 @@ class Brackets:
 def bracketed(
     block: Trajectory, frame: Integers, chain: Integers, bead: Integers, way: int, *, noisy: bool
 ) -> Brackets:
-    """Maxima whose largest frames are given. One at frame 0 stays there."""
+    """Maxima whose largest frames are given. One at frame 0 stays there but of a bead that is pushed or moved."""
     spacing = block.spacing
     x, v = block.displacement, block.velocity
     by_equations = block.problem.recorded is None and not noisy
@@ -101,10 +101,13 @@ def bracketed(
 
     velocity, lower = fit(data)
     share = _share_of_doubt(spacing, by_equations=by_equations)
-    kink = np.zeros((2, len(frame)))
+    kink, acted_on = np.zeros((2, len(frame))), np.zeros(len(frame), dtype=bool)
     if by_equations:
         kink += np.multiply.outer(KINK, _kink(block, start, chain, bead))
-    for load in block.problem.loads:
+    loads, motions = block.problem.loads, block.problem.motions
+    for place in [(load.chain, load.bead) for load in loads] + [(drive.chain, drive.bead) for drive in motions]:
+        acted_on |= (chain + 1 == place[0]) & (block.beads[bead] == place[1])
+    for load in loads:
         here = (chain == load.chain - 1) & (block.beads[bead] == load.bead)
         if np.any(here):
             times = block.time[start[here]] + spacing * np.array(nodes)[:, None]
@@ -117,7 +120,7 @@ def bracketed(
         origin=block.time[start],
         spacing=np.full(len(frame), spacing),
         low=low,
-        high=np.where(frame == 0, low, high),
+        high=np.where(frame == 0, low + acted_on, high),
         overlap=motion.larger_overlap(block, frame, chain, bead),
         displacement=data[0, 0],
         velocity=velocity,

@@ -214,3 +214,14 @@ def test_the_error_of_a_peak_is_below_what_is_said_where_a_push_ends_between_two
         true = push.end - push.travel(push.end) / push.blow
         assert abs(peak - push.blow) <= found.velocity_error[0]
         assert abs(centre - true) <= found.arrival_error[0]
+
+
+@pytest.mark.parametrize("recorded", [None, (2,)])
+def test_a_kicked_bead_that_is_pushed_as_well_has_its_maximum_after_the_start(recorded):
+    push, kick = Load(1, 2, HalfSine(0.3, 4.0)), Kick(bead=2, velocity=1.0)
+    fine = engine.run(replace(problem(1, 0.0, 4, 5.0, 0.01, kicks=[kick]), loads=(push,)))
+    found, dense = (find_peaks([thinned(fine, stride, recorded)]) for stride in (50, 1))
+    one, true = (peaks.where(peaks.bead == 2).first() for peaks in (found, dense))
+    assert true.time[0] > 0.05
+    assert abs(one.velocity - true.velocity)[0] <= one.velocity_error[0]
+    assert abs(one.time - true.time)[0] <= one.time_error[0]
