@@ -14,6 +14,7 @@ from analysis.sharing.cells import CellEnergy
 from analysis.sharing.energy_flow import Flow
 from analysis.sound.dispersion import Map
 from analysis.sound.loaded_pulse import LoadedWave
+from analysis.tracking.pulses import Pulse
 from analysis.trajectory import Floats
 from lammps_inputs import Problem, laws
 from lammps_inputs.numbers import known
@@ -158,7 +159,9 @@ def _above_rest(readings: Readings, chain: int, place: int, scale: Scale) -> dic
     return {"static": float(static * scale.force), "dynamic": float((largest - static) * scale.force)}
 
 
-def sound_report(problem: Problem, wave: LoadedWave | None, metres: float | None) -> dict[str, Any]:
+def sound_report(
+    problem: Problem, wave: LoadedWave | None, crests: tuple[Pulse, ...], metres: float | None
+) -> dict[str, Any]:
     """What ``analysis.json`` says under ``sound``, of chains under a static load, in the scene's units.
 
     | key       | what                                                                                            |
@@ -168,6 +171,7 @@ def sound_report(problem: Problem, wave: LoadedWave | None, metres: float | None
     | speed     | of sound of long waves, beads per unit time, least and largest along the chains                 |
     | metres    | the same in m/s where all beads are of one material and size; else null                         |
     | cutoff    | highest angular frequency of small motions, springs between chains left out                     |
+    | crest     | largest velocity of crests of sound, which are no pulses (analysis/README.md); null without any   |
     | pulse     | the leading pulse of the chain that was hit hardest, between the contacts ``first`` and ``last``: |
     |           | ``force_ratio`` f of the largest force to that at rest, ``speed``, ``over_sound``, ``theory``:  |
     |           | that of the long-wave theory (Nesterenko), and ``over_theory``: the quotient; null: too short   |
@@ -181,6 +185,7 @@ def sound_report(problem: Problem, wave: LoadedWave | None, metres: float | None
         "speed": [float(find(speed) / scale.time) for find in (np.min, np.max)],
         "metres": None if metres is None else [float(find(speed) * metres / scale.time) for find in (np.min, np.max)],
         "cutoff": problem.sound_frequency / scale.time,
+        "crest": max((float(crest.peak_velocity.max()) * scale.velocity for crest in crests), default=None),
         "pulse": None
         if wave is None
         else {

@@ -22,7 +22,8 @@ def walled(**changes):
         "kick": {"velocity": 1.0},
         "duration": 50.0,
     }
-    return library.from_plain({**plain, **changes}, "test").problem()
+    given = {key: value for key, value in {**plain, **changes}.items() if value is not None}
+    return library.from_plain(given, "test").problem()
 
 
 def read(trajectory, *blocks, **places):
@@ -115,3 +116,32 @@ def test_beads_at_rest_are_read_as_no_force():
     assert not readings.force.any()
     assert readings.impulse.tolist() == readings.largest.tolist() == readings.dwell.tolist() == [[0.0], [0.0]]
     assert np.isnan(readings.largest_at).all()
+
+
+@pytest.mark.parametrize("g", [0.2, 1.0])
+def test_a_damped_contact_is_read_with_its_dashpot(g):
+    """Two beads, linear: s = exp(-g t) sin(w t) / w with w**2 = 2 - g**2, and the force s + g s' jumps to g at once."""
+    keys = {"beads": 2, "walls": None, "contact": {"exponent": 1}, "damping": {"contact": g}, "duration": 6.0}
+    both = walled(**keys, output={"every": 0.02})
+    omega = math.sqrt(2.0 - g * g)
+    over = math.pi / omega
+    share = math.exp(-g * over)
+
+    def motion(time):
+        inside, after = np.minimum(time, over), np.maximum(time - over, 0.0)
+        fall = np.exp(-g * inside)
+        s = fall * np.sin(omega * inside) / omega - share * after
+        rate = np.where(after > 0.0, -share, fall * (np.cos(omega * inside) - g / omega * np.sin(omega * inside)))
+        return 0.5 * (time + s * np.array([1.0, -1.0])), 0.5 * (1.0 + rate * np.array([1.0, -1.0]))
+
+    exact = written_down(both, motion)
+    time = np.linspace(1e-9, over, 100001)
+    fall = np.exp(-g * time)
+    force = fall * (np.sin(omega * time) / omega + g * (np.cos(omega * time) - g / omega * np.sin(omega * time)))
+    readings = read(exact, wall=False, contacts=(1,))
+    assert readings.largest[0, 0] == pytest.approx(force.max(), abs=1e-4)
+    assert readings.largest_at[0, 0] == pytest.approx(time[np.argmax(force)], abs=0.01)
+    assert readings.force.min() == pytest.approx(force.min(), abs=0.02 * g)  # it pulls, last of all hardest
+    assert readings.impulse[0, 0] == pytest.approx(0.5 * (1.0 + share), abs=1e-4)
+    assert readings.dwell[0, 0] == pytest.approx(over, abs=1e-4)
+    assert readings.contacts[0, 0] == 1

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from analysis.shape.exact_wave import nesterenko
 from analysis.shape.loaded_wave import make_speed, sound_speed, speed_over_sound
 from analysis.sound.dispersion import Dispersion, NoDispersionError, cell_of
 from lammps_inputs import library
@@ -84,3 +85,12 @@ def test_the_long_wave_theory_has_its_limits_right():
     system = loaded(precompression={"force": 1e-9}).system
     speed = make_speed(system).at(1, np.array([30]), np.array([0.68163]))
     assert speed[0] == pytest.approx(0.9146 * 0.68163**0.2, rel=0.02)
+
+
+def test_the_long_wave_theory_of_other_exponents_has_its_limits_right():
+    assert speed_over_sound(5.0, 1.0) == pytest.approx(1.0, rel=1e-12)
+    for exponent in (1.25, 2.0, 3.0):
+        assert speed_over_sound(1.0 + 1e-3, exponent) == pytest.approx(1.0, abs=1e-3)
+        system = loaded(precompression={"force": 1e-9}, contact={"exponent": exponent}).system
+        speed = make_speed(system).at(1, np.array([30]), np.array([1.0]))
+        assert speed[0] == pytest.approx(nesterenko(exponent).speed, rel=0.02)
