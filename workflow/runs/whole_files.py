@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from workflow.errors import EndedError, RunError
+from workflow.formats import figure_files
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure  # takes a while to import
@@ -41,13 +42,8 @@ def _write(path: Path, content: bytes) -> None:
         raise
 
 
-def figure_files(*names: str) -> tuple[str, ...]:
-    """Names of the files of figures."""
-    return tuple(f"{name}.{suffix}" for name in names for suffix in ("png", "pdf"))
-
-
 def write_figure(directory: Path, name: str, figure: "Figure") -> tuple[Path, ...]:
-    """Write a figure as PNG and as PDF; returns the files.
+    """Write a figure in the formats of `workflow.formats`; returns the files.
 
     Raises:
         RunError: it holds numbers that cannot be drawn.

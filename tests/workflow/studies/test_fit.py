@@ -60,7 +60,7 @@ def test_the_fitted_scene_is_a_scene_that_lammps_has_run_with_its_error(found):
     assert directory.record["outcome"] == "done"
     assert report["lammps"]["error_velocity"] == directory.record["check"]["velocity"] < 1e-3
     assert report["lammps"]["difference"] < 0.1
-    assert {"residuals.png", "residuals.pdf"} <= {path.name for path in found.iterdir()}
+    assert (found / "residuals.png").is_file()
 
 
 @pytest.mark.slow

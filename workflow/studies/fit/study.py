@@ -4,7 +4,7 @@
 |----------------|------------------------------------------------------------------------------|
 | fit.json       | what was found, see `Fit.plain`                                              |
 | fitted.yaml    | the scene with the fitted fields                                             |
-| residuals.png  | traces, and what is left of them (also as PDF)                               |
+| residuals.png  | traces, and what is left of them                                             |
 | lammps/        | run directory of the fitted scene, over the time of the data                 |
 """
 
@@ -21,10 +21,11 @@ from analysis.files.traces import Channel
 from analysis.gauges.channels import read, read_at
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import InputError, library, strict_yaml
+from workflow.formats import figure_files
 from workflow.runs.check import Check
 from workflow.runs.own_files import claim
 from workflow.runs.run import run
-from workflow.runs.whole_files import figure_files, write_figure, write_json, write_text
+from workflow.runs.whole_files import write_figure, write_json, write_text
 from workflow.studies.fit.estimate import CONFIDENCE, Estimate, estimate
 from workflow.studies.fit.fields import Free, free
 from workflow.studies.fit.model import Model
