@@ -1,6 +1,5 @@
 """Files written whole or not at all: under another name, and then renamed."""
 
-import io
 import json
 import math
 import os
@@ -48,20 +47,15 @@ def write_figure(directory: Path, name: str, figure: "Figure") -> tuple[Path, ..
     Raises:
         RunError: it holds numbers that cannot be drawn.
     """
-    import matplotlib as mpl
-
-    from analysis.figures.style import STYLE
+    from analysis.figures.picture import picture
 
     paths = tuple(directory / file for file in figure_files(name))
     for path in paths:
-        out = io.BytesIO()
         try:
-            with mpl.rc_context(STYLE):  # fonts and resolution are settings of saving, not of drawing
-                figure.savefig(out, format=path.suffix[1:])
+            content = picture(figure, path.suffix[1:])
         except OverflowError:
             raise RunError(f"{path}: numbers near 1e308 cannot be drawn; are the frames damaged?") from None
-        figure.set_layout_engine("none")  # laid out once; it takes as long as drawing
-        write_bytes(path, out.getvalue())
+        write_bytes(path, content)
     return paths
 
 
