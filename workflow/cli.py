@@ -108,8 +108,7 @@ def _execute(arguments: argparse.Namespace) -> int:
     with contextlib.ExitStack() as stack:
         if asked or quiet:
             stack.enter_context(contextlib.redirect_stdout(io.StringIO()))
-        if quiet:
-            stack.enter_context(screen.without_bars())
+        stack.enter_context(screen.without_bars() if quiet else screen.with_hints())
         if "formats" in arguments:
             stack.enter_context(formats.written_as(arguments.formats))
         answer = arguments.execute(arguments)
