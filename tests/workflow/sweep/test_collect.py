@@ -182,13 +182,11 @@ def test_where_chooses_the_cases_of_the_table_with_and_without_a_figure(copied, 
 
 def test_a_quantity_is_drawn_over_one_field_and_over_two(copied, capsys):
     name = "amplitude-over-coupling.stiffness"
-    assert main(["collect", str(copied), "--plot", "amplitude", "--over", "coupling.stiffness", "--and", "beads"]) == 0
+    words = ["collect", str(copied), "--plot", "amplitude", "--over", "coupling.stiffness"]
+    assert main([*words, "--and", "beads", "--formats", "pdf"]) == 0
     assert f"{name}-and-beads.pdf" in capsys.readouterr().out
-    assert (
-        main(["collect", str(copied), "--plot", "amplitude", "--over", "coupling.stiffness", "--where", "beads=24"])
-        == 0
-    )
-    for file in (f"{name}.png", f"{name}.pdf", f"{name}-and-beads.png", f"{name}-and-beads.pdf"):
+    assert main([*words, "--where", "beads=24"]) == 0
+    for file in (f"{name}.png", f"{name}-and-beads.pdf"):
         assert (copied / file).stat().st_size > 5_000
 
 
