@@ -40,6 +40,11 @@ def compiled(function: F | None = None, **options: Any) -> Any:
         _config.CACHE_DIR = before
 
 
+def inner(function: F) -> F:
+    """The same for a function that compiled ones alone call: what Python needs to call it takes long to compile."""
+    return cast(F, compiled(function, no_cpython_wrapper=True))
+
+
 @functools.cache
 def cache_directory() -> Path | None:
     """Where machine code of just these sources is kept; None if no directory can be written that only we can write.

@@ -14,7 +14,7 @@ from analysis.tracking.leading_waves import Waves, with_speeds
 from analysis.tracking.peaks import THRESHOLD
 from lammps_inputs import Problem
 from lammps_inputs.limits.timestep import stability_bound
-from workflow.compiled import compiled
+from workflow.compiled import compiled, inner
 from workflow.engines.reference import engine
 from workflow.engines.reference.blanes_moan import BLANES_MOAN
 from workflow.engines.reference.dashpots import slow
@@ -23,7 +23,7 @@ from workflow.engines.reference.kernel import Floats, Integers, kick, press, ste
 from workflow.engines.reference.scheme import Scheme
 
 
-@compiled
+@inner
 def _accelerate(x: Floats, v: Floats, a: Floats, push: Floats, forces: Forces, span: Integers, time: float) -> None:
     """Accelerations [row, chain] in the rows of a span, everything flat but ``a``."""
     chains = a.shape[1]
@@ -35,7 +35,7 @@ def _accelerate(x: Floats, v: Floats, a: Floats, push: Floats, forces: Forces, s
     force_on(forces.moved, (), a.reshape(-1), time, span[0] * chains, (span[1] + 1) * chains)
 
 
-@compiled
+@inner
 def _note(
     v: Floats, a: Floats, v_before: Floats, a_before: Floats, span: Integers, time: float, h: float,
     threshold: float, arrival: Floats, peak: Floats,
