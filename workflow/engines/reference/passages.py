@@ -7,6 +7,7 @@ below 1e-5 of V at the default step).
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -74,7 +75,7 @@ def _pass(
     chains = a.shape[1]
     v_rows = velocities(forces.dampers, x, v, forces, chains, span[0], span[1]).reshape((-1, chains))
     let_go = 0.0
-    stale = np.bool_(True)  # a literal would compile `step` once more
+    stale: Any = np.bool_(True)  # a literal would compile `step` once more
     for number in range(first_step, first_step + steps):
         before = span[0]
         for row in range(span[0], span[1] + 1):
