@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from analysis import hermite
 from analysis.mirror import direction_of, mirrored_bead
-from analysis.tracking.brackets import KINK, NODES, Brackets, Integers, bracketed, highest, largest, on_a_grid, together
+from analysis.tracking.brackets import NODES, Brackets, Integers, bracketed, highest, largest, on_a_grid, together
 from analysis.trajectory import Floats, Trajectory, joined
 from lammps_inputs import Problem
 
@@ -222,10 +222,10 @@ def _refined(parts: list[Brackets], direction: int) -> Peaks:
     at, slope = highest(found), hermite.derivative(found.velocity)
     time, velocity = found.origin + at * found.spacing, hermite.value(found.velocity, at)
     way = found.displacement + found.spacing * hermite.integral(found.velocity, at)
-    doubt = largest(found.doubt, found) + KINK[0] * found.kink
+    doubt = largest(found.doubt, found) + found.kink[0]
     curvature = -hermite.value(hermite.derivative(slope), at)
     with np.errstate(divide="ignore", invalid="ignore"):
-        slope_error = largest(hermite.derivative(found.doubt), found) + KINK[1] * found.kink
+        slope_error = largest(hermite.derivative(found.doubt), found) + found.kink[1]
         time_error = slope_error / curvature * found.spacing
     exact_time, exact_velocity = np.where(
         found.whole, on_a_grid(found.spacing, velocity), on_a_grid(found.spacing, velocity, all_recorded=False)

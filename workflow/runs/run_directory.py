@@ -51,7 +51,7 @@ ANALYSIS_FILES = (
     "waves.csv",
     REPORT,
     VIEW,
-    *figure_files("spacetime", "response", "distance", "shape", "energy"),
+    *figure_files("spacetime", "response", "distance", "shape", "energy", "budget"),
     *("validation.json", *figure_files("validation")),
     *("compare.json", *figure_files("compare")),
 )
