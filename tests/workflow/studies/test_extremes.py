@@ -6,6 +6,7 @@ import math
 import os
 import signal
 import sys
+from concurrent.futures import Future
 from dataclasses import replace
 from pathlib import Path
 
@@ -274,12 +275,30 @@ def test_every_kind_has_a_colour_and_is_drawn():
     assert {f"{kind.lower()} 5.0e-04" for kind in KINDS} <= drawn
 
 
+class Here:
+    """A pool of processes in this one."""
+
+    def __init__(self, *_, **__):
+        pass
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        pass
+
+    def submit(self, function, *arguments):
+        future = Future()
+        future.set_result(function(*arguments))
+        return future
+
+
 def test_the_command_writes_table_and_figure_goes_on_where_it_stopped_and_fails_for_a_wrong_cell(
     tmp_path, capsys, monkeypatch
 ):
     monkeypatch.setattr(all_cells, "grid", lambda *_: [Cell("beads", "8", SHORT), REFUSED])
     monkeypatch.setattr(report, "_program", lambda: "this one")
-    monkeypatch.setattr(report, "cores", lambda: 1)
+    monkeypatch.setattr(report, "ProcessPoolExecutor", Here)
     command = ["extremes", "-o", str(tmp_path)]
     assert main(command) == 0
     out = capsys.readouterr().out
