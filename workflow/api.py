@@ -24,7 +24,7 @@ from workflow.verdicts import validate as validating
 from workflow.verdicts.analyse import Analysis
 from workflow.verdicts.validate import Validation
 
-__all__ = ["InputError", "RunError", "analyse", "collect", "load", "run", "sweep", "validate"]
+__all__ = ["InputError", "RunError", "analyse", "collect", "load", "run", "sweep", "universe", "validate"]
 
 AnyScene = Scene | Mapping[str, Any] | Path | str
 AnyRun = Run | RunDirectory | Path | str
@@ -113,6 +113,21 @@ def validate(
     return validating.validate_against(
         _directory(run), Path(against), dimensionless=units == "dimensionless", tolerances=limits
     )
+
+
+def universe(run: AnyRun) -> Any:
+    """A run as an ``MDAnalysis.Universe``, continued or not, with SI values; see `analysis.mda.universe`.
+
+    Raises:
+        InputError: there are no frames, or they are damaged.
+    """
+    from analysis.mda.universe import universe as make_universe
+
+    directory = _directory(run)
+    try:
+        return make_universe(directory.problem, directory.dumps)
+    except (OSError, ValueError) as error:
+        raise InputError(str(error)) from None
 
 
 def sweep(

@@ -105,7 +105,7 @@ def bracketed(
     if by_equations:
         kink += np.multiply.outer(KINK, _kink(block, start, chain, bead))
     loads, motions = block.problem.loads, block.problem.motions
-    for place in [(load.chain, load.bead) for load in loads] + [(motion.chain, motion.bead) for motion in motions]:
+    for place in [(load.chain, load.bead) for load in loads] + [(drive.chain, drive.bead) for drive in motions]:
         acted_on |= (chain + 1 == place[0]) & (block.beads[bead] == place[1])
     for load in loads:
         here = (chain == load.chain - 1) & (block.beads[bead] == load.bead)

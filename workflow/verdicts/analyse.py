@@ -225,12 +225,14 @@ def analyse(
     found_contacts = {} if hardest is None else {"contacts": hardest.plain()}
     more: dict[str, Any] = {**found_contacts, **({} if energy is None else {"energy": energy_report(problem, energy)})}
     sides = {gauge.side for gauge in forces.gauges if gauge.kind == "wall"} if forces is not None else set()
-    given_back = {side: restitution(found.pulses, problem, right=side == "right") for side in sorted(sides)}
+    given_back = {
+        side: restitution((*found.pulses, *found.crests), problem, right=side == "right") for side in sorted(sides)
+    }
     if forces is not None:
         more["forces"] = forces_report(problem, forces, given_back)
     length = bead_length(directory.scene) if problem.loaded else None
     if problem.loaded:
-        more["sound"] = sound_report(problem, sound, length)
+        more["sound"] = sound_report(problem, sound, found.crests, length)
         more["dispersion"] = dispersion_report(problem, dispersion)
     if spectra is not None:
         more["spectra"] = spectra_report(problem, spectra)
