@@ -27,8 +27,8 @@ from workflow.runs.run import Run, run
 CLOSED = 1e-9
 
 KEPT = 0.5 * math.e
-"""Of an error: what is lost keeps what a velocity forgets. Where drag c makes v fall off and is wrong by a share k, v is
-off by k t v, at most k v / (c e) of the first, and the energy lost by k v**2 / (2 c)."""
+"""Of an error: what is lost keeps what a velocity forgets. Where drag c makes v fall off and is wrong by a share k, v
+is off by k t v, at most k v / (c e) of the first, and the energy lost by k v**2 / (2 c)."""
 
 KINDS: dict[str, dict[str, Any]] = {
     "linear": {"contact": 1.0},

@@ -157,15 +157,14 @@ class Table:
 
     def passed(self, name: str) -> Floats | None:
         """Frequencies at which small waves pass, [band, 2], if a field is one and all cases have the same."""
-        found = [self.bands.get(row["case"]) or [] for row in self.rows]
-        if (
-            not found
-            or name.rpartition(".")[2] != "frequency"
-            or any(np.shape(one) != np.shape(found[0]) for one in found)
-        ):
+        if name.rpartition(".")[2] != "frequency":
             return None
-        bands = np.array(found, dtype=np.float64)  # a load is rounded a little differently in each case
-        return bands[0] if bands.ndim == 3 and np.allclose(bands, bands[0], rtol=1e-3) else None
+        found = [np.array(self.bands.get(row["case"], []), dtype=np.float64) for row in self.rows]
+        if not found or any(bands.ndim != 2 or bands.shape != found[0].shape for bands in found):
+            return None
+        # a load is rounded a little differently in each case
+        same = 1e-3 * np.max(np.abs(found[0]), initial=0.0)
+        return found[0] if all(np.all(np.abs(bands - found[0]) <= same) for bands in found) else None
 
     def heading(self, name: str) -> str:
         """The name of a column in the table; with its unit where the scenes are in SI."""

@@ -272,11 +272,10 @@ def spectra_report(problem: Problem, spectra: Spectra) -> dict[str, Any]:
 
 def _bands(problem: Problem) -> list[list[float]] | None:
     try:
-        bands = cell_of(problem).bands()
+        bands = cell_of(problem).bands() / (2.0 * np.pi * problem.scale.time)
     except NoDispersionError:
         return None
-    frequencies: list[list[float]] = (bands / (2.0 * np.pi * problem.scale.time)).tolist()
-    return frequencies
+    return [[float(edge) for edge in band] for band in bands]
 
 
 def far_end_report(problem: Problem, end: FarEnd) -> dict[str, Any]:
