@@ -335,7 +335,7 @@ class System:
         alone, shared = (rest + laws.reach(law, energy) for energy in (self.energy, self.energy / 2.0))
         walls = (2.0 * float(np.max(link.law.overlap(self.energy))) for link in self.walls)
         # a row's dashpots know each other by their distance
-        rows = (2.0 * laws.reach(link.law, self.energy) for link in self.across if self._damped_across)
+        rows = (rest + 2.0 * laws.reach(link.law, self.energy) for link in self.across if self._damped_across)
         return power_of_two_at_least(max(4.0, 2.0 * alone, 2.0 * shared, *walls, *rows))
 
     @property
