@@ -19,6 +19,7 @@ from analysis.tracking.which_leads import beyond_kicks, opposed
 from analysis.trajectory import Trajectory, blocks
 from lammps_inputs import InputError, Problem, Scene, library
 from workflow.engines.reference import engine
+from workflow.engines.reference.accountant import Accountant
 from workflow.prepare.duration import with_duration
 from workflow.runs.run_directory import REPORT
 from workflow.sweep.collect import quantities
@@ -90,7 +91,7 @@ def of_frames(
             end.add(block)
         found["far_end"] = far_end_report(problem, end)
     if any(name not in (MASS, *_AT_THE_END, *quick) for name in names):
-        seen, allowed = Conservation(), Tolerances()
+        seen, allowed = Conservation(Accountant(problem).of), Tolerances()
         found |= report(survey(frames, problem, watchers=[seen], tolerances=allowed), seen, allowed)
     known = {**quantities(found, {}, scene.plain()), **quick, MASS: mass_of(scene)}
     return {name: None if known[name] is None else float(known[name]) for name in names}
