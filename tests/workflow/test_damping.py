@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 from independent import integrated
-from kill_many import frames
 from plain_scene import goes_on_bit_for_bit
 from stock_lammps import run as stock_run
 from stock_lammps import scene
@@ -230,6 +229,7 @@ def test_a_gauge_reads_the_whole_force_of_a_damped_contact(pressed: Run) -> None
     assert main(["validate", str(directory.path), "--against", str(directory.path / "forces.csv")]) == 0
 
 
+@SLOW
 def test_the_twin_steps_as_lammps_does_under_load(pressed: Run) -> None:
     problem = pressed.directory.problem
     twin = engine.run(problem, scheme=VERLET, steps_per_frame=problem.steps_per_frame)
@@ -247,6 +247,7 @@ def test_a_small_standing_wave_under_load_decays_at_its_exact_complex_frequency(
         precompression=Precompression(force=1e4),  # so large that strains of the wave are 1e-3 of the overlap
         kick=tuple(Kick(bead=bead + 1, velocity=value) for bead, value in enumerate(shape) if abs(value) > 1e-9),
         damping=Damping(contact=g),
+        duration=6.0,
         every=0.05,
     )
     k = float(laws.stiffness(asked.system.along[0].law, 0.0))
@@ -260,7 +261,7 @@ def test_a_small_standing_wave_under_load_decays_at_its_exact_complex_frequency(
         fall = np.exp(-rate * found.time)
         exact = fall * (np.cos(omega * found.time) - rate / omega * np.sin(omega * found.time))
         assert np.abs(swing - exact).max() < doubt + 2e-6
-    assert fall[-1] < 0.4
+    assert fall[-1] < 0.6
 
 
 def test_a_damped_run_under_load_goes_on_bit_for_bit(tmp_path: Path) -> None:
@@ -268,6 +269,7 @@ def test_a_damped_run_under_load_goes_on_bit_for_bit(tmp_path: Path) -> None:
     goes_on_bit_for_bit(case, tmp_path, after=500)
 
 
+@SLOW
 def test_a_damped_column_goes_on_bit_for_bit(tmp_path: Path) -> None:
     """Where springs across are damped, too, by forces that know all velocities of a restart."""
     case = damped(
@@ -282,19 +284,19 @@ def test_a_damped_column_goes_on_bit_for_bit(tmp_path: Path) -> None:
     goes_on_bit_for_bit(case, tmp_path, after=500)
 
 
-def test_damped_contacts_of_another_exponent_go_on_bit_for_bit_and_on_two_ranks(tmp_path: Path) -> None:
+@SLOW
+def test_damped_contacts_of_another_exponent_go_on_bit_for_bit(tmp_path: Path) -> None:
     case = damped(
         chains=2,
         coupling=Coupling(stiffness=0.1),
         contact=Contact(exponent=2.0),
         precompression=PRESSED,
         damping=Damping(contact=0.1, coupling=0.1),
-        duration=20.0,
+        beads=6,
+        duration=8.0,
         timestep=0.002,
     )
-    goes_on_bit_for_bit(case, tmp_path, after=500)
-    run(case, tmp_path / "two", ranks=2, check=False)
-    np.testing.assert_array_equal(frames(tmp_path / "two"), frames(tmp_path / "whole"))
+    goes_on_bit_for_bit(case, tmp_path, after=200)
 
 
 def test_damped_chains_under_load_rest_exactly(tmp_path: Path) -> None:

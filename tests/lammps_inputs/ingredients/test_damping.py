@@ -75,8 +75,8 @@ def test_lammps_computes_each_law_under_a_static_load(name: str, tmp_path: Path)
 @pytest.mark.parametrize(
     ("exponent", "name", "load"),
     [
-        (1.0, "linear", None),
         (2.0, "linear", 0.3),
+        pytest.param(1.0, "linear", None, marks=SLOW),
         pytest.param(3.0, "viscoelastic", None, marks=SLOW),
         pytest.param(1.0, "viscoelastic", 0.3, marks=SLOW),
         pytest.param(2.0, "all", 0.3, marks=SLOW),
