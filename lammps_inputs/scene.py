@@ -288,12 +288,17 @@ class BaseScene(Part):
     def scale(self) -> Scale:
         """What one dimensionless unit is worth in this scene's units."""
         ball, velocity = self.material, self._speed()
-        scales = (ingredient.contact_scale() for ingredient in self.ingredients)
-        exponent, constant = next((found for found in scales if found is not None), (1.5, None))
+        exponent, constant = self.contact_scale
         if ball is None:
             return make_scale(1.0, constant or 1.0, velocity, si=False, exponent=exponent)
         constant = constant or hertz_constant(ball.radius, ball.youngs_modulus, ball.poisson_ratio)
         return make_scale(sphere_mass(ball.radius, ball.density), constant, velocity, si=True, exponent=exponent)
+
+    @property
+    def contact_scale(self) -> tuple[float, float | None]:
+        """Exponent and constant of the contacts' force, by which lengths are measured (`Ingredient.contact_scale`)."""
+        scales = (ingredient.contact_scale() for ingredient in self.ingredients)
+        return next((found for found in scales if found is not None), (1.5, None))
 
     def _speed(self) -> float:
         """V: of the fastest kick, or of a bead that has been given the impulse of a push."""

@@ -4,9 +4,11 @@ import argparse
 from pathlib import Path
 
 from lammps_inputs import InputError, library
+from workflow.formats import figure_files
 from workflow.screen import count_bar, one_line, print_table
 from workflow.studies.extremes import grid, report
 
+DRAWS = True
 EXAMPLES = (
     "extremes --quick",
     "extremes losses loads",
@@ -51,5 +53,5 @@ def execute(arguments: argparse.Namespace) -> int:
     found = report.counts(outcomes)
     print(f"{len(outcomes)} cells: " + ", ".join(f"{number} {kind}" for kind, number in found.items()))
     if arguments.output is not None:
-        print(f"{one_line(arguments.output)}: extremes.csv, extremes.png, extremes.pdf, cells/")
+        print(f"{one_line(arguments.output)}: {', '.join(('extremes.csv', *figure_files('extremes'), 'cells/'))}")
     return 1 if found["WRONG"] else 0

@@ -104,7 +104,7 @@ def _analyse(directories: list[Path], progress: Callable[[int, int], None] | Non
         return {}
     complaints = {}
     jobs: Iterator[tuple[str, Job]] = (
-        (path.name, Job(str(path.absolute()), None, check=False, figures=False)) for path in directories
+        (path.name, Job(str(path.absolute()), None, check=False, figures=())) for path in directories
     )
     with closing(pool.answers(jobs, min(cores(), len(directories)))) as answers:
         for count, (name, answer) in enumerate(answers, 1):
@@ -185,7 +185,7 @@ def _refuse_unless_varied(option: str, name: str, table: Table) -> None:
 def plot(
     table: Table, directory: Path, quantity: str, over: str, beside: str | None, title: str = ""
 ) -> tuple[Path, ...]:
-    """Draw a quantity over a field, or two, as PNG and PDF into a directory.
+    """Draw a quantity over a field, or two, into a directory.
 
     Args:
         table: what to draw from; cases that are done, and that have a number, are drawn.

@@ -221,7 +221,7 @@ def test_a_job_that_is_done_leaves_no_restart_and_nothing_hidden(good):
 )
 def test_a_job_that_cannot_compute_says_why_before_it_does(options, says, tmp_path):
     directory = placed(scene(beads=4), tmp_path / "job", **options)
-    go(directory, SLURM_JOB_END_TIME=int(time.time()) + 30 if "time" in options else "")
+    go(directory, SLURM_JOB_END_TIME=int(time.time()) + 55 if "time" in options else "")
     assert told(directory)["state"] == "failed"
     assert says in told(directory)["reason"]
     assert parts(directory) == []

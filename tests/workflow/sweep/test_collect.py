@@ -182,13 +182,11 @@ def test_where_chooses_the_cases_of_the_table_with_and_without_a_figure(copied, 
 
 def test_a_quantity_is_drawn_over_one_field_and_over_two(copied, capsys):
     name = "amplitude-over-coupling.stiffness"
-    assert main(["collect", str(copied), "--plot", "amplitude", "--over", "coupling.stiffness", "--and", "beads"]) == 0
+    words = ["collect", str(copied), "--plot", "amplitude", "--over", "coupling.stiffness"]
+    assert main([*words, "--and", "beads", "--formats", "pdf"]) == 0
     assert f"{name}-and-beads.pdf" in capsys.readouterr().out
-    assert (
-        main(["collect", str(copied), "--plot", "amplitude", "--over", "coupling.stiffness", "--where", "beads=24"])
-        == 0
-    )
-    for file in (f"{name}.png", f"{name}.pdf", f"{name}-and-beads.png", f"{name}-and-beads.pdf"):
+    assert main([*words, "--where", "beads=24"]) == 0
+    for file in (f"{name}.png", f"{name}-and-beads.pdf"):
         assert (copied / file).stat().st_size > 5_000
 
 
@@ -261,14 +259,14 @@ def test_many_values_of_the_second_field_make_a_map_with_every_number_in_its_pla
 
 
 def test_uncertainties_are_bars_and_cases_that_are_not_settled_are_hollow():
-    x, open_ = np.array([1.0, 2.0, 3.0]), np.array([True, False, False])
+    x, open_ = np.array([3.0, 1.0, 2.0]), np.array([False, True, False])  # cases come in the order of any field
     figure = swept_figure(Axis("y", 2.0 * x, 0.1 * x, open_), Axis("x", x), title="scene")
     axis = figure.axes[0]
     assert axis.get_title() == "scene; hollow: not settled"
     (hollow,) = [line for line in axis.get_lines() if line.get_markerfacecolor() == "white"]
     np.testing.assert_array_equal(hollow.get_xydata(), [[1.0, 2.0]])
     (bars,) = axis.collections
-    np.testing.assert_allclose([part[:, 1] for part in bars.get_segments()], np.stack([1.9 * x, 2.1 * x], axis=1))
+    np.testing.assert_allclose([part[:, 1] for part in bars.get_segments()], np.outer([1.0, 2.0, 3.0], [1.9, 2.1]))
 
 
 def test_cases_of_a_map_that_are_not_settled_are_crossed():
