@@ -22,7 +22,7 @@ from bokeh.palettes import diverging_palette, interp_palette
 from bokeh.plotting import figure
 
 from analysis.figures.spacetime import STILL, largest_afar, moving_part
-from analysis.figures.style import CHAIN_COLOURS
+from analysis.figures.style import CHAIN_COLOURS as ON_PAPER
 from analysis.sharing.survey import Survey
 from lammps_inputs import Problem
 from workflow.view.thin import Thinned
@@ -38,6 +38,9 @@ _BLUE_RED = diverging_palette(
     interp_palette(["#67001f", "#b2182b", "#d6604d", "#f4a582", "#fddbc7", "#f7f7f7"], 128),
     n=255,
 )
+
+CHAIN_COLOURS = tuple("#44aa99" if colour == "#000000" else colour for colour in ON_PAPER)
+"""Teal (Tol) for black, which is not seen in dark mode."""
 
 PLOTS_A_ROW = 4
 
@@ -191,12 +194,12 @@ def _maps(
     found: list[Any] = []
     for source, chain in zip(images, part.chains, strict=True):
         shared = {"x_range": found[0].x_range, "y_range": found[0].y_range} if found else {"x_range": sight}
-        bar = _BAR if len(found) == across - 1 else 0
+        last = len(found) % across == across - 1
         plot = figure(
             title=f"chain {chain}",
             tools=_TOOLS,
             active_scroll="wheel_zoom",
-            width=(1240 - _BAR) // across + bar,
+            width=(1240 - _BAR) // across + (_BAR if last else 0),
             height=430,
             x_axis_label="bead",
             y_axis_label=f"time{symbol['time']}",
@@ -212,7 +215,7 @@ def _maps(
         plot.add_layout(now)
         plot.grid.visible = False
         _label(plot)
-        if bar:
+        if len(found) == across - 1:
             plot.add_layout(ColorBar(color_mapper=colours, title=f"velocity{symbol['velocity']}", width=10), "right")
         found.append(plot)
     return found, found[0].x_range, found[0].y_range
