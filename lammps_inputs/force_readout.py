@@ -19,7 +19,7 @@ class Forces(Part):
     wall: Literal[True] | None = None
     """On the walls."""
     contacts: tuple[Bead, ...] | None = None
-    """Between bead n and the next."""
+    """Between bead n and the next; of damped contacts with the force of the dashpot."""
     sensors: tuple[Bead, ...] | None = None
     """Inside bead n: the mean of its two contacts, as an embedded sensor gives it."""
 
@@ -53,8 +53,6 @@ class Forces(Part):
             if not walls:
                 raise ValueError("output.forces.wall: the chains have no wall; name one in walls, or leave this out")
             needed["wall"] = [beads if law.side > 0.0 else 1 for law in walls]
-        if (self.contacts or self.sensors) and scene.system.contact_loss is not None:
-            raise ValueError("output.forces: damped contacts have forces against velocities, too; only walls are read")
         for bead in self.contacts or ():
             if bead > beads - 1:
                 raise ValueError(f"output.forces.contacts: bead {bead} has no next one (beads 1 to {beads - 1} have)")

@@ -54,6 +54,10 @@ class Load:
         """Given until a time."""
         return self.law.impulse(time, *self.law)  # type: ignore[misc]
 
+    def travel(self, time: Any) -> Any:
+        """Of a free bead of mass 1, from rest, until a time."""
+        return self.law.travel(time, *self.law)  # type: ignore[misc]
+
     @property
     def end(self) -> float:
         """Time from which on there is no force; infinite where it never ends."""

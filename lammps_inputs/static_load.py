@@ -5,13 +5,13 @@ loads follow from them, so that neighbours overlap by exactly as much at any pla
 """
 
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lammps_inputs import laws
-from lammps_inputs.laws.preloaded import bears, under, wall_under
+from lammps_inputs.laws.preloaded import Contact, rest_under, under, wall_under
 from lammps_inputs.links import Along, Link, Wall
 from lammps_inputs.numbers import power_of_two_at_least
 from lammps_inputs.problem import System
@@ -37,18 +37,18 @@ def under_load(system: System, force: NDArray[np.float64]) -> System:
     Raises:
         LoadError: the load is too large or too small.
     """
-    if system.dampers:
-        raise LoadError("LAMMPS notes the forces that hold beads with those of dashpots; leave damping or the load out")
-    if not all(bears(link.law) for link in system.along):
-        raise LoadError("how contacts bear it is known for those of spheres, of exponent 1.5; leave one of them out")
+    if not all(isinstance(link.law, Contact) for link in system.along):
+        raise LoadError("how contacts bear it is known for powers of the overlap; leave one of them out")
     if np.max(force) > MOST:
         raise LoadError(
             f"{np.max(force):.3g} times m V / T, the unit of the kick's forces; at most {MOST:.0e}: a faster kick or a "
             "smaller load is needed"
         )
-    grid = _grid(system, force)
+    rest = max(float(np.max(rest_under(cast(Contact, link.law), force[:, 1:-1]))) for link in system.along)
+    grid = _grid(system, rest)
     links = tuple(_loaded(link, force, grid) for link in system.links)
     found = replace(system, links=links)
+    found = replace(found, dampers=tuple(_damped(link, found) for link in system.dampers))
     wanted = force[:, 1:-1]
     for link in found.along:
         off = np.max(np.abs(laws.load(link.law) - wanted) / np.where(wanted > 0.0, wanted, np.inf))
@@ -60,9 +60,8 @@ def under_load(system: System, force: NDArray[np.float64]) -> System:
     return found
 
 
-def _grid(system: System, force: NDArray[np.float64]) -> float:
-    """The difference of two numbers of LAMMPS as large as the last bead's place may be."""
-    rest = max(float(np.max(np.cbrt(force[:, 1:-1] / link.law.strength) ** 2)) for link in system.along)  # type: ignore[attr-defined]
+def _grid(system: System, rest: float) -> float:
+    """The difference of two numbers of LAMMPS as large as the last bead's place may be, with overlaps up to this."""
     alone = max(laws.reach(link.law, system.energy) for link in (*system.along, *system.walls))
     diameter = power_of_two_at_least(max(system.diameter, 4.0, 2.0 * (rest + alone)))
     return float(np.spacing(0.75 * power_of_two_at_least((system.beads + 1) * diameter)))
@@ -80,3 +79,10 @@ def _loaded(link: Link, force: NDArray[np.float64], grid: float) -> Link:
         at_wall[:, bead] = force[:, bead]
         return replace(link, law=wall_under(law, at_wall, grid))
     return link
+
+
+def _damped(link: Link, system: System) -> Link:
+    """Dashpots of contacts, which know the overlap at rest."""
+    if not isinstance(link, Along):
+        return link
+    return replace(link, law=link.law._replace(rest=laws.rest(system.along[0].law)))  # type: ignore[attr-defined]

@@ -45,6 +45,7 @@ __all__ = [
     "load",
     "run",
     "sweep",
+    "universe",
     "validate",
     "view",
 ]
@@ -158,6 +159,21 @@ def validate(
     return validating.validate_against(
         _directory(run), Path(against), dimensionless=units == "dimensionless", tolerances=limits
     )
+
+
+def universe(run: AnyRun) -> Any:
+    """A run as an ``MDAnalysis.Universe``, continued or not, with SI values; see `analysis.mda.universe`.
+
+    Raises:
+        InputError: there are no frames, or they are damaged.
+    """
+    from analysis.mda.universe import universe as make_universe
+
+    directory = _directory(run)
+    try:
+        return make_universe(directory.problem, directory.dumps)
+    except (OSError, ValueError) as error:
+        raise InputError(str(error)) from None
 
 
 def sweep(

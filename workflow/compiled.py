@@ -42,6 +42,11 @@ def compiled(function: F | None = None, **options: Any) -> Any:
         _config.CACHE_DIR = before
 
 
+def inner(function: F) -> F:
+    """The same for a function that compiled ones alone call: what Python needs to call it takes long to compile."""
+    return cast(F, compiled(function, no_cpython_wrapper=True))
+
+
 class _Hint(event.Listener):
     """Says once for each engine that it is compiled, not merely found compiled."""
 

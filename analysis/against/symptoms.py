@@ -13,8 +13,7 @@ import numpy as np
 from analysis.against import impulses
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem, laws
-from lammps_inputs.laws import Law
-from lammps_inputs.laws.preloaded import Preloaded
+from lammps_inputs.laws.preloaded import pressed
 from lammps_inputs.links import Link
 
 SINGLE = "single precision"
@@ -197,13 +196,13 @@ def identify_load(trajectory: Trajectory) -> StaticLoad | None:
     problem = trajectory.problem
     if not problem.loaded or problem.recorded is not None or trajectory.frames < 10:
         return None
-    change = impulses.unexplained(trajectory, (*problem.across, *problem.ground))
+    change = impulses.unexplained(trajectory, (*problem.across, *problem.ground), problem.dampers)
 
     def left(factor: float) -> Floats:
         total = change.copy()
         for link in problem.along:
-            pressed = replace(link, law=_pressed(link.law, factor))
-            pressed.drive(total, -impulses.of_link(pressed, trajectory))
+            other = replace(link, law=pressed(link.law, factor))  # type: ignore[arg-type]
+            other.drive(total, -impulses.of_link(other, trajectory))
         return _but_for_driven(total, problem)
 
     start = trajectory.displacement[0]
@@ -219,12 +218,6 @@ def identify_load(trajectory: Trajectory) -> StaticLoad | None:
     best = int(np.argmin(missing))
     explains = missing[best] < _EXPLAINED * missing[factors == 1.0][0]
     return StaticLoad(held, float(factors[best]) if explains else 1.0)
-
-
-def _pressed(law: Law, factor: float) -> Law:
-    """The same contact under another load."""
-    assert isinstance(law, Preloaded)
-    return law._replace(rest=law.rest * factor ** (2.0 / 3.0), load=law.load * factor)
 
 
 def _at_rest(link: Link) -> Floats:
@@ -246,12 +239,13 @@ def identify_exponent(trajectory: Trajectory) -> float | None:
     (contact,) = problem.along
     left = impulses.unexplained(trajectory, (*problem.across, *problem.ground), problem.dampers)
     spacing, v = impulses.spacing(trajectory), trajectory.velocity
-    overlap, closing = np.maximum(contact.strain(trajectory.displacement), 0.0), v[..., :-1] - v[..., 1:]
+    overlap, closing = np.maximum(contact.overlap(trajectory.displacement), 0.0), v[..., :-1] - v[..., 1:]
+    rest = laws.rest(contact.law)
     closed = overlap > 0.0
     pressed = np.where(closed, overlap, 1.0)  # below an exponent of 1 the rate of a contact that just opens has no end
 
     def unexplained(exponent: float) -> float:
-        force = overlap**exponent
+        force = overlap**exponent - rest**exponent
         rate = exponent * pressed ** (exponent - 1.0) * closing * closed
         column = impulses.on_beads(contact, impulses.integral(force, rate, spacing), trajectory)
         return float(np.sum(_but_for_driven(left - column, problem) ** 2))

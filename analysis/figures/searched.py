@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
@@ -27,10 +28,14 @@ class Objective:
     beside: float | None
 
 
-def _line(axis: object, what: Objective, *, upright: bool = False) -> None:
+def _line(axis: Axes, what: Objective) -> None:
     if what.beside is not None:
-        draw = getattr(axis, "axvline" if upright else "axhline")
-        draw(what.beside, color=CHAIN_COLOURS[1], linestyle=(0, (4, 1.5)), label="set against")
+        axis.axhline(what.beside, color=CHAIN_COLOURS[1], linestyle=(0, (4, 1.5)), label="set against")
+
+
+def _legend(figure: Figure) -> None:
+    """Above the axes, where it hides nothing."""
+    figure.legend(loc="outside upper center", ncols=2)
 
 
 def history_figure(what: Objective, values: Floats) -> Figure:
@@ -44,7 +49,7 @@ def history_figure(what: Objective, values: Floats) -> Figure:
         axis.plot(number, best, color=CHAIN_COLOURS[0], drawstyle="steps-post", label="best so far")
         _line(axis, what)
         axis.set(xlabel="design", ylabel=what.label)
-        axis.legend(loc="upper right")
+        _legend(figure)
     return figure
 
 
@@ -63,13 +68,13 @@ def front_figure(what: Objective, values: Floats, label: str, others: Floats) ->
         figure = Figure(figsize=(6.0, 3.2), layout="constrained")
         axis = figure.subplots()
         axis.plot(x, y, ".", color="0.7", markersize=3, label="designs")
-        for sign, colour, words in ((1.0, CHAIN_COLOURS[0], "small"), (-1.0, CHAIN_COLOURS[2], "large")):
+        for sign, colour, way in ((1.0, CHAIN_COLOURS[0], "left"), (-1.0, CHAIN_COLOURS[2], "right")):
             best = front(what.sign * y, sign * x)
             order = best[np.argsort(x[best])]
-            axis.plot(x[order], y[order], "o-", color=colour, markersize=4, label=f"front, {words} {label}")
+            axis.plot(x[order], y[order], "o-", color=colour, markersize=4, label=f"front to the {way}")
         _line(axis, what)
         axis.set(xlabel=label, ylabel=what.label)
-        axis.legend(loc="best")
+        _legend(figure)
     return figure
 
 
@@ -80,9 +85,8 @@ def members_figure(what: Objective, best: float, members: Sequence[float]) -> Fi
         axis = figure.subplots()
         axis.hist(members, bins=max(5, len(members) // 4), color="0.8")
         axis.axvline(best, color=CHAIN_COLOURS[0], label="as designed")
-        _line(axis, what, upright=True)
         axis.set(xlabel=what.label, ylabel="members")
-        axis.legend(loc="best")
+        _legend(figure)
     return figure
 
 
@@ -94,5 +98,5 @@ def wall_figure(curves: Sequence[tuple[str, Floats, Floats]], time_label: str, f
         for place, (name, time, force) in enumerate(curves):
             axis.plot(time, force, color=CHAIN_COLOURS[place], label=name)
         axis.set(xlabel=time_label, ylabel=force_label)
-        axis.legend(loc="best")
+        _legend(figure)
     return figure

@@ -71,7 +71,7 @@ def axis_unit(problem: Problem, quantity: str, largest: float) -> Unit:
 
     Args:
         problem: what is drawn.
-        quantity: ``time``, ``velocity``, ``length`` or ``force``.
+        quantity: ``time``, ``velocity``, ``length``, ``force`` or ``energy``.
         largest: size of the largest number on the axis, dimensionless.
     """
     worth = float(getattr(problem.scale, quantity))

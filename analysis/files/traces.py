@@ -20,13 +20,14 @@ Kind = Literal["wall", "contact", "sensor", "velocity", "displacement"]
 
 WANTED = (
     "time, force_wall_right, force_contact_10, force_sensor_20_chain_2, velocity_1_55 (chain, bead), "
-    "displacement_1_55; or as in forces.csv: right wall chain 1 (N)"
+    "displacement_1_55; or as in forces.csv: right wall chain 1 (N), contact 10 chain 1 dynamic (N)"
 )
 
 _CHAIN = r"(?: chain (?P<chain>\d{1,9}))?"
+_ABOVE = r"(?P<above> dynamic)?"
 _PATTERNS = (
-    re.compile(rf"(?:force )?(?:wall (?P<side>left|right)|(?P<which>left|right) wall){_CHAIN}"),
-    re.compile(rf"(?:force )?(?P<kind>contact|sensor) (?P<bead>\d{{1,9}}){_CHAIN}"),
+    re.compile(rf"(?:force )?(?:wall (?P<side>left|right)|(?P<which>left|right) wall){_CHAIN}{_ABOVE}"),
+    re.compile(rf"(?:force )?(?P<kind>contact|sensor) (?P<bead>\d{{1,9}}){_CHAIN}{_ABOVE}"),
     re.compile(r"(?P<kind>velocity|displacement)(?: chain)? (?P<chain>\d{1,9})(?: bead)? (?P<bead>\d{1,9})"),
 )
 _MEANT = re.compile(r"(left |right )?(force|wall|contact|sensor|velocity|displacement) |(left|right) wall")
@@ -50,12 +51,14 @@ class Channel:
         chain: counted from 1.
         bead: of a contact the first one; at a wall 0.
         right: of a wall, whether it is the one behind the last beads.
+        dynamic: of a force, whether it is what is above that at rest.
     """
 
     kind: Kind
     chain: int
     bead: int = 0
     right: bool = False
+    dynamic: bool = False
 
     @property
     def name(self) -> str:
@@ -63,7 +66,7 @@ class Channel:
         if self.kind in ("velocity", "displacement"):
             return f"{self.kind}_{self.chain}_{self.bead}"
         place = ("right" if self.right else "left") if self.kind == "wall" else str(self.bead)
-        return f"force_{self.kind}_{place}_chain_{self.chain}"
+        return f"force_{self.kind}_{place}_chain_{self.chain}" + "_dynamic" * self.dynamic
 
     @property
     def quantity(self) -> str:
@@ -178,9 +181,10 @@ def _channel(name: str) -> Channel | None:
         found = match.groupdict()
         chain = int(found["chain"] or 1)
         if "side" in found:
-            return Channel("wall", chain, right="right" in (found["side"], found["which"]))
+            right = "right" in (found["side"], found["which"])
+            return Channel("wall", chain, right=right, dynamic=found["above"] is not None)
         kind: Kind = next(kind for kind in ("contact", "sensor", "velocity", "displacement") if kind == found["kind"])
-        return Channel(kind, chain, int(found["bead"]))
+        return Channel(kind, chain, int(found["bead"]), dynamic=found.get("above") is not None)
     return None
 
 

@@ -2,13 +2,13 @@
 
 import itertools
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis import hermite
-from analysis.gauges.gauge import Integers
+from analysis.gauges.gauge import Integers, Probe
 from analysis.trajectory import Floats
 
 TOUCH = 1e-18
@@ -22,15 +22,34 @@ HALVINGS = 50
 
 @dataclass(frozen=True)
 class Curve:
-    """Force of one contact over s, in many stretches from frame to frame."""
+    """Force of one contact over s, in many stretches from frame to frame.
 
-    law: Callable[[Floats, Integers], Floats]
+    Attributes:
+        probe: the contact.
+        polynomial: its strain, [power, stretch].
+        chain: [stretch] whose.
+        spacing: time from s = 0 to s = 1.
+    """
+
+    probe: Probe
     polynomial: Floats
     chain: Integers
+    spacing: float
+
+    def of(self, stretch: Integers) -> "Curve":
+        """In chosen stretches."""
+        return replace(self, polynomial=self.polynomial[:, stretch], chain=self.chain[stretch])
+
+    def elastic(self, s: Floats) -> Floats:
+        """Force at s, a number for each stretch, but for the dashpot's: positive where the contact is closed."""
+        return self.probe.force(hermite.value(self.polynomial, s), self.chain)
 
     def __call__(self, s: Floats) -> Floats:
         """Force at s, a number for each stretch."""
-        return self.law(hermite.value(self.polynomial, s), self.chain)
+        if self.probe.loss is None:
+            return self.elastic(s)
+        rate = hermite.value(hermite.derivative(self.polynomial), s) / self.spacing
+        return self.elastic(s) + self.probe.loss(hermite.value(self.polynomial, s), rate, self.chain)
 
     def integral(self, border: Floats) -> Floats:
         """Over s from 0 to 1.
@@ -42,15 +61,15 @@ class Curve:
         node, weight = 0.5 * (node + 1.0), 0.5 * weight
         size = self.polynomial.shape[1]
         total = np.zeros(size)
-        closed = np.stack([self(np.full(size, s)) for s in border]) > TOUCH
+        closed = np.stack([self.elastic(np.full(size, s)) for s in border]) > TOUCH
         for panel, (low, high) in enumerate(itertools.pairwise(border.tolist())):
             whole = closed[panel] & closed[panel + 1]
             for s, w in zip(node, weight, strict=True):
                 total += np.where(whole, w * (high - low) * self(np.full(size, low + s * (high - low))), 0.0)
         panel_of, entry = np.nonzero(closed[:-1] != closed[1:])
-        one = Curve(self.law, self.polynomial[:, entry], self.chain[entry])
+        one = self.of(entry)
         low, high, before = border[panel_of], border[panel_of + 1], closed[panel_of, entry]
-        at = change(lambda s: one(s) > TOUCH, before, low, high)
+        at = change(lambda s: one.elastic(s) > TOUCH, before, low, high)
         width = np.sqrt(np.where(before, at - low, high - at))
         way = np.where(before, -1.0, 1.0)
         for s, w in zip(node, weight, strict=True):

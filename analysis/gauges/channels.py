@@ -18,8 +18,6 @@ def complaint(channel: Channel, problem: Problem) -> str | None:
     if channel.kind == "wall":
         sides = [link.law.side > 0.0 for link in problem.walls]
         return None if channel.right in sides else f"the scene has no {'right' if channel.right else 'left'} wall"
-    if channel.kind in ("contact", "sensor") and problem.contact_loss is not None:
-        return "forces of damped contacts are not read, for they depend on velocities too"
     first, last = {"contact": (1, beads - 1), "sensor": (2, beads - 1)}.get(channel.kind, (1, beads))
     return None if first <= channel.bead <= last else f"beads {first} to {last} of the scene have such"
 
@@ -47,6 +45,8 @@ def read(trajectory: Trajectory, channels: tuple[Channel, ...]) -> Floats:
     for column, (gauge, channel) in enumerate(asked):
         if gauge is not None:
             values[:, column] = force[:, channel.chain - 1, place[gauge.name]]
+            if channel.dynamic:
+                values[:, column] -= gauge.static[channel.chain - 1]
         else:
             of = trajectory.velocity if channel.kind == "velocity" else trajectory.displacement
             values[:, column] = of[:, channel.chain - 1, trajectory.bead(channel.bead)]

@@ -29,18 +29,31 @@ NEARLY = 0.99
 enough for a panel to hide 0.2%.
 """
 
+_JUST = 1e-9
+"""Of the time between frames: how long after a contact has closed its force is taken."""
+
 MOST_ENTRIES = 4000
 """Stretches from frame to frame that are looked at together, which bounds the memory."""
 
 
 def at_frames(block: Trajectory, gauges: tuple[Gauge, ...]) -> Floats:
     """What gauges read at the frames of a run, [frame, chain, gauge]; the beads they need must be recorded."""
+    return _at_frames(block, gauges, dashpots=True)
+
+
+def _at_frames(block: Trajectory, gauges: tuple[Gauge, ...], *, dashpots: bool) -> Floats:
     force = np.zeros((block.frames, block.problem.chains, len(gauges)))
-    chain = np.arange(block.problem.chains)
     for place, gauge in enumerate(gauges):
         for probe in gauge.probes:
-            strain = _column(block, block.displacement, probe.behind) - _column(block, block.displacement, probe.ahead)
-            force[..., place] += probe.force(strain, np.broadcast_to(chain, strain.shape)) / len(gauge.probes)
+            strain, rate = (
+                _column(block, values, probe.behind) - _column(block, values, probe.ahead)
+                for values in (block.displacement, block.velocity)
+            )
+            chain = np.broadcast_to(np.arange(block.problem.chains), strain.shape)
+            found = probe.force(strain, chain)
+            if dashpots and probe.loss is not None:
+                found = found + probe.loss(strain, rate, chain)
+            force[..., place] += found / len(gauge.probes)
     return force
 
 
@@ -63,6 +76,7 @@ class ForceMeter:
         self._static = np.stack([gauge.static for gauge in gauges], axis=-1)
         self._largest, self._impulse = self._static.copy(), np.zeros(shape)
         self._largest_at = np.full(shape, np.nan)
+        self._closed = np.zeros(shape, dtype=bool)
         self._changes: list[list[tuple[Integers, Floats, NDArray[np.bool_]]]] = [[] for _ in gauges]
         self._carried: Trajectory | None = None
 
@@ -72,6 +86,8 @@ class ForceMeter:
         self._force.append(at_frames(block, self.gauges))
         if self._carried is not None:
             block = joined([self._carried, block])
+        else:
+            self._closed = _at_frames(block[:1], self.gauges, dashpots=False)[0] > CLOSED
         step = max(1, MOST_ENTRIES // self.problem.chains)
         for start in range(0, block.frames - 1, step):
             part = block[start : start + step + 1]
@@ -98,7 +114,7 @@ class ForceMeter:
             for chain in range(self.problem.chains):
                 starts = [when[(of == chain) & closes] for of, when, closes in changes]
                 ends = [when[(of == chain) & ~closes] for of, when, closes in changes]
-                start = np.sort(np.concatenate([time[:1][force[0, chain, place : place + 1] > CLOSED], *starts]))
+                start = np.sort(np.concatenate([time[:1][self._closed[chain, place : place + 1]], *starts]))
                 end = np.sort(np.concatenate([*ends, time[-1:]]))
                 contacts[chain, place] = len(start)
                 hardest = int(np.searchsorted(start, self._largest_at[chain, place])) - 1
@@ -118,20 +134,29 @@ class ForceMeter:
         static = gauge.static[chain]
         forces = np.tile(static, (len(border), 1))
         forces[:, moving] = 0.0
-        for probe, polynomial in zip(gauge.probes, polynomials, strict=True):
-            single = Curve(probe.force, polynomial[:, moving], chain[moving])
-            forces[:, moving] += np.stack([single(np.full(len(moving), s)) for s in border]) / len(gauge.probes)
+        pressing = forces.copy() if gauge.damped else forces
+        curves = [Curve(p, q, chain, spacing) for p, q in zip(gauge.probes, polynomials, strict=True)]
+        for curve in curves:
+            single = curve.of(moving)
+            at_borders = [np.full(len(moving), s) for s in border]
+            forces[:, moving] += np.stack([single(s) for s in at_borders]) / len(curves)
+            if gauge.damped:
+                pressing[:, moving] += np.stack([single.elastic(s) for s in at_borders]) / len(curves)
             impulse = np.zeros(size)
-            impulse[moving] = (single.integral(border) - probe.static[chain[moving]]) * spacing / len(gauge.probes)
+            impulse[moving] = (single.integral(border) - curve.probe.static[chain[moving]]) * spacing / len(curves)
             # term by term: the order must not depend on how many there are at once
             np.add.at(self._impulse[:, place], chain, impulse)
 
         def mean(entry: Integers, s: Floats) -> Floats:
-            curves = (Curve(p.force, q[:, entry], chain[entry]) for p, q in zip(gauge.probes, polynomials, strict=True))
-            return np.asarray(sum(curve(s) for curve in curves)) / len(gauge.probes)
+            return np.asarray(sum(curve.of(entry)(s) for curve in curves)) / len(curves)
+
+        def closed(entry: Integers, s: Floats) -> NDArray[np.bool_]:
+            return np.asarray(sum(curve.of(entry).elastic(s) for curve in curves)) / len(curves) > CLOSED
 
         start = np.repeat(block.time[:-1], self.problem.chains)
-        self._take_changes(place, start, forces > CLOSED, border, mean, spacing)
+        entry, at = self._take_changes(place, start, pressing > CLOSED, border, closed, spacing)
+        if gauge.damped:  # a dashpot's force may jump to its largest where a contact closes
+            self._take_values(place, entry, start[entry] + at * spacing, mean(entry, at))
         self._take_largest(place, block, forces.reshape(len(border), -1, self.problem.chains), border, mean)
 
     def _take_changes(
@@ -140,14 +165,27 @@ class ForceMeter:
         start: Floats,
         closed: NDArray[np.bool_],
         border: Floats,
-        mean: Callable[[Integers, Floats], Floats],
+        state: Callable[[Integers, Floats], NDArray[np.bool_]],
         spacing: float,
-    ) -> None:
-        """Note when contacts open and close; ``start`` is the time of the frame before, of every entry."""
+    ) -> tuple[Integers, Floats]:
+        """Note when contacts open and close; ``start`` is the time of the frame before, of every entry.
+
+        Returns:
+            Where they have just closed: entries, and s.
+        """
         panel, entry = np.nonzero(closed[:-1] != closed[1:])
         before = closed[panel, entry]
-        at = change(lambda s: mean(entry, s) > CLOSED, before, border[panel], border[panel + 1])
+        at = change(lambda s: state(entry, s), before, border[panel], border[panel + 1])
         self._changes[place].append((entry % self.problem.chains, start[entry] + at * spacing, ~before))
+        return entry[~before], np.minimum(at[~before] + _JUST, 1.0)
+
+    def _take_values(self, place: int, entry: Integers, time: Floats, value: Floats) -> None:
+        """Take values at times for the largest, where they are larger than those so far."""
+        chain = entry % self.problem.chains
+        for k in np.argsort(value):
+            if value[k] > self._largest[chain[k], place]:
+                self._largest[chain[k], place] = value[k]
+                self._largest_at[chain[k], place] = time[k]
 
     def _take_largest(
         self,
@@ -164,11 +202,7 @@ class ForceMeter:
         low, high = border[np.maximum(top - 1, 0)], border[np.minimum(top + 1, len(border) - 1)]
         entry = interval * forces.shape[2] + chain
         at = maximum(lambda s: mean(entry, s), low, high)
-        found = mean(entry, at)
-        for k in np.argsort(found):
-            if found[k] > self._largest[chain[k], place]:
-                self._largest[chain[k], place] = found[k]
-                self._largest_at[chain[k], place] = block.time[interval[k]] + at[k] * block.spacing
+        self._take_values(place, entry, block.time[interval] + at * block.spacing, mean(entry, at))
 
     def _polynomial(self, block: Trajectory, probe: Probe, spacing: float) -> Floats:
         """Strain in s = (time - frame's) / spacing, [power, interval * chains + chain]."""

@@ -1,4 +1,8 @@
-"""Places at which force is read: walls, contacts, and the inside of beads."""
+"""Places at which force is read: walls, contacts, and the inside of beads.
+
+The force of a damped contact is all of it, that of its dashpot included, at the velocities that frames hold: those of
+the moment of their positions. (LAMMPS itself takes the dashpot's at velocities of half a step before.)
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,6 +14,7 @@ from numpy.typing import NDArray
 from analysis import motion
 from analysis.trajectory import Floats
 from lammps_inputs import Problem, laws
+from lammps_inputs.laws import dashpot
 from lammps_inputs.links import Wall
 
 Integers = NDArray[np.int64]
@@ -22,14 +27,17 @@ class Probe:
 
     Attributes:
         behind, ahead: beads whose difference of displacements is its strain, counted from 1; 0 for what is at rest.
-        force: strain [chain, ...] -> force [chain, ...], that at rest included, never negative.
+        force: strain [chain, ...] -> elastic force [chain, ...], that at rest included, never negative; 0 where the
+            contact is open.
         static: [chain] at rest.
+        loss: strain, its rate -> force of the dashpot; None where there is none.
     """
 
     behind: int
     ahead: int
     force: Callable[[Floats, Integers], Floats]
     static: Floats
+    loss: Callable[[Floats, Floats, Integers], Floats] | None = None
 
 
 @dataclass(frozen=True)
@@ -51,6 +59,11 @@ class Gauge:
     def static(self) -> Floats:
         """[chain] at rest; 0 without a static load."""
         return np.asarray(sum(probe.static for probe in self.probes) / len(self.probes))
+
+    @property
+    def damped(self) -> bool:
+        """Whether forces against velocities are among what is read, so that it may be negative."""
+        return any(probe.loss is not None for probe in self.probes)
 
     @property
     def side(self) -> str:
@@ -95,4 +108,13 @@ def _between(problem: Problem, bead: int) -> Probe:
         return motion.contact_force(problem, overlap, chain, contact)
 
     at_rest = (laws.load(laws.at(link.law, Ellipsis, bead - 1)) for link in problem.along)
-    return Probe(bead, bead + 1, force, np.broadcast_to(sum(at_rest), problem.chains))
+    static = np.broadcast_to(sum(at_rest), problem.chains)
+    return Probe(bead, bead + 1, force, static, None if problem.contact_loss is None else _loss(problem, bead))
+
+
+def _loss(problem: Problem, bead: int) -> Callable[[Floats, Floats, Integers], Floats]:
+    def loss(strain: Floats, rate: Floats, chain: Integers) -> Floats:
+        law = laws.at(problem.contact_loss, chain, bead - 1)  # type: ignore[arg-type]
+        return np.asarray(dashpot.damping(law, strain - problem.gap, rate))
+
+    return loss

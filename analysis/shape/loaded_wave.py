@@ -10,6 +10,8 @@ The theory takes the chain for a continuum; the waves of the discrete one are fa
 by 1.0085 at 67.7.
 """
 
+import functools
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,21 +25,31 @@ _ABOVE = np.logspace(-4.0, 13.0, 2000)
 """Force ratios above 1 of the table of amplitudes."""
 
 
-def speed_over_sound(ratio: Floats | float) -> Floats:
+def speed_over_sound(ratio: Floats | float, exponent: float = 1.5) -> Floats:
     """Speed of the solitary wave over that of sound (Nesterenko 2001, eq. 1.113; Daraio et al. 2006, eq. 3).
 
-    ``sqrt{(4/15) (3 + 2 f^(5/3) - 5 f^(2/3))} / (f^(2/3) - 1)``; 1 for a ratio of 1.
+    ``sqrt{(4/15) (3 + 2 f^(5/3) - 5 f^(2/3))} / (f^(2/3) - 1)`` for spheres; 1 for a ratio of 1. Of contacts of any
+    exponent p likewise ``sqrt{2 / (p (p + 1)) (p + f^(1 + 1/p) - (p + 1) f^(1/p))} / (f^(1/p) - 1)``.
     """
-    return _amplitude(ratio) / np.maximum(np.cbrt(ratio) ** 2 - 1.0, 1e-300)
+    return _amplitude(ratio, exponent) / np.maximum(_strain(ratio, exponent) - 1.0, 1e-300)
 
 
-def _amplitude(ratio: Floats | float) -> Floats:
+def _strain(ratio: Floats | float, exponent: float) -> Floats:
+    return np.asarray(np.cbrt(ratio) ** 2 if exponent == 1.5 else np.asarray(ratio) ** (1.0 / exponent))
+
+
+def _amplitude(ratio: Floats | float, exponent: float) -> Floats:
     """Peak velocity of the same wave over ``c0 d0``, with the overlap d0 at rest."""
-    strain = np.cbrt(ratio) ** 2
-    return np.sqrt(np.maximum(4.0 / 15.0 * (3.0 + 2.0 * ratio * strain - 5.0 * strain), 0.0))
+    strain, p = _strain(ratio, exponent), exponent
+    whole = 2.0 / (p * (p + 1.0)) * (p + ratio * strain - (p + 1.0) * strain)
+    return np.sqrt(np.maximum(whole, 0.0))
 
 
-_LOG_AMPLITUDE, _SPEED = np.log(_amplitude(1.0 + _ABOVE)), speed_over_sound(1.0 + _ABOVE)
+@functools.cache
+def _table(exponent: float) -> tuple[Floats, Floats]:
+    """Logarithm of amplitudes, and speeds."""
+    with np.errstate(divide="ignore"):
+        return np.log(_amplitude(1.0 + _ABOVE, exponent)), speed_over_sound(1.0 + _ABOVE, exponent)
 
 
 def sound_speed(system: System) -> Floats:
@@ -57,15 +69,16 @@ def sound_speed(system: System) -> Floats:
 def make_speed(system: System) -> "LoadedSpeed":
     """How fast pulses of an amplitude run at a bead of a loaded chain."""
     rest = np.broadcast_to(sum(laws.rest(link.law) for link in system.along), (system.chains, system.beads - 1))
-    return LoadedSpeed(sound_speed(system), np.asarray(_at_beads(_smooth(rest))))
+    return LoadedSpeed(sound_speed(system), np.asarray(_at_beads(_smooth(rest))), system.exponent or 1.5)
 
 
 class LoadedSpeed:
     """Speed of pulses in a loaded chain by the long-wave theory, [chain, bead] as at the place."""
 
-    def __init__(self, sound: Floats, rest: Floats) -> None:
+    def __init__(self, sound: Floats, rest: Floats, exponent: float) -> None:
         self.sound = sound
         self.rest = rest
+        self._table = _table(exponent)
 
     def at(self, chain: int, bead: NDArray[np.int64], peak_velocity: Floats) -> Floats:
         """In beads / T, within some per cent; chain and beads count from 1."""
@@ -73,7 +86,7 @@ class LoadedSpeed:
         sound, rest = self.sound[chain - 1, place], self.rest[chain - 1, place]
         with np.errstate(divide="ignore"):
             amplitude = np.log(np.abs(peak_velocity) / (sound * rest))
-        return np.asarray(sound * np.interp(amplitude, _LOG_AMPLITUDE, _SPEED))
+        return np.asarray(sound * np.interp(amplitude, *self._table))
 
 
 def _smooth(values: Floats) -> Floats:

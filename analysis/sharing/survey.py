@@ -11,6 +11,7 @@ import numpy as np
 
 from analysis import motion
 from analysis.mirror import direction_of, mirrored, mirrored_problem
+from analysis.shape.loaded_wave import make_speed
 from analysis.shape.wave_of import wave_of
 from analysis.shape.waveforms import Passages, Shape, Waveforms
 from analysis.sharing.decay_law import DecayFit, fit_decay
@@ -22,7 +23,7 @@ from analysis.tracking.accuracy import peak_error
 from analysis.tracking.leading_waves import Arrival, Waves, leading_waves, mirrored_waves, usual_arrival
 from analysis.tracking.noise import distinct, left_by_smoothing, noise_at_start, smoothed
 from analysis.tracking.peaks import THRESHOLD, PeakFinder
-from analysis.tracking.pulses import SMALLEST, Pulse, track_pulses
+from analysis.tracking.pulses import SMALLEST, Pulse, ahead_of_sound, track_pulses
 from analysis.tracking.which_leads import beyond_kicks, of_pulses, opposed
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem
@@ -55,7 +56,9 @@ class Survey:
             record, only what belongs to a pulse.
         waveforms: velocity over time around the passages of ``waves``, then of ``pulses``.
         shape: what those waveforms say of each wave, entry by entry of ``waves``; NaN where not measured.
-        pulses: every pulse that was found, either way.
+        pulses: every pulse that was found, either way; under a static load the leading waves and what runs ahead of
+            sound (`analysis.tracking.pulses.ahead_of_sound`).
+        crests: of sound, under a static load; one may be taken for another on its way.
         characters: of each pulse, where it was last seen whole.
         shared, energies, decay, verdict: how the chains share the leading pulse.
     """
@@ -68,6 +71,7 @@ class Survey:
     waveforms: Waveforms
     shape: Shape
     pulses: tuple[Pulse, ...]
+    crests: tuple[Pulse, ...]
     characters: tuple[Character, ...]
     shared: Sharing
     energies: EnergyShares
@@ -76,10 +80,28 @@ class Survey:
 
     def leads(self, pulse: Pulse) -> bool:
         """Whether a pulse is the leading wave of its chain where it was last seen."""
-        own = self.waves.of_chain(pulse.chain)
-        # waves found at every bead while LAMMPS ran have the same maxima but for rounding and interpolation
-        same = np.abs(own.time - pulse.arrival[-1]) < 0.5 * self.problem.every
-        return pulse.direction == self.direction and bool(np.any((own.bead == pulse.bead[-1]) & same))
+        return _leads(pulse, self.waves, self.direction, self.problem)
+
+
+def _leads(pulse: Pulse, waves: Waves, direction: int, problem: Problem) -> bool:
+    own = waves.of_chain(pulse.chain)
+    # waves found at every bead while LAMMPS ran have the same maxima but for rounding and interpolation
+    same = np.abs(own.time - pulse.arrival[-1]) < 0.5 * problem.every
+    return pulse.direction == direction and bool(np.any((own.bead == pulse.bead[-1]) & same))
+
+
+def _told_from_sound(
+    tracks: tuple[Pulse, ...], waves: Waves, direction: int, problem: Problem
+) -> tuple[tuple[Pulse, ...], tuple[Pulse, ...]]:
+    """Pulses, and the crests of sound that there are under a static load."""
+    if not problem.loaded:
+        return tracks, ()
+    loaded = make_speed(problem)
+    keep = [_leads(track, waves, direction, problem) or ahead_of_sound(track, loaded) for track in tracks]
+    pulses, crests = (
+        tuple(track for track, kept in zip(tracks, keep, strict=True) if kept == wanted) for wanted in (True, False)
+    )
+    return pulses, crests
 
 
 def survey(
@@ -122,13 +144,13 @@ def survey(
     direction = direction_of(problem)
     along = problem if direction > 0 else mirrored_problem(problem)
     smallest = max(SMALLEST, 2.0 * SURE * left)
-    pulses = tuple(
+    tracks = tuple(
         pulse for way in (1, -1) for pulse in track_pulses(peaks[way], problem, smallest=smallest, noise=left)
     )
     arrival = usual_arrival(problem) if arrival is None else arrival
     if leading is None:
         stray = opposed(problem) or noise > 0.0
-        ahead = of_pulses(peaks[direction], pulses) if stray else peaks[direction]
+        ahead = of_pulses(peaks[direction], tracks) if stray else peaks[direction]
         ahead = beyond_kicks(ahead, problem)
         waves = leading_waves(ahead, arrival)
         sharp = np.isfinite(leading_waves(ahead).arrival)
@@ -146,6 +168,7 @@ def survey(
             arrival_error=waves.arrival_error + error.arrival,
             velocity_error=waves.velocity_error + error.peak_velocity,
         )
+    pulses, crests = _told_from_sound(tracks, waves, direction, problem)
     at = [measured_at(pulse, problem, last_time) for pulse in pulses]
 
     seen = np.isfinite(waves.time) & np.isin(waves.bead, problem.recorded_beads)
@@ -170,6 +193,7 @@ def survey(
         waveforms=waveforms,
         shape=shapes.spread_out(chosen, len(waves)).where(sharp),
         pulses=pulses,
+        crests=crests,
         characters=characters,
         shared=shared,
         energies=energies,

@@ -124,5 +124,5 @@ class LoadedPulse:
         ratio = float(np.mean(force[chain, used] / load[chain, used]))
         taken = float(self._arrival[chain, last] - self._arrival[chain, first])
         sound = float(np.mean(sound_speed(problem)[chain, used]))
-        theory = float(speed_over_sound(ratio)) if problem.one_kind else np.nan
+        theory = float(speed_over_sound(ratio, problem.exponent or 1.5)) if problem.one_kind else np.nan
         return LoadedWave(hit, first + 1, last + 1, ratio, abs(last - first) / taken, sound, theory)

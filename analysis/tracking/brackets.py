@@ -7,6 +7,7 @@ the record is noisy, degree three from velocity alone. What a polynomial of a lo
 that is.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 
 from analysis import hermite, motion
 from analysis.trajectory import Floats, Trajectory
+from lammps_inputs.loads import Load
 
 Integers = NDArray[np.int64]
 
@@ -24,7 +26,7 @@ velocity Verlet's velocities differ from the slope of its displacements by ``tim
 """
 
 FLOOR = 1e-9
-"""Error that rounding and bisection leave, in T and V."""
+"""Error that rounding and bisection leave, in the wave's own time and in V."""
 
 KINK = 0.4 * 0.012, 0.4 * 0.051
 """Error of velocity, and of its slope, by a contact that closes or opens between two frames, over what its force then
@@ -42,6 +44,8 @@ NODES = (0, 1, 2, 3)
 _POWERS = 7
 
 _SAMPLES = 9
+
+_SAMPLES_OF_PUSH = 65
 
 
 @dataclass(frozen=True)
@@ -62,7 +66,7 @@ class Brackets:
     doubt: Floats
     """How far ``velocity`` may be off: a share of what a polynomial of lower degree has more, [power, maximum]."""
     kink: Floats
-    """What the force of a contact that closes or opens meanwhile does to the velocity at most."""
+    """How far ``velocity`` and its slope may be off by forces that no polynomial follows, [0 or 1, maximum]."""
     whole: NDArray[np.bool_]
     """Whether all beads were recorded."""
 
@@ -70,7 +74,7 @@ class Brackets:
 def bracketed(
     block: Trajectory, frame: Integers, chain: Integers, bead: Integers, way: int, *, noisy: bool
 ) -> Brackets:
-    """Maxima whose largest frames are given. One at frame 0 stays there."""
+    """Maxima whose largest frames are given. One at frame 0 stays there but of a bead that is pushed or moved."""
     spacing = block.spacing
     x, v = block.displacement, block.velocity
     by_equations = block.problem.recorded is None and not noisy
@@ -91,20 +95,37 @@ def bracketed(
             state += motion.acceleration_and_rate(block, at, chain, bead)
         states.append(state)
     data = way * np.array(states)
-    velocity, lower = _polynomials(nodes, data, spacing, by_equations=by_equations, noisy=noisy)
+
+    def fit(states: Floats) -> tuple[Floats, Floats]:
+        return _polynomials(nodes, states[:, : data.shape[1]], spacing, by_equations=by_equations, noisy=noisy)
+
+    velocity, lower = fit(data)
     share = _share_of_doubt(spacing, by_equations=by_equations)
+    kink, acted_on = np.zeros((2, len(frame))), np.zeros(len(frame), dtype=bool)
+    if by_equations:
+        kink += np.multiply.outer(KINK, _kink(block, start, chain, bead))
+    loads, motions = block.problem.loads, block.problem.motions
+    for place in [(load.chain, load.bead) for load in loads] + [(drive.chain, drive.bead) for drive in motions]:
+        acted_on |= (chain + 1 == place[0]) & (block.beads[bead] == place[1])
+    for load in loads:
+        here = (chain == load.chain - 1) & (block.beads[bead] == load.bead)
+        if np.any(here):
+            times = block.time[start[here]] + spacing * np.array(nodes)[:, None]
+            kink[:, here] += _pushed(load, times, fit, low[here], high[here]) / block.problem.mass_of(
+                chain[here], block.beads[bead[here]] - 1
+            )
     return Brackets(
         chain=chain + 1,
         bead=block.beads[bead],
         origin=block.time[start],
         spacing=np.full(len(frame), spacing),
         low=low,
-        high=np.where(frame == 0, low, high),
+        high=np.where(frame == 0, low + acted_on, high),
         overlap=motion.larger_overlap(block, frame, chain, bead),
         displacement=data[0, 0],
         velocity=velocity,
         doubt=share * (lower - velocity),
-        kink=_kink(block, start, chain, bead) if by_equations else np.zeros(len(frame)),
+        kink=kink,
         whole=np.full(len(frame), block.problem.recorded is None),
     )
 
@@ -134,6 +155,25 @@ def _kink(block: Trajectory, start: Integers, chain: Integers, bead: Integers) -
         force = motion.contact_force(problem, np.maximum(*rate) * spacing, chain, contact)
         total += np.where(there, force * spacing / (1.0 + fading * beyond), 0.0)
     return np.asarray(total / problem.mass_of(chain, block.first - 1 + bead))
+
+
+def _pushed(
+    load: Load, times: Floats, fit: Callable[[Floats], tuple[Floats, Floats]], low: Floats, high: Floats
+) -> Floats:
+    """How far a fit is off to what a force alone gives a bead of mass 1, as `Brackets.kink`.
+
+    Times are [node, maximum].
+    """
+    states = [load.travel(times), load.impulse(times), load.force(times), load.rate(times)]
+    velocity, _ = fit(np.stack(states, axis=1))
+    slope, spacing = hermite.derivative(velocity), times[1] - times[0]
+    worst = np.zeros((2, len(low)))
+    for share in np.linspace(0.0, 1.0, _SAMPLES_OF_PUSH):
+        s = low + share * (high - low)
+        time = times[0] + s * spacing
+        worst[0] = np.fmax(worst[0], np.abs(hermite.value(velocity, s) - load.impulse(time)))
+        worst[1] = np.fmax(worst[1], np.abs(hermite.value(slope, s) - load.force(time) * spacing))
+    return worst
 
 
 def _polynomials(
@@ -184,7 +224,8 @@ def together(parts: list[Brackets]) -> Brackets:
         none = np.zeros(0, dtype=np.int64)
         empty = np.zeros(0)
         nothing = np.zeros((_POWERS, 0))
-        return Brackets(none, none, empty, empty, empty, empty, empty, empty, nothing, nothing, empty, empty > 0.0)
+        kink = np.zeros((2, 0))
+        return Brackets(none, none, empty, empty, empty, empty, empty, empty, nothing, nothing, kink, empty > 0.0)
     columns = {field.name: [getattr(part, field.name) for part in parts] for field in fields(Brackets)}
     return Brackets(**{name: np.concatenate(column, axis=-1) for name, column in columns.items()})
 
@@ -215,4 +256,4 @@ def on_a_grid(every: Floats | float, peak_velocity: Floats | float, *, all_recor
         relative = np.where(far, 2e-4, 2.5e-3) * frames**6
     else:
         arrival, relative = 4e-2 * frames**6, 1e-2 * frames**6
-    return FLOOR + arrival / peak_velocity**0.2, FLOOR + relative * peak_velocity
+    return (FLOOR + arrival) / peak_velocity**0.2, FLOOR + relative * peak_velocity

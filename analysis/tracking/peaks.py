@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from analysis import hermite
 from analysis.mirror import direction_of, mirrored_bead
-from analysis.tracking.brackets import KINK, NODES, Brackets, Integers, bracketed, highest, largest, on_a_grid, together
+from analysis.tracking.brackets import NODES, Brackets, Integers, bracketed, highest, largest, on_a_grid, together
 from analysis.trajectory import Floats, Trajectory, joined
 from lammps_inputs import Problem
 
@@ -143,6 +143,15 @@ class PeakFinder:
         self._search(self._carried, self._carried.frames - 1, low=self._carried.frames - 2)
         return _refined(self._found, self._way(self._carried))
 
+    def forget(self) -> None:
+        """Forget what was found but not where the frames ended, so that only what follows is found."""
+        self._found.clear()
+
+    def take_over(self, later: "PeakFinder") -> None:
+        """Go on where another is, which was given the same frames last, forgot what it had found, and found more."""
+        self._found += later._found
+        self._carried = later._carried
+
     def state(self) -> dict[str, NDArray[Any]]:
         """What `resumed` needs to go on later with the frames that follow, as arrays.
 
@@ -222,10 +231,10 @@ def _refined(parts: list[Brackets], direction: int) -> Peaks:
     at, slope = highest(found), hermite.derivative(found.velocity)
     time, velocity = found.origin + at * found.spacing, hermite.value(found.velocity, at)
     way = found.displacement + found.spacing * hermite.integral(found.velocity, at)
-    doubt = largest(found.doubt, found) + KINK[0] * found.kink
+    doubt = largest(found.doubt, found) + found.kink[0]
     curvature = -hermite.value(hermite.derivative(slope), at)
     with np.errstate(divide="ignore", invalid="ignore"):
-        slope_error = largest(hermite.derivative(found.doubt), found) + KINK[1] * found.kink
+        slope_error = largest(hermite.derivative(found.doubt), found) + found.kink[1]
         time_error = slope_error / curvature * found.spacing
     exact_time, exact_velocity = np.where(
         found.whole, on_a_grid(found.spacing, velocity), on_a_grid(found.spacing, velocity, all_recorded=False)

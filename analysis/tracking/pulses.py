@@ -4,6 +4,10 @@ A maximum of a bead's velocity is a passage; it belongs to the pulse whose speed
 without contact pressure, such as that of a bead that swings on its spring, is no passage. Where beads differ by
 turns, a pulse is followed on those of one kind, whose maxima can be compared. Pulses that run towards lower
 numbers are found in the mirror (`analysis.mirror`).
+
+Under a static load sound has crests, too, without number. A pulse is what runs ahead of sound, by as much as the
+solitary wave of its amplitude would (`ahead_of_sound`): sound of any wavelength is slower than that of long waves, and
+crests of it that were taken for one pulse by chance run at any speed.
 """
 
 from collections.abc import Iterator
@@ -45,6 +49,14 @@ SCATTER = 30.0
 
 FAINTEST = 0.35
 """Bound on the ratio of amplitudes of two passages that follow each other."""
+
+LEAST_AHEAD, MOST_AHEAD = 0.5, 2.0
+"""Bounds on how much faster than sound a pulse on a static load is, over how much faster the solitary wave of its
+amplitude is in the long-wave theory; over the second half of the way on which it was seen.
+"""
+
+NEAR_SOUND = 2e-3
+"""How much faster that solitary wave must be, over sound, to be told from it."""
 
 
 @dataclass(frozen=True)
@@ -113,6 +125,27 @@ def track_pulses(
                     bead = mirrored_bead(problem, bead)
                 found.append(Pulse(int(chain), direction, bead, arrival, own.velocity[track], speed))
     return tuple(sorted(found, key=lambda pulse: (pulse.chain, pulse.arrival[0])))
+
+
+def ahead_of_sound(pulse: Pulse, loaded: LoadedSpeed) -> bool:
+    """Whether what runs along a chain under a static load is a pulse, not a crest of sound.
+
+    Args:
+        pulse: seen at two beads or more.
+        loaded: speeds in that chain.
+    """
+    half = slice(len(pulse) // 2 - 1 if len(pulse) > 3 else 0, None)
+    bead, arrival = pulse.bead[half], pulse.arrival[half]
+    way = np.abs(np.diff(bead))
+
+    def takes(speed: Floats) -> float:
+        return float(np.sum(2.0 * way / (speed[1:] + speed[:-1])))
+
+    sound = takes(loaded.sound[pulse.chain - 1, bead - 1])
+    expected = sound / takes(loaded.at(pulse.chain, bead, pulse.peak_velocity[half])) - 1.0
+    taken = arrival[-1] - arrival[0]
+    ahead = sound / taken - 1.0 if taken > 0.0 else np.inf
+    return bool(expected > NEAR_SOUND and LEAST_AHEAD * expected < ahead < MOST_AHEAD * expected)
 
 
 def of_one_kind(problem: Problem) -> NDArray[np.bool_]:

@@ -41,3 +41,26 @@ def hold_lines(system: System) -> list[str]:
             "group one delete",
         ]
     return lines
+
+
+def stop_lines(system: System) -> list[str]:
+    """Takes the velocities of a continued run away, for dashpots would be among the forces that `hold_lines` finds."""
+    if not (system.loaded and system.dampers):
+        return []
+    return [
+        "# no dashpot acts while the forces at rest are found",
+        "fix moving all store/state 0 vx vy vz",
+        "set group all vx 0.0 vy 0.0 vz 0.0",
+    ]
+
+
+def go_on_lines(system: System) -> list[str]:
+    """Gives them back."""
+    if not (system.loaded and system.dampers):
+        return []
+    axes = list(enumerate("xyz", 1))
+    return [
+        *(f"variable moving{axis} atom f_moving[{column}]" for column, axis in axes),
+        "set group all " + " ".join(f"v{axis} v_moving{axis}" for _, axis in axes),
+        "unfix moving",
+    ]

@@ -11,7 +11,7 @@ first one that a step stands in counts.
 """
 
 from lammps_inputs import scheme, window
-from lammps_inputs.decks import deck
+from lammps_inputs.decks import at_rest, deck
 from lammps_inputs.numbers import text
 from lammps_inputs.problem import Problem
 
@@ -80,9 +80,11 @@ def render_continuation(problem: Problem) -> str:
         ],
         *deck.interactions(problem),
         [
+            *at_rest.stop_lines(problem),
             "group free empty",
             "group free clear                 # a continued run's restart has this group",
             *deck.motion_lines(problem, "free"),
+            *at_rest.go_on_lines(problem),
         ],
         *([] if problem.window is None else [_window_lines(problem, problem.window)]),
         [

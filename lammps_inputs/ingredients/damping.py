@@ -4,43 +4,59 @@ What it does to weakly damped pulses: Rosas, Romero, Nesterenko & Lindenberg, Ph
 Seitz (1982) for the restitution of beads in a row.
 """
 
+from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field
 
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Ingredient
+from lammps_inputs.ingredients.contact import HERTZ
 from lammps_inputs.laws import Parameter
 from lammps_inputs.laws.dashpot import NO_FLOOR, ContactDashpot, ContactLoss, Dashpot, Restitution, Viscoelastic, alpha
-from lammps_inputs.laws.hertz import Hertz
 from lammps_inputs.links import Across, Along, Ground, Link
+from lammps_inputs.units import Unit
 
 if TYPE_CHECKING:
     from lammps_inputs.problem import System
     from lammps_inputs.scene import BaseScene
 
-Coefficient = Annotated[float, Field(ge=0, le=1e30)]
+Number = Annotated[float, Field(ge=0, le=1e30)]
+Coefficient = Annotated[Number, Unit("kg/s")]
 
 MOST = 1e3
 """Dimensionless coefficient; beyond it beads stick where they are, and a step would take for ever."""
 
 
+RESTITUTIONS: dict[float, Callable[[Parameter, float], ContactLoss]] = {
+    1.0: lambda coefficient, _: ContactDashpot(coefficient),
+    HERTZ: Restitution,
+    2.0: lambda coefficient, _: Viscoelastic(coefficient),
+}
+"""Exponent p of contacts -> the dashpot that grows as overlap**((p - 1) / 2), from its coefficient and restitution."""
+
+
+def _of_law(damping: Mapping[str, Any]) -> str:
+    """Unit of the coefficient of contacts."""
+    return {"viscoelastic": "kg/(s m^0.5)", "restitution": ""}.get(damping.get("law"), "kg/s")  # type: ignore[arg-type]
+
+
 class Damping(Ingredient):
     """Forces against velocities, each absent if its coefficient is 0 or not given."""
 
-    contact: Coefficient | None = None
-    """Of contacts, over the rate of overlap (linear: kg/s with a material), that times overlap**0.5 (viscoelastic:
-    kg/(s m**0.5)), or the share of its speed with which a bead comes back from another (restitution)."""
+    contact: Annotated[Number, Unit(_of_law)] | None = None
+    """Of contacts, over the rate of overlap (linear), that times overlap**0.5 (viscoelastic), or the share of its speed
+    with which a bead comes back from another (restitution)."""
     law: Literal["linear", "viscoelastic", "restitution"] | None = None
     """Of contacts; linear if none is named."""
     tension: Literal["allowed", "cut"] | None = None
     """Whether contacts that open fast may pull; allowed by default."""
     beads: Coefficient | None = None
-    """Of every bead, over its velocity; kg/s with a material."""
+    """Of every bead, over its velocity."""
     coupling: Coefficient | None = None
-    """Of springs between chains, over the relative velocity; kg/s with a material."""
+    """Of springs between chains, over the relative velocity."""
 
     def refuse(self, scene: "BaseScene") -> None:
         """Refuse what says nothing, or more than there is, and what runs in pieces that begin anew."""
@@ -55,6 +71,16 @@ class Damping(Ingredient):
                 raise ValueError(f"damping.contact: {self.contact:g} is no restitution; above 0, and at most 1")
             if self.tension == "cut":
                 raise ValueError("damping.tension: beads come back with their restitution only if it is allowed")
+            if scene.contact_scale[0] not in RESTITUTIONS:
+                raise ValueError(
+                    "damping.law: restitution needs dashpots that grow as overlap^((p - 1) / 2), which LAMMPS has for "
+                    f"contacts of exponent 1, 1.5 and 2, not {scene.contact_scale[0]:g}; take linear or viscoelastic"
+                )
+        elif self.tension == "cut" and scene.contact_scale[0] != HERTZ:
+            raise ValueError(
+                "damping.tension: LAMMPS cuts tension where dashpots pull harder than contacts of spheres push, of "
+                f"exponent 1.5, not {scene.contact_scale[0]:g}; leave it out"
+            )
         if self.coupling and not any(isinstance(link, Across) for link in _springs(scene)):
             raise ValueError("damping.coupling: there is no coupling between chains that it could damp")
         largest = max((float(np.max(link.law.coefficient)) for link in self.dampers(scene)), default=0.0)  # type: ignore[attr-defined]
@@ -70,19 +96,23 @@ class Damping(Ingredient):
 
     def refuse_system(self, scene: "BaseScene", system: "System") -> None:  # noqa: ARG002
         """Refuse contacts and masses with which LAMMPS's dashpots are others."""
-        if self.contact and not isinstance(system.along[0].law, Hertz):
-            raise ValueError("damping.contact: only contacts of spheres, of exponent 1.5, can be damped; leave it out")
-        if self.law == "viscoelastic" and self.contact and not isinstance(system.mass, float):
-            raise ValueError(
-                "damping.law: LAMMPS's viscoelastic dashpots grow with the beads' masses, and these differ; "
-                "take linear or restitution"
-            )
-        if self.coupling and not (system.open_row and system.alike):
+        if self.contact and not isinstance(system.mass, float):
+            if self.law == "viscoelastic":
+                raise ValueError(
+                    "damping.law: LAMMPS's viscoelastic dashpots grow with the beads' masses, and these differ; "
+                    "take linear or restitution"
+                )
+            if self.law == "restitution" and system.exponent != HERTZ:
+                raise ValueError(
+                    "damping.law: of contacts of this exponent LAMMPS has one dashpot for all, and restitution needs "
+                    "others where masses differ; take linear"
+                )
+        if self.coupling and not (system.open_row and system.one_kind):
             raise ValueError(
                 "damping.coupling: LAMMPS damps equal linear springs between each chain and the next, of equal beads, "
                 "only; leave it out"
             )
-        if self.contact and system.contact_loss is not None and self.tension == "cut" and not system.alike:
+        if self.contact and system.contact_loss is not None and self.tension == "cut" and not system.one_kind:
             raise ValueError("damping.tension: is cut at the force of equal contacts only; leave it out")
 
     def links(self, scene: "BaseScene") -> tuple[Link, ...]:  # noqa: ARG002
@@ -125,7 +155,9 @@ class Damping(Ingredient):
             reduced: Parameter = 0.5
             if not isinstance(mass, float):
                 reduced = 1.0 / (1.0 / mass[:, :-1] + 1.0 / mass[:, 1:])
-            return Restitution(alpha(self.contact) * np.sqrt(reduced * strength), self.contact)
+            exponent = scene.contact_scale[0]
+            coefficient = alpha(self.contact, exponent) * np.sqrt(reduced * strength)
+            return RESTITUTIONS[exponent](coefficient, self.contact)
         unit = scale.force / scale.velocity
         floor = strength if self.tension == "cut" else NO_FLOOR
         if self.law == "viscoelastic":

@@ -7,14 +7,16 @@ strain, rate of strain and the parameters:
   power that is lost, never less than 0;
 - ``resistance(s, ...)``: largest ratio of that to the rate;
 - ``impulse(s, ...)``: integral of the resistance from no strain to this one: where no tension is cut, that is what a
-  dashpot has given in time, on whatever way the strain came about;
+  dashpot has given in time, on whatever way the strain came about; nothing at rest, to the last bit;
 - ``growth(s, ...)``: slope of the resistance, where that does not jump;
 - ``granular(problem)``: of contacts, what LAMMPS's ``pair_style granular`` calls it: coefficient and model.
 
-Dashpots of contacts act while the beads touch. Where they pull harder than the contact pushes, so does their sum;
-``floor`` cuts it at nothing where it is the contact's strength, and is `NO_FLOOR` where beads may stick.
+Dashpots of contacts act while the beads touch; under a static load ``rest`` is the overlap from which the strain
+counts. Where they pull harder than the contact pushes, so does their sum; ``floor`` cuts it at nothing where it is the
+contact's strength, and is `NO_FLOOR` where beads may stick.
 """
 
+import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -80,7 +82,9 @@ class Dashpot(NamedTuple):
         """
         name = link.name
         types = np.repeat(1 + np.arange(problem.chains)[:, np.newaxis] % 2, problem.beads, axis=1)
-        cutoff = text(4.25**0.5 * problem.spacing)
+        pressed = float(np.max(laws.rest(problem.along[0].law)))
+        apart = problem.diameter + problem.gap
+        cutoff = text(4.25**0.5 * apart if pressed == 0.0 else math.hypot(2.0 * apart, 0.5 * (apart - pressed)))
         return Lines(
             types=AtomTypes(types, {}, 2),
             variables=(f"variable {name} index {text(float(np.max(self.coefficient)))}   # force over velocity",),
@@ -99,27 +103,28 @@ class ContactDashpot(NamedTuple):
     coefficient: Parameter
     """g, in units of m / T."""
     floor: Parameter = NO_FLOOR
+    rest: Parameter = 0.0
 
     @staticmethod
-    def damping(s: Any, rate: Any, coefficient: Any, floor: Any) -> Any:
+    def damping(s: Any, rate: Any, coefficient: Any, floor: Any, rest: Any) -> Any:
         """Jumps where the beads meet and part."""
-        closed = np.maximum(s, 0.0)
-        return np.maximum((s > 0.0) * (coefficient * rate), -floor * (closed * np.sqrt(closed)))
+        closed = np.maximum(s + rest, 0.0)
+        return np.maximum((closed > 0.0) * (coefficient * rate), -floor * (closed * np.sqrt(closed)))
 
     @staticmethod
-    def resistance(s: Any, coefficient: Any, floor: Any) -> Any:  # noqa: ARG004
+    def resistance(s: Any, coefficient: Any, floor: Any, rest: Any) -> Any:  # noqa: ARG004
         """The same at any overlap."""
-        return coefficient * (np.asarray(s) > 0.0)
+        return coefficient * (np.asarray(s + rest) > 0.0)
 
     @staticmethod
-    def growth(s: Any, coefficient: Any, floor: Any) -> Any:  # noqa: ARG004
+    def growth(s: Any, coefficient: Any, floor: Any, rest: Any) -> Any:  # noqa: ARG004
         """None."""
         return 0.0 * coefficient * s
 
     @staticmethod
-    def impulse(s: Any, coefficient: Any, floor: Any) -> Any:  # noqa: ARG004
-        """``g (s)+``."""
-        return coefficient * np.maximum(s, 0.0)
+    def impulse(s: Any, coefficient: Any, floor: Any, rest: Any) -> Any:  # noqa: ARG004
+        """``g ((d0 + s)+ - d0)``."""
+        return coefficient * np.maximum(s, -rest)
 
     def granular(self, problem: "System") -> tuple[float, str]:  # noqa: ARG002
         """LAMMPS's own coefficient."""
@@ -132,28 +137,29 @@ class Viscoelastic(NamedTuple):
     coefficient: Parameter
     """b, in units of m / (T L**0.5)."""
     floor: Parameter = NO_FLOOR
+    rest: Parameter = 0.0
 
     @staticmethod
-    def damping(s: Any, rate: Any, coefficient: Any, floor: Any) -> Any:
+    def damping(s: Any, rate: Any, coefficient: Any, floor: Any, rest: Any) -> Any:
         """Proportional to the contact's radius."""
-        root = np.sqrt(np.maximum(s, 0.0))
+        root = np.sqrt(np.maximum(s + rest, 0.0))
         return np.maximum(coefficient * root * rate, -floor * (root * root * root))
 
     @staticmethod
-    def resistance(s: Any, coefficient: Any, floor: Any) -> Any:  # noqa: ARG004
+    def resistance(s: Any, coefficient: Any, floor: Any, rest: Any) -> Any:  # noqa: ARG004
         """Grows with the overlap."""
-        return coefficient * np.sqrt(np.maximum(s, 0.0))
+        return coefficient * np.sqrt(np.maximum(s + rest, 0.0))
 
     @staticmethod
-    def growth(s: Any, coefficient: Any, floor: Any) -> Any:  # noqa: ARG004
+    def growth(s: Any, coefficient: Any, floor: Any, rest: Any) -> Any:  # noqa: ARG004
         """Without end where the beads meet, and so cut there."""
-        return 0.5 * coefficient * (s > 0.0) / np.sqrt(np.maximum(s, LEAST))
+        return 0.5 * coefficient * (s + rest > 0.0) / np.sqrt(np.maximum(s + rest, LEAST))
 
     @staticmethod
-    def impulse(s: Any, coefficient: Any, floor: Any) -> Any:  # noqa: ARG004
-        """``2/3 b (s)+**1.5``."""
-        closed = np.maximum(s, 0.0)
-        return coefficient * (2.0 / 3.0 * closed * np.sqrt(closed))
+    def impulse(s: Any, coefficient: Any, floor: Any, rest: Any) -> Any:  # noqa: ARG004
+        """``2/3 b ((d0 + s)+**1.5 - d0**1.5)``."""
+        closed = np.maximum(s + rest, 0.0)
+        return coefficient * (2.0 / 3.0 * closed * np.sqrt(closed) - 2.0 / 3.0 * rest * np.sqrt(rest))
 
     def granular(self, problem: "System") -> tuple[float, str]:
         """LAMMPS multiplies by the contact's radius, sqrt(diameter / 4 * overlap), and the reduced mass, 1/2."""
@@ -168,27 +174,28 @@ class Restitution(NamedTuple):
     """a = alpha * sqrt(reduced mass * strength), in units of m / (T L**0.25)."""
     share: float
     """e, which sets alpha = -sqrt(5) ln e / sqrt(pi**2 + ln(e)**2)."""
+    rest: Parameter = 0.0
 
     @staticmethod
-    def damping(s: Any, rate: Any, coefficient: Any, share: Any) -> Any:  # noqa: ARG004
+    def damping(s: Any, rate: Any, coefficient: Any, share: Any, rest: Any) -> Any:  # noqa: ARG004
         """Proportional to the root of the contact's stiffness."""
-        return coefficient * np.sqrt(np.sqrt(np.maximum(s, 0.0))) * rate
+        return coefficient * np.sqrt(np.sqrt(np.maximum(s + rest, 0.0))) * rate
 
     @staticmethod
-    def resistance(s: Any, coefficient: Any, share: Any) -> Any:  # noqa: ARG004
+    def resistance(s: Any, coefficient: Any, share: Any, rest: Any) -> Any:  # noqa: ARG004
         """Grows with the overlap."""
-        return coefficient * np.sqrt(np.sqrt(np.maximum(s, 0.0)))
+        return coefficient * np.sqrt(np.sqrt(np.maximum(s + rest, 0.0)))
 
     @staticmethod
-    def growth(s: Any, coefficient: Any, share: Any) -> Any:  # noqa: ARG004
+    def growth(s: Any, coefficient: Any, share: Any, rest: Any) -> Any:  # noqa: ARG004
         """Likewise."""
-        return 0.25 * coefficient * (s > 0.0) / np.maximum(s, LEAST) ** 0.75
+        return 0.25 * coefficient * (s + rest > 0.0) / np.maximum(s + rest, LEAST) ** 0.75
 
     @staticmethod
-    def impulse(s: Any, coefficient: Any, share: Any) -> Any:  # noqa: ARG004
-        """``4/5 a (s)+**1.25``."""
-        closed = np.maximum(s, 0.0)
-        return coefficient * (0.8 * closed * np.sqrt(np.sqrt(closed)))
+    def impulse(s: Any, coefficient: Any, share: Any, rest: Any) -> Any:  # noqa: ARG004
+        """``4/5 a ((d0 + s)+**1.25 - d0**1.25)``."""
+        closed = np.maximum(s + rest, 0.0)
+        return coefficient * (0.8 * closed * np.sqrt(np.sqrt(closed)) - 0.8 * rest * np.sqrt(np.sqrt(rest)))
 
     def granular(self, problem: "System") -> tuple[float, str]:  # noqa: ARG002
         """LAMMPS knows masses and strengths itself."""
@@ -198,10 +205,14 @@ class Restitution(NamedTuple):
 ContactLoss = ContactDashpot | Viscoelastic | Restitution
 
 
-def alpha(share: float) -> float:
-    """Of a restitution (Antypov & Elliott, EPL 94 (2011) 50004, eq. 13)."""
+def alpha(share: float, exponent: float = 1.5) -> float:
+    """Of a restitution, for a dashpot ``alpha sqrt(reduced mass * strength) s**((p - 1) / 2)``.
+
+    Antypov & Elliott, EPL 94 (2011) 50004, eq. 13, for spheres; with ``s**((p + 1) / 2)`` as variable the contact is a
+    damped oscillator for any exponent p, and ``sqrt(5)`` there is ``sqrt(2 (p + 1))``.
+    """
     loss = -float(np.log(share))
-    return float(np.sqrt(5.0)) * loss / float(np.hypot(np.pi, loss))
+    return float(np.sqrt(2.0 * (exponent + 1.0))) * loss / float(np.hypot(np.pi, loss))
 
 
 def damping(law: Any, strain: Any, rate: Any) -> Any:
@@ -222,6 +233,17 @@ def cut(law: Any) -> bool:
 def at_reach(law: Any, elastic: laws.Law, energy: float) -> Any:
     """Resistance of contacts where each alone holds an energy."""
     return resistance(law, elastic.reach(energy, *elastic))
+
+
+def alone(problem: "System") -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Contacts' dashpots beside a pair style that knows none: lines at the top, and `Lines.beside`."""
+    assert problem.contact_loss is not None
+    coefficient, model = problem.contact_loss.granular(problem)
+    return (f"variable contact_damping index {text(coefficient)}   # {model}",), (
+        "granular",
+        "# dashpots of contacts: those of spheres of no stiffness",
+        f"pair_coeff * * granular hertz 0 ${{contact_damping}} tangential linear_nohistory 0 0 {model}",
+    )
 
 
 def overlaid(contacts: list[str], beside: list[tuple[str, ...]]) -> list[str]:

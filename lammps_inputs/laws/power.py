@@ -3,11 +3,12 @@
 Nesterenko, Dynamics of Heterogeneous Materials (Springer, 2001), 1.2: chains of any exponent above 1 are sonic vacua.
 """
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from lammps_inputs.laws import Parameter
+from lammps_inputs.laws import Parameter, dashpot
 from lammps_inputs.lines import Lines
 from lammps_inputs.numbers import text
 
@@ -55,16 +56,29 @@ class Power(NamedTuple):
         """
         if np.ndim(self.strength) > 0:
             raise ValueError(f"{name}: LAMMPS has one strength for contacts of this law; use the reference engine")
-        strength = text(float(self.strength))
-        if self.exponent == 1.0:
-            return Lines(
-                interactions=(
-                    "# contacts: force = overlap, no friction, no loss (LAMMPS reports no energy for this style)",
-                    f"pair_style gran/hooke {strength} 0 0 0 0 0",
-                    "pair_coeff * *",
-                )
+        elastic = self._linear() if self.exponent == 1.0 else self._by_formula(text(problem.diameter))
+        if problem.contact_loss is None:
+            return elastic
+        says, *lines = elastic.interactions
+        variables, beside = dashpot.alone(problem)
+        return replace(
+            elastic,
+            variables=(*elastic.variables, *variables),
+            interactions=(says.replace("no loss", "with a dashpot beside it"), *lines),
+            beside=beside,
+        )
+
+    def _linear(self) -> Lines:
+        return Lines(
+            interactions=(
+                "# contacts: force = overlap, no friction, no loss (LAMMPS reports no energy for this style)",
+                f"pair_style gran/hooke {text(float(self.strength))} 0 0 0 0 0",
+                "pair_coeff * *",
             )
-        power, diameter = self.exponent + 1.0, text(problem.diameter)
+        )
+
+    def _by_formula(self, diameter: str) -> Lines:
+        power = self.exponent + 1.0
         factor = text(float(self.strength) / power)
         return Lines(
             variables=(

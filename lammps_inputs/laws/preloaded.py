@@ -1,4 +1,4 @@
-"""Hertzian contacts that bear a static load, in incremental form: rest is exactly rest, and its energy exactly 0.
+"""Contacts that bear a static load, in incremental form: rest is exactly rest, and its energy exactly 0.
 
 The strain counts from the static state, in which the overlap is ``rest`` and the force ``load``. Whatever holds the
 beads there (forces on the ends, walls, gravity) is constant, and so part of the law: what a link adds to it is all that
@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from lammps_inputs.laws import Law, Parameter
+from lammps_inputs.laws import Parameter
 from lammps_inputs.laws.hertz import Hertz
+from lammps_inputs.laws.power import Power
 from lammps_inputs.laws.wall import HertzWall, wall_lines
 from lammps_inputs.lines import Lines
 
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
     from lammps_inputs.problem import System
 
 _NEWTON = 60
+
+_NEAR, _TERMS = 0.1, 14
+"""Strain over the overlap at rest up to which an energy is its series, to the last digit with so many terms."""
 
 
 class Preloaded(NamedTuple):
@@ -29,6 +33,11 @@ class Preloaded(NamedTuple):
     """d0, the overlap at rest."""
     load: Parameter
     """F0, to the last bit what the first term is at s = 0."""
+
+    @property
+    def exponent(self) -> float:
+        """Of the overlap, in the force."""
+        return 1.5
 
     @staticmethod
     def force(s: Any, strength: Any, rest: Any, load: Any) -> Any:
@@ -56,23 +65,70 @@ class Preloaded(NamedTuple):
         """Strain at which one contact holds the whole energy; 0 where there is no contact."""
         there = np.asarray(strength) > 0.0
         a = np.where(there, strength, 1.0)
-        # from above, where the energy is convex: what it would be without load, and as a linear spring
-        s = (2.5 * energy / a) ** 0.4
-        stiff = 1.5 * a * np.sqrt(rest)
-        s = np.minimum(s, np.sqrt(2.0 * energy / np.where(stiff > 0.0, stiff, np.inf)) + np.where(stiff > 0.0, 0.0, s))
-        for _ in range(_NEWTON):
-            slope = Preloaded.force(s, a, rest, load)
-            more = Preloaded.energy(s, a, rest, load) - energy
-            s = s - np.where(slope > 0.0, np.maximum(more, 0.0) / np.where(slope > 0.0, slope, 1.0), 0.0)
-        return np.where(there, s, 0.0)
+        found = _strain(energy, Preloaded(a, rest, load), (2.5 * energy / a) ** 0.4)
+        return np.where(there, found, 0.0)
 
     def along(self, name: str, problem: "System") -> Lines:
         """The contact itself; the load is what it does at rest, see `lammps_inputs.decks.at_rest`."""
         return Hertz(self.strength).along(name, problem)
 
 
+class PreloadedPower(NamedTuple):
+    """``A (d0 + s)+^p - F0`` with ``F0 = A d0^p``, p >= 1, written as ``F0 ((1 + s / d0)^p - 1)``: 0 at s = 0."""
+
+    strength: Parameter
+    """A, in units of the scale's contact constant."""
+    exponent: float
+    """p."""
+    rest: Parameter
+    """d0, the overlap at rest, never quite 0."""
+    load: Parameter
+    """F0."""
+
+    @staticmethod
+    def force(s: Any, strength: Any, exponent: Any, rest: Any, load: Any) -> Any:  # noqa: ARG004
+        """Repulsion above that at rest; below it where the beads are farther apart."""
+        closer = s / np.maximum(rest, _LEAST)
+        return load * np.expm1(exponent * np.log1p(np.maximum(closer, _OPEN)))
+
+    @staticmethod
+    def energy(s: Any, strength: Any, exponent: Any, rest: Any, load: Any) -> Any:
+        """``U(d0 + s) - U(d0) - F0 s`` with ``U = A d^(p + 1) / (p + 1)``; of small strains from their series."""
+        power = exponent + 1.0
+        held = strength * np.maximum(rest + s, 0.0) ** power - strength * rest**power
+        closer = np.clip(s / np.maximum(rest, _LEAST), -_NEAR, _NEAR)
+        term = 0.5 * exponent * load * rest * closer * closer
+        series = 0.0 * term
+        for k in range(_TERMS):
+            series = series + term
+            term = term * (closer * (exponent - 1.0 - k) / (k + 3.0))
+        return np.where(np.abs(s) < _NEAR * rest, series, held / power - load * s)
+
+    @staticmethod
+    def stiffness(s: Any, strength: Any, exponent: Any, rest: Any, load: Any) -> Any:  # noqa: ARG004
+        """``p A (d0 + s)+^(p - 1)``."""
+        return Power.stiffness(rest + s, strength, exponent)
+
+    @staticmethod
+    def reach(energy: Any, strength: Any, exponent: Any, rest: Any, load: Any) -> Any:
+        """Strain at which one contact holds the whole energy."""
+        alone = Power.reach(energy, strength, exponent)
+        return _strain(energy, PreloadedPower(strength, exponent, rest, load), alone)
+
+    def along(self, name: str, problem: "System") -> Lines:
+        """As of `Preloaded`."""
+        return Power(self.strength, self.exponent).along(name, problem)
+
+
+_OPEN = -1.0 + 2.0**-53
+"""Strain over the overlap at rest of a contact that is open."""
+
+_LEAST = 1e-80
+"""In place of an overlap of 0; its third power is a number, and so is that of any overlap over it."""
+
+
 class PreloadedWall(NamedTuple):
-    """The same of a bead and a wall on its right, the mirror image of that of one on its left."""
+    """The same as `Preloaded` of a bead and a wall on its right, the mirror image of that of one on its left."""
 
     strength: Parameter
     """A; 0 for beads that have no wall."""
@@ -117,12 +173,19 @@ class PreloadedWall(NamedTuple):
         return wall_lines(name, self, problem)
 
 
-def bears(law: Law) -> bool:
-    """Whether it is known how contacts of a law bear a load."""
-    return isinstance(law, Hertz)
+Contact = Hertz | Power
+"""Laws of contacts of which it is known how they bear a load."""
 
 
-def under(law: Hertz, load: Parameter, grid: float) -> Preloaded:
+def rest_under(law: Contact | HertzWall, load: Parameter) -> Parameter:
+    """Overlap at which a contact has a force; 0 where there is no contact."""
+    there = np.asarray(law.strength) > 0.0
+    bare = np.where(there, np.asarray(load) / np.where(there, law.strength, 1.0), 0.0)
+    rest = bare ** (1.0 / law.exponent) if isinstance(law, Power) else np.cbrt(bare) ** 2
+    return rest if np.ndim(rest) else float(rest)
+
+
+def under(law: Contact, load: Parameter, grid: float) -> Preloaded | PreloadedPower:
     """The contact that bears a load at rest, as nearly as places that are multiples of ``grid`` allow.
 
     Args:
@@ -130,19 +193,55 @@ def under(law: Hertz, load: Parameter, grid: float) -> Preloaded:
         load: at rest, a number or an array of the law's shape; 0 where there is none.
         grid: what LAMMPS can tell apart; overlaps at rest are multiples of it, and loads follow from them.
     """
-    return Preloaded(law.strength, *_at_rest(law.strength, load, grid))
+    rest = _rounded(rest_under(law, load), grid)
+    if isinstance(law, Power):
+        return _power_at(law.strength, law.exponent, rest)
+    return Preloaded(law.strength, rest, _held(law.strength, rest))
 
 
 def wall_under(law: HertzWall, load: Parameter, grid: float) -> PreloadedWall:
     """The same of a wall."""
-    return PreloadedWall(law.strength, law.side, *_at_rest(law.strength, load, grid))
+    rest = _rounded(rest_under(law, load), grid)
+    return PreloadedWall(law.strength, law.side, rest, _held(law.strength, rest))
 
 
-def _at_rest(strength: Parameter, load: Parameter, grid: float) -> tuple[Parameter, Parameter]:
-    """Overlap, and the force that belongs to it as the laws compute it."""
-    there = np.asarray(strength) > 0.0
-    bare = np.where(there, np.asarray(load) / np.where(there, strength, 1.0), 0.0)
-    rounded = np.round(np.cbrt(bare) ** 2 / grid) * grid
-    rest: Parameter = rounded if np.ndim(rounded) else float(rounded)
+def pressed(law: Preloaded | PreloadedPower, factor: float) -> Preloaded | PreloadedPower:
+    """The same contact under so many times its load."""
+    rest = law.rest * factor ** (1.0 / law.exponent)
+    if isinstance(law, PreloadedPower):
+        return _power_at(law.strength, law.exponent, rest)
+    return law._replace(rest=rest, load=law.load * factor)
+
+
+def _power_at(strength: Parameter, exponent: float, rest: Parameter) -> PreloadedPower:
+    rest = np.maximum(rest, _LEAST) if np.ndim(rest) else max(float(rest), _LEAST)
+    return PreloadedPower(strength, exponent, rest, strength * rest**exponent)
+
+
+def _rounded(rest: Parameter, grid: float) -> Parameter:
+    rounded = np.round(rest / grid) * grid
+    return rounded if np.ndim(rounded) else float(rounded)
+
+
+def _held(strength: Parameter, rest: Parameter) -> Parameter:
+    """The force of spheres at an overlap, as the law computes it."""
     held = strength * (rest * np.sqrt(rest))
-    return rest, held if np.ndim(held) else float(held)
+    return held if np.ndim(held) else float(held)
+
+
+def _strain(energy: Any, law: Preloaded | PreloadedPower, alone: Any) -> Any:
+    """Strain at which a contact holds an energy, by Newton's method from above, where the energy is convex.
+
+    Args:
+        energy: of one contact.
+        law: of contacts.
+        alone: what it would be without load.
+    """
+    stiff = law.stiffness(0.0, *law)
+    linear = np.sqrt(2.0 * energy / np.where(stiff > 0.0, stiff, np.inf)) + np.where(stiff > 0.0, 0.0, alone)
+    s = np.minimum(alone, linear)
+    for _ in range(_NEWTON):
+        slope = law.force(s, *law)
+        more = law.energy(s, *law) - energy
+        s = s - np.where(slope > 0.0, np.maximum(more, 0.0) / np.where(slope > 0.0, slope, 1.0), 0.0)
+    return s

@@ -31,6 +31,7 @@ PICTURES = {
     "gallery/damped-contacts": ("damped-contacts", "spacetime"),
     "gallery/restitution": ("restitution", "spacetime"),
     "gallery/precompressed": ("precompressed", "dispersion"),
+    "gallery/precompressed-damped": ("precompressed-damped", "spacetime"),
     "gallery/gravity-column": ("gravity-column", "spacetime"),
     "gallery/other-exponent": ("other-exponent", "spacetime"),
     "gallery/driven-chain": ("driven-chain", "spectra"),

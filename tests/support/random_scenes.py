@@ -35,6 +35,9 @@ from workflow.verdicts.analyse import analyse
 FLOOR = 1e-5
 """Of V, and of T: below it nothing counts."""
 
+BATCH = 50
+"""Scenes between two reports."""
+
 FINE = 0.02
 """Time in T between the states in which maxima are looked for; a quartic through five is then good to 1e-7 V and T."""
 
@@ -60,7 +63,7 @@ class Nature:
 
     gap: float
     springs: list[tuple[int, int, Any, float]]
-    ground: tuple[Any, float]
+    ground: tuple[Any, Any]
     walls: tuple[float, float]
     mass: Any
     strength: Any
@@ -84,7 +87,7 @@ def nature(scene: Scene) -> Nature:
         springs = [(a, b, tied.stiffness / unit.stiffness * within(tied.rows), cubic) for a, b in pairs]
     if scene.foundation is not None:
         soft = scene.foundation
-        ground = (soft.stiffness * within(soft.rows), soft.cubic)
+        ground = (soft.stiffness * within(soft.rows), soft.cubic * within(soft.rows))
     if scene.walls is not None:
         strength = {None: 0.0, "bead": 1.0, "flat": 2.0**0.5, "rigid": 2.0**1.5}
         walls = (strength[scene.walls.left], strength[scene.walls.right])
@@ -513,7 +516,8 @@ def faults(scene: Scene, path: Path, true: Truth, stated: Stated) -> list[str]:
                     for before in maxima[:k]
                 )
             ]
-            late += max(FLOOR, stated.arrival)
+            # the run's own check leaves out the bead that the pulse ends at
+            late += max(FLOOR, stated.arrival) * (3.0 if bead in (1, scene.beads) else 1.0)
             if not any(_fits(one, peak, arrival, allowed, late, gap=scene.gap > 0.0) for one in first):
                 near = ", ".join(f"{one.velocity:.6g} at {one.time:.5g} ({one.centre:.5g})" for one in first[:3])
                 said = f"{peak:.6g} (to {allowed:.1e}) at {arrival:.5g} (to {late:.1e})"
@@ -615,14 +619,16 @@ def several(names: list[str]) -> Counter[str]:
     """These scenes, each judged, on all cores; prints what is not right."""
     tally: Counter[str] = Counter()
     kinds: Counter[str] = Counter()
-    with ProcessPoolExecutor(min(mpi.cores(), len(names)), get_context("spawn"), max_tasks_per_child=50) as pool:
-        for verdict, which, text in pool.map(one, names):
-            tally[verdict] += 1
-            kinds.update(which.split(",") if which else [])
-            if verdict in ("WRONG", "stopped", "unknown", "refused"):
-                print(text, flush=True)
-            if sum(tally.values()) % 50 == 0:
-                print(dict(tally), dict(kinds), flush=True)
+    # a pool that makes its workers anew by itself (max_tasks_per_child) can wait forever in Python 3.11
+    for begin in range(0, len(names), BATCH):
+        batch = names[begin : begin + BATCH]
+        with ProcessPoolExecutor(min(mpi.cores(), len(batch)), get_context("spawn")) as pool:
+            for verdict, which, text in pool.map(one, batch):
+                tally[verdict] += 1
+                kinds.update(which.split(",") if which else [])
+                if verdict in ("WRONG", "stopped", "unknown", "refused"):
+                    print(text, flush=True)
+        print(dict(tally), dict(kinds), flush=True)
     return tally
 
 

@@ -157,13 +157,16 @@ def _print(found: Analysis) -> None:
         print(found.left.sentence(waves))
     drifts = {"energy": seen.energy_drift, "momentum": seen.momentum_drift}
     known = {name: drift for name, drift in drifts.items() if np.isfinite(drift)}
-    if known:
-        right = "what was put in" if problem.acted_on or problem.dampers else "the kick's"
-        if seen.budget is not None:
-            print(seen.budget.result().sentence(problem.scale))
-        print(", ".join(f"{name} within {drift:.1e}" for name, drift in known.items()) + f" of {right}")
-        if max(known.values()) > ENERGY_TOLERANCE:
-            print(found.failure or "that is not this scene: was the deck run with another kappa or kick?")
+    if found.budget is not None:
+        print(f"{found.budget.account.sentence(scale)}\n{found.budget.sentence}")
+    right = "what was put in" if problem.exchanges else "the kick's"
+    said = [
+        f"{name} within {drift:.1e}" for name, drift in known.items() if name == "momentum" or not problem.exchanges
+    ]
+    if said:
+        print(f"{', '.join(said)} of {right}")
+    if max(known.values(), default=0.0) > ENERGY_TOLERANCE:
+        print(found.failure or "that is not this scene: was the deck run with another kappa or kick?")
     if found.contacts is not None:
         print("\n".join(found.contacts.lines()))
 
@@ -324,16 +327,15 @@ def _print_pulses(found: Survey) -> None:
             f"decay as (1 - n / n*)**2.5 over beads {decay.first} to {decay.last}: n* = {decay.n_star:.1f} "
             f"+- {decay.n_star_error:.1g}, theory {decay.expected:.1f}"
         )
-    if not found.problem.loaded:
-        _print_train(found)
+    _print_train(found)
     _print_leading(found)
     others = [pulse for pulse in found.pulses if not found.leads(pulse)]
     if others:
         strongest = max(pulse.peak_velocity.max() for pulse in others)
         many = f"{len(others)} other pulses, the strongest" if len(others) > 1 else "one other pulse, at most"
-        if found.problem.loaded:
-            many = f"{len(others)} crests of sound follow, the strongest"
         print(f"{many} {strongest:.3f} V (analysis.json has all)")
+    if found.crests:
+        print(f"sound follows, up to {max(crest.peak_velocity.max() for crest in found.crests):.3f} V")
     if found.noise:
         print(f"the record is noisy: {found.noise:.1e} V; it was smoothed")
 

@@ -48,7 +48,7 @@ OWN_FILES = (
     *job.OWN_FILES,
     deck.SNAPSHOTS,
 )
-ANALYSIS_FIGURES = ("spacetime", "response", "distance", "shape", "energy", "forces", "spectra", "dispersion")
+ANALYSIS_FIGURES = ("spacetime", "response", "distance", "shape", "energy", "forces", "spectra", "dispersion", "budget")
 ANALYSIS_FILES = (
     *("waves.csv", "forces.csv", "spectra.csv", "dispersion.csv"),
     REPORT,

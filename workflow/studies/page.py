@@ -153,7 +153,7 @@ def _section(section: Section, number: int, said_by: str) -> str:
     pictures = "\n".join(shown(picture) for picture in section.pictures)
     notes = "".join(f"<p>{html.escape(note)}</p>" for note in section.notes)
     table = (
-        f"<table><thead><tr><th>{html.escape(said_by)}</th><th>found here</th><th></th></tr></thead>"
+        f'<table class="statements"><thead><tr><th>{html.escape(said_by)}</th><th>found here</th><th></th></tr></thead>'
         f"<tbody>{rows}</tbody></table>"
     )
     return f"{head}{table}{notes}{pictures}</section>"
@@ -189,9 +189,9 @@ body {{ font: 16px/1.5 system-ui, sans-serif; color: #222; max-width: 62rem; mar
 h1, h2 {{ line-height: 1.2; }}
 table {{ border-collapse: collapse; width: 100%; margin: 1rem 0; }}
 th, td {{ text-align: left; vertical-align: top; padding: .5rem .7rem; border-bottom: 1px solid #ccc; }}
-table {{ table-layout: fixed; }}
-th:nth-child(1) {{ width: 26%; }}
-th:nth-child(2) {{ width: 44%; }}
+.statements {{ table-layout: fixed; }}
+.statements th:nth-child(1) {{ width: 26%; }}
+.statements th:nth-child(2) {{ width: 44%; }}
 .yes strong {{ color: #005a32; }}
 .partly strong {{ color: #8a4b00; }}
 .no strong {{ color: #a50f15; }}

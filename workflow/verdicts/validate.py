@@ -15,8 +15,10 @@ from analysis.files import table, text_dump
 from analysis.files.binary_dump import CutDumpWarning
 from analysis.trajectory import Trajectory, joined
 from lammps_inputs import InputError, Problem, html
+from lammps_inputs.facts import Fact
 from workflow.engines.reference.certify import Certificate, Certifier
 from workflow.formats import figure_files
+from workflow.runs.accounts import accountant
 from workflow.runs.own_files import claim
 from workflow.runs.run_directory import RunDirectory
 from workflow.runs.whole_files import write_figure, write_json
@@ -143,7 +145,8 @@ def validate(directory: RunDirectory, tolerances: dict[str, float] | None = None
     limits = {**TOLERANCES, **(tolerances or {})}
     problem = directory.problem
     certifier = _sure_enough(problem, limits)
-    difference = Difference(limits)
+    counted = accountant(directory, problem).of if problem.holds(Fact.ENERGY) else None
+    difference = Difference(limits, counted)
     kept: list[tuple[Trajectory, Trajectory]] = []
     kept_bytes = 0
     try:

@@ -37,7 +37,7 @@ _DARK_CHOICE = """
 
 _CHOOSE = """
 source.data.x = source.data[over.value]; source.data.y = source.data[what.value]; source.change.emit();
-xaxis.axis_label = over.value; yaxis.axis_label = what.value;
+xaxis.axis_label = headings[over.value]; yaxis.axis_label = headings[what.value];
 """
 
 
@@ -55,8 +55,13 @@ def layout(table: Table, pages: dict[str, str]) -> Any:
     what = next((name for name in ("amplitude", "peak_velocity", *numbers) if name in numbers and name != over), over)
     data["x"], data["y"] = data[over], data[what]
     source = ColumnDataSource(name="cases", data=data)
+    headings = {name: table.heading(name) for name in table.columns}
     plot = figure(
-        tools="pan,wheel_zoom,box_zoom,reset,save", height=380, width=760, x_axis_label=over, y_axis_label=what
+        tools="pan,wheel_zoom,box_zoom,reset,save",
+        height=380,
+        width=760,
+        x_axis_label=headings[over],
+        y_axis_label=headings[what],
     )
     plot.toolbar.logo = None
     drawn = plot.scatter("x", "y", size=10, source=source, fill_color="#0072B2", line_color="white", name="points")
@@ -65,12 +70,13 @@ def layout(table: Table, pages: dict[str, str]) -> Any:
     choose_x = Select(title="over", value=over, options=numbers, name="over", stylesheets=[_DARK_CHOICE])
     choose_y = Select(title="column", value=what, options=numbers, name="column", stylesheets=[_DARK_CHOICE])
     args = {"source": source, "over": choose_x, "what": choose_y, "xaxis": plot.xaxis[0], "yaxis": plot.yaxis[0]}
+    args["headings"] = headings
     for chooser in (choose_x, choose_y):
         chooser.js_on_change("value", CustomJS(args=args, code=_CHOOSE))
     columns = [
         TableColumn(
             field=name,
-            title=table.heading(name),
+            title=headings[name],
             width=230 if name in ("case", "verdict", "reason") else 110,
             formatter=HTMLTemplateFormatter(template=_LINK if name == "case" else _NUMBER),
         )

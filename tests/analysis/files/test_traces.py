@@ -23,6 +23,8 @@ def table(directory, text):
         ("force_contact_10", Channel("contact", 1, 10)),
         ("contact 10 chain 2", Channel("contact", 2, 10)),
         ("force_sensor_20_chain_4", Channel("sensor", 4, 20)),
+        ("contact 10 chain 2 dynamic (N)", Channel("contact", 2, 10, dynamic=True)),
+        ("left wall chain 1 dynamic", Channel("wall", 1, dynamic=True)),
         ("velocity_1_55", Channel("velocity", 1, 55)),
         ("Velocity chain 2 bead 5", Channel("velocity", 2, 5)),
         ("displacement_2_7", Channel("displacement", 2, 7)),

@@ -22,7 +22,8 @@ def walled(**changes):
         "kick": {"velocity": 1.0},
         "duration": 50.0,
     }
-    return library.from_plain({**plain, **changes}, "test").problem()
+    given = {key: value for key, value in {**plain, **changes}.items() if value is not None}
+    return library.from_plain(given, "test").problem()
 
 
 def read(trajectory, *blocks, **places):
@@ -108,6 +109,35 @@ def test_recording_the_beads_concerned_is_enough(found):
     np.testing.assert_allclose(part.impulse, whole.impulse, atol=1e-4)
 
 
+def test_under_a_load_walls_and_contacts_read_it_at_rest():
+    loaded = walled(beads=8, precompression={"force": 0.5}, duration=2.0)
+    readings = read(written_down(loaded, lambda t: (0.0 * t, 0.0 * t)), contacts=(4,), sensors=(4,))
+    np.testing.assert_allclose(readings.force, 0.5, rtol=1e-4)
+    np.testing.assert_allclose(readings.static, 0.5, rtol=1e-4)
+    np.testing.assert_allclose(readings.impulse, 0.0, atol=1e-15)
+
+
+def test_the_dwell_is_that_of_the_hardest_contact():
+    """Beads 1 and 2 overlap by 0.1 at most from t = 1 to 2, by 0.5 from 4 to 7, by 0.2 from 8 to 9."""
+    small = problem(chains=1, recorded=(1, 2))
+    blows = ((1.0, 1.0, 0.1), (4.0, 3.0, 0.5), (8.0, 1.0, 0.2))
+
+    def motion(t):
+        overlap, rate = 0.0 * t, 0.0 * t
+        for start, length, most in blows:
+            turn, inside = math.pi * (t - start) / length, (t > start) & (t < start + length)
+            overlap = overlap + inside * most * np.sin(turn) ** 2
+            rate = rate + inside * most * math.pi / length * np.sin(2.0 * turn)
+        first = np.array([1.0, 0.0])  # bead 1 moves, bead 2 does not
+        return first * overlap, first * rate
+
+    readings = read(written_down(small, motion), wall=False, contacts=(1,))
+    assert readings.contacts[0, 0] == 3
+    assert readings.largest[0, 0] == pytest.approx(0.5**1.5, rel=1e-4)
+    assert readings.largest_at[0, 0] == pytest.approx(5.5, abs=0.01)
+    assert readings.dwell[0, 0] == pytest.approx(3.0, abs=0.02)
+
+
 def test_beads_at_rest_are_read_as_no_force():
     still = problem(kappa=0.0)
     trajectory = written_down(still, lambda t: (0.0 * t, 0.0 * t))
@@ -115,3 +145,32 @@ def test_beads_at_rest_are_read_as_no_force():
     assert not readings.force.any()
     assert readings.impulse.tolist() == readings.largest.tolist() == readings.dwell.tolist() == [[0.0], [0.0]]
     assert np.isnan(readings.largest_at).all()
+
+
+@pytest.mark.parametrize("g", [0.2, 1.0])
+def test_a_damped_contact_is_read_with_its_dashpot(g):
+    """Two beads, linear: s = exp(-g t) sin(w t) / w with w**2 = 2 - g**2, and the force s + g s' jumps to g at once."""
+    keys = {"beads": 2, "walls": None, "contact": {"exponent": 1}, "damping": {"contact": g}, "duration": 6.0}
+    both = walled(**keys, output={"every": 0.02})
+    omega = math.sqrt(2.0 - g * g)
+    over = math.pi / omega
+    share = math.exp(-g * over)
+
+    def motion(time):
+        inside, after = np.minimum(time, over), np.maximum(time - over, 0.0)
+        fall = np.exp(-g * inside)
+        s = fall * np.sin(omega * inside) / omega - share * after
+        rate = np.where(after > 0.0, -share, fall * (np.cos(omega * inside) - g / omega * np.sin(omega * inside)))
+        return 0.5 * (time + s * np.array([1.0, -1.0])), 0.5 * (1.0 + rate * np.array([1.0, -1.0]))
+
+    exact = written_down(both, motion)
+    time = np.linspace(1e-9, over, 100001)
+    fall = np.exp(-g * time)
+    force = fall * (np.sin(omega * time) / omega + g * (np.cos(omega * time) - g / omega * np.sin(omega * time)))
+    readings = read(exact, wall=False, contacts=(1,))
+    assert readings.largest[0, 0] == pytest.approx(force.max(), abs=1e-4)
+    assert readings.largest_at[0, 0] == pytest.approx(time[np.argmax(force)], abs=0.01)
+    assert readings.force.min() == pytest.approx(force.min(), abs=0.02 * g)  # it pulls, last of all hardest
+    assert readings.impulse[0, 0] == pytest.approx(0.5 * (1.0 + share), abs=1e-4)
+    assert readings.dwell[0, 0] == pytest.approx(over, abs=1e-4)
+    assert readings.contacts[0, 0] == 1

@@ -11,6 +11,7 @@ from synthetic_waves import exact_waves, problem, reader, reference
 
 from analysis.mirror import mirrored, mirrored_problem
 from analysis.shape.exact_wave import solitary_wave
+from analysis.shape.loaded_wave import sound_speed
 from analysis.shape.waveforms import Passages, Waveforms
 from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.survey import survey
@@ -19,7 +20,7 @@ from analysis.tracking.leading_waves import from_csv, leading_waves, to_csv, usu
 from analysis.tracking.noise import noise_at_start, smoothed
 from analysis.tracking.peaks import find_peaks
 from analysis.trajectory import Trajectory, blocks, joined
-from lammps_inputs import Kick
+from lammps_inputs import Kick, library
 from workflow.engines.reference import engine
 
 EXACT = solitary_wave()
@@ -212,3 +213,32 @@ def test_of_waves_found_on_the_way_those_have_a_shape_whose_maximum_is_known(gap
     found = survey(reader(seen), few, leading=from_csv(to_csv(waves, scale), scale))
     shown = set(found.waves.bead[np.isfinite(found.shape.residual)].tolist())
     assert shown == ({10} if gap == 0.0 else set())  # bead 20 flies off at its largest velocity
+
+
+def under_load(force, **changes):
+    keys = {
+        "name": "test",
+        "beads": 60,
+        "kick": {"velocity": 1.0},
+        "duration": 55.0,
+        "precompression": {"force": force},
+    }
+    pressed = library.from_plain({**keys, **changes}, "test").problem()
+    return survey(lambda: engine.blocks(pressed), pressed)
+
+
+@pytest.mark.parametrize("force", [300.0, 1.0, 0.003])
+def test_a_kick_on_a_static_load_is_one_pulse_whatever_sound_follows(force):
+    found = under_load(force)
+    assert [found.leads(pulse) for pulse in found.pulses] == [True]
+    assert len(found.characters) == 1
+    assert (len(found.crests) > 10) == (force >= 1.0)
+
+
+def test_a_train_on_a_static_load_is_as_many_pulses_as_there_are_ahead_of_sound():
+    """Three beads that are hit together make three solitary waves."""
+    found = under_load(0.003, kick=[{"bead": bead, "velocity": 1.0} for bead in (1, 2, 3)])
+    c0 = float(sound_speed(found.problem)[0, 30])
+    assert len(found.pulses) == 3
+    assert all(np.median(pulse.speed) > 1.2 * c0 for pulse in found.pulses)
+    assert all(np.median(crest.speed) < c0 for crest in found.crests)

@@ -15,6 +15,8 @@ from analysis.tracking.leading_waves import from_csv, leading_waves, to_csv
 from analysis.tracking.peaks import PeakFinder, Peaks, find_peaks, in_mirror, sharp
 from analysis.trajectory import Trajectory, blocks
 from lammps_inputs import Kick
+from lammps_inputs.laws.in_time import HalfSine, Rectangular
+from lammps_inputs.loads import Load
 from workflow.engines.reference import engine
 
 
@@ -195,3 +197,31 @@ def test_the_error_of_a_peak_is_below_what_is_said_where_a_contact_has_closed_ju
         found = found.where((found.bead == 4) & (found.velocity > 0.5))
         assert np.all(np.abs(found.velocity - velocity) <= found.velocity_error), start
         assert np.all(np.abs(found.time - time) <= found.time_error), start
+
+
+@pytest.mark.parametrize("law", [Rectangular, HalfSine])
+@pytest.mark.parametrize("recorded", [None, (2,)])
+def test_the_error_of_a_peak_is_below_what_is_said_where_a_push_ends_between_two_frames(law, recorded):
+    for share in np.linspace(0.02, 0.98, 25):
+        push = Load(1, 2, law(0.2, 4.0 + 0.5 * share))
+        what = replace(problem(1, 0.0, 3, 20.0, 0.5, gap=30.0), loads=(push,), recorded=recorded)
+        time = np.arange(what.frames + 1) * what.every
+        x, v = np.zeros((2, len(time), 1, 3))
+        x[:, 0, 1], v[:, 0, 1] = push.travel(time), push.impulse(time)
+        columns = what.recorded_beads - 1
+        found = leading_waves(find_peaks([Trajectory(what, time, x[..., columns], v[..., columns])]), "impulse")
+        (peak,), (centre,) = found.peak_velocity, found.arrival
+        true = push.end - push.travel(push.end) / push.blow
+        assert abs(peak - push.blow) <= found.velocity_error[0]
+        assert abs(centre - true) <= found.arrival_error[0]
+
+
+@pytest.mark.parametrize("recorded", [None, (2,)])
+def test_a_kicked_bead_that_is_pushed_as_well_has_its_maximum_after_the_start(recorded):
+    push, kick = Load(1, 2, HalfSine(0.3, 4.0)), Kick(bead=2, velocity=1.0)
+    fine = engine.run(replace(problem(1, 0.0, 4, 5.0, 0.01, kicks=[kick]), loads=(push,)))
+    found, dense = (find_peaks([thinned(fine, stride, recorded)]) for stride in (50, 1))
+    one, true = (peaks.where(peaks.bead == 2).first() for peaks in (found, dense))
+    assert true.time[0] > 0.05
+    assert abs(one.velocity - true.velocity)[0] <= one.velocity_error[0]
+    assert abs(one.time - true.time)[0] <= one.time_error[0]

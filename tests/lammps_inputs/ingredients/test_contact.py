@@ -165,7 +165,6 @@ def test_in_si_units_lengths_are_those_of_the_exponent():
         ({"walls": {"right": "bead"}}, "contact.exponent: 2 given; walls are those of spheres"),
         ({"taper": 0.02}, "contact.exponent: 2 given; how the contacts of beads of unlike radius"),
         ({"contact": {"exponent": 1.2}, "scheme": "suzuki4"}, "contact.exponent: contacts of exponent 1.2 open"),
-        ({"precompression": {"force": 0.1}}, "precompression: how contacts bear it is known for those of spheres"),
     ],
     ids=lambda value: re.sub(r"\W+", "-", str(value))[:40],
 )

@@ -12,13 +12,11 @@ from stock_lammps import run, scene
 from lammps_inputs import Coupling, Material, Scene
 from lammps_inputs.decks import deck
 from lammps_inputs.facts import Fact
-from lammps_inputs.force_readout import Forces
 from lammps_inputs.ingredients.contact import Contact
 from lammps_inputs.ingredients.damping import Damping
 from lammps_inputs.ingredients.preload import Precompression
 from lammps_inputs.laws.dashpot import alpha
 from lammps_inputs.limits.timestep import default_timestep, stability_bound
-from lammps_inputs.scene import Output
 
 SLOW = pytest.mark.slow
 
@@ -46,8 +44,10 @@ def damped(**keys: Any) -> Scene:
     return scene(chains=2, beads=3, kappa=0.5, duration=3.0, every=0.5, damping=Damping(**keys))
 
 
-def errors(keys: dict[str, Any], physics: dict[str, Any], steps: tuple[float, ...], directory: Path) -> list[float]:
-    asked = damped(**keys)
+def errors(
+    keys: dict[str, Any], physics: dict[str, Any], steps: tuple[float, ...], directory: Path, **changes: Any
+) -> list[float]:
+    asked = Scene.model_validate({**dict(damped(**keys)), **changes})
     right = integrated(asked.problem(), **physics, max_step=0.02, rtol=1e-9)
     runs = (run(asked.model_copy(update={"timestep": step}), directory / f"{step}") for step in steps)
     return [float(np.max(np.abs(found.velocity - right))) for found in runs]
@@ -63,15 +63,48 @@ def test_lammps_computes_each_law_with_an_error_of_first_order(name: str, tmp_pa
     assert 3.2 < coarse / fine < 4.8
 
 
+@pytest.mark.parametrize("name", [name if name in _QUICK else pytest.param(name, marks=SLOW) for name in LOSSES])
+def test_lammps_computes_each_law_under_a_static_load(name: str, tmp_path: Path) -> None:
+    keys, physics = LOSSES[name]
+    load = {"precompression": Precompression(force=0.3)}
+    coarse, fine = errors(keys, {**physics, "static": 0.3}, (0.01, 0.0025), tmp_path, **load)
+    assert coarse < 2e-3
+    assert 3.2 < coarse / fine < 4.8
+
+
+@pytest.mark.parametrize(
+    ("exponent", "name", "load"),
+    [
+        (1.0, "linear", None),
+        (2.0, "linear", 0.3),
+        pytest.param(3.0, "viscoelastic", None, marks=SLOW),
+        pytest.param(1.0, "viscoelastic", 0.3, marks=SLOW),
+        pytest.param(2.0, "all", 0.3, marks=SLOW),
+    ],
+)
+def test_lammps_computes_dashpots_of_contacts_of_any_exponent(
+    exponent: float, name: str, load: float | None, tmp_path: Path
+) -> None:
+    keys, physics = LOSSES[name]
+    changes = {"contact": Contact(exponent=exponent), "precompression": load and Precompression(force=load)}
+    physics = {**physics, "exponent": exponent, "static": load or 0.0}
+    coarse, fine = errors(keys, physics, (0.01, 0.0025), tmp_path, **changes)
+    assert coarse < 3e-3
+    assert 3.2 < coarse / fine < 4.8
+
+
 def test_lammps_computes_drag_on_beads_with_an_error_of_second_order(tmp_path: Path) -> None:
     coarse, fine = errors({"beads": 0.3}, {"drag": 0.3}, (0.02, 0.005), tmp_path)
     assert coarse < 2e-4
     assert 12.0 < coarse / fine < 20.0
 
 
-@pytest.mark.parametrize("share", [0.9, 0.7, 0.5])
-def test_two_beads_part_with_their_restitution(share: float, tmp_path: Path) -> None:
-    asked = scene(duration=10.0, damping=Damping(contact=share, law="restitution"), timestep=0.002, every=10.0)
+@pytest.mark.parametrize(("share", "exponent"), [(0.9, 1.5), (0.7, 1.5), (0.5, 1.5), (0.7, 1.0), (0.7, 2.0)])
+def test_two_beads_part_with_their_restitution(share: float, exponent: float, tmp_path: Path) -> None:
+    losing = Damping(contact=share, law="restitution")
+    contact = Contact(exponent=exponent)
+    step = 0.002 if exponent > 1.0 else 0.0002  # where linear contacts open, their dashpots' force jumps
+    asked = scene(duration=10.0, contact=contact, damping=losing, timestep=step, every=10.0)
     first, second = run(asked, tmp_path / "run").velocity[-1, 0]
     assert second - first == pytest.approx(share, abs=5e-5)
 
@@ -108,9 +141,14 @@ def test_damping_says_what_it_takes_away() -> None:
             {"damping": Damping(coupling=0.1), "coupling": Coupling(stiffness=0.1, cubic=0.1)},
             "equal linear springs between each chain and the next",
         ),
-        ({"damping": Damping(contact=0.1), "contact": Contact(exponent=2.0)}, "only contacts of spheres"),
-        ({"precompression": Precompression(force=0.1)}, "precompression: LAMMPS notes the forces"),
-        ({"damping": Damping(contact=0.1), "output": Output(forces=Forces(contacts=(1,)))}, "only walls are read"),
+        (
+            {"damping": Damping(contact=0.1, tension="cut"), "contact": Contact(exponent=2.0)},
+            "cuts tension where dashpots pull harder than contacts of spheres push, of exponent 1.5, not 2",
+        ),
+        (
+            {"damping": Damping(contact=0.7, law="restitution"), "contact": Contact(exponent=3.0)},
+            "for contacts of exponent 1, 1.5 and 2, not 3",
+        ),
     ],
 )
 def test_what_damping_cannot_go_with_is_refused(changes: dict[str, Any], words: str) -> None:

@@ -16,6 +16,7 @@ from wrong_runs import deck_run
 from analysis.gauges.forces import ForceMeter
 from analysis.gauges.gauge import gauges
 from analysis.sharing.impulses import measure
+from analysis.sound.dispersion import Dispersion
 from analysis.sound.loaded_pulse import LoadedPulse
 from lammps_inputs import InputError, library
 from lammps_inputs.decks import deck
@@ -69,6 +70,7 @@ SCENES = {
         },
     ),
     "dimers": ({**FREE, **DIMER}, {"static": 0.3, "mass": [1.0, 0.5] * 6, "strength": 4.0 / 3.0}),
+    "linear contacts": ({**FREE, "contact": {"exponent": 1.0}}, {"static": 0.3, "exponent": 1.0}),
 }
 
 
@@ -102,6 +104,46 @@ def test_what_is_not_hit_stays_at_rest_to_the_last_bit(tmp_path, name, executabl
     assert not np.any(found.displacement[:, 0])
     assert not np.any(found.velocity[:, 0])
     assert np.any(found.velocity[-1, 1])
+
+
+def test_contacts_of_another_exponent_bear_a_load_in_lammps_and_rest_exactly(tmp_path):
+    keys = {**FREE, "contact": {"exponent": 2.0}}
+    case = loaded(**keys)
+    found = run(case, tmp_path / "run")
+    error = np.abs(found.trajectory.velocity - integrated(case.problem(), static=0.3, exponent=2.0)).max()
+    assert error == pytest.approx(found.check.velocity, rel=0.01)
+    assert error < 1e-4
+    still = run_stock(loaded(**keys, chains=2, kick={"velocity": 1e-3, "chain": 2}, duration=5.0), tmp_path / "still")
+    assert not np.any(still.displacement[:, 0])
+    assert np.any(still.velocity[-1, 1])
+
+
+def test_a_pressed_chain_of_linear_contacts_swings_by_its_modes(tmp_path):
+    """No contact opens, so that all is linear: modes 2 sin(q / 2) of a free chain, up to the cut-off 2 sqrt(k / m)."""
+    beads = 40
+    case = loaded(
+        beads=beads,
+        contact={"exponent": 1.0},
+        precompression={"force": 3.0},
+        kick={"bead": 10, "velocity": 1.0},
+        duration=60.0,
+        output={"every": 0.25},
+    )
+    found = run(case, tmp_path / "run")
+    q = np.pi * np.arange(beads) / beads
+    shape = np.cos(np.outer(np.arange(beads) + 0.5, q)) * np.where(q > 0.0, np.sqrt(2.0), 1.0) / np.sqrt(beads)
+    time = found.trajectory.time
+    exact = np.cos(np.outer(time, 2.0 * np.sin(q / 2.0))) * shape[9] @ shape.T
+    error = np.abs(found.trajectory.velocity[:, 0] - exact).max()
+    assert error == pytest.approx(found.check.velocity, rel=0.01)
+    assert error < 1e-4
+    assert case.system.sound_frequency == pytest.approx(2.0, rel=1e-12)
+    spectrum = Dispersion(found.directory.problem)
+    for block in found.directory.blocks():
+        spectrum.add(block)
+    seen = spectrum.result()
+    assert seen.cell.bands()[0, 1] == pytest.approx(2.0, rel=1e-12)
+    assert abs(seen.measured_bands()[0, 1] - 2.0) < seen.bin
 
 
 def test_small_and_large_loads_run_with_a_small_error_and_their_energy(tmp_path):
@@ -225,9 +267,10 @@ def test_validate_names_what_does_not_hold_the_beads(tmp_path, keys, pattern, ne
     [(None, "the static load is missing"), (0.6, "the contacts bear about 2 times the static load of the scene")],
     ids=["none", "twice"],
 )
-def test_the_cause_is_named_where_contacts_bear_another_load(force, said):
+@pytest.mark.parametrize("contact", [None, {"exponent": 2.0}], ids=["spheres", "squares"])
+def test_the_cause_is_named_where_contacts_bear_another_load(force, said, contact):
     right, other = (
-        engine.run(loaded(output={"every": 0.1}, precompression=given).problem())
+        engine.run(loaded(output={"every": 0.1}, precompression=given, contact=contact).problem())
         for given in (FREE["precompression"], force and {"force": force})
     )
     assert causes(replace(other, problem=right.problem), right) == [said]
@@ -290,7 +333,7 @@ def test_the_default_step_follows_sound_and_an_unstable_one_is_refused():
         ({"gravity": 0.1}, "gravity: nothing holds the column"),
         ({"gravity": 0.1, "walls": {"left": "flat"}}, "gravity: nothing holds the column"),
         ({"gravity": -0.1}, "gravity"),
-        ({"gravity": "strong"}, "gravity"),
+        ({"gravity": "strong"}, "gravity.acceleration: should be a number"),
         ({"precompression": {"force": 0.0}}, "precompression.force"),
         ({"precompression": {"force": 1e7}}, "precompression: 1e+07 times m V / T"),
         ({"precompression": {"force": 1e-22}}, "precompression: 1e-22 times m V / T"),

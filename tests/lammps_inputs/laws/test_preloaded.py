@@ -5,13 +5,16 @@ import pytest
 
 from lammps_inputs import laws
 from lammps_inputs.laws.hertz import Hertz
-from lammps_inputs.laws.preloaded import under, wall_under
+from lammps_inputs.laws.power import Power
+from lammps_inputs.laws.preloaded import pressed, under, wall_under
 from lammps_inputs.laws.wall import HertzWall
 
 LOADS = np.geomspace(1e-9, 1e6, 40)
 LAWS = {
     "numbers": under(Hertz(), 0.37, 2.0**-42),
     "arrays": under(Hertz(np.linspace(0.5, 2.0, 40)), LOADS, 2.0**-42),
+    "linear": under(Power(1.0, 1.0), 0.37, 2.0**-42),
+    "cubic, arrays": under(Power(np.linspace(0.5, 2.0, 40), 3.0), LOADS, 2.0**-42),
     "wall": wall_under(HertzWall(np.array([0.0, 0.0, 2.0]), -1.0, 0.0), np.array([0.0, 0.0, 0.4]), 2.0**-42),
 }
 
@@ -33,25 +36,42 @@ def test_force_is_the_slope_of_the_energy_and_stiffness_that_of_the_force(law, s
     np.testing.assert_allclose((strong - weak) / (2 * h), laws.stiffness(law, strain), rtol=1e-5, atol=1e-9 * size)
 
 
-def test_the_energy_of_small_strains_has_all_its_digits():
-    law = LAWS["arrays"]
+@pytest.mark.parametrize("name", ["arrays", "linear", "cubic, arrays"])
+def test_the_energy_of_small_strains_has_all_its_digits(name):
+    law = LAWS[name]
     expected = 0.5 * laws.stiffness(law, 0.0) * 1e-12**2
     np.testing.assert_allclose(laws.energy(law, 1e-12), expected, rtol=1e-5)
 
 
-def test_reach_is_the_strain_that_holds_an_energy():
-    law = LAWS["arrays"]
+def test_the_energy_of_any_exponent_goes_on_smoothly_from_its_series():
+    law, strain = under(Power(1.0, 2.5), 0.4, 2.0**-42), 0.1 * LAWS["numbers"].rest * np.array([-1.0, 1.0])
+    for s in strain:
+        below, above = laws.energy(law, s * (1.0 - 1e-12)), laws.energy(law, s * (1.0 + 1e-12))
+        assert above == pytest.approx(below, rel=1e-11)
+
+
+@pytest.mark.parametrize("name", ["arrays", "linear", "cubic, arrays"])
+def test_reach_is_the_strain_that_holds_an_energy(name):
+    law = LAWS[name]
     np.testing.assert_allclose(laws.energy(law, law.reach(0.5, *law)), 0.5, rtol=1e-12)
 
 
 def test_loads_are_those_asked_for_but_for_the_rounding_of_places():
-    law = LAWS["arrays"]
-    np.testing.assert_allclose(law.load[1:], LOADS[1:], rtol=1e-6)
-    assert np.array_equal(law.rest / 2.0**-42, np.round(law.rest / 2.0**-42))
+    for law in (LAWS["arrays"], LAWS["cubic, arrays"]):
+        np.testing.assert_allclose(law.load[1:], LOADS[1:], rtol=1e-6)
+        assert np.array_equal(law.rest / 2.0**-42, np.round(law.rest / 2.0**-42))
 
 
 def test_a_contact_that_bears_nothing_is_a_contact_without_load():
-    law = under(Hertz(), np.array([0.0, 0.1]), 2.0**-42)
-    for s in (-0.3, 0.2):
-        assert laws.force(law, s)[0] == laws.force(Hertz(), s)
-        assert laws.energy(law, s)[0] == pytest.approx(laws.energy(Hertz(), s), rel=1e-14)
+    for free, digits in ((Hertz(), 1e-14), (Power(1.0, 1.0), 1e-12), (Power(1.0, 3.0), 1e-12)):
+        law = under(free, np.array([0.0, 0.1]), 2.0**-42)
+        for s in (-0.3, 0.2):
+            assert laws.force(law, s)[0] == pytest.approx(laws.force(free, s), rel=digits)
+            assert laws.energy(law, s)[0] == pytest.approx(laws.energy(free, s), rel=digits)
+
+
+@pytest.mark.parametrize("law", [LAWS["numbers"], LAWS["cubic, arrays"]], ids=["spheres", "cubic"])
+def test_a_contact_pressed_so_many_times_bears_that_load(law):
+    np.testing.assert_allclose(pressed(law, 2.0).load, 2.0 * law.load, rtol=1e-14)
+    assert laws.force(pressed(law, 2.0), 0.0) == pytest.approx(0.0, abs=1e-9 * np.max(law.load))
+    assert np.all(pressed(law, 0.0).load < 1e-100)

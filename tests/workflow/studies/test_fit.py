@@ -138,6 +138,7 @@ def test_each_channel_is_weighed_by_its_own_noise():
     weights = 1.0 / found.noise
     jacobian = (slopes(None) * weights[:, np.newaxis])[np.isfinite(residuals(np.zeros(2)))]
     assert found.error == pytest.approx(np.sqrt(np.diag(np.linalg.inv(jacobian.T @ jacobian))), rel=1e-6)
+    assert found.half_width == pytest.approx(1.963 * found.error, rel=1e-4)  # of 95%, of Student's t with 748 degrees
 
 
 def test_residuals_that_are_alike_widen_the_intervals():
@@ -148,6 +149,8 @@ def test_residuals_that_are_alike_widen_the_intervals():
     assert white.widened == 1.0
     assert found.widened > 1.5
     assert found.error[0] > 1.5 * white.error[0]
+    r = found.alike.max()
+    assert found.widened == pytest.approx(np.sqrt((1.0 + r) / (1.0 - r)))
 
 
 def test_what_the_data_do_not_depend_on_is_named():

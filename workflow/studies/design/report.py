@@ -150,7 +150,8 @@ def _of_best(found: Found) -> list[Picture]:
     ]
     if curves:
         scale = best.problem.scale
-        labels = (f"time ({scale.symbol('time')})", f"force on the wall, all chains ({scale.symbol('force')})")
+        time, force = (scale.symbol(kind) if scale.si else "reduced" for kind in ("time", "force"))
+        labels = (f"time ({time})", f"force on the wall, all chains ({force})")
         pictures.append(drawn("wall", wall_figure(curves, *labels), "Force on the far wall over time, by LAMMPS."))
     return pictures
 
