@@ -126,7 +126,7 @@ def spacetime_figure(data: SpaceTime) -> Figure:
                 _name_columns(axis, data.beads)
         if even:
             axes[0, 0].xaxis.get_major_locator().set_params(integer=True)
-            axes[0, 0].set_xlim(*_moving(data.beads, np.max(size, axis=(0, 1)) > STILL * largest, places))
+            axes[0, 0].set_xlim(*moving_part(data.beads, np.max(size, axis=(0, 1)) > STILL * largest, places))
         for axis in axes[:, 0]:
             axis.set_ylabel(f"time $t$ ({time.symbol})")
         shape: dict[str, Any] = {"aspect": 20 * rows, "extendfrac": 0.05 / rows, "fraction": 0.15 / columns}
@@ -140,7 +140,7 @@ def spacetime_figure(data: SpaceTime) -> Figure:
     return figure
 
 
-def _moving(beads: NDArray[np.int64], moves: NDArray[np.bool_], whole: tuple[float, float]) -> tuple[float, float]:
+def moving_part(beads: NDArray[np.int64], moves: NDArray[np.bool_], whole: tuple[float, float]) -> tuple[float, float]:
     """Ends of the axis of beads: all, or those that move with as many around if they are less than half."""
     seen = np.flatnonzero(moves)
     if len(seen) == 0 or 2 * (seen[-1] + 1 - seen[0]) >= len(beads):

@@ -1,12 +1,8 @@
 """Say in what state directories are: waiting, running, done, failed or incomplete, and why."""
 
 import argparse
-import sys
 from collections import Counter
 from pathlib import Path
-
-from rich.console import Console
-from rich.text import Text
 
 from workflow.cluster import queue
 from workflow.runs.status import Status, statuses
@@ -29,9 +25,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(arguments: argparse.Namespace) -> Answer:
     """Print a line per directory; exit code 1 if one has failed or holds no run."""
     found = statuses(arguments.directories, queue.ask())
-    console = Console(file=sys.stdout, soft_wrap=True, highlight=False)
     for one in found:
-        console.print(Text(line(one)))
+        print(line(one))
     if len(found) > 1:
         counts = Counter(one.state for one in found)
         print(f"{len(found)} directories: {', '.join(f'{count} {state}' for state, count in counts.items())}")

@@ -36,4 +36,6 @@ def execute(arguments: argparse.Namespace) -> int:
     )
     if screen and not arguments.no_open:
         webbrowser.open(pages[0].resolve().as_uri())
+    elif not arguments.no_open:
+        print(f"there is no screen here: open {one_line(pages[0])} in a browser")
     return 0

@@ -21,8 +21,8 @@ from bokeh.models import (
 from bokeh.palettes import diverging_palette, interp_palette
 from bokeh.plotting import figure
 
-from analysis.figures.spacetime import largest_afar
-from analysis.figures.style import CHAIN_COLOURS
+from analysis.figures.spacetime import STILL, largest_afar, moving_part
+from analysis.figures.style import CHAIN_COLOURS as ON_PAPER
 from analysis.sharing.survey import Survey
 from lammps_inputs import Problem
 from workflow.view.thin import Thinned
@@ -38,6 +38,14 @@ _BLUE_RED = diverging_palette(
     interp_palette(["#67001f", "#b2182b", "#d6604d", "#f4a582", "#fddbc7", "#f7f7f7"], 128),
     n=255,
 )
+
+CHAIN_COLOURS = tuple("#44aa99" if colour == "#000000" else colour for colour in ON_PAPER)
+"""Teal (Tol) for black, which is not seen in dark mode."""
+
+PLOTS_A_ROW = 4
+
+_BAR = 70
+"""Width of the bar of colours."""
 
 _TOOLS = "pan,wheel_zoom,box_zoom,reset,save"
 
@@ -112,7 +120,15 @@ def layout(problem: Problem, part: Thinned, found: Survey | None, shown: list[in
     now = Span(dimension="width", location=float(part.time[0]), line_color="#d55e00", line_width=1.5)
     largest = largest_afar(problem, part.beads, part.velocity)
     colours = LinearColorMapper(palette=_BLUE_RED, low=-largest, high=largest, nan_color="#999999")
-    maps, bead_range, time_range = _maps(part, images, now, colours, symbol)
+    moved = np.nanmax(np.abs(part.velocity), axis=(0, 1), initial=0.0) > STILL * largest
+    half = 0.5 * part.bead_stride
+    sight = moving_part(part.beads, moved, (float(part.beads[0]) - half, float(part.beads[-1]) + half))
+    maps, bead_range, time_range = _maps(part, images, now, colours, symbol, sight)
+    there = part.beads[moved] if moved.any() else part.beads
+    shown = [
+        bead if bead in there else int(there[share * (len(there) - 1) // 6])
+        for bead, share in zip(shown, (1, 3, 5), strict=False)
+    ]
     traces, trace_source = _traces(part, shown, time_range, symbol)
     moving, controls = _moving(problem, part, images, now, colours)
     tapped = {"beads": part.beads.tolist(), "chains": part.chains, "time": part.time.tolist(), "images": images}
@@ -127,7 +143,9 @@ def layout(problem: Problem, part: Thinned, found: Survey | None, shown: list[in
     moving.toolbar.logo = None
     return column(
         gridplot(
-            [maps[k : k + 4] for k in range(0, len(maps), 4)], toolbar_location="right", toolbar_options={"logo": None}
+            [maps[k : k + PLOTS_A_ROW] for k in range(0, len(maps), PLOTS_A_ROW)],
+            toolbar_location="right",
+            toolbar_options={"logo": None},
         ),
         controls,
         moving,
@@ -153,9 +171,19 @@ def _image_source(part: Thinned, place: int) -> ColumnDataSource:
 
 
 def _maps(
-    part: Thinned, images: list[ColumnDataSource], now: Span, colours: LinearColorMapper, symbol: dict[str, str]
+    part: Thinned,
+    images: list[ColumnDataSource],
+    now: Span,
+    colours: LinearColorMapper,
+    symbol: dict[str, str],
+    sight: tuple[float, float],
 ) -> tuple[list[Any], Any, Any]:
-    """Velocity in space and time, a plot for each chain, with linked axes and a cursor that says the numbers."""
+    """Velocity in space and time, a plot for each chain, with linked axes and a cursor that says the numbers.
+
+    Args:
+        sight: beads that are seen at first.
+    """
+    across = min(PLOTS_A_ROW, len(part.chains))
     lists = {"beads": part.beads.tolist(), "time": part.time.tolist(), "stride": part.bead_stride}
     bead = CustomJSHover(args=lists, code="return '' + beads[Math.round((special_vars.x - beads[0]) / stride)]")
     time = CustomJSHover(
@@ -165,12 +193,13 @@ def _maps(
     )
     found: list[Any] = []
     for source, chain in zip(images, part.chains, strict=True):
-        shared = {"x_range": found[0].x_range, "y_range": found[0].y_range} if found else {}
+        shared = {"x_range": found[0].x_range, "y_range": found[0].y_range} if found else {"x_range": sight}
+        last = len(found) % across == across - 1
         plot = figure(
             title=f"chain {chain}",
             tools=_TOOLS,
             active_scroll="wheel_zoom",
-            width=max(330, 1240 // min(4, len(part.chains)) - 20),
+            width=(1240 - _BAR) // across + (_BAR if last else 0),
             height=430,
             x_axis_label="bead",
             y_axis_label=f"time{symbol['time']}",
@@ -186,8 +215,9 @@ def _maps(
         plot.add_layout(now)
         plot.grid.visible = False
         _label(plot)
+        if len(found) == across - 1:
+            plot.add_layout(ColorBar(color_mapper=colours, title=f"velocity{symbol['velocity']}", width=10), "right")
         found.append(plot)
-    found[-1].add_layout(ColorBar(color_mapper=colours, title=f"velocity{symbol['velocity']}", width=10), "right")
     return found, found[0].x_range, found[0].y_range
 
 
@@ -290,11 +320,14 @@ def _distances(problem: Problem, part: Thinned, found: Survey, bead_range: Any, 
     if not len(waves):
         return []
     peaks = _graph("peak velocity of the leading pulse", "bead", f"velocity{symbol['velocity']}", bead_range)
-    lags = _graph(f"arrival after that in chain {part.chains[0]}", "bead", f"time{symbol['time']}", bead_range)
-    reference = waves.of_chain(part.chains[0])
+    hit = max(problem.struck, key=lambda blow: abs(blow[2]))[0]
+    lags = _graph(f"arrival after that in chain {hit}", "bead", f"time{symbol['time']}", bead_range)
+    reference = waves.of_chain(hit)
     drawn = []
     for place, chain in enumerate(part.chains):
         own = waves.of_chain(chain)
+        if not len(own):
+            continue
         style = _of_chain(place, chain)
         drawn.append(
             peaks.line("bead", "peak", source={"bead": own.bead, "peak": own.peak_velocity * scale.velocity}, **style)
@@ -303,7 +336,7 @@ def _distances(problem: Problem, part: Thinned, found: Survey, bead_range: Any, 
         lag = (own.arrival[mine] - reference.arrival[theirs]) * scale.time
         lags.line(both, lag, **style)
     peaks.add_tools(HoverTool(renderers=drawn, tooltips=[("bead", "@bead"), ("peak velocity", "@peak{0.00000}")]))
-    return [peaks, lags] if len(part.chains) > 1 else [peaks]
+    return [peaks, lags] if len(drawn) > 1 else [peaks]
 
 
 def _energy(problem: Problem, part: Thinned, time_range: Any, symbol: dict[str, str]) -> Any:

@@ -23,6 +23,18 @@ _LINK = '<a href="<%= link %>"><%- value %></a>'
 
 _NUMBER = '<%= value === null ? "" : typeof value === "number" ? +value.toPrecision(6) : _.escape(value) %>'
 
+_DARK_TABLE = """
+@media (prefers-color-scheme: dark) {
+  .slick-row, .slick-row .slick-cell, .bk-cell-index { background: #1b1d21 !important; color: #ddd !important; }
+  .slick-row.odd, .slick-row.odd .slick-cell { background: #26292f !important; }
+  .slick-row .slick-cell a { color: #8ab4f8; }
+}
+"""
+
+_DARK_CHOICE = """
+@media (prefers-color-scheme: dark) { .bk-input { background-color: #26292f; color: #ddd; } }
+"""
+
 _CHOOSE = """
 source.data.x = source.data[over.value]; source.data.y = source.data[what.value]; source.change.emit();
 xaxis.axis_label = headings[over.value]; yaxis.axis_label = headings[what.value];
@@ -55,8 +67,8 @@ def layout(table: Table, pages: dict[str, str]) -> Any:
     drawn = plot.scatter("x", "y", size=10, source=source, fill_color="#0072B2", line_color="white", name="points")
     plot.add_tools(HoverTool(renderers=[drawn], tooltips=[("case", "@case"), ("x", "@x"), ("y", "@y")]))
     plot.add_tools(TapTool(renderers=[drawn], callback=OpenURL(url="@link")))
-    choose_x = Select(title="over", value=over, options=numbers, name="over")
-    choose_y = Select(title="column", value=what, options=numbers, name="column")
+    choose_x = Select(title="over", value=over, options=numbers, name="over", stylesheets=[_DARK_CHOICE])
+    choose_y = Select(title="column", value=what, options=numbers, name="column", stylesheets=[_DARK_CHOICE])
     args = {"source": source, "over": choose_x, "what": choose_y, "xaxis": plot.xaxis[0], "yaxis": plot.yaxis[0]}
     args["headings"] = headings
     for chooser in (choose_x, choose_y):
@@ -72,7 +84,13 @@ def layout(table: Table, pages: dict[str, str]) -> Any:
         if any(value not in (None, "") for value in data[name])
     ]
     grid = DataTable(
-        source=source, columns=columns, height=430, sizing_mode="stretch_width", autosize_mode="none", reorderable=False
+        source=source,
+        columns=columns,
+        height=430,
+        sizing_mode="stretch_width",
+        autosize_mode="none",
+        reorderable=False,
+        stylesheets=[_DARK_TABLE],
     )
     return column(row(plot, column(choose_y, choose_x)), grid, sizing_mode="stretch_width")
 

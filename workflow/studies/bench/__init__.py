@@ -4,7 +4,7 @@ import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
-from workflow.studies.bench import against_usual_ways, collisions, ingredients, reference, sweeps, window
+from workflow.studies.bench import against_usual_ways, collisions, hand, ingredients, reference, sweeps, window
 from workflow.studies.bench.ratio import Ratio
 
 __all__ = ["PARTS", "Ratio", "measure"]
@@ -12,6 +12,7 @@ __all__ = ["PARTS", "Ratio", "measure"]
 Part = Callable[[Path], Iterator[Ratio]]
 
 PARTS: Mapping[str, Part] = {
+    "hand": hand.hand_ratios,
     "output": against_usual_ways.output_cost,
     "check": against_usual_ways.check_cost,
     "deck": against_usual_ways.tuned_against_plain,
