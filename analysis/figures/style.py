@@ -39,6 +39,7 @@ FEW_NUMBERS = 20
 STYLE: Any = {
     "font.size": 9,
     "axes.titlesize": 9,
+    "axes.titley": 1.0,  # there, and not sought for, which takes as long as all else
     "figure.titlesize": 10,
     "lines.linewidth": 1.3,
     "axes.spines.top": False,

@@ -7,6 +7,7 @@ reference that misses more than 1e-9 of what was put in, or one of LAMMPS that m
 states amounts to, is printed: exit code 1.
 """
 
+import math
 import random
 import sys
 import tempfile
@@ -24,6 +25,10 @@ from workflow.runs.accounts import accountant
 from workflow.runs.run import Run, run
 
 CLOSED = 1e-9
+
+KEPT = 0.5 * math.e
+"""Of an error: what is lost keeps what a velocity forgets. Where drag c makes v fall off and is wrong by a share k, v
+is off by k t v, at most k v / (c e) of the first, and the energy lost by k v**2 / (2 c)."""
 
 KINDS: dict[str, dict[str, Any]] = {
     "linear": {"contact": 1.0},
@@ -128,7 +133,7 @@ def several(count: int, seed: str) -> int:
         reference, lammps = both(scene)
         numbers = [reference.missing, lammps.missing, lammps.stated, lammps.in_the_error, lammps.unsure, 1.0]
         worst[kind] = [*map(max, worst[kind][:-1], numbers[:-1]), worst[kind][-1] + 1.0]
-        if not (reference.missing <= CLOSED and lammps.in_the_error <= 1.0):
+        if not (reference.missing <= CLOSED and lammps.in_the_error <= KEPT):
             wrong += 1
             print(f"{kind}: reference {reference}, lammps {lammps}\n{scene.plain()}", flush=True)
     print(f"{'worst of':20} {'number':>6} {'reference':>10} {'LAMMPS':>10} {'stated V':>10} {'in it':>6} {'unsure':>8}")

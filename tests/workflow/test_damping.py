@@ -30,6 +30,7 @@ from workflow.cli import main
 from workflow.engines.reference import engine
 from workflow.engines.reference.accountant import Accountant
 from workflow.engines.reference.verlet import VERLET
+from workflow.prepare.instants import stride
 from workflow.runs.run import Run, run
 from workflow.verdicts.analyse import analyse
 from workflow.verdicts.causes import causes
@@ -75,9 +76,9 @@ def budget(blocks: Iterable[Trajectory], keeper: Accountant | None = None) -> tu
 def test_the_budget_of_lammps_closes_to_the_error_of_the_run_however_far_apart_its_frames_are(done: Run) -> None:
     assert done.check is not None
     problem = done.directory.problem
-    for stride in (1, 20):
-        keeper = Accountant(problem.coarser(stride))
-        missing, account = budget(done.directory.blocks(stride), keeper)
+    for coarse in (1, 20):
+        keeper = Accountant(problem.coarser(coarse))
+        missing, account = budget(done.directory.blocks(coarse), keeper)
         assert missing < 2.0 * done.check.velocity
         assert keeper.unsure < 0.1 * done.check.velocity
         assert account.lost["contact_damping"][-1] > 0.2
@@ -307,3 +308,21 @@ def test_damped_chains_under_load_rest_exactly(tmp_path: Path) -> None:
     found = stock_run(still, tmp_path / "run", ranks=2)
     assert not np.any(found.displacement[:, 0])
     assert np.any(found.velocity[-1, 1])
+
+
+# --- overdamped -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("drag", [10.0, 1e3])
+def test_steps_of_lammps_and_of_the_reference_follow_the_drag_on_beads(drag: float) -> None:
+    problem = damped(damping=Damping(beads=drag), duration=1.0).problem()
+    assert problem.timestep * drag <= 0.05
+    assert problem.every / engine.default_steps_per_frame(problem) * drag <= 0.15  # within which Runge-Kutta is exact
+
+
+def test_frames_are_compared_as_often_as_dashpots_stop_a_bead() -> None:
+    """The error is largest in the first of them, where a kick is slowed down."""
+    quick, slow = (damped(damping=Damping(contact=g), duration=50.0).problem() for g in (1.0, 0.01))
+    assert quick.every > 0.25 / quick.drag
+    assert stride(quick) == 1
+    assert stride(slow) == 4

@@ -52,9 +52,10 @@ FAR = 1.4
 
 
 ANSWERS = "what analysis.json holds"
+DRAWS = True
 EXAMPLES = (
     "analyze demo",
-    "analyze demo --beads 10,55,90 --no-figures",
+    "analyze demo --beads 10,55,90 --formats png,pdf",
 )
 
 

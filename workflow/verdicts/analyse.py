@@ -34,13 +34,14 @@ from lammps_inputs import InputError, Problem, Scene, laws
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.unequal import period
 from workflow.engines.reference.accountant import Accountant
+from workflow.formats import figure_files, in_any_format
 from workflow.runs.accounts import accountant
 from workflow.runs.contacts import Contacts, has_contacts, of_overlap
-from workflow.runs.own_files import claim
+from workflow.runs.own_files import claim, retire
 from workflow.runs.peaks_table import found_on_the_way
 from workflow.runs.results import Fingerprint, recorded_fingerprint
-from workflow.runs.run_directory import REPORT, RunDirectory
-from workflow.runs.whole_files import figure_files, write_figure, write_json, write_text
+from workflow.runs.run_directory import ANALYSIS_FIGURES, REPORT, RunDirectory
+from workflow.runs.whole_files import write_figure, write_json, write_text
 from workflow.verdicts.analysis_report import last_clear_bead, report
 from workflow.verdicts.ingredient_reports import (
     ClosedBudget,
@@ -212,7 +213,10 @@ def analyse(
         figures_of["budget"] = lambda: budget_figure(problem, budget.account)
     there = ((FORCES, forces is not None), (SPECTRA, spectra is not None), (DISPERSION, isinstance(dispersion, Map)))
     tables = [WAVES, *(name for name, is_there in there if is_there)]
-    claim(directory.path, (*tables, REPORT, *figure_files(*figures_of)))
+    files = figure_files(*figures_of)
+    claim(directory.path, (*tables, REPORT, *files))
+    if figures:
+        retire(directory.path, set(in_any_format(*ANALYSIS_FIGURES)).difference(files))
     drawn = tuple(path for name, make in figures_of.items() for path in write_figure(directory.path, name, make()))
     write_text(directory.path / WAVES, waves_csv(found))
     if forces is not None:

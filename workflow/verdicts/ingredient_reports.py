@@ -12,7 +12,7 @@ from analysis.gauges.spectra import Spectra, drives
 from analysis.shape.loaded_wave import sound_speed
 from analysis.sharing.cells import CellEnergy
 from analysis.sharing.energy_flow import Flow
-from analysis.sound.dispersion import Map
+from analysis.sound.dispersion import Map, NoDispersionError, cell_of
 from analysis.sound.loaded_pulse import LoadedWave
 from analysis.tracking.pulses import Pulse
 from analysis.trajectory import Floats
@@ -234,6 +234,8 @@ def spectra_report(problem: Problem, spectra: Spectra) -> dict[str, Any]:
     |                  | each drive ``at_drive``: frequency, amplitude, transmissibility (over that of the chain's |
     |                  | first bead; null where that does not move)                                                |
     | transmissibility | of the last bead named, in the chain of the first drive, at its frequency                 |
+    | bands            | lowest and highest frequency of every branch of small waves, exact; null where the chains |
+    |                  | pass on no sound, or nothing repeats along them                                           |
     """
     scale, entries = problem.scale, []
     passed_on = spectra.transmissibility
@@ -263,8 +265,17 @@ def spectra_report(problem: Problem, spectra: Spectra) -> dict[str, Any]:
         "after": spectra.after * scale.time,
         "resolution": float((spectra.frequency[1] - spectra.frequency[0]) / scale.time),
         "transmissibility": found,
+        "bands": _bands(problem),
         "beads": entries,
     }
+
+
+def _bands(problem: Problem) -> list[list[float]] | None:
+    try:
+        bands = cell_of(problem).bands() / (2.0 * np.pi * problem.scale.time)
+    except NoDispersionError:
+        return None
+    return [[float(edge) for edge in band] for band in bands]
 
 
 def far_end_report(problem: Problem, end: FarEnd) -> dict[str, Any]:

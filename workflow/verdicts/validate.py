@@ -17,6 +17,7 @@ from analysis.trajectory import Trajectory, joined
 from lammps_inputs import InputError, Problem, html
 from lammps_inputs.facts import Fact
 from workflow.engines.reference.certify import Certificate, Certifier
+from workflow.formats import figure_files
 from workflow.runs.accounts import accountant
 from workflow.runs.own_files import claim
 from workflow.runs.run_directory import RunDirectory
@@ -37,7 +38,7 @@ energy and momentum relative to the kick's.
 """
 
 REPORT = "validation.json"
-FIGURES = ("validation.png", "validation.pdf")
+FIGURE = "validation"
 
 _DIAGNOSED_BYTES = 64 << 20
 
@@ -300,7 +301,7 @@ def _any_exceeded(deviations: dict[str, Deviation], limits: dict[str, float]) ->
 def _write(path: Path, result: Validation, difference: Difference, against: str) -> None:
     from analysis.figures.error import validation_figure  # matplotlib takes half a second to import
 
-    claim(path, (REPORT, *FIGURES))
+    claim(path, (REPORT, *figure_files(FIGURE)))
     write_json(path / REPORT, result.plain())
     figure = validation_figure(result.problem, difference.error_map, result.deviations, result.tolerances, against)
-    write_figure(path, "validation", figure)
+    write_figure(path, FIGURE, figure)

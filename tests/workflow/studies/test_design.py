@@ -7,12 +7,14 @@ import signal
 import subprocess
 from pathlib import Path
 
+import jsonschema
 import numpy as np
 import pytest
 from processes import HANGS, wait_until
 from sweeps import GRANCHAIN
 
 from lammps_inputs import library, strict_yaml
+from workflow import api
 from workflow.cli import main
 from workflow.runs.run import run
 from workflow.studies.design import file, measures
@@ -87,6 +89,22 @@ def test_where_designs_can_be_counted_all_are_computed_and_the_table_begins_with
     fitting = [float(row["wall_force"]) for row in rows if row["fits"] == "yes"]
     assert fitting == sorted(fitting)
     assert all((int(row["beads"]) >= 10) == (row["fits"] == "yes") for row in rows)
+
+
+def test_from_python_the_same_design_is_found_again_and_shows_itself(found, monkeypatch):
+    monkeypatch.setattr("workflow.studies.design.report.page", lambda _: (found / "index.html").read_text())
+    again = api.design(SMALL, str(found), jobs=1)
+    best = json.loads((found / "design.json").read_text())["quantities"]["wall_force"]
+    assert again.best.quantities["wall_force"] == best
+    assert repr(again) == f"<design: least wall_force of 28: {best:.6g}>"
+    assert "coupling.stiffness" in again._repr_html_()
+
+
+def test_the_schema_of_designs_knows_the_keys():
+    validator = jsonschema.Draft202012Validator(file.schema_of_file())
+    assert list(validator.iter_errors(SMALL)) == []
+    for wrong in ({"minimise": "delay"}, {"minimize": "wal_force"}, {"vary": {"beads": {"from": 8}}}, {"verify": 0}):
+        assert list(validator.iter_errors(SMALL | wrong))
 
 
 def test_the_report_is_one_page_with_its_pictures_inside(found):

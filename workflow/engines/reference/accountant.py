@@ -6,6 +6,7 @@ Knows nothing of files. Frames are of all beads; how far apart they are does not
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analysis.trajectory import LEDGER, Floats, Trajectory, joined
 from lammps_inputs import Problem
@@ -57,6 +58,7 @@ class _Follower:
         self._steps = steps
         self._state = engine.make_state(problem, None)
         self._until = np.zeros((1, len(LEDGER)))
+        self._more = 0.0
         self._over = np.inf
         if not problem.dampers and not problem.motions:
             self._over = max(load.end for load in problem.loads)
@@ -71,7 +73,8 @@ class _Follower:
         found = np.repeat(self._until, block.frames, axis=0)
         x, w = block.displacement, _velocity_of_state(block)
         kicks, drifts = np.array(BLANES_MOAN.kicks), np.array(BLANES_MOAN.drifts)
-        nobody, nothing = np.zeros(0, dtype=np.int64), np.zeros((1, chains, 0))
+        pushed = np.array(sorted({load.bead for load in problem.loads}), dtype=np.int64)
+        end_x, end_v = np.zeros((1, chains, len(pushed))), np.zeros((1, chains, len(pushed)))
         for frame in range(1, block.frames):
             if block.time[frame - 1] < self._over:
                 state.x[1:-1], state.v[1:-1] = x[frame - 1].T, w[frame - 1].T
@@ -80,13 +83,24 @@ class _Follower:
                 advance(
                     state.x.reshape(-1), state.v.reshape(-1), np.zeros(state.x.size), True, state.span, state.window,
                     kicks, drifts, problem.every / self._steps, number * self._steps, self._steps, state.forces,
-                    nobody, nothing, nothing, found[frame : frame + 1],
+                    pushed, end_x, end_v, found[frame : frame + 1],
                 )  # fmt: skip
+                self._more += self._on_the_way(block, frame, block.velocity[frame][:, pushed - 1] - end_v[0], pushed)
+                found[frame, -1] += self._more
             else:
                 found[frame] = found[frame - 1]
         self._until = found[-1:].copy()
         found[:, -1] += engine.brought_up(problem, block.time)
         return found
+
+    def _on_the_way(self, block: Trajectory, frame: int, apart: Floats, pushed: NDArray[np.int64]) -> float:
+        """What loads do on the way to a frame as beads come off that of the reference, to that velocity at its end."""
+        before, after = block.time[frame - 1], block.time[frame]
+        return sum(
+            0.5 * float(load.impulse(after) - load.impulse(before)) * float(apart[load.chain - 1, place])
+            for load in self._problem.loads
+            for place in np.flatnonzero(pushed == load.bead)
+        )
 
 
 def _velocity_of_state(block: Trajectory) -> Floats:

@@ -25,7 +25,7 @@ from numba.extending import overload
 from lammps_inputs import System
 from lammps_inputs.laws import dashpot
 from lammps_inputs.links import Across, Along, Ground
-from workflow.compiled import compiled
+from workflow.compiled import inner
 from workflow.engines.reference.forces import (
     Floats,
     count_on,
@@ -153,7 +153,7 @@ def _given_by(across: Any, x: Any, k: Any) -> Any:
     return written_for_neighbours("impulse", across, "across, x, k", "x[k] - x[{other}]")
 
 
-@compiled
+@inner
 def brake(dampers: Any, x: Floats, v: Floats, gap: float, chains: int, first: int, last: int) -> None:
     """Force of all dashpots on the beads of rows first to last, which touch none that moves, into ``drag``."""
     row = np.uint64(chains)
@@ -166,7 +166,7 @@ def brake(dampers: Any, x: Floats, v: Floats, gap: float, chains: int, first: in
         dampers.drag[k] = dampers.squeeze[k] - dampers.squeeze[k + row] - held
 
 
-@compiled
+@inner
 def impulses(given_all: Any, x: Floats, gap: float, chains: int, first: int, last: int) -> None:
     """What all dashpots have given the beads of rows first to last, which touch none that moved, into ``drag``."""
     row = np.uint64(chains)
@@ -180,7 +180,7 @@ def impulses(given_all: Any, x: Floats, gap: float, chains: int, first: int, las
         drag[k] = squeeze[k] - squeeze[k + row] - held
 
 
-@compiled
+@inner
 def slide(given_all: Any, x: Floats, w: Floats, forces: Any, time: float, factor: float, chains: int, first: int,
           last: int) -> None:  # fmt: skip
     """Positions after a drift of length ``factor`` from a time on, at a w that only forces from outside change."""
@@ -235,7 +235,7 @@ def slide(given_all: Any, x: Floats, w: Floats, forces: Any, time: float, factor
     _lose(given_all, x, chains, first, last)
 
 
-@compiled
+@inner
 def _lose(given_all: Any, x: Floats, chains: int, first: int, last: int) -> None:
     """Count what dashpots have taken in a drift."""
     drag, after, middle, late, trial = (
@@ -265,7 +265,7 @@ def _lose(given_all: Any, x: Floats, chains: int, first: int, last: int) -> None
             along[k] -= taken
 
 
-@compiled
+@inner
 def flow(flow: Any, v: Floats, x: Floats, lightness: Any, gap: float, factor: float, chains: int, first: int, last: int
 ) -> None:  # fmt: skip
     """Velocities after a kick of length ``factor`` by the accelerations ``steady`` and the dashpots."""
@@ -295,7 +295,7 @@ def flow(flow: Any, v: Floats, x: Floats, lightness: Any, gap: float, factor: fl
         v[k] += factor / 6.0 * (total[k] + steady[k] + over_mass(drag[k], lightness, k))
 
 
-@compiled
+@inner
 def _take(flow: Any, x: Floats, v: Floats, duration: float, chains: int, first: int, last: int) -> None:
     """Count what dashpots take in a duration at these velocities, at which `brake` has found their forces."""
     drag = flow.drag

@@ -58,6 +58,8 @@ def two_beads() -> Problem:
 def default_steps_per_frame(problem: Problem) -> int:
     """Steps between frames, an even number, that leave an error of some 1e-6 of V or less."""
     bound = stability_bound(problem)
+    if problem.dampers:  # drag on beads alone does not bind LAMMPS
+        bound = min(bound, 2.0 / problem.drag)
     # contacts of lower exponents open and close more abruptly
     abrupt = max(0.0, 1.5 - (problem.exponent or 1.5))
     steps = STEPS_PER_BOUND * (1.0 + _ABRUPT * abrupt)

@@ -19,7 +19,7 @@ from numba import types
 from numba.extending import overload
 from numpy.typing import NDArray
 
-from workflow.compiled import compiled
+from workflow.compiled import compiled, inner
 from workflow.engines.reference.dashpots import Flow, Given, HalfStep, brake, flow, impulses, slide
 from workflow.engines.reference.forces import (
     Forces,
@@ -36,7 +36,7 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 
-@compiled
+@inner
 def press(x: Floats, push: Floats, forces: Forces, chains: int, first: int, last: int) -> None:
     """Contact force on each bead of rows first + 1 to last from the bead behind it."""
     row, gap = np.uint64(chains), forces.gap
@@ -44,7 +44,7 @@ def press(x: Floats, push: Floats, forces: Forces, chains: int, first: int, last
         push[k] = sum_of(forces.along, k, x[k - row] - x[k] - gap)
 
 
-@compiled
+@inner
 def kick(v: Floats, push: Floats, x: Floats, forces: Forces, factor: float, chains: int, first: int, last: int) -> None:
     """``v += factor * forces / masses`` in rows first to last, which nothing outside touches."""
     row = np.uint64(chains)
@@ -53,14 +53,14 @@ def kick(v: Floats, push: Floats, x: Floats, forces: Forces, factor: float, chai
         v[k] += factor * over_mass(force, forces.lightness, k)
 
 
-@compiled
+@inner
 def _drift(x: Floats, v: Floats, factor: float, chains: int, first: int, last: int) -> None:
     """``x += factor * v`` in rows first to last."""
     for k in range(np.uint64(first * chains), np.uint64((last + 1) * chains)):
         x[k] += factor * v[k]
 
 
-@compiled
+@inner
 def _displaced(x: Floats, chains: int, row: int) -> bool:
     for k in range(row * chains, (row + 1) * chains):  # noqa: SIM110  numba compiles loops, not any()
         if x[k] != 0.0:
@@ -207,7 +207,7 @@ def _held_by(moved: Any, dampers: Any) -> Any:
     return held
 
 
-@compiled
+@inner
 def step(
     x: Floats,
     v: Floats,
