@@ -206,8 +206,8 @@ def test_each_front_is_of_what_its_legend_says():
     force, mass = np.array([1.0, 2.0, 3.0, 4.0]), np.array([5.0, 3.0, 9.0, 6.0])
     (axis,) = front_figure(Objective("force", 1.0, None), force, "mass", mass).axes
     lines = {line.get_label(): line for line in axis.get_lines()}
-    assert lines["front, small mass"].get_xydata().tolist() == [[3.0, 2.0], [5.0, 1.0]]
-    assert lines["front, large mass"].get_xydata().tolist() == [[5.0, 1.0], [9.0, 3.0]]
+    assert lines["front to the left"].get_xydata().tolist() == [[3.0, 2.0], [5.0, 1.0]]
+    assert lines["front to the right"].get_xydata().tolist() == [[5.0, 1.0], [9.0, 3.0]]
 
 
 def test_the_map_has_one_per_cent_solid_and_ten_dotted():

@@ -74,6 +74,21 @@ def test_numbers_are_those_of_the_scene():
     assert motion.displacement(0.0) == 0.0
 
 
+@pytest.mark.parametrize("phase", [0.0, -90.0, 30.0])
+def test_a_phase_is_in_degrees_and_motion_begins_at_the_beads_place(phase):
+    keys = {"name": "a", "beads": 4, "duration": 8.0, "drive": {"frequency": 0.25, "phase": phase}}
+    moved, pushed = (
+        library.from_plain({**keys, "drive": {**keys["drive"], how: 0.5}}, "a").problem()
+        for how in ("displacement", "force")
+    )
+    angle = math.pi / 2.0 + phase * math.pi / 180.0  # after a quarter of a swing, at t = 1
+    (motion,), (load,) = moved.motions, pushed.loads
+    start = math.sin(phase * math.pi / 180.0)
+    found = motion.displacement(1.0 / moved.scale.time) * moved.scale.length
+    assert found == pytest.approx(0.5 * (math.sin(angle) - start))
+    assert load.force(1.0 / pushed.scale.time) * pushed.scale.force == pytest.approx(0.5 * math.sin(angle))
+
+
 def test_the_reference_is_as_near_to_an_independent_integrator_as_it_says_and_closes_the_budget():
     problem = driven(output={"every": 0.05}).problem()
     certifier = certify.certified(problem, 1e-6)

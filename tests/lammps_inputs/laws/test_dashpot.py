@@ -35,3 +35,12 @@ def test_what_it_has_given_is_the_integral_of_its_resistance_and_nothing_at_rest
         np.testing.assert_allclose(slope, dashpot.resistance(law, STRAINS), rtol=1e-8, atol=1e-9)
         assert not np.any(law.impulse(0.0, *law))
         assert not np.any(dashpot.damping(law, 0.0, 0.0))
+
+
+@pytest.mark.parametrize("law", [ContactDashpot(0.3, 2.0), Viscoelastic(0.3, 2.0)], ids=["linear", "viscoelastic"])
+def test_a_cut_dashpot_pulls_as_hard_as_the_contact_pushes_and_no_harder(law):
+    overlap = np.array([0.0, 0.2, 0.9])
+    for rate in (-1e3, -10.0):
+        np.testing.assert_allclose(dashpot.damping(law, overlap, rate), -2.0 * overlap**1.5)
+    weak = dashpot.damping(law, overlap[1:], -1e-3)
+    np.testing.assert_allclose(weak, dashpot.damping(law._replace(floor=dashpot.NO_FLOOR), overlap[1:], -1e-3))

@@ -317,6 +317,12 @@ def test_every_option_stands_in_the_script_once_and_what_was_not_asked_does_not(
     assert not re.search(r"^#SBATCH --(partition|account|qos|constraint|array)", plain, flags=re.MULTILINE)
 
 
+@pytest.mark.parametrize(("time", "seconds"), [("00:10:00", 600), ("1-12:30:05", 131405), ("100:00:00", 360000)])
+def test_the_script_knows_its_time_limit_in_seconds(time, seconds):
+    script = job.render_job(JobOptions(time=time), scene(beads=4).problem())[job.JOB]
+    assert f"\ntime_limit={seconds}\n" in script
+
+
 @pytest.mark.parametrize("option", ["time", "partition", "account", "qos", "constraint", "modules", "lmp", "launcher"])
 @pytest.mark.parametrize("text", HOSTILE, ids=range(len(HOSTILE)))
 def test_hostile_text_is_refused_or_one_quoted_word(option, text, tmp_path):

@@ -1,6 +1,7 @@
 """Only files that run.json lists are replaced or removed, and what a failure interrupts is put back."""
 
 import json
+import os
 import signal
 from pathlib import Path
 
@@ -199,3 +200,13 @@ def test_frames_with_the_largest_numbers_end_in_a_line(tmp_path: Path, capsys: p
 def test_the_signal_of_a_terminal_ends_a_command_as_ctrl_c_does(tmp_path: Path) -> None:
     assert main(["status", str(tmp_path)]) == 1
     assert signal.getsignal(signal.SIGQUIT) is signal.default_int_handler
+
+
+def test_a_report_that_is_listed_is_no_news_of_the_run(tmp_path: Path) -> None:
+    """What `status` says by the age of run.json stays."""
+    path = tmp_path / RECORD
+    write_text(path, '{"outcome": "done", "files": ["run.json"]}')
+    os.utime(path, (1e9, 1e9))
+    claim(tmp_path, ["waves.csv"])
+    assert read_record(path)["files"] == ["run.json", "waves.csv"]
+    assert path.stat().st_mtime == 1e9

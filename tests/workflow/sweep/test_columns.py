@@ -52,6 +52,15 @@ def test_every_column_holds_what_its_name_says_of_the_chain_that_was_hit_hardest
     assert {name: found[name] for name in EXPECTED} == EXPECTED
 
 
+def test_columns_begin_with_case_fields_and_outcome_and_end_with_the_reason():
+    columns = Table(["gap", "beads"], [], False).columns
+    assert (columns[:4], columns[4:-1], columns[-1]) == (
+        ["case", "gap", "beads", "outcome"],
+        list(QUANTITIES),
+        "reason",
+    )
+
+
 def test_an_uncertainty_is_that_of_the_quantity_that_it_is_drawn_with():
     assert {
         name.removesuffix("_uncertainty"): name for name in QUANTITIES if name.endswith("_uncertainty")

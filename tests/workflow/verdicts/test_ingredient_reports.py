@@ -119,7 +119,9 @@ def test_sound_is_told_in_beads_and_metres_a_time(si):
     loaded = library.from_plain(plain, "a").problem()
     scale = loaded.scale
     wave = LoadedWave(chain=1, first=3, last=9, force_ratio=4.0, speed=1.5, sound=1.2, theory=1.3)
-    found = sound_report(loaded, wave, 9.52e-3 if si else None)
+    crests = tuple(SimpleNamespace(peak_velocity=np.array([peak, 0.1])) for peak in (0.2, 0.3))
+    found = sound_report(loaded, wave, crests, 9.52e-3 if si else None)
+    assert found["crest"] == pytest.approx(0.3 * scale.velocity)
     stiffness = 1.5 * scale.force / scale.length * float(loaded.along[0].law.rest) ** 0.5
     c0 = math.sqrt(stiffness / scale.mass)
     assert found["load"] == pytest.approx([2.0, 2.0], rel=1e-4)
