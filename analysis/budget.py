@@ -1,26 +1,21 @@
 """The energy budget of a run: what was put in, where it is, and what dashpots have taken, by source.
 
-All in units of m V**2, from frames of all beads. Between two frames displacements are the polynomials through their
-values and first two derivatives; on these, what dashpots take is integrated by Gauss's formula.
+All in units of m V**2, from frames of all beads. What was exchanged between frames is in their ledger.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from analysis import hermite, motion
-from analysis.trajectory import Floats, Trajectory, joined
-from analysis.work import Work
+from analysis import motion
+from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem
-from lammps_inputs.laws import dashpot
 from lammps_inputs.units import Scale
 
 MOST_INSTANTS = 500
 
-FARTHEST = 0.25
-"""Time between frames up to which losses between them are known."""
-
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
+_LITTLE = 1e-3
+"""Share of the most that was put in, at the end, from which on shares of it are told."""
 
 
 @dataclass(frozen=True)
@@ -50,12 +45,16 @@ class Account:
         lost = {f"lost in {name.replace('_', ' ')}": part for name, part in self.lost.items()}
         parts = {name: float(part[-1]) for name, part in (*self.held.items(), *lost.items())}
         named = sorted(((part, name) for name, part in parts.items() if part > 0.0), reverse=True)
-        shares = ", ".join(f"{part / total:.2%} {name}" for part, name in named)
         unit = f" {scale.symbol('energy')}" if scale.si else ""
-        return (
-            f"energy: {total * scale.energy:.6g}{unit} put in until t = {self.time[-1] * scale.time:.6g}, "
-            f"of which {shares}"
-        )
+        said = f"energy: {total * scale.energy:.6g}{unit} put in until t = {self.time[-1] * scale.time:.6g}"
+        if not total > _LITTLE * self.most:  # a drive may have taken back what it gave
+            return f"{said}, at most {self.most * scale.energy:.6g}{unit} before"
+        return f"{said}, of which {', '.join(f'{part / total:.2%} {name}' for part, name in named)}"
+
+    @property
+    def most(self) -> float:
+        """That was put in until any instant."""
+        return float(np.max(np.abs(self.put_in)))
 
     def plain(self, scale: Scale) -> dict[str, object]:
         """For ``analysis.json``, in the scene's units."""
@@ -70,24 +69,20 @@ class Account:
 
 
 class Budget:
-    """Adds up a run of all beads that is given block by block, from its first frame on."""
+    """Adds up a run of all beads that is given block by block, with its ledger, from its first frame on."""
 
     def __init__(self, problem: Problem) -> None:
         self._problem = problem
-        self._work = Work(problem) if problem.acted_on else None
         self._kicked = 0.5 * float(np.sum(problem.mass * problem.initial_velocity() ** 2))
-        self._lost = np.zeros(len(problem.dampers))
-        self._last: Trajectory | None = None
         self._stride = -(-(problem.frames + 1) // MOST_INSTANTS)
         self._seen = 0
         self._found: list[tuple[Floats, ...]] = []
 
     def add(self, block: Trajectory) -> tuple[Floats, Floats]:
         """Take the next frames; what was put in, and what was lost, until each of them, [frame]."""
-        put_in = np.full(block.frames, self._kicked)
-        if self._work is not None:
-            put_in += self._work.add(block)
-        lost = self._losses(block)
+        ledger = block.ledger
+        assert ledger is not None
+        put_in, lost = self._kicked + ledger[:, -1], ledger[:, :-1]
         chosen = slice(-self._seen % self._stride, None, self._stride)
         self._seen += block.frames
         held = _held(self._problem, block.displacement[chosen], block.velocity[chosen])
@@ -97,25 +92,14 @@ class Budget:
     def result(self) -> Account:
         """Of the frames so far."""
         time, put_in, *parts = (np.concatenate(part) for part in zip(*self._found, strict=True))
-        kinds = len(parts) - len(self._problem.dampers)
-        names = [link.name for link in self._problem.dampers]
+        held, lost = parts[: len(HELD)], parts[len(HELD) :]
+        sinks = self._problem.sinks
         return Account(
             time,
             put_in,
-            dict(zip(HELD, parts[:kinds], strict=True)),
-            dict(zip(names, parts[kinds:], strict=True)),
+            dict(zip(HELD, held, strict=True)),
+            {name: part for name, part in zip(sinks, lost, strict=True) if name is not None},
         )
-
-    def _losses(self, block: Trajectory) -> Floats:
-        """Taken by each kind of dashpot until each frame, [frame, kind]."""
-        if not self._problem.dampers:
-            return np.zeros((block.frames, 0))
-        before = self._last
-        self._last = block[-1:]
-        both = block if before is None else joined([before, block])
-        until = np.cumsum(np.vstack([self._lost, _between(both)]), axis=0)
-        self._lost = until[-1]
-        return until[both.frames - block.frames :]
 
 
 HELD = ("kinetic", "contacts", "springs", "ground")
@@ -127,27 +111,3 @@ def _held(problem: Problem, x: Floats, v: Floats) -> dict[str, Floats]:
     kinds = (problem.along, problem.across, problem.ground)
     stored = [sum((link.energy(x).sum(axis=(-2, -1)) for link in links), np.zeros(len(x))) for links in kinds]
     return dict(zip(HELD, [kinetic, *stored], strict=True))
-
-
-def _between(block: Trajectory) -> Floats:
-    """Energy that each kind of dashpot takes from each frame to the next, [frame - 1, kind]."""
-    problem = block.problem
-    x, v = block.displacement, block.velocity
-    found = np.zeros((block.frames - 1, len(problem.dampers)))
-    if block.frames < 2:
-        return found
-    h = block.spacing
-    if h > FARTHEST * (1.0 + 1e-9):
-        return np.full(found.shape, np.nan)
-    a = motion.acceleration(problem, x, block.first, time=block.time, velocity=v)
-    data = np.stack([np.stack([part[:-1], part[1:]]) for part in (x, v, a)], axis=1)
-    place = hermite.coefficients((0, 1), data, h)
-    speed = hermite.derivative(place) / h
-    for node, weight in zip(0.5 + 0.5 * _NODES, 0.5 * h * _WEIGHTS, strict=True):
-        s = np.full(x[1:].shape, node)
-        there, moving = hermite.value(place, s), hermite.value(speed, s)
-        for kind, link in enumerate(problem.dampers):
-            rate = link.rate(moving)
-            power = dashpot.damping(link.law, link.strain(there), rate) * rate
-            found[:, kind] += weight * power.sum(axis=(-2, -1))
-    return found

@@ -1,5 +1,7 @@
 """How well a run conserves energy and momentum, from its trajectory (LAMMPS reports neither for these chains)."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from analysis import motion
@@ -16,16 +18,18 @@ class Conservation:
 
     Attributes:
         energy_drift: relative to the most that was put in; what dashpots have taken counts as being there. NaN where
-            not all beads are recorded, as in a window, and where nothing tells what it should be.
+            not all beads are recorded, as in a window, and where nobody has counted what was exchanged.
         momentum_drift: relative to the sum of the absolute momenta of kicks and forces from outside, from when these
             are over; NaN likewise.
         frames: number of frames seen.
         last_time: time of the last of them, in units of T.
-        budget: where the energy is; None where not all beads are recorded.
+        budget: where the energy is; None where that is not known, and where none is exchanged.
         front: foremost bead (largest number) seen moving faster than 1e-3 of V.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, counted: Callable[[Trajectory], Trajectory] | None = None) -> None:
+        """Begin; ``counted`` gives frames their ledger where those who computed them kept none."""
+        self._counted = counted
         self.energy_drift = 0.0
         self.momentum_drift = 0.0
         self.frames = 0
@@ -49,27 +53,31 @@ class Conservation:
         # all beads, for the order in which a sum is taken must not depend on which of them move in this block
         energy = motion.energy(problem, block.displacement, velocity)
         momentum = motion.momentum(problem, velocity)
-        if problem.acted_on or problem.dampers:
-            self.budget = self.budget or Budget(problem)
-            put_in, lost = self.budget.add(block)
         if not problem.dampers and not problem.holds(Fact.ENERGY):
             energy[:] = np.nan
+        if problem.exchanges:
+            self._balanced(block, energy)
         if not problem.holds(Fact.MOMENTUM):
             momentum[:] = np.nan
-        if problem.acted_on or problem.dampers:
-            self._closed(energy, put_in, lost)
         if problem.acted_on:
             self._pushed(block, momentum)
             return
         # np.maximum, unlike max(), lets NaN through
-        if not problem.dampers:
+        if not problem.exchanges:
             self.energy_drift = float(np.maximum(self.energy_drift, np.max(np.abs(energy / problem.energy - 1.0))))
         self.momentum_drift = float(
             np.maximum(self.momentum_drift, np.max(np.abs(momentum - problem.momentum)) / problem.pushed)
         )
 
-    def _closed(self, energy: Floats, put_in: Floats, lost: Floats) -> None:
+    def _balanced(self, block: Trajectory, energy: Floats) -> None:
         """With forces from outside or dashpots: energy is what was put in until then less what was lost."""
+        if block.ledger is None and self._counted is not None:
+            block = self._counted(block)
+        if block.ledger is None:
+            self.energy_drift = float("nan")
+            return
+        self.budget = self.budget or Budget(block.problem)
+        put_in, lost = self.budget.add(block)
         self._put_in = max(self._put_in, float(np.max(np.abs(put_in))))
         self._missing = float(np.maximum(self._missing, np.max(np.abs(energy + lost - put_in))))
         self.energy_drift = self._missing / self._put_in if self._missing != 0.0 else 0.0

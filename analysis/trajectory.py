@@ -15,6 +15,9 @@ Floats = NDArray[np.float64]
 BLOCK_BYTES = 1 << 20
 LEAST_FRAMES = 8
 
+LEDGER = ("along", "across", "ground", "put_in")
+"""What dashpots of each kind of link have taken, and what forces from outside and given motions have put in."""
+
 
 def frames_per_block(problem: Problem) -> int:
     """Frames in one piece of a long trajectory: about 1 MB, which stays in the processor's cache, or at least 8."""
@@ -42,6 +45,8 @@ class Trajectory:
         displacement: [frame, chain, bead] along the chain, in units of L; 0 at the start.
         velocity: [frame, chain, bead], in units of V.
         first: bead that the last axis begins with; more than 1 in a window that has followed the pulse.
+        ledger: [frame, `LEDGER`] energy that was exchanged until each frame, in units of m V**2; None where nobody
+            counted, or nothing is exchanged.
     """
 
     problem: Problem
@@ -49,6 +54,7 @@ class Trajectory:
     displacement: Floats
     velocity: Floats
     first: int = 1
+    ledger: Floats | None = None
 
     @property
     def beads(self) -> NDArray[np.int64]:
@@ -76,7 +82,11 @@ class Trajectory:
     def __getitem__(self, frames: slice) -> "Trajectory":
         """The same trajectory, some frames of it."""
         return replace(
-            self, time=self.time[frames], displacement=self.displacement[frames], velocity=self.velocity[frames]
+            self,
+            time=self.time[frames],
+            displacement=self.displacement[frames],
+            velocity=self.velocity[frames],
+            ledger=None if self.ledger is None else self.ledger[frames],
         )
 
     @cached_property
@@ -131,12 +141,14 @@ def joined(blocks: Iterable[Trajectory]) -> Trajectory:
     if parts[0].problem.window is not None:
         first, last = min(part.beads[0] for part in parts), max(part.beads[-1] for part in parts)
         parts = [part.on(int(first), int(last), behind=np.nan) for part in parts]
+    ledgers = [part.ledger for part in parts]
     return Trajectory(
         parts[0].problem,
         np.concatenate([part.time for part in parts]),
         np.concatenate([part.displacement for part in parts]),
         np.concatenate([part.velocity for part in parts]),
         parts[0].first,
+        None if any(ledger is None for ledger in ledgers) else np.concatenate(ledgers),  # type: ignore[arg-type]
     )
 
 

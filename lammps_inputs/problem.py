@@ -114,6 +114,11 @@ class System:
         return bool(self.loads) or bool(self.motions)
 
     @property
+    def exchanges(self) -> bool:
+        """Whether energy is put in after the start, or lost."""
+        return self.acted_on or bool(self.dampers)
+
+    @property
     def driven(self) -> bool:
         """Whether anything outside moves or pushes beads for ever."""
         return bool(self.motions) or any(load.endless for load in self.loads)
@@ -157,6 +162,13 @@ class System:
     def walls(self) -> tuple[Wall, ...]:
         """The links to the ground that only push."""
         return tuple(link for link in self.ground if isinstance(link, Wall))
+
+    @property
+    def sinks(self) -> tuple[str | None, str | None, str | None]:
+        """Names of the dashpots along, across and to the ground; None where there are none."""
+        kinds = ([link.name for link in self.dampers if isinstance(link, kind)] for kind in (Along, Across, Ground))
+        along, across, ground = (" and ".join(dict.fromkeys(names)) or None for names in kinds)
+        return along, across, ground
 
     @property
     def contact_loss(self) -> ContactLoss | None:

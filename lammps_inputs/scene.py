@@ -33,7 +33,7 @@ from lammps_inputs.problem import Problem, System
 from lammps_inputs.scheme import SchemeName
 from lammps_inputs.spectrum_readout import Spectra
 from lammps_inputs.static_load import LoadError, under_load
-from lammps_inputs.units import Scale, hertz_constant, make_scale, sphere_mass
+from lammps_inputs.units import PURE, Scale, Unit, hertz_constant, make_scale, sphere_mass
 from lammps_inputs.window import HEADROOM, LEAST_WINDOW, behind, rows_for
 
 DEFAULT_EVERY = 0.1
@@ -59,7 +59,7 @@ class Kick(Part):
 
     chain: Count = 1
     bead: Count = 1
-    velocity: Annotated[float, Field(ge=-1e30, le=1e30)]
+    velocity: Annotated[float, Field(ge=-1e30, le=1e30), Unit("m/s")]
 
     @field_validator("velocity")
     @classmethod
@@ -72,20 +72,20 @@ class Kick(Part):
 class Material(Part):
     """Elastic spheres in SI units; with it every other number of the scene is in SI."""
 
-    radius: Positive
-    density: Positive
-    youngs_modulus: Positive
-    poisson_ratio: Annotated[float, Field(gt=-1, le=0.5)]
+    radius: Annotated[Positive, Unit("m")]
+    density: Annotated[Positive, Unit("kg/m3")]
+    youngs_modulus: Annotated[Positive, Unit("Pa")]
+    poisson_ratio: Annotated[float, Field(gt=-1, le=0.5), PURE]
 
 
 class Output(Part):
     """What is recorded, and how often."""
 
-    every: Positive | None = None
+    every: Annotated[Positive, Unit("s")] | None = None
     """Time between frames."""
     beads: Literal["all"] | tuple[Count, ...] = "all"
     """Recorded beads of every chain."""
-    snapshots: Positive | None = None
+    snapshots: Annotated[Positive, Unit("s")] | None = None
     """Time between snapshots of all beads, beside the frames of the recorded ones."""
     peaks: Literal[True] | None = None
     """Whether the leading pulse is found at every bead while LAMMPS runs, from all beads at every frame's time."""
@@ -118,7 +118,7 @@ class BaseScene(Part):
     description: Annotated[str, Field(max_length=200, pattern=r"^[^\x00-\x1f\x7f-\x9f\u2028\u2029]*$")] = ""
     chains: Annotated[int, Field(ge=1, le=10**6)] = 1
     beads: Annotated[int, Field(ge=2, le=10**8)]
-    gap: Annotated[float, Field(ge=0, le=1e30)] = 0.0
+    gap: Annotated[float, Field(ge=0, le=1e30), Unit("m")] = 0.0
     kinds: Kinds | None = None
     pattern: Pattern | None = None
     replace: Replacements | None = None
@@ -127,10 +127,10 @@ class BaseScene(Part):
     striker: Striker | None = None
     kick: tuple[Kick, ...] = ()
     material: Material | None = None
-    duration: Positive | None = None
+    duration: Annotated[Positive, Unit("s")] | None = None
     until_bead: Count | None = None
-    timestep: Positive | None = None
-    accuracy: Annotated[float, Field(ge=1e-10, le=0.1)] | None = None
+    timestep: Annotated[Positive, Unit("s")] | None = None
+    accuracy: Annotated[float, Field(ge=1e-10, le=0.1), PURE] | None = None
     """Largest error of any recorded velocity, in units of V; `workflow.prepare.settings` finds the time step that keeps
     it."""
     scheme: SchemeName | None = None

@@ -6,6 +6,7 @@ from pydantic import Field, field_validator
 
 from lammps_inputs import strict_yaml
 from lammps_inputs.ingredients.base import Part
+from lammps_inputs.units import Unit
 
 if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene
@@ -18,7 +19,7 @@ class Spectra(Part):
 
     beads: tuple[Bead, ...]
     """The first is that which the others are compared with."""
-    after: Annotated[float, Field(ge=0, le=1e30)] | None = None
+    after: Annotated[float, Field(ge=0, le=1e30), Unit("s")] | None = None
     """Time from which on the motion counts; half of the duration if left out."""
 
     _from_list = field_validator("beads", mode="before")(strict_yaml.as_tuple)

@@ -9,7 +9,38 @@ kappa = k V**-0.4 for spheres. The scaling is exact (Starosvetsky, Hasan & Vakak
 """
 
 import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
+
+REDUCED = "reduced"
+
+
+@dataclass(frozen=True)
+class Unit:
+    """Of a scene's key that holds a number: stands in the key's type, ``Annotated[float, Unit("m/s")]``.
+
+    Attributes:
+        si: symbol with a material, or what finds it from the keys beside that one; empty for counts and shares.
+        always: whether it is the same without a material.
+    """
+
+    si: str | Callable[[Mapping[str, Any]], str]
+    always: bool = False
+
+    def symbol(self, beside: Mapping[str, Any], *, si: bool) -> str:
+        """As in a table or a plot: ``m/s``, ``reduced``, or nothing.
+
+        Args:
+            beside: plain data of the keys around this one.
+            si: whether the scene has a material.
+        """
+        found = self.si if isinstance(self.si, str) else self.si(beside)
+        return found if si or self.always or not found else REDUCED
+
+
+PURE = Unit("")
+"""Of shares, and of what has the same number in all units."""
 
 
 @dataclass(frozen=True)
@@ -48,14 +79,14 @@ class Scale:
 
     def symbol(self, quantity: str) -> str:
         """The unit's symbol for plots and tables: ``m/s`` or ``-``."""
-        return _SI[quantity] if self.si else "-"
+        return SI[quantity] if self.si else "-"
 
     def heading(self, name: str, quantity: str) -> str:
         """A column's name in a table: ``arrival (s)``, and ``arrival`` in reduced units."""
-        return f"{name} ({_SI[quantity]})" if self.si else name
+        return f"{name} ({SI[quantity]})" if self.si else name
 
 
-_SI = {
+SI = {
     "mass": "kg",
     "length": "m",
     "velocity": "m/s",
@@ -67,6 +98,7 @@ _SI = {
     "speed": "beads/s",
     "frequency": "rad/s",
 }
+"""Symbols of what is measured."""
 
 
 def make_scale(mass: float, contact_constant: float, velocity: float, *, si: bool, exponent: float = 1.5) -> Scale:

@@ -13,6 +13,7 @@ What takes time, in seconds of processor (`cpu_times` in support prints them):
 
 import os
 import signal
+from collections import Counter
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -28,15 +29,32 @@ from workflow.runs.whole_files import write_figure
 settings.register_profile(
     "granchain",
     deadline=None,
-    max_examples=100 if os.environ.get("CI") else 50,
+    max_examples=50,
     suppress_health_check=[HealthCheck.too_slow],
     derandomize=bool(os.environ.get("CI")),  # chance finds are for those who can look into them
 )
 settings.load_profile("granchain")
 
+AS_LONG_AS = 300
+"""Other tests, a slow one counts; rather too much, so that files with slow tests come first."""
+
 for number, usual in ((signal.SIGINT, signal.default_int_handler), (signal.SIGQUIT, signal.SIG_DFL)):
     if signal.getsignal(number) == signal.SIG_IGN:  # of a suite in the background; commands would inherit it
         signal.signal(number, usual)
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Let xdist take files in our order, not by their number of tests."""
+    config.option.loadscopereorder = False
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """The longest files first, so that no worker waits long for the last of another."""
+    weight: Counter[Path] = Counter()
+    for item in items:
+        weight[item.path] += AS_LONG_AS if item.get_closest_marker("slow") else 1
+    items.sort(key=lambda item: -weight[item.path])
 
 
 @pytest.fixture(autouse=True)

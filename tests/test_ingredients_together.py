@@ -22,7 +22,7 @@ pytestmark = pytest.mark.usefixtures("lammps_here")
 
 _FOUND = (Phase.explicit, Phase.generate)  # no search for a simpler example, which takes minutes
 FEW = settings(max_examples=3, derandomize=True, database=None, phases=_FOUND)
-MANY = settings(max_examples=15, derandomize=True, database=None, phases=_FOUND)
+MANY = settings(max_examples=6, derandomize=True, database=None, phases=_FOUND)
 
 NAMES = st.lists(st.sampled_from(["a", "b"]), min_size=2, max_size=4)
 

@@ -8,15 +8,15 @@ import warnings
 from pathlib import Path
 
 import pytest
-from processes import started
+from processes import HANGS, started
 
 HERE = Path(__file__)
 
 
 def test_ctrl_c_reaches_what_a_test_starts():
-    with started(["sleep", 600]) as process:
+    with started(["sleep", "infinity"]) as process:
         os.killpg(process.pid, signal.SIGINT)
-        assert process.wait(60) == -signal.SIGINT
+        assert process.wait(HANGS) == -signal.SIGINT
 
 
 def test_a_suite_started_with_ctrl_c_ignored_tests_ctrl_c_all_the_same():
@@ -32,7 +32,7 @@ def test_a_suite_started_with_ctrl_c_ignored_tests_ctrl_c_all_the_same():
 def test_a_test_that_fails_leaves_no_process_and_no_pipe():
     with warnings.catch_warnings():
         warnings.simplefilter("error", ResourceWarning)
-        with pytest.raises(AssertionError), started(["sleep", 600]) as process:
+        with pytest.raises(AssertionError), started(["sleep", "infinity"]) as process:
             raise AssertionError
     assert process.returncode == -signal.SIGKILL
     assert process.stdout.closed

@@ -1,19 +1,21 @@
-"""Everything that the commands do, for scripts and notebooks: ``from workflow.api import load, run, analyse``.
+"""What the commands do, for scripts and notebooks: ``from workflow.api import load, run, analyse``.
 
 Scenes may be given by name, as a file, as plain data or as a `Scene`; directories as text or paths, or as the `Run`
 that is in them. Mistakes raise `InputError`, failures `RunError`; nothing ends the interpreter. Results show themselves
 in a notebook. On a terminal and in a notebook long work has a progress bar.
 """
 
-from collections.abc import Mapping
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from html import escape
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from lammps_inputs import InputError, Scene, library
 from workflow.errors import RunError
 from workflow.prepare.settings import settle
 from workflow.runs import run as running
-from workflow.runs.run import Run
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import count_bar, progress_bar
 from workflow.sweep import collect as collecting
@@ -23,11 +25,54 @@ from workflow.verdicts import analyse as analysing
 from workflow.verdicts import validate as validating
 from workflow.verdicts.analyse import Analysis
 from workflow.verdicts.validate import Validation
+from workflow.view import need_bokeh
 
-__all__ = ["InputError", "RunError", "analyse", "collect", "load", "run", "sweep", "validate"]
+if TYPE_CHECKING:
+    from workflow.studies.design.found import Found
+    from workflow.studies.fit.study import Fit
+    from workflow.studies.gallery.study import Sections
+
+__all__ = [
+    "InputError",
+    "Page",
+    "Run",
+    "RunError",
+    "analyse",
+    "collect",
+    "design",
+    "fit",
+    "gallery",
+    "load",
+    "run",
+    "sweep",
+    "universe",
+    "validate",
+    "view",
+]
+
+
+@dataclass(frozen=True)
+class Page:
+    """A page to look at, which shows itself in a notebook that stands above it."""
+
+    path: Path
+
+    def _repr_html_(self) -> str:
+        place = escape(os.path.relpath(self.path), quote=True)
+        return f'<p><a href="{place}">{place}</a></p><iframe src="{place}" width="100%" height="900"></iframe>'
+
+
+@dataclass(frozen=True, repr=False)
+class Run(running.Run):
+    """A run that came to its end; see `workflow.runs.run.Run`."""
+
+    def view(self) -> Page:
+        """Write its page, see `view`."""
+        return view(self)
+
 
 AnyScene = Scene | Mapping[str, Any] | Path | str
-AnyRun = Run | RunDirectory | Path | str
+AnyRun = running.Run | RunDirectory | Path | str
 
 
 def load(scene: AnyScene) -> Scene:
@@ -68,7 +113,7 @@ def run(
     """
     whole, settings = settle(load(scene), source="scene", force=engine != "lammps")
     with progress_bar(whole.name, whole.problem()) as progress:
-        return running.run(
+        done = running.run(
             whole,
             directory,
             engine=engine,
@@ -78,6 +123,7 @@ def run(
             check=check,
             progress=progress,
         )
+    return Run(done.directory, done.outcome, done.check)
 
 
 def analyse(run: AnyRun, *, figures: bool = False) -> Analysis:
@@ -115,6 +161,21 @@ def validate(
     )
 
 
+def universe(run: AnyRun) -> Any:
+    """A run as an ``MDAnalysis.Universe``, continued or not, with SI values; see `analysis.mda.universe`.
+
+    Raises:
+        InputError: there are no frames, or they are damaged.
+    """
+    from analysis.mda.universe import universe as make_universe
+
+    directory = _directory(run)
+    try:
+        return make_universe(directory.problem, directory.dumps)
+    except (OSError, ValueError) as error:
+        raise InputError(str(error)) from None
+
+
 def sweep(
     what: Mapping[str, Any] | Path | str, directory: Path | str, *, jobs: int | None = None, check: bool = True
 ) -> Table:
@@ -150,7 +211,86 @@ def collect(directory: Path | str) -> Table:
         return collecting.collect(Path(directory), progress)
 
 
+def fit(
+    scene: AnyScene,
+    against: Path | str,
+    free: Sequence[str],
+    directory: Path | str,
+    *,
+    offset: float | None = None,
+    lammps: bool = True,
+) -> "Fit":
+    """Find fields of a scene from measured traces, and how sure they are; writes the same files as ``granchain fit``.
+
+    Args:
+        scene: whose fields are where the search starts.
+        against: table of traces in the scene's units.
+        free: fields to find, such as ``["coupling.stiffness", "kick.velocity"]``.
+        directory: made if need be.
+        offset: by how much the table's times are later than the scene's; None to find it, too.
+        lammps: whether to run the fitted scene in LAMMPS.
+
+    Raises:
+        InputError: the scene, the table or a field cannot be used.
+        RunError: LAMMPS failed.
+    """
+    from workflow.studies.fit import study  # each of these takes a while to import
+
+    names = [free] if isinstance(free, str) else list(free)
+    source = str(scene) if isinstance(scene, str | Path) else "scene"
+    return study.fit(
+        load(scene).plain(), Path(against), names, Path(directory), source=source, offset=offset, lammps=lammps
+    )
+
+
+def design(what: Mapping[str, Any] | Path | str, directory: Path | str, *, jobs: int | None = None) -> "Found":
+    """Find the scene that does something best, on all cores; goes on where an earlier call was interrupted.
+
+    Args:
+        what: a design file, or what stands in one.
+        directory: made, or gone on with.
+        jobs: designs at a time; as many as there are cores by default.
+
+    Raises:
+        InputError: the design is none, or nothing fits its limits.
+        RunError: LAMMPS failed.
+    """
+    from workflow.studies.design import file as designs
+    from workflow.studies.design import study
+
+    wanted = designs.from_plain(dict(what), Path("design")) if isinstance(what, Mapping) else designs.load(Path(what))
+    with count_bar("design") as progress:
+        return study.carry_out(wanted, Path(directory), processes=jobs, progress=progress)
+
+
+def gallery(directory: Path | str, names: Sequence[str] = ()) -> "Sections":
+    """The field's canonical results recomputed, as ``index.html``; all of them, or those named.
+
+    Raises:
+        InputError: no such entry, or the directory cannot be used.
+    """
+    from workflow.studies.gallery import study
+
+    with count_bar("gallery") as progress:
+        return study.gallery(Path(directory), [names] if isinstance(names, str) else names, progress=progress)
+
+
+def view(what: AnyRun) -> Page:
+    """Write the page of a run, a sweep or a comparison (of that the first run's is given back).
+
+    Raises:
+        InputError: there is nothing to be seen, or Bokeh is not installed.
+    """
+    need_bokeh()
+    from workflow.view import write
+
+    if isinstance(what, running.Run):
+        what = what.directory
+    path = what.path if isinstance(what, RunDirectory) else Path(what)
+    return Page(write.write(path)[0])
+
+
 def _directory(run: AnyRun) -> RunDirectory:
-    if isinstance(run, Run):
+    if isinstance(run, running.Run):
         return run.directory
     return run if isinstance(run, RunDirectory) else RunDirectory(Path(run))

@@ -17,7 +17,7 @@ from typing import Any, NoReturn
 
 try:
     from lammps_inputs import InputError
-    from workflow import screen
+    from workflow import formats, screen
     from workflow.errors import RunError
     from workflow.runs.whole_files import as_json
     from workflow.screen import Answer
@@ -108,8 +108,9 @@ def _execute(arguments: argparse.Namespace) -> int:
     with contextlib.ExitStack() as stack:
         if asked or quiet:
             stack.enter_context(contextlib.redirect_stdout(io.StringIO()))
-        if quiet:
-            stack.enter_context(screen.without_bars())
+        stack.enter_context(screen.without_bars() if quiet else screen.with_hints())
+        if "formats" in arguments:
+            stack.enter_context(formats.written_as(arguments.formats))
         answer = arguments.execute(arguments)
     if asked:
         print(as_json(answer.data))
@@ -136,6 +137,14 @@ def _fill(one: argparse.ArgumentParser, module: Any) -> None:
     """Arguments and examples of a command, and those that all have."""
     module.add_arguments(one)
     one.add_argument("-q", "--quiet", action="store_true", help="print errors only")
+    if getattr(module, "DRAWS", False):
+        one.add_argument(
+            "--formats",
+            metavar="NAME,...",
+            type=formats.from_words,
+            default=formats.asked(),
+            help=f"what figures are written as, of {', '.join(formats.KNOWN)} (default {','.join(formats.asked())})",
+        )
     answers = getattr(module, "ANSWERS", None)
     if answers:
         one.add_argument("--json", action="store_true", help=f"print one JSON value and nothing else: {answers}")

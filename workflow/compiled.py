@@ -17,8 +17,10 @@ from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
+from numba.core import event
 
 from lammps_inputs.ingredients import INGREDIENTS
+from workflow import screen
 
 _config: Any = numba.config
 
@@ -38,6 +40,37 @@ def compiled(function: F | None = None, **options: Any) -> Any:
         return cast(F, numba.njit(cache=place is not None, **options)(function))
     finally:
         _config.CACHE_DIR = before
+
+
+def inner(function: F) -> F:
+    """The same for a function that compiled ones alone call: what Python needs to call it takes long to compile."""
+    return cast(F, compiled(function, no_cpython_wrapper=True))
+
+
+class _Hint(event.Listener):
+    """Says once for each engine that it is compiled, not merely found compiled."""
+
+    def __init__(self) -> None:
+        self._said: set[str] = set()
+
+    def on_start(self, event: Any) -> None:
+        """Say which engine, and how often that will happen."""
+        module = str(event.data["dispatcher"].py_func.__module__)
+        name = next((name for folder, name in _ENGINES.items() if module.startswith(folder)), None)
+        if name is None or name in self._said:
+            return
+        self._said.add(name)
+        often = "once for this kind of scene" if cache_directory() else "anew each time: no directory can keep it"
+        screen.hint(f"compiling {name}, which takes some ten seconds; {often}")
+
+    def on_end(self, event: Any) -> None:
+        """Say nothing."""
+
+
+_ENGINES = {"workflow.engines.reference": "the reference", "workflow.engines.collisions": "the engine of rigid beads"}
+
+_events: Any = event
+_events.register("numba:compile", _Hint())
 
 
 @functools.cache

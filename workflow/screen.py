@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from lammps_inputs import Problem
 
 _bars: ContextVar[bool] = ContextVar("bars", default=True)
+_hints: ContextVar[bool] = ContextVar("hints", default=False)
 
 
 class Answer(NamedTuple):
@@ -23,12 +24,31 @@ class Answer(NamedTuple):
 
 @contextmanager
 def without_bars() -> Iterator[None]:
-    """Show no progress meanwhile."""
+    """Show neither progress nor hints meanwhile."""
     token = _bars.set(False)
     try:
         yield
     finally:
         _bars.reset(token)
+
+
+@contextmanager
+def with_hints() -> Iterator[None]:
+    """Give hints meanwhile also where standard error is no terminal."""
+    token = _hints.set(True)
+    try:
+        yield
+    finally:
+        _hints.reset(token)
+
+
+def hint(text: str) -> None:
+    """Say to whoever waits what takes long, in one line on standard error; where progress is shown, and in commands."""
+    from rich.console import Console
+
+    console = Console(stderr=True, soft_wrap=True, highlight=False)
+    if _bars.get() and (_hints.get() or console.is_terminal or console.is_jupyter):
+        console.print(text, style="dim", markup=False)
 
 
 def one_line(text: object) -> str:

@@ -1,5 +1,6 @@
 """How far a trajectory is from a reference of the same scene, quantity by quantity, and where it goes wrong."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -113,9 +114,11 @@ class Difference:
 
     Args:
         tolerances: quantity -> largest difference that is let pass, dimensionless; the keys are `QUANTITIES`.
+        counted: gives frames of the first their ledger; see `analysis.conservation.Conservation`.
     """
 
     tolerances: dict[str, float]
+    counted: Callable[[Trajectory], Trajectory] | None = None
     _velocity: _Running = field(init=False)
     _displacement: _Running = field(init=False)
 
@@ -123,7 +126,7 @@ class Difference:
         self._velocity = _Running(self.tolerances["velocity"])
         self._displacement = _Running(self.tolerances["displacement"])
         self._peaks: tuple[PeakFinder, PeakFinder] | None = None
-        self.conservation = Conservation()
+        self.conservation = Conservation(self.counted)
         self._map: list[Floats] = []
         self._times: list[float] = []
         self._last_time, self._cell_beads = 0.0, np.zeros(0, dtype=np.int64)

@@ -1,5 +1,6 @@
 """Figures of a run: data in, matplotlib Figure out. Readable in print and by colour-blind eyes; nothing is saved."""
 
+from analysis.figures.budget import budget_figure
 from analysis.figures.dispersion import dispersion_figure
 from analysis.figures.distance import distance_figure
 from analysis.figures.energy import energy_figure
@@ -29,6 +30,7 @@ __all__ = [
     "SpaceTime",
     "Unit",
     "axis_unit",
+    "budget_figure",
     "dispersion_figure",
     "distance_figure",
     "draw_chain",

@@ -39,6 +39,7 @@ FEW_NUMBERS = 20
 STYLE: Any = {
     "font.size": 9,
     "axes.titlesize": 9,
+    "axes.titley": 1.0,  # there, and not sought for, which takes as long as all else
     "figure.titlesize": 10,
     "lines.linewidth": 1.3,
     "axes.spines.top": False,
@@ -70,7 +71,7 @@ def axis_unit(problem: Problem, quantity: str, largest: float) -> Unit:
 
     Args:
         problem: what is drawn.
-        quantity: ``time``, ``velocity``, ``length`` or ``force``.
+        quantity: ``time``, ``velocity``, ``length``, ``force`` or ``energy``.
         largest: size of the largest number on the axis, dimensionless.
     """
     worth = float(getattr(problem.scale, quantity))

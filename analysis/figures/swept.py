@@ -55,7 +55,9 @@ def logarithmic(values: ArrayLike) -> bool:
     return bool(factors.max() / factors.min() < differences.max() / differences.min())
 
 
-def swept_figure(quantity: Axis, over: Axis, beside: Axis | None = None, title: str = "") -> Figure:
+def swept_figure(
+    quantity: Axis, over: Axis, beside: Axis | None = None, title: str = "", passed: Floats | None = None
+) -> Figure:
     """A quantity over a field, and over a second one as lines or, from nine values on, as the rows of a map.
 
     Bars are uncertainties (lines only); cases that are not settled are hollow marks, in a map crosses.
@@ -65,6 +67,7 @@ def swept_figure(quantity: Axis, over: Axis, beside: Axis | None = None, title: 
         over: the field along the horizontal axis.
         beside: the second field.
         title: for the top.
+        passed: ranges of the horizontal axis, [band, 2], that let small waves pass; all else is shaded.
     """
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(5.5 if beside is None else 6.5, 3.8), layout="constrained")
@@ -88,6 +91,9 @@ def swept_figure(quantity: Axis, over: Axis, beside: Axis | None = None, title: 
                 axis.ticklabel_format(axis="y", scilimits=(-3, 6), useMathText=True)
                 _whole(axis.yaxis, finite)
         _scale(axis, over, "x")
+        if passed is not None:
+            _shade_between(axis, passed)
+            notes.append("shaded: no small waves pass")
         axis.set_xlabel(over.label)
         axis.set_title("; ".join(notes))
     return figure
@@ -130,6 +136,19 @@ def _map(figure: Figure, axis: Axes, quantity: Axis, over: Axis, beside: Axis) -
     axis.set_ylabel(beside.label)
     figure.colorbar(mesh, ax=axis, label=quantity.label)
     return bool(np.isnan(grid).any())
+
+
+def _shade_between(axis: Axes, passed: Floats) -> None:
+    """Shade what lies outside all bands, and draw their edges."""
+    first, last = axis.get_xlim()
+    reached = first
+    for low, high in [*sorted(passed.tolist()), [last, last]]:
+        if min(low, last) > reached:
+            axis.axvspan(reached, min(low, last), color="0.9", zorder=0)
+        reached = max(reached, high)
+    for edge in passed[(passed > first) & (passed < last)]:
+        axis.axvline(edge, color="0.5", linewidth=0.8, linestyle=":")
+    axis.set_xlim(first, last)
 
 
 def _edges(centres: Floats) -> Floats:

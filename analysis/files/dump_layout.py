@@ -18,6 +18,7 @@ One frame in the file (little endian, nothing is padded; revision 2, written by 
 """
 
 import struct
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -108,6 +109,26 @@ def parse(raw: bytes) -> Layout:
     if not 1 <= chunks <= _MAX_RANKS:
         raise ValueError(f"{chunks} chunks")
     return Layout(atoms, names, tilts, time_at, at, chunks)
+
+
+def header(step: int, time: float, atoms: int, box: Iterable[float], tilt: Iterable[float], columns: str) -> bytes:
+    """What a frame begins with before the rows of its only chunk.
+
+    Args:
+        step: number of the time step.
+        time: at that step.
+        atoms: how many rows follow.
+        box: xlo xhi ylo yhi zlo zhi.
+        tilt: xy xz yz; empty for an orthogonal box.
+        columns: their names with a blank between two; one of them is ``id``.
+    """
+    names = columns.encode("ascii")
+    count = len(names.split())
+    boundary = (2, 2, 1, 1, 1, 1)  # s f f
+    bounds = (*box, *tilt)
+    fields = f"<2i2q7i{len(bounds)}d2ibdi{len(names)}s2i"
+    head = (1, 2, step, atoms, len(bounds) > 6, *boundary, *bounds, count, 0, 1, time, len(names), names)
+    return MAGIC + struct.pack(fields, *head, 1, count * atoms)
 
 
 def _kind_of(raw: bytes) -> str:

@@ -4,7 +4,6 @@ Knows which atom is which bead: atom = (chain - 1) * beads + bead, and where it 
 `binary_dump`.
 """
 
-import struct
 import warnings
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -14,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.files.binary_dump import BinaryDump, CutDumpWarning, NoFrameError
-from analysis.files.dump_layout import MAGIC
+from analysis.files.dump_layout import header
 from analysis.trajectory import Floats, Trajectory, frames_per_block
 from lammps_inputs import InputError, Problem
 
@@ -79,7 +78,11 @@ def blocks(paths: Sequence[Path], problem: Problem, stride: int = 1) -> Iterator
         for start in range(first, dump.n_frames, size * stride):
             chosen = slice(start, start + size * stride, stride)
             time = dump.steps[chosen] / problem.steps_per_frame * problem.every
-            yield from (_whole if problem.window is None else _windowed)(dump, chosen, time, problem)
+            values = dump.read(chosen.start, chosen.stop, chosen.step, columns=columns(problem))
+            try:
+                yield from of_frames(problem, time, values)
+            except ValueError as error:
+                raise InputError(f"{path}: from frame {start} on, {error}") from None
         last = max(last, int(dump.steps[-1]))
     if empty is not None:
         if last < 0:
@@ -88,27 +91,36 @@ def blocks(paths: Sequence[Path], problem: Problem, stride: int = 1) -> Iterator
             warnings.warn(CutDumpWarning(f"{empty}; it is passed over"), stacklevel=2)
 
 
-def _whole(dump: BinaryDump, chosen: slice, time: Floats, problem: Problem) -> Iterator[Trajectory]:
-    """Some frames of all recorded beads, as one block."""
-    values = dump.read(chosen.start, chosen.stop, chosen.step, columns=("x", "vx"))
-    shape = (len(time), *atom_ids(problem).shape)
-    values[:, 0] -= rest_positions(problem).reshape(-1)
-    yield Trajectory(problem, time, values[:, 0].reshape(shape), values[:, 1].reshape(shape))
+def columns(problem: Problem) -> tuple[str, ...]:
+    """The columns of a dump that `of_frames` wants."""
+    return ("x", "vx") if problem.window is None else ("mol", "x", "vx")
 
 
-def _windowed(dump: BinaryDump, chosen: slice, time: Floats, problem: Problem) -> Iterator[Trajectory]:
-    """Some frames of a window, as a block for each place that it stands at.
+def of_frames(problem: Problem, time: Floats, values: Floats) -> Iterator[Trajectory]:
+    """Frames as a block of all recorded beads, or of a window, as a block for each place that it stands at.
 
-    Row r stands for the atoms of the (r - 1) modulo the window's rows, since it moves by taking rows over its length.
+    Row r of a window stands for the atoms of the (r - 1) modulo the window's rows, since it moves by taking rows over
+    its length.
+
+    Args:
+        problem: what was run.
+        time: [frame].
+        values: [frame, column, atom], see `columns`; it is worked in.
+
+    Raises:
+        ValueError: the molecules are not rows of a window.
     """
-    values = dump.read(chosen.start, chosen.stop, chosen.step, columns=("mol", "x", "vx"))
-    values = values.reshape(len(time), 3, problem.chains, problem.rows)
+    values = values.reshape(len(time), -1, *atom_ids(problem).shape)
+    if problem.window is None:
+        values[:, 0] -= rest_positions(problem)
+        yield Trajectory(problem, time, values[:, 0], values[:, 1])
+        return
     tail = values[:, 0].min(axis=(1, 2)).astype(np.int64)
     for frames in np.split(np.arange(len(time)), np.flatnonzero(np.diff(tail)) + 1):
         row = np.arange(tail[frames[0]], tail[frames[0]] + problem.rows)
         found = values[frames][..., (row - 1) % problem.rows]
         if not np.all(found[:, 0] == row):
-            raise InputError(f"{dump.path}: frame {chosen.start + frames[0]}: its molecules are not rows of a window")
+            raise ValueError(f"frame {frames[0]}: its molecules are not rows of a window")
         displacement = found[:, 1] - row * problem.spacing
         yield Trajectory(problem, time[frames], displacement, found[:, 2], first=int(row[0]))
 
@@ -162,17 +174,9 @@ class Writer:
         rows[:, :, 1] = self._rest + displacement
         rows[:, :, 2] = velocity
         x = rows[:, :, 1]
-        names = b"id x vx"
-        atoms = x.size
-        header = struct.pack(
-            f"<2i2q7i6d2ibdi{len(names)}s2i",
-            *(1, 2, step, atoms),
-            *(0, 2, 2, 1, 1, 1, 1),  # orthogonal; boundary s f f
-            *(x.min(), x.max(), *self._lateral),
-            *(3, 0, 1, step * self._timestep, len(names), names),
-            *(1, rows.size),
-        )
-        self._file.write(MAGIC + header + rows.tobytes())
+        box = (x.min(), x.max(), *self._lateral)
+        head = header(step, step * self._timestep, x.size, box, (), "id x vx")
+        self._file.write(head + rows.tobytes())
         self._file.flush()
 
     def close(self) -> None:

@@ -25,10 +25,11 @@ Mass and contact constant are 1. Nothing here knows of runs: waves found in a tr
 
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from analysis import hermite
 
 Floats = NDArray[np.float64]
 
@@ -39,7 +40,46 @@ _CONVERGED = 1e-14
 _NEGLIGIBLE = 1e-15
 """Overlap (of peak 1) at the ends of the period; ten times as much for the force's spectrum at its end."""
 _FINER = 4
-"""Points of the splines per point of the iteration."""
+"""Points of the profiles per point of the iteration."""
+_DERIVATIVES = 4
+"""Of the profiles, the value among them, that are exact at these points; between them are polynomials of degree 7."""
+
+
+@dataclass(frozen=True)
+class _Profile:
+    """Polynomials, one after the other: [power, piece] in the share of a piece that lies behind."""
+
+    start: float
+    spacing: float
+    polynomials: Floats
+
+    @classmethod
+    def of(cls, spectrum: Floats, points: int, spacing: float) -> "_Profile":
+        """From the (real) spectrum of an even function: over all but half a piece at either end of its period."""
+        turn = 2j * np.pi * np.fft.rfftfreq(points, spacing)[: len(spectrum)]
+        data = np.array([_FINER * np.fft.irfft(spectrum * turn**k, points) for k in range(_DERIVATIVES)])
+        data = np.fft.fftshift(data, axes=-1)[:, 1:]
+        pieces = np.stack([data[:, :-1], data[:, 1:]])
+        return cls((1 - points // 2) * spacing, spacing, hermite.coefficients((0, 1), pieces, spacing))
+
+    def __call__(self, xi: ArrayLike) -> Floats:
+        """Values; beyond the ends those at the ends."""
+        piece, share = self._place(xi)
+        return hermite.value(self.polynomials[:, piece], share).reshape(np.shape(xi))
+
+    def integral(self, xi: ArrayLike) -> Floats:
+        """Integrals from the start on."""
+        piece, share = self._place(xi)
+        whole = np.cumsum(hermite.integral(self.polynomials, np.ones(self.polynomials.shape[1])))
+        before = np.where(piece > 0, whole[piece - 1], 0.0)
+        return self.spacing * (before + hermite.integral(self.polynomials[:, piece], share)).reshape(np.shape(xi))
+
+    def _place(self, xi: ArrayLike) -> tuple[NDArray[np.int64], Floats]:
+        """[place] piece, and share of it, of places in one row."""
+        count = self.polynomials.shape[1]
+        at = np.clip((np.ravel(np.asarray(xi, dtype=np.float64)) - self.start) / self.spacing, 0.0, count)
+        piece = np.minimum(at.astype(np.int64), count - 1)
+        return piece, at - piece
 
 
 @dataclass(frozen=True)
@@ -66,22 +106,20 @@ class SolitaryWave:
     """Displacement that the wave leaves behind."""
     width: float
     """Full width at half maximum of the velocity, beads."""
-    _velocity: Any = field(repr=False, compare=False)
-    _overlap: Any = field(repr=False, compare=False)
-    _integral: Any = field(repr=False, compare=False)
+    _velocity: _Profile = field(repr=False, compare=False)
+    _overlap: _Profile = field(repr=False, compare=False)
 
     def velocity(self, xi: ArrayLike) -> Floats:
         """Velocity of a bead at a distance xi (any shape, beads) ahead of the peak; 1 at 0, and even."""
-        return np.asarray(self._velocity(self._within(xi)), dtype=np.float64)
+        return self._velocity(xi)
 
     def overlap(self, xi: ArrayLike) -> Floats:
         """Overlap of a contact at a distance xi (any shape, beads) ahead of the peak; even."""
-        return np.asarray(self._overlap(self._within(xi)), dtype=np.float64)
+        return self._overlap(xi)
 
     def displacement(self, xi: ArrayLike) -> Floats:
         """Displacement of a bead at a distance xi (any shape, beads) ahead of the peak: 0 far ahead, shift behind."""
-        ahead = self._integral(self._within(np.inf)) - self._integral(self._within(xi))
-        return np.asarray(ahead / self.speed, dtype=np.float64)
+        return np.asarray((self._velocity.integral(np.inf) - self._velocity.integral(xi)) / self.speed)
 
     def speed_at(self, peak_velocity: ArrayLike) -> Floats:
         """Beads per unit time at a peak velocity."""
@@ -102,10 +140,6 @@ class SolitaryWave:
     def energy_at(self, peak_velocity: ArrayLike) -> Floats:
         """Energy at a peak velocity."""
         return self.energy * np.asarray(peak_velocity) ** 2
-
-    def _within(self, xi: ArrayLike) -> Floats:
-        """The nearest places where the wave is not yet 0 to rounding: the splines' ends."""
-        return np.clip(np.asarray(xi, dtype=np.float64), self._velocity.t[0], self._velocity.t[-1])
 
 
 def solitary_wave(exponent: float = HERTZ) -> SolitaryWave:
@@ -146,10 +180,6 @@ def fixed_point(exponent: float, period: float, points_per_bead: int) -> tuple[F
 @lru_cache(maxsize=64)
 def _solved(exponent: float) -> SolitaryWave:
     """Refine the grid until it holds the whole wave; then normalise, interpolate and integrate."""
-    # most of what imports this module asks for no wave, and they take as long as all else together
-    from scipy.interpolate import make_interp_spline
-    from scipy.optimize import brentq
-
     period, per_bead = 16, 16
     while True:
         overlap, squared_speed = fixed_point(exponent, period, per_bead)
@@ -168,10 +198,9 @@ def _solved(exponent: float) -> SolitaryWave:
 
     points = _FINER * len(overlap)
     spacing = period / points
-    xi = (np.arange(1, points) - points // 2) * spacing
-    velocities = np.fft.fftshift(_FINER * np.fft.irfft(force * box / speed, points))[1:]
-    overlaps = np.fft.fftshift(_FINER * np.fft.irfft(force * box**2 / speed**2, points))[1:]
-    velocity = make_interp_spline(xi, velocities, k=7)
+    velocity = _Profile.of(force * box / speed, points, spacing)
+    overlap_profile = _Profile.of(force * box**2 / speed**2, points, spacing)
+    velocities, overlaps = velocity.polynomials[0], overlap_profile.polynomials[0]
     kinetic = 0.5 * float(np.sum(velocities**2)) * spacing
     potential = float(np.sum(np.maximum(overlaps, 0.0) ** (exponent + 1.0))) * spacing / (exponent + 1.0)
     return SolitaryWave(
@@ -182,11 +211,19 @@ def _solved(exponent: float) -> SolitaryWave:
         energy=kinetic + potential,
         kinetic_share=kinetic / (kinetic + potential),
         shift=float(np.sum(overlaps)) * spacing,
-        width=2.0 * float(brentq(lambda at: float(velocity(at)) - 0.5, 0.0, xi[-1], xtol=1e-14)),
+        width=2.0 * _half(velocity),
         _velocity=velocity,
-        _overlap=make_interp_spline(xi, overlaps, k=7),
-        _integral=velocity.antiderivative(),
+        _overlap=overlap_profile,
     )
+
+
+def _half(velocity: _Profile) -> float:
+    """Where a velocity that falls from 1 at 0 is a half."""
+    xi = velocity.start + velocity.spacing * np.arange(velocity.polynomials.shape[1])
+    last = np.flatnonzero(velocity.polynomials[0] >= 0.5)[-1:]
+    falls = velocity.polynomials[:, last] - 0.5 * (np.arange(2 * _DERIVATIVES) == 0)[:, np.newaxis]
+    share = hermite.falling_zero(falls, np.zeros(1), np.ones(1))
+    return float(xi[last[0]] + velocity.spacing * share[0])
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ from analysis.mirror import direction_of
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem, System, laws
 from lammps_inputs.links import Wall
+from lammps_inputs.numbers import text
 from lammps_inputs.units import Scale
 
 LONGEST_CELL, MOST_BRANCHES = 12, 60
@@ -245,9 +246,7 @@ def to_csv(found: Map, scale: Scale) -> str:
     writer = csv.writer(out, lineterminator="\n")
     names = [scale.heading(name, "frequency") for name in ("frequency", "measured")]
     writer.writerow(["wavenumber", "branch", *names])
-    for q, exact, measured in zip(found.folded.tolist(), found.exact, found.measured, strict=True):
-        for branch, (one, other) in enumerate(
-            zip((exact / scale.time).tolist(), measured / scale.time, strict=True), 1
-        ):
-            writer.writerow([repr(q), branch, repr(one), repr(other) if math.isfinite(other) else ""])
+    for q, exact, measured in zip(found.folded, found.exact / scale.time, found.measured / scale.time, strict=True):
+        for branch, (one, other) in enumerate(zip(exact, measured, strict=True), 1):
+            writer.writerow([text(q), branch, text(one), text(other) if math.isfinite(other) else ""])
     return out.getvalue()

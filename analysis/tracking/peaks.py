@@ -143,6 +143,15 @@ class PeakFinder:
         self._search(self._carried, self._carried.frames - 1, low=self._carried.frames - 2)
         return _refined(self._found, self._way(self._carried))
 
+    def forget(self) -> None:
+        """Forget what was found but not where the frames ended, so that only what follows is found."""
+        self._found.clear()
+
+    def take_over(self, later: "PeakFinder") -> None:
+        """Go on where another is, which was given the same frames last, forgot what it had found, and found more."""
+        self._found += later._found
+        self._carried = later._carried
+
     def state(self) -> dict[str, NDArray[Any]]:
         """What `resumed` needs to go on later with the frames that follow, as arrays.
 

@@ -22,6 +22,9 @@ class Part(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
+    alone: ClassVar[str | None] = None
+    """Key of a number that may be written in place of the part."""
+
 
 class Ingredient(Part):
     """A part of a scene that makes links between beads; what is not overridden, it does not do."""

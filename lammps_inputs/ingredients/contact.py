@@ -16,6 +16,7 @@ from lammps_inputs.laws import Law, Parameter
 from lammps_inputs.laws.hertz import Hertz
 from lammps_inputs.laws.power import Power
 from lammps_inputs.links import Along, Link
+from lammps_inputs.units import PURE, Unit
 
 if TYPE_CHECKING:
     from lammps_inputs.problem import System
@@ -31,9 +32,9 @@ LEAST_OF_PULSES = 1.05
 class Contact(Ingredient):
     """A force ``stiffness * overlap**exponent``."""
 
-    exponent: Annotated[float, Field(ge=1, le=3)]
-    stiffness: Annotated[float, Field(gt=0, le=1e30)] | None = None
-    """1 in reduced units; N/m^exponent with a material, whose own it is for the exponent 1.5 alone."""
+    exponent: Annotated[float, Field(ge=1, le=3), PURE]
+    stiffness: Annotated[float, Field(gt=0, le=1e30), Unit("N/m^p")] | None = None
+    """1 in reduced units; with a material it is that one's own for the exponent 1.5 alone."""
 
     def refuse(self, scene: "BaseScene") -> None:
         """Refuse units that do not fit, and what is known of spheres only."""

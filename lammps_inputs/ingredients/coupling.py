@@ -12,13 +12,14 @@ from lammps_inputs.laws import Law
 from lammps_inputs.laws.duffing import Duffing
 from lammps_inputs.laws.linear import Linear
 from lammps_inputs.links import Across
+from lammps_inputs.units import Unit
 
 if TYPE_CHECKING:
     from lammps_inputs.problem import System
     from lammps_inputs.scene import BaseScene
 
 Floats = NDArray[np.float64]
-Stiffness = Annotated[float, Field(ge=0, le=1e30)]
+Stiffness = Annotated[float, Field(ge=0, le=1e30), Unit("N/m")]
 Count = Annotated[int, Field(ge=1, le=10**8)]
 Rows = tuple[Count, Count]
 _Pair = tuple[Count, Count]
@@ -77,13 +78,12 @@ class Coupling(Ingredient):
 
     model: Literal["linear"] = "linear"
     stiffness: _Stiffness | None = None
-    """The paper's epsilon * alpha (kappa); N/m with a material."""
+    """The paper's epsilon * alpha (kappa)."""
     rows: Rows | None = None
     """First and last bead that has springs; all by default."""
     topology: _Topology | None = None
     """Which chains are tied; each to the next (open) by default."""
-    cubic: Stiffness | None = None
-    """N/m**3 with a material."""
+    cubic: Annotated[float, Field(ge=0, le=1e30), Unit("N/m3")] | None = None
 
     _from_list = field_validator("rows", mode="before")(strict_yaml.as_tuple)
 

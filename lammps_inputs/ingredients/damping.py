@@ -4,9 +4,9 @@ What it does to weakly damped pulses: Rosas, Romero, Nesterenko & Lindenberg, Ph
 Seitz (1982) for the restitution of beads in a row.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field
@@ -17,12 +17,14 @@ from lammps_inputs.ingredients.contact import HERTZ
 from lammps_inputs.laws import Parameter
 from lammps_inputs.laws.dashpot import NO_FLOOR, ContactDashpot, ContactLoss, Dashpot, Restitution, Viscoelastic, alpha
 from lammps_inputs.links import Across, Along, Ground, Link
+from lammps_inputs.units import Unit
 
 if TYPE_CHECKING:
     from lammps_inputs.problem import System
     from lammps_inputs.scene import BaseScene
 
-Coefficient = Annotated[float, Field(ge=0, le=1e30)]
+Number = Annotated[float, Field(ge=0, le=1e30)]
+Coefficient = Annotated[Number, Unit("kg/s")]
 
 MOST = 1e3
 """Dimensionless coefficient; beyond it beads stick where they are, and a step would take for ever."""
@@ -36,20 +38,25 @@ RESTITUTIONS: dict[float, Callable[[Parameter, float], ContactLoss]] = {
 """Exponent p of contacts -> the dashpot that grows as overlap**((p - 1) / 2), from its coefficient and restitution."""
 
 
+def _of_law(damping: Mapping[str, Any]) -> str:
+    """Unit of the coefficient of contacts."""
+    return {"viscoelastic": "kg/(s m^0.5)", "restitution": ""}.get(damping.get("law"), "kg/s")  # type: ignore[arg-type]
+
+
 class Damping(Ingredient):
     """Forces against velocities, each absent if its coefficient is 0 or not given."""
 
-    contact: Coefficient | None = None
-    """Of contacts, over the rate of overlap (linear: kg/s with a material), that times overlap**0.5 (viscoelastic:
-    kg/(s m**0.5)), or the share of its speed with which a bead comes back from another (restitution)."""
+    contact: Annotated[Number, Unit(_of_law)] | None = None
+    """Of contacts, over the rate of overlap (linear), that times overlap**0.5 (viscoelastic), or the share of its speed
+    with which a bead comes back from another (restitution)."""
     law: Literal["linear", "viscoelastic", "restitution"] | None = None
     """Of contacts; linear if none is named."""
     tension: Literal["allowed", "cut"] | None = None
     """Whether contacts that open fast may pull; allowed by default."""
     beads: Coefficient | None = None
-    """Of every bead, over its velocity; kg/s with a material."""
+    """Of every bead, over its velocity."""
     coupling: Coefficient | None = None
-    """Of springs between chains, over the relative velocity; kg/s with a material."""
+    """Of springs between chains, over the relative velocity."""
 
     def refuse(self, scene: "BaseScene") -> None:
         """Refuse what says nothing, or more than there is, and what runs in pieces that begin anew."""

@@ -10,6 +10,7 @@ from lammps_inputs.ingredients.base import Ingredient
 from lammps_inputs.laws.in_time import Sine
 from lammps_inputs.links import Link
 from lammps_inputs.loads import Load, Motion
+from lammps_inputs.units import Unit
 
 if TYPE_CHECKING:
     from lammps_inputs.problem import System
@@ -26,14 +27,13 @@ class Drive(Ingredient):
 
     chain: Count = 1
     bead: Count = 1
-    displacement: Positive | None = None
-    """Amplitude of the bead's motion about its place, which is given whatever pushes it; m with a material."""
-    force: Positive | None = None
-    """Amplitude of a force on the bead; N with a material."""
-    frequency: Positive
-    """Cycles in a unit of time; Hz with a material."""
-    phase: Annotated[float, Field(ge=-360, le=360)] = 0.0
-    """Degrees."""
+    displacement: Annotated[Positive, Unit("m")] | None = None
+    """Amplitude of the bead's motion about its place, which is given whatever pushes it."""
+    force: Annotated[Positive, Unit("N")] | None = None
+    """Amplitude of a force on the bead."""
+    frequency: Annotated[Positive, Unit("Hz")]
+    """Cycles in a unit of time."""
+    phase: Annotated[float, Field(ge=-360, le=360), Unit("degrees", always=True)] = 0.0
 
     @model_validator(mode="after")
     def _one_of_the_two(self) -> Self:

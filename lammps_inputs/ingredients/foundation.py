@@ -18,11 +18,13 @@ from lammps_inputs.laws.duffing import Duffing
 from lammps_inputs.laws.linear import Linear
 from lammps_inputs.lines import MOST_GROUPS
 from lammps_inputs.links import Ground
+from lammps_inputs.units import Unit
 
 if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene
 
-Stiffness = Annotated[float, Field(ge=0, le=1e30)]
+Stiffness = Annotated[float, Field(ge=0, le=1e30), Unit("N/m")]
+Cubic = Annotated[float, Field(ge=0, le=1e30), Unit("N/m3")]
 Row = Annotated[int, Field(ge=1, le=10**8)]
 
 MOST = 1e12
@@ -35,9 +37,9 @@ class Foundation(Ingredient):
     takes_away = frozenset({Fact.MOMENTUM, Fact.PULSE})
 
     stiffness: Stiffness | tuple[Stiffness, ...] = 0.0
-    """Of all chains, or one for each; N/m with a material."""
-    cubic: Stiffness | tuple[Stiffness, ...] = 0.0
-    """Likewise; N/m**3 with a material."""
+    """Of all chains, or one for each."""
+    cubic: Cubic | tuple[Cubic, ...] = 0.0
+    """Likewise."""
     rows: tuple[Row, Row] | None = None
     """First and last bead that has a spring; all by default."""
 

@@ -18,6 +18,7 @@ from lammps_inputs.ingredients.base import Ingredient
 from lammps_inputs.laws.wall import faces
 from lammps_inputs.lines import MOST_GROUPS
 from lammps_inputs.links import Link
+from lammps_inputs.units import Unit
 
 if TYPE_CHECKING:
     from lammps_inputs.problem import System
@@ -68,8 +69,8 @@ class Precompression(_Load):
 
     key: ClassVar[str] = "precompression"
 
-    force: Positive
-    """F0; N with a material."""
+    force: Annotated[Positive, Unit("N")]
+    """F0."""
 
     def static(self, scene: "BaseScene", mass: float | NDArray[np.float64]) -> float | NDArray[np.float64]:  # noqa: ARG002
         """The same everywhere."""
@@ -80,14 +81,14 @@ class Gravity(_Load):
     """Acceleration towards higher bead numbers: every bead bears the weight of those before it, a wall that of all."""
 
     key: ClassVar[str] = "gravity"
+    alone: ClassVar[str | None] = "acceleration"
 
-    acceleration: Positive
-    """In a scene the key holds this number alone; m/s2 with a material."""
+    acceleration: Annotated[Positive, Unit("m/s2")]
 
     @model_validator(mode="before")
     @classmethod
     def _from_number(cls, value: Any) -> Any:
-        return {"acceleration": value} if isinstance(value, int | float) and not isinstance(value, bool) else value
+        return value if isinstance(value, dict | cls) else {"acceleration": value}
 
     @classmethod
     def __get_pydantic_json_schema__(cls, core_schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:

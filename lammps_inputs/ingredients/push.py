@@ -14,12 +14,15 @@ from lammps_inputs.ingredients.base import Ingredient
 from lammps_inputs.laws.in_time import HalfSine, Rectangular, TimeLaw, make_table
 from lammps_inputs.links import Link
 from lammps_inputs.loads import Load
+from lammps_inputs.units import Unit
 
 if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene
 
 Count = Annotated[int, Field(ge=1, le=2**31 - 1)]
-Point = tuple[Annotated[float, Field(ge=0, le=1e30)], Annotated[float, Field(ge=-1e30, le=1e30)]]
+Time = Annotated[float, Field(ge=0, le=1e30), Unit("s")]
+Force = Annotated[float, Field(ge=-1e30, le=1e30), Unit("N")]
+Point = tuple[Time, Force]
 
 MOST_POINTS = 10_000
 
@@ -33,10 +36,10 @@ class Push(Ingredient):
 
     chain: Count = 1
     bead: Count = 1
-    peak: Annotated[float, Field(ge=-1e30, le=1e30)] | None = None
-    """Largest force; N with a material."""
-    duration: Annotated[float, Field(gt=0, le=1e30)] | None = None
-    """Time from the start to the end of the force; s with a material."""
+    peak: Force | None = None
+    """Largest force."""
+    duration: Annotated[float, Field(gt=0, le=1e30), Unit("s")] | None = None
+    """Time from the start to the end of the force."""
     shape: Literal["half-sine", "rectangular"] | None = None
     table: tuple[Point, ...] | None = None
     """(time, force), linear in between, no force before and after; in a scene's file also the name of a CSV file."""

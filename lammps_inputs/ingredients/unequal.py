@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field
 
 from lammps_inputs.ingredients.base import Part
+from lammps_inputs.units import PURE, Unit, sphere_mass
 
 if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene, Material
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 Positive = Annotated[float, Field(gt=0, le=1e30)]
 Number = Annotated[int, Field(ge=1, le=2**31 - 1)]
-Spread = Annotated[float, Field(ge=0, le=0.9)]
+Spread = Annotated[float, Field(ge=0, le=0.9), PURE]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,31}$")]
 
 KEYS = ("kinds", "pattern", "replace", "taper", "disorder", "striker")
@@ -32,17 +33,16 @@ MOST = 1e6
 class Kind(Part):
     """A bead; what it does not name is the reference bead's."""
 
-    mass: Positive | None = None
-    """By default that of a sphere of this radius and density; kg with a material."""
-    radius: Positive | None = None
-    """m with a material."""
-    density: Positive | None = None
-    """kg/m3; with a material only."""
-    youngs_modulus: Positive | None = None
-    """Pa; with a material only."""
-    poisson_ratio: Annotated[float, Field(gt=-1, le=0.5)] | None = None
+    mass: Annotated[Positive, Unit("kg")] | None = None
+    """By default that of a sphere of this radius and density."""
+    radius: Annotated[Positive, Unit("m")] | None = None
+    density: Annotated[Positive, Unit("kg/m3")] | None = None
     """With a material only."""
-    stiffness: Positive | None = None
+    youngs_modulus: Annotated[Positive, Unit("Pa")] | None = None
+    """With a material only."""
+    poisson_ratio: Annotated[float, Field(gt=-1, le=0.5), PURE] | None = None
+    """With a material only."""
+    stiffness: Annotated[Positive, PURE] | None = None
     """Plane modulus in that of the reference bead; without a material only."""
 
     def refuse(self, key: str, material: "Material | None") -> None:
@@ -65,7 +65,6 @@ class Kind(Part):
             radius = 1.0 if self.radius is None else self.radius
             mass = radius * radius * radius if self.mass is None else self.mass
             return mass, radius, 1.0 if self.stiffness is None else self.stiffness
-        from lammps_inputs.units import sphere_mass
 
         def of(name: str) -> float:
             own = getattr(self, name)
@@ -108,7 +107,7 @@ class Striker(Kind):
     """The first bead of a chain, of its own kind, and the velocity with which it strikes the second."""
 
     chain: Number = 1
-    velocity: Positive
+    velocity: Annotated[Positive, Unit("m/s")]
 
 
 def _kinds_in_order(value: Any) -> Any:
@@ -134,7 +133,7 @@ Pattern = Annotated[tuple[Any, ...], BeforeValidator(_kinds_in_order)]
 
 Replacements = Annotated[tuple[Replacement, ...], BeforeValidator(_one_or_several)]
 
-Taper = Annotated[float, Field(ge=0, lt=1)]
+Taper = Annotated[float, Field(ge=0, lt=1), PURE]
 """Share by which each bead's radius is smaller than that of the one before; masses follow as the cube."""
 
 

@@ -18,6 +18,7 @@ from lammps_inputs.ingredients.unequal import with_its_like
 from lammps_inputs.laws.wall import HertzWall
 from lammps_inputs.lines import MOST_GROUPS
 from lammps_inputs.links import Wall
+from lammps_inputs.units import Unit
 
 if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene
@@ -32,8 +33,8 @@ MOST, LEAST = 1e6, 1e-6
 class Face(Part):
     """A wall of any strength."""
 
-    stiffness: Annotated[float, Field(gt=0, le=1e30)]
-    """Force over ``overlap**1.5``; N/m^1.5 with a material."""
+    stiffness: Annotated[float, Field(gt=0, le=1e30), Unit("N/m^1.5")]
+    """Force over ``overlap**1.5``."""
 
 
 Kind = Literal["bead", "flat", "rigid"] | Face

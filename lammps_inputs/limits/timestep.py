@@ -40,6 +40,11 @@ than there would be without them, by 10 at most, where it is 1e-4 of V or so (me
 _STEPS_PER_BOUND_OF_DRAG = 20.0
 """Leaves 7e-5 of V in chains whose beads hardly move for drag (400), and 2e-3 between (40)."""
 
+_DRAG_IN_A_STEP = 0.05
+"""Part of its velocity that drag on beads, of order 2, may take from a bead in a step: what it leaves then, the square
+of that over 12 e, is 8e-5 of V.
+"""
+
 _STIFF = 5e-3
 """A default step of this over ``omega**1.5`` leaves 1e-4 of V, at t = 200, in a row that swings with V / 2."""
 
@@ -82,6 +87,8 @@ def default_timestep(system: System, scheme: SchemeName = "verlet") -> float:
     if not system.holds(Fact.SECOND_ORDER) and system.dampers:
         step /= min(_MOST_FOR_DRAG, 1.0 + system.drag / _DRAG)
         step = min(step, stability_bound(system) / _STEPS_PER_BOUND_OF_DRAG)
+    elif system.dampers:
+        step = min(step, _DRAG_IN_A_STEP / system.drag)
     for load in system.loads:  # an impulse of 1 that begins within a step leaves up to step**2 / (8 duration)
         if SHORTEST_LOAD < load.end < math.inf:
             step = min(step, DEFAULT * math.sqrt(load.end))

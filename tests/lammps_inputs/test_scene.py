@@ -8,6 +8,8 @@ from pydantic import ValidationError
 from strategies import scenes
 
 from lammps_inputs import Coupling, InputError, Kick, Output, Scene, find, library, strict_yaml
+from lammps_inputs.ingredients.base import Part
+from lammps_inputs.units import Unit
 
 ALLOWED = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}", re.ASCII)
 
@@ -173,3 +175,25 @@ def test_a_scene_at_any_v_is_the_published_problem_at_v_equal_1(exponent, gap):
 
 def test_an_input_error_is_one_printable_line_whatever_it_is_given():
     assert str(InputError("a\n  b\x1b\0\u2028c")) == "a b\\x1b\\x00 c"
+
+
+def numbers(model, above=""):
+    """Path and all that the type is made of, of every field of a scene that may be a number with a fraction."""
+    for name, field in model.model_fields.items():
+        parts = [*field.metadata, *inside(field.annotation)]
+        if float in parts:
+            yield f"{above}{name}", parts
+        for part in parts:
+            if isinstance(part, type) and issubclass(part, Part):
+                yield from numbers(part, f"{above}{name}.")
+
+
+def inside(declared):
+    found = (*getattr(declared, "__metadata__", ()), *getattr(declared, "__args__", ()))
+    return [declared, *(part for each in found for part in inside(each))]
+
+
+def test_every_number_of_a_scene_says_its_unit_beside_it():
+    found = dict(numbers(Scene))
+    assert {"kick.velocity", "coupling.stiffness.from", "gravity.acceleration", "kinds.mass"} <= found.keys()
+    assert [name for name, parts in found.items() if not any(isinstance(part, Unit) for part in parts)] == []

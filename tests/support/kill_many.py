@@ -1,6 +1,7 @@
 """SIGKILLs at random moments of runs, which are then resumed: is every result bit for bit the uninterrupted one?
 
-As a script, from the root of the repository: ``python tests/support/kill_many.py 200 [SEED]``; some four minutes.
+As a script, from the root of the repository: ``python tests/support/kill_many.py 200 [SEED [NAME...]]``, the names
+being those of `SCENES` and `MORE`; some four minutes.
 """
 
 import contextlib
@@ -15,13 +16,14 @@ import time
 from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from processes import HANGS, wait_until, working_in
 from stock_lammps import scene
 
 from analysis.files.binary_dump import BinaryDump
-from lammps_inputs import Scene, strict_yaml
+from lammps_inputs import Scene, library, strict_yaml
 from lammps_inputs.ingredients.damping import Damping
 from workflow.engines.lammps import mpi
 
@@ -46,6 +48,38 @@ SCENES = {
     "some": (scene(name="some", chains=1, beads=80, duration=4000.0, every=0.1, recorded=(3, 40)), 1),
 }
 """Scene and ranks; each runs for two to three seconds."""
+
+_SHORT = {
+    "chains": 2,
+    "beads": 20,
+    "coupling": {"stiffness": 0.1},
+    "duration": 1000.0,
+    "timestep": 0.01,
+    "output": {"every": 0.5},
+}
+_LOSSY = {"contact": 0.002, "tension": "cut", "beads": 1e-4, "coupling": 0.01}
+_LOADED = {"precompression": {"force": 0.5}, "walls": {"right": "flat"}}
+
+
+def _more(name: str, ranks: int, **parts: Any) -> tuple[Scene, int]:
+    return library.from_plain({"name": name, **_SHORT, **parts}, name), ranks
+
+
+MORE = {
+    "lossy": _more("lossy", 2, kick={"velocity": 1.0}, damping=_LOSSY),
+    "viscous": _more("viscous", 2, kick={"velocity": 1.0}, damping={"contact": 0.01, "law": "viscoelastic"}),
+    "bounced": _more("bounced", 1, kick={"velocity": 1.0}, damping={"contact": 0.99, "law": "restitution"}),
+    "driven": _more(
+        "driven",
+        2,
+        drive={"displacement": 0.5, "frequency": 0.1, "phase": -90},
+        foundation={"stiffness": 0.2},
+        damping={"contact": 0.05, "beads": 0.01},
+    ),
+    "loaded": _more("loaded", 2, **_LOADED, push={"peak": 1.0, "duration": 3.0, "shape": "half-sine"}),
+    "shaken": _more("shaken", 1, **_LOADED, drive={"force": 0.1, "frequency": 0.2}),
+}
+"""Losses, drives and loads: likewise."""
 
 AIMS = ("all", "command", "worker")
 """Who is killed: everything, as by a loss of power; the command alone; one of the processes that compute."""
@@ -163,30 +197,31 @@ def until_done(directory: Path, one: Scene, ranks: int, tally: Tally, chance: ra
     tally.runs += 1
 
 
-def main(kills: int, seed: int) -> int:
+def main(kills: int, seed: int, chosen: list[str]) -> int:
     """Kill as often as asked; exit code 1 if any result differs."""
     tally, chance, wrong = Tally(), random.Random(seed), 0
+    scenes = {name: (SCENES | MORE)[name] for name in chosen or SCENES}
     with tempfile.TemporaryDirectory() as work:
         whole = {}
-        for name, (one, ranks) in SCENES.items():
+        for name, (one, ranks) in scenes.items():
             until_done(Path(work) / name, one, ranks, Tally(), chance, kills=0)
             whole[name] = frames(Path(work) / name)
-        names = [name for name in SCENES if SCENES[name][1] <= mpi.cores()]
+        names = [name for name in scenes if scenes[name][1] <= mpi.cores()]
         while tally.kills < kills:
             name = names[tally.runs % len(names)]
             directory = Path(work) / f"{tally.runs}"
             few = min(chance.randint(1, 8), kills - tally.kills)
-            until_done(directory, *SCENES[name], tally, chance, kills=few)
+            until_done(directory, *scenes[name], tally, chance, kills=few)
             same = np.array_equal(frames(directory), whole[name])
             wrong += not same
             again = json.loads((directory / "run.json").read_text()).get("resumed", [])
             steps = ", ".join(str(one["from_step"]) for one in again)
             verdict = "same" if same else "DIFFERS"
-            print(f"{tally.kills:4d} kills  {name:6s} {verdict}  resumed from step {steps or '-'}", flush=True)
+            print(f"{tally.kills:4d} kills  {name:7s} {verdict}  resumed from step {steps or '-'}", flush=True)
     print(f"{tally.kills} SIGKILLs over {tally.runs} runs: {tally.runs - wrong} bit for bit the same, {wrong} not")
     print(f"states found: {dict(tally.states)}")
     return 1 if wrong else 0
 
 
 if __name__ == "__main__":
-    sys.exit(main(int(sys.argv[1]), int(sys.argv[2]) if len(sys.argv) > 2 else 1))
+    sys.exit(main(int(sys.argv[1]), int(sys.argv[2]) if len(sys.argv) > 2 else 1, sys.argv[3:]))

@@ -51,11 +51,23 @@ def test_a_scene_comes_by_name_file_data_or_as_it_is(tmp_path):
     assert api.load(api.load(SCENE)) == Scene(**SCENE)
 
 
+def test_a_run_is_a_universe_with_values_in_si(ran):
+    found = api.universe(ran.directory.path)
+    assert found.segments.segids.tolist() == ["C1"]
+    for number, ts in enumerate(found.trajectory):
+        np.testing.assert_array_equal(ts.data["si"].velocity, ran.si.velocity[number].ravel())
+    assert number == len(ran.si.time) - 1
+
+
 def test_mistakes_raise_our_error_and_never_exit(tmp_path):
     with pytest.raises(api.InputError, match="scene: beads"):
         api.load(SCENE | {"beads": 1})
     with pytest.raises(api.InputError, match="no such"):
         api.analyse(tmp_path / "nothing")
+    Path(tmp_path / "scene.yaml").write_text(json.dumps(SCENE))
+    (tmp_path / "chains.dump.bin").write_bytes(b"")
+    with pytest.raises(api.InputError, match=r"chains\.dump\.bin: is an empty file"):
+        api.universe(tmp_path)
 
 
 def test_what_a_scene_leaves_open_is_found(tmp_path):

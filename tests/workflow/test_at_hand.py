@@ -11,6 +11,7 @@ from processes import HANGS
 from lammps_inputs import schema
 from workflow import cli
 from workflow.cli import COMMANDS, main
+from workflow.studies.design import file as design
 from workflow.sweep.file import schema_of_file
 
 SCENE = "name: tiny\nbeads: 4\nkick: {velocity: 1}\nduration: 2\n"
@@ -95,7 +96,9 @@ def test_help_on_a_misspelt_word_says_what_may_be_meant(capsys):
     assert "did you mean `coupling`?" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(("of", "made"), [("scene", schema.scene), ("sweep", schema_of_file)])
+@pytest.mark.parametrize(
+    ("of", "made"), [("scene", schema.scene), ("sweep", schema_of_file), ("design", design.schema_of_file)]
+)
 def test_schema_prints_json(of, made, capsys):
     assert json.loads(said(capsys, "schema", of)) == made()
 

@@ -5,11 +5,12 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from processes import HANGS
 
-from workflow import compiled
+from workflow import compiled, screen
 
 ROOT = Path(__file__).parents[2]
 FLOORS = ("lammps_inputs", "analysis", "workflow")
@@ -108,3 +109,27 @@ def test_with_no_place_at_all_functions_are_compiled_all_the_same(place, tmp_pat
     (tmp_path / "file").write_text("no directory")
     assert place(tmp_path / "file", tmp_path / "file") is None
     assert compiled.compiled(lambda x: x + 1.0)(1.0) == 2.0
+
+
+def start(module="workflow.engines.reference.kernel"):
+    """What numba says when it compiles a function."""
+    function = SimpleNamespace(py_func=SimpleNamespace(__module__=module))
+    hint = compiled._Hint()
+    for _ in range(2):
+        hint.on_start(SimpleNamespace(data={"dispatcher": function}))
+
+
+def test_commands_say_once_that_and_what_is_compiled(capsys):
+    with screen.with_hints():
+        start()
+        start("a.users.own")
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err == "compiling the reference, which takes some ten seconds; once for this kind of scene\n"
+
+
+def test_scripts_and_quiet_commands_say_nothing_of_it(capsys):
+    start()
+    with screen.with_hints(), screen.without_bars():
+        start()
+    assert capsys.readouterr() == ("", "")

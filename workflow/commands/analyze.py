@@ -52,9 +52,10 @@ FAR = 1.4
 
 
 ANSWERS = "what analysis.json holds"
+DRAWS = True
 EXAMPLES = (
     "analyze demo",
-    "analyze demo --beads 10,55,90 --no-figures",
+    "analyze demo --beads 10,55,90 --formats png,pdf",
 )
 
 
@@ -156,13 +157,16 @@ def _print(found: Analysis) -> None:
         print(found.left.sentence(waves))
     drifts = {"energy": seen.energy_drift, "momentum": seen.momentum_drift}
     known = {name: drift for name, drift in drifts.items() if np.isfinite(drift)}
-    if known:
-        right = "what was put in" if problem.acted_on or problem.dampers else "the kick's"
-        if seen.budget is not None:
-            print(seen.budget.result().sentence(problem.scale))
-        print(", ".join(f"{name} within {drift:.1e}" for name, drift in known.items()) + f" of {right}")
-        if max(known.values()) > ENERGY_TOLERANCE:
-            print(found.failure or "that is not this scene: was the deck run with another kappa or kick?")
+    if found.budget is not None:
+        print(f"{found.budget.account.sentence(scale)}\n{found.budget.sentence}")
+    right = "what was put in" if problem.exchanges else "the kick's"
+    said = [
+        f"{name} within {drift:.1e}" for name, drift in known.items() if name == "momentum" or not problem.exchanges
+    ]
+    if said:
+        print(f"{', '.join(said)} of {right}")
+    if max(known.values(), default=0.0) > ENERGY_TOLERANCE:
+        print(found.failure or "that is not this scene: was the deck run with another kappa or kick?")
     if found.contacts is not None:
         print("\n".join(found.contacts.lines()))
 

@@ -26,6 +26,7 @@ _SHOWN = {
 
 
 ANSWERS = "a list of the table's rows, in the scenes' units"
+DRAWS = True
 EXAMPLES = (
     "collect swept --plot agree_10 --over coupling.stiffness",
     "collect swept -o table.csv --where beads=120",

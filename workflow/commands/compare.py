@@ -6,6 +6,7 @@ from pathlib import Path
 
 from analysis.trajectory import Floats
 from lammps_inputs import library
+from workflow.formats import figure_files
 from workflow.prepare.settings import refuse_unstable
 from workflow.runs.compute import ENGINES
 from workflow.runs.own_files import refuse_to_overwrite
@@ -15,6 +16,7 @@ from workflow.studies.compare.measure import Result
 from workflow.studies.compare.report import FIGURE, REPORT, Comparison
 from workflow.studies.compare.study import compare, engines_for
 
+DRAWS = True
 EXAMPLES = (
     "compare two-chains-gapped -o compared",
     "compare my/gapped.yaml -o compared",
@@ -46,7 +48,7 @@ def execute(arguments: argparse.Namespace) -> int:
         found = compare(scene, directory, engines=engines, overwrite=arguments.overwrite, progress=progress_bar)
     _print(found)
     if arguments.output is not None:
-        names = [REPORT, f"{FIGURE}.png", f"{FIGURE}.pdf"]
+        names = [REPORT, *figure_files(FIGURE)]
         print(
             f"{one_line(arguments.output)}: {', '.join([*names, *(f'{result.engine}/' for result in found.results)])}"
         )

@@ -3,25 +3,33 @@
 import argparse
 from pathlib import Path
 
+from lammps_inputs import InputError, library
+from workflow.formats import figure_files
 from workflow.screen import count_bar, one_line, print_table
-from workflow.studies.extremes import cells as grid
-from workflow.studies.extremes import report
+from workflow.studies.extremes import grid, report
 
+DRAWS = True
 EXAMPLES = (
     "extremes --quick",
+    "extremes losses loads",
     "extremes -o extremes      # the same command goes on",
 )
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Where to, and how much."""
+    parser.add_argument("parts", metavar="PART", nargs="*", help=f"of {', '.join(grid.PARTS)} (default all)")
     parser.add_argument("-o", "--output", metavar="DIR", type=Path, help="made, or gone on with: table, figure, cells")
     parser.add_argument("--quick", action="store_true", help="only the cells that take about a second")
 
 
 def execute(arguments: argparse.Namespace) -> int:
     """Run what is missing, print a table; exit code 1 if a cell is silently wrong."""
-    cells = grid.grid()
+    for name in arguments.parts:
+        if name not in grid.PARTS:
+            known = library.suggestion(name[:60], grid.PARTS)
+            raise InputError(f"extremes: {name[:60]!r} given{known}; of {', '.join(grid.PARTS)}")
+    cells = grid.grid(arguments.parts)
     if arguments.quick:
         cells = [cell for cell in cells if report.cost(cell) <= report.QUICK]
     with count_bar("extremes") as progress:
@@ -45,5 +53,5 @@ def execute(arguments: argparse.Namespace) -> int:
     found = report.counts(outcomes)
     print(f"{len(outcomes)} cells: " + ", ".join(f"{number} {kind}" for kind, number in found.items()))
     if arguments.output is not None:
-        print(f"{one_line(arguments.output)}: extremes.csv, extremes.png, extremes.pdf, cells/")
+        print(f"{one_line(arguments.output)}: {', '.join(('extremes.csv', *figure_files('extremes'), 'cells/'))}")
     return 1 if found["WRONG"] else 0

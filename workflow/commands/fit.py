@@ -7,11 +7,13 @@ from lammps_inputs import library, shipped
 from lammps_inputs.numbers import text
 from lammps_inputs.slurm.job import JOB
 from workflow.cluster.job_arguments import add_job_arguments, job_options
+from workflow.formats import figure_files
 from workflow.screen import Answer, one_line, print_table
 from workflow.studies.fit import study
 from workflow.sweep.command_job import submit_hint, write_job
 
 ANSWERS = "what fit.json holds"
+DRAWS = True
 EXAMPLES = (
     "fit scene.yaml --against data.csv --free coupling.stiffness,kick.velocity -o fitted",
     "fit scene.yaml --against data.csv --free material.youngs_modulus --offset 0 -o fitted   # times as the scene's",
@@ -71,6 +73,7 @@ def _words(arguments: argparse.Namespace) -> list[str]:
     library.find(scene)
     words = ["fit", path, "--against", str(arguments.against.absolute()), "--free", arguments.free, "-o", "."]
     words += [] if arguments.offset is None else [f"--offset={arguments.offset!r}"]
+    words += ["--formats", ",".join(arguments.formats)]
     return [*words, *(["--no-lammps"] if arguments.no_lammps else [])]
 
 
@@ -105,7 +108,7 @@ def _print(found: study.Fit, arguments: argparse.Namespace) -> None:
     for warning in found.warnings:
         print(f"warning: {warning}")
     out = arguments.output
-    print(f"{one_line(out)}: {study.FITTED}, {study.REPORT}, residuals.png, residuals.pdf")
+    print(f"{one_line(out)}: {', '.join((study.FITTED, study.REPORT, *figure_files(study.FIGURE)))}")
 
 
 def _padded(row: list[str], count: int) -> list[str]:

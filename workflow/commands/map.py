@@ -4,9 +4,11 @@ import argparse
 from pathlib import Path
 
 from lammps_inputs import InputError
+from workflow.formats import figure_files
 from workflow.screen import count_bar, one_line, print_table
 from workflow.studies import map as mapping
 
+DRAWS = True
 EXAMPLES = (
     "map -o map                # some four minutes; the same command goes on",
     "map -o map --quiet",
@@ -52,7 +54,7 @@ def execute(arguments: argparse.Namespace) -> int:
         ["N", "kappa", "10% from", "1% from", "amplitude", "mismatch", "beads", "window error"],
         rows,
     )
-    print(f"{one_line(arguments.output)}: map.csv, map.png, map.pdf, cases/")
+    print(f"{one_line(arguments.output)}: {', '.join(('map.csv', *figure_files('map'), 'cases/'))}")
     return 0
 
 

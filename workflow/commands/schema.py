@@ -1,4 +1,4 @@
-"""Print the JSON schema of scenes, sweeps or sites, which editors use for completion and checking."""
+"""Print the JSON schema of scenes, sweeps, designs or sites, which editors use for completion and checking."""
 
 import argparse
 
@@ -14,7 +14,9 @@ EXAMPLES = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Of what."""
-    parser.add_argument("of", choices=("scene", "sweep", "site"), nargs="?", default="scene", help="default scene")
+    parser.add_argument(
+        "of", choices=("scene", "sweep", "design", "site"), nargs="?", default="scene", help="default scene"
+    )
 
 
 def execute(arguments: argparse.Namespace) -> int:
@@ -23,9 +25,13 @@ def execute(arguments: argparse.Namespace) -> int:
         made = schema.scene()
     elif arguments.of == "site":
         made = schema.of(JobOptions, "site")
-    else:
-        from workflow.sweep import file  # takes a while to import
+    elif arguments.of == "sweep":
+        from workflow.sweep import file as sweep  # takes a while to import
 
-        made = file.schema_of_file()
+        made = sweep.schema_of_file()
+    else:
+        from workflow.studies.design import file as design  # likewise
+
+        made = design.schema_of_file()
     print(as_json(made))
     return 0

@@ -12,6 +12,7 @@ from workflow.screen import Answer, count_bar, one_line
 from workflow.sweep import carry_out, file
 
 ANSWERS = "how many cases there are, are done, have failed"
+DRAWS = True
 EXAMPLES = (
     "sweep sweep.yaml -o swept",
     "sweep sweep.yaml -o swept --slurm --time 02:00:00   # then, there: sbatch job.sbatch",

@@ -16,6 +16,7 @@ LARGE = 1e9
 """Bytes of frames above which a scene is said to be large."""
 
 
+DRAWS = True
 EXAMPLES = (
     "trade two-chains -o trade",
     "trade my/scene.yaml -o trade --budget 120   # seconds",

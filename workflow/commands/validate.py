@@ -8,6 +8,7 @@ import numpy as np
 
 from analysis.files import traces
 from lammps_inputs import InputError, library
+from workflow.formats import figure_files
 from workflow.prepare.settings import settle
 from workflow.runs import run as running
 from workflow.runs.run_directory import RunDirectory
@@ -16,6 +17,7 @@ from workflow.verdicts import validate as validation
 from workflow.verdicts.validate_traces import validate_traces
 
 ANSWERS = "what validation.json holds"
+DRAWS = True
 EXAMPLES = (
     "validate demo",
     "validate demo --against mine.csv --units dimensionless --tolerance velocity=1e-4   # in V",
@@ -60,7 +62,7 @@ def execute(arguments: argparse.Namespace) -> Answer:
         compare = validate_traces if traces.are_in(arguments.against) else validation.validate_against
         found = compare(directory, arguments.against, dimensionless=dimensionless, tolerances=tolerances)
     _print(found)
-    print(f"{one_line(directory.path)}: {', '.join((validation.REPORT, *validation.FIGURES))}")
+    print(f"{one_line(directory.path)}: {', '.join((validation.REPORT, *figure_files(validation.FIGURE)))}")
     data = json.loads((directory.path / validation.REPORT).read_text(encoding="utf-8"))
     return Answer(0 if found.passed else 1, data)
 

@@ -6,8 +6,8 @@ import sys
 import webbrowser
 from pathlib import Path
 
-from lammps_inputs import InputError
 from workflow.screen import one_line
+from workflow.view import need_bokeh
 
 EXAMPLES = (
     "view demo                 # writes demo/view.html, and opens it where there is a screen",
@@ -25,10 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """Write the page; open it in a browser if there is a screen."""
-    try:
-        import bokeh  # noqa: F401
-    except ImportError:
-        raise InputError("view: draws with Bokeh, which is not installed; `pip install 'bokeh>=3.4'`") from None
+    need_bokeh()
     from workflow.view.write import write  # bokeh takes half a second to import
 
     pages = write(arguments.directory)

@@ -14,11 +14,14 @@ FEW = 100
 def stride(problem: Problem, spacing: float = SPACING) -> int:
     """Frames from one that is compared to the next, so that the last is among them or nearly; 1 if there are few.
 
-    In a swing of stiff springs four are compared, lest all show the same phase of it.
+    In a swing of stiff springs four are compared, lest all show the same phase of it; and four in the time in which
+    dashpots stop a bead, for the error is largest when they begin to.
     """
     if problem.frames <= FEW:
         return 1
     if problem.swing > 0.0:
         spacing = min(spacing, 0.5 * math.pi / problem.swing)
+    if problem.drag > 0.0:
+        spacing = min(spacing, 0.25 / problem.drag)
     most = max(1, min(math.floor(spacing / problem.every * (1.0 + 1e-9)), problem.frames))
     return min(range(most, most // 2, -1), key=lambda step: problem.frames % step)

@@ -64,6 +64,12 @@ def claim(directory: Path, names: Iterable[str]) -> None:
                 os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns))
 
 
+def retire(directory: Path, names: Iterable[str]) -> None:
+    """Remove files of ours that something new makes old; others of such a name stay."""
+    for name in listed(directory).intersection(names):
+        (directory / name).unlink(missing_ok=True)
+
+
 def _refuse_others(directory: Path, names: Iterable[str], own: set[str]) -> None:
     for name in names:
         if name not in own and os.path.lexists(directory / name):

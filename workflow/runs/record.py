@@ -61,6 +61,7 @@ class _Settings(_Part):
 
 
 class _Certificate(_Part):
+    steps_per_frame: Count | None = None
     velocity: Number | None
     arrival: Number | None
 

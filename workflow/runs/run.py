@@ -1,6 +1,7 @@
 """Run a scene: from its validated description to a run directory with everything in it."""
 
 import contextlib
+import contextvars
 import functools
 import signal
 import threading
@@ -193,7 +194,7 @@ def carry_out(
     started = time.perf_counter() - spent
     if check and engine == "lammps":
         # on another core while LAMMPS computes
-        threading.Thread(target=reference.load, daemon=True).start()
+        threading.Thread(target=contextvars.copy_context().run, args=(reference.load,), daemon=True).start()
     try:
         ending = compute(engine, result, ranks=ranks, settings=settings, progress=progress, start=start)
         if ending["outcome"] == "done":

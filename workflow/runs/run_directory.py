@@ -26,9 +26,10 @@ from analysis.trajectory import Trajectory, joined
 from lammps_inputs import InputError, Problem, Scene, load
 from lammps_inputs.decks import continuation, deck
 from lammps_inputs.slurm import job
+from workflow.formats import in_any_format
 from workflow.runs.locks import changing
 from workflow.runs.record import RECORD, read_record
-from workflow.runs.whole_files import figure_files, write_json
+from workflow.runs.whole_files import write_json
 
 EVENTS = "events.csv"
 REPORT = "analysis.json"
@@ -47,13 +48,14 @@ OWN_FILES = (
     *job.OWN_FILES,
     deck.SNAPSHOTS,
 )
+ANALYSIS_FIGURES = ("spacetime", "response", "distance", "shape", "energy", "forces", "spectra", "dispersion", "budget")
 ANALYSIS_FILES = (
-    "waves.csv",
+    *("waves.csv", "forces.csv", "spectra.csv", "dispersion.csv"),
     REPORT,
     VIEW,
-    *figure_files("spacetime", "response", "distance", "shape", "energy"),
-    *("validation.json", *figure_files("validation")),
-    *("compare.json", *figure_files("compare")),
+    *in_any_format(*ANALYSIS_FIGURES),
+    *("validation.json", *in_any_format("validation")),
+    *("compare.json", *in_any_format("compare")),
 )
 
 _PART = re.compile(r"chains\.(dump|snapshots)(?:\.([1-9][0-9]{0,8}))?\.bin")

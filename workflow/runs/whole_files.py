@@ -1,6 +1,5 @@
 """Files written whole or not at all: under another name, and then renamed."""
 
-import io
 import json
 import math
 import os
@@ -9,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from workflow.errors import EndedError, RunError
+from workflow.formats import figure_files
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure  # takes a while to import
@@ -41,31 +41,21 @@ def _write(path: Path, content: bytes) -> None:
         raise
 
 
-def figure_files(*names: str) -> tuple[str, ...]:
-    """Names of the files of figures."""
-    return tuple(f"{name}.{suffix}" for name in names for suffix in ("png", "pdf"))
-
-
 def write_figure(directory: Path, name: str, figure: "Figure") -> tuple[Path, ...]:
-    """Write a figure as PNG and as PDF; returns the files.
+    """Write a figure in the formats of `workflow.formats`; returns the files.
 
     Raises:
         RunError: it holds numbers that cannot be drawn.
     """
-    import matplotlib as mpl
-
-    from analysis.figures.style import STYLE
+    from analysis.figures.picture import picture
 
     paths = tuple(directory / file for file in figure_files(name))
     for path in paths:
-        out = io.BytesIO()
         try:
-            with mpl.rc_context(STYLE):  # fonts and resolution are settings of saving, not of drawing
-                figure.savefig(out, format=path.suffix[1:])
+            content = picture(figure, path.suffix[1:])
         except OverflowError:
             raise RunError(f"{path}: numbers near 1e308 cannot be drawn; are the frames damaged?") from None
-        figure.set_layout_engine("none")  # laid out once; it takes as long as drawing
-        write_bytes(path, out.getvalue())
+        write_bytes(path, content)
     return paths
 
 

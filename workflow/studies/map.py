@@ -19,8 +19,9 @@ from analysis.tracking.leading_waves import Waves
 from lammps_inputs import Coupling, InputError, Kick, Problem, Scene
 from workflow.engines.lammps.mpi import cores
 from workflow.engines.reference.passages import passages
+from workflow.formats import figure_files
 from workflow.runs.own_files import claim
-from workflow.runs.whole_files import figure_files, write_figure, write_text
+from workflow.runs.whole_files import write_figure, write_text
 from workflow.studies.lines import to_csv
 
 COUPLINGS = tuple(float(f"{value:.3g}") for value in np.geomspace(1e-3, 2.0, 12))

@@ -2,7 +2,6 @@
 
 import base64
 import html
-import io
 import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field, replace
@@ -10,6 +9,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
+from analysis.figures.picture import picture as content_of
 from workflow.runs.own_files import claim
 from workflow.runs.whole_files import write_bytes, write_text
 
@@ -67,9 +67,7 @@ class Section:
 
 def drawn(name: str, figure: Figure, caption: str) -> Picture:
     """A picture of a figure."""
-    out = io.BytesIO()
-    figure.savefig(out, format="png", dpi=150)
-    return Picture(name, out.getvalue(), caption)
+    return Picture(name, content_of(figure, "png", dpi=150), caption)
 
 
 def keep(section: Section, folder: Path) -> None:

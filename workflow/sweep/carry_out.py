@@ -11,6 +11,7 @@ from lammps_inputs.slurm.job import CASES
 from workflow.cluster import queue
 from workflow.engines.lammps.mpi import cores
 from workflow.errors import RunError
+from workflow.formats import asked
 from workflow.runs.locks import alone
 from workflow.runs.status import status
 from workflow.sweep import directory as directories
@@ -180,7 +181,7 @@ def _jobs(
     order = sorted(missing, key=lambda entry: -_work(scene_of(what, entry[0])))
     for case, todo in order:
         wanted = request(what, case, scene_of(what, case)) if todo is Todo.RUN else None
-        yield case.name, Job(str(directory / case.name), wanted, check, figures)
+        yield case.name, Job(str(directory / case.name), wanted, check, asked() if figures else ())
 
 
 def _work(scene: Scene) -> float:

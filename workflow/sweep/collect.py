@@ -1,6 +1,6 @@
 """Gather the cases of a sweep into one table, and draw one quantity of it over one or two fields."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -46,7 +46,7 @@ def collect(directory: Path, progress: Callable[[int, int], None] | None = None)
     requests = {path: asked(path) or Asked({}, {}, "") for path in found}
     names = sorted({name for request in requests.values() for name in request.swept})
     paths = {name: _path(name, directory) for name in names}
-    rows, kinds, scenes = [], set(), set()
+    rows, kinds, scenes, bands = [], set(), set(), {}
     for path, request in requests.items():
         report, record = read_json(path / REPORT), recorded(path)
         scenes.add(str(request.scene.get("name", "")))
@@ -56,8 +56,31 @@ def collect(directory: Path, progress: Callable[[int, int], None] | None = None)
         scene = request.scene or _scene(path)
         row = {"case": path.name, **swept, "outcome": outcome, **quantities(report, record, scene)}
         rows.append({**row, "reason": reason})
+        spectra = report.get("spectra")
+        if isinstance(spectra, dict) and _are_bands(spectra.get("bands")):
+            bands[path.name] = spectra["bands"]
     rows.sort(key=lambda row: [_rank(row[name]) for name in names])
-    return Table(names, rows, None if len(kinds) > 1 else kinds == {True}, scenes.pop() if len(scenes) == 1 else "")
+    return Table(
+        names,
+        rows,
+        si=None if len(kinds) > 1 else kinds == {True},
+        scene=scenes.pop() if len(scenes) == 1 else "",
+        units={name: _shared_unit(paths[name], requests.values()) for name in names},
+        bands=bands,
+    )
+
+
+def _shared_unit(path: fields.Path, requests: Iterable[Asked]) -> str:
+    """Of a field; empty where the cases have several."""
+    found = {fields.unit(path, request.scene) for request in requests if request.scene}
+    return found.pop() if len(found) == 1 else ""
+
+
+def _are_bands(value: Any) -> bool:
+    try:
+        return np.array(value, dtype=np.float64).shape[1:] == (2,)
+    except (TypeError, ValueError):
+        return False
 
 
 def _scene(directory: Path) -> dict[str, Any]:
@@ -81,7 +104,7 @@ def _analyse(directories: list[Path], progress: Callable[[int, int], None] | Non
         return {}
     complaints = {}
     jobs: Iterator[tuple[str, Job]] = (
-        (path.name, Job(str(path.absolute()), None, check=False, figures=False)) for path in directories
+        (path.name, Job(str(path.absolute()), None, check=False, figures=())) for path in directories
     )
     with closing(pool.answers(jobs, min(cores(), len(directories)))) as answers:
         for count, (name, answer) in enumerate(answers, 1):
@@ -117,7 +140,7 @@ def quantities(report: dict[str, Any], record: dict[str, Any], scene: dict[str, 
 
 def _hit(report: dict[str, Any], scene: dict[str, Any]) -> dict[str, Any]:
     """What ``analysis.json`` says of the leading wave in the chain that was hit hardest."""
-    blows = [scene.get(key) for key in ("kick", "push")]
+    blows = [scene.get(key) for key in ("kick", "push", "striker")]
     each = [hit for blow in blows for hit in (blow if isinstance(blow, list | tuple) else [blow])]
     chain = max((hit for hit in each if isinstance(hit, dict)), key=_size, default={}).get("chain", 1)
     waves = report.get("waves")
@@ -162,7 +185,7 @@ def _refuse_unless_varied(option: str, name: str, table: Table) -> None:
 def plot(
     table: Table, directory: Path, quantity: str, over: str, beside: str | None, title: str = ""
 ) -> tuple[Path, ...]:
-    """Draw a quantity over a field, or two, as PNG and PDF into a directory.
+    """Draw a quantity over a field, or two, into a directory.
 
     Args:
         table: what to draw from; cases that are done, and that have a number, are drawn.
@@ -207,6 +230,6 @@ def plot(
         np.array([QUANTITIES[quantity].path[0] == "equipartition" and row["state"] in UNSETTLED for row in rows]),
     )
     title = ", ".join(filter(None, (table.scene, title)))
-    figure = swept_figure(upwards, along, second[0] if second else None, title)
+    figure = swept_figure(upwards, along, second[0] if second else None, title, drawn.passed(over))
     name = f"{quantity}-over-{'-and-'.join(shown)}".replace("[", "").replace("]", "")
     return write_figure(directory, name, figure)

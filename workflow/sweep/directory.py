@@ -16,6 +16,7 @@ from pydantic_core import from_json
 
 from lammps_inputs import InputError, Scene, library, strict_yaml
 from lammps_inputs.decks import deck
+from workflow.formats import figure_files
 from workflow.runs.own_files import claim, listed, others, remove_leftovers
 from workflow.runs.record import RECORD, read_record
 from workflow.runs.run_directory import REPORT
@@ -142,7 +143,7 @@ def todo(path: Path, *, figures: bool) -> Todo:
     """What is missing in a case's directory."""
     if status(path).state != "done":
         return Todo.RUN
-    if figures and not (path / "spacetime.png").is_file():
+    if figures and not all((path / file).is_file() for file in figure_files("spacetime")):
         return Todo.ANALYSIS
     return Todo.NOTHING if is_analysed(path) else Todo.ANALYSIS
 

@@ -6,9 +6,12 @@ import re
 from typing import Any
 
 from pydantic import BaseModel
+from pydantic.fields import FieldInfo
 
 from lammps_inputs import InputError, Scene, library
+from lammps_inputs.ingredients.base import Part
 from lammps_inputs.scene import SEVERAL
+from lammps_inputs.units import Unit
 
 _STEP = re.compile(r"([A-Za-z_][A-Za-z0-9_]*)(?:\[([1-9][0-9]{0,5})\])?")
 
@@ -101,17 +104,34 @@ def look_up(scene: dict[str, Any], path: Path) -> Any:
 
 def is_whole(path: Path) -> bool:
     """Whether a field takes whole numbers only."""
-    model: type[BaseModel] | None = Scene
-    annotation: Any = None
-    for key, _ in path:
-        known = {} if model is None else {field.alias or name: field for name, field in model.model_fields.items()}
-        if key in known:  # else a name of the user's
-            annotation = known[key].annotation
-            model = library.model_in(annotation)
-    kinds = set(_types(annotation))
+    kinds = {part for part in _parts(_field(path)) if isinstance(part, type)}
     return int in kinds and float not in kinds
 
 
-def _types(annotation: Any) -> list[Any]:
-    inner = [kind for argument in getattr(annotation, "__args__", ()) for kind in _types(argument)]
-    return [annotation, *inner]
+def unit(path: Path, scene: dict[str, Any]) -> str:
+    """Symbol of a field's unit in a scene, such as ``m/s`` or ``reduced``; empty for what has none."""
+    found = next((part for part in _parts(_field(path)) if isinstance(part, Unit)), None)
+    beside = look_up(scene, path[:-1]) if len(path) > 1 else scene
+    si = "material" in scene
+    return "" if found is None else found.symbol(beside if isinstance(beside, dict) else {}, si=si)
+
+
+def _field(path: Path) -> FieldInfo | None:
+    """What a path ends at; of a part that may be written as a number alone, that number."""
+    model: type[BaseModel] | None = Scene
+    found = None
+    for key, _ in path:
+        known = {} if model is None else {field.alias or name: field for name, field in model.model_fields.items()}
+        if key in known:  # else a name of the user's
+            found = known[key]
+            model = library.model_in(found.annotation)
+    alone = model.alone if model is not None and issubclass(model, Part) else None
+    return found if model is None or alone is None else model.model_fields[alone]
+
+
+def _parts(declared: Any) -> list[Any]:
+    """All that a type is made of, without what stands in the parts of a scene."""
+    if isinstance(declared, FieldInfo):
+        return [*declared.metadata, *_parts(declared.annotation)]
+    inside = (*getattr(declared, "__metadata__", ()), *getattr(declared, "__args__", ()))
+    return [declared, *(part for each in inside for part in _parts(each))]

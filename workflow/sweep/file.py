@@ -102,8 +102,7 @@ class _File(_Part):
 
 def schema_of_file() -> dict[str, Any]:
     """JSON schema of a sweep file; what it says of a scene may lack what is varied."""
-    found = schema.of(_File, "sweep")
-    scene = {key: value for key, value in schema.scene().items() if key not in ("$schema", "required")}
+    found, scene = schema.of(_File, "sweep"), scene_of_file()
     found["$defs"] = scene.pop("$defs") | {"Range": schema.of(Range, "range")}
     found["properties"]["scene"] = {"anyOf": [{"type": "string"}, scene]}
     found["properties"]["vary"] = {
@@ -111,6 +110,11 @@ def schema_of_file() -> dict[str, Any]:
         "additionalProperties": {"anyOf": [{"type": "array"}, {"$ref": "#/$defs/Range"}]},
     }
     return found
+
+
+def scene_of_file() -> dict[str, Any]:
+    """JSON schema of a scene within a file of another kind, which need not be whole."""
+    return {key: value for key, value in schema.scene().items() if key not in ("$schema", "required")}
 
 
 @dataclass(frozen=True)

@@ -14,13 +14,13 @@ class Job:
         directory: of the case, an absolute path.
         case: what to run first; None to analyse only what is there.
         check: whether to measure the error of a LAMMPS run.
-        figures: whether to draw.
+        figures: formats of the figures to draw; none without any.
     """
 
     directory: str
     case: Asked | None
     check: bool
-    figures: bool
+    figures: tuple[str, ...]
 
     def line(self) -> str:
         """As `from_line` reads it."""
@@ -31,4 +31,5 @@ class Job:
         """From one line of input."""
         data = json.loads(line)
         case = data.pop("case")
-        return cls(case=None if case is None else Asked(**case), **data)
+        figures = tuple(data.pop("figures"))
+        return cls(case=None if case is None else Asked(**case), figures=figures, **data)

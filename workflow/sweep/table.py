@@ -3,8 +3,7 @@
 import csv
 import io
 import math
-import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from analysis.sharing.verdict import State
 from analysis.trajectory import Floats
 from lammps_inputs import html
 from lammps_inputs.numbers import text
+from lammps_inputs.units import REDUCED, SI
 from workflow.runs.record import RECORD
 from workflow.runs.run_directory import REPORT
 
@@ -25,7 +25,7 @@ class Quantity:
     Attributes:
         file: where its value stands.
         path: key by key.
-        label: for an axis; of a number only. A quantity of the scene's units ends in one of `_UNITS`.
+        label: for an axis; of a number only. A quantity of the scene's units ends in one of `lammps_inputs.units.SI`.
     """
 
     file: str
@@ -82,27 +82,6 @@ UNCERTAINTIES = {"amplitude": "amplitude_uncertainty", "beat_length": "beat_leng
 UNSETTLED = (State.BEATING.value, State.SHORT.value, State.UNSURE.value)
 """States of a case whose chains have not come to share equally, so that its numbers may yet change."""
 
-_UNITS = {"time": "s", "velocity": "m/s", "speed": "beads/s", "force": "N"}
-
-_FIELD_UNITS = {
-    "coupling.stiffness": "N/m",
-    "coupling.stiffness.from": "N/m",
-    "coupling.stiffness.to": "N/m",
-    "coupling.cubic": "N/m3",
-    "kick.velocity": "m/s",
-    "drive.frequency": "Hz",
-    "drive.displacement": "m",
-    "drive.force": "N",
-    "gap": "m",
-    "duration": "s",
-    "timestep": "s",
-    "output.every": "s",
-    "output.snapshots": "s",
-    "material.radius": "m",
-    "material.density": "kg/m3",
-    "material.youngs_modulus": "Pa",
-}
-
 
 @dataclass(frozen=True)
 class Table:
@@ -113,12 +92,16 @@ class Table:
         rows: one a case: its name as ``case``, fields, ``outcome``, quantities, ``reason``; None is unknown.
         si: whether the scenes are in SI units; None if some are and some are not.
         scene: name of the scenes; empty if they have several.
+        units: of the fields: a symbol, "reduced", or empty for none.
+        bands: case -> lowest and highest frequencies at which small waves pass, [[low, high], ...]; where known.
     """
 
     fields: list[str]
     rows: list[dict[str, Any]]
     si: bool | None
     scene: str = ""
+    units: dict[str, str] = field(default_factory=dict)
+    bands: dict[str, list[list[float]]] = field(default_factory=dict)
 
     @property
     def columns(self) -> list[str]:
@@ -172,29 +155,36 @@ class Table:
             dtype=np.float64,
         )
 
+    def passed(self, name: str) -> Floats | None:
+        """Frequencies at which small waves pass, [band, 2], if a field is one and all cases have the same."""
+        if name.rpartition(".")[2] != "frequency":
+            return None
+        found = [np.array(self.bands.get(row["case"], []), dtype=np.float64) for row in self.rows]
+        if not found or any(bands.ndim != 2 or bands.shape != found[0].shape for bands in found):
+            return None
+        # a load is rounded a little differently in each case
+        same = 1e-3 * np.max(np.abs(found[0]), initial=0.0)
+        return found[0] if all(np.all(np.abs(bands - found[0]) <= same) for bands in found) else None
+
     def heading(self, name: str) -> str:
         """The name of a column in the table; with its unit where the scenes are in SI."""
         unit = self._unit(name)
-        return f"{name} ({unit})" if self.si and unit else name
+        return name if unit in ("", REDUCED) else f"{name} ({unit})"
 
     def label(self, name: str) -> str:
         """What to write at an axis that shows a column."""
+        words = name.replace("_", " ").replace(".", " ") if name in self.fields else QUANTITIES[name].label
         unit = self._unit(name)
-        if name in self.fields:
-            words = name.replace("_", " ").replace(".", " ")
-            bare = unit is None or self.si is None
-        else:
-            words, bracket, _ = QUANTITIES[name].label.partition(" [")
-            bare = not bracket
-        return words if bare else f"{words} ({unit if self.si else 'reduced'})"
+        return words.partition(" [")[0] + (f" ({unit})" if unit else "")
 
-    def _unit(self, name: str) -> str | None:
-        """In SI, of what is in the scene's units; None of anything else."""
+    def _unit(self, name: str) -> str:
+        """Of a column; empty where it has none, or the scenes do not agree on one."""
         if name in self.fields:
-            return _FIELD_UNITS.get(re.sub(r"\[\d+\]", "", name))
-        label = QUANTITIES[name].label if name in QUANTITIES else ""
-        _, bracket, unit = label.partition(" [")
-        return _UNITS[unit[:-1]] if bracket else None
+            return self.units.get(name, "")
+        _, bracket, quantity = (QUANTITIES[name].label if name in QUANTITIES else "").partition(" [")
+        if not bracket or self.si is None:
+            return ""
+        return SI[quantity[:-1]] if self.si else REDUCED
 
 
 def _written(value: Any) -> str:

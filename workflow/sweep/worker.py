@@ -18,6 +18,7 @@ from lammps_inputs import InputError, library
 from lammps_inputs.decks import continuation
 from workflow.engines.lammps import hosted
 from workflow.errors import RunError
+from workflow.formats import written_as
 from workflow.runs.record import RECORD
 from workflow.runs.resume import resume
 from workflow.runs.run import Run, run
@@ -57,7 +58,8 @@ def _do(job: Job) -> str:
         return "stopped"
     if job.case is None and job.check and (directory / RECORD).is_file():
         resume(directory)  # it is done, but perhaps its error was not measured any more
-    analyse(RunDirectory(directory), figures=job.figures)
+    with written_as(job.figures):
+        analyse(RunDirectory(directory), figures=bool(job.figures))
     return "done"
 
 

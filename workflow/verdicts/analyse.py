@@ -33,14 +33,19 @@ from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import InputError, Problem, Scene, laws
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.unequal import period
+from workflow.engines.reference.accountant import Accountant
+from workflow.formats import figure_files, in_any_format
+from workflow.runs.accounts import accountant
 from workflow.runs.contacts import Contacts, has_contacts, of_overlap
-from workflow.runs.own_files import claim
+from workflow.runs.own_files import claim, retire
 from workflow.runs.peaks_table import found_on_the_way
 from workflow.runs.results import Fingerprint, recorded_fingerprint
-from workflow.runs.run_directory import REPORT, RunDirectory
-from workflow.runs.whole_files import figure_files, write_figure, write_json, write_text
+from workflow.runs.run_directory import ANALYSIS_FIGURES, REPORT, RunDirectory
+from workflow.runs.whole_files import write_figure, write_json, write_text
 from workflow.verdicts.analysis_report import last_clear_bead, report
 from workflow.verdicts.ingredient_reports import (
+    ClosedBudget,
+    budget_report,
     cells_report,
     dispersion_report,
     energy_report,
@@ -81,6 +86,8 @@ class Analysis:
         spectra: of the beads that the scene names; None where it names none, and of too few frames.
         given_back: of the walls among them, by side: velocity of the pulse thrown back over that which came, [chain].
         sound: the leading pulse above a static load; None without one, and where it did not come far enough.
+        budget: where the energy was over time, and how well that is known; None where none is exchanged, and where not
+            all beads are recorded.
         bead_length: distance of neighbouring beads at rest, in m; None where there is no one such distance.
         dispersion: of small waves; why there is none, in words, where there is none.
     """
@@ -101,6 +108,7 @@ class Analysis:
     given_back: dict[str, Floats]
     sound: LoadedWave | None
     dispersion: Map | str
+    budget: ClosedBudget | None
     bead_length: float | None
 
     @property
@@ -141,7 +149,8 @@ def analyse(
             f"{directory.path}: its frames are {problem.every * problem.scale.time:.4g} apart, too far to find waves "
             f"between them; run it with output.every at most {limit:.4g}"
         )
-    conservation = Conservation()
+    ledger = accountant(directory, problem)
+    conservation = Conservation(ledger.of)
     left = LeftBehind() if problem.window is not None else None
     flow = EnergyFlow(problem) if problem.whole and not problem.holds(Fact.PULSE) else None
     cells = None
@@ -177,7 +186,8 @@ def analyse(
         leading=found_on_the_way(directory) if arrival in (None, usual_arrival(problem)) else None,
     )
     if problem.frames_per_snapshot is not None:
-        whole = Conservation()
+        ledger = accountant(directory, problem.snapshots())
+        whole = Conservation(ledger.of)
         for block in _sound(directory, directory.snapshots()):
             whole.add(block)
             fingerprint.add(block)
@@ -191,14 +201,22 @@ def analyse(
     spectra = None if spectrum is None else spectrum.result()
     sound = None if pulse is None else pulse.result()
     dispersion = _mapped(sounds)
+    budget = _budget(directory, conservation, ledger)
     figures_of = _makers(found, spacetime, history, energy, forces, dispersion) if figures else {}
     if figures and spectra is not None:
         from analysis.figures import spectra_figure
 
         figures_of["spectra"] = lambda: spectra_figure(problem, spectra)
+    if figures and budget is not None and len(budget.account.time) > 1:
+        from analysis.figures import budget_figure
+
+        figures_of["budget"] = lambda: budget_figure(problem, budget.account)
     there = ((FORCES, forces is not None), (SPECTRA, spectra is not None), (DISPERSION, isinstance(dispersion, Map)))
     tables = [WAVES, *(name for name, is_there in there if is_there)]
-    claim(directory.path, (*tables, REPORT, *figure_files(*figures_of)))
+    files = figure_files(*figures_of)
+    claim(directory.path, (*tables, REPORT, *files))
+    if figures:
+        retire(directory.path, set(in_any_format(*ANALYSIS_FIGURES)).difference(files))
     drawn = tuple(path for name, make in figures_of.items() for path in write_figure(directory.path, name, make()))
     write_text(directory.path / WAVES, waves_csv(found))
     if forces is not None:
@@ -226,8 +244,8 @@ def analyse(
         more["far_end"] = far_end_report(problem, end)
     if cells is not None:
         more["cells"] = cells_report(problem, cells)
-    if conservation.budget is not None:
-        more["budget"] = conservation.budget.result().plain(problem.scale)
+    if budget is not None:
+        more["budget"] = budget_report(problem, budget)
     write_json(directory.path / REPORT, {**report(found, conservation, allowed, left), **more})
     complete = conservation.frames == problem.frames + 1
     altered = recorded_fingerprint(directory) not in ("", fingerprint.sha256())
@@ -247,9 +265,22 @@ def analyse(
         given_back=given_back,
         sound=sound,
         dispersion=dispersion,
+        budget=budget,
         bead_length=length,
         spectra=spectra,
     )
+
+
+def _budget(directory: RunDirectory, seen: Conservation, ledger: Accountant) -> ClosedBudget | None:
+    if seen.budget is None:
+        return None
+    account = seen.budget.result()
+    try:
+        record = directory.record
+    except InputError:
+        record = {}
+    stated = (record.get("check") or record.get("certificate") or {}).get("velocity")
+    return ClosedBudget(account, seen.energy_drift, ledger.unsure / account.most, stated)
 
 
 def _dispersion(problem: Problem) -> Dispersion | str:

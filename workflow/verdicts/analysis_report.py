@@ -43,9 +43,8 @@ def report(found: Survey, seen: Conservation, tolerances: Tolerances, left: Left
 
     `workflow.verdicts.analyse` adds what only some scenes have, see `workflow.verdicts.ingredient_reports`: ``energy``
     where no pulse stays together, ``cells`` where beads differ, ``forces`` with ``output.forces``, ``sound`` and
-    ``dispersion`` under a static load; with a material ``contacts``, see `workflow.runs.contacts.Contacts`; and where
-    frames hold all beads, and dashpots or forces from outside act on them, ``budget``: where the energy is over time,
-    and what dashpots have taken, see `analysis.budget.Account`.
+    ``dispersion`` under a static load, ``budget`` where dashpots or forces from outside act and frames hold all beads;
+    with a material ``contacts``, see `workflow.runs.contacts.Contacts`.
     """
     problem, scale = found.problem, found.problem.scale
     order = np.argsort([-character.peak_velocity for character in found.characters], kind="stable")

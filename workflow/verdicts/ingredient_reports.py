@@ -1,23 +1,72 @@
 """Keys of ``analysis.json`` that only some scenes have: of the energy, of unequal beads, of gauges, of sound."""
 
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
+from analysis.budget import Account
 from analysis.gauges.far_end import FarEnd
 from analysis.gauges.readings import Readings
 from analysis.gauges.spectra import Spectra, drives
 from analysis.shape.loaded_wave import sound_speed
 from analysis.sharing.cells import CellEnergy
 from analysis.sharing.energy_flow import Flow
-from analysis.sound.dispersion import Map
+from analysis.sound.dispersion import Map, NoDispersionError, cell_of
 from analysis.sound.loaded_pulse import LoadedWave
 from analysis.tracking.pulses import Pulse
 from analysis.trajectory import Floats
 from lammps_inputs import Problem, laws
 from lammps_inputs.numbers import known
 from lammps_inputs.units import Scale
+
+
+@dataclass(frozen=True)
+class ClosedBudget:
+    """The energy of a run over time, and how well it is known.
+
+    Attributes:
+        account: where it is, what was lost, and what was put in.
+        missing: largest of it that is nowhere, in shares of the most that was put in.
+        unsure: how well it is known what was lost and put in between frames, likewise.
+        stated: error of the velocities that the run states, in units of V; None where it states none.
+    """
+
+    account: Account
+    missing: float
+    unsure: float
+    stated: float | None
+
+    @property
+    def sentence(self) -> str:
+        """How well it is closed, in one line."""
+        own = "" if self.stated is None else f"; the run is right to {self.stated:.1e} V"
+        return (
+            f"budget closed to {self.missing:.1e} of what was put in; what happened between frames is known to "
+            f"{self.unsure:.1e} of it{own}"
+        )
+
+
+def budget_report(problem: Problem, budget: ClosedBudget) -> dict[str, Any]:
+    """What ``analysis.json`` says under ``budget``, where energy is lost or put in; in the scene's units.
+
+    | key       | what                                                                                            |
+    |-----------|-------------------------------------------------------------------------------------------------|
+    | time      | of some frames                                                                                  |
+    | put_in    | until then, by kicks and by forces from outside                                                 |
+    | kinetic, contacts, springs, ground | where it is                                                            |
+    | lost      | until then, in each kind of dashpots                                                            |
+    | missing   | what was put in and is nowhere                                                                  |
+    | closed    | largest of that in any frame, in the most that was put in                                       |
+    | between_frames | how well it is known what was exchanged between frames, likewise                           |
+    | stated    | error of the velocities that the run states, in V; null where it states none                    |
+    """
+    return {
+        **budget.account.plain(problem.scale),
+        "closed": known(budget.missing),
+        "between_frames": known(budget.unsure),
+        "stated": budget.stated,
+    }
 
 
 def energy_report(problem: Problem, flow: Flow) -> dict[str, Any]:
@@ -185,6 +234,8 @@ def spectra_report(problem: Problem, spectra: Spectra) -> dict[str, Any]:
     |                  | each drive ``at_drive``: frequency, amplitude, transmissibility (over that of the chain's |
     |                  | first bead; null where that does not move)                                                |
     | transmissibility | of the last bead named, in the chain of the first drive, at its frequency                 |
+    | bands            | lowest and highest frequency of every branch of small waves, exact; null where the chains |
+    |                  | pass on no sound, or nothing repeats along them                                           |
     """
     scale, entries = problem.scale, []
     passed_on = spectra.transmissibility
@@ -214,8 +265,17 @@ def spectra_report(problem: Problem, spectra: Spectra) -> dict[str, Any]:
         "after": spectra.after * scale.time,
         "resolution": float((spectra.frequency[1] - spectra.frequency[0]) / scale.time),
         "transmissibility": found,
+        "bands": _bands(problem),
         "beads": entries,
     }
+
+
+def _bands(problem: Problem) -> list[list[float]] | None:
+    try:
+        bands = cell_of(problem).bands() / (2.0 * np.pi * problem.scale.time)
+    except NoDispersionError:
+        return None
+    return [[float(edge) for edge in band] for band in bands]
 
 
 def far_end_report(problem: Problem, end: FarEnd) -> dict[str, Any]:

@@ -15,7 +15,10 @@ from analysis.files import table, text_dump
 from analysis.files.binary_dump import CutDumpWarning
 from analysis.trajectory import Trajectory, joined
 from lammps_inputs import InputError, Problem, html
+from lammps_inputs.facts import Fact
 from workflow.engines.reference.certify import Certificate, Certifier
+from workflow.formats import figure_files
+from workflow.runs.accounts import accountant
 from workflow.runs.own_files import claim
 from workflow.runs.run_directory import RunDirectory
 from workflow.runs.whole_files import write_figure, write_json
@@ -35,7 +38,7 @@ energy and momentum relative to the kick's.
 """
 
 REPORT = "validation.json"
-FIGURES = ("validation.png", "validation.pdf")
+FIGURE = "validation"
 
 _DIAGNOSED_BYTES = 64 << 20
 
@@ -142,7 +145,8 @@ def validate(directory: RunDirectory, tolerances: dict[str, float] | None = None
     limits = {**TOLERANCES, **(tolerances or {})}
     problem = directory.problem
     certifier = _sure_enough(problem, limits)
-    difference = Difference(limits)
+    counted = accountant(directory, problem).of if problem.holds(Fact.ENERGY) else None
+    difference = Difference(limits, counted)
     kept: list[tuple[Trajectory, Trajectory]] = []
     kept_bytes = 0
     try:
@@ -297,7 +301,7 @@ def _any_exceeded(deviations: dict[str, Deviation], limits: dict[str, float]) ->
 def _write(path: Path, result: Validation, difference: Difference, against: str) -> None:
     from analysis.figures.error import validation_figure  # matplotlib takes half a second to import
 
-    claim(path, (REPORT, *FIGURES))
+    claim(path, (REPORT, *figure_files(FIGURE)))
     write_json(path / REPORT, result.plain())
     figure = validation_figure(result.problem, difference.error_map, result.deviations, result.tolerances, against)
-    write_figure(path, "validation", figure)
+    write_figure(path, FIGURE, figure)

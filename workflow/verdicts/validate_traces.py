@@ -11,11 +11,12 @@ from analysis.files.traces import Channel
 from analysis.gauges.channels import beads_of, read_at
 from analysis.trajectory import Floats, joined
 from lammps_inputs import InputError, Problem
+from workflow.formats import figure_files
 from workflow.runs.own_files import claim
 from workflow.runs.run_directory import RunDirectory
 from workflow.runs.whole_files import write_figure, write_json
 from workflow.verdicts.given_table import check_channels
-from workflow.verdicts.validate import FIGURES, REPORT, TOLERANCES, Validation
+from workflow.verdicts.validate import FIGURE, REPORT, TOLERANCES, Validation
 
 
 def validate_traces(
@@ -77,10 +78,10 @@ def validate_traces(
     )
     from analysis.figures.traces import residual_figure  # matplotlib takes half a second to import
 
-    claim(directory.path, (REPORT, *FIGURES))
+    claim(directory.path, (REPORT, *figure_files(FIGURE)))
     write_json(directory.path / REPORT, result.plain())
     allowed = np.array(list(own.values())) * worth
-    write_figure(directory.path, "validation", residual_figure(problem, given, found, allowed, "tolerance"))
+    write_figure(directory.path, FIGURE, residual_figure(problem, given, found, allowed, "tolerance"))
     return result
 
 

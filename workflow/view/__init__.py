@@ -1,1 +1,15 @@
 """Pages to look at a run or a sweep with: one self-contained HTML file each, drawn by Bokeh. Computes nothing new."""
+
+from lammps_inputs import InputError
+
+
+def need_bokeh() -> None:
+    """See that what draws is there.
+
+    Raises:
+        InputError: it is not.
+    """
+    try:
+        import bokeh  # noqa: F401
+    except ImportError:
+        raise InputError("view: draws with Bokeh, which is not installed; `pip install 'bokeh>=3.4'`") from None

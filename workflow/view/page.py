@@ -34,7 +34,8 @@ _TEMPLATE = """{% block preamble %}
 <style>
 :root { color-scheme: light dark; }
 html { height: auto; }
-body { font: 15px/1.45 system-ui, sans-serif; margin: 1.2rem auto; padding: 0 1rem; max-width: 88rem; height: auto; }
+body { font: 15px/1.45 system-ui, sans-serif; max-width: 88rem; height: auto; }
+html > body { margin: 1.2rem auto; padding: 0 1rem; }
 @media (prefers-color-scheme: dark) { body { background: #1b1d21; color: #ddd; } a { color: #8ab4f8; } }
 pre { overflow: auto; font-size: .85rem; }
 h1 { font-size: 1.4rem; margin: 0 0 .3rem; }

@@ -12,6 +12,7 @@ from bokeh.models import (
     CrosshairTool,
     CustomJS,
     CustomJSHover,
+    CustomJSTickFormatter,
     HoverTool,
     LinearColorMapper,
     Slider,
@@ -43,7 +44,6 @@ _TOOLS = "pan,wheel_zoom,box_zoom,reset,save"
 _MOVE = """
 const k = slider.value, n = beads.length, T = time[k];
 now.location = T;
-slider.title = `time ${T.toPrecision(5)}${unit}`;
 const x = [], y = [], v = [], fx = [], fy = [], fh = [], sx0 = [], sx1 = [], sy0 = [], sy1 = [], sc = [];
 let front = 0, fastest = 0;
 for (let c = 0; c < images.length; c++) {
@@ -67,6 +67,11 @@ ties.data = {x0: sx0, x1: sx1, y0: sy0, y1: sy1, alpha: sc};
 const half = 0.5 * sight, middle = Math.max(beads[0] + half - 1, Math.min(beads[n - 1] - half + 1, beads[front]));
 if (beads[n - 1] - beads[0] > sight) { range.start = middle - half; range.end = middle + half; }
 """
+
+_TIME = "return time[Math.max(0, Math.min(time.length - 1, Math.round(tick)))].toPrecision(5) + unit"
+
+_TICK = "return String(+tick.toPrecision(6))"
+"""Numbers on axes, without the zeros that Bokeh would put behind those with a power of ten."""
 
 _TRACE = """
 const distance = beads.map(bead => Math.abs(bead - cb_obj.x)), i = distance.indexOf(Math.min(...distance));
@@ -180,6 +185,7 @@ def _maps(
         plot.add_tools(CrosshairTool(line_alpha=0.4))
         plot.add_layout(now)
         plot.grid.visible = False
+        _label(plot)
         found.append(plot)
     found[-1].add_layout(ColorBar(color_mapper=colours, title=f"velocity{symbol['velocity']}", width=10), "right")
     return found, found[0].x_range, found[0].y_range
@@ -207,6 +213,7 @@ def _traces(part: Thinned, shown: list[int], time_range: Any, symbol: dict[str, 
     plot.multi_line("xs", "ys", source=source, line_color="colour", legend_field="label", line_width=1.5)
     plot.legend.label_text_font_size = "8pt"
     plot.legend.padding = 3
+    plot.legend.background_fill_alpha = 0.6
     return plot, source
 
 
@@ -244,8 +251,10 @@ def _moving(
     moved = ColumnDataSource(
         name="moved", data={"displacement": [(x / problem.scale.length).astype(np.float32) for x in part.displacement]}
     )
-    slider = Slider(start=0, end=max(1, len(part.time) - 1), value=0, step=1, title="time", name="time")
-    slider.update(show_value=False, sizing_mode="stretch_width")
+    unit = f" {problem.scale.symbol('time')}" if problem.scale.si else ""
+    told = CustomJSTickFormatter(args={"time": part.time.tolist(), "unit": unit}, code=_TIME)
+    slider = Slider(start=0, end=max(1, len(part.time) - 1), value=0, step=1, title="time", name="time", format=told)
+    slider.sizing_mode = "stretch_width"
     button = Button(label="play", width=70, name="play")
     places = {chain - 1: k for k, chain in enumerate(part.chains)}
     edges = [edge for link in problem.across for edge in link.edges if edge[0] in places and edge[1] in places]
@@ -255,7 +264,6 @@ def _moving(
             "now": now,
             "beads": part.beads.tolist(),
             "time": part.time.tolist(),
-            "unit": f" {problem.scale.symbol('time')}" if problem.scale.si else "",
             "images": images,
             "moved": moved,
             "balls": balls,
@@ -311,7 +319,16 @@ def _energy(problem: Problem, part: Thinned, time_range: Any, symbol: dict[str, 
 
 def _graph(title: str, x: str, y: str, x_range: Any) -> Any:
     """A plot of lines, as wide as half of the page."""
-    return figure(title=title, tools=_TOOLS, width=680, height=330, x_axis_label=x, y_axis_label=y, x_range=x_range)
+    plot = figure(title=title, tools=_TOOLS, width=680, height=330, x_axis_label=x, y_axis_label=y, x_range=x_range)
+    plot.toolbar.logo = None
+    _label(plot)
+    return plot
+
+
+def _label(plot: Any) -> None:
+    """Write the numbers on axes as short as they are."""
+    for axis in (*plot.xaxis, *plot.yaxis):
+        axis.formatter = CustomJSTickFormatter(code=_TICK)
 
 
 def _of_chain(place: int, chain: int) -> dict[str, Any]:

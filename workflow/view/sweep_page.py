@@ -25,7 +25,7 @@ _NUMBER = '<%= value === null ? "" : typeof value === "number" ? +value.toPrecis
 
 _CHOOSE = """
 source.data.x = source.data[over.value]; source.data.y = source.data[what.value]; source.change.emit();
-xaxis.axis_label = over.value; yaxis.axis_label = what.value;
+xaxis.axis_label = headings[over.value]; yaxis.axis_label = headings[what.value];
 """
 
 
@@ -43,8 +43,13 @@ def layout(table: Table, pages: dict[str, str]) -> Any:
     what = next((name for name in ("amplitude", "peak_velocity", *numbers) if name in numbers and name != over), over)
     data["x"], data["y"] = data[over], data[what]
     source = ColumnDataSource(name="cases", data=data)
+    headings = {name: table.heading(name) for name in table.columns}
     plot = figure(
-        tools="pan,wheel_zoom,box_zoom,reset,save", height=380, width=760, x_axis_label=over, y_axis_label=what
+        tools="pan,wheel_zoom,box_zoom,reset,save",
+        height=380,
+        width=760,
+        x_axis_label=headings[over],
+        y_axis_label=headings[what],
     )
     plot.toolbar.logo = None
     drawn = plot.scatter("x", "y", size=10, source=source, fill_color="#0072B2", line_color="white", name="points")
@@ -53,12 +58,13 @@ def layout(table: Table, pages: dict[str, str]) -> Any:
     choose_x = Select(title="over", value=over, options=numbers, name="over")
     choose_y = Select(title="column", value=what, options=numbers, name="column")
     args = {"source": source, "over": choose_x, "what": choose_y, "xaxis": plot.xaxis[0], "yaxis": plot.yaxis[0]}
+    args["headings"] = headings
     for chooser in (choose_x, choose_y):
         chooser.js_on_change("value", CustomJS(args=args, code=_CHOOSE))
     columns = [
         TableColumn(
             field=name,
-            title=table.heading(name),
+            title=headings[name],
             width=230 if name in ("case", "verdict", "reason") else 110,
             formatter=HTMLTemplateFormatter(template=_LINK if name == "case" else _NUMBER),
         )

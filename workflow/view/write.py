@@ -56,11 +56,13 @@ def _run(path: Path) -> Path:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", CutDumpWarning)  # that the run is incomplete is said in words
         part = thinned(problem, directory.blocks(), shown_chains(problem))
-    if part.frame_stride > 1 or part.bead_stride > 1 or len(part.chains) < problem.chains:
-        lines.append(
-            f"Shown: {len(part.chains)} of {problem.chains} chains, every {part.bead_stride}. bead, "
-            f"every {part.frame_stride}. frame; each number is the run's own."
-        )
+    left_out = [
+        f"{len(part.chains)} of {problem.chains} chains" if len(part.chains) < problem.chains else "",
+        f"one bead in {part.bead_stride}" if part.bead_stride > 1 else "",
+        f"one frame in {part.frame_stride}" if part.frame_stride > 1 else "",
+    ]
+    if any(left_out):
+        lines.append(f"Shown: {', '.join(filter(None, left_out))}; each number is the run's own.")
     texts = {"scene": strict_yaml.dump(scene.plain())}
     if (path / deck.DECK).is_file():
         texts[deck.DECK] = (path / deck.DECK).read_text(encoding="utf-8", errors="replace")

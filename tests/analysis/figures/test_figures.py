@@ -8,12 +8,14 @@ import pytest
 from small_problems import problem as small
 from synthetic_waves import reader, reference
 
+from analysis.budget import Account
 from analysis.figures import (
     CHAIN_DASHES,
     MAX_PANELS,
     BeadHistory,
     SpaceTime,
     axis_unit,
+    budget_figure,
     distance_figure,
     response_figure,
     shape_figure,
@@ -23,6 +25,7 @@ from analysis.figures import (
 from analysis.sharing.survey import survey
 from lammps_inputs import Kick
 from lammps_inputs.units import make_scale
+from workflow.formats import written_as
 from workflow.runs.whole_files import write_figure
 
 
@@ -219,7 +222,8 @@ def test_units_have_the_prefix_that_leaves_one_to_three_digits(velocity, symbol,
 
 
 def test_letters_in_a_pdf_can_be_searched_and_embedded(tmp_path):
-    write_figure(tmp_path, "f", response_figure(history(reference(1, 0.0, 10, 8.0), (5,))))
+    with written_as(("pdf",)):
+        write_figure(tmp_path, "f", response_figure(history(reference(1, 0.0, 10, 8.0), (5,))))
     pdf = (tmp_path / "f.pdf").read_bytes()
     assert b"/CIDFontType2" in pdf  # Type 42
     assert b"/Type3" not in pdf
@@ -235,10 +239,16 @@ def test_shape_figure_shows_the_samples_on_the_exact_wave(found):
         assert np.max(np.abs(difference)) < 0.03
 
 
-@pytest.mark.parametrize("kicks", [[Kick(velocity=1.0)], [Kick(bead=30, velocity=-1.0)]])
-@pytest.mark.parametrize("chains", [1, 2, 9])
-@pytest.mark.parametrize("recorded", ["all", (4, 11, 20)])
-def test_any_scene_can_be_drawn(kicks, chains, recorded):
+@pytest.mark.parametrize(
+    ("recorded", "chains", "kicks"),
+    [
+        ("all", 1, [Kick(velocity=1.0)]),
+        ((4, 11, 20), 2, [Kick(velocity=1.0)]),
+        ((4, 11, 20), 1, [Kick(bead=30, velocity=-1.0)]),
+        ("all", 9, [Kick(bead=30, velocity=-1.0)]),
+    ],
+)
+def test_any_scene_can_be_drawn(recorded, chains, kicks):
     trajectory = reference(chains, 0.1, 30, 40.0, recorded=recorded, kicks=kicks)
     result = survey(reader(trajectory), trajectory.problem)
     for figure in (
@@ -246,3 +256,21 @@ def test_any_scene_can_be_drawn(kicks, chains, recorded):
         shape_figure(result.problem, result.waveforms, [11, 20]),
     ):
         figure.savefig(io.BytesIO(), format="png")
+
+
+def test_the_layers_of_the_budget_add_up_to_what_was_put_in_in_the_units_of_the_scene():
+    time = np.linspace(0.0, 10.0, 5)
+    held = {"kinetic": 0.3 - 0.02 * time, "contacts": np.full(5, 0.2), "springs": np.zeros(5), "ground": np.zeros(5)}
+    account = Account(time, np.full(5, 0.5), held, {"contact_damping": 0.02 * time})
+    si = replace(small(), scale=make_scale(3.6e-3, 1.4e10, 0.01, si=True))
+    figure = budget_figure(si, account)
+    (axis,) = figure.axes
+    assert legends(figure) == ["put in", "lost in contact damping", "contacts", "kinetic"]
+    tops = [layer.get_paths()[0].vertices[:, 1].max() for layer in axis.collections]
+    nano = si.scale.energy * 1e9
+    assert tops == pytest.approx([0.3 * nano, 0.5 * nano, 0.5 * nano])
+    assert curves(axis)["put in"].get_ydata() == pytest.approx(np.full(5, 0.5 * nano))
+    assert axis.get_ylabel() == "energy (nJ)"
+    hatches = [layer.get_hatch() for layer in axis.collections]
+    assert hatches[-1]  # tells what is lost from what is there in grey
+    assert not any(hatches[:-1])

@@ -33,6 +33,18 @@ def test_every_method_is_drawn_with_its_front_and_the_floor():
         np.testing.assert_array_equal(lines["Pareto front"].get_ydata(), [1e-2, 1e-4])
 
 
+def test_a_method_looks_the_same_over_time_and_over_forces():
+    front = dict.fromkeys(QUANTITIES, np.zeros((0, 2)))
+    figure = drawn([curve("one", [1e-2], [10.0]), curve("two", [1e-3], [20.0])], front)
+    for name, forces in (("one", 10.0), ("two", 20.0)):
+        lines = [next(line for line in axis.get_lines() if line.get_label() == name) for axis in figure.axes]
+        assert len({(line.get_color(), line.get_marker()) for line in lines}) == 1
+        (over,) = (
+            line for axis, line in zip(figure.axes, lines, strict=True) if axis.get_xlabel() == "force evaluations"
+        )
+        assert over.get_xdata().tolist() == [forces]
+
+
 def test_runs_gone_bad_are_left_out_and_methods_without_forces_are_drawn_over_time_alone():
     curves = [curve("bad", [np.inf, 1e-3], [1.0, 2.0]), curve("rigid", [0.5], [np.nan])]
     figure = drawn(curves, dict.fromkeys(QUANTITIES, np.zeros((0, 2))))

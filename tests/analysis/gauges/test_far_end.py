@@ -6,6 +6,7 @@ from small_problems import problem, written_down
 
 from analysis.figures.searched import front
 from analysis.gauges.far_end import FarEnd, _top
+from lammps_inputs import library
 
 
 def test_the_top_of_samples_lies_between_them():
@@ -15,13 +16,14 @@ def test_the_top_of_samples_lies_between_them():
     assert most == pytest.approx(5.0, abs=1e-12)
 
 
-def test_energy_that_passes_the_last_tenth_is_counted_and_timed():
-    """Bead 20 of 20 moves at 1 - (t - 5)**2 / 100, all else rests; the kick has the energy 1/2."""
-    small = problem(beads=20, chains=1)
+@pytest.mark.parametrize(("hit", "velocity", "last"), [(1, 1.0, 20), (20, -1.0, 1)])
+def test_energy_that_passes_the_last_tenth_is_counted_and_timed(hit, velocity, last):
+    """The last bead of 20 moves at 1 - (t - 5)**2 / 100, all else rests; the kick has the energy 1/2."""
+    small = problem(beads=20, chains=1, kicks=((1, hit, velocity),))
 
     def motion(time):
         velocity = np.zeros((time.shape[0], 1, 20))
-        velocity[:, :, 19] = 1.0 - (time[..., 0] - 5.0) ** 2 / 100.0
+        velocity[:, :, last - 1] = 1.0 - (time[..., 0] - 5.0) ** 2 / 100.0
         return np.zeros_like(velocity), velocity
 
     end = FarEnd(small)
@@ -32,6 +34,28 @@ def test_energy_that_passes_the_last_tenth_is_counted_and_timed():
     assert found["transmitted_energy"] == pytest.approx(1.0, abs=1e-9)
     assert found["delay"] == pytest.approx(5.0, abs=1e-9)
     assert "wall_force" not in found
+
+
+@pytest.mark.parametrize(("side", "velocity", "bead"), [("right", 1.0, 20), ("left", -1.0, 1)])
+def test_the_far_wall_is_the_one_that_the_blow_goes_to_and_feels_all_chains(side, velocity, bead):
+    """Chain 1 presses on a wall of strength 1 by (1 - (t - 5)**2 / 50) ** (2 / 3), chain 2 an eighth as hard."""
+    plain = {"name": "test", "chains": 2, "beads": 20, "walls": {side: "bead"}, "duration": 10.0}
+    kick = {"bead": 21 - bead, "velocity": velocity}
+    small = library.from_plain({**plain, "kick": kick}, "test").problem()
+    strength = float(np.max(small.walls[0].law.strength))
+
+    def motion(time):
+        pressed = np.zeros((time.shape[0], 2, 20))
+        force = np.maximum(1.0 - (time[..., 0] - 5.0) ** 2 / 50.0, 0.0)
+        pressed[:, :, bead - 1] = (force * np.array([1.0, 0.125])) ** (2.0 / 3.0)
+        return velocity * pressed, np.zeros_like(pressed)
+
+    end = FarEnd(small)
+    end.add(written_down(small, motion))
+    found = end.result()
+    assert found["wall_force"] == pytest.approx(1.125 * strength, rel=1e-9)
+    assert found["wall_force_chain"] == pytest.approx(strength, rel=1e-9)
+    assert found["delay"] == pytest.approx(5.0, abs=1e-9)
 
 
 def test_a_front_is_what_nothing_else_betters_in_both():

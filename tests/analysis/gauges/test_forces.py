@@ -109,6 +109,35 @@ def test_recording_the_beads_concerned_is_enough(found):
     np.testing.assert_allclose(part.impulse, whole.impulse, atol=1e-4)
 
 
+def test_under_a_load_walls_and_contacts_read_it_at_rest():
+    loaded = walled(beads=8, precompression={"force": 0.5}, duration=2.0)
+    readings = read(written_down(loaded, lambda t: (0.0 * t, 0.0 * t)), contacts=(4,), sensors=(4,))
+    np.testing.assert_allclose(readings.force, 0.5, rtol=1e-4)
+    np.testing.assert_allclose(readings.static, 0.5, rtol=1e-4)
+    np.testing.assert_allclose(readings.impulse, 0.0, atol=1e-15)
+
+
+def test_the_dwell_is_that_of_the_hardest_contact():
+    """Beads 1 and 2 overlap by 0.1 at most from t = 1 to 2, by 0.5 from 4 to 7, by 0.2 from 8 to 9."""
+    small = problem(chains=1, recorded=(1, 2))
+    blows = ((1.0, 1.0, 0.1), (4.0, 3.0, 0.5), (8.0, 1.0, 0.2))
+
+    def motion(t):
+        overlap, rate = 0.0 * t, 0.0 * t
+        for start, length, most in blows:
+            turn, inside = math.pi * (t - start) / length, (t > start) & (t < start + length)
+            overlap = overlap + inside * most * np.sin(turn) ** 2
+            rate = rate + inside * most * math.pi / length * np.sin(2.0 * turn)
+        first = np.array([1.0, 0.0])  # bead 1 moves, bead 2 does not
+        return first * overlap, first * rate
+
+    readings = read(written_down(small, motion), wall=False, contacts=(1,))
+    assert readings.contacts[0, 0] == 3
+    assert readings.largest[0, 0] == pytest.approx(0.5**1.5, rel=1e-4)
+    assert readings.largest_at[0, 0] == pytest.approx(5.5, abs=0.01)
+    assert readings.dwell[0, 0] == pytest.approx(3.0, abs=0.02)
+
+
 def test_beads_at_rest_are_read_as_no_force():
     still = problem(kappa=0.0)
     trajectory = written_down(still, lambda t: (0.0 * t, 0.0 * t))

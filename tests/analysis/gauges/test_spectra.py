@@ -1,9 +1,15 @@
-"""Spectra: amplitudes of sines, on a line, between two, and at just one frequency."""
+"""Spectra: amplitudes of sines, on a line, between two, and at just one frequency; of which beads, from when on."""
+
+import csv
+import io
 
 import numpy as np
 import pytest
+from small_problems import problem, written_down
 
-from analysis.gauges.spectra import amplitude_at, amplitudes
+from analysis.gauges.spectra import Spectra, SpectrumMeter, amplitude_at, amplitudes, to_csv
+from lammps_inputs.loads import Motion
+from lammps_inputs.units import make_scale
 
 EVERY, COUNT = 0.25, 400
 TIME = EVERY * np.arange(COUNT)
@@ -23,3 +29,48 @@ def test_two_sines_far_from_each_other_do_not_leak():
     weak, strong = 60 / (COUNT * EVERY), 10.3 / (COUNT * EVERY)
     signal = 1e-4 * np.sin(2 * np.pi * weak * TIME) + np.sin(2 * np.pi * strong * TIME)
     assert amplitude_at(signal, EVERY, weak) == pytest.approx(1e-4, rel=0.1)
+
+
+def test_spectra_are_of_the_beads_named_from_the_time_named_or_half_the_duration_on():
+    """Until t = 6 all stands still; then bead 3 of chain 2 swings by 0.4, at the drive's frequency."""
+    frequency = 0.75  # three swings in the last four of time
+    driven = problem(recorded=(2, 3, 8), motions=(Motion(1, 1, 0.1, 2.0 * np.pi * frequency, 0.0),))
+    here = np.array([[0.0, 0.0, 0.0], [0.0, 0.4, 0.0]])
+    trajectory = written_down(
+        driven, lambda t: (0.0 * t, here * np.where(t < 6.0, 0.0, np.sin(2.0 * np.pi * frequency * t)))
+    )
+    found = {}
+    for after in (None, 6.05):
+        meter = SpectrumMeter(driven, (3, 8), after)
+        for block in (trajectory[:33], trajectory[33:]):
+            meter.add(block)
+        found[after] = meter.result()
+    assert found[None].after == 5.0
+    assert found[6.05].at_drive[0] == pytest.approx(np.array([[0.0, 0.0], [0.4, 0.0]]), abs=0.01)
+    assert found[None].at_drive[0, 1, 0] < 0.39  # a fifth of the time it stood still
+    assert len(found[None].frequency) == 51 // 2 + 1
+
+
+SWINGS = Spectra(
+    beads=(3, 8),
+    after=2.0,
+    frequency=np.array([0.0, 0.1]),
+    amplitude=np.array([[[0.0, 0.0], [0.0, 0.0]], [[0.13, 0.18], [0.23, 0.28]]]),  # [line, chain, bead]
+    drive=np.array([0.1]),
+    at_drive=np.array([[[0.5, 0.1], [0.2, 0.1]]]),
+)
+
+
+@pytest.mark.parametrize("si", [False, True])
+def test_the_table_has_each_chain_and_bead_in_its_column_in_the_scenes_units(si):
+    scale = make_scale(2.0, 3.0, 0.1, si=si)
+    first, line = csv.DictReader(io.StringIO(to_csv(SWINGS, scale)))
+    assert float(first["frequency (Hz)" if si else "frequency"]) == 0.0
+    assert float(line.pop("frequency (Hz)" if si else "frequency")) == pytest.approx(0.1 / scale.time)
+    unit = " (m/s)" if si else ""
+    expected = {f"chain {c} bead {b}{unit}": (c / 10 + b / 100) * 0.1 for c in (1, 2) for b in (3, 8)}
+    assert {name: float(value) for name, value in line.items()} == pytest.approx(expected)
+
+
+def test_what_is_passed_on_is_over_the_first_bead_named_of_the_same_chain():
+    np.testing.assert_allclose(SWINGS.transmissibility, [[[1.0, 0.2], [1.0, 0.5]]])

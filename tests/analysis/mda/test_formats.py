@@ -13,9 +13,11 @@ from MDAnalysis.coordinates.XYZ import XYZReader
 from processes import HANGS
 
 import analysis.mda.formats as formats
+import lammps_inputs
 from analysis import trajectory
 from analysis.files.binary_dump import CutDumpWarning
-from analysis.files.recording import blocks, rest_positions
+from analysis.files.recording import atom_ids, blocks, rest_positions
+from analysis.mda import reader
 from lammps_inputs import Coupling, Kick, Output, Scene
 from lammps_inputs.decks import deck
 
@@ -89,7 +91,7 @@ def test_random_access_and_slices_give_the_same_frames(universe: mda.Universe, e
 def test_iteration_beyond_what_is_read_ahead_misses_nothing(
     universe: mda.Universe, expected: trajectory.Trajectory, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(formats, "_AHEAD_BYTES", 7 * 8 * 2 * 30)
+    monkeypatch.setattr(reader, "_AHEAD_BYTES", 7 * 8 * 2 * 30)
     universe.trajectory.rewind()
     for number, ts in enumerate(universe.trajectory):
         check(ts, expected, number)
@@ -120,20 +122,12 @@ def test_chains_lie_side_by_side_as_in_the_data_file_also_in_what_mdanalysis_wri
 ) -> None:
     across = np.array([float(line.split()[3]) for line in atom_lines(directory / deck.DATA)])
     assert sorted(set(across)) == [2.0 * PROBLEM.spacing * chain for chain in range(3)]
-    with pytest.warns(UserWarning, match="atom names to 'X'"):  # the data file names none
-        universe.atoms.write(tmp_path / "out.xyz", frames="all")
+    universe.atoms.write(tmp_path / "out.xyz", frames="all")
     written = XYZReader(tmp_path / "out.xyz")
     assert len(written) == 61
     for frames in (universe.trajectory, written):
         for ts in frames[::20]:
             np.testing.assert_allclose(ts.positions[:, 1], across, atol=1e-4)
-
-
-def test_only_recorded_beads_lie_on_their_chains_too(tmp_path: Path) -> None:
-    run_lammps(tmp_path, SOME)
-    universe = mda.Universe(tmp_path / deck.DATA, tmp_path / deck.DUMP)
-    width = 2.0 * SOME.problem().spacing
-    np.testing.assert_array_equal(universe.atoms.positions[:, 1], np.repeat(np.arange(3.0), 3) * width)
 
 
 def atom_lines(path: Path) -> list[str]:
@@ -268,38 +262,53 @@ def test_empty_and_alien_files_are_refused_by_name_alone_and_in_a_list(
 # topology
 
 
-def test_chains_are_residues_springs_are_bonds_and_masses_are_one(universe: mda.Universe) -> None:
+def test_chains_are_segments_beads_are_residues_springs_are_bonds_and_masses_are_one(universe: mda.Universe) -> None:
     assert universe.atoms.ids.tolist() == list(range(1, 31))
-    assert universe.atoms.resids.tolist() == [1] * 10 + [2] * 10 + [3] * 10
+    assert universe.atoms.segids.tolist() == ["C1"] * 10 + ["C2"] * 10 + ["C3"] * 10
+    assert universe.atoms.resids.tolist() == [*range(1, 11)] * 3
     assert universe.atoms.masses.tolist() == [1.0] * 30
+    assert set(universe.atoms.radii.tolist()) == {PROBLEM.diameter / 2.0}
     assert [tuple(bond) for bond in universe.bonds.indices] == [(i, i + 10) for i in range(20)]
+    assert universe.select_atoms("segid C2 and resid 3:5").ids.tolist() == [13, 14, 15]
 
 
-def test_chains_without_springs_are_residues_too(tmp_path: Path) -> None:
-    deck.write(LOOSE, tmp_path)
+def test_chains_of_a_window_are_segments_and_its_rows_are_residues(tmp_path: Path) -> None:
+    for coupling in (None, THREE.coupling):
+        deck.write(THREE.model_copy(update={"beads": 80, "window": 64, "coupling": coupling}), tmp_path)
+        with formats.ChainsParser(tmp_path / deck.DATA) as parser:
+            universe = mda.Universe(parser.parse())
+        assert universe.atoms.segids.tolist() == ["C1"] * 64 + ["C2"] * 64 + ["C3"] * 64
+        assert universe.atoms.resids.tolist() == [*range(1, 65)] * 3
+
+
+@pytest.mark.parametrize("name", ["steel-beside-brass", "tapered-chain", "dimer"])
+@pytest.mark.parametrize("beads", [None, (1, 7)])
+def test_beads_that_differ_are_atoms_with_their_masses(
+    name: str, beads: tuple[int, ...] | None, tmp_path: Path
+) -> None:
+    scene = lammps_inputs.find(name)
+    scene = scene.model_copy(update={"output": scene.output.model_copy(update={"beads": beads})})
+    deck.write(scene, tmp_path)
+    problem = scene.problem()
     with formats.ChainsParser(tmp_path / deck.DATA) as parser:
         universe = mda.Universe(parser.parse())
-    assert universe.atoms.resids.tolist() == [1] * 10 + [2] * 10 + [3] * 10
-    assert universe.atoms.masses.tolist() == [1.0] * 30
-
-
-@pytest.mark.parametrize("coupling", [None, THREE.coupling], ids=["no springs", "springs"])
-def test_chains_of_a_window_are_residues_too(tmp_path: Path, coupling: Coupling | None) -> None:
-    deck.write(THREE.model_copy(update={"beads": 80, "window": 64, "coupling": coupling}), tmp_path)
-    with formats.ChainsParser(tmp_path / deck.DATA) as parser:
-        universe = mda.Universe(parser.parse())
-    assert universe.atoms.resids.tolist() == [1] * 64 + [2] * 64 + [3] * 64
+    assert universe.atoms.ids.tolist() == atom_ids(problem).ravel().tolist()
+    masses = np.broadcast_to(problem.mass, (problem.chains, problem.beads))[:, problem.recorded_beads - 1]
+    np.testing.assert_allclose(universe.atoms.masses, masses.ravel(), rtol=4e-16)
 
 
 @pytest.mark.parametrize("scene", [SOME, LOOSE_SOME], ids=["springs", "no springs"])
-def test_only_recorded_beads_are_atoms(tmp_path: Path, scene: Scene) -> None:
+def test_only_recorded_beads_are_atoms_and_lie_on_their_chains(tmp_path: Path, scene: Scene) -> None:
     run_lammps(tmp_path, scene)
     universe = mda.Universe(tmp_path / deck.DATA, tmp_path / deck.DUMP)
     assert universe.atoms.ids.tolist() == [2, 7, 9, 12, 17, 19, 22, 27, 29]
-    assert universe.atoms.resids.tolist() == [1, 1, 1, 2, 2, 2, 3, 3, 3]
+    assert universe.atoms.resids.tolist() == [2, 7, 9] * 3
+    assert universe.atoms.segids.tolist() == ["C1"] * 3 + ["C2"] * 3 + ["C3"] * 3
     assert len(universe.bonds) == (6 if scene is SOME else 0)
     first = universe.trajectory[0].data["x"].reshape(3, 3)
     np.testing.assert_array_equal(first, rest_positions(scene.problem()))
+    width = 2.0 * scene.problem().spacing
+    np.testing.assert_array_equal(universe.atoms.positions[:, 1], np.repeat(np.arange(3.0), 3) * width)
 
 
 def test_a_file_that_is_no_data_file_is_refused_by_name(tmp_path: Path) -> None:

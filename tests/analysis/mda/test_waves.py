@@ -5,34 +5,89 @@ from pathlib import Path
 import MDAnalysis as mda
 import numpy as np
 import pytest
+from lammps_here import run as run_here
 
+from analysis.mda.universe import universe
 from analysis.mda.waves import LeadingWaves
-from analysis.tracking.leading_waves import leading_waves
+from analysis.tracking.leading_waves import Waves, leading_waves
 from analysis.tracking.peaks import find_peaks
-from lammps_inputs import Coupling, Kick, Scene
+from analysis.trajectory import Trajectory
+from lammps_inputs import Coupling, Kick, Output, Scene
+from workflow.engines.lammps import engine
 from workflow.runs.run import run
-
-pytestmark = pytest.mark.usefixtures("lammps_here")
+from workflow.runs.run_directory import RunDirectory
 
 SCENE = Scene(
     name="small", chains=2, beads=30, coupling=Coupling(stiffness=0.1), kick=(Kick(velocity=1.0),), duration=40.0
 )
+COLUMNS = ("chain", "bead", "arrival", "peak_velocity", "speed")
 
 
-def test_results_are_those_of_the_arrays(tmp_path: Path) -> None:
-    result = run(SCENE, tmp_path / "r", check=False)
-    universe = mda.Universe(str(tmp_path / "r" / "data.chains"), str(tmp_path / "r" / "chains.dump.bin"))
-    found = LeadingWaves(universe, SCENE.problem()).run().results
-    expected = leading_waves(find_peaks([result.trajectory]))
-    np.testing.assert_array_equal(found.bead, expected.bead)
-    np.testing.assert_allclose(found.peak_velocity, expected.peak_velocity, rtol=1e-12)
-    inner = expected.bead < 29
-    np.testing.assert_allclose(found.arrival[inner], expected.arrival[inner], rtol=1e-9)
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory: pytest.TempPathFactory) -> tuple[RunDirectory, RunDirectory]:
+    """Of all beads, and of a window that moves on."""
+    place = tmp_path_factory.mktemp("runs")
+    moving = SCENE.model_copy(update={"beads": 100, "window": 64, "duration": 130.0, "output": Output(every=0.5)})
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(engine, "run", run_here)
+        whole, window = (
+            run(scene, place / name, check=False).directory for name, scene in (("a", SCENE), ("b", moving))
+        )
+    return whole, window
 
 
-def test_every_second_frame_from_the_tenth_on_can_be_chosen(tmp_path: Path) -> None:
-    result = run(SCENE, tmp_path / "r", check=False)
-    universe = mda.Universe(str(tmp_path / "r" / "data.chains"), str(tmp_path / "r" / "chains.dump.bin"))
-    found = LeadingWaves(universe, SCENE.problem()).run(start=10, stop=300, step=2).results
-    expected = leading_waves(find_peaks([result.trajectory[10:300:2]]))
-    np.testing.assert_allclose(found.peak_velocity, expected.peak_velocity, rtol=1e-9)
+@pytest.fixture
+def ran(runs: tuple[RunDirectory, RunDirectory]) -> mda.Universe:
+    directory = runs[0].path
+    return mda.Universe(directory / "data.chains", directory / "chains.dump.bin")
+
+
+def expected(trajectory: Trajectory) -> Waves:
+    return leading_waves(find_peaks([trajectory]))
+
+
+def test_results_are_those_of_the_arrays(ran: mda.Universe, runs: tuple[RunDirectory, RunDirectory]) -> None:
+    found, wanted = LeadingWaves(ran, SCENE.problem()).run().results, expected(runs[0].trajectory)
+    assert set(found) == set(COLUMNS)
+    np.testing.assert_array_equal(found.bead, wanted.bead)
+    np.testing.assert_allclose(found.peak_velocity, wanted.peak_velocity, rtol=1e-12)
+    inner = wanted.bead < 29
+    np.testing.assert_allclose(found.arrival[inner], wanted.arrival[inner], rtol=1e-9)
+
+
+def test_every_second_frame_from_the_tenth_on_can_be_chosen_or_saved_first(
+    ran: mda.Universe, runs: tuple[RunDirectory, RunDirectory], tmp_path: Path
+) -> None:
+    waves = LeadingWaves(ran, SCENE.problem()).run(start=10, stop=300, step=2)
+    np.testing.assert_allclose(
+        waves.results.peak_velocity, expected(runs[0].trajectory[10:300:2]).peak_velocity, rtol=1e-9
+    )
+    ran.atoms.write(tmp_path / "thin.bin", frames=ran.trajectory[10:300:2])
+    thin = SCENE.model_copy(update={"output": Output(every=0.2)}).problem()
+    again = LeadingWaves(universe(thin, [tmp_path / "thin.bin"]), thin).run()
+    for name in COLUMNS:
+        np.testing.assert_allclose(again.results[name], waves.results[name], rtol=1e-12)
+
+
+def test_several_processes_find_what_one_does_also_of_few_frames_each_and_of_a_window(
+    runs: tuple[RunDirectory, RunDirectory],
+) -> None:
+    for directory, options in zip((*runs, runs[0]), [{}, {}, {"stop": 21}], strict=True):
+        waves = LeadingWaves(universe(directory.problem, directory.dumps), directory.problem)
+        alone = waves.run(**options).results
+        shared = waves.run(backend="multiprocessing", n_workers=2, n_parts=8, **options).results
+        assert len(alone.bead) > 1
+        for name in COLUMNS:
+            np.testing.assert_array_equal(shared[name], alone[name])
+
+
+def test_frames_unevenly_spaced_and_universes_that_do_not_fit_are_refused(ran: mda.Universe) -> None:
+    problem = SCENE.problem()
+    for frames in ([0, 1, 2, 5, 6, 7], [30, 20, 10, 0]):
+        with pytest.raises(ValueError, match="evenly spaced and ascending"):
+            LeadingWaves(ran, problem).run(frames=frames)
+    with pytest.raises(ValueError, match="small has 62 recorded beads"):
+        LeadingWaves(ran, SCENE.model_copy(update={"beads": 31}).problem())
+    ran.transfer_to_memory(stop=3)
+    with pytest.raises(ValueError, match=r"ts\.data has no 'x'; .* not in memory"):
+        LeadingWaves(ran, problem)

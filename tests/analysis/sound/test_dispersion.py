@@ -1,14 +1,18 @@
 """Dispersion of small waves in loaded chains: the textbook's formulas, and what runs of LAMMPS show."""
 
+import csv
+import io
 import math
 
 import numpy as np
 import pytest
+from small_problems import written_down
 
 from analysis.shape.exact_wave import nesterenko
 from analysis.shape.loaded_wave import make_speed, sound_speed, speed_over_sound
-from analysis.sound.dispersion import Dispersion, NoDispersionError, cell_of
+from analysis.sound.dispersion import Cell, Dispersion, Map, NoDispersionError, cell_of, to_csv
 from lammps_inputs import library
+from lammps_inputs.units import make_scale
 from workflow.runs.run import run
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
@@ -64,6 +68,33 @@ def test_a_run_of_lammps_shows_the_edges_of_the_bands_to_a_bin(tmp_path):
     difference = np.abs(result.measured_bands() - result.cell.bands())
     assert difference[0, 1] < result.bin
     assert np.all(difference[1] < result.bin)
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_a_wave_towards_higher_bead_numbers_has_a_positive_wavenumber(way):
+    problem = loaded(duration=50.0).problem()
+    turn = 2.0 * math.pi * 8 / 64, 1.25  # wavenumber and frequency
+    bead = np.arange(1, 65)
+    found = Dispersion(problem)
+    found.add(written_down(problem, lambda t: (0.0 * t, np.cos(way * turn[0] * bead - turn[1] * t))))
+    result = found.result()
+    row, column = np.unravel_index(np.argmax(result.power), result.power.shape)
+    assert result.wavenumber[column] == pytest.approx(way * turn[0])
+    assert result.frequency[row] == pytest.approx(turn[1], abs=result.bin)
+
+
+@pytest.mark.parametrize("si", [False, True])
+def test_the_table_has_a_line_for_each_branch_in_the_scenes_units(si):
+    cell = Cell(np.array([[1.0, 2.0]]), np.ones((1, 2)), np.zeros((2, 1, 1)))
+    exact, measured = np.array([[0.5, 3.0]]), np.array([[np.nan, 2.9]])
+    found = Map(1, np.zeros(1), np.zeros(1), np.zeros((1, 1)), cell, np.array([0.25]), exact, measured)
+    scale = make_scale(2.0, 3.0, 0.1, si=si)
+    head, first, second = csv.reader(io.StringIO(to_csv(found, scale)))
+    unit = " (rad/s)" if si else ""
+    assert head == ["wavenumber", "branch", f"frequency{unit}", f"measured{unit}"]
+    assert (first[:2], first[3]) == (["0.25", "1"], "")
+    assert second[:2] == ["0.25", "2"]
+    assert [float(first[2]), *map(float, second[2:])] == pytest.approx([w / scale.time for w in (0.5, 3.0, 2.9)])
 
 
 @pytest.mark.parametrize(

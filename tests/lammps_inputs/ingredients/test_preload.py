@@ -335,7 +335,7 @@ def test_the_default_step_follows_sound_and_an_unstable_one_is_refused():
         ({"gravity": 0.1}, "gravity: nothing holds the column"),
         ({"gravity": 0.1, "walls": {"left": "flat"}}, "gravity: nothing holds the column"),
         ({"gravity": -0.1}, "gravity"),
-        ({"gravity": "strong"}, "gravity"),
+        ({"gravity": "strong"}, "gravity.acceleration: should be a number"),
         ({"precompression": {"force": 0.0}}, "precompression.force"),
         ({"precompression": {"force": 1e7}}, "precompression: 1e+07 times m V / T"),
         ({"precompression": {"force": 1e-22}}, "precompression: 1e-22 times m V / T"),

@@ -130,7 +130,7 @@ def test_a_killed_job_goes_on_bit_for_bit_with_either_lammps(lmp, launcher, rank
     if not lmp.exists():
         pytest.skip(f"no {lmp}: apt-get install lammps brings the 2021 release")
     # the pulse stays away from the border of the ranks, where sums may be taken in another order
-    case = scene(chains=3, beads=201, kappa=0.1, duration=100.0, every=2.0)
+    case = scene(chains=3, beads=121, kappa=0.1, duration=60.0, every=2.0)
     directory = placed(case, tmp_path / "job", lmp=str(lmp), launcher=launcher, ranks_per_node=ranks, checkpoint=1)
     restart_often(directory)
     kill_after_a_restart(directory)
@@ -221,7 +221,7 @@ def test_a_job_that_is_done_leaves_no_restart_and_nothing_hidden(good):
 )
 def test_a_job_that_cannot_compute_says_why_before_it_does(options, says, tmp_path):
     directory = placed(scene(beads=4), tmp_path / "job", **options)
-    go(directory, SLURM_JOB_END_TIME=int(time.time()) + 30 if "time" in options else "")
+    go(directory, SLURM_JOB_END_TIME=int(time.time()) + 55 if "time" in options else "")
     assert told(directory)["state"] == "failed"
     assert says in told(directory)["reason"]
     assert parts(directory) == []

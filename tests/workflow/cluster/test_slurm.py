@@ -38,6 +38,18 @@ _PUSHED = {
     "walls": {"left": "flat", "right": "bead"},
     "push": [{"peak": 1.0, "duration": 3.0, "shape": "half-sine"}, {"bead": 9, "table": [[0, 0], [2, 0.5], [3, 0]]}],
 }
+_LOADED = {
+    "coupling": {"stiffness": 0.1},
+    "precompression": {"force": 0.5},
+    "walls": {"right": "flat"},
+    "drive": {"force": 0.1, "frequency": 0.2},
+}
+_DAMPED = {
+    "chains": 2,
+    "coupling": {"stiffness": 0.1},
+    "damping": {"contact": 0.002, "tension": "cut", "beads": 1e-4, "coupling": 0.01},
+    "kick": {"velocity": 1.0},
+}
 
 
 def made_of(ingredients, **changes):
@@ -110,7 +122,9 @@ def test_a_job_runs_in_a_directory_whose_name_means_something_to_slurm(cluster, 
 
 
 @pytest.mark.parametrize(
-    "ingredients", [_UNEQUAL, pytest.param(_PUSHED, marks=pytest.mark.slow)], ids=("unequal", "pushed")
+    "ingredients",
+    [_UNEQUAL, *(pytest.param(each, marks=pytest.mark.slow) for each in (_PUSHED, _LOADED))],
+    ids=("unequal", "pushed", "loaded"),
 )
 def test_a_job_of_a_scene_with_ingredients_ends_bit_for_bit_as_a_run_on_this_machine(ingredients, cluster, tmp_path):
     case = made_of(ingredients)
@@ -125,6 +139,7 @@ def test_a_job_of_a_scene_with_ingredients_ends_bit_for_bit_as_a_run_on_this_mac
 CUT = {
     "coupled": LONG,
     "unequal": made_of(_UNEQUAL, duration=8000.0, output={"every": 10.0}),
+    "damped": made_of(_DAMPED, duration=2000.0, output={"every": 5.0}),
 }
 
 

@@ -2,13 +2,14 @@
 
 import json
 import shutil
+import signal
 import subprocess
 import sys
 from dataclasses import fields
 
 import numpy as np
 import pytest
-from processes import wait_until
+from processes import HANGS
 from stock_lammps import scene
 
 from analysis.tracking.leading_waves import from_csv
@@ -121,19 +122,34 @@ def test_two_ranks_find_the_same_peaks(both, tmp_path):
     assert (two.path / deck.PEAKS).read_bytes() == (both[1].path / deck.PEAKS).read_bytes()
 
 
-def test_a_run_that_was_killed_goes_on_to_the_same_peaks_and_snapshots(tmp_path):
-    case = sparse(long_scene(duration=600.0))
-    (tmp_path / "scene.yaml").write_text(deck.render(case)[deck.SCENE])
-    whole = run(case, tmp_path / "whole", check=False).directory
-    words = ["run", "scene.yaml", "-o", "cut", "--no-check", "--restart-every", "0.05"]
-    with subprocess.Popen([sys.executable, "-m", "workflow.cli", *words], cwd=tmp_path) as process:
-        assert wait_until((tmp_path / "cut" / "chains.restart").exists, process)
-        process.kill()
+KILLED = """
+import os, signal
+from pathlib import Path
+from lammps_inputs import load
+from workflow.engines.lammps import hosted
+from workflow.runs.run import run
+
+def killed(directory, **_):
+    def progress(*_):
+        if Path("chains.restart").exists():
+            os.kill(os.getpid(), signal.SIGKILL)
+    return hosted.run(directory, progress=progress, restart_every=0.0)
+
+run(load(Path("scene.yaml")), "cut", check=False, lammps=killed)
+"""
+"""Kills itself when it has gone on after the first restart."""
+
+
+def test_a_run_that_was_killed_goes_on_to_the_same_peaks_and_snapshots(both, tmp_path):
+    _, whole = both
+    shutil.copy(whole.path / deck.SCENE, tmp_path)
+    with subprocess.Popen([sys.executable, "-c", KILLED], cwd=tmp_path, stdin=subprocess.PIPE) as process:
+        assert process.wait(HANGS) == -signal.SIGKILL
     assert not (tmp_path / "cut" / deck.PEAKS).exists()
-    resume(tmp_path / "cut", check=False)
+    again = resume(tmp_path / "cut", check=False)
+    assert again.directory.record["resumed"][0]["from_step"] > 0
     assert (tmp_path / "cut" / deck.PEAKS).read_bytes() == (whole.path / deck.PEAKS).read_bytes()
-    cut = type(whole)(tmp_path / "cut")
-    velocity = [np.concatenate([block.velocity for block in part.snapshots()]) for part in (whole, cut)]
+    velocity = [np.concatenate([block.velocity for block in part.snapshots()]) for part in (whole, again.directory)]
     assert np.array_equal(*velocity)
 
 

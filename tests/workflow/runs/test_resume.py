@@ -15,7 +15,7 @@ from pathlib import Path
 import lammps_here
 import numpy as np
 import pytest
-from kill_many import AIMS, SCENES, Tally, frames, next_words, until_done
+from kill_many import AIMS, MORE, SCENES, Tally, frames, next_words, until_done
 from processes import HANGS, wait_until, working_in
 from stock_lammps import scene
 
@@ -157,10 +157,16 @@ def test_other_engines_start_again(engine, tmp_path):
 # --- SIGKILL ----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", [name for name in SCENES if SCENES[name][1] <= mpi.cores()])
+@pytest.mark.parametrize(
+    "name",
+    [
+        *(name for name in SCENES if SCENES[name][1] <= mpi.cores()),
+        pytest.param("lossy", marks=[TWO, pytest.mark.slow]),
+    ],
+)
 def test_runs_killed_at_random_are_resumed_bit_for_bit(name, tmp_path):
-    one, ranks = SCENES[name]
-    one = one.model_copy(update={"duration": one.duration / (8.0 * ranks)})
+    one, ranks = (SCENES | MORE)[name]
+    one = one.model_copy(update={"duration": one.duration / (8.0 * ranks**3)})  # ranks wait by computing
     seed = random.randrange(10**6)
     chance, tally = random.Random(seed), Tally()
     run(one, tmp_path / "whole", check=False, ranks=ranks)

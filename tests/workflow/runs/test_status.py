@@ -4,6 +4,8 @@ import fcntl
 import json
 import os
 import platform
+import re
+import struct
 import time
 
 import pytest
@@ -57,6 +59,13 @@ def with_state(directory, state, *, reason="", ends=3600.0, number="7", step=0):
     return directory
 
 
+def with_restart(directory, step):
+    """The head and the end of a restart as LAMMPS writes it."""
+    magic = b"LammpS RestartT\0"
+    (directory / continuation.RESTART).write_bytes(magic + bytes(8) + struct.pack("<iq", 5, step) + bytes(600) + magic)
+    return directory
+
+
 def with_record(directory, **record):
     write_json(directory / RECORD, {"engine": "lammps", "steps": STEPS, "host": platform.node(), **record})
     return directory
@@ -75,6 +84,8 @@ WHOLE = {
     "map": (["cases/N2_kappa0.1_beads60.json"], "map.csv"),
     "extremes": (["cells/V_1.json"], "extremes.csv"),
     "trade": (["trade.csv"], "trade.json"),
+    "fit": (["fitted.yaml"], "fit.json"),
+    "design": (["evaluations.jsonl"], "index.html"),
 }
 """Command -> files that it writes on the way, and the one that it writes at the end."""
 
@@ -97,7 +108,8 @@ def test_a_directory_of_another_command_is_done_or_goes_on_and_never_to_be_overw
         os.utime(path, (0, 0))
     found = status(cut)
     assert found.state == "incomplete"
-    assert "the same command" in found.why or f"`granchain {command} -o {cut}` goes on" in found.why
+    onwards = rf"the same command|`granchain {command}( DESIGN.yaml)? -o {re.escape(str(cut))}` goes on"
+    assert re.search(onwards, found.why)
     assert "overwrite" not in found.why + whole.why
 
 
@@ -190,10 +202,13 @@ def test_a_job_that_its_cluster_does_not_know_is_incomplete_and_goes_on_with_sba
 def test_where_its_queue_cannot_be_asked_a_job_is_what_it_said_last(state, queue, tmp_path):
     found = status(with_state(with_deck(tmp_path / "x"), state), queue)
     assert found.state == state
-    assert "as it was told on" in found.why
+    told = re.search(r"^time (\d+)$", (tmp_path / "x" / job.STATE).read_text(), flags=re.MULTILINE)
+    when = time.strftime("%Y-%m-%d %H:%M", time.localtime(int(told[1])))
+    assert found.why.endswith(f"as it was told on {when} by n12")
 
 
 def test_a_job_past_its_time_limit_is_incomplete_even_where_its_queue_cannot_be_asked(tmp_path):
+    assert status(with_state(with_deck(tmp_path / "y"), "running", ends=-60.0)).state == "running"  # it may still end
     found = status(with_state(with_deck(tmp_path / "x"), "running", ends=-3600.0))
     assert found.state == "incomplete"
     assert "past its time limit" in found.why
@@ -252,6 +267,7 @@ def test_a_directory_of_runs_stands_for_them_all(tmp_path):
 
 def test_a_local_run_that_is_done_is_done(tmp_path):
     assert status(with_record(with_deck(tmp_path / "x"), outcome="done", steps_done=STEPS)).state == "done"
+    assert status(with_record(tmp_path / "x", outcome="done")).step == STEPS
 
 
 def test_a_local_run_that_failed_says_why(tmp_path):
@@ -263,6 +279,19 @@ def test_an_interrupted_local_run_can_go_on(tmp_path):
     found = status(with_record(with_deck(tmp_path / "x"), outcome="interrupted", steps_done=300))
     assert (found.state, found.step) == ("incomplete", 300)
     assert f"granchain run --resume {tmp_path}" in found.why
+
+
+def test_it_is_said_from_which_step_a_run_goes_on(tmp_path):
+    directory = with_restart(with_deck(tmp_path / "x"), 400)
+    assert status(with_record(directory, outcome="interrupted", steps_done=430)).why.endswith(" goes on from step 400")
+    (directory / RECORD).unlink()
+    assert status(with_state(directory, "incomplete", step=430), alps()).why.endswith("there goes on from step 400")
+
+
+@pytest.mark.parametrize("engine", ["reference", "collisions"])
+def test_of_other_engines_nothing_goes_on(engine, tmp_path):
+    found = status(with_record(with_deck(tmp_path / "x"), engine=engine, outcome="interrupted", steps_done=300))
+    assert found.why == "interrupted; run it again with --overwrite"
 
 
 def test_a_local_run_under_way_holds_its_directory_and_a_killed_one_does_not(tmp_path):
@@ -327,6 +356,7 @@ def test_the_command_prints_a_line_each_and_their_counts(tmp_path, capsys):
         "2 directories: 1 done, 1 failed",
     ]
     assert main(["status", str(tmp_path / "a")]) == 0
+    assert main(["status", str(tmp_path / "a"), str(tmp_path / "nowhere")]) == 1
 
 
 def test_the_command_prints_json(tmp_path, capsys):

@@ -7,17 +7,20 @@ import signal
 import subprocess
 from pathlib import Path
 
+import jsonschema
 import numpy as np
 import pytest
 from processes import HANGS, wait_until
 from sweeps import GRANCHAIN
 
 from lammps_inputs import library, strict_yaml
+from workflow import api
 from workflow.cli import main
 from workflow.runs.run import run
 from workflow.studies.design import file, measures
 from workflow.studies.design.crew import Crew
-from workflow.studies.design.memory import Memory
+from workflow.studies.design.manufacture import sensitivity
+from workflow.studies.design.memory import Memory, Record
 from workflow.studies.design.search import search, worth
 from workflow.studies.design.variables import Variable
 from workflow.sweep.collect import collect
@@ -88,6 +91,22 @@ def test_where_designs_can_be_counted_all_are_computed_and_the_table_begins_with
     assert all((int(row["beads"]) >= 10) == (row["fits"] == "yes") for row in rows)
 
 
+def test_from_python_the_same_design_is_found_again_and_shows_itself(found, monkeypatch):
+    monkeypatch.setattr("workflow.studies.design.report.page", lambda _: (found / "index.html").read_text())
+    again = api.design(SMALL, str(found), jobs=1)
+    best = json.loads((found / "design.json").read_text())["quantities"]["wall_force"]
+    assert again.best.quantities["wall_force"] == best
+    assert repr(again) == f"<design: least wall_force of 28: {best:.6g}>"
+    assert "coupling.stiffness" in again._repr_html_()
+
+
+def test_the_schema_of_designs_knows_the_keys():
+    validator = jsonschema.Draft202012Validator(file.schema_of_file())
+    assert list(validator.iter_errors(SMALL)) == []
+    for wrong in ({"minimise": "delay"}, {"minimize": "wal_force"}, {"vary": {"beads": {"from": 8}}}, {"verify": 0}):
+        assert list(validator.iter_errors(SMALL | wrong))
+
+
 def test_the_report_is_one_page_with_its_pictures_inside(found):
     page = (found / "index.html").read_text()
     assert page.count("<img") == 5
@@ -147,6 +166,45 @@ def test_limits_come_before_the_objective(tmp_path, remembered):
     lighter = crew.all_of([{"coupling.stiffness": 0.1, "beads": 6}])[0]
     assert light.seconds == 0.0  # its mass rules it out before anything runs
     assert worth(design, heavy) < worth(design, light) < worth(design, lighter) < np.inf
+
+
+def test_a_limit_is_violated_by_a_share_of_it_on_either_side():
+    limit = file.Limit.model_validate({"from": 2, "to": 4})
+    assert [limit.violation(value) for value in (1.0, 2.0, 3.0, 4.0, 6.0)] == [0.5, 0.0, 0.0, 0.0, 0.5]
+    assert limit.violation(None) > 0.0  # what is not known keeps no limit
+
+
+@pytest.mark.parametrize(("wanted", "better"), [("minimize", 0), ("maximize", 1)])
+def test_what_is_wanted_is_small_or_large(wanted, better, tmp_path):
+    path = tmp_path / "design.yaml"
+    plain = {"scene": SCENE, "vary": {"coupling.stiffness": {"from": 0.1, "to": 1}}, wanted: "delay"}
+    path.write_text(strict_yaml.dump(plain))
+    records = [Record({}, {"delay": delay}, "", 0.0) for delay in (10.0, 11.0)]
+    assert min(records, key=lambda one: worth(file.load(path), one)) is records[better]
+
+
+class Linear:
+    """A crew that takes the objective of a design to be its stiffness."""
+
+    def __init__(self):
+        self.asked = []
+
+    def all_of(self, wanted, **_):
+        self.asked += wanted
+        return [Record(values, {"wall_force": values["coupling.stiffness"]}, "", 0.0) for values in wanted]
+
+
+def test_manufacture_is_off_to_both_sides_by_the_spread_at_most(tmp_path):
+    numbers = {"coupling.stiffness": {"from": 0.1, "to": 1}}
+    design = file.load(written(tmp_path, vary=numbers, manufacture={"members": 50, "spread": 0.1}))
+    crew = Linear()
+    found = sensitivity(design, crew, {"coupling.stiffness": 0.5})
+    assert found.alone == {"coupling.stiffness": (pytest.approx(0.45), pytest.approx(0.55))}  # smaller, larger
+    assert len(found.members) == 50
+    assert 0.45 <= min(found.members) < 0.47
+    assert 0.53 < max(found.members) <= 0.55
+    beads = [(one["disorder.radius"], one["disorder.stiffness"], one["disorder.seed"]) for one in crew.asked[:50]]
+    assert beads == [(0.1, 0.1, member) for member in range(1, 51)]
 
 
 def test_a_design_that_is_no_scene_says_why_and_is_worse_than_any_other(tmp_path, remembered):

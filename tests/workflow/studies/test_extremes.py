@@ -6,6 +6,7 @@ import math
 import os
 import signal
 import sys
+from concurrent.futures import Future
 from dataclasses import replace
 from pathlib import Path
 
@@ -24,9 +25,11 @@ from workflow.errors import RunError
 from workflow.prepare.instants import stride
 from workflow.runs import check as checking
 from workflow.runs.run import run
-from workflow.studies.extremes import cells, measure, report
-from workflow.studies.extremes.cells import BASE, Cell, changed, grid, scaled, springs
+from workflow.studies.extremes import grid as all_cells
+from workflow.studies.extremes import measure, report
+from workflow.studies.extremes.cells import BASE, Cell, changed, scaled, springs
 from workflow.studies.extremes.figure import COLOURS, extremes_figure
+from workflow.studies.extremes.grid import grid
 from workflow.studies.extremes.outcome import KINDS, Outcome, Told, TrueError, classify
 from workflow.studies.extremes.true_error import judge
 
@@ -256,6 +259,14 @@ def test_the_quick_report_has_cells_of_every_axis_and_leaves_the_long_ones_out()
     assert len(quick) < len(grid())
 
 
+def test_parts_are_chosen_by_name_and_others_refused_in_one_line(capsys):
+    assert {cell.axis for cell in grid(["exponents", "masses"])} == {"exponent", "dimer", "impurity", "taper"}
+    assert main(["extremes", "exponent"]) == 2
+    err = capsys.readouterr().err
+    assert err.startswith("granchain: extremes: 'exponent' given (did you mean `exponents`?)")
+    assert err.count("\n") == 1
+
+
 def test_every_kind_has_a_colour_and_is_drawn():
     outcomes = [Outcome("axis", kind, kind, "", 5e-4, 5e-4) for kind in KINDS]
     assert set(COLOURS) == set(KINDS)
@@ -264,12 +275,30 @@ def test_every_kind_has_a_colour_and_is_drawn():
     assert {f"{kind.lower()} 5.0e-04" for kind in KINDS} <= drawn
 
 
+class Here:
+    """A pool of processes in this one."""
+
+    def __init__(self, *_, **__):
+        pass
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        pass
+
+    def submit(self, function, *arguments):
+        future = Future()
+        future.set_result(function(*arguments))
+        return future
+
+
 def test_the_command_writes_table_and_figure_goes_on_where_it_stopped_and_fails_for_a_wrong_cell(
     tmp_path, capsys, monkeypatch
 ):
-    monkeypatch.setattr(cells, "grid", lambda: [Cell("beads", "8", SHORT), REFUSED])
+    monkeypatch.setattr(all_cells, "grid", lambda *_: [Cell("beads", "8", SHORT), REFUSED])
     monkeypatch.setattr(report, "_program", lambda: "this one")
-    monkeypatch.setattr(report, "cores", lambda: 1)
+    monkeypatch.setattr(report, "ProcessPoolExecutor", Here)
     command = ["extremes", "-o", str(tmp_path)]
     assert main(command) == 0
     out = capsys.readouterr().out

@@ -4,15 +4,20 @@ import csv
 import json
 import os
 import shutil
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from analysis.figures.swept import MOST_LINES, Axis, logarithmic, swept_figure
+from analysis.sound.dispersion import cell_of
 from lammps_inputs import strict_yaml
 from workflow.cli import main
 from workflow.runs.run_directory import RunDirectory
 from workflow.sweep import collect as collecting
+from workflow.sweep import file as sweep_file
+from workflow.sweep.cases import all_cases, scene_of
 from workflow.sweep.collect import collect
 
 pytestmark = pytest.mark.usefixtures("lammps_here", "pool_here")
@@ -177,13 +182,11 @@ def test_where_chooses_the_cases_of_the_table_with_and_without_a_figure(copied, 
 
 def test_a_quantity_is_drawn_over_one_field_and_over_two(copied, capsys):
     name = "amplitude-over-coupling.stiffness"
-    assert main(["collect", str(copied), "--plot", "amplitude", "--over", "coupling.stiffness", "--and", "beads"]) == 0
+    words = ["collect", str(copied), "--plot", "amplitude", "--over", "coupling.stiffness"]
+    assert main([*words, "--and", "beads", "--formats", "pdf"]) == 0
     assert f"{name}-and-beads.pdf" in capsys.readouterr().out
-    assert (
-        main(["collect", str(copied), "--plot", "amplitude", "--over", "coupling.stiffness", "--where", "beads=24"])
-        == 0
-    )
-    for file in (f"{name}.png", f"{name}.pdf", f"{name}-and-beads.png", f"{name}-and-beads.pdf"):
+    assert main([*words, "--where", "beads=24"]) == 0
+    for file in (f"{name}.png", f"{name}-and-beads.pdf"):
         assert (copied / file).stat().st_size > 5_000
 
 
@@ -256,14 +259,14 @@ def test_many_values_of_the_second_field_make_a_map_with_every_number_in_its_pla
 
 
 def test_uncertainties_are_bars_and_cases_that_are_not_settled_are_hollow():
-    x, open_ = np.array([1.0, 2.0, 3.0]), np.array([True, False, False])
+    x, open_ = np.array([3.0, 1.0, 2.0]), np.array([False, True, False])  # cases come in the order of any field
     figure = swept_figure(Axis("y", 2.0 * x, 0.1 * x, open_), Axis("x", x), title="scene")
     axis = figure.axes[0]
     assert axis.get_title() == "scene; hollow: not settled"
     (hollow,) = [line for line in axis.get_lines() if line.get_markerfacecolor() == "white"]
     np.testing.assert_array_equal(hollow.get_xydata(), [[1.0, 2.0]])
     (bars,) = axis.collections
-    np.testing.assert_allclose([part[:, 1] for part in bars.get_segments()], np.stack([1.9 * x, 2.1 * x], axis=1))
+    np.testing.assert_allclose([part[:, 1] for part in bars.get_segments()], np.outer([1.0, 2.0, 3.0], [1.9, 2.1]))
 
 
 def test_cases_of_a_map_that_are_not_settled_are_crossed():
@@ -290,8 +293,8 @@ def test_the_collected_figure_knows_its_scene_its_bars_and_its_unsettled_cases(c
 def test_columns_of_si_scenes_name_their_units_and_others_keep_their_names(swept):
     reduced = collect(swept)
     assert reduced.to_csv().splitlines()[0].split(",") == reduced.columns
-    head = type(reduced)(["coupling.stiffness", "beads"], [], si=True).to_csv().splitlines()[0].split(",")
-    assert {"coupling.stiffness (N/m)", "beads", "amplitude", "arrival (s)", "peak_velocity (m/s)"} <= set(head)
+    head = type(reduced)(["kick.velocity"], [], si=True, units={"kick.velocity": "m/s"}).to_csv().splitlines()[0]
+    assert {"kick.velocity (m/s)", "amplitude", "arrival (s)", "peak_velocity (m/s)"} <= set(head.split(","))
 
 
 def test_labels_tell_the_units_of_the_scenes(swept):
@@ -299,7 +302,75 @@ def test_labels_tell_the_units_of_the_scenes(swept):
     assert reduced.label("coupling.stiffness") == "coupling stiffness (reduced)"
     assert reduced.label("beads") == "beads"
     assert reduced.label("speed") == "speed at the last clear bead (reduced)"
-    si = type(reduced)(["coupling.stiffness", "kick[2].velocity"], [], si=True)
-    assert si.label("coupling.stiffness") == "coupling stiffness (N/m)"
-    assert si.label("kick[2].velocity") == "kick[2] velocity (m/s)"
-    assert si.label("speed") == "speed at the last clear bead (beads/s)"
+    assert type(reduced)([], [], si=True).label("speed") == "speed at the last clear bead (beads/s)"
+
+
+# --- over frequency ---------------------------------------------------------------------------------------------------
+
+SHAKEN = {
+    "name": "shaken",
+    "beads": 16,
+    "material": {"radius": 4.76e-3, "density": 8000, "youngs_modulus": 193e9, "poisson_ratio": 0.3},
+    "precompression": {"force": 20},
+    "drive": {"displacement": 1e-9, "frequency": 1000, "phase": -90},
+    "duration": 8e-4,
+    "output": {"every": 1e-5, "spectra": {"beads": [1, 5], "after": 4e-4}},
+}
+
+
+@pytest.fixture(scope="module")
+def shaken(tmp_path_factory):
+    """A finished sweep below and above the cut-off, which is at 20.6 kHz."""
+    folder = tmp_path_factory.mktemp("shaken")
+    vary = {"drive.frequency": [10000, 25000]}
+    (folder / "sweep.yaml").write_text(strict_yaml.dump({"scene": SHAKEN, "vary": vary}))
+    assert main(["sweep", str(folder / "sweep.yaml"), "-o", str(folder / "s"), "--jobs", "1", "--no-check"]) == 0
+    return folder / "s"
+
+
+def test_what_a_drive_passes_on_falls_above_the_cut_off_of_the_load(shaken):
+    found = collect(shaken)
+    assert found.heading("drive.frequency") == "drive.frequency (Hz)"
+    (band,) = found.passed("drive.frequency")
+    speed, factor = 369.2 / 9.52e-3, 20.0 ** (1.0 / 6.0)  # of sound at 1 N, in beads a second
+    np.testing.assert_allclose(band, [0.0, speed * factor / np.pi], rtol=1e-3, atol=1e-3)
+    low, high = found.numbers("transmissibility")
+    assert 0.3 < low < 3.0
+    decay = np.arccosh(25000 / band[1])
+    assert high == pytest.approx(np.exp(-2.0 * decay * 4), rel=0.1)
+
+
+def test_frequencies_that_do_not_pass_are_shaded_in_the_figure_over_frequency(shaken, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(collecting, "write_figure", lambda _path, _name, figure: drawn.append(figure) or ())
+    collecting.plot(collect(shaken), shaken, "transmissibility", "drive.frequency", None)
+    assert drawn[0].axes[0].get_title() == "shaken; shaded: no small waves pass"
+
+
+def test_what_lies_between_bands_is_shaded():
+    x = np.array([1.0, 5.0, 9.0])
+    bands = np.array([[6.0, 7.0], [0.0, 3.0], [2.0, 4.0]])
+    axis = swept_figure(Axis("y", x), Axis("x", x), None, "", bands).axes[0]
+    first, last = axis.get_xlim()
+    shaded = [(patch.get_x(), patch.get_x() + patch.get_width()) for patch in axis.patches]
+    np.testing.assert_allclose(shaded, [(4.0, 6.0), (7.0, last)])
+    assert first < 1.0 < 9.0 < last
+
+
+def test_bands_that_differ_from_case_to_case_are_not_those_of_the_figure(shaken):
+    found = collect(shaken)
+    one = next(iter(found.bands))
+    noise = {case: [[low + 1e-3 * k, high]] for k, (case, [[low, high]]) in enumerate(found.bands.items())}
+    assert replace(found, bands=noise).passed("drive.frequency") is not None  # the lowest edge is nothing but rounding
+    assert replace(found, bands={**found.bands, one: [[0.0, 1.0]]}).passed("drive.frequency") is None
+    assert found.passed("drive.displacement") is None
+
+
+def test_the_example_of_the_readme_is_a_sweep_across_the_cut_off(tmp_path):
+    text = (Path(__file__).parents[3] / "workflow" / "README.md").read_text(encoding="utf-8")
+    path = tmp_path / "shaken.yaml"
+    path.write_text(text.partition("<!-- transmissibility -->\n```yaml\n")[2].partition("```")[0])
+    what = sweep_file.load(path)
+    first, *_, last = (scene_of(what, case).problem() for case in all_cases(what))
+    (band,) = cell_of(first).bands() / first.scale.time
+    assert first.motions[0].omega / first.scale.time < band[1] < last.motions[0].omega / last.scale.time

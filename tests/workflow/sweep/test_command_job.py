@@ -66,7 +66,9 @@ def test_slurm_carries_out_a_design_and_a_fit(slurm, tmp_path):
 @pytest.mark.slow
 def test_a_job_that_is_stopped_before_its_time_limit_submits_the_next_which_goes_on(slurm, tmp_path):
     """The command is one that does not end by itself the first time."""
-    script = "[ -f done ] && echo again && exit; trap 'touch done; exit 130' TERM; touch up; sleep 60 & wait"
+    script = (
+        "[ -f done ] && echo again && exit; trap 'kill $!; touch done; exit 130' TERM; touch up; sleep infinity & wait"
+    )
     command = ["bash", "-c", script]
     text = render_command(site.options({"time": "00:10:00"}), "stopped", command, cores=1)
     (tmp_path / "job.sbatch").write_text(text)

@@ -170,7 +170,7 @@ def test_a_pulse_that_does_not_arrive_is_its_cases_failure(tmp_path, capsys):
 
 
 def job(directory, **changes):
-    return Job(str(directory), Asked({}, {**SMALL, **changes}, "lammps"), check=False, figures=False)
+    return Job(str(directory), Asked({}, {**SMALL, **changes}, "lammps"), check=False, figures=())
 
 
 def test_a_process_that_dies_is_one_failed_case_and_the_others_go_on(tmp_path):

@@ -62,15 +62,6 @@ def test_a_run_that_came_back_from_a_cluster_passes(good, tmp_path, capsys):
     assert capsys.readouterr().out.splitlines()[-2] == "passed"
 
 
-@pytest.mark.parametrize(
-    "name", ["two-chains-strong", "two-chains-steel", pytest.param("three-chains", marks=pytest.mark.slow)]
-)
-def test_the_papers_scenes_pass(name, paper, tmp_path):
-    found = validate(copied(RunDirectory(paper(name)), tmp_path / name))
-    assert found.passed
-    assert found.causes == ()
-
-
 def test_a_run_of_the_reference_passes_without_any_difference(tmp_path):
     found = validate(run(SCENE, tmp_path / "run", engine="reference").directory)
     assert found.passed

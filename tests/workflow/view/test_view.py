@@ -110,7 +110,9 @@ def test_a_folder_without_a_run_has_no_page(tmp_path, capsys):
 @pytest.mark.slow
 def test_the_page_of_a_run_says_the_right_numbers_and_moves_the_right_beads(ran, look):
     path = ran.directory.path
-    assert main(["view", str(path), "--no-open", "--quiet"]) == 0
+    shown = ran.view()
+    assert shown.path == path / "view.html"
+    assert "<iframe" in shown._repr_html_()
     page, frames = look(path / "view.html"), RunDirectory(path).trajectory
     assert "view.html" in ran.directory.record["files"]
 

@@ -14,3 +14,8 @@ def compiled(function: F) -> F:
     Inlined into its callers, since most of the time would go into counting references to the arrays it is handed.
     """
     return cast(F, on_disk(error_model="numpy", forceinline=True)(function))
+
+
+def inner(function: F) -> F:
+    """The same for a function that compiled ones alone call."""
+    return cast(F, on_disk(error_model="numpy", forceinline=True, no_cpython_wrapper=True)(function))

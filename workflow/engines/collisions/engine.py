@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from analysis.trajectory import Floats
-from workflow.engines.collisions.compiled import compiled
+from workflow.engines.collisions.compiled import compiled, inner
 from workflow.engines.collisions.heap import Heap, Ints, make_heap, reschedule
 from workflow.engines.collisions.modes import Modes, advance
 from workflow.engines.collisions.roots import CONTACT, NEVER, first_contact
@@ -83,7 +83,7 @@ def make_events(size: int) -> Events:
     return Events(np.empty(size), np.empty(size, np.int64), np.empty(size, np.int64), np.empty(size), np.empty(size))
 
 
-@compiled
+@inner
 def evolve(rows: Rows, pair: int, time: float, modes: Modes, near: Floats) -> None:
     """Write displacements and velocities of a pair of rows at a time into ``near``, [x and v, row of the pair, chain].
 
@@ -94,7 +94,7 @@ def evolve(rows: Rows, pair: int, time: float, modes: Modes, near: Floats) -> No
         advance(rows.x, rows.v, row, time - rows.time[row], modes, near, side)
 
 
-@compiled
+@inner
 def resolve(rows: Rows, pair: int, time: float, chain: int, near: Floats) -> None:
     """Put a pair of rows where `evolve` saw it and exchange the velocities of the two beads that meet."""
     for side in range(2):
@@ -104,7 +104,7 @@ def resolve(rows: Rows, pair: int, time: float, chain: int, near: Floats) -> Non
     rows.v[pair, chain], rows.v[pair + 1, chain] = near[1, 1, chain], near[1, 0, chain]
 
 
-@compiled
+@inner
 def predict(state: State, pair: int, now: float, modes: Modes, gap: float, end: float) -> None:
     """Put a pair's next contact into the queue."""
     near, relative, waves = state.near, state.relative, state.waves

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from analysis.trajectory import Floats
-from workflow.engines.collisions.compiled import compiled
+from workflow.engines.collisions.compiled import inner
 
 
 class Modes(NamedTuple):
@@ -42,7 +42,7 @@ def make_modes(chains: int, kappa: float) -> Modes:
     return Modes(omega, shape, 1.0 / (shape**2).sum(axis=1))
 
 
-@compiled
+@inner
 def advance(x: Floats, v: Floats, row: int, elapsed: float, modes: Modes, later: Floats, side: int) -> None:
     """Motion of one row [row, chain] for a time, nothing meeting it, written into ``later[:, side]``.
 

@@ -10,6 +10,9 @@ as the scheme, and its error is far below that (a part of a step times the drag,
 LAMMPS instead takes the drag of the velocities that it has when forces are computed, those of half a step before.
 
 An empty tuple in place of one of the classes costs nothing.
+
+What dashpots take is counted along the way. A kick at fixed positions takes no energy from the motion but by their
+power, which is integrated as the velocities are. A drift at fixed w takes kinetic energy alone, and exactly that.
 """
 
 # ruff: noqa: ARG001, ARG005  numba wants the arguments of what is overloaded, used or not
@@ -22,12 +25,16 @@ from numba.extending import overload
 from lammps_inputs import System
 from lammps_inputs.laws import dashpot
 from lammps_inputs.links import Across, Along, Ground
-from workflow.compiled import compiled
+from workflow.compiled import inner
 from workflow.engines.reference.forces import (
     Floats,
+    count_on,
     flat,
+    give_on,
     neighbours,
     over_mass,
+    over_the_way,
+    travel_on,
     written_for_laws,
     written_for_neighbours,
 )
@@ -47,6 +54,13 @@ class Given(NamedTuple):
     """Velocities."""
     total: Floats
     trial: Floats
+    lost: tuple[Floats, Floats, Floats]
+    """Energy that dashpots along, across and to the ground have taken from every bead; below 0 of one that is dragged
+    along."""
+    before: tuple[Floats, Floats, Floats]
+    """Positions, velocities and impulses at the start of a drift."""
+    after: Floats
+    """Impulses at its end."""
 
 
 class Flow(NamedTuple):
@@ -61,6 +75,8 @@ class Flow(NamedTuple):
     """Accelerations by forces of positions."""
     total: Floats
     trial: Floats
+    lost: tuple[Floats, Floats, Floats]
+    """As above."""
 
 
 class HalfStep(NamedTuple):
@@ -82,10 +98,14 @@ def make_dampers(system: System, *, as_lammps: bool) -> Any:
         tuple(near for link in system.dampers if isinstance(link, Across) for near in neighbours(link, system)),
         tuple(flat(link.law, system, first=1) for link in system.dampers if isinstance(link, Ground)),
     )
-    room = [np.zeros((system.beads + 2) * system.chains) for _ in range(5)]
+    room = [np.zeros((system.beads + 2) * system.chains) for _ in range(12)]
     if as_lammps:
         return HalfStep(*laws, *room[:2])
-    return (Flow if any(dashpot.cut(link.law) for link in system.dampers) else Given)(*laws, *room)
+    squeeze, drag, third, total, trial, along, across, ground, *more = room
+    if any(dashpot.cut(link.law) for link in system.dampers):
+        return Flow(*laws, squeeze, drag, third, total, trial, (along, across, ground))
+    before, after = (more[0], more[1], more[2]), more[3]
+    return Given(*laws, squeeze, drag, third, total, trial, (along, across, ground), before, after)
 
 
 def all_of(laws: Any, k: Any, strain: Any, rate: Any) -> Any:
@@ -133,7 +153,7 @@ def _given_by(across: Any, x: Any, k: Any) -> Any:
     return written_for_neighbours("impulse", across, "across, x, k", "x[k] - x[{other}]")
 
 
-@compiled
+@inner
 def brake(dampers: Any, x: Floats, v: Floats, gap: float, chains: int, first: int, last: int) -> None:
     """Force of all dashpots on the beads of rows first to last, which touch none that moves, into ``drag``."""
     row = np.uint64(chains)
@@ -146,7 +166,7 @@ def brake(dampers: Any, x: Floats, v: Floats, gap: float, chains: int, first: in
         dampers.drag[k] = dampers.squeeze[k] - dampers.squeeze[k + row] - held
 
 
-@compiled
+@inner
 def impulses(given_all: Any, x: Floats, gap: float, chains: int, first: int, last: int) -> None:
     """What all dashpots have given the beads of rows first to last, which touch none that moved, into ``drag``."""
     row = np.uint64(chains)
@@ -160,56 +180,138 @@ def impulses(given_all: Any, x: Floats, gap: float, chains: int, first: int, las
         drag[k] = squeeze[k] - squeeze[k + row] - held
 
 
-@compiled
-def slide(given_all: Any, x: Floats, w: Floats, lightness: Any, gap: float, factor: float, chains: int, first: int,
+@inner
+def slide(given_all: Any, x: Floats, w: Floats, forces: Any, time: float, factor: float, chains: int, first: int,
           last: int) -> None:  # fmt: skip
-    """Positions after a drift of length ``factor`` at fixed w."""
+    """Positions after a drift of length ``factor`` from a time on, at a w that only forces from outside change."""
     low, high = np.uint64(first * chains), np.uint64((last + 1) * chains)
-    drag, total, trial = given_all.drag, given_all.total, given_all.trial
+    lightness, gap, loads, moved = forces.lightness, forces.gap, forces.drifted, forces.moved
+    drag, total, trial, actual = given_all.drag, given_all.total, given_all.trial, given_all.actual
+    place, early, start = given_all.before
+    half = 0.5 * factor
     impulses(given_all, x, gap, chains, first, last)
     for k in range(low, high):
         slope = w[k] + over_mass(drag[k], lightness, k)
+        place[k] = x[k]
+        start[k] = drag[k]
+        early[k] = slope
         total[k] = slope
-        trial[k] = x[k] + 0.5 * factor * slope
+        trial[k] = x[k] + half * slope
+    travel_on(loads, lightness, trial, time, half, low, high)
+    travel_on(moved, (), trial, time, half, low, high)
     impulses(given_all, trial, gap, chains, first, last)
     for k in range(low, high):
         slope = w[k] + over_mass(drag[k], lightness, k)
         total[k] += 2.0 * slope
-        trial[k] = x[k] + 0.5 * factor * slope
+        trial[k] = x[k] + half * slope
+    travel_on(loads, lightness, trial, time, half, low, high)
+    travel_on(moved, (), trial, time, half, low, high)
     impulses(given_all, trial, gap, chains, first, last)
     for k in range(low, high):
         slope = w[k] + over_mass(drag[k], lightness, k)
         total[k] += 2.0 * slope
         trial[k] = x[k] + factor * slope
+    travel_on(loads, lightness, trial, time, factor, low, high)
+    travel_on(moved, (), trial, time, factor, low, high)
     impulses(given_all, trial, gap, chains, first, last)
     for k in range(low, high):
         x[k] += factor / 6.0 * (total[k] + w[k] + over_mass(drag[k], lightness, k))
+    travel_on(loads, lightness, x, time, factor, low, high)
+    travel_on(moved, (), x, time, factor, low, high)
+    give_on(loads, lightness, (), w, time, factor, low, high)
+    give_on(moved, (), (), w, time, factor, low, high)
+
+    impulses(given_all, x, gap, chains, first, last)
+    for k in range(low, high):
+        given_all.after[k] = drag[k]
+        actual[k] = w[k] + over_mass(drag[k], lightness, k)
+        trial[k] = 0.5 * (place[k] + x[k]) + 0.125 * factor * (early[k] - actual[k])
+    impulses(given_all, trial, gap, chains, first, last)
+    for k in range(low, high):
+        total[k] = w[k] + over_mass(drag[k], lightness, k)
+    give_on(loads, lightness, (), total, time + factor, -half, low, high)
+    give_on(moved, (), (), total, time + factor, -half, low, high)
+    count_on(loads, forces.work, early, total, actual, time, factor, low, high)
+    _lose(given_all, x, chains, first, last)
 
 
-@compiled
+@inner
+def _lose(given_all: Any, x: Floats, chains: int, first: int, last: int) -> None:
+    """Count what dashpots have taken in a drift."""
+    drag, after, middle, late, trial = (
+        given_all.drag,
+        given_all.after,
+        given_all.total,
+        given_all.actual,
+        given_all.trial,
+    )
+    place, early, start = given_all.before
+    along, across, ground = given_all.lost
+    for k in range(np.uint64(first * chains), np.uint64((last + 1) * chains)):
+        along[k] -= over_the_way(early[k], middle[k], late[k], drag[k] - start[k], after[k] - drag[k])
+    if len(given_all.across) > 0:
+        for k in range(np.uint64(first * chains), np.uint64((last + 1) * chains)):
+            then = given_by(given_all.across, trial, k)
+            since, until = then - given_by(given_all.across, place, k), given_by(given_all.across, x, k) - then
+            taken = over_the_way(early[k], middle[k], late[k], since, until)
+            across[k] += taken
+            along[k] -= taken
+    if len(given_all.ground) > 0:
+        for k in range(np.uint64(first * chains), np.uint64((last + 1) * chains)):
+            then = given(given_all.ground, k, trial[k])
+            since, until = then - given(given_all.ground, k, place[k]), given(given_all.ground, k, x[k]) - then
+            taken = over_the_way(early[k], middle[k], late[k], since, until)
+            ground[k] += taken
+            along[k] -= taken
+
+
+@inner
 def flow(flow: Any, v: Floats, x: Floats, lightness: Any, gap: float, factor: float, chains: int, first: int, last: int
 ) -> None:  # fmt: skip
     """Velocities after a kick of length ``factor`` by the accelerations ``steady`` and the dashpots."""
     low, high = np.uint64(first * chains), np.uint64((last + 1) * chains)
     drag, steady, total, trial = flow.drag, flow.steady, flow.total, flow.trial
     brake(flow, x, v, gap, chains, first, last)
+    _take(flow, x, v, factor / 6.0, chains, first, last)
     for k in range(low, high):
         slope = steady[k] + over_mass(drag[k], lightness, k)
         total[k] = slope
         trial[k] = v[k] + 0.5 * factor * slope
     brake(flow, x, trial, gap, chains, first, last)
+    _take(flow, x, trial, factor / 3.0, chains, first, last)
     for k in range(low, high):
         slope = steady[k] + over_mass(drag[k], lightness, k)
         total[k] += 2.0 * slope
         trial[k] = v[k] + 0.5 * factor * slope
     brake(flow, x, trial, gap, chains, first, last)
+    _take(flow, x, trial, factor / 3.0, chains, first, last)
     for k in range(low, high):
         slope = steady[k] + over_mass(drag[k], lightness, k)
         total[k] += 2.0 * slope
         trial[k] = v[k] + factor * slope
     brake(flow, x, trial, gap, chains, first, last)
+    _take(flow, x, trial, factor / 6.0, chains, first, last)
     for k in range(low, high):
         v[k] += factor / 6.0 * (total[k] + steady[k] + over_mass(drag[k], lightness, k))
+
+
+@inner
+def _take(flow: Any, x: Floats, v: Floats, duration: float, chains: int, first: int, last: int) -> None:
+    """Count what dashpots take in a duration at these velocities, at which `brake` has found their forces."""
+    drag = flow.drag
+    along, across, ground = flow.lost
+    for k in range(np.uint64(first * chains), np.uint64((last + 1) * chains)):
+        along[k] -= duration * v[k] * drag[k]
+    if len(flow.across) > 0:
+        for k in range(np.uint64(first * chains), np.uint64((last + 1) * chains)):
+            taken = duration * v[k] * hold(flow.across, x, v, k)
+            across[k] += taken
+            along[k] -= taken
+    if len(flow.ground) > 0:
+        for k in range(np.uint64(first * chains), np.uint64((last + 1) * chains)):
+            taken = duration * v[k] * all_of(flow.ground, k, x[k], v[k])
+            ground[k] += taken
+            along[k] -= taken
 
 
 @overload(slow, strict=False)

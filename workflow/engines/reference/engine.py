@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.trajectory import Floats, Trajectory, frames_per_block, joined
+from analysis.trajectory import LEDGER, Floats, Trajectory, frames_per_block, joined
 from lammps_inputs import Problem
 from lammps_inputs.ingredients import coupled_chains
 from lammps_inputs.limits.timestep import stability_bound
@@ -58,6 +58,8 @@ def two_beads() -> Problem:
 def default_steps_per_frame(problem: Problem) -> int:
     """Steps between frames, an even number, that leave an error of some 1e-6 of V or less."""
     bound = stability_bound(problem)
+    if problem.dampers:  # drag on beads alone does not bind LAMMPS
+        bound = min(bound, 2.0 / problem.drag)
     # contacts of lower exponents open and close more abruptly
     abrupt = max(0.0, 1.5 - (problem.exponent or 1.5))
     steps = STEPS_PER_BOUND * (1.0 + _ABRUPT * abrupt)
@@ -96,7 +98,9 @@ def blocks(
     chains = problem.chains
     recorded = _recorded(problem, state, 0.0)
     start = x[recorded].T[np.newaxis].copy(), v[recorded].T[np.newaxis].copy()
-    yield Trajectory(problem, np.zeros(1), *start, first=_first(problem, recorded))
+    counts = scheme is not VERLET and problem.exchanges
+    ledger = np.zeros((1, len(LEDGER))) if counts else None
+    yield Trajectory(problem, np.zeros(1), *start, _first(problem, recorded), ledger)
     size = frames_per_block(problem)
     if problem.window is not None:
         size = max(1, min(size, math.floor(_ADVANCE / (problem.pace * problem.every))))
@@ -105,6 +109,8 @@ def blocks(
         recorded = _recorded(problem, state, len(frame) * problem.every)
         shape = (len(frame), chains, len(recorded))
         frames_x, frames_v = np.empty(shape), np.empty(shape)
+        time = np.asarray(frame * problem.every, dtype=np.float64)
+        ledger = np.zeros((len(frame), len(LEDGER))) if counts else None
         stale = advance(
             x.reshape(-1),
             v.reshape(-1),
@@ -121,9 +127,20 @@ def blocks(
             recorded,
             frames_x,
             frames_v,
+            () if ledger is None else ledger,
         )
-        time = np.asarray(frame * problem.every, dtype=np.float64)
-        yield Trajectory(problem, time, frames_x, frames_v, first=_first(problem, recorded))
+        if ledger is not None:
+            ledger[:, -1] += brought_up(problem, time)
+        yield Trajectory(problem, time, frames_x, frames_v, _first(problem, recorded), ledger)
+
+
+def brought_up(problem: Problem, time: Floats) -> Floats:
+    """Kinetic energy of beads whose motion is given, over that at the start."""
+    total = np.zeros_like(time)
+    for given in problem.motions:
+        mass = problem.mass_of(given.chain - 1, given.bead - 1)
+        total += 0.5 * mass * (given.velocity(time) ** 2 - given.velocity(0.0) ** 2)
+    return total
 
 
 WIDER = 2

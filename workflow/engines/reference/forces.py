@@ -46,6 +46,8 @@ class Forces(NamedTuple):
     """Laws of the acceleration of beads whose motion is given."""
     drifted: tuple[tuple[int, Any], ...]
     kicked: tuple[tuple[int, Any], ...]
+    work: Any
+    """[1] what loads put in, and what beads that are moved do against forces; an empty tuple where nobody counts."""
     dampers: Any
     """Forces against velocities (`dashpots`); an empty tuple where there are none."""
 
@@ -70,6 +72,7 @@ def make_forces(system: System, dampers: Any = (), *, as_lammps: bool = False, s
         moved=motions,
         drifted=() if as_lammps else loads,
         kicked=loads if as_lammps else (),
+        work=np.zeros(1) if system.acted_on and not as_lammps else (),
         dampers=dampers,
     )
 
@@ -202,8 +205,24 @@ def _written(names: dict[str, Any], arguments: str, lines: list[str], terms: lis
     return names["written"]
 
 
-def drift_on(loads: Any, lightness: Any, x: Any, v: Any, time: Any, duration: Any, low: Any, high: Any) -> Any:
-    """What loads add to the drift of free beads over a duration, in places of memory from low to below high."""
+def travel_on(loads: Any, lightness: Any, x: Any, time: Any, duration: Any, low: Any, high: Any) -> Any:
+    """How much farther free beads drift under loads in a duration, in places of memory from low to below high."""
+    raise NotImplementedError
+
+
+def give_on(loads: Any, lightness: Any, work: Any, v: Any, time: Any, duration: Any, low: Any, high: Any) -> Any:
+    """How much faster they get; the work is that on free beads."""
+    raise NotImplementedError
+
+
+def count_on(loads: Any, work: Any, early: Any, middle: Any, late: Any, time: Any, duration: Any, low: Any, high: Any
+) -> Any:  # fmt: skip
+    """Count the work of loads on beads with these velocities at the start, the middle and the end of a duration."""
+    raise NotImplementedError
+
+
+def hold_on(forces: Any, moved: Any, push: Any, x: Any, v: Any, duration: Any, chains: Any) -> Any:
+    """Count what beads that are moved do against forces of positions in a duration."""
     raise NotImplementedError
 
 
@@ -257,19 +276,81 @@ def _force_of(law: Any, t: Any) -> Any:
     return _in_time(law.instance_class.force, len(law))
 
 
-@overload(drift_on, strict=False)
-def _drift_on(loads: Any, lightness: Any, x: Any, v: Any, time: Any, duration: Any, low: Any, high: Any) -> Any:
-    if len(loads) == 0:
-        return lambda loads, lightness, x, v, time, duration, low, high: None
+@njit(inline="always")
+def over_the_way(early: Any, middle: Any, late: Any, first: Any, second: Any) -> Any:
+    """Integral of a velocity over what is given: ``first`` in one half of a time, ``second`` in the other.
 
-    def act(loads: Any, lightness: Any, x: Any, v: Any, time: Any, duration: Any, low: Any, high: Any) -> None:
+    By the trapezoidal rule for the halves and for the whole, and what these tell of a rule of fourth order. Summed over
+    all that is given to a bead, each rule has the change of its kinetic energy exactly, however that is given.
+    """
+    halves = 0.5 * (early + middle) * first + 0.5 * (middle + late) * second
+    return (4.0 * halves - 0.5 * (early + late) * (first + second)) / 3.0
+
+
+@overload(travel_on, strict=False)
+def _travel_on(loads: Any, lightness: Any, x: Any, time: Any, duration: Any, low: Any, high: Any) -> Any:
+    if len(loads) == 0:
+        return lambda loads, lightness, x, time, duration, low, high: None
+
+    def act(loads: Any, lightness: Any, x: Any, time: Any, duration: Any, low: Any, high: Any) -> None:
         k, law = loads[0]
         if low <= k < high:
-            before, after = impulse_of(law, time), impulse_of(law, time + duration)
-            gone = travel_of(law, time + duration) - travel_of(law, time) - before * duration
+            gone = travel_of(law, time + duration) - travel_of(law, time) - impulse_of(law, time) * duration
             x[k] += over_mass(gone, lightness, k)
-            v[k] += over_mass(after - before, lightness, k)
-        drift_on(loads[1:], lightness, x, v, time, duration, low, high)
+        travel_on(loads[1:], lightness, x, time, duration, low, high)
+
+    return act
+
+
+@overload(give_on, strict=False)
+def _give_on(loads: Any, lightness: Any, work: Any, v: Any, time: Any, duration: Any, low: Any, high: Any) -> Any:
+    if len(loads) == 0:
+        return lambda loads, lightness, work, v, time, duration, low, high: None
+
+    counts = isinstance(work, types.Array)
+
+    def act(loads: Any, lightness: Any, work: Any, v: Any, time: Any, duration: Any, low: Any, high: Any) -> None:
+        k, law = loads[0]
+        if low <= k < high:
+            given, early = impulse_of(law, time + duration) - impulse_of(law, time), v[k]
+            v[k] += over_mass(given, lightness, k)
+            if counts:
+                work[0] += given * 0.5 * (early + v[k])
+        give_on(loads[1:], lightness, work, v, time, duration, low, high)
+
+    return act
+
+
+@overload(count_on, strict=False)
+def _count_on(
+    loads: Any, work: Any, early: Any, middle: Any, late: Any, time: Any, duration: Any, low: Any, high: Any
+) -> Any:
+    if len(loads) == 0:
+        return lambda loads, work, early, middle, late, time, duration, low, high: None
+
+    def act(
+        loads: Any, work: Any, early: Any, middle: Any, late: Any, time: Any, duration: Any, low: Any, high: Any
+    ) -> None:
+        k, law = loads[0]
+        if low <= k < high:
+            half = impulse_of(law, time + 0.5 * duration)
+            first, second = half - impulse_of(law, time), impulse_of(law, time + duration) - half
+            work[0] += over_the_way(early[k], middle[k], late[k], first, second)
+        count_on(loads[1:], work, early, middle, late, time, duration, low, high)
+
+    return act
+
+
+@overload(hold_on, strict=False)
+def _hold_on(forces: Any, moved: Any, push: Any, x: Any, v: Any, duration: Any, chains: Any) -> Any:
+    if len(moved) == 0 or not isinstance(forces.types[Forces._fields.index("work")], types.Array):
+        return lambda forces, moved, push, x, v, duration, chains: None
+
+    def act(forces: Any, moved: Any, push: Any, x: Any, v: Any, duration: Any, chains: Any) -> None:
+        k = moved[0][0]
+        force = push[k] - push[k + chains] - pull(forces.across, x, k) - sum_of(forces.ground, k, x[k])
+        forces.work[0] -= duration * force * v[k]
+        hold_on(forces, moved[1:], push, x, v, duration, chains)
 
     return act
 

@@ -19,15 +19,24 @@ from numba import types
 from numba.extending import overload
 from numpy.typing import NDArray
 
-from workflow.compiled import compiled
+from workflow.compiled import compiled, inner
 from workflow.engines.reference.dashpots import Flow, Given, HalfStep, brake, flow, impulses, slide
-from workflow.engines.reference.forces import Forces, drift_on, kick_on, over_mass, pull, sum_of
+from workflow.engines.reference.forces import (
+    Forces,
+    give_on,
+    hold_on,
+    kick_on,
+    over_mass,
+    pull,
+    sum_of,
+    travel_on,
+)
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 
-@compiled
+@inner
 def press(x: Floats, push: Floats, forces: Forces, chains: int, first: int, last: int) -> None:
     """Contact force on each bead of rows first + 1 to last from the bead behind it."""
     row, gap = np.uint64(chains), forces.gap
@@ -35,7 +44,7 @@ def press(x: Floats, push: Floats, forces: Forces, chains: int, first: int, last
         push[k] = sum_of(forces.along, k, x[k - row] - x[k] - gap)
 
 
-@compiled
+@inner
 def kick(v: Floats, push: Floats, x: Floats, forces: Forces, factor: float, chains: int, first: int, last: int) -> None:
     """``v += factor * forces / masses`` in rows first to last, which nothing outside touches."""
     row = np.uint64(chains)
@@ -44,14 +53,14 @@ def kick(v: Floats, push: Floats, x: Floats, forces: Forces, factor: float, chai
         v[k] += factor * over_mass(force, forces.lightness, k)
 
 
-@compiled
+@inner
 def _drift(x: Floats, v: Floats, factor: float, chains: int, first: int, last: int) -> None:
     """``x += factor * v`` in rows first to last."""
     for k in range(np.uint64(first * chains), np.uint64((last + 1) * chains)):
         x[k] += factor * v[k]
 
 
-@compiled
+@inner
 def _displaced(x: Floats, chains: int, row: int) -> bool:
     for k in range(row * chains, (row + 1) * chains):  # noqa: SIM110  numba compiles loops, not any()
         if x[k] != 0.0:
@@ -70,8 +79,9 @@ def kick_all(dampers: Any, v: Any, push: Any, x: Any, forces: Any, factor: Any, 
     raise NotImplementedError
 
 
-def drift_all(dampers: Any, x: Any, v: Any, forces: Any, factor: Any, chains: Any, first: Any, last: Any) -> Any:
-    """A drift, with dashpots that are known by what they have given."""
+def drift_all(dampers: Any, x: Any, v: Any, forces: Any, time: Any, factor: Any, chains: Any, first: Any, last: Any
+) -> Any:  # fmt: skip
+    """A drift from a time on, under forces from outside, and with dashpots that are known by what they have given."""
     raise NotImplementedError
 
 
@@ -92,12 +102,23 @@ def _keep_drag(dampers: Any, x: Any, v: Any, gap: Any, chains: Any, first: Any, 
 
 
 @overload(drift_all, strict=False)
-def _drift_all(dampers: Any, x: Any, v: Any, forces: Any, factor: Any, chains: Any, first: Any, last: Any) -> Any:
-    def plain(dampers: Any, x: Any, v: Any, forces: Any, factor: Any, chains: Any, first: Any, last: Any) -> None:
+def _drift_all(
+    dampers: Any, x: Any, v: Any, forces: Any, time: Any, factor: Any, chains: Any, first: Any, last: Any
+) -> Any:
+    def plain(
+        dampers: Any, x: Any, v: Any, forces: Any, time: Any, factor: Any, chains: Any, first: Any, last: Any
+    ) -> None:
         _drift(x, v, factor, chains, first, last)
+        low, high = first * chains, (last + 1) * chains
+        travel_on(forces.drifted, forces.lightness, x, time, factor, low, high)
+        travel_on(forces.moved, (), x, time, factor, low, high)
+        give_on(forces.drifted, forces.lightness, forces.work, v, time, factor, low, high)
+        give_on(forces.moved, (), (), v, time, factor, low, high)
 
-    def sliding(dampers: Any, x: Any, v: Any, forces: Any, factor: Any, chains: Any, first: Any, last: Any) -> None:
-        slide(dampers, x, v, forces.lightness, forces.gap, factor, chains, first, last)
+    def sliding(
+        dampers: Any, x: Any, v: Any, forces: Any, time: Any, factor: Any, chains: Any, first: Any, last: Any
+    ) -> None:
+        slide(dampers, x, v, forces, time, factor, chains, first, last)
 
     return sliding if _is(dampers, Given) else plain
 
@@ -142,7 +163,51 @@ def _kick_all(
     return half_step if _is(dampers, HalfStep) else solved if _is(dampers, Flow) else plain
 
 
-@compiled
+def note(ledger: Any, frame: Any, dampers: Any, forces: Any) -> Any:
+    """Write down what was counted until a frame."""
+    raise NotImplementedError
+
+
+def held_by(moved: Any, dampers: Any) -> Any:
+    """What dashpots have taken from beads that are moved, and so from what moves them."""
+    raise NotImplementedError
+
+
+@overload(note, strict=False)
+def _note(ledger: Any, frame: Any, dampers: Any, forces: Any) -> Any:
+    if not isinstance(ledger, types.Array):
+        return lambda ledger, frame, dampers, forces: None
+    loses = _is(dampers, Given) or _is(dampers, Flow)
+    works = isinstance(forces.types[Forces._fields.index("work")], types.Array)
+
+    def lost(ledger: Any, frame: Any, dampers: Any, forces: Any) -> None:
+        for kind in range(3):
+            ledger[frame, kind] = np.sum(dampers.lost[kind])
+
+    def put_in(ledger: Any, frame: Any, dampers: Any, forces: Any) -> None:
+        ledger[frame, 3] = forces.work[0]
+
+    def both(ledger: Any, frame: Any, dampers: Any, forces: Any) -> None:
+        for kind in range(3):
+            ledger[frame, kind] = np.sum(dampers.lost[kind])
+        ledger[frame, 3] = forces.work[0] + held_by(forces.moved, dampers)
+
+    return both if loses and works else lost if loses else put_in
+
+
+@overload(held_by, strict=False)
+def _held_by(moved: Any, dampers: Any) -> Any:
+    if len(moved) == 0:
+        return lambda moved, dampers: 0.0
+
+    def held(moved: Any, dampers: Any) -> Any:
+        k, (along, across, ground) = moved[0][0], dampers.lost
+        return along[k] + across[k] + ground[k] + held_by(moved[1:], dampers)
+
+    return held
+
+
+@inner
 def step(
     x: Floats,
     v: Floats,
@@ -172,11 +237,9 @@ def step(
             kick_all(forces.dampers, v, push, x, forces, kicks[stage] * h, chains, first, last)
             low, high = first * chains, (last + 1) * chains
             kick_on(forces.kicked, forces.lightness, v, time, h, kicks[stage] * h, low, high)
+            hold_on(forces, forces.moved, push, x, v, kicks[stage] * h, chains)
         if stage < drifts.shape[0]:
-            drift_all(forces.dampers, x, v, forces, drifts[stage] * h, chains, first, last)
-            low, high = first * chains, (last + 1) * chains
-            drift_on(forces.drifted, forces.lightness, x, v, time, drifts[stage] * h, low, high)
-            drift_on(forces.moved, (), x, v, time, drifts[stage] * h, low, high)
+            drift_all(forces.dampers, x, v, forces, time, drifts[stage] * h, chains, first, last)
             time += drifts[stage] * h
             stale = True
             if last < beads and _displaced(x, chains, last):
@@ -207,6 +270,7 @@ def advance(
     recorded: Integers,
     frames_x: Floats,
     frames_v: Floats,
+    ledger: Any,
 ) -> bool:
     """Advance a state by ``len(frames_x)`` frames and record the chosen beads at each.
 
@@ -225,6 +289,7 @@ def advance(
         forces: of the problem.
         recorded: beads to record, counted from 1.
         frames_x, frames_v: filled, [frame, chain, bead].
+        ledger: filled, [frame, entry] (`analysis.trajectory.Trajectory`), or an empty tuple.
     """
     chains = frames_x.shape[1]
     for frame in range(frames_x.shape[0]):
@@ -236,4 +301,5 @@ def advance(
             for k in range(recorded.shape[0]):
                 frames_x[frame, j, k] = x[recorded[k] * chains + j]
                 frames_v[frame, j, k] = shown[recorded[k] * chains + j]
+        note(ledger, frame, forces.dampers, forces)
     return stale

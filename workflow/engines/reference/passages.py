@@ -7,6 +7,7 @@ below 1e-5 of V at the default step).
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from analysis.tracking.leading_waves import Waves, with_speeds
 from analysis.tracking.peaks import THRESHOLD
 from lammps_inputs import Problem
 from lammps_inputs.limits.timestep import stability_bound
-from workflow.compiled import compiled
+from workflow.compiled import compiled, inner
 from workflow.engines.reference import engine
 from workflow.engines.reference.blanes_moan import BLANES_MOAN
 from workflow.engines.reference.dashpots import slow
@@ -23,7 +24,7 @@ from workflow.engines.reference.kernel import Floats, Integers, kick, press, ste
 from workflow.engines.reference.scheme import Scheme
 
 
-@compiled
+@inner
 def _accelerate(x: Floats, v: Floats, a: Floats, push: Floats, forces: Forces, span: Integers, time: float) -> None:
     """Accelerations [row, chain] in the rows of a span, everything flat but ``a``."""
     chains = a.shape[1]
@@ -35,7 +36,7 @@ def _accelerate(x: Floats, v: Floats, a: Floats, push: Floats, forces: Forces, s
     force_on(forces.moved, (), a.reshape(-1), time, span[0] * chains, (span[1] + 1) * chains)
 
 
-@compiled
+@inner
 def _note(
     v: Floats, a: Floats, v_before: Floats, a_before: Floats, span: Integers, time: float, h: float,
     threshold: float, arrival: Floats, peak: Floats,
@@ -74,7 +75,7 @@ def _pass(
     chains = a.shape[1]
     v_rows = velocities(forces.dampers, x, v, forces, chains, span[0], span[1]).reshape((-1, chains))
     let_go = 0.0
-    stale = np.bool_(True)  # a literal would compile `step` once more
+    stale: Any = np.bool_(True)  # a literal would compile `step` once more
     for number in range(first_step, first_step + steps):
         before = span[0]
         for row in range(span[0], span[1] + 1):

@@ -14,6 +14,7 @@ from lammps_inputs import InputError, Problem, Scene, strict_yaml
 from lammps_inputs.decks import deck
 from workflow.engines.reference import engine as reference
 from workflow.errors import RunError
+from workflow.formats import figure_files
 from workflow.prepare.settings import settle
 from workflow.runs import run as running
 from workflow.runs.compute import ENGINES, Progress
@@ -21,7 +22,7 @@ from workflow.runs.locks import alone
 from workflow.runs.own_files import prepare, replacing
 from workflow.runs.record import RECORD
 from workflow.runs.run_directory import run_files
-from workflow.runs.whole_files import figure_files, write_json, write_text
+from workflow.runs.whole_files import write_json, write_text
 from workflow.studies.compare.answer import answer
 from workflow.studies.compare.measure import RIGID, last_row, measure
 from workflow.studies.compare.report import FIGURE, REPORT, Comparison, draw, plain

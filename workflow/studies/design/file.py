@@ -25,11 +25,11 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from lammps_inputs import InputError, library, strict_yaml
+from lammps_inputs import InputError, library, schema, strict_yaml
 from workflow.studies.design.measures import KNOWN
 from workflow.studies.design.variables import Variable
 from workflow.sweep import fields
-from workflow.sweep.file import Range, number, scene_in
+from workflow.sweep.file import Range, number, scene_in, scene_of_file
 
 MOST_PLACES = 64
 MOST_EXHAUSTED = 100_000
@@ -158,7 +158,43 @@ def load(path: Path) -> Design:
     Raises:
         InputError: naming the file, the key, what was given and what would be right.
     """
-    data = strict_yaml.load(path)
+    return from_plain(strict_yaml.load(path), path)
+
+
+def schema_of_file() -> dict[str, Any]:
+    """JSON schema of a design file; what it says of a scene may lack what is varied."""
+    found, scene = schema.of(_File, "design"), scene_of_file()
+    found["$defs"] |= scene.pop("$defs")
+    spot: dict[str, Any] = {"anyOf": [{"type": "string"}, scene]}
+    quantity = {"enum": list(KNOWN)}
+    bounds = {"type": "object", "required": ["from", "to"], "additionalProperties": False}
+    keys = {"from": {"type": "number"}, "to": {"type": "number"}, "spacing": {"enum": ["linear", "log"]}}
+    places = {"type": "integer", "minimum": 1, "maximum": MOST_PLACES}
+    choices = {"type": "array", "minItems": 2}
+    of = {"type": "object", "required": ["of", "places"], "additionalProperties": False}
+    varied = [
+        choices,
+        {**bounds, "properties": {**keys, "places": places}},
+        {**of, "properties": {"of": choices, "places": places}},
+    ]
+    found["properties"] |= {
+        "scene": spot,
+        "beside": spot,
+        "vary": {"type": "object", "minProperties": 1, "additionalProperties": {"anyOf": varied}},
+        "minimize": quantity,
+        "maximize": quantity,
+        "also": {"type": "array", "items": quantity},
+    }
+    found["properties"]["where"]["propertyNames"] = quantity
+    return found
+
+
+def from_plain(data: Any, path: Path) -> Design:
+    """What stands in a design file; paths in it go out from that file's directory.
+
+    Raises:
+        InputError: as `load`.
+    """
     try:
         file = _File.model_validate(data)
     except ValidationError as error:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import Any
 
+from lammps_inputs import html
 from workflow.runs.run_directory import RunDirectory
 from workflow.studies.design.file import Design
 from workflow.studies.design.manufacture import Sensitivity
@@ -57,6 +58,16 @@ class Found:
     beside: Verified | None
     sensitivity: Sensitivity
     seconds: float
+
+    def __repr__(self) -> str:
+        best, word = self.best.quantities.get(self.design.objective), "least" if self.design.sign > 0 else "most"
+        return (
+            f"<design: {word} {self.design.objective} of {len(self.records)}: {'-' if best is None else f'{best:.6g}'}>"
+        )
+
+    def _repr_html_(self) -> str:
+        rows = [*self.best.values.items(), *self.best.quantities.items()]
+        return html.table(repr(self)[1:-1], ("the best has", ""), rows)
 
     @property
     def best(self) -> Record:

@@ -1,1 +1,1 @@
-"""Stability at the extremes: `cells` are run by `measure`, each judged by `true_error`; `report` gathers them."""
+"""Stability at the extremes: cells of a `grid` are run by `measure`, judged by `true_error`, gathered by `report`."""

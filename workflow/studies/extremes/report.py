@@ -17,8 +17,9 @@ from pathlib import Path
 from lammps_inputs import InputError, library
 from workflow.engines.lammps.mpi import cores
 from workflow.errors import RunError
+from workflow.formats import figure_files
 from workflow.runs.own_files import claim
-from workflow.runs.whole_files import figure_files, write_figure, write_json, write_text
+from workflow.runs.whole_files import write_figure, write_json, write_text
 from workflow.studies.extremes.cells import Cell
 from workflow.studies.extremes.measure import measure
 from workflow.studies.extremes.outcome import KINDS, Outcome

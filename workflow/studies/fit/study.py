@@ -4,7 +4,7 @@
 |----------------|------------------------------------------------------------------------------|
 | fit.json       | what was found, see `Fit.plain`                                              |
 | fitted.yaml    | the scene with the fitted fields                                             |
-| residuals.png  | traces, and what is left of them (also as PDF)                               |
+| residuals.png  | traces, and what is left of them                                             |
 | lammps/        | run directory of the fitted scene, over the time of the data                 |
 """
 
@@ -20,11 +20,12 @@ from analysis.files import traces
 from analysis.files.traces import Channel
 from analysis.gauges.channels import read, read_at
 from analysis.trajectory import Floats, Trajectory
-from lammps_inputs import InputError, library, strict_yaml
+from lammps_inputs import InputError, html, library, strict_yaml
+from workflow.formats import figure_files
 from workflow.runs.check import Check
 from workflow.runs.own_files import claim
 from workflow.runs.run import run
-from workflow.runs.whole_files import figure_files, write_figure, write_json, write_text
+from workflow.runs.whole_files import write_figure, write_json, write_text
 from workflow.studies.fit.estimate import CONFIDENCE, Estimate, estimate
 from workflow.studies.fit.fields import Free, free
 from workflow.studies.fit.model import Model
@@ -77,6 +78,18 @@ class Fit:
     check: Check | None
     lammps: float | None
     warnings: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        found = ", ".join(f"{name} = {value:.6g}" for name, value in zip(self.names, self.value, strict=True))
+        return f"<fit: {found[:150]}>"
+
+    def _repr_html_(self) -> str:
+        columns = zip(self.names, self.start, self.value, self.low, self.high, strict=True)
+        rows = [
+            (name, *("-" if number is None else f"{number:.6g}" for number in numbers)) for name, *numbers in columns
+        ]
+        notes = "".join(html.text(f"warning: {warning}") for warning in self.warnings)
+        return html.table(repr(self)[1:4], ("free", "start", "found", "95% from", "to"), rows) + notes
 
     def plain(self) -> dict[str, Any]:
         """For ``fit.json``.

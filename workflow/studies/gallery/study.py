@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from pathlib import Path
 
-from lammps_inputs import InputError
+from lammps_inputs import InputError, html
 from lammps_inputs.library import suggestion
 from workflow.engines.lammps.mpi import cores
 from workflow.runs.own_files import claim
@@ -23,7 +23,22 @@ FOLDER = "entries"
 Progress = Callable[[int, int, int], None]
 
 
-def gallery(directory: Path, names: Sequence[str] = (), *, progress: Progress | None = None) -> dict[str, page.Section]:
+class Sections(dict[str, page.Section]):
+    """Name of an entry -> its section of the page."""
+
+    def __repr__(self) -> str:
+        return f"<gallery: {', '.join(self)[:150]}>"
+
+    def _repr_html_(self) -> str:
+        words = (page.HOLDS, page.CORRECTED, page.FAILS)
+        rows = []
+        for name, section in self.items():
+            held = [statement.holds for statement in section.statements]
+            rows.append((name, *(held.count(word) for word in words), section.failed))
+        return html.table("what was published", ("entry", *words, "failed"), rows)
+
+
+def gallery(directory: Path, names: Sequence[str] = (), *, progress: Progress | None = None) -> Sections:
     """Run entries, and write the page of these and of those that earlier starts have left.
 
     Args:
@@ -52,7 +67,7 @@ def gallery(directory: Path, names: Sequence[str] = (), *, progress: Progress | 
     shown = {name: found.get(name) or page.kept(folder / name) for name in ENTRIES}
     sections = [section for section in shown.values() if section is not None]
     write_text(directory / PAGE, page.render(_TITLE, _SUMMARY, sections, said_by="published", contents=True))
-    return {name: found[name] for name in asked}
+    return Sections({name: found[name] for name in asked})
 
 
 _TITLE = "Granular chains: what was published, recomputed"

@@ -16,6 +16,7 @@ from analysis.files import recording
 from analysis.tracking.peaks import THRESHOLD, PeakFinder, Peaks, sharp
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem
+from workflow.engines.reference import engine
 from workflow.engines.reference.certify import Certificate, Certifier
 
 QUANTITIES = ("velocity", "amplitude", "arrival")
@@ -82,6 +83,7 @@ def make_truth(
         follow: called after each with its certificate of velocities.
     """
     path, steps = directory / "reference.bin", None
+    engine.run(replace(problem, frames=1))  # compiles what it takes
     while True:
         started = time.perf_counter()
         certifier = Certifier(problem, steps_per_frame=steps)

@@ -81,5 +81,5 @@ def _csv(head: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
 
 def _number(value: object) -> str:
     if isinstance(value, float):
-        return "" if math.isnan(value) else repr(value)
+        return "" if math.isnan(value) else repr(float(value))
     return str(value)

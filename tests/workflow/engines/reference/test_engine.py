@@ -53,6 +53,7 @@ def integrated(state, like, scheme, h, steps):
         np.arange(1, like.beads + 1),
         x,
         v,
+        (),
     )
     return x[0], v[0]
 

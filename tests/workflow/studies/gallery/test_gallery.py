@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from workflow import api
 from workflow.cli import main
 from workflow.studies.gallery import entries
 from workflow.studies.gallery.entries import ENTRIES
@@ -58,7 +59,9 @@ def test_an_entry_that_cannot_be_run_fails_alone(page, capsys):
 
 def test_a_second_start_runs_nothing_again_and_keeps_what_is_not_asked_for_on_the_page(page):
     dumps = {path: path.stat().st_mtime_ns for path in page.rglob("*.bin")}
-    assert main(["gallery", "-o", str(page), "--only", "tapered"]) == 0
+    found = api.gallery(str(page), "tapered")
+    assert repr(found) == "<gallery: tapered>"
+    assert FAILS in found._repr_html_()
     assert {path: path.stat().st_mtime_ns for path in page.rglob("*.bin")} == dumps
     assert "A kicked chain" in (page / "index.html").read_text()
 

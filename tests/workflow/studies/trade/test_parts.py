@@ -10,6 +10,7 @@ from small_problems import problem, written_down
 
 from analysis import trajectory
 from analysis.files import recording
+from lammps_inputs import InputError, library
 from lammps_inputs.limits.timestep import stability_bound
 from workflow.engines.lammps import mpi
 from workflow.engines.reference import engine
@@ -71,6 +72,32 @@ def test_rigid_beads_are_measured_where_there_is_a_gap():
 )
 def test_windows_of_lammps_are_measured_where_a_scene_may_have_one(changes, there):
     assert bool(curve(grid.settings(problem(**changes)), "LAMMPS window")) is there
+
+
+OTHERS = {
+    "plain": {},
+    "dashpots": {"damping": {"contact": 0.01}},
+    "drag": {"damping": {"beads": 0.01}},
+    "load": {"precompression": {"force": 1.0}},
+    "foundation": {"foundation": {"stiffness": 0.1}},
+    "wall": {"walls": {"right": "flat"}},
+    "push": {"push": {"peak": 1.0, "duration": 1.0, "shape": "half-sine"}},
+    "exponent": {"contact": {"exponent": 1.25}},
+    "masses": {"kinds": {"a": {}, "b": {"mass": 0.5}}, "pattern": ["a", "b"]},
+}
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_schemes_and_windows_are_measured_where_a_scene_may_have_them(name):
+    plain = {"name": "a", "beads": 100, "kick": {"velocity": 1.0}, "duration": 10.0, **OTHERS[name]}
+    settings = grid.settings(library.from_plain(plain, "a").problem())
+    for curve_name, choice in (("LAMMPS suzuki4", {"scheme": "suzuki4"}), ("LAMMPS window", {"window": 64})):
+        try:
+            library.from_plain({**plain, **choice}, "a")
+        except InputError:
+            assert not curve(settings, curve_name)
+        else:
+            assert curve(settings, curve_name)
 
 
 def test_more_ranks_than_cores_are_not_tried():

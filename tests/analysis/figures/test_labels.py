@@ -1,0 +1,229 @@
+"""What labels, titles and legends say is what is drawn there: by numbers made by hand."""
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from stock_lammps import scene
+
+from analysis.against.difference import Deviation, ErrorMap
+from analysis.figures import dispersion_figure, energy_figure, force_figure, shape_figure, spectra_figure
+from analysis.figures.error import BAD, GOOD, validation_figure
+from analysis.figures.map import map_figure
+from analysis.figures.partition import scan_figure
+from analysis.figures.searched import Objective, front_figure, history_figure
+from analysis.figures.style import CHAIN_COLOURS, shown_chains
+from analysis.figures.traces import residual_figure
+from analysis.files.traces import Channel, Traces
+from analysis.gauges.gauge import gauges
+from analysis.gauges.readings import Readings
+from analysis.gauges.spectra import Spectra
+from analysis.shape.exact_wave import solitary_wave
+from analysis.shape.waveforms import Passages
+from analysis.sharing.energy_flow import Flow
+from analysis.sound.dispersion import Cell, Map
+from lammps_inputs import Kick, Material
+
+STEEL = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)
+
+CHAINS = 12
+"""More than a figure shows, so that places and numbers of chains differ."""
+
+
+@pytest.fixture(scope="module", params=[False, True], ids=["reduced", "SI"])
+def problem(request):
+    """Chains of ten beads, of which the sixth is hit."""
+    kick = (Kick(chain=6, velocity=0.01),)
+    material = STEEL if request.param else None
+    unit = scene(chains=CHAINS, kick=kick, material=material).scale.time
+    return scene(chains=CHAINS, beads=10, kick=kick, material=material, duration=4.0 * unit, every=0.5 * unit).problem()
+
+
+def of_chains(axis):
+    """Chain -> line of an axis, by its label."""
+    lines = {line.get_label(): line for line in axis.get_lines()}
+    return {int(name.removeprefix("chain ")): line for name, line in lines.items() if name.startswith("chain ")}
+
+
+def all_shown(axis, problem):
+    """The lines of an axis, of each chain that is shown, in the colours that chains have in every figure."""
+    found = of_chains(axis)
+    assert sorted(found) == [chain + 1 for chain in shown_chains(problem)] != list(range(1, 10))
+    assert [line.get_color() for _, line in sorted(found.items())] == list(CHAIN_COLOURS)
+    return found.items()
+
+
+def unit_of(label, problem, names):
+    """The unit on an axis, which is one of these in SI, and what a number in it is worth in the scene's units."""
+    word = label.rpartition("(")[2].rstrip(")")
+    if not problem.scale.si:
+        assert word == "reduced"
+        return 1.0
+    return names[word]
+
+
+TIMES = {"ms": 1e-3, "\N{MICRO SIGN}s": 1e-6}
+
+
+def test_the_energy_figure_has_the_share_centre_and_spread_of_each_chain(problem):
+    time = np.array([0.0, 1.0, 4.0])
+    number = np.arange(1.0, CHAINS + 1.0)
+    flow = Flow(time, np.tile(number / 100.0, (3, 1)), np.zeros(3), np.tile(number, (3, 1)), np.full((3, CHAINS), 0.5))
+    share, centre = energy_figure(problem, flow).axes
+    assert share.get_ylabel() == "share of the energy"
+    assert centre.get_ylabel().startswith("centre of the energy (bead)")
+    seconds = unit_of(centre.get_xlabel(), problem, TIMES)
+    for chain, line in all_shown(share, problem):
+        assert line.get_ydata().tolist() == [chain / 100.0] * 3
+        assert line.get_xdata() * seconds == pytest.approx(time * problem.scale.time)
+    bands = [band.get_paths()[0].get_extents() for band in centre.collections]
+    for (chain, line), band in zip(all_shown(centre, problem), bands, strict=True):
+        assert line.get_ydata().tolist() == [chain] * 3
+        assert (band.y0, band.y1) == (chain - 0.5, chain + 0.5)
+
+
+def test_the_force_figure_has_each_gauge_and_chain_where_it_says(problem):
+    places = gauges(problem, wall=False, contacts=(2, 7), sensors=(5,))
+    time = np.array([0.0, 1.0])
+    force = np.add.outer(np.arange(1.0, CHAINS + 1.0), 100.0 * np.arange(1.0, 4.0))  # [chain, gauge]
+    nothing = np.zeros(force.shape)
+    readings = Readings(places, time, np.stack([nothing, force]), nothing, force, nothing, nothing, nothing, nothing)
+    axes = force_figure(problem, readings).axes
+    assert [axis.get_title(loc="left") for axis in axes] == ["contact 2", "contact 7", "sensor 5"]
+    for gauge, axis in enumerate(axes, 1):
+        newtons = unit_of(axis.get_ylabel(), problem, {"N": 1.0, "mN": 1e-3, "kN": 1e3})
+        for chain, line in all_shown(axis, problem):
+            assert line.get_ydata() * newtons == pytest.approx([0.0, (100 * gauge + chain) * problem.scale.force])
+        largest = float(axis.get_title(loc="right").removeprefix("largest "))
+        assert largest * newtons == pytest.approx((100 * gauge + CHAINS) * problem.scale.force, rel=1e-3)
+        seconds = unit_of(axes[-1].get_xlabel(), problem, TIMES)
+        assert line.get_xdata() * seconds == pytest.approx(time * problem.scale.time)
+
+
+def test_the_spectra_figure_has_each_bead_chain_and_drive_where_it_says(problem):
+    amplitude = np.add.outer(np.array([0.2, 0.1]), np.add.outer(1e-3 * np.arange(CHAINS), np.array([0.3, 0.6])))
+    spectra = Spectra((3, 8), 2.0, np.array([0.0, 0.1]), amplitude, np.array([0.07]), np.zeros((1, CHAINS, 2)))
+    axes = spectra_figure(problem, spectra).axes
+    hertz = 1.0 / problem.scale.time
+    assert axes[-1].get_xlabel() == ("frequency (Hz)" if problem.scale.si else "frequency (reduced)")
+    for place, axis in enumerate(axes):
+        assert axis.get_ylabel().startswith(f"bead {spectra.beads[place]}\n")
+        velocity = unit_of(axis.get_ylabel(), problem, {"mm/s": 1e-3, "\N{MICRO SIGN}m/s": 1e-6})
+        for chain, line in all_shown(axis, problem):
+            expected = amplitude[:, chain - 1, place] * problem.scale.velocity
+            assert line.get_ydata() * velocity == pytest.approx(expected)
+            assert line.get_xdata() == pytest.approx(spectra.frequency * hertz)
+        (drive,) = (line for line in axis.get_lines() if line.get_linestyle() == ":")
+        assert drive.get_xdata()[0] == pytest.approx(0.07 * hertz)
+
+
+def test_the_dispersion_figure_has_power_and_branches_where_its_axes_say(problem):
+    cell = Cell(np.array([[1.0]]), np.array([[2.25]]), np.zeros((1, 1, 1)))  # omega = 3 |sin(q / 2)|
+    wavenumber = np.arange(-4, 4) * math.pi / 4.0
+    frequency = 0.5 * np.arange(8)
+    power = np.zeros((8, 8))
+    power[4, 6] = 1.0
+    nothing = np.zeros((1, 1))
+    found = Map(7, wavenumber, frequency, power, cell, nothing[0], nothing, nothing)
+    figure = dispersion_figure(problem, found)
+    axis, worth = figure.axes[0], 1.0 / problem.scale.time
+    (image,) = axis.get_images()
+    values, (left, right, bottom, top) = np.asarray(image.get_array()), image.get_extent()
+    row, column = np.unravel_index(np.argmax(values), values.shape)
+    assert left + (column + 0.5) * (right - left) / values.shape[1] == pytest.approx(wavenumber[6])
+    assert bottom + (row + 0.5) * (top - bottom) / values.shape[0] == pytest.approx(frequency[4] * worth)
+    q, branch = axis.get_lines()[0].get_data()
+    assert np.asarray(branch) == pytest.approx(3.0 * worth * np.abs(np.sin(np.asarray(q) / 2.0)), abs=1e-9 * worth)
+    assert axis.get_ylabel().endswith("(rad/s)" if problem.scale.si else "(reduced)")
+    assert "chain 7" in figure.get_suptitle()
+
+
+def test_what_is_left_of_a_trace_is_data_minus_run_in_units_of_the_noise(problem):
+    scale, time = problem.scale, np.array([0.0, 1.0])
+    channels = (Channel("contact", 3, 2), Channel("velocity", 1, 5))
+    unit = np.array([scale.force, scale.velocity])
+    given = Traces(time * scale.time, channels, np.array([[2.0, 20.0], [4.0, 50.0]]) * unit, scale.si)
+    found = np.array([[1.0, 20.0], [7.0, 10.0]]) * unit
+    traces, left, *others = residual_figure(problem, given, found, np.array([2.0, 10.0]) * unit).axes
+    assert traces.get_ylabel().startswith("force contact 2 chain 3\n")
+    data, run = (
+        next(line for line in traces.get_lines() if line.get_label() == name).get_ydata() for name in ("data", "run")
+    )
+    assert data[0] / run[0] == pytest.approx(2.0)
+    assert left.get_lines()[0].get_ydata() == pytest.approx([0.5, -1.5])
+    assert others[1].get_lines()[0].get_ydata() == pytest.approx([0.0, 4.0])
+
+
+def test_a_validation_shows_each_error_at_its_bead_and_as_a_share_of_its_tolerance(problem):
+    error = np.zeros((2, 10))
+    error[1, 6] = 1e-3  # bead 7, in the second half
+    edges = ErrorMap(np.array([0.0, 2.0, 4.0]), np.arange(1, 12), error)
+    deviations = {"velocity": Deviation(1e-3, 1e-4), "arrival": Deviation(4e-3, 1e-4)}
+    figure = validation_figure(problem, edges, deviations, {"velocity": 5e-4, "arrival": 1e-2}, "reference")
+    space, bars = figure.axes[:2]
+    (mesh,) = space.collections
+    corners = mesh.get_coordinates()
+    row, column = np.unravel_index(np.argmax(mesh.get_array()), (2, 10))
+    assert corners[row, column : column + 2, 0].mean() == 7.0
+    seconds = unit_of(space.get_ylabel(), problem, TIMES)
+    np.testing.assert_allclose(corners[row : row + 2, column, 1] * seconds, np.array([2.0, 4.0]) * problem.scale.time)
+    widths = {name.get_text(): bar for name, bar in zip(bars.get_yticklabels(), bars.patches, strict=True)}
+    assert widths["velocity"].get_width() == pytest.approx(2.0)
+    assert widths["arrival"].get_width() == pytest.approx(0.4)
+    colours = {"velocity": BAD, "arrival": GOOD}
+    for name, bar in widths.items():
+        assert "#{:02X}{:02X}{:02X}".format(*(round(255 * c) for c in bar.get_facecolor()[:3])) == colours[name]
+
+
+def test_samples_from_before_the_peak_are_drawn_ahead_of_it():
+    """Velocity falls in time, from 0.3 to 0.1 in chain 1 and half of that in chain 2; peaks of 1, at t = 3."""
+    what = scene(chains=2, beads=10)
+    both = np.array([1, 2])
+    passages = Passages(both, np.array([5, 5]), np.full(2, 3.0), np.ones(2), np.ones(2), np.ones(2, dtype=np.int64))
+    time, velocity = np.tile([2.0, 3.0, 4.0], (2, 1)), np.outer([1.0, 0.5], [0.3, 0.2, 0.1])
+    waveforms = SimpleNamespace(passages=passages, time=time, velocity=velocity)
+    above, below = shape_figure(what.problem(), waveforms, [5]).axes
+    assert above.get_title(loc="left") == "bead 5"
+    for chain, line in of_chains(above).items():
+        ahead, velocity = line.get_data()
+        assert np.array(ahead) == pytest.approx(solitary_wave().speed_at(1.0) * np.array([1.0, 0.0, -1.0]))
+        assert velocity == pytest.approx(np.array([0.3, 0.2, 0.1]) / chain)
+    assert below.get_lines()[1].get_ydata()[1] == pytest.approx(0.2 - 1.0)
+
+
+@pytest.mark.parametrize(("sign", "best"), [(1.0, [3.0, 3.0, 1.0, 1.0]), (-1.0, [3.0, 3.0, 3.0, 5.0])])
+def test_the_best_so_far_is_the_smallest_or_largest_of_what_keeps_the_limits(sign, best):
+    (axis,) = history_figure(Objective("force (N)", sign, 4.0), np.array([3.0, np.nan, 1.0, 5.0])).axes
+    lines = {line.get_label(): line for line in axis.get_lines()}
+    assert lines["best so far"].get_ydata().tolist() == best
+    assert lines["best so far"].get_xdata().tolist() == [1, 2, 3, 4]
+    assert set(lines["set against"].get_ydata()) == {4.0}
+    assert axis.get_ylabel() == "force (N)"
+
+
+def test_each_front_is_of_what_its_legend_says():
+    force, mass = np.array([1.0, 2.0, 3.0, 4.0]), np.array([5.0, 3.0, 9.0, 6.0])
+    (axis,) = front_figure(Objective("force", 1.0, None), force, "mass", mass).axes
+    lines = {line.get_label(): line for line in axis.get_lines()}
+    assert lines["front, small mass"].get_xydata().tolist() == [[3.0, 2.0], [5.0, 1.0]]
+    assert lines["front, large mass"].get_xydata().tolist() == [[5.0, 1.0], [9.0, 3.0]]
+
+
+def test_the_map_has_one_per_cent_solid_and_ten_dotted():
+    columns = {"chains": [2, 2], "kappa": [0.2, 0.1], "one": [40, 60], "ten": [20, np.nan], "amplitude": [0.34, 0.4]}
+    distance, amplitude = map_figure({name: np.array(column, float) for name, column in columns.items()}).axes
+    solid, dotted = (next(line for line in distance.get_lines() if line.get_linestyle() == style) for style in "-:")
+    assert "1% (solid) and 10% (dotted)" in distance.get_title()
+    assert solid.get_xydata().tolist() == [[0.1, 60.0], [0.2, 40.0]]
+    assert dotted.get_ydata().tolist()[1] == 20.0
+    crossed = next(line for line in amplitude.get_lines() if line.get_marker() == "x")
+    assert crossed.get_xydata().tolist() == [[0.1, 0.4]]  # not level at 10%
+
+
+def test_a_scan_has_a_panel_for_each_row_that_it_names():
+    axes = scan_figure(np.array([0.1, 0.2]), np.array([[0.5, 0.7], [0.6, 0.8]]), (10, 55), 0.01).axes
+    assert {axis.get_title(loc="left"): axis.get_lines()[0].get_ydata().tolist() for axis in axes} == {
+        "row 10": [0.5, 0.6],
+        "row 55": [0.7, 0.8],
+    }

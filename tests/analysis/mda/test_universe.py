@@ -1,0 +1,111 @@
+"""A whole run as MDAnalysis sees it."""
+
+import pickle
+from pathlib import Path
+
+import MDAnalysis as mda
+import numpy as np
+import pytest
+from MDAnalysis.analysis.base import AnalysisFromFunction
+
+from analysis.files.binary_dump import CutDumpWarning
+from analysis.files.parts import Parts
+from analysis.files.recording import Writer, blocks
+from analysis.mda.reader import BinaryDumpReader
+from analysis.mda.universe import universe
+from analysis.mda.writer import BinaryDumpWriter
+from analysis.trajectory import joined
+from lammps_inputs import InputError, Kick, Material, Output, Scene
+
+STEEL = Scene(
+    name="steel",
+    chains=2,
+    beads=6,
+    kick=(Kick(velocity=0.5),),
+    duration=1e-4,
+    material=Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3),
+    output=Output(every=1e-5),
+)
+PROBLEM = STEEL.problem()
+
+
+@pytest.fixture
+def dumps(tmp_path: Path) -> list[Path]:
+    """Ten frames and the start in four files, as of a run that was interrupted thrice.
+
+    The first ends within a frame; the second holds a frame of the first again; the third holds none.
+    """
+    rng = np.random.default_rng(2)
+    moved = rng.normal(size=(11, 2, 2, 6)) * 1e-3
+    moved[0] = 0.0
+    paths = [tmp_path / f"{number}.bin" for number in range(4)]
+    for path, frames in zip(paths, [range(5), range(3, 8), [], range(8, 11)], strict=True):
+        with Writer(path, PROBLEM) as writer:
+            for frame in frames:
+                writer.append(frame * PROBLEM.steps_per_frame, *moved[frame])
+    paths[0].write_bytes(paths[0].read_bytes()[:-8])
+    return paths
+
+
+def test_frames_of_a_continued_run_follow_each_other_once_in_any_order_copied_and_in_several_processes(
+    dumps: list[Path],
+) -> None:
+    wanted = joined(blocks(dumps, PROBLEM))
+    found = universe(PROBLEM, dumps)
+    assert found.trajectory.n_frames == wanted.frames == 11
+    for number in (*range(11), 4, 3, 9, 0, -1):
+        ts = found.trajectory[number]
+        np.testing.assert_array_equal(ts.data["displacement"], wanted.displacement[number].ravel())
+        np.testing.assert_array_equal(ts.data["velocity"], wanted.velocity[number].ravel())
+        assert ts.time == pytest.approx(wanted.time[number])
+    for other in (found.copy(), pickle.loads(pickle.dumps(found))):
+        assert [ts.data["step"] for ts in other.trajectory] == [ts.data["step"] for ts in found.trajectory]
+    alone, shared = (
+        AnalysisFromFunction(largest, found.atoms).run(**options).results.timeseries
+        for options in ({}, {"backend": "multiprocessing", "n_workers": 2})
+    )
+    np.testing.assert_array_equal(alone, shared)
+    np.testing.assert_array_equal(alone, wanted.velocity.max(axis=(1, 2)))
+
+
+def largest(atoms: mda.AtomGroup) -> float:
+    return float(atoms.universe.trajectory.ts.data["velocity"].max())
+
+
+def test_values_are_also_in_the_units_of_the_scene(dumps: list[Path]) -> None:
+    wanted = joined(blocks(dumps, PROBLEM)).measured()
+    for number, ts in enumerate(universe(PROBLEM, dumps).trajectory):
+        np.testing.assert_array_equal(ts.data["si"].displacement, wanted.displacement[number].ravel())
+        np.testing.assert_array_equal(ts.data["si"].velocity, wanted.velocity[number].ravel())
+        assert ts.data["si"].time == pytest.approx(wanted.time[number])
+
+
+def test_no_number_is_converted_whatever_the_scene_has_as_units(dumps: list[Path]) -> None:
+    trajectory = universe(PROBLEM, dumps[1:2]).trajectory
+    assert set(trajectory.units.values()) == {None}
+    assert trajectory.dt == pytest.approx(PROBLEM.every)
+    np.testing.assert_array_equal(trajectory.ts.positions[:, 0], trajectory.ts.data["x"].astype(np.float32))
+
+
+def test_displacements_in_a_window_are_those_of_the_rows_that_the_atoms_are_in(tmp_path: Path) -> None:
+    spacing, atoms = 4.0, mda.Universe.empty(3, trajectory=True).atoms
+    with BinaryDumpWriter(tmp_path / "window.bin", n_atoms=3) as writer:
+        for step, row in enumerate(np.array([[1.0, 2.0, 3.0], [4.0, 2.0, 3.0]])):
+            x = row * spacing + 0.25 * step
+            atoms.positions = np.stack([x, 0 * x, 0 * x], axis=1)
+            atoms.universe.trajectory.ts.data.update({"step": step, "mol": row, "x": x})
+            writer.write(atoms)
+    for ts in BinaryDumpReader(tmp_path / "window.bin"):
+        assert ts.data["displacement"].tolist() == [0.25 * ts.frame] * 3
+
+
+def test_parts_of_other_runs_and_a_run_without_a_frame_are_refused(dumps: list[Path], tmp_path: Path) -> None:
+    other = STEEL.model_copy(update={"beads": 7}).problem()
+    with Writer(tmp_path / "other.bin", other) as writer:
+        writer.append(0, np.zeros((2, 7)), np.zeros((2, 7)))
+    with pytest.raises(InputError, match=r"other\.bin: holds other atoms or columns than .*1\.bin"):
+        Parts([dumps[1], tmp_path / "other.bin"])
+    with pytest.raises(InputError, match=r"2\.bin: is an empty file"):
+        Parts([dumps[2]])
+    with pytest.warns(CutDumpWarning, match=r"0\.bin: ends within a frame"):
+        Parts([dumps[1], dumps[0]])

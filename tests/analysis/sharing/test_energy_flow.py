@@ -1,0 +1,53 @@
+"""Where the energy is over time: by states made by hand."""
+
+import numpy as np
+import pytest
+from small_problems import problem
+
+from analysis.sharing.energy_flow import EnergyFlow, Flow
+from analysis.trajectory import Trajectory
+
+
+def flow_of(what, displacement, velocity):
+    """Of one frame, [chain, bead]."""
+    flow = EnergyFlow(what)
+    flow.add(Trajectory(what, np.zeros(1), np.asarray(displacement)[np.newaxis], np.asarray(velocity)[np.newaxis]))
+    return flow.result()
+
+
+def test_each_chain_has_its_share_around_its_beads():
+    """Chain 1 has bead 2 and bead 6 moving, with four times the energy of bead 3 of chain 2."""
+    velocity = np.zeros((2, 8))
+    velocity[0, [1, 5]], velocity[1, 2] = np.sqrt(2.0), 1.0
+    found = flow_of(problem(), np.zeros((2, 8)), velocity)
+    assert found.share[0] == pytest.approx([0.8, 0.2])
+    assert found.centre[0] == pytest.approx([4.0, 3.0])
+    assert found.spread[0] == pytest.approx([2.0, 0.0])
+    assert found.between[0] == 0.0
+
+
+def test_springs_between_chains_hold_energy_that_is_no_chains():
+    """All eight beads of chain 1 are ahead by 0.3; the kick has the energy 1/2."""
+    displacement = np.zeros((2, 8))
+    displacement[0] = 0.3
+    found = flow_of(problem(kappa=0.1), displacement, np.ones((2, 8)))
+    assert found.between[0] == pytest.approx(8 * 0.5 * 0.1 * 0.3**2 / 0.5)
+    assert found.share[0] == pytest.approx([0.5, 0.5])
+
+
+def test_of_a_long_run_every_so_manieth_frame_counts_wherever_blocks_end():
+    long = problem(frames=1200)
+    flow = EnergyFlow(long)
+    time = np.arange(1201) * long.every
+    state = np.ones((1201, 2, 8))
+    whole = Trajectory(long, time, 0.0 * state, state)
+    for start, end in ((0, 100), (100, 101), (101, 700), (700, 1201)):
+        flow.add(whole[start:end])
+    assert flow.result().time.tolist() == time[::3].tolist()
+
+
+def test_the_least_and_most_that_a_chain_has_are_told_with_their_times():
+    time, share = np.array([0.0, 1.0, 2.0, 3.0]), np.array([1.0, 0.7, 0.2, 0.4])
+    flow = Flow(time, np.stack([share, 1.0 - share], axis=1), *(np.zeros(4),) * 3)
+    assert flow.extremes(0) == ((0.2, 2.0), (0.7, 1.0))
+    assert flow.extremes(1) == ((pytest.approx(0.3), 1.0), (0.8, 2.0))

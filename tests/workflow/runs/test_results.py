@@ -1,0 +1,57 @@
+"""What tells whether two runs are the same: every number, which bead it is of, and which file it stands in."""
+
+import numpy as np
+import pytest
+from small_problems import problem
+
+from analysis.trajectory import Trajectory
+from workflow.runs.provenance import fingerprint
+from workflow.runs.results import Fingerprint, samples
+
+WINDOW = problem(beads=100, window=64, frames=1)
+
+
+def frame(what=WINDOW, first=1, rows=64):
+    """One frame in which every number is another."""
+    number = np.arange(2.0 * rows).reshape(1, 2, rows)
+    return Trajectory(what, np.zeros(1), 0.001 * number, 0.5 + number, first=first)
+
+
+def digest(block):
+    found = Fingerprint()
+    found.add(block)
+    return found.sha256()
+
+
+@pytest.mark.parametrize("name", ["displacement", "velocity"])
+def test_a_fingerprint_tells_of_every_displacement_and_velocity(name):
+    for what, first in ((WINDOW, 1), (problem(), 1)):
+        rows = 64 if what is WINDOW else 8
+        other = frame(what, first, rows)
+        numbers = getattr(other, name)
+        numbers[0, 1, 3] = np.nextafter(numbers[0, 1, 3], np.inf)
+        assert digest(other) != digest(frame(what, first, rows))
+
+
+def test_a_fingerprint_tells_where_a_window_is():
+    assert digest(frame(first=1)) == digest(frame(first=1)) != digest(frame(first=2))
+
+
+def test_a_sample_names_the_chain_and_bead_that_it_is_of():
+    for block in (frame(problem(), rows=8), frame(first=20)):
+        for one in samples(block):
+            chain, place = one["chain"] - 1, one["bead"] - block.first
+            assert one["velocity"] == block.velocity[0, chain, place]
+            assert one["displacement"] == block.displacement[0, chain, place]
+
+
+def test_the_fingerprint_of_a_deck_tells_of_every_file_by_its_name_and_end():
+    of = fingerprint({"data.chains": "one", "in.chains": "two"})
+    assert of == fingerprint({"in.chains": "two", "data.chains": "one"})
+    for other in (
+        {"data.chains": "one"},
+        {"data.chains": "one", "in.chains": "too"},
+        {"data.chains": "onet", "in.chains": "wo"},
+        {"data.chain": "one", "in.chains": "two"},
+    ):
+        assert fingerprint(other) != of

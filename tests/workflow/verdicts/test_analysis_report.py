@@ -1,0 +1,59 @@
+"""What analysis.json says of trains, the decay law and the final amplitude: hand-made numbers."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from small_problems import problem
+
+from analysis.sharing.decay_law import DecayFit
+from analysis.sharing.equipartition import Estimate
+from analysis.sharing.verdict import State, Verdict
+from analysis.tracking.train import Train
+from lammps_inputs.units import make_scale
+from workflow.verdicts import analysis_report
+
+
+def test_a_train_is_told_in_the_scenes_units(monkeypatch):
+    scale = make_scale(2.0, 3.0, 0.1, si=True)
+    seen = Train(2, 30, np.array([10.0, 14.0, 15.0]), np.array([0.8, 0.6, 0.2]))
+    monkeypatch.setattr(analysis_report, "train", lambda _: seen)
+    told = analysis_report.train_report(SimpleNamespace(problem=SimpleNamespace(scale=scale)))
+    assert (told["chain"], told["bead"], told["pulses"]) == (2, 30, 3)
+    assert told["arrival"] == pytest.approx([10.0 * scale.time, 14.0 * scale.time, 15.0 * scale.time])
+    assert told["peak_velocity"] == pytest.approx([0.08, 0.06, 0.02])
+    assert told["ratio"] == pytest.approx([1.0, 0.75, 0.25])
+    assert told["spacing"] == pytest.approx([4.0 * scale.time, 1.0 * scale.time])
+
+
+class Shared(SimpleNamespace):
+    """How two beads' waves are shared."""
+
+    def __len__(self):
+        return 2
+
+
+def test_how_chains_share_the_pulse_is_told_key_by_key():
+    decay = DecayFit(v0=0.6, n_star=300.0, n_star_error=2.0, expected=270.9, first=10, last=90, deviation=0.01)
+    found = SimpleNamespace(
+        shared=Shared(
+            final=Estimate(0.34, 0.01),
+            beat_length=Estimate(12.0, 0.5),
+            agrees_from=lambda tolerance: round(1.0 / tolerance),
+            in_step_from=lambda tolerance: round(2.0 / tolerance),
+            wave_share=np.array([[0.5, 0.4], [0.5, 0.47]]),
+        ),
+        decay=decay,
+        verdict=Verdict(State.BEATING, None, Estimate(62.0, 5.0), "they beat"),
+        energies=SimpleNamespace(wave=np.array([[0.5, 0.4], [0.5, 0.48]])),
+        problem=problem(),
+    )
+    told = analysis_report.equipartition(found)
+    assert (told["verdict"], told["state"], told["since"]) == ("they beat", "still beating", None)
+    assert told["expected"] == {"value": 62.0, "uncertainty": 5.0}
+    assert told["amplitudes"] == {"0.1": 10, "0.01": 100, "0.001": 1000}
+    assert told["arrivals"] == {"0.1": 20, "0.01": 200, "0.001": 2000}
+    assert told["final"] == pytest.approx({"value": 0.34, "uncertainty": 0.01, "reduction": 0.66})
+    assert told["energy_share"] == pytest.approx({"exact": 0.97, "measured": 0.98})
+    law = {"v0": 0.6, "n_star": 300.0, "n_star_error": 2.0, "n_star_expected": 270.9, "first": 10, "last": 90}
+    assert told["decay_law"] == {**law, "deviation": 0.01}

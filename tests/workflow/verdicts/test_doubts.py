@@ -1,0 +1,88 @@
+"""From which difference on something is named as the cause: measurements made up, each once within and once beyond."""
+
+import numpy as np
+import pytest
+from small_problems import written_down
+
+from analysis.against import beads, symptoms
+from lammps_inputs import library
+from workflow.verdicts.causes import causes
+
+PLAIN = {"name": "test", "chains": 2, "beads": 8, "kick": {"velocity": 1.0}, "duration": 2.0}
+
+SPRINGS, GROUND = {"coupling": {"stiffness": 0.1}}, {"foundation": {"stiffness": 0.5}}
+
+PUSH = {"push": {"chain": 2, "bead": 3, "peak": 1.0, "duration": 1.0, "shape": "half-sine"}}
+
+LOAD = {"precompression": {"force": 1.0}}
+
+
+def springs(factor):
+    return symptoms, "identify_springs", lambda _: symptoms.Springs(np.full((1, 8), 0.1 * factor), 0.0, 0.0)
+
+
+def ground(factor):
+    return symptoms, "identify_strengths", lambda _: {"contacts": 1.0, "foundation": factor}
+
+
+def load(factor):
+    return symptoms, "identify_load", lambda _: symptoms.StaticLoad(factor, 1.0)
+
+
+def exponent(factor):
+    return symptoms, "identify_exponent", lambda _: 1.5 * factor
+
+
+def mass(factor):
+    one = np.ones((2, 8))
+    one[1, 4] = factor
+    return beads, "identify_beads", lambda _: beads.Felt(one, np.ones((2, 7)))
+
+
+def contact(factor):
+    one = np.ones((2, 7))
+    one[1, 4] = factor
+    return beads, "identify_beads", lambda _: beads.Felt(np.ones((2, 8)), one)
+
+
+def push(factor):
+    return beads, "given", lambda trajectory, load: factor * load.impulse(trajectory.time)
+
+
+@pytest.mark.parametrize(
+    ("keys", "measured", "within", "beyond", "said"),
+    [
+        (SPRINGS, springs, 1.0004, 1.001, "the coupling is 0.1001 instead of 0.1"),
+        (GROUND, ground, 1.0004, 1.001, "the foundation is 1.001 times as strong"),
+        (LOAD, load, 1.004, 1.008, "the forces that hold the beads at rest are 1.008 times"),
+        ({}, exponent, 1.0005, 1.001, "the contacts have the exponent 1.501 instead of 1.5"),
+        ({}, mass, 1.009, 1.012, "bead 5 of chain 2 is 1.012 times as heavy"),
+        ({}, contact, 1.009, 1.012, "the contact of beads 5 and 6 of chain 2 is 1.012 times as strong"),
+        (PUSH, push, 1.004, 1.008, "the push is 1.008 times as strong"),
+    ],
+    ids=["springs", "ground", "load", "exponent", "mass", "contact", "push"],
+)
+def test_a_cause_is_named_beyond_its_doubt_and_not_within(keys, measured, within, beyond, said, monkeypatch):
+    problem = library.from_plain({**PLAIN, **keys}, "test").problem()
+    own, reference = (written_down(problem, lambda t: (0.0 * t, problem.initial_velocity() + 0.0 * t)) for _ in "ab")
+    for name in ("identify_springs", "identify_strengths", "identify_load", "identify_exponent"):
+        monkeypatch.setattr(symptoms, name, lambda _: None)
+    monkeypatch.setattr(beads, "identify_beads", lambda _: None)
+    monkeypatch.setattr(beads, "given", lambda trajectory, load: load.impulse(trajectory.time))
+    module, name, _ = measured(1.0)
+    for factor in (within, beyond):
+        right, wrong = measured(1.0)[2], measured(factor)[2]
+        # the first argument of each is the trajectory that is measured
+        monkeypatch.setattr(
+            module,
+            name,
+            lambda trajectory, *more, wrong=wrong, right=right: (wrong if trajectory is own else right)(
+                trajectory, *more
+            ),
+        )
+        found = causes(own, reference)
+        if factor == within:
+            assert found == []
+        else:
+            (cause,) = found
+            assert cause.startswith(said)

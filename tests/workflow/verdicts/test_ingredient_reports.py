@@ -1,0 +1,154 @@
+"""What analysis.json says of gauges, the far end, spectra, sound and energy: hand-made numbers in scenes' units."""
+
+import csv
+import io
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from stock_lammps import scene
+
+from analysis.gauges.gauge import gauges
+from analysis.gauges.readings import Readings, to_csv
+from analysis.gauges.spectra import Spectra
+from analysis.sharing.energy_flow import Flow
+from analysis.sound.dispersion import Cell, Map
+from analysis.sound.loaded_pulse import LoadedWave
+from lammps_inputs import Kick, Material, library
+from workflow.verdicts.ingredient_reports import (
+    dispersion_report,
+    energy_report,
+    far_end_report,
+    forces_report,
+    sound_report,
+    spectra_report,
+)
+
+STEEL = {"radius": 4.76e-3, "density": 8000.0, "youngs_modulus": 193e9, "poisson_ratio": 0.3}
+
+KICK = (Kick(velocity=0.5),)
+
+
+@pytest.fixture(scope="module", params=[False, True], ids=["reduced", "SI"])
+def problem(request):
+    """Two chains of ten beads."""
+    return scene(chains=2, beads=10, kick=KICK, material=Material(**STEEL) if request.param else None).problem()
+
+
+def readings(problem, static):
+    """Two frames of three gauges: force 10 * gauge + chain (from 1) above rest in the second."""
+    places = gauges(problem, wall=False, contacts=(2, 7), sensors=(5,))
+    number = np.add.outer(np.arange(1.0, 3.0), 10.0 * np.arange(1.0, 4.0))  # [chain, gauge]
+    rest = np.full((2, 3), static)
+    force = np.stack([rest, rest + number])
+    seen = {"impulse": 2.0 * number, "dwell": 3.0 * number, "contacts": np.ones((2, 3), dtype=np.int64)}
+    return Readings(places, np.array([0.0, 4.0]), force, rest, rest + number, 0.1 * number, **seen)
+
+
+@pytest.mark.parametrize("static", [0.0, 5.0])
+def test_each_gauge_and_chain_has_an_entry_of_its_own_numbers(problem, static):
+    scale, entries = problem.scale, forces_report(problem, readings(problem, static), {})
+    names = [("contact 2", 2), ("contact 7", 7), ("sensor 5", 5)]
+    assert [(one["name"], one["bead"], one["chain"]) for one in entries] == [(*n, c) for n in names for c in (1, 2)]
+    for place, one in enumerate(entries):
+        number = 10.0 * (1 + place // 2) + one["chain"]
+        expected = {
+            "largest": (static + number) * scale.force,
+            "at": 0.1 * number * scale.time,
+            "impulse": 2.0 * number * scale.momentum,
+            "dwell": 3.0 * number * scale.time,
+            **({"static": static * scale.force, "dynamic": number * scale.force} if static else {}),
+        }
+        found = {key: one[key] for key in one if key not in ("kind", "name", "chain", "bead", "contacts")}
+        assert found == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("static", [0.0, 5.0])
+def test_each_gauge_and_chain_has_its_column_in_forces_csv(problem, static):
+    scale = problem.scale
+    rest, line = csv.DictReader(io.StringIO(to_csv(readings(problem, static), scale)))
+    second, newton = (" (s)", " (N)") if scale.si else ("", "")
+    assert float(line.pop(f"time{second}")) == pytest.approx(4.0 * scale.time)
+    expected = {}
+    for gauge, name in enumerate(("contact 2", "contact 7", "sensor 5"), 1):
+        for chain in (1, 2):
+            expected[f"{name} chain {chain}{newton}"] = (static + 10.0 * gauge + chain) * scale.force
+            if static:
+                expected[f"{name} chain {chain} dynamic{newton}"] = (10.0 * gauge + chain) * scale.force
+    assert {name: float(value) for name, value in line.items()} == pytest.approx(expected)
+    assert float(rest[f"sensor 5 chain 2{newton}"]) == pytest.approx(static * scale.force)
+
+
+def test_what_comes_through_is_in_the_scenes_units_and_energy_a_share(problem):
+    found = {"wall_force": 2.0, "wall_force_chain": 1.5, "delay": 30.0, "transmitted_energy": 0.25}
+    force, time = problem.scale.force, problem.scale.time
+    assert far_end_report(problem, SimpleNamespace(result=lambda: found)) == pytest.approx(
+        {"wall_force": 2.0 * force, "wall_force_chain": 1.5 * force, "delay": 30.0 * time, "transmitted_energy": 0.25}
+    )
+
+
+@pytest.mark.parametrize("si", [False, True])
+def test_spectra_say_what_the_last_bead_has_of_the_drive_in_the_chain_that_is_driven(si):
+    unit = {"material": STEEL} if si else {}
+    size, frequency = (1e-6, 1000.0) if si else (0.1, 0.05)
+    drive = {"chain": 2, "displacement": size, "frequency": frequency}
+    plain = {"name": "a", "chains": 2, "beads": 10, "drive": drive, "duration": 10.0 / frequency, **unit}
+    driven = library.from_plain(plain, "a").problem()
+    scale = driven.scale
+    lines = np.zeros((3, 2, 2))
+    lines[1, 0], lines[2, 1] = [0.1, 0.2], [0.3, 0.4]
+    at_drive = np.array([[[0.5, 0.1], [0.8, 0.2]]])
+    here = frequency * scale.time
+    spectra = Spectra((1, 8), 4.0, np.array([0.0, 0.5, 1.0]), lines, np.array([here]), at_drive)
+    found = spectra_report(driven, spectra)
+    assert found["transmissibility"] == pytest.approx(0.25)
+    assert (found["after"], found["resolution"]) == pytest.approx((4.0 * scale.time, 0.5 / scale.time))
+    entries = {(one["chain"], one["bead"]): one for one in found["beads"]}
+    assert sorted(entries) == [(1, 1), (1, 8), (2, 1), (2, 8)]
+    last = entries[2, 8]
+    assert (last["frequency"], last["amplitude"]) == pytest.approx((1.0 / scale.time, 0.4 * scale.velocity))
+    told = {"frequency": frequency, "amplitude": 0.2 * scale.velocity, "transmissibility": 0.25}
+    assert last["at_drive"] == [pytest.approx(told)]
+
+
+@pytest.mark.parametrize("si", [False, True])
+def test_sound_is_told_in_beads_and_metres_a_time(si):
+    plain = {"name": "a", "beads": 20, "precompression": {"force": 2.0}, "kick": {"velocity": 0.1}}
+    plain |= {"duration": 1e-3, "material": STEEL} if si else {"duration": 20.0}
+    loaded = library.from_plain(plain, "a").problem()
+    scale = loaded.scale
+    wave = LoadedWave(chain=1, first=3, last=9, force_ratio=4.0, speed=1.5, sound=1.2, theory=1.3)
+    found = sound_report(loaded, wave, 9.52e-3 if si else None)
+    stiffness = 1.5 * scale.force / scale.length * float(loaded.along[0].law.rest) ** 0.5
+    c0 = math.sqrt(stiffness / scale.mass)
+    assert found["load"] == pytest.approx([2.0, 2.0], rel=1e-4)
+    assert found["speed"] == pytest.approx([c0, c0])
+    assert found["metres"] == (pytest.approx([9.52e-3 * c0] * 2) if si else None)
+    assert found["cutoff"] == pytest.approx(2.0 * c0)
+    told = {name: found["pulse"][name] for name in ("speed", "sound")}
+    assert told == pytest.approx({"speed": 1.5 / scale.time, "sound": 1.2 / scale.time})
+    ratios = [found["pulse"][name] for name in ("over_sound", "theory", "over_theory")]
+    assert ratios == pytest.approx([1.25, 1.3, 1.25 / 1.3])
+
+
+def test_bands_and_their_bin_are_in_the_scenes_units(problem):
+    cell = Cell(np.ones((1, 1)), np.full((1, 1), 2.25), np.zeros((1, 1, 1)))  # omega = 3 |sin(q / 2)|
+    frequency = np.array([0.0, 0.25])
+    folded, exact = np.array([0.1, 0.2]), np.zeros((2, 1))
+    found = Map(1, folded, frequency, np.zeros((2, 2)), cell, folded, exact, np.array([[np.nan], [0.4]]))
+    told, unit = dispersion_report(problem, found), problem.scale.time
+    assert np.array(told["bands"]) == pytest.approx(np.array([[0.0, 3.0 / unit]]), abs=1e-6 / unit)
+    assert np.array(told["measured"]) == pytest.approx(np.array([[0.4 / unit, 0.4 / unit]]))
+    assert told["bin"] == pytest.approx(0.25 / unit)
+
+
+def test_energy_over_time_is_told_chain_by_chain(problem):
+    part = np.array([[0.75, 0.25]])
+    flow = Flow(np.array([3.0]), part, np.array([0.1]), 10.0 * part, np.array([[1.0, np.nan]]))
+    told = energy_report(problem, flow)
+    assert told["time"] == [3.0 * problem.scale.time]
+    assert told["share"] == [[0.75, 0.25]]
+    assert told["centre"] == [[7.5, 2.5]]
+    assert told["spread"] == [[1.0, None]]
+    assert told["between"] == [0.1]

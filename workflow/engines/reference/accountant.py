@@ -1,0 +1,117 @@
+"""What is exchanged between frames that somebody else has computed: each is followed to the next by the reference.
+
+Knows nothing of files. Frames are of all beads; how far apart they are does not matter.
+"""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.trajectory import LEDGER, Floats, Trajectory, joined
+from lammps_inputs import Problem
+from lammps_inputs.laws import dashpot
+from workflow.engines.reference import engine
+from workflow.engines.reference.blanes_moan import BLANES_MOAN
+
+
+@dataclass
+class Accountant:
+    """Gives blocks of frames, from the first of a run on, their ledger.
+
+    Args:
+        problem: of the run.
+        steps_per_frame: of the reference, an even number; by default as many as `engine.default_steps_per_frame` says.
+            With those of a run by the reference the ledger is the run's own.
+    """
+
+    problem: Problem
+    steps_per_frame: int | None = None
+    unsure: float = field(init=False, default=0.0)
+    """How much half as many steps change the energy that is left, at most, in units of m V**2."""
+
+    def __post_init__(self) -> None:
+        self._followers: list[_Follower] = []
+        self._last: Trajectory | None = None
+
+    def of(self, block: Trajectory) -> Trajectory:
+        """The next frames, with their ledger."""
+        if not self._followers:
+            steps = self.steps_per_frame or engine.default_steps_per_frame(self.problem)
+            self._followers = [_Follower(self.problem, count) for count in (steps, max(1, steps // 2))]
+        both = block if self._last is None else joined([self._last, block])
+        self._last = block[-1:]
+        fine, coarse = (follower.along(both)[both.frames - block.frames :] for follower in self._followers)
+        apart = (fine - coarse) @ _LEFT
+        self.unsure = float(np.maximum(self.unsure, np.max(np.abs(apart))))
+        return replace(block, ledger=fine)
+
+
+_LEFT = np.where(np.array(LEDGER) == "put_in", 1.0, -1.0)
+
+
+class _Follower:
+    """Follows frames with a number of steps from each to the next."""
+
+    def __init__(self, problem: Problem, steps: int) -> None:
+        self._problem = problem
+        self._steps = steps
+        self._state = engine.make_state(problem, None)
+        self._until = np.zeros((1, len(LEDGER)))
+        self._more = 0.0
+        self._over = np.inf
+        if not problem.dampers and not problem.motions:
+            self._over = max(load.end for load in problem.loads)
+
+    def along(self, block: Trajectory) -> Floats:
+        """Ledger of frames of which the first was the last one before, or the start."""
+        # numba takes a third of a second to import
+        from workflow.engines.reference.kernel import advance
+
+        problem, state = self._problem, self._state
+        chains, moving = problem.chains, block.moving
+        found = np.repeat(self._until, block.frames, axis=0)
+        x, w = block.displacement, _velocity_of_state(block)
+        kicks, drifts = np.array(BLANES_MOAN.kicks), np.array(BLANES_MOAN.drifts)
+        pushed = np.array(sorted({load.bead for load in problem.loads}), dtype=np.int64)
+        end_x, end_v = np.zeros((1, chains, len(pushed))), np.zeros((1, chains, len(pushed)))
+        for frame in range(1, block.frames):
+            if block.time[frame - 1] < self._over:
+                state.x[1:-1], state.v[1:-1] = x[frame - 1].T, w[frame - 1].T
+                state.span[:] = moving.start + 1, min(moving.stop, problem.beads)
+                number = round(float(block.time[frame - 1]) / problem.every)
+                advance(
+                    state.x.reshape(-1), state.v.reshape(-1), np.zeros(state.x.size), True, state.span, state.window,
+                    kicks, drifts, problem.every / self._steps, number * self._steps, self._steps, state.forces,
+                    pushed, end_x, end_v, found[frame : frame + 1],
+                )  # fmt: skip
+                self._more += self._on_the_way(block, frame, block.velocity[frame][:, pushed - 1] - end_v[0], pushed)
+                found[frame, -1] += self._more
+            else:
+                found[frame] = found[frame - 1]
+        self._until = found[-1:].copy()
+        found[:, -1] += engine.brought_up(problem, block.time)
+        return found
+
+    def _on_the_way(self, block: Trajectory, frame: int, apart: Floats, pushed: NDArray[np.int64]) -> float:
+        """What loads do on the way to a frame as beads come off that of the reference, to that velocity at its end."""
+        before, after = block.time[frame - 1], block.time[frame]
+        return sum(
+            0.5 * float(load.impulse(after) - load.impulse(before)) * float(apart[load.chain - 1, place])
+            for load in self._problem.loads
+            for place in np.flatnonzero(pushed == load.bead)
+        )
+
+
+def _velocity_of_state(block: Trajectory) -> Floats:
+    """What the kernel has as velocities: without what dashpots have given, where no tension is cut (`dashpots`)."""
+    problem = block.problem
+    if not problem.dampers or any(dashpot.cut(link.law) for link in problem.dampers):
+        return block.velocity
+    given = np.zeros_like(block.velocity)
+    for damper in problem.dampers:
+        damper.drive(given, damper.given(block.displacement))
+    given /= problem.mass
+    for motion in problem.motions:
+        given[..., motion.chain - 1, motion.bead - 1] = 0.0
+    return np.asarray(block.velocity - given)
