@@ -65,7 +65,7 @@ def integrated(
     outside = np.diff(np.pad(load[:, 1:-1], ((0, 0), (1, 1))))
     outside[:, 0] -= load[:, 0] * there[0]
     outside[:, -1] += load[:, -1] * there[1]
-    grounded, walled = np.any(ground) or np.any(ground_cubic), np.any(there)
+    grounded, walled = np.any(ground) or np.any(ground_cubic), any(np.any(on) for on in there)
 
     def rate(time: float, state: Floats) -> Floats:  # what is not there is left out: it would take most of the time
         x, v = state[:size].reshape(shape), state[size:].reshape(shape)

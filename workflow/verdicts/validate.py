@@ -142,8 +142,8 @@ def validate(directory: RunDirectory, tolerances: dict[str, float] | None = None
     Raises:
         InputError: the run has no frames, or not those that its scene asks for.
     """
-    limits = {**TOLERANCES, **(tolerances or {})}
     problem = directory.problem
+    limits = _limits(problem, tolerances)
     certifier = _sure_enough(problem, limits)
     counted = accountant(directory, problem).of if problem.holds(Fact.ENERGY) else None
     difference = Difference(limits, counted)
@@ -185,6 +185,12 @@ def _half(problem: Problem) -> tuple[str, ...]:
     if problem.window is None:
         return ()
     return ("compared is the front half of the window; the rows behind it lack what was left behind",)
+
+
+def _limits(problem: Problem, tolerances: dict[str, float] | None) -> dict[str, float]:
+    """Those that were asked for; where energy comes and goes, its budget misses what velocities are off."""
+    exchanged = {"energy": TOLERANCES["velocity"]} if problem.exchanges else {}
+    return {**TOLERANCES, **exchanged, **(tolerances or {})}
 
 
 def _doubts(certificate: Certificate, limits: dict[str, float]) -> tuple[str, ...]:
@@ -235,8 +241,8 @@ def validate_against(
     Raises:
         InputError: the table cannot be read, or has chains, beads or times that the run has not.
     """
-    limits = {**TOLERANCES, **(tolerances or {})}
     problem = directory.problem
+    limits = _limits(problem, tolerances)
     if text_dump.is_one(path):
         step = problem.timestep if dimensionless else problem.timestep * problem.scale.time
         given = text_dump.load(path, problem.beads, step)

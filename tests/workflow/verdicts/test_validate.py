@@ -17,7 +17,7 @@ from lammps_inputs.decks import deck
 from workflow.cli import main
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
-from workflow.verdicts.validate import FIGURES, REPORT, TOLERANCES, validate
+from workflow.verdicts.validate import FIGURE, REPORT, TOLERANCES, validate
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
@@ -97,7 +97,7 @@ def test_a_scene_is_run_and_validated(tmp_path, capsys):
     path.write_text("name: quick\nbeads: 12\nkick: {velocity: 1}\nuntil_bead: 9\n")
     assert main(["validate", str(path), "-o", str(tmp_path / "out")]) == 0
     assert capsys.readouterr().out.splitlines()[-2] == "passed"
-    assert {REPORT, *FIGURES, deck.DUMP, "run.json"} <= {file.name for file in (tmp_path / "out").iterdir()}
+    assert {REPORT, f"{FIGURE}.png", deck.DUMP, "run.json"} <= {file.name for file in (tmp_path / "out").iterdir()}
 
 
 # --- wrong runs, each named -------------------------------------------------------------------------------------------
@@ -299,4 +299,4 @@ def test_overwriting_a_run_takes_its_validation_away(tmp_path):
     directory = run(scene(chains=2, beads=8, kappa=0.1, duration=10.0), tmp_path / "run", check=False).directory
     validate(directory)
     run(scene(beads=4, duration=1.0), directory.path, overwrite=True, check=False)
-    assert not {REPORT, *FIGURES} & {file.name for file in directory.path.iterdir()}
+    assert not {REPORT, f"{FIGURE}.png"} & {file.name for file in directory.path.iterdir()}
