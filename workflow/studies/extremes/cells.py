@@ -24,7 +24,7 @@ class Cell:
         scene: what a scene file would say.
         ranks: MPI ranks; more than one must compute bit for bit what one computes.
         diameter: of the beads in LAMMPS, in place of the scene's own.
-        scaling: whether the run must be the scaled copy of that at V = 1.
+        scaling: whether the run must be a scaled copy of that at another V, 1 in reduced units.
         drift: whether the energy must stay as near to the kick's in the second half as in the first.
         force: whether a time step above the stability bound is let pass.
     """
