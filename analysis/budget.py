@@ -42,14 +42,18 @@ class Account:
     def sentence(self, scale: Scale) -> str:
         """Where the energy is at the last instant, largest part first."""
         total = float(self.put_in[-1])
-        lost = {f"lost in {name.replace('_', ' ')}": part for name, part in self.lost.items()}
-        parts = {name: float(part[-1]) for name, part in (*self.held.items(), *lost.items())}
+        parts = {name: float(part[-1]) for name, part in (*self.held.items(), *self.losses.items())}
         named = sorted(((part, name) for name, part in parts.items() if part > 0.0), reverse=True)
         unit = f" {scale.symbol('energy')}" if scale.si else ""
         said = f"energy: {total * scale.energy:.6g}{unit} put in until t = {self.time[-1] * scale.time:.6g}"
         if not total > _LITTLE * self.most:  # a drive may have taken back what it gave
             return f"{said}, at most {self.most * scale.energy:.6g}{unit} before"
         return f"{said}, of which {', '.join(f'{part / total:.2%} {name}' for part, name in named)}"
+
+    @property
+    def losses(self) -> dict[str, Floats]:
+        """What was lost, by names for people: ``lost in contact damping``."""
+        return {f"lost in {name.replace('_', ' ')}": part for name, part in self.lost.items()}
 
     @property
     def most(self) -> float:

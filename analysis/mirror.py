@@ -17,7 +17,7 @@ Number = TypeVar("Number", int, NDArray[np.int64])
 
 def direction_of(problem: Problem) -> int:
     """Which way the hardest blow goes, and so the leading pulse: 1 towards higher bead numbers, -1 towards lower."""
-    _, _, hardest = max(problem.struck, key=lambda blow: abs(blow[2]))
+    _, _, hardest = problem.hardest_blow
     return 1 if hardest > 0.0 else -1
 
 

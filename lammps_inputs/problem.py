@@ -143,6 +143,11 @@ class System:
         motions = ((motion.chain, motion.bead, motion.amplitude * motion.omega) for motion in self.motions)
         return (*self.kicks, *loads, *motions)
 
+    @property
+    def hardest_blow(self) -> tuple[int, int, float]:
+        """(chain, bead, impulse), counted from 1, of what sets most in motion: where the leading pulse starts."""
+        return max(self.struck, key=lambda blow: abs(blow[2]))
+
     @cached_property
     def along(self) -> tuple[Along, ...]:
         """The links along the chains."""

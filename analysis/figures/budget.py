@@ -19,11 +19,11 @@ _NOTICED = 1e-3
 
 def budget_figure(problem: Problem, account: Account) -> Figure:
     """Energy held, and above it energy lost, by where and by source, in layers; what was put in as a line."""
-    most = float(np.max(np.abs(account.put_in)))
+    most = account.most
     time, energy = axis_unit(problem, "time", float(account.time[-1])), axis_unit(problem, "energy", most)
     layers = [(name, account.held[name], colour, "") for name, colour in _HELD.items()]
-    lost = zip(account.lost.items(), _LOST, strict=False)
-    layers += [(f"lost in {name.replace('_', ' ')}", part, colour, "////") for (name, part), colour in lost]
+    lost = zip(account.losses.items(), _LOST, strict=False)
+    layers += [(name, part, colour, "////") for (name, part), colour in lost]
     with mpl.rc_context({**STYLE, "hatch.linewidth": 0.6}):
         figure = Figure(figsize=(7.0, 4.2), layout="constrained")
         axis = figure.subplots()

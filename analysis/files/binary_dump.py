@@ -51,6 +51,18 @@ def last_step(path: Path) -> int | None:
     return int(struct.unpack_from("<q", head, STEP_AT)[0]) if head.startswith(MAGIC) else None
 
 
+def part_of_run(path: Path | str, *, last: bool) -> "BinaryDump":
+    """One of the dumps of a run that was continued: only the last of them may say that it ends within a frame.
+
+    Raises:
+        InputError: as of `BinaryDump`.
+    """
+    with warnings.catch_warnings():
+        if not last:
+            warnings.simplefilter("ignore", CutDumpWarning)
+        return BinaryDump(path)
+
+
 class BinaryDump:
     """One file of whole frames, each with the same atoms; nothing is kept open and nothing but the index in memory.
 

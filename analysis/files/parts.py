@@ -1,13 +1,12 @@
 """The dumps of a run that was continued, as one file of frames; atoms and columns are as of `binary_dump`."""
 
-import warnings
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.files.binary_dump import BinaryDump, CutDumpWarning, NoFrameError
+from analysis.files.binary_dump import BinaryDump, NoFrameError, part_of_run
 from analysis.trajectory import Floats
 from lammps_inputs import InputError
 
@@ -68,14 +67,11 @@ def _opened(paths: Sequence[Path | str]) -> list[BinaryDump]:
     """The dumps that hold a frame."""
     found: list[BinaryDump] = []
     for number, path in enumerate(paths, 1):
-        with warnings.catch_warnings():
-            if number < len(paths):
-                warnings.simplefilter("ignore", CutDumpWarning)
-            try:
-                found.append(BinaryDump(path))
-            except NoFrameError:
-                if number == len(paths) and not found:
-                    raise
+        try:
+            found.append(part_of_run(path, last=number == len(paths)))
+        except NoFrameError:
+            if number == len(paths) and not found:
+                raise
     return found
 
 

@@ -12,7 +12,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.files.binary_dump import BinaryDump, CutDumpWarning, NoFrameError
+from analysis.files.binary_dump import BinaryDump, CutDumpWarning, NoFrameError, part_of_run
 from analysis.files.dump_layout import header
 from analysis.trajectory import Floats, Trajectory, frames_per_block
 from lammps_inputs import InputError, Problem
@@ -53,10 +53,7 @@ def blocks(paths: Sequence[Path], problem: Problem, stride: int = 1) -> Iterator
     empty: NoFrameError | None = None
     for path in paths:
         try:
-            with warnings.catch_warnings():
-                if path != paths[-1]:
-                    warnings.simplefilter("ignore", CutDumpWarning)
-                dump = BinaryDump(path)
+            dump = part_of_run(path, last=path == paths[-1])
         except NoFrameError as error:
             empty = error
             continue

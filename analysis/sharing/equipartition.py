@@ -233,7 +233,7 @@ def sharing(waves: Waves, problem: Problem, noise: float = 0.0) -> Sharing:
         problem: what was run.
         noise: standard deviation of an amplitude, in units of V.
     """
-    kicked, hit, _ = max(problem.struck, key=lambda blow: abs(blow[2]))
+    kicked, hit, _ = problem.hardest_blow
     beads = problem.recorded_beads
     place = {int(bead): k for k, bead in enumerate(beads)}
     rows = np.array([place[int(bead)] for bead in waves.bead], dtype=np.int64)

@@ -171,7 +171,7 @@ class Dispersion:
                 f"frames are farther apart than half a period of its highest frequency, {limit:.3g}; record more often"
             )
         self._stride = max(1, int(0.7 * math.pi / (problem.every * top)))
-        self._chain = max(problem.struck, key=lambda blow: abs(blow[2]))[0]
+        self._chain = problem.hardest_blow[0]
         self._every = problem.every * self._stride
         self._most = max(2, MOST_NUMBERS // problem.beads)
         self._velocity: list[Floats] = []

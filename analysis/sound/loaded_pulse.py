@@ -106,7 +106,7 @@ class LoadedPulse:
         """Of the frames so far; None where the pulse did not come far enough."""
         problem = self._problem
         way = direction_of(problem)
-        hit, bead, _ = max(problem.struck, key=lambda blow: abs(blow[2]))
+        hit, bead, _ = problem.hardest_blow
         chain, count = hit - 1, problem.beads - 1
         contact = np.arange(count)
         distance = contact - (bead - 1) if way > 0 else (bead - 2) - contact

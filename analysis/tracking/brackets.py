@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from analysis import hermite, motion
 from analysis.trajectory import Floats, Trajectory
-from lammps_inputs.loads import Load
+from lammps_inputs.loads import Load, Motion
 
 Integers = NDArray[np.int64]
 
@@ -104,12 +104,11 @@ def bracketed(
     kink, acted_on = np.zeros((2, len(frame))), np.zeros(len(frame), dtype=bool)
     if by_equations:
         kink += np.multiply.outer(KINK, _kink(block, start, chain, bead))
-    loads, motions = block.problem.loads, block.problem.motions
-    for place in [(load.chain, load.bead) for load in loads] + [(drive.chain, drive.bead) for drive in motions]:
-        acted_on |= (chain + 1 == place[0]) & (block.beads[bead] == place[1])
-    for load in loads:
+    outside: tuple[Load | Motion, ...] = (*block.problem.loads, *block.problem.motions)
+    for load in outside:
         here = (chain == load.chain - 1) & (block.beads[bead] == load.bead)
-        if np.any(here):
+        acted_on |= here
+        if isinstance(load, Load) and np.any(here):
             times = block.time[start[here]] + spacing * np.array(nodes)[:, None]
             kink[:, here] += _pushed(load, times, fit, low[here], high[here]) / block.problem.mass_of(
                 chain[here], block.beads[bead[here]] - 1

@@ -32,6 +32,16 @@ class Quantity:
     path: tuple[str, ...]
     label: str = ""
 
+    @property
+    def words(self) -> str:
+        """The label without its quantity."""
+        return self.label.partition(" [")[0]
+
+    def unit(self, *, si: bool) -> str:
+        """Symbol of what is in the scene's units; empty for anything else."""
+        _, bracket, quantity = self.label.partition(" [")
+        return (SI[quantity[:-1]] if si else REDUCED) if bracket else ""
+
 
 def _analysis(path: str, label: str = "") -> Quantity:
     return Quantity(REPORT, tuple(path.split("/")), label)
@@ -173,18 +183,15 @@ class Table:
 
     def label(self, name: str) -> str:
         """What to write at an axis that shows a column."""
-        words = name.replace("_", " ").replace(".", " ") if name in self.fields else QUANTITIES[name].label
+        words = name.replace("_", " ").replace(".", " ") if name in self.fields else QUANTITIES[name].words
         unit = self._unit(name)
-        return words.partition(" [")[0] + (f" ({unit})" if unit else "")
+        return f"{words} ({unit})" if unit else words
 
     def _unit(self, name: str) -> str:
         """Of a column; empty where it has none, or the scenes do not agree on one."""
         if name in self.fields:
             return self.units.get(name, "")
-        _, bracket, quantity = (QUANTITIES[name].label if name in QUANTITIES else "").partition(" [")
-        if not bracket or self.si is None:
-            return ""
-        return SI[quantity[:-1]] if self.si else REDUCED
+        return "" if self.si is None or name not in QUANTITIES else QUANTITIES[name].unit(si=self.si)
 
 
 def _written(value: Any) -> str:

@@ -352,7 +352,7 @@ def default_beads(problem: Problem) -> tuple[int, ...]:
     """Three recorded beads: near a sixth, a half and nine tenths of the way, or near that hit, where no pulse runs."""
     recorded = problem.recorded_beads
     if not problem.holds(Fact.PULSE):
-        hit = max(problem.struck, key=lambda blow: abs(blow[2]))[1]
+        hit = problem.hardest_blow[1]
         way = 1 if direction_of(problem) > 0 else -1
         return tuple(sorted({int(recorded[np.argmin(np.abs(recorded - hit - way * far))]) for far in (0, 2, 5)}))
     places = np.unique(np.round(np.array([0.17, 0.5, 0.9]) * (len(recorded) - 1)).astype(int))

@@ -105,7 +105,7 @@ def cells_report(problem: Problem, cells: CellEnergy) -> dict[str, Any]:
     |             | pulse as it came near; reflected: of that, what is on its side at the end                     |
     """
     found = [cells.left(chain) for chain in range(1, problem.chains + 1)]
-    hit = found[max(problem.struck, key=lambda blow: abs(blow[2]))[0] - 1]
+    hit = found[problem.hardest_blow[0] - 1]
     return {
         "beads": cells.period,
         "left_behind": None if hit is None else known(hit.per_cell),

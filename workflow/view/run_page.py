@@ -320,7 +320,7 @@ def _distances(problem: Problem, part: Thinned, found: Survey, bead_range: Any, 
     if not len(waves):
         return []
     peaks = _graph("peak velocity of the leading pulse", "bead", f"velocity{symbol['velocity']}", bead_range)
-    hit = max(problem.struck, key=lambda blow: abs(blow[2]))[0]
+    hit = problem.hardest_blow[0]
     lags = _graph(f"arrival after that in chain {hit}", "bead", f"time{symbol['time']}", bead_range)
     reference = waves.of_chain(hit)
     drawn = []

@@ -98,14 +98,15 @@ def make_dampers(system: System, *, as_lammps: bool) -> Any:
         tuple(near for link in system.dampers if isinstance(link, Across) for near in neighbours(link, system)),
         tuple(flat(link.law, system, first=1) for link in system.dampers if isinstance(link, Ground)),
     )
-    room = [np.zeros((system.beads + 2) * system.chains) for _ in range(12)]
+
+    def room(count: int) -> Any:
+        return tuple(np.zeros((system.beads + 2) * system.chains) for _ in range(count))
+
     if as_lammps:
-        return HalfStep(*laws, *room[:2])
-    squeeze, drag, third, total, trial, along, across, ground, *more = room
+        return HalfStep._make([*laws, *room(2)])
     if any(dashpot.cut(link.law) for link in system.dampers):
-        return Flow(*laws, squeeze, drag, third, total, trial, (along, across, ground))
-    before, after = (more[0], more[1], more[2]), more[3]
-    return Given(*laws, squeeze, drag, third, total, trial, (along, across, ground), before, after)
+        return Flow._make([*laws, *room(5), room(3)])
+    return Given._make([*laws, *room(5), room(3), room(3), *room(1)])
 
 
 def all_of(laws: Any, k: Any, strain: Any, rate: Any) -> Any:

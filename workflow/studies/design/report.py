@@ -13,6 +13,7 @@ from analysis.gauges.forces import at_frames
 from analysis.gauges.gauge import gauges
 from analysis.mirror import direction_of
 from analysis.trajectory import Floats
+from lammps_inputs.units import REDUCED, SI
 from workflow.runs.run_directory import RunDirectory
 from workflow.studies.design.found import Found, Verified
 from workflow.studies.design.search import RULED_OUT, worth
@@ -122,10 +123,10 @@ def _objective(found: Found) -> Objective:
 
 
 def _label(found: Found, name: str) -> str:
-    words, bracket, unit = QUANTITIES[name].label.partition(" [") if name in QUANTITIES else (name, "", "")
-    si = found.verified[0].directory.problem.scale.si
-    symbols = {"time": "s", "force": "N", "velocity": "m/s", "speed": "beads/s"}
-    return f"{words} ({symbols[unit[:-1]] if si else 'reduced'})" if bracket else words
+    if name not in QUANTITIES:
+        return name
+    unit = QUANTITIES[name].unit(si=found.verified[0].directory.problem.scale.si)
+    return f"{QUANTITIES[name].words} ({unit})" if unit else QUANTITIES[name].words
 
 
 def _of_search(found: Found) -> list[Picture]:
@@ -150,7 +151,7 @@ def _of_best(found: Found) -> list[Picture]:
     ]
     if curves:
         scale = best.problem.scale
-        time, force = (scale.symbol(kind) if scale.si else "reduced" for kind in ("time", "force"))
+        time, force = (SI[kind] if scale.si else REDUCED for kind in ("time", "force"))
         labels = (f"time ({time})", f"force on the wall, all chains ({force})")
         pictures.append(drawn("wall", wall_figure(curves, *labels), "Force on the far wall over time, by LAMMPS."))
     return pictures
