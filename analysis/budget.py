@@ -81,21 +81,28 @@ class Budget:
         self._stride = -(-(problem.frames + 1) // MOST_INSTANTS)
         self._seen = 0
         self._found: list[tuple[Floats, ...]] = []
+        self._last: tuple[Floats, ...] = ()
 
     def add(self, block: Trajectory) -> tuple[Floats, Floats]:
         """Take the next frames; what was put in, and what was lost, until each of them, [frame]."""
         ledger = block.ledger
         assert ledger is not None
         put_in, lost = self._kicked + ledger[:, -1], ledger[:, :-1]
-        chosen = slice(-self._seen % self._stride, None, self._stride)
+
+        def at(frames: slice) -> tuple[Floats, ...]:
+            held = _held(self._problem, block.displacement[frames], block.velocity[frames])
+            return block.time[frames], put_in[frames], *held.values(), *lost[frames].T
+
+        self._found.append(at(slice(-self._seen % self._stride, None, self._stride)))
+        self._last = at(slice(-1, None))
         self._seen += block.frames
-        held = _held(self._problem, block.displacement[chosen], block.velocity[chosen])
-        self._found.append((block.time[chosen], put_in[chosen], *held.values(), *lost[chosen].T))
         return put_in, np.sum(lost, axis=1)
 
     def result(self) -> Account:
-        """Of the frames so far."""
+        """Of the frames so far, some of them and the last."""
         time, put_in, *parts = (np.concatenate(part) for part in zip(*self._found, strict=True))
+        if time[-1] < self._last[0][0]:
+            time, put_in, *parts = map(np.append, (time, put_in, *parts), self._last)
         held, lost = parts[: len(HELD)], parts[len(HELD) :]
         sinks = self._problem.sinks
         return Account(

@@ -7,6 +7,7 @@ import pytest
 from small_problems import written_down
 
 from analysis.budget import Account, Budget
+from analysis.figures import budget_figure
 from lammps_inputs import library
 from lammps_inputs.units import make_scale
 
@@ -72,3 +73,11 @@ def test_the_sentence_is_in_the_scenes_units_and_names_the_largest_part_first(si
     assert account.plain(scale)["time"] == [0.0, 7.0 * scale.time]
     assert account.plain(scale)["lost"] == {"bead_damping": [0.0, 2.5 * scale.energy]}
     assert account.missing.tolist() == [0.0, 0.0]
+
+
+def test_the_last_frame_counts_though_it_is_none_of_these():
+    problem = library.from_plain({**PLAIN, "duration": 120.1}, "test").problem()
+    account = account_of(problem, lambda t: (0.0 * t, 0.0 * t), (100, 101, 1201))
+    assert account.time.tolist() == (np.append(np.arange(0, 1201, 3), 1201) * problem.every).tolist()
+    assert account.put_in[-1] == pytest.approx(0.5 + 0.7 * problem.duration)
+    assert "cut short" not in budget_figure(problem, account).get_suptitle()
