@@ -44,6 +44,9 @@ CHAIN_COLOURS = tuple("#44aa99" if colour == "#000000" else colour for colour in
 
 PLOTS_A_ROW = 4
 
+_PAGE = 1240
+"""Width of all plots beside each other."""
+
 _BAR = 70
 """Width of the bar of colours."""
 
@@ -199,7 +202,7 @@ def _maps(
             title=f"chain {chain}",
             tools=_TOOLS,
             active_scroll="wheel_zoom",
-            width=(1240 - _BAR) // across + (_BAR if last else 0),
+            width=(_PAGE - _BAR) // across + (_BAR if last else 0),
             height=430,
             x_axis_label="bead",
             y_axis_label=f"time{symbol['time']}",
@@ -352,7 +355,7 @@ def _energy(problem: Problem, part: Thinned, time_range: Any, symbol: dict[str, 
 
 def _graph(title: str, x: str, y: str, x_range: Any) -> Any:
     """A plot of lines, as wide as half of the page."""
-    plot = figure(title=title, tools=_TOOLS, width=680, height=330, x_axis_label=x, y_axis_label=y, x_range=x_range)
+    plot = figure(title=title, tools=_TOOLS, width=_PAGE // 2, height=330, x_axis_label=x, y_axis_label=y, x_range=x_range)
     plot.toolbar.logo = None
     _label(plot)
     return plot
