@@ -355,7 +355,9 @@ def _energy(problem: Problem, part: Thinned, time_range: Any, symbol: dict[str, 
 
 def _graph(title: str, x: str, y: str, x_range: Any) -> Any:
     """A plot of lines, as wide as half of the page."""
-    plot = figure(title=title, tools=_TOOLS, width=_PAGE // 2, height=330, x_axis_label=x, y_axis_label=y, x_range=x_range)
+    plot = figure(
+        title=title, tools=_TOOLS, width=_PAGE // 2, height=330, x_axis_label=x, y_axis_label=y, x_range=x_range
+    )
     plot.toolbar.logo = None
     _label(plot)
     return plot
