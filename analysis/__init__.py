@@ -2,7 +2,3 @@
 
 Builds on `lammps_inputs` only. Starts no process and knows no engine.
 """
-
-from analysis.trajectory import Trajectory
-
-__all__ = ["Trajectory"]

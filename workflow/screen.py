@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from lammps_inputs import Problem
 
 _bars: ContextVar[bool] = ContextVar("bars", default=True)
-_hints: ContextVar[bool] = ContextVar("hints", default=False)
+_hints: ContextVar[Callable[[str], None] | None] = ContextVar("hints", default=None)
 
 
 class Answer(NamedTuple):
@@ -33,9 +33,9 @@ def without_bars() -> Iterator[None]:
 
 
 @contextmanager
-def with_hints() -> Iterator[None]:
-    """Give hints meanwhile also where standard error is no terminal."""
-    token = _hints.set(True)
+def with_hints(tell: Callable[[str], None] | None = None) -> Iterator[None]:
+    """Give hints meanwhile also where standard error is no terminal; ``tell`` takes them, if it is given."""
+    token = _hints.set(tell or _print_hint)
     try:
         yield
     finally:
@@ -44,10 +44,20 @@ def with_hints() -> Iterator[None]:
 
 def hint(text: str) -> None:
     """Say to whoever waits what takes long, in one line on standard error; where progress is shown, and in commands."""
+    if not _bars.get():
+        return
+    tell = _hints.get()
+    if tell is not None:
+        tell(text)
+    else:
+        _print_hint(text, anywhere=False)
+
+
+def _print_hint(text: str, *, anywhere: bool = True) -> None:
     from rich.console import Console
 
     console = Console(stderr=True, soft_wrap=True, highlight=False)
-    if _bars.get() and (_hints.get() or console.is_terminal or console.is_jupyter):
+    if anywhere or console.is_terminal or console.is_jupyter:
         console.print(text, style="dim", markup=False)
 
 

@@ -15,13 +15,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.files.dump_layout import BOX_AT, MAGIC, MAX_NAMES, STEP_AT, Layout, parse
+from analysis.files.dump_layout import BOX_AT, MAX_NAMES, PROBE_BYTES, STEP_AT, Layout, parse
 from analysis.trajectory import Floats
 from lammps_inputs import InputError
 
 Bytes = NDArray[np.uint8]
 
-_PROBE_BYTES = 512
 _READ_BYTES = 1 << 20  # read at once: stays in the processor's cache while it is sorted
 
 
@@ -31,24 +30,6 @@ class CutDumpWarning(UserWarning):
 
 class NoFrameError(InputError):
     """A dump without one whole frame."""
-
-
-def last_step(path: Path) -> int | None:
-    """Step of the last whole frame of a file whose frames all have the size of its first, from two headers alone.
-
-    None where there is no frame, or none to be read.
-    """
-    try:
-        with path.open("rb") as file:
-            layout = parse(file.read(_PROBE_BYTES))
-            whole = file.seek(0, 2) // layout.size
-            if whole == 0:
-                return None
-            file.seek((whole - 1) * layout.size)
-            head = file.read(STEP_AT + 8)
-    except (OSError, ValueError, struct.error):
-        return None
-    return int(struct.unpack_from("<q", head, STEP_AT)[0]) if head.startswith(MAGIC) else None
 
 
 def part_of_run(path: Path | str, *, last: bool) -> "BinaryDump":
@@ -156,12 +137,12 @@ class BinaryDump:
         kinds, offsets, steps, boxes, times = [], [], [], [], []
         offset = frames = 0
         while offset < end:
-            raw = _bytes_at(file, offset, _PROBE_BYTES)
+            raw = _bytes_at(file, offset, PROBE_BYTES)
             try:
                 try:
                     layout = parse(raw)
                 except struct.error:  # long names, or the end of the file
-                    raw = _bytes_at(file, offset, 2 * MAX_NAMES + _PROBE_BYTES)
+                    raw = _bytes_at(file, offset, 2 * MAX_NAMES + PROBE_BYTES)
                     layout = parse(raw)
             except struct.error:
                 break
@@ -172,7 +153,7 @@ class BinaryDump:
             known = next(iter(layouts), layout)
             if (layout.atoms, layout.columns, layout.tilts) != (known.atoms, known.columns, known.tilts):
                 raise self._damaged(frames, "another number of atoms, other columns or another box", offset)
-            template, fixed = np.frombuffer(raw, np.uint8, layout.header), layout.fixed
+            template, fixed = np.frombuffer(raw, np.uint8, layout.header), _fixed(layout)
             batch, before = 1, frames
             while whole := min(batch, (end - offset) // layout.size):
                 places = range(offset, offset + whole * layout.size, layout.size)
@@ -305,3 +286,13 @@ def _field(raw: Bytes, at: int, kind: str, count: int) -> NDArray[Any]:
     """[frame, count] of numbers at one place of every frame, copied since they are not aligned."""
     width = np.dtype(kind).itemsize * count
     return np.ascontiguousarray(raw[:, at : at + width]).view(kind)
+
+
+def _fixed(layout: Layout) -> NDArray[np.bool_]:
+    """Which bytes of the header are the same in all frames of this layout."""
+    mask = np.ones(layout.header, dtype=bool)
+    mask[STEP_AT : STEP_AT + 8] = False
+    mask[BOX_AT : BOX_AT + 8 * (6 + layout.tilts)] = False
+    if layout.time_at is not None:
+        mask[layout.time_at : layout.time_at + 8] = False
+    return mask

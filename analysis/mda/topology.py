@@ -12,7 +12,7 @@ from MDAnalysis.lib.util import openany
 from MDAnalysis.topology.base import TopologyReaderBase
 from numpy.typing import NDArray
 
-from lammps_inputs.decks import deck
+from lammps_inputs import file_names
 from lammps_inputs.units import sphere_density
 
 ATOM, RESIDUE = "X", "bead"
@@ -41,7 +41,7 @@ class ChainsParser(TopologyReaderBase):  # type: ignore[misc]  # MDAnalysis has 
         """
         with openany(self.filename, "rt") as file:
             data = file.read()
-        beside = Path(str(self.filename)).with_name(deck.DECK)
+        beside = Path(str(self.filename)).with_name(file_names.DECK)
         try:
             return of_deck(data, beside.read_text(encoding="utf-8") if beside.is_file() else "")
         except ValueError as error:

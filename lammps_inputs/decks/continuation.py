@@ -10,15 +10,11 @@ Frames of a continued run stand in ``chains.dump.bin``, ``chains.dump.2.bin``, `
 first one that a step stands in counts.
 """
 
-from lammps_inputs import scheme, window
+from lammps_inputs import file_names, scheme, window
 from lammps_inputs.decks import at_rest, deck
 from lammps_inputs.numbers import text
 from lammps_inputs.problem import Problem
 
-CONTINUE = "in.continue"
-RESTART = "chains.restart"
-RESTART_SUMS = "chains.restart.sha256"
-UNFINISHED = "chains.restart.part"
 """A restart while it is written."""
 
 _TIMED_SINCE = 20230802
@@ -27,19 +23,19 @@ _TIMED_SINCE = 20230802
 
 def dump_part(number: int) -> str:
     """Name of a part of the frames, counted from 1."""
-    return deck.DUMP if number == 1 else f"chains.dump.{number}.bin"
+    return file_names.DUMP if number == 1 else f"chains.dump.{number}.bin"
 
 
 def snapshots_part(number: int) -> str:
     """Name of a part of the snapshots, counted from 1."""
-    return deck.SNAPSHOTS if number == 1 else f"chains.snapshots.{number}.bin"
+    return file_names.SNAPSHOTS if number == 1 else f"chains.snapshots.{number}.bin"
 
 
-def restart_lines(problem: Problem, file: str = UNFINISHED) -> list[str]:
+def restart_lines(problem: Problem, file: str = file_names.UNFINISHED) -> list[str]:
     """Write a restart between two runs, and change nothing: the next one may go on with ``run ... pre no``.
 
-    The caller renames the file to `RESTART` when it is whole. In a scheme of several substeps the step must be one
-    between two cycles.
+    The caller renames the file to `file_names.RESTART` when it is whole. In a scheme of several substeps the step must
+    be one between two cycles.
     """
     return [
         "variable parked atom x",
@@ -60,13 +56,14 @@ def render_continuation(problem: Problem) -> str:
     name each time; ``steps``, the last step of the whole run.
     """
     dumps = ["frames"] if problem.frames_per_snapshot is None else ["frames", "snapshots"]
+    again = f"lmp -in {file_names.CONTINUE}"
     sections = [
         [
             f"# {problem.name}, continued bit for bit from a restart, on any number of ranks",
-            f"# lmp -in {CONTINUE}     or: lmp -in {CONTINUE} -var dump {dump_part(3)}, to continue once more",
+            f"# {again}     or: {again} -var dump {dump_part(3)}, to continue once more",
         ],
         [
-            f"variable restart index {RESTART}",
+            f"variable restart index {file_names.RESTART}",
             f"variable dump index {dump_part(2)}",
             *([f"variable snapshots index {snapshots_part(2)}"] if "snapshots" in dumps else []),
             *deck.number_lines(problem),

@@ -21,7 +21,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from lammps_inputs import laws, loads, scheme, strict_yaml, window
+from lammps_inputs import file_names, laws, loads, scheme, strict_yaml, window
 from lammps_inputs.decks import at_rest
 from lammps_inputs.laws import dashpot
 from lammps_inputs.lines import AtomTypes, Lines
@@ -31,13 +31,6 @@ from lammps_inputs.problem import Problem
 from lammps_inputs.scene import Scene
 from lammps_inputs.units import sphere_density
 
-DECK = "in.chains"
-DATA = "data.chains"
-DUMP = "chains.dump.bin"
-SNAPSHOTS = "chains.snapshots.bin"
-PEAKS, PEAKS_STATE = "peaks.csv", "chains.peaks.npz"
-LOG = "log.lammps"
-SCENE = "scene.yaml"
 COLUMNS = ("id", "x", "vx")
 WINDOW_COLUMNS = ("id", "mol", "x", "vx")
 
@@ -50,9 +43,9 @@ def render(scene: Scene) -> dict[str, str]:
     """
     problem = scene.problem()
     return {
-        SCENE: strict_yaml.dump(scene.resolved().plain()),
-        DECK: render_deck(problem),
-        DATA: render_data(problem),
+        file_names.SCENE: strict_yaml.dump(scene.resolved().plain()),
+        file_names.DECK: render_deck(problem),
+        file_names.DATA: render_data(problem),
     }
 
 
@@ -73,7 +66,7 @@ def render_deck(problem: Problem) -> str:
             f"atom_style {_atom_style(problem)}",
             "boundary s f f                   # a bead thrown back is kept; no periodic images",
             *neighbour_lines(problem),
-            f"read_data {DATA}",
+            f"read_data {file_names.DATA}",
             *_mass_lines(problem),
         ],
         *interactions(problem),
@@ -94,7 +87,7 @@ def render_deck(problem: Problem) -> str:
     sections.append(
         [
             *recorded_lines(problem),
-            *output_lines(problem, "${every}", DUMP),
+            *output_lines(problem, "${every}", file_names.DUMP),
         ]
     )
     sections.append([scheme.timestep_command(problem.scheme), *moved_lines(problem), *travel_lines(problem)])
@@ -163,7 +156,7 @@ def moved_lines(problem: Problem) -> list[str]:
     return [line for found in spelling(problem) for line in found.moved]
 
 
-def output_lines(problem: Problem, every: str, dump: str, snapshots: str = SNAPSHOTS) -> list[str]:
+def output_lines(problem: Problem, every: str, dump: str, snapshots: str = file_names.SNAPSHOTS) -> list[str]:
     """Frames into a file, snapshots into another, and the log.
 
     The group ``recorded`` exists where not all beads are.
@@ -247,9 +240,10 @@ def _title(problem: Problem) -> list[str]:
         parts.append("under a static load")
     if problem.coupled:
         parts.append(f"coupling {words(problem.across)}")
+    run = f"lmp -in {file_names.DECK}"
     return [
         f"# {problem.name}: {', '.join(parts)}; dimensionless at V = 1",
-        f"# lmp -in {DECK}     or: mpirun -np 4 lmp -in {DECK}     or: lmp -in {DECK} -var steps 1000",
+        f"# {run}     or: mpirun -np 4 {run}     or: {run} -var steps 1000",
     ]
 
 

@@ -9,8 +9,9 @@ import shlex
 from collections.abc import Sequence
 from pathlib import Path
 
+from lammps_inputs import file_names
 from lammps_inputs.errors import InputError
-from lammps_inputs.slurm.job import JOB, head
+from lammps_inputs.slurm.job import head
 from lammps_inputs.slurm.site import JobOptions
 
 
@@ -32,7 +33,7 @@ def render_command(options: JobOptions, name: str, words: Sequence[str], *, core
     asked = {"ntasks": 1, "cpus-per-task": cores, "signal": f"B:TERM@{options.stop_before}"}
     lines = [
         *head(options, name, asked),
-        f"# In this directory: sbatch {JOB}    What it says: {OUTPUT}",
+        f"# In this directory: sbatch {file_names.JOB}    What it says: {file_names.JOB_OUTPUT}",
         f"max_jobs={options.max_jobs if jobs is None else jobs}",
         f"command=({shlex.join(words)})",
         f"modules=({shlex.join(options.modules)})",
@@ -40,6 +41,3 @@ def render_command(options: JobOptions, name: str, words: Sequence[str], *, core
     ]
     body = Path(str(importlib.resources.files("lammps_inputs.slurm") / "command.sh")).read_text(encoding="utf-8")
     return "\n".join(lines) + "\n" + body
-
-
-OUTPUT = "job.out"

@@ -21,36 +21,12 @@ import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from lammps_inputs import scheme, window
+from lammps_inputs import file_names, scheme, window
 from lammps_inputs.decks import deck
-from lammps_inputs.decks.continuation import CONTINUE, onward_lines, render_continuation, restart_lines
+from lammps_inputs.decks.continuation import onward_lines, render_continuation, restart_lines
 from lammps_inputs.errors import InputError
 from lammps_inputs.problem import Problem
 from lammps_inputs.slurm.site import JobOptions
-
-JOB = "job.sbatch"
-INPUT = "in.job"
-CASES = "cases.txt"
-STATE = "job.state"
-STEP = "job.step"
-OUTPUT = "job.out"
-
-OWN_FILES = (
-    JOB,
-    INPUT,
-    STATE,
-    STEP,
-    OUTPUT,
-    "job.frames",
-    ".job.check",
-    ".job.reserve",
-    ".job.in",
-    ".job.keep",
-    ".job.yes",
-    ".job.no",
-    ".job.kept",
-)
-"""What a job has and leaves in the directory of a run, beside the run's own files."""
 
 _DIRECTORY = re.compile(r"[A-Za-z0-9_][A-Za-z0-9._=,+-]{0,254}")
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}")
@@ -65,7 +41,7 @@ def render_job(options: JobOptions, problem: Problem) -> dict[str, str]:
     """
     if options.ranks > problem.rows:
         raise InputError(f"--ranks-per-node: {options.ranks} ranks in all, but ranks divide the {problem.rows} rows")
-    return {JOB: _script(options, problem.name), **case_files(problem)}
+    return {file_names.JOB: _script(options, problem.name), **case_files(problem)}
 
 
 def case_files(problem: Problem) -> dict[str, str]:
@@ -76,7 +52,7 @@ def case_files(problem: Problem) -> dict[str, str]:
     """
     if problem.peaks:
         raise InputError("output.peaks: only `granchain run` finds them, not a job of lmp alone; leave it out")
-    return {INPUT: render_input(problem), CONTINUE: render_continuation(problem)}
+    return {file_names.JOB_INPUT: render_input(problem), file_names.CONTINUE: render_continuation(problem)}
 
 
 def render_array(
@@ -109,7 +85,7 @@ def render_array(
     if not numbers or numbers[0] < 0 or numbers[-1] >= len(cases):
         raise InputError(f"tasks of an array: numbers from 0 to {len(cases) - 1}, {list(numbers)[:5]} given")
     listing = "".join(f"{case}\n" for case in cases)
-    return {JOB: _script(options, name, listing, _ranges(numbers)), CASES: listing}
+    return {file_names.JOB: _script(options, name, listing, _ranges(numbers)), file_names.CASES: listing}
 
 
 def _ranges(numbers: Sequence[int]) -> str:
@@ -161,12 +137,12 @@ def _script(options: JobOptions, name: str, listing: str | None = None, tasks: s
         "checkpoint": options.checkpoint,
         "max_jobs": options.max_jobs,
         "lmp": options.lmp,
-        "cases": "" if listing is None else CASES,
+        "cases": "" if listing is None else file_names.CASES,
         "cases_sum": "" if listing is None else hashlib.sha256(listing.encode()).hexdigest(),
     }
     lines = [
         *head(options, name, asked),
-        f"# In this directory: sbatch {JOB}    How far it is: granchain status .",
+        f"# In this directory: sbatch {file_names.JOB}    How far it is: granchain status .",
         *(f"{key}={shlex.quote(str(value))}" for key, value in values.items()),
         f"launch=({shlex.join(options.launch)})",
         f"modules=({shlex.join(options.modules)})",
@@ -193,11 +169,11 @@ def render_input(problem: Problem) -> str:
     ]
     cycle = scheme.cycle(problem.scheme)
     grain = cycle if problem.window is None else window.look_steps(problem.timestep, cycle, problem.pace)
-    tell = f'print "$(step:%.0f)" file {STEP} screen no'
+    tell = f'print "$(step:%.0f)" file {file_names.JOB_STEP} screen no'
     sections = [
         [
-            f"# Used by {JOB}: ${{part}} to its end, or until ${{seconds}} have passed and a restart is left.",
-            f"log {deck.LOG} append",
+            f"# For {file_names.JOB}: ${{part}} to its end, or until ${{seconds}} have passed and a restart is left.",
+            f"log {file_names.LOG} append",
             "timer timeout ${seconds} every 2000000000   # counts from here, and never ends a run by itself",
         ],
         [

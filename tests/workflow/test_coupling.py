@@ -12,8 +12,7 @@ from wrong_runs import deck_run, replaced
 
 from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import find_peaks
-from lammps_inputs import InputError, find, library
-from lammps_inputs.decks import deck
+from lammps_inputs import InputError, file_names, find, library
 from workflow.engines.reference.engine import run as trajectory
 from workflow.prepare.settings import settle
 from workflow.runs.resume import resume
@@ -238,7 +237,7 @@ def test_a_ring_in_a_window_is_the_whole_one_near_the_front(tmp_path):
 @pytest.mark.parametrize(("name", "factor", "said"), [("ring", "0.404", "1.01 times"), ("ring", "0", "is missing")])
 def test_wrong_springs_of_any_graph_are_named(name, factor, said, tmp_path):
     one = scene(name, output={"every": 0.1})
-    found = deck_run(one, tmp_path / "run", replaced(deck.DECK, "kappa index 0.4\n", f"kappa index {factor}\n"))
+    found = deck_run(one, tmp_path / "run", replaced(file_names.DECK, "kappa index 0.4\n", f"kappa index {factor}\n"))
     assert any(
         "the coupling" in cause and said in cause for cause in causes(found.trajectory, trajectory(one.problem()))
     )

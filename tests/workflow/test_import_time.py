@@ -42,6 +42,18 @@ print(*(m for m in {HEAVY} if m in sys.modules))
     assert python(code) == []
 
 
+def test_status_of_a_run_loads_neither_numpy_nor_what_a_scene_may_be(tmp_path):
+    (tmp_path / "scene.yaml").write_text("beads: 4\n")
+    (tmp_path / "run.json").write_text('{"outcome": "done", "steps": 3, "steps_done": 3}\n')
+    code = f"""
+import sys
+from workflow.cli import main
+main(["status", {str(tmp_path)!r}])
+print(*(m for m in ("numpy", "yaml", "rich", "lammps_inputs.scene") if m in sys.modules))
+"""
+    assert python(code) == [f"{tmp_path}:", "done,", "3", "steps"]
+
+
 @pytest.mark.parametrize("command", [["scenes"], ["--help"]])
 def test_commands_that_only_list_load_neither_numpy_nor_pydantic(command):
     code = f"""

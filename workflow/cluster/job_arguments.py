@@ -4,8 +4,8 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from lammps_inputs import InputError, Problem
-from lammps_inputs.slurm import job, site
+from lammps_inputs import InputError, Problem, file_names
+from lammps_inputs.slurm import site
 from workflow.cluster import ranks
 
 
@@ -14,7 +14,7 @@ def add_job_arguments(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group(
         "Slurm", f"defaults: --site FILE, else ${site.VARIABLE}, else ~/{site.DEFAULT_FILE}"
     )
-    group.add_argument("--slurm", action="store_true", help=f"write {job.JOB} as well")
+    group.add_argument("--slurm", action="store_true", help=f"write {file_names.JOB} as well")
     group.add_argument("--site", metavar="FILE", type=Path, help="YAML with a site's defaults for the options below")
     group.add_argument("--nodes", metavar="N", type=int, help="nodes (default 1)")
     group.add_argument("--ranks-per-node", metavar="N", type=int, help="MPI ranks of a node (default: by the beads)")

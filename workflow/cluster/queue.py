@@ -4,7 +4,7 @@ import subprocess
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from lammps_inputs.slurm.job import CASES
+from lammps_inputs import file_names
 
 _FORMAT = "%A|%t|%K|%Z"
 _SECONDS = 15.0
@@ -62,7 +62,7 @@ def parse(cluster: str, text: str) -> Queue:
         where = Path(directory)
         if task.isdigit():
             if where not in lists:
-                lists[where] = _lines(where / CASES)
+                lists[where] = _lines(where / file_names.CASES)
             if int(task) < len(lists[where]):
                 where = where / lists[where][int(task)]
         queue.jobs.append(Queued(number, state in _WAITING, where.resolve()))

@@ -21,7 +21,8 @@ from analysis.trajectory import Floats
 from lammps_inputs import InputError, Problem
 from lammps_inputs.facts import Fact
 from workflow.engines.lammps.invariants import ENERGY_TOLERANCE
-from workflow.runs.run_directory import REPORT, RunDirectory
+from workflow.runs.files import REPORT
+from workflow.runs.run_directory import RunDirectory
 from workflow.screen import Answer, one_line, print_table
 from workflow.verdicts.analyse import Analysis, analyse, last_clear_bead
 from workflow.verdicts.analysis_report import train

@@ -3,16 +3,16 @@
 import argparse
 from pathlib import Path
 
-from lammps_inputs import library
+from lammps_inputs import file_names, library
 from lammps_inputs.decks import deck
 from lammps_inputs.slurm import job
 from workflow.cluster import ranks
 from workflow.cluster.job_arguments import add_job_arguments, job_options, with_ranks
 from workflow.prepare.settings import settle
 from workflow.runs import contacts
+from workflow.runs.files import run_files
 from workflow.runs.locks import alone
 from workflow.runs.own_files import prepare, refuse_to_overwrite, replacing
-from workflow.runs.run_directory import run_files
 from workflow.runs.whole_files import write_text
 from workflow.screen import one_line
 
@@ -40,7 +40,7 @@ def execute(arguments: argparse.Namespace) -> int:
         options = with_ranks(options, scene.problem())
         files |= job.render_job(options, scene.problem())
     refuse_to_overwrite(arguments.scene, arguments.output)
-    names = (*run_files("lammps"), *(job.OWN_FILES if options is not None else ()))
+    names = (*run_files("lammps"), *(file_names.JOB_FILES if options is not None else ()))
     prepare(arguments.output, names, overwrite=arguments.overwrite)
     with alone(arguments.output), replacing(arguments.output, names):
         for name, content in files.items():
@@ -53,9 +53,9 @@ def execute(arguments: argparse.Namespace) -> int:
     print(f"{one_line(arguments.output)}: {', '.join(files)}")
     if options is not None:
         print(ranks.cost(scene.problem(), options.ranks).sentence())
-        print(f"on the cluster, there: sbatch {job.JOB}    then: granchain status {one_line(arguments.output)}")
+        print(f"on the cluster, there: sbatch {file_names.JOB}    then: granchain status {one_line(arguments.output)}")
         return 0
     if scene.output.peaks:
         print("output.peaks: found by `granchain run` only; lmp alone leaves no peaks.csv")
-    print(f"run it there with: lmp -in {deck.DECK}    then: granchain analyze {one_line(arguments.output)}")
+    print(f"run it there with: lmp -in {file_names.DECK}    then: granchain analyze {one_line(arguments.output)}")
     return 0

@@ -4,8 +4,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from lammps_inputs import InputError
-from lammps_inputs.slurm.job import JOB
+from lammps_inputs import InputError, file_names
 from workflow.cluster.job_arguments import add_job_arguments, job_options
 from workflow.engines.lammps.mpi import cores
 from workflow.screen import Answer, count_bar, one_line, print_table
@@ -41,7 +40,7 @@ def execute(arguments: argparse.Namespace) -> Answer:
         words = ["design", str(arguments.design.absolute()), "-o", ".", "--jobs", str(count)]
         write_job(arguments.output, options, words, cores=count)
         print(submit_hint(arguments.output))
-        return Answer(0, {"job": str(arguments.output / JOB)})
+        return Answer(0, {"job": str(arguments.output / file_names.JOB)})
     try:
         with count_bar("design") as progress:
             found = study.carry_out(what, arguments.output, processes=arguments.jobs or cores(), progress=progress)

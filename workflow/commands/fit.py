@@ -3,9 +3,8 @@
 import argparse
 from pathlib import Path
 
-from lammps_inputs import library, shipped
+from lammps_inputs import file_names, library, shipped
 from lammps_inputs.numbers import text
-from lammps_inputs.slurm.job import JOB
 from workflow.cluster.job_arguments import add_job_arguments, job_options
 from workflow.formats import figure_files
 from workflow.screen import Answer, one_line, print_table
@@ -52,7 +51,7 @@ def execute(arguments: argparse.Namespace) -> Answer:
     if options is not None:
         write_job(arguments.output, options, _words(arguments), cores=1, jobs=1)
         print(submit_hint(arguments.output))
-        return Answer(0, {"job": str(arguments.output / JOB)})
+        return Answer(0, {"job": str(arguments.output / file_names.JOB)})
     found = study.fit(
         _plain(arguments.scene),
         arguments.against,

@@ -8,7 +8,8 @@ from typing import Any
 
 from lammps_inputs import InputError, Problem, Scene, library
 from workflow.engines.lammps.engine import RESTART_EVERY
-from workflow.prepare.settings import Settings, better_timestep, settle
+from workflow.prepare.accuracy import better_timestep
+from workflow.prepare.settings import Settings, settle
 from workflow.runs import run as running
 from workflow.runs.check import Check
 from workflow.runs.compute import ENGINES

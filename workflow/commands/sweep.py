@@ -3,8 +3,7 @@
 import argparse
 from pathlib import Path
 
-from lammps_inputs import InputError
-from lammps_inputs.slurm.job import JOB
+from lammps_inputs import InputError, file_names
 from lammps_inputs.slurm.site import JobOptions
 from workflow.cluster.job_arguments import add_job_arguments, job_options
 from workflow.engines.lammps.mpi import cores
@@ -73,7 +72,7 @@ def _write(what: file.Sweep, output: Path, options: JobOptions) -> Answer:
     print(f"{output}: {written.tasks} of {written.cases} cases to do{under_way}")
     if written.tasks:
         ranks = f"{written.ranks} rank{'s' * (written.ranks > 1)}"
-        print(f"on the cluster, there: sbatch {JOB}    (one array, each case on {ranks})")
+        print(f"on the cluster, there: sbatch {file_names.JOB}    (one array, each case on {ranks})")
         if written.numbers > on_cluster.USUAL_LIMIT:
             print(f"its numbers go to {written.numbers - 1}; Slurm's MaxArraySize is often {on_cluster.USUAL_LIMIT}")
     print(f"then: granchain status {output}    and: granchain collect {output}")

@@ -1,25 +1,11 @@
 """The duration and the time step of a scene, found and judged before anything is written or run."""
 
-import math
-import time
-from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from pydantic import ValidationError
-
-from lammps_inputs import InputError, Problem, Scene, library, scheme
+from lammps_inputs import InputError, Problem, Scene
 from lammps_inputs.limits.timestep import stability_bound
 from lammps_inputs.numbers import memory
-from workflow.engines.reference.certify import Certifier
-from workflow.prepare import step_search
-from workflow.prepare.duration import with_duration
-from workflow.prepare.twin import UnreachableError
-
-SURE = 1.0 / 3.0
-"""Part of an accuracy to which the reference must be sure that tells whether a run keeps it."""
-
-_MOST_DOUBLINGS = 4
 
 
 @dataclass(frozen=True)
@@ -105,34 +91,20 @@ def settle(scene: Scene, *, source: str = "", force: bool = False) -> tuple[Scen
     refuse_too_large(scene, source, _DECK_BYTES)
     if not force:
         refuse_unstable(scene, source)
-    scene = with_duration(scene)
+    # what only some scenes ask for is loaded for those: numba alone takes a third of a second
+    if scene.until_bead is not None:
+        from workflow.prepare.duration import with_duration
+
+        scene = with_duration(scene)
     if scene.window == "auto":
-        from workflow.prepare.window import with_window  # numba takes a third of a second to import
+        from workflow.prepare.window import with_window
 
         scene = with_window(scene)
     if scene.accuracy is None:
         return scene, None
-    return _with_timestep(scene, scene.accuracy, source)
+    from workflow.prepare.accuracy import with_timestep
 
-
-def better_timestep(scene: Scene, accuracy: float) -> str:
-    """What to put into a scene whose run was off by more than an accuracy, in words; measured, or said not to be."""
-    try:
-        better, settings = _with_timestep(scene, accuracy, "")
-    except InputError as error:
-        return str(error)
-    if settings.measured < 1.0:
-        return f"`accuracy: {accuracy:g}` in place of `timestep` finds a shorter one"
-    return f"`timestep: {better.timestep:.12g}` leaves {settings.expected_error:.1e} V, measured on a twin of the run"
-
-
-def with_settings(scene: Scene) -> Scene:
-    """The same scene with its duration and, where it asks for an accuracy, its time step written out.
-
-    Raises:
-        InputError: as `settle`.
-    """
-    return settle(scene, force=True)[0]
+    return with_timestep(scene, scene.accuracy, source)
 
 
 def refuse_unstable(scene: Scene, source: str = "") -> None:
@@ -153,54 +125,3 @@ def refuse_unstable(scene: Scene, source: str = "") -> None:
             f"{bound * scale.time:.3g}{unit}; take a tenth of that, or `accuracy: 1e-4` instead; "
             "--force of run and deck allows it, for study"
         )
-
-
-def certifiers(problem: Problem, settings: Settings | None) -> Iterator[Certifier]:
-    """References of a problem, of which the last counts; each is asked how sure it is when its blocks were taken.
-
-    Without an accuracy the usual one; else with ever more steps, until it is sure enough or gets hardly surer.
-    """
-    if settings is None:
-        yield Certifier(problem)
-        return
-    steps = 2 * math.ceil(0.5 * problem.every / settings.reference_timestep * (1.0 - 1e-9))
-    before = math.inf
-    for _ in range(_MOST_DOUBLINGS):
-        certifier = Certifier(problem, steps_per_frame=steps)
-        yield certifier
-        sure = certifier.certificate.velocity
-        if sure <= SURE * settings.accuracy or sure > 0.5 * before:
-            return
-        before, steps = sure, 2 * steps
-
-
-def _with_timestep(scene: Scene, accuracy: float, source: str) -> tuple[Scene, Settings]:
-    started = time.perf_counter()
-    problem = scene.model_copy(update={"accuracy": None}).problem()
-    where = f"{source}: accuracy" if source else "accuracy"
-    try:
-        found = step_search.search(problem, accuracy)
-    except UnreachableError as error:
-        raise InputError(
-            f"{where}: {accuracy:g} is not reached with any time step, since {error}; ask for less, or give a timestep"
-        ) from None
-    cycle = scheme.cycle(problem.scheme)
-    steps = cycle * math.ceil(problem.every / (cycle * found.timestep) * (1.0 - 1e-9))
-    every = problem.every * scene.scale.time if scene.output.every is None else scene.output.every
-    fields = {name: getattr(scene, name) for name in Scene.model_fields}
-    try:
-        settled = Scene.model_validate({**fields, "accuracy": None, "timestep": every / steps})
-    except ValidationError as error:
-        wrong = library.describe(error, Scene)
-        raise InputError(f"{where}: {accuracy:g} needs a time step of {every / steps:.3g}; {wrong}") from None
-    return settled, Settings(
-        accuracy=accuracy,
-        timestep=problem.every / steps,
-        steps_per_frame=steps,
-        reference_timestep=found.reference_timestep,
-        expected_error=found.error,
-        measured_error=found.measured_error,
-        measured=found.measured,
-        limited=found.limited,
-        seconds=time.perf_counter() - started,
-    )

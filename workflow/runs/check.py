@@ -16,9 +16,10 @@ from lammps_inputs import Problem, html
 from workflow.engines.reference import engine
 from workflow.engines.reference.certify import Certificate
 from workflow.prepare.instants import SPACING, stride
-from workflow.prepare.settings import Settings, certifiers
+from workflow.prepare.settings import Settings
 from workflow.prepare.twin import CADENCE
 from workflow.runs.peaks_table import found_on_the_way
+from workflow.runs.references import certifiers
 from workflow.runs.run_directory import RunDirectory
 
 

@@ -1,8 +1,7 @@
 """What each engine does in a run directory that was prepared for it, and what it cannot do."""
 
-import math
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -10,12 +9,12 @@ from typing import Any
 from analysis.files import events
 from analysis.files.recording import Writer
 from analysis.trajectory import Trajectory
-from lammps_inputs import InputError, Problem
-from lammps_inputs.decks import deck
+from lammps_inputs import InputError, Problem, file_names
 from workflow.engines.lammps import engine as lammps_engine
-from workflow.engines.reference.certify import Certifier
-from workflow.prepare.settings import Settings, certifiers
-from workflow.runs.run_directory import EVENTS, RunDirectory
+from workflow.prepare.settings import Settings
+from workflow.runs.files import EVENTS
+from workflow.runs.references import certifiers, closing
+from workflow.runs.run_directory import RunDirectory
 from workflow.runs.whole_files import write_text
 
 Progress = Callable[[int, int], None]
@@ -65,7 +64,7 @@ def compute(
     if engine == "lammps":
         return _run_lammps(result, ranks, progress, start)
     if engine == "reference":
-        return _run_reference(path / deck.DUMP, problem, settings, progress)
+        return _run_reference(path / file_names.DUMP, problem, settings, progress)
     return _run_collisions(path, problem, progress)
 
 
@@ -87,7 +86,7 @@ def _run_reference(
     Where none is, and energy is exchanged, in as many steps as close its budget.
     """
     started = time.perf_counter()
-    for certifier in _closing(problem) if settings is None else certifiers(problem, settings):
+    for certifier in closing(problem) if settings is None else certifiers(problem, settings):
         ending = _write_frames(dump, problem, certifier.blocks(), progress)
         if ending["outcome"] != "done":
             return ending
@@ -96,28 +95,6 @@ def _run_reference(
             break
     seconds = time.perf_counter() - started
     return {**ending, "engine_seconds": seconds, "certificate": asdict(certificate)}
-
-
-CLOSED = 1e-9
-"""Of the energy put in: what the budget of a run by the reference may miss."""
-
-_MOST_STEPS = 64
-"""In place of one usual step, for that."""
-
-
-def _closing(problem: Problem) -> Iterator[Certifier]:
-    """The usual reference; where energy is exchanged with ever more steps, until the budget is closed."""
-    certifier = Certifier(problem)
-    yield certifier
-    usual = certifier.certificate.steps_per_frame
-    while problem.exchanges and (missing := certifier.certificate.energy) > CLOSED:
-        steps = certifier.certificate.steps_per_frame
-        # contacts that open and close leave an order of 2.5
-        steps = min(math.ceil(1.5 * steps * (missing / CLOSED) ** 0.4), _MOST_STEPS * usual)
-        if steps <= certifier.certificate.steps_per_frame:
-            return
-        certifier = Certifier(problem, steps_per_frame=steps)
-        yield certifier
 
 
 def _run_collisions(path: Path, problem: Problem, progress: Progress | None) -> dict[str, Any]:
@@ -134,7 +111,7 @@ def _run_collisions(path: Path, problem: Problem, progress: Progress | None) -> 
     seconds = time.perf_counter() - started
     table = events.Events(found.time, found.chain, found.row, found.striker, found.target)
     write_text(path / EVENTS, events.to_csv(table, problem.scale))
-    ending = _write_frames(path / deck.DUMP, problem, collisions.blocks(found), progress)
+    ending = _write_frames(path / file_names.DUMP, problem, collisions.blocks(found), progress)
     if ending["outcome"] != "done":
         return ending
     return {**ending, "engine_seconds": seconds, "collisions": len(found)}

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from lammps_inputs.decks import deck
+from lammps_inputs import file_names
 
 
 @dataclass(frozen=True)
@@ -64,9 +64,9 @@ def _holds(pattern: str) -> Callable[[Path], bool]:
 
 def _compares(directory: Path) -> bool:
     """Whether an engine's run stands in it, and no run of its own."""
-    if not _has(deck.SCENE)(directory) or _has(deck.DECK)(directory):
+    if not _has(file_names.SCENE)(directory) or _has(file_names.DECK)(directory):
         return False
-    return any(_has(deck.SCENE)(directory / engine) for engine in ("lammps", "reference", "collisions"))
+    return any(_has(file_names.SCENE)(directory / engine) for engine in ("lammps", "reference", "collisions"))
 
 
 def _trades(directory: Path) -> bool:
@@ -93,13 +93,13 @@ _KINDS = {
         "not every engine came to its end; the same command with another -o makes it anew",
     ),
     "reproduce": _Kind(
-        _holds(f"runs/*/{deck.SCENE}"),
+        _holds(f"runs/*/{file_names.SCENE}"),
         _has("index.html"),
         "index.html is the report",
         "`granchain reproduce -o {}` goes on",
     ),
     "gallery": _Kind(
-        _holds(f"entries/*/runs/*/{deck.SCENE}"),
+        _holds(f"entries/*/runs/*/{file_names.SCENE}"),
         _has("index.html"),
         "index.html is the page",
         "`granchain gallery -o {}` goes on",

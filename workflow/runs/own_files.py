@@ -14,11 +14,10 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from lammps_inputs import InputError
-from lammps_inputs.decks import deck
+from lammps_inputs import InputError, file_names
+from workflow.runs.files import ANALYSIS_FILES, OWN_FILES, RECORD, all_parts, part_number
 from workflow.runs.locks import changing
-from workflow.runs.record import RECORD, read_record
-from workflow.runs.run_directory import ANALYSIS_FILES, OWN_FILES, all_parts, part_number
+from workflow.runs.record import read_record
 from workflow.runs.whole_files import TEMPORARY, write_json
 
 _TEMPORARY = re.compile(rf"\..+{re.escape(TEMPORARY)}[a-z0-9_]{{4,8}}")
@@ -118,12 +117,12 @@ def refuse_to_overwrite(source: str, directory: Path) -> None:
     """
     path = Path(source)
     try:
-        same = path.is_file() and path.samefile(directory / deck.SCENE)
+        same = path.is_file() and path.samefile(directory / file_names.SCENE)
     except (OSError, ValueError):
         return
     if same:
         raise InputError(
-            f"-o: {source} stands in {directory}, where a run writes a {deck.SCENE} of its own; choose another -o"
+            f"-o: {source} stands in {directory}, where a run writes a {file_names.SCENE} of its own; choose another -o"
         )
 
 
@@ -176,7 +175,7 @@ def replacing(directory: Path, names: Iterable[str]) -> Iterator[None]:
 def _move(directory: Path, aside: Path, own: set[str]) -> None:
     """Put the files of a run aside, its list as the last: where that is aside, everything is."""
     names = sorted(own.intersection(_REPLACED))
-    if deck.DUMP in own:
+    if file_names.DUMP in own:
         names += [path.name for path in all_parts(directory) if path.name not in names]
     for name in (*(name for name in names if name != RECORD), RECORD):
         if os.path.lexists(directory / name):

@@ -4,8 +4,7 @@ import numpy as np
 
 from analysis.mirror import direction_of
 from analysis.tracking.leading_waves import Waves, from_csv
-from lammps_inputs import InputError
-from lammps_inputs.decks import deck
+from lammps_inputs import InputError, file_names
 from workflow.runs.run_directory import RunDirectory
 
 
@@ -15,7 +14,7 @@ def found_on_the_way(directory: RunDirectory) -> Waves | None:
     Raises:
         InputError: the file cannot be read.
     """
-    path, problem = directory.path / deck.PEAKS, directory.problem
+    path, problem = directory.path / file_names.PEAKS, directory.problem
     if not problem.peaks or problem.recorded is None or not path.is_file():
         return None
     try:

@@ -8,9 +8,6 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationErr
 from pydantic_core import from_json
 
 from lammps_inputs import InputError
-from lammps_inputs.library import describe
-
-RECORD = "run.json"
 
 MAX_BYTES = 16 << 20
 """Ours are some kB; what comes from a scene file is at most 1 MiB."""
@@ -39,7 +36,7 @@ Date = Annotated[str, AfterValidator(_date)]
 class _Part(BaseModel):
     """What is not named here is nobody's business."""
 
-    model_config = ConfigDict(frozen=True, strict=True, allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, strict=True, allow_inf_nan=False, defer_build=True)
 
 
 class _Resumed(_Part):
@@ -131,6 +128,8 @@ def read_record(path: Path) -> dict[str, Any]:
         data = from_json(raw, allow_inf_nan=False)
         _Record.model_validate(data)
     except ValidationError as error:
+        from lammps_inputs.library import describe  # loads all that a scene may be
+
         raise InputError(f"{path}: cannot be read ({describe(error, _Record)})") from None
     except ValueError as error:
         raise InputError(f"{path}: cannot be read ({error})") from None

@@ -12,11 +12,12 @@ from analysis.trajectory import Floats
 from lammps_inputs import InputError, Scene, library
 from workflow.engines.lammps import mpi
 from workflow.runs.compute import ENGINES, Progress
+from workflow.runs.files import RECORD, parts
 from workflow.runs.provenance import provenance
-from workflow.runs.record import RECORD, read_record
+from workflow.runs.record import read_record
 from workflow.runs.results import SAMPLES, results, states
 from workflow.runs.run import run
-from workflow.runs.run_directory import RunDirectory, parts
+from workflow.runs.run_directory import RunDirectory
 
 
 @dataclass(frozen=True)

@@ -11,18 +11,18 @@ from typing import Any
 
 from analysis.files import recording
 from analysis.files.binary_dump import BinaryDump, CutDumpWarning, NoFrameError
-from lammps_inputs import InputError, Problem, library
+from lammps_inputs import InputError, Problem, file_names, library
 from lammps_inputs.decks import continuation, deck
 from workflow.engines.lammps import engine as lammps_engine
 from workflow.engines.lammps import live_peaks, restarts
 from workflow.prepare.settings import Settings
 from workflow.runs.compute import ENGINES, Progress
+from workflow.runs.files import OWN_FILES, RECORD, all_parts, part_number, parts
 from workflow.runs.locks import alone
 from workflow.runs.own_files import refuse_links, remove_leftovers
 from workflow.runs.provenance import fingerprint
-from workflow.runs.record import RECORD
 from workflow.runs.run import Run, carry_out, measure_error
-from workflow.runs.run_directory import OWN_FILES, RunDirectory, all_parts, part_number, parts
+from workflow.runs.run_directory import RunDirectory
 from workflow.runs.whole_files import write_text
 
 _AGAIN = "nothing is there to go on from: run the scene again with another -o"
@@ -74,7 +74,7 @@ def resume(
         if part == 1:
             _remove_frames(path)
         else:
-            write_text(path / continuation.CONTINUE, continuation.render_continuation(result.problem))
+            write_text(path / file_names.CONTINUE, continuation.render_continuation(result.problem))
         now = datetime.now(UTC).isoformat(timespec="seconds")
         earlier = record.get("resumed", [])
         resumed = [*earlier, {"at": now, "from_step": step}]
@@ -96,8 +96,10 @@ def begun(path: Path) -> RunDirectory:
     Raises:
         InputError: none was.
     """
-    if path.is_dir() and not (path / deck.SCENE).is_file():
-        raise InputError(f"{path}: holds no {deck.SCENE}, so no run was begun there; run the scene with -o {path}")
+    if path.is_dir() and not (path / file_names.SCENE).is_file():
+        raise InputError(
+            f"{path}: holds no {file_names.SCENE}, so no run was begun there; run the scene with -o {path}"
+        )
     result = RunDirectory(path)
     try:
         record = result.record
@@ -123,7 +125,7 @@ def _with_its_files(path: Path) -> tuple[RunDirectory, dict[str, Any]]:
     """
     result = begun(path)
     record = result.record
-    expected = [deck.SCENE, *([deck.DECK, deck.DATA] if record["engine"] == "lammps" else [])]
+    expected = [file_names.SCENE, *([file_names.DECK, file_names.DATA] if record["engine"] == "lammps" else [])]
     # what is no text is not what was written either
     files = {name: (path / name).read_text("utf-8", "replace") for name in expected if (path / name).is_file()}
     missing = [name for name in expected if name not in files]
@@ -146,11 +148,11 @@ def _next_part(result: RunDirectory, record: dict[str, Any]) -> tuple[int, int]:
     A restart is of use if LAMMPS is still the one that wrote it, and if all frames until then are there.
     """
     path = result.path
-    step = restarts.step_of(path / continuation.RESTART) if restarts.intact(path / continuation.RESTART) else None
+    step = restarts.step_of(path / file_names.RESTART) if restarts.intact(path / file_names.RESTART) else None
     version = importlib.metadata.version("lammps")
     if not step or record.get("versions", {}).get("lammps") != version or not _hold_all(path, result.problem, step):
         return 1, 0
-    if result.problem.peaks and not live_peaks.usable(path / deck.PEAKS_STATE, result.problem, step):
+    if result.problem.peaks and not live_peaks.usable(path / file_names.PEAKS_STATE, result.problem, step):
         return 1, 0
     _tidy(path)
     return max(part_number(file) for file in all_parts(path)) + 1, step
@@ -201,7 +203,7 @@ def _index(file: Path) -> BinaryDump:
 
 
 def _remove_frames(path: Path) -> None:
-    restart = (continuation.RESTART, continuation.RESTART_SUMS, continuation.UNFINISHED)
+    restart = (file_names.RESTART, file_names.RESTART_SUMS, file_names.UNFINISHED)
     for file in (*all_parts(path), *(path / name for name in restart)):
         file.unlink(missing_ok=True)
 

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from analysis.trajectory import Measured, Trajectory
-from lammps_inputs import InputError, Scene, html
-from lammps_inputs.decks import continuation, deck
+from lammps_inputs import InputError, Scene, file_names, html
+from lammps_inputs.decks import deck
 from workflow.engines.lammps import engine as lammps_engine
 from workflow.engines.reference import engine as reference
 from workflow.errors import EndedError, RunError
@@ -20,11 +20,12 @@ from workflow.prepare.settings import Settings, refuse_too_large, settle
 from workflow.runs import check as checking
 from workflow.runs import contacts
 from workflow.runs.compute import ENGINES, Progress, Start, compute, refuse_what_it_cannot_do
+from workflow.runs.files import run_files
 from workflow.runs.locks import alone
 from workflow.runs.own_files import prepare, refuse_links, replacing
 from workflow.runs.provenance import fingerprint, provenance
 from workflow.runs.results import results
-from workflow.runs.run_directory import RunDirectory, run_files
+from workflow.runs.run_directory import RunDirectory
 from workflow.runs.whole_files import write_text
 
 LAMMPS_BYTES = 1000
@@ -115,12 +116,12 @@ def run(
         raise InputError(f"--ranks: the engine {engine!r} runs on one core")
     files = deck.render(scene)
     if engine != "lammps":
-        files = {deck.SCENE: files[deck.SCENE]}
+        files = {file_names.SCENE: files[file_names.SCENE]}
     names = run_files(engine)
     prepare(path, names, overwrite=overwrite)
     with alone(path) as lock:
         with replacing(path, names):
-            write_text(path / deck.SCENE, files[deck.SCENE])
+            write_text(path / file_names.SCENE, files[file_names.SCENE])
             result = RunDirectory(path)
             result.update_record(
                 outcome="running",
@@ -212,7 +213,7 @@ def carry_out(
         raise type(error)(reason) if isinstance(error, RunError) else RunError(reason) from None
     if ending["outcome"] != "done":
         return Run(result, ending["outcome"])
-    for name in (continuation.RESTART, continuation.RESTART_SUMS):
+    for name in (file_names.RESTART, file_names.RESTART_SUMS):
         (path / name).unlink(missing_ok=True)
     return Run(result, "done", measure_error(result, settings) if check else None)
 

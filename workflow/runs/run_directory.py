@@ -14,7 +14,6 @@ Every file is written whole (`whole_files`), except the dump, whose frames are w
 while something runs in it (`locks`). Which files are ours, and may be replaced: see `own_files`.
 """
 
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -23,66 +22,11 @@ from typing import Any
 
 from analysis.files import recording
 from analysis.trajectory import Trajectory, joined
-from lammps_inputs import InputError, Problem, Scene, load
-from lammps_inputs.decks import continuation, deck
-from lammps_inputs.slurm import job
-from workflow.formats import in_any_format
+from lammps_inputs import InputError, Problem, Scene, file_names, load
+from workflow.runs.files import RECORD, parts
 from workflow.runs.locks import changing
-from workflow.runs.record import RECORD, read_record
+from workflow.runs.record import read_record
 from workflow.runs.whole_files import write_json
-
-EVENTS = "events.csv"
-REPORT = "analysis.json"
-VIEW = "view.html"
-
-OWN_FILES = (
-    *(deck.SCENE, deck.DECK, deck.DATA, deck.DUMP, deck.LOG, EVENTS, RECORD),
-    *(
-        continuation.CONTINUE,
-        continuation.RESTART,
-        continuation.RESTART_SUMS,
-        continuation.UNFINISHED,
-        deck.PEAKS,
-        deck.PEAKS_STATE,
-    ),
-    *job.OWN_FILES,
-    deck.SNAPSHOTS,
-)
-ANALYSIS_FIGURES = ("spacetime", "response", "distance", "shape", "energy", "forces", "spectra", "dispersion", "budget")
-ANALYSIS_FILES = (
-    *("waves.csv", "forces.csv", "spectra.csv", "dispersion.csv"),
-    REPORT,
-    VIEW,
-    *in_any_format(*ANALYSIS_FIGURES),
-    *("validation.json", *in_any_format("validation")),
-    *("compare.json", *in_any_format("compare")),
-)
-
-_PART = re.compile(r"chains\.(dump|snapshots)(?:\.([1-9][0-9]{0,8}))?\.bin")
-
-
-def run_files(engine: str) -> tuple[str, ...]:
-    """What a run by an engine, or the deck for LAMMPS, may leave in its directory before it is analysed."""
-    if engine != "lammps":
-        return (deck.SCENE, RECORD, deck.DUMP, EVENTS)
-    return tuple(name for name in OWN_FILES if name != EVENTS and name not in job.OWN_FILES)
-
-
-def parts(directory: Path, kind: str = "dump") -> list[Path]:
-    """The files of frames there are, in order; with "snapshots" those of all beads beside frames of some."""
-    found = {path: match for path in directory.iterdir() if (match := _PART.fullmatch(path.name)) and path.is_file()}
-    return sorted((path for path, match in found.items() if match[1] == kind), key=part_number)
-
-
-def all_parts(directory: Path) -> list[Path]:
-    """The files of frames and those of snapshots."""
-    return [*parts(directory), *parts(directory, "snapshots")]
-
-
-def part_number(path: Path) -> int:
-    """Number of a file of frames; 0 if it is none."""
-    match = _PART.fullmatch(path.name)
-    return 0 if match is None else int(match[2] or 1)
 
 
 @dataclass(frozen=True)
@@ -93,18 +37,18 @@ class RunDirectory:
 
     def __post_init__(self) -> None:
         try:
-            found, whole = self.path.is_dir(), (self.path / deck.SCENE).is_file()
+            found, whole = self.path.is_dir(), (self.path / file_names.SCENE).is_file()
         except OSError as error:
             raise InputError(f"{self.path}: cannot be read ({error.strerror})") from None
         if not found:
             raise InputError(f"{self.path}: no such directory")
         if not whole:
-            raise InputError(f"{self.path}: not a run directory (it has no {deck.SCENE})")
+            raise InputError(f"{self.path}: not a run directory (it has no {file_names.SCENE})")
 
     @cached_property
     def scene(self) -> Scene:
         """The scene as it was run."""
-        return load(self.path / deck.SCENE)
+        return load(self.path / file_names.SCENE)
 
     @cached_property
     def problem(self) -> Problem:
@@ -113,7 +57,7 @@ class RunDirectory:
         try:
             return scene.problem()
         except ValueError as error:
-            raise InputError(f"{self.path / deck.SCENE}: {error}") from None
+            raise InputError(f"{self.path / file_names.SCENE}: {error}") from None
 
     @property
     def record(self) -> dict[str, Any]:
@@ -156,8 +100,8 @@ class RunDirectory:
             InputError: there is none.
         """
         found = parts(self.path)
-        if not found or found[0].name != deck.DUMP:
-            raise InputError(f"{self.path}: holds no {deck.DUMP}; run the deck first")
+        if not found or found[0].name != file_names.DUMP:
+            raise InputError(f"{self.path}: holds no {file_names.DUMP}; run the deck first")
         return found
 
     @property

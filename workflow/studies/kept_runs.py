@@ -3,8 +3,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from lammps_inputs import Scene, strict_yaml
-from lammps_inputs.decks import deck
+from lammps_inputs import Scene, file_names, strict_yaml
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 
@@ -44,10 +43,10 @@ def errors(directory: RunDirectory) -> tuple[float, float]:
 
 def _finished(path: Path, scene: Scene, engine: str) -> RunDirectory | None:
     """An earlier run of just this scene that came to its end."""
-    if not (path / deck.SCENE).is_file():
+    if not (path / file_names.SCENE).is_file():
         return None
     directory = RunDirectory(path)
-    same = (path / deck.SCENE).read_text(encoding="utf-8") == strict_yaml.dump(scene.resolved().plain())
+    same = (path / file_names.SCENE).read_text(encoding="utf-8") == strict_yaml.dump(scene.resolved().plain())
     record = directory.record
     checked = "check" in record or "certificate" in record
     return (

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from analysis.files.recording import FARTHEST
-from lammps_inputs import InputError, Scene
-from lammps_inputs.slurm.job import CASES
+from lammps_inputs import InputError, Scene, file_names
 from workflow.cluster import queue
 from workflow.engines.lammps.mpi import cores
 from workflow.errors import RunError
@@ -160,7 +159,7 @@ def make(directory: Path) -> None:
 
 def _refuse_if_queued(directory: Path, cases: list[Case]) -> None:
     """Leave cases to the jobs of a cluster that were sent out for them."""
-    if not (directory / CASES).is_file():
+    if not (directory / file_names.CASES).is_file():
         return
     known = queue.ask()
     for case in cases:

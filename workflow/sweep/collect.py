@@ -8,13 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from lammps_inputs import InputError, strict_yaml
-from lammps_inputs.decks import deck
-from lammps_inputs.slurm.job import CASES
+from lammps_inputs import InputError, file_names, strict_yaml
 from workflow.cluster import queue
 from workflow.engines.lammps.mpi import cores
-from workflow.runs.record import RECORD
-from workflow.runs.run_directory import REPORT
+from workflow.runs.files import RECORD, REPORT
 from workflow.runs.status import Status, status
 from workflow.runs.whole_files import write_figure
 from workflow.sweep import fields, pool
@@ -34,12 +31,12 @@ def collect(directory: Path, progress: Callable[[int, int], None] | None = None)
         InputError: there is no run directory in it.
     """
     try:
-        found = sorted(path for path in directory.iterdir() if (path / deck.SCENE).is_file())
+        found = sorted(path for path in directory.iterdir() if (path / file_names.SCENE).is_file())
     except OSError as error:
         raise InputError(f"{directory}: cannot be read ({error.strerror})") from None
     if not found:
         raise InputError(f"{directory}: holds no run directories; `granchain sweep` makes some")
-    known = queue.ask() if (directory / CASES).is_file() else None
+    known = queue.ask() if (directory / file_names.CASES).is_file() else None
     states = {path: status(path, known) for path in found}
     done = [path for path in found if states[path].state == "done"]
     complaints = _analyse([path for path in done if not is_analysed(path)], progress)
@@ -86,7 +83,7 @@ def _are_bands(value: Any) -> bool:
 def _scene(directory: Path) -> dict[str, Any]:
     """Plain data of the scene of a run that no sweep asked for; empty if it cannot be read."""
     try:
-        return strict_yaml.load(directory / deck.SCENE)
+        return strict_yaml.load(directory / file_names.SCENE)
     except InputError:
         return {}
 

@@ -4,9 +4,8 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from lammps_inputs import InputError
-from lammps_inputs.slurm.command import OUTPUT, render_command
-from lammps_inputs.slurm.job import JOB
+from lammps_inputs import InputError, file_names
+from lammps_inputs.slurm.command import render_command
 from lammps_inputs.slurm.site import JobOptions
 from workflow.runs.own_files import claim
 from workflow.runs.whole_files import write_text
@@ -34,10 +33,11 @@ def write_job(
         directory.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(f"{directory}: cannot be written to ({error.strerror})") from None
-    claim(directory, (JOB, OUTPUT))
-    write_text(directory / JOB, text)
+    claim(directory, (file_names.JOB, file_names.JOB_OUTPUT))
+    write_text(directory / file_names.JOB, text)
 
 
 def submit_hint(directory: Path) -> str:
     """What to do with it, in one line."""
-    return f"{directory}: {JOB}; on the cluster, there: sbatch {JOB}    (what it says: {OUTPUT})"
+    said = f"what it says: {file_names.JOB_OUTPUT}"
+    return f"{directory}: {file_names.JOB}; on the cluster, there: sbatch {file_names.JOB}    ({said})"

@@ -14,12 +14,11 @@ from typing import Any
 
 from pydantic_core import from_json
 
-from lammps_inputs import InputError, Scene, library, strict_yaml
-from lammps_inputs.decks import deck
+from lammps_inputs import InputError, Scene, file_names, library, strict_yaml
 from workflow.formats import figure_files
+from workflow.runs.files import RECORD, REPORT
 from workflow.runs.own_files import claim, listed, others, remove_leftovers
-from workflow.runs.record import RECORD, read_record
-from workflow.runs.run_directory import REPORT
+from workflow.runs.record import read_record
 from workflow.runs.status import status
 from workflow.runs.whole_files import write_json, write_text
 
@@ -83,9 +82,9 @@ def begin(path: Path, wanted: Asked, scene: Scene) -> None:
     """Make a case's directory; from then on it is a run directory that may be overwritten."""
     path.mkdir(parents=True, exist_ok=True)
     remove_leftovers(path)  # of a sweep that was killed
-    claim(path, (CASE, deck.SCENE))
+    claim(path, (CASE, file_names.SCENE))
     write_json(path / CASE, wanted.plain())
-    write_text(path / deck.SCENE, strict_yaml.dump(scene.resolved().plain()))
+    write_text(path / file_names.SCENE, strict_yaml.dump(scene.resolved().plain()))
 
 
 def refuse_another(path: Path, wanted: Asked, scene: Scene) -> None:
@@ -105,9 +104,9 @@ def refuse_another(path: Path, wanted: Asked, scene: Scene) -> None:
     if found.engine != wanted.engine:
         raise InputError(f"{path}: is the same case computed by {found.engine}, not {wanted.engine}; {advice}")
     key = _first_difference(found.scene, wanted.scene)
-    if key is None and (path / deck.SCENE).is_file():
+    if key is None and (path / file_names.SCENE).is_file():
         try:
-            written = library.load(path / deck.SCENE).plain()
+            written = library.load(path / file_names.SCENE).plain()
         except InputError:  # damaged: it is written anew
             return
         resolved = scene.resolved().plain()

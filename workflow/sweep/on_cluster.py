@@ -4,17 +4,16 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from lammps_inputs import InputError, Problem, Scene, load
+from lammps_inputs import InputError, Problem, Scene, file_names, load
 from lammps_inputs.decks import deck
 from lammps_inputs.slurm import job
 from lammps_inputs.slurm.site import JobOptions
 from workflow.cluster import queue
 from workflow.cluster.job_arguments import with_ranks
 from workflow.prepare.settings import settle
+from workflow.runs.files import ANALYSIS_FILES, RECORD, run_files
 from workflow.runs.locks import alone
 from workflow.runs.own_files import claim, listed
-from workflow.runs.record import RECORD
-from workflow.runs.run_directory import ANALYSIS_FILES, run_files
 from workflow.runs.status import status
 from workflow.runs.whole_files import write_json, write_text
 from workflow.sweep.carry_out import make, plan, request
@@ -91,7 +90,7 @@ def write_array(
 
 def _listed(directory: Path) -> list[str]:
     """Cases of an array that was written before; they keep their numbers."""
-    path = directory / job.CASES
+    path = directory / file_names.CASES
     return path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
 
 
@@ -108,13 +107,13 @@ def _refuse_if_queued(directory: Path, listed: list[str], known: queue.Queue | N
 def _write_case(what: Sweep, case: Case, path: Path) -> Problem:
     """The deck of a case, unless it is there whole, and what a job needs beside it; a restart is gone on from."""
     scene = scene_of(what, case)
-    if not all((path / name).is_file() for name in (deck.SCENE, deck.DECK, deck.DATA)):
+    if not all((path / name).is_file() for name in (file_names.SCENE, file_names.DECK, file_names.DATA)):
         _write_deck(path, what, case, scene)
     try:
-        written = load(path / deck.SCENE)
+        written = load(path / file_names.SCENE)
     except InputError:  # damaged
         _write_deck(path, what, case, scene)
-        written = load(path / deck.SCENE)
+        written = load(path / file_names.SCENE)
     problem = written.problem()
     for name, text in deck.render(written).items():
         if (path / name).read_bytes() != text.encode("utf-8"):  # damaged
@@ -123,7 +122,7 @@ def _write_case(what: Sweep, case: Case, path: Path) -> Problem:
     for name in own.intersection(ANALYSIS_FILES):  # of a run that did not come to its end here
         (path / name).unlink(missing_ok=True)
     files = job.case_files(problem)
-    claim(path, job.OWN_FILES)
+    claim(path, file_names.JOB_FILES)
     write_json(path / RECORD, {"files": sorted(listed(path))})
     for name, text in files.items():
         write_text(path / name, text)

@@ -12,6 +12,7 @@ import time
 from collections.abc import Generator, Iterator
 from typing import Any
 
+from workflow import screen
 from workflow.sweep.jobs import Job
 
 _STOP_SECONDS = 60.0
@@ -37,6 +38,7 @@ def answers(jobs: Iterator[tuple[str, Job]], processes: int) -> Generator[tuple[
     everyone = {_Process() for _ in range(processes)}  # also those that are neither idle nor busy when Ctrl-C comes
     idle = list(everyone)
     busy: dict[_Process, str] = {}
+    hints: set[str] = set()
     with selectors.DefaultSelector() as selector:
         try:
             while True:
@@ -52,10 +54,15 @@ def answers(jobs: Iterator[tuple[str, Job]], processes: int) -> Generator[tuple[
                     return
                 for ready, _ in selector.select():
                     process = ready.data
-                    selector.unregister(process.output)
-                    answer = process.answer()
-                    idle.append(process if process.alive() else _replaced(process, everyone))
-                    yield busy.pop(process), answer
+                    for said in process.heard():
+                        if "hint" in said:
+                            if said["hint"] not in hints:
+                                screen.hint(said["hint"])
+                            hints.add(said["hint"])
+                            continue
+                        selector.unregister(process.output)
+                        idle.append(process if process.alive() else _replaced(process, everyone))
+                        yield busy.pop(process), said
         finally:
             for process in everyone:
                 process.hang_up()
@@ -90,7 +97,7 @@ class _Process:
         assert self._process.stdin is not None
         assert self._process.stdout is not None
         self._input, self.output = self._process.stdin, self._process.stdout
-        self._said = 0
+        self._said, self._begun = 0, b""
 
     def give(self, job: Job) -> bool:
         """Start a job; whether the process was there to take it."""
@@ -102,16 +109,22 @@ class _Process:
             return False
         return True
 
-    def answer(self) -> Answer:
-        """Wait for the answer to the job."""
+    def heard(self) -> list[Answer]:
+        """What it has said since it was last listened to: hints, and the answer to the job."""
+        more = os.read(self.output.fileno(), 1 << 16)
+        *lines, self._begun = (self._begun + more).split(b"\n")
         try:
-            found = json.loads(self.output.readline())
+            found = [json.loads(line) for line in lines]
         except ValueError:
-            found = None
-        if isinstance(found, dict):
-            if found.get("last"):
-                self.hang_up()
-            return found
+            found = [None]
+        if not more or not all(isinstance(each, dict) for each in found):
+            return [self._ended()]
+        if any(each.get("last") for each in found):
+            self.hang_up()
+        return found
+
+    def _ended(self) -> Answer:
+        """The answer of a process that gives none."""
         self.hang_up()
         code = self._process.wait()
         how = f"was killed by signal {signal.Signals(-code).name}" if code < 0 else f"ended with exit code {code}"

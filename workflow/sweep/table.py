@@ -14,8 +14,7 @@ from analysis.trajectory import Floats
 from lammps_inputs import html
 from lammps_inputs.numbers import text
 from lammps_inputs.units import REDUCED, SI
-from workflow.runs.record import RECORD
-from workflow.runs.run_directory import REPORT
+from workflow.runs.files import RECORD, REPORT
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,8 @@
 
 Started as ``python -m workflow.sweep.worker``. Each line of its input is a JSON object that `Job.from_line` reads, and
 each is answered with one: ``end`` is "done", "stopped", or "failed" with a ``reason``; ``last`` says that this process
-can do no other. It ends when its input does, and dies with the process that started it.
+can do no other. Before it there may be others, each with a ``hint`` for whoever waits. It ends when its input does, and
+dies with the process that started it.
 """
 
 import contextlib
@@ -14,12 +15,12 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from lammps_inputs import InputError, library
-from lammps_inputs.decks import continuation
+from lammps_inputs import InputError, file_names, library
+from workflow import screen
 from workflow.engines.lammps import hosted
 from workflow.errors import RunError
 from workflow.formats import written_as
-from workflow.runs.record import RECORD
+from workflow.runs.files import RECORD
 from workflow.runs.resume import resume
 from workflow.runs.run import Run, run
 from workflow.runs.run_directory import RunDirectory
@@ -33,12 +34,17 @@ def main() -> int:
     die_with_parent(os.getppid())
     answers = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)  # what LAMMPS or MPI print is no answer
-    for line in iter(sys.stdin.readline, ""):
-        answer = _answer(Job.from_line(line))
+
+    def say(answer: dict[str, Any]) -> None:
         answers.write(json.dumps(answer) + "\n")
         answers.flush()
-        if answer.get("last"):
-            break
+
+    with screen.with_hints(lambda text: say({"hint": text})):
+        for line in iter(sys.stdin.readline, ""):
+            answer = _answer(Job.from_line(line))
+            say(answer)
+            if answer.get("last"):
+                break
     os._exit(0)  # MPI, which LAMMPS started, would have its say at an orderly end
 
 
@@ -65,7 +71,7 @@ def _do(job: Job) -> str:
 
 def _run(directory: Path, case: Asked, *, check: bool) -> Run:
     """From the last restart if there is one; most cases take less time than passes until one is written."""
-    if (directory / continuation.RESTART).is_file():
+    if (directory / file_names.RESTART).is_file():
         with contextlib.suppress(InputError):  # not one to go on from
             resumed = resume(directory, check=check, lammps=hosted.run)
             if resumed is not None:

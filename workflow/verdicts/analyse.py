@@ -37,10 +37,11 @@ from workflow.engines.reference.accountant import Accountant
 from workflow.formats import figure_files, in_any_format
 from workflow.runs.accounts import accountant
 from workflow.runs.contacts import Contacts, has_contacts, of_overlap
+from workflow.runs.files import ANALYSIS_FIGURES, REPORT
 from workflow.runs.own_files import claim, retire
 from workflow.runs.peaks_table import found_on_the_way
 from workflow.runs.results import Fingerprint, recorded_fingerprint
-from workflow.runs.run_directory import ANALYSIS_FIGURES, REPORT, RunDirectory
+from workflow.runs.run_directory import RunDirectory
 from workflow.runs.whole_files import write_figure, write_json, write_text
 from workflow.verdicts.analysis_report import last_clear_bead, report
 from workflow.verdicts.ingredient_reports import (

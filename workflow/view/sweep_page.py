@@ -17,6 +17,7 @@ from bokeh.models import (
 )
 from bokeh.plotting import figure
 
+from analysis.figures.swept import logarithmic
 from workflow.sweep.table import Table
 
 _LINK = '<a href="<%= link %>"><%- value %></a>'
@@ -37,7 +38,9 @@ _DARK_CHOICE = """
 
 _CHOOSE = """
 source.data.x = source.data[over.value]; source.data.y = source.data[what.value]; source.change.emit();
-xaxis.axis_label = headings[over.value]; yaxis.axis_label = headings[what.value];
+const plot = plots[kinds[over.value]];
+plot.below[0].axis_label = headings[over.value]; plot.left[0].axis_label = headings[what.value];
+if (top.children[0] != plot) top.children = [plot, top.children[1]];
 """
 
 
@@ -56,23 +59,14 @@ def layout(table: Table, pages: dict[str, str]) -> Any:
     data["x"], data["y"] = data[over], data[what]
     source = ColumnDataSource(name="cases", data=data)
     headings = {name: table.heading(name) for name in table.columns}
-    plot = figure(
-        tools="pan,wheel_zoom,box_zoom,reset,save",
-        height=380,
-        width=760,
-        x_axis_label=headings[over],
-        y_axis_label=headings[what],
-    )
-    plot.toolbar.logo = None
-    drawn = plot.scatter("x", "y", size=10, source=source, fill_color="#0072B2", line_color="white", name="points")
-    plot.add_tools(HoverTool(renderers=[drawn], tooltips=[("case", "@case"), ("x", "@x"), ("y", "@y")]))
-    plot.add_tools(TapTool(renderers=[drawn], callback=OpenURL(url="@link")))
+    kinds = {name: "log" if _by_factors(data[name]) else "linear" for name in numbers}
+    plots = {kind: _plot(source, kind, headings[over], headings[what]) for kind in sorted(set(kinds.values()))}
     choose_x = Select(title="over", value=over, options=numbers, name="over", stylesheets=[_DARK_CHOICE])
     choose_y = Select(title="column", value=what, options=numbers, name="column", stylesheets=[_DARK_CHOICE])
-    args = {"source": source, "over": choose_x, "what": choose_y, "xaxis": plot.xaxis[0], "yaxis": plot.yaxis[0]}
-    args["headings"] = headings
+    args = {"source": source, "over": choose_x, "what": choose_y, "plots": plots, "kinds": kinds, "headings": headings}
+    top = row(plots[kinds[over]], column(choose_y, choose_x), name="top")
     for chooser in (choose_x, choose_y):
-        chooser.js_on_change("value", CustomJS(args=args, code=_CHOOSE))
+        chooser.js_on_change("value", CustomJS(args={**args, "top": top}, code=_CHOOSE))
     columns = [
         TableColumn(
             field=name,
@@ -92,7 +86,30 @@ def layout(table: Table, pages: dict[str, str]) -> Any:
         reorderable=False,
         stylesheets=[_DARK_TABLE],
     )
-    return column(row(plot, column(choose_y, choose_x)), grid, sizing_mode="stretch_width")
+    return column(top, grid, sizing_mode="stretch_width")
+
+
+def _plot(source: ColumnDataSource, kind: str, over: str, what: str) -> Any:
+    """The column that is chosen over another, on a linear or a logarithmic axis; a click opens the case."""
+    plot = figure(
+        tools="pan,wheel_zoom,box_zoom,reset,save",
+        height=380,
+        width=760,
+        x_axis_type=kind,
+        x_axis_label=over,
+        y_axis_label=what,
+        name=f"plot {kind}",
+    )
+    plot.toolbar.logo = None
+    drawn = plot.scatter("x", "y", size=10, source=source, fill_color="#0072B2", line_color="white", name="points")
+    plot.add_tools(HoverTool(renderers=[drawn], tooltips=[("case", "@case"), ("x", "@x"), ("y", "@y")]))
+    plot.add_tools(TapTool(renderers=[drawn], callback=OpenURL(url="@link")))
+    return plot
+
+
+def _by_factors(values: list[Any]) -> bool:
+    """Whether what stands in a column is spaced by factors."""
+    return logarithmic([value for value in values if isinstance(value, float | int)])
 
 
 def _plain(value: Any) -> Any:

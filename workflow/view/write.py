@@ -6,10 +6,10 @@ from pathlib import Path
 
 from analysis.figures.style import shown_chains
 from analysis.files.binary_dump import CutDumpWarning
-from lammps_inputs import InputError, strict_yaml
-from lammps_inputs.decks import deck
+from lammps_inputs import InputError, file_names, strict_yaml
+from workflow.runs.files import VIEW
 from workflow.runs.own_files import claim
-from workflow.runs.run_directory import VIEW, RunDirectory
+from workflow.runs.run_directory import RunDirectory
 from workflow.runs.whole_files import write_text
 from workflow.sweep.collect import collect
 from workflow.verdicts.analyse import analyse, default_beads
@@ -25,13 +25,13 @@ def write(directory: Path) -> list[Path]:
     Raises:
         InputError: there is nothing to be seen in it.
     """
-    if (directory / deck.SCENE).is_file():
+    if (directory / file_names.SCENE).is_file():
         return [_run(directory)]
     if not directory.is_dir():
         raise InputError(f"{directory}: no such directory")
-    inside = sorted(path for path in directory.iterdir() if (path / deck.SCENE).is_file())
+    inside = sorted(path for path in directory.iterdir() if (path / file_names.SCENE).is_file())
     if not inside:
-        raise InputError(f"{directory}: neither a run nor a sweep; it has no {deck.SCENE}")
+        raise InputError(f"{directory}: neither a run nor a sweep; it has no {file_names.SCENE}")
     if (directory / "compare.json").is_file():
         return [_run(path) for path in inside]
     return [_sweep(directory)]
@@ -64,8 +64,8 @@ def _run(path: Path) -> Path:
     if any(left_out):
         lines.append(f"Shown: {', '.join(filter(None, left_out))}; each number is the run's own.")
     texts = {"scene": strict_yaml.dump(scene.plain())}
-    if (path / deck.DECK).is_file():
-        texts[deck.DECK] = (path / deck.DECK).read_text(encoding="utf-8", errors="replace")
+    if (path / file_names.DECK).is_file():
+        texts[file_names.DECK] = (path / file_names.DECK).read_text(encoding="utf-8", errors="replace")
     foot = "".join(folded(heading, text) for heading, text in texts.items())
     made = render(
         f"{scene.name}: {problem.chains} x {problem.beads} beads",

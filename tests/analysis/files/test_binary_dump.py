@@ -16,7 +16,7 @@ from processes import HANGS
 from analysis import trajectory
 from analysis.files.binary_dump import BinaryDump, CutDumpWarning, NoFrameError
 from analysis.files.recording import Writer, atom_ids, blocks, rest_positions
-from lammps_inputs import Coupling, InputError, Kick, Output, Problem, Scene
+from lammps_inputs import Coupling, InputError, Kick, Output, Problem, Scene, file_names
 from lammps_inputs.decks import deck
 
 BIN = Path(sysconfig.get_path("scripts"))
@@ -36,15 +36,15 @@ TINY = Scene(name="tiny", beads=2, kick=(Kick(velocity=1.0),), duration=0.3, out
 def run_lammps(directory: Path, scene: Scene, *, ranks: int = 1, extra: str = "") -> Path:
     deck.write(scene, directory)
     (directory / "extra").write_text(extra)
-    text = (directory / deck.DECK).read_text()
-    (directory / deck.DECK).write_text(text.replace("thermo_style", "include extra\nthermo_style", 1))
-    return lmp(directory, deck.DECK, ranks)
+    text = (directory / file_names.DECK).read_text()
+    (directory / file_names.DECK).write_text(text.replace("thermo_style", "include extra\nthermo_style", 1))
+    return lmp(directory, file_names.DECK, ranks)
 
 
 def lmp(directory: Path, script: str, ranks: int = 1) -> Path:
     parallel = [] if ranks == 1 else [BIN / "mpiexec", "-n", str(ranks)]
     subprocess.run([*parallel, BIN / "lmp", "-in", script, "-screen", "none"], cwd=directory, check=True, timeout=HANGS)
-    return directory / deck.DUMP
+    return directory / file_names.DUMP
 
 
 @pytest.fixture(scope="module")
@@ -137,7 +137,7 @@ def test_time_units_and_a_sheared_box_of_lammps_are_read(tmp_path: Path) -> None
     (tmp_path / "in").write_text(
         "region b prism 0 4 0 5 0 6 1 0 0.5\ncreate_box 1 b\ncreate_atoms 1 single 1 1 1\ncreate_atoms 1 single 3 3 3\n"
         "mass 1 1\npair_style zero 1.0\npair_coeff * *\nfix 1 all nve\nvelocity all set 1 0 0\ntimestep 0.25\n"
-        f"dump d all custom 2 {deck.DUMP} id x vx\ndump_modify d time yes units yes\nrun 6\n"
+        f"dump d all custom 2 {file_names.DUMP} id x vx\ndump_modify d time yes units yes\nrun 6\n"
     )
     dump = BinaryDump(lmp(tmp_path, "in"))
     assert dump.times is not None

@@ -18,7 +18,7 @@ from analysis import trajectory
 from analysis.files.binary_dump import CutDumpWarning
 from analysis.files.recording import atom_ids, blocks, rest_positions
 from analysis.mda import reader
-from lammps_inputs import Coupling, Kick, Output, Scene
+from lammps_inputs import Coupling, Kick, Output, Scene, file_names
 from lammps_inputs.decks import deck
 
 BIN = Path(sysconfig.get_path("scripts"))
@@ -41,10 +41,10 @@ PROBLEM = THREE.problem()
 def run_lammps(directory: Path, scene: Scene) -> Path:
     """Run a deck that also writes a text dump of the same frames; some ranks, so that atoms are in disorder."""
     deck.write(scene, directory)
-    text = (directory / deck.DECK).read_text()
+    text = (directory / file_names.DECK).read_text()
     also = f"dump text all custom ${{every}} {TEXT} id x y z vx\ndump_modify text format float %.17g\n"
-    (directory / deck.DECK).write_text(text.replace("thermo_style", f"{also}thermo_style", 1))
-    command = [BIN / "mpiexec", "-n", "2", BIN / "lmp", "-in", deck.DECK, "-screen", "none"]
+    (directory / file_names.DECK).write_text(text.replace("thermo_style", f"{also}thermo_style", 1))
+    command = [BIN / "mpiexec", "-n", "2", BIN / "lmp", "-in", file_names.DECK, "-screen", "none"]
     subprocess.run(command, cwd=directory, check=True, timeout=HANGS)
     return directory
 
@@ -56,12 +56,12 @@ def directory(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def universe(directory: Path) -> mda.Universe:
-    return mda.Universe(directory / deck.DATA, directory / deck.DUMP, timestep=PROBLEM.timestep)
+    return mda.Universe(directory / file_names.DATA, directory / file_names.DUMP, timestep=PROBLEM.timestep)
 
 
 @pytest.fixture(scope="module")
 def expected(directory: Path) -> trajectory.Trajectory:
-    return trajectory.joined(blocks([directory / deck.DUMP], PROBLEM))
+    return trajectory.joined(blocks([directory / file_names.DUMP], PROBLEM))
 
 
 def check(ts: mda.coordinates.timestep.Timestep, expected: trajectory.Trajectory, number: int) -> None:
@@ -120,7 +120,7 @@ def test_positions_and_velocities_for_viewing_lie_along_the_chain(universe: mda.
 def test_chains_lie_side_by_side_as_in_the_data_file_also_in_what_mdanalysis_writes(
     universe: mda.Universe, directory: Path, tmp_path: Path
 ) -> None:
-    across = np.array([float(line.split()[3]) for line in atom_lines(directory / deck.DATA)])
+    across = np.array([float(line.split()[3]) for line in atom_lines(directory / file_names.DATA)])
     assert sorted(set(across)) == [2.0 * PROBLEM.spacing * chain for chain in range(3)]
     universe.atoms.write(tmp_path / "out.xyz", frames="all")
     written = XYZReader(tmp_path / "out.xyz")
@@ -136,7 +136,7 @@ def atom_lines(path: Path) -> list[str]:
 
 def test_the_text_dump_of_the_same_columns_reads_to_the_same_arrays(directory: Path, universe: mda.Universe) -> None:
     text = mda.Universe(
-        directory / deck.DATA,
+        directory / file_names.DATA,
         directory / TEXT,
         format="LAMMPSDUMP",
         additional_columns=["x", "vx"],
@@ -153,11 +153,12 @@ def test_a_sheared_box_has_the_lengths_and_angles_that_the_stock_reader_finds(tm
     (tmp_path / "in").write_text(
         "region b prism 0 4 0 5 0 6 1 -2 0.5\nbox tilt large\ncreate_box 1 b\ncreate_atoms 1 single 1 1 1\nmass 1 1\n"
         "pair_style zero 1.0\npair_coeff * *\n"
-        f"dump t all custom 1 {TEXT} id x y z vx vy vz\ndump b all custom 1 {deck.DUMP} id x y z vx vy vz\nrun 1\n"
+        f"dump t all custom 1 {TEXT} id x y z vx vy vz\n"
+        f"dump b all custom 1 {file_names.DUMP} id x y z vx vy vz\nrun 1\n"
     )
     subprocess.run([BIN / "lmp", "-in", "in", "-screen", "none"], cwd=tmp_path, check=True, timeout=HANGS)
     stock = DumpReader(tmp_path / TEXT, dt=1.0)
-    ours = formats.BinaryDumpReader(tmp_path / deck.DUMP)
+    ours = formats.BinaryDumpReader(tmp_path / file_names.DUMP)
     np.testing.assert_allclose(ours[1].dimensions, stock[1].dimensions, rtol=1e-6)
     np.testing.assert_array_equal(ours.ts.positions, [[1.0, 1.0, 1.0]])
 
@@ -166,7 +167,7 @@ def test_a_sheared_box_has_the_lengths_and_angles_that_the_stock_reader_finds(tm
 
 
 def test_time_is_lammps_own_unless_a_timestep_or_a_time_per_frame_is_given(directory: Path) -> None:
-    files = directory / deck.DATA, directory / deck.DUMP
+    files = directory / file_names.DATA, directory / file_names.DUMP
     for options, time, dt in (({}, 0.2, 0.1), ({"timestep": 0.5}, 10.0, 5.0), ({"dt": 3.0}, 6.0, 3.0)):
         trajectory = mda.Universe(*files, **options).trajectory
         assert trajectory[2].time == pytest.approx(time)
@@ -180,7 +181,7 @@ def test_time_is_lammps_own_unless_a_timestep_or_a_time_per_frame_is_given(direc
 
 def parts(directory: Path, tmp_path: Path) -> list[Path]:
     """The dump in two files."""
-    raw = (directory / deck.DUMP).read_bytes()
+    raw = (directory / file_names.DUMP).read_bytes()
     size = len(raw) // 61
     paths = [tmp_path / "1.bin", tmp_path / "2.bin"]
     paths[0].write_bytes(raw[: 40 * size])
@@ -193,7 +194,7 @@ def test_several_dumps_in_a_row_are_one_trajectory(
 ) -> None:
     rest = rest_positions(PROBLEM).ravel()
     chain = mda.Universe(
-        directory / deck.DATA, parts(directory, tmp_path), timestep=PROBLEM.timestep, rest=rest
+        directory / file_names.DATA, parts(directory, tmp_path), timestep=PROBLEM.timestep, rest=rest
     ).trajectory
     assert len(chain) == 61
     for number in (*range(61), 3, 50, 39, 40):
@@ -203,10 +204,10 @@ def test_several_dumps_in_a_row_are_one_trajectory(
 
 
 def test_displacement_is_absent_where_the_positions_at_rest_are_unknown(directory: Path, tmp_path: Path) -> None:
-    universe = mda.Universe(directory / deck.DATA, parts(directory, tmp_path)[1])
+    universe = mda.Universe(directory / file_names.DATA, parts(directory, tmp_path)[1])
     assert "displacement" not in universe.trajectory[3].data
     with pytest.raises(ValueError, match=r"rest holds 2 positions; .* has 30 atoms"):
-        mda.Universe(directory / deck.DATA, directory / deck.DUMP, rest=[1.0, 2.0])
+        mda.Universe(directory / file_names.DATA, directory / file_names.DUMP, rest=[1.0, 2.0])
 
 
 def test_copies_and_pickles_stand_at_the_same_frame_and_go_on_alone(
@@ -231,9 +232,9 @@ def momentum(atoms: mda.AtomGroup) -> float:
 
 
 def test_the_reader_is_a_context_manager_and_knows_its_atoms(directory: Path) -> None:
-    with formats.BinaryDumpReader(directory / deck.DUMP) as reader:
+    with formats.BinaryDumpReader(directory / file_names.DUMP) as reader:
         assert (reader.n_atoms, reader.n_frames, len(reader)) == (30, 61, 61)
-    assert formats.BinaryDumpReader.parse_n_atoms(directory / deck.DUMP) == 30
+    assert formats.BinaryDumpReader.parse_n_atoms(directory / file_names.DUMP) == 30
 
 
 # damage
@@ -241,9 +242,9 @@ def test_the_reader_is_a_context_manager_and_knows_its_atoms(directory: Path) ->
 
 def test_a_cut_dump_opens_with_a_warning_and_its_whole_frames(directory: Path, tmp_path: Path) -> None:
     path = tmp_path / "cut.bin"
-    path.write_bytes((directory / deck.DUMP).read_bytes()[:-1])
+    path.write_bytes((directory / file_names.DUMP).read_bytes()[:-1])
     with pytest.warns(CutDumpWarning, match=r"cut\.bin: ends within a frame; the 60 whole frames"):
-        universe = mda.Universe(directory / deck.DATA, path)
+        universe = mda.Universe(directory / file_names.DATA, path)
     assert len(universe.trajectory) == 60
 
 
@@ -254,9 +255,9 @@ def test_empty_and_alien_files_are_refused_by_name_alone_and_in_a_list(
 ) -> None:
     path = tmp_path / "alien.bin"
     path.write_bytes(content)
-    for dumps in (path, [directory / deck.DUMP, path]):
+    for dumps in (path, [directory / file_names.DUMP, path]):
         with pytest.raises(OSError, match=rf"{re.escape(str(path))}: is "):
-            mda.Universe(directory / deck.DATA, dumps)
+            mda.Universe(directory / file_names.DATA, dumps)
 
 
 # topology
@@ -275,7 +276,7 @@ def test_chains_are_segments_beads_are_residues_springs_are_bonds_and_masses_are
 def test_chains_of_a_window_are_segments_and_its_rows_are_residues(tmp_path: Path) -> None:
     for coupling in (None, THREE.coupling):
         deck.write(THREE.model_copy(update={"beads": 80, "window": 64, "coupling": coupling}), tmp_path)
-        with formats.ChainsParser(tmp_path / deck.DATA) as parser:
+        with formats.ChainsParser(tmp_path / file_names.DATA) as parser:
             universe = mda.Universe(parser.parse())
         assert universe.atoms.segids.tolist() == ["C1"] * 64 + ["C2"] * 64 + ["C3"] * 64
         assert universe.atoms.resids.tolist() == [*range(1, 65)] * 3
@@ -290,7 +291,7 @@ def test_beads_that_differ_are_atoms_with_their_masses(
     scene = scene.model_copy(update={"output": scene.output.model_copy(update={"beads": beads})})
     deck.write(scene, tmp_path)
     problem = scene.problem()
-    with formats.ChainsParser(tmp_path / deck.DATA) as parser:
+    with formats.ChainsParser(tmp_path / file_names.DATA) as parser:
         universe = mda.Universe(parser.parse())
     assert universe.atoms.ids.tolist() == atom_ids(problem).ravel().tolist()
     masses = np.broadcast_to(problem.mass, (problem.chains, problem.beads))[:, problem.recorded_beads - 1]
@@ -300,7 +301,7 @@ def test_beads_that_differ_are_atoms_with_their_masses(
 @pytest.mark.parametrize("scene", [SOME, LOOSE_SOME], ids=["springs", "no springs"])
 def test_only_recorded_beads_are_atoms_and_lie_on_their_chains(tmp_path: Path, scene: Scene) -> None:
     run_lammps(tmp_path, scene)
-    universe = mda.Universe(tmp_path / deck.DATA, tmp_path / deck.DUMP)
+    universe = mda.Universe(tmp_path / file_names.DATA, tmp_path / file_names.DUMP)
     assert universe.atoms.ids.tolist() == [2, 7, 9, 12, 17, 19, 22, 27, 29]
     assert universe.atoms.resids.tolist() == [2, 7, 9] * 3
     assert universe.atoms.segids.tolist() == ["C1"] * 3 + ["C2"] * 3 + ["C3"] * 3

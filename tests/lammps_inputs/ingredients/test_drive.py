@@ -12,8 +12,7 @@ from plain_scene import goes_on_bit_for_bit
 from wrong_runs import deck_run
 
 from analysis.mirror import mirrored_problem
-from lammps_inputs import InputError, Scene, library
-from lammps_inputs.decks import deck
+from lammps_inputs import InputError, Scene, file_names, library
 from lammps_inputs.decks.continuation import render_continuation
 from lammps_inputs.facts import Fact
 from workflow.engines.reference import certify, engine
@@ -212,9 +211,9 @@ def test_above_the_cut_off_of_a_linear_chain_amplitude_falls_by_what_theory_says
 def test_validate_names_a_drive_that_is_not_the_scenes(tmp_path):
     def changed(path):
         text, found = re.subn(r"(drive1amplitude index) (\S+)", lambda m: f"{m[1]} {1.1 * float(m[2])!r}",
-                              (path / deck.DECK).read_text())  # fmt: skip
+                              (path / file_names.DECK).read_text())  # fmt: skip
         assert found == 1
-        (path / deck.DECK).write_text(text)
+        (path / file_names.DECK).write_text(text)
 
     causes = validate(deck_run(driven(), tmp_path / "run", changed)).causes
     assert "bead 1 of chain 1 does not move as the drive says: 1.1 times as far" in causes

@@ -12,7 +12,7 @@ from stock_lammps import run as run_stock
 from wrong_runs import deck_run
 
 from analysis.sharing.energy_flow import EnergyFlow
-from lammps_inputs import InputError, find
+from lammps_inputs import InputError, file_names, find
 from lammps_inputs.decks import deck
 from lammps_inputs.slurm import job
 from lammps_inputs.slurm.site import JobOptions
@@ -113,9 +113,9 @@ def test_analysis_says_where_the_energy_is_in_place_of_a_verdict(directory, draw
 )
 def test_validate_names_a_foundation_that_is_not_the_scenes(tmp_path, edit, said):
     def changed(path):
-        text = (path / deck.DECK).read_text()
+        text = (path / file_names.DECK).read_text()
         assert text.count(edit[0]) == 1
-        (path / deck.DECK).write_text(text.replace(*edit))
+        (path / file_names.DECK).write_text(text.replace(*edit))
 
     case = on_foundation({"stiffness": 0.5}, output={"every": 0.1})
     assert said in validate(deck_run(case, tmp_path / "run", changed)).causes
@@ -142,7 +142,7 @@ def test_two_ranks_compute_the_same_bits(tmp_path):
 def test_a_slurm_job_has_the_same_fixes():
     problem = on_foundation({"stiffness": 0.5}).problem()
     texts = job.render_job(JobOptions(), problem)
-    assert "fix foundation all spring/self ${foundation} x" in texts[job.INPUT] + texts["in.continue"]
+    assert "fix foundation all spring/self ${foundation} x" in texts[file_names.JOB_INPUT] + texts["in.continue"]
 
 
 @pytest.mark.parametrize("foundation", [None, {"stiffness": 0.0}], ids=["absent", "of no stiffness"])

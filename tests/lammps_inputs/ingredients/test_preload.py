@@ -18,7 +18,7 @@ from analysis.gauges.gauge import gauges
 from analysis.sharing.impulses import measure
 from analysis.sound.dispersion import Dispersion
 from analysis.sound.loaded_pulse import LoadedPulse
-from lammps_inputs import InputError, library
+from lammps_inputs import InputError, file_names, library
 from lammps_inputs.decks import deck
 from lammps_inputs.slurm import job
 from lammps_inputs.slurm.site import JobOptions
@@ -254,9 +254,9 @@ def test_a_slurm_job_holds_the_beads_as_the_deck_does():
 )
 def test_validate_names_what_does_not_hold_the_beads(tmp_path, keys, pattern, new, said):
     def changed(path):
-        text, found = re.subn(pattern, new, (path / deck.DECK).read_text())
+        text, found = re.subn(pattern, new, (path / file_names.DECK).read_text())
         assert found
-        (path / deck.DECK).write_text(text)
+        (path / file_names.DECK).write_text(text)
 
     case = loaded(**keys, duration=10.0, output={"every": 0.1})
     assert validate(deck_run(case, tmp_path / "run", changed)).causes == (said,)

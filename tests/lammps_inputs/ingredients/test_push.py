@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import yaml
 
-from lammps_inputs import InputError, library
+from lammps_inputs import InputError, file_names, library
 from lammps_inputs.decks import deck
 from lammps_inputs.laws.in_time import HalfSine, Rectangular, make_table
 
@@ -152,7 +152,7 @@ def test_lammps_is_not_given_long_tables():
 
 
 def test_the_formula_of_a_table_names_steps_not_variables_that_lammps_reads_again_at_each_place():
-    deck_text = deck.render(scene("{table: [[0, 0], [1, 1], [2, 0.5], [3, 0]]}"))[deck.DECK]
+    deck_text = deck.render(scene("{table: [[0, 0], [1, 1], [2, 0.5], [3, 0]]}"))[file_names.DECK]
     (line,) = [line for line in deck_text.splitlines() if line.startswith("variable push1 equal")]
     assert "v_push1" not in line
 

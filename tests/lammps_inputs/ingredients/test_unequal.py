@@ -21,7 +21,7 @@ from analysis.sharing.cells import CellEnergy
 from analysis.sharing.verdict import State
 from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import find_peaks
-from lammps_inputs import InputError, find
+from lammps_inputs import InputError, file_names, find
 from lammps_inputs.decks import deck
 from lammps_inputs.ingredients.unequal import Disorder, period
 from lammps_inputs.laws import hertz
@@ -187,8 +187,8 @@ def test_beads_in_si_press_as_hard_as_their_own_contact_says(tmp_path):
 
 def test_masses_alone_need_no_other_contacts():
     texts = deck.render(scene(**DIMER))
-    assert "pair_style gran/hertz/history" in texts[deck.DECK]
-    assert "set group all mass" not in texts[deck.DECK]
+    assert "pair_style gran/hertz/history" in texts[file_names.DECK]
+    assert "set group all mass" not in texts[file_names.DECK]
 
 
 def test_densities_give_the_masses_within_rounding():

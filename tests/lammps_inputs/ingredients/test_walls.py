@@ -17,7 +17,7 @@ from analysis import motion
 from analysis.mirror import mirrored, mirrored_problem
 from analysis.sharing.survey import survey
 from analysis.trajectory import joined
-from lammps_inputs import InputError, find
+from lammps_inputs import InputError, file_names, find
 from lammps_inputs.decks import deck
 from lammps_inputs.limits.timestep import default_timestep
 from lammps_inputs.slurm import job
@@ -84,9 +84,11 @@ def test_energy_is_kept_and_momentum_is_not_asked_for(tmp_path):
 )
 def test_validate_names_a_wall_that_is_not_the_scenes(tmp_path, edit, said):
     def changed(path):
-        text, found = re.subn(edit, "" if "fix" in edit else "right_wall index 1.1 ", (path / deck.DECK).read_text())
+        text, found = re.subn(
+            edit, "" if "fix" in edit else "right_wall index 1.1 ", (path / file_names.DECK).read_text()
+        )
         assert found == 1
-        (path / deck.DECK).write_text(text)
+        (path / file_names.DECK).write_text(text)
 
     case = walled({"left": "bead", "right": "bead"}, output={"every": 0.1})
     assert said in validate(deck_run(case, tmp_path / "run", changed)).causes

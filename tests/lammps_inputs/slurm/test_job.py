@@ -22,11 +22,12 @@ from stock_lammps import run as run_stock
 
 from analysis.files.recording import blocks
 from analysis.trajectory import joined
-from lammps_inputs import InputError, Output
-from lammps_inputs.decks import continuation, deck
+from lammps_inputs import InputError, Output, file_names
+from lammps_inputs.decks import deck
 from lammps_inputs.slurm import job, site
 from lammps_inputs.slurm.site import JobOptions
-from workflow.runs.run_directory import RunDirectory, parts
+from workflow.runs.files import parts
+from workflow.runs.run_directory import RunDirectory
 
 HOSTILE = (
     "x\n#SBATCH --uid=root",
@@ -65,7 +66,7 @@ BEFORE_RESTART = "before_a_restart"
 
 def restart_often(directory):
     """Let a job leave a restart at every other look at the clock, and run an empty script of ours before each."""
-    path = directory / job.INPUT
+    path = directory / file_names.JOB_INPUT
     text = path.read_text()
     assert text.count("loop ${rounds}") == 2
     again = "next looks\njump SELF again\n"
@@ -77,7 +78,7 @@ def restart_often(directory):
 def go(directory, **environment):
     """Run the script as Slurm would, once; what it says of its end."""
     done = subprocess.run(
-        ["bash", job.JOB],
+        ["bash", file_names.JOB],
         cwd=directory,
         env={**os.environ, **{key: str(value) for key, value in environment.items()}},
         capture_output=True,
@@ -88,7 +89,7 @@ def go(directory, **environment):
 
 
 def told(directory):
-    return dict(line.partition(" ")[::2] for line in (directory / job.STATE).read_text().splitlines())
+    return dict(line.partition(" ")[::2] for line in (directory / file_names.JOB_STATE).read_text().splitlines())
 
 
 def cut(directory, path=os.environ["PATH"]):
@@ -97,16 +98,20 @@ def cut(directory, path=os.environ["PATH"]):
     clock.mkdir()
     (clock / "date").write_text(f'#!/bin/sh\n[ "$*" != +%s ] || exec echo 1000000\nexec {shutil.which("date")} "$@"\n')
     (clock / "date").chmod(0o755)
-    margin = re.search(r"^margin=(.*)", (directory / job.JOB).read_text(), flags=re.MULTILINE)[1]
+    margin = re.search(r"^margin=(.*)", (directory / file_names.JOB).read_text(), flags=re.MULTILINE)[1]
     go(directory, SLURM_JOB_END_TIME=1_000_001 + int(margin), PATH=f"{clock}:{path}")
 
 
 def kill_after_a_restart(directory):
     """Start the script, and kill everything that it started when it has left a restart and comes to the next one."""
     script, waits = directory / BEFORE_RESTART, directory.with_name("waits")
-    script.write_text(f"[ ! -e {continuation.RESTART} ] || exec sleep 1000 9>{waits}\n")
+    script.write_text(f"[ ! -e {file_names.RESTART} ] || exec sleep 1000 9>{waits}\n")
     process = subprocess.Popen(
-        ["bash", job.JOB], cwd=directory, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
+        ["bash", file_names.JOB],
+        cwd=directory,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
     )
     try:
         assert wait_until(waits.exists, process), told(directory)
@@ -153,7 +158,7 @@ def test_a_killed_job_of_another_kind_of_deck_goes_on_bit_for_bit(changes, tmp_p
     whole = tmp_path / "whole"
     whole.mkdir()
     deck.write(case, whole)
-    subprocess.run([WHEEL, "-in", deck.DECK, "-screen", "none"], cwd=whole, check=True, timeout=HANGS)
+    subprocess.run([WHEEL, "-in", file_names.DECK, "-screen", "none"], cwd=whole, check=True, timeout=HANGS)
     directory = placed(case, tmp_path / "job", ranks_per_node=1, checkpoint=1)
     restart_often(directory)
     kill_after_a_restart(directory)
@@ -173,7 +178,7 @@ def test_snapshots_of_all_beads_go_on_beside_the_frames_of_a_few(lmp, tmp_path):
     whole = tmp_path / "whole"
     whole.mkdir()
     deck.write(case, whole)
-    subprocess.run([WHEEL, "-in", deck.DECK, "-screen", "none"], cwd=whole, check=True, timeout=HANGS)
+    subprocess.run([WHEEL, "-in", file_names.DECK, "-screen", "none"], cwd=whole, check=True, timeout=HANGS)
     launcher = DEBIANS_MPI if lmp == DEBIAN else f"{MPIEXEC} -n {{ranks}}"
     directory = placed(case, tmp_path / "job", checkpoint=1, lmp=str(lmp), launcher=launcher)
     restart_often(directory)
@@ -236,7 +241,7 @@ def test_a_job_out_of_time_leaves_a_restart_and_says_that_no_other_could_be_subm
     cut(directory, f"{tmp_path}:{os.environ['PATH']}")
     assert told(directory)["state"] == "incomplete"
     assert told(directory)["reason"].startswith("the next job could not be submitted:")
-    assert (directory / continuation.RESTART).exists()
+    assert (directory / file_names.RESTART).exists()
     assert 0 < int(told(directory)["step"]) < ENDLESS.problem().steps
 
 
@@ -249,7 +254,7 @@ def test_a_job_submits_no_more_jobs_than_it_may(tmp_path):
 
 def test_a_deck_that_lammps_does_not_read_is_told_before_anything_is_computed(tmp_path):
     directory = placed(scene(beads=4), tmp_path / "job")
-    path = directory / deck.DECK
+    path = directory / file_names.DECK
     path.write_text(path.read_text().replace("fix motion all nve", "fix motion all nvee"))
     go(directory)
     assert told(directory)["reason"].startswith("the deck cannot be read: ERROR: Unrecognized fix style 'nvee'")
@@ -298,7 +303,7 @@ def test_every_option_stands_in_the_script_once_and_what_was_not_asked_does_not(
         constraint="milan",
         array_limit=3,
     )
-    script = job.render_array(options, ["a", "b"], name="many")[job.JOB]
+    script = job.render_array(options, ["a", "b"], name="many")[file_names.JOB]
     assert re.findall(r"^#SBATCH --(.*)", script, flags=re.MULTILINE) == [
         "job-name=many",
         "nodes=2",
@@ -313,13 +318,13 @@ def test_every_option_stands_in_the_script_once_and_what_was_not_asked_does_not(
         "array=0-1%3",
         "output=/dev/null",
     ]
-    plain = job.render_job(JobOptions(), scene(beads=4).problem())[job.JOB]
+    plain = job.render_job(JobOptions(), scene(beads=4).problem())[file_names.JOB]
     assert not re.search(r"^#SBATCH --(partition|account|qos|constraint|array)", plain, flags=re.MULTILINE)
 
 
 @pytest.mark.parametrize(("time", "seconds"), [("00:10:00", 600), ("1-12:30:05", 131405), ("100:00:00", 360000)])
 def test_the_script_knows_its_time_limit_in_seconds(time, seconds):
-    script = job.render_job(JobOptions(time=time), scene(beads=4).problem())[job.JOB]
+    script = job.render_job(JobOptions(time=time), scene(beads=4).problem())[file_names.JOB]
     assert f"\ntime_limit={seconds}\n" in script
 
 
@@ -337,8 +342,10 @@ def test_hostile_text_is_refused_or_one_quoted_word(option, text, tmp_path):
         assert refusal.isprintable()
         return
     assert option in ("lmp", "launcher")
-    script = job.render_job(options, scene(beads=4).problem())[job.JOB]
-    assert script.count("#SBATCH") == job.render_job(JobOptions(), scene(beads=4).problem())[job.JOB].count("#SBATCH")
+    script = job.render_job(options, scene(beads=4).problem())[file_names.JOB]
+    assert script.count("#SBATCH") == job.render_job(JobOptions(), scene(beads=4).problem())[file_names.JOB].count(
+        "#SBATCH"
+    )
     values = script.split("# In this directory")[1].split("# From here on")[0].partition("\n")[2]
     shown = subprocess.run(
         ["bash", "-c", values + '\nprintf "%s\\0" "$lmp" "${launch[@]}"'], cwd=tmp_path, capture_output=True, check=True
@@ -354,8 +361,8 @@ def test_no_text_makes_a_line_of_its_own(text, option):
         options = JobOptions(**{option: (text,) if option == "modules" else text})
     except ValidationError:
         return
-    script = job.render_job(options, scene(beads=4).problem())[job.JOB]
-    plain = job.render_job(JobOptions(), scene(beads=4).problem())[job.JOB]
+    script = job.render_job(options, scene(beads=4).problem())[file_names.JOB]
+    plain = job.render_job(JobOptions(), scene(beads=4).problem())[file_names.JOB]
     assert len(script.splitlines()) == len(plain.splitlines()) + (option in ("partition", "account"))
 
 
@@ -385,7 +392,7 @@ def test_a_list_of_cases_that_leads_elsewhere_is_refused(cases):
 
 @given(st.sets(st.integers(0, 40), min_size=1))
 def test_an_array_is_of_the_tasks_that_are_asked_for(tasks):
-    script = job.render_array(JobOptions(), [f"c{number}" for number in range(41)], tasks=sorted(tasks))[job.JOB]
+    script = job.render_array(JobOptions(), [f"c{number}" for number in range(41)], tasks=sorted(tasks))[file_names.JOB]
     (found,) = re.findall(r"^#SBATCH --array=(.*)", script, flags=re.MULTILINE)
     read = set()
     for part in found.split(","):
@@ -397,7 +404,7 @@ def test_an_array_is_of_the_tasks_that_are_asked_for(tasks):
 def test_an_array_refuses_another_list_of_cases_than_it_was_made_for(tmp_path):
     for name, text in job.render_array(JobOptions(), ["a", "b"]).items():
         (tmp_path / name).write_text(text)
-    (tmp_path / job.CASES).write_text("b\na\n")
+    (tmp_path / file_names.CASES).write_text("b\na\n")
     assert "not the list that this array was made for" in go(tmp_path, SLURM_ARRAY_TASK_ID=0)
 
 
@@ -427,9 +434,9 @@ def test_what_a_run_directory_from_someone_else_holds_reaches_no_shell_and_no_ot
     directory = tmp_path / "x" / "job"
     directory.parent.mkdir()
     subprocess.run(["cp", "-r", good, directory], check=True)
-    (directory / job.STATE).write_text("state $(touch pwned)\njob $(touch pwned); touch pwned\n")
-    (directory / job.STEP).write_text("a[$(touch pwned)]\n")
-    (directory / continuation.RESTART).write_text("none")
+    (directory / file_names.JOB_STATE).write_text("state $(touch pwned)\njob $(touch pwned); touch pwned\n")
+    (directory / file_names.JOB_STEP).write_text("a[$(touch pwned)]\n")
+    (directory / file_names.RESTART).write_text("none")
     (directory / "job.frames").write_text(f"{hashlib.sha256(b'none').hexdigest()}  -\n{frames}\n")
     go(directory)
     assert (told(directory)["state"], told(directory)["reason"]) == ("failed", "job.frames cannot be read")

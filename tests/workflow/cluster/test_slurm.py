@@ -11,13 +11,14 @@ from processes import wait_until, working_in
 from stock_lammps import WHEEL, scene
 from stock_lammps import run as run_stock
 
-from lammps_inputs import library, strict_yaml
+from lammps_inputs import file_names, library, strict_yaml
 from lammps_inputs.decks import deck
 from lammps_inputs.slurm import job
 from lammps_inputs.slurm.site import JobOptions
 from workflow.cli import main
 from workflow.cluster.queue import ask
-from workflow.runs.run_directory import RunDirectory, parts
+from workflow.runs.files import parts
+from workflow.runs.run_directory import RunDirectory
 from workflow.runs.status import status, statuses
 
 pytest_plugins = ("slurm",)
@@ -104,8 +105,8 @@ def test_a_job_of_two_ranks_ends_bit_for_bit_as_a_run_on_this_machine(cluster, t
     cluster.submit(directory)
     assert told(directory).state in ("waiting", "running")
     cluster.wait()
-    assert told(directory).state == "done", (directory / job.OUTPUT).read_text()
-    assert "  2 by 1 by 1 MPI processor grid" in (directory / deck.LOG).read_text()
+    assert told(directory).state == "done", (directory / file_names.JOB_OUTPUT).read_text()
+    assert "  2 by 1 by 1 MPI processor grid" in (directory / file_names.LOG).read_text()
     assert_same(directory, run_stock(SHORT, tmp_path / "local"))
     assert main(["analyze", str(directory), "--no-figures"]) == 0
     assert main(["status", str(directory)]) == 0
@@ -117,7 +118,7 @@ def test_a_job_runs_in_a_directory_whose_name_means_something_to_slurm(cluster, 
     cluster.submit(directory)
     cluster.wait()
     assert told(directory).state == "done", list(tmp_path.rglob("job.out"))
-    assert (directory / job.OUTPUT).is_file()
+    assert (directory / file_names.JOB_OUTPUT).is_file()
     assert_same(directory, run_stock(SHORT, tmp_path / "local"))
 
 
@@ -132,7 +133,7 @@ def test_a_job_of_a_scene_with_ingredients_ends_bit_for_bit_as_a_run_on_this_mac
     cluster.submit(directory)
     assert main(["run", str(tmp_path / "job.yaml"), "-o", str(tmp_path / "local"), "--no-check"]) == 0
     cluster.wait()
-    assert told(directory).state == "done", (directory / job.OUTPUT).read_text()
+    assert told(directory).state == "done", (directory / file_names.JOB_OUTPUT).read_text()
     assert_same(directory, RunDirectory(tmp_path / "local").trajectory)
 
 
@@ -158,7 +159,7 @@ def test_a_job_cut_by_its_time_limit_submits_itself_and_ends_bit_for_bit_as_one_
     environment = {**cluster.environment, "PATH": path, "SLURM_JOB_END_TIME": "4000000000"}
     dataclasses.replace(cluster, environment=environment).submit(directory)
     cluster.wait()
-    assert told(directory).state == "done", (directory / job.OUTPUT).read_text()
+    assert told(directory).state == "done", (directory / file_names.JOB_OUTPUT).read_text()
     assert len(parts(directory)) > 1
     assert (np.diff(steps_of(directory)) == steps_of(directory)[1]).all()
     assert_same(directory, run_stock(case, tmp_path / "whole"))
@@ -183,7 +184,7 @@ def test_in_an_array_a_case_that_fails_is_told_and_the_others_are_done(cluster, 
         deck.write(case, tmp_path / name)
         for file, text in job.case_files(case.problem()).items():
             (tmp_path / name / file).write_text(text)
-    (tmp_path / cases[1] / deck.DATA).write_text("12 atoms\n")
+    (tmp_path / cases[1] / file_names.DATA).write_text("12 atoms\n")
     for file, text in job.render_array(JobOptions(**site(array_limit=2)), cases).items():
         (tmp_path / file).write_text(text)
     cluster.submit(tmp_path)
@@ -202,7 +203,7 @@ def test_in_an_array_a_case_that_fails_is_told_and_the_others_are_done(cluster, 
 def test_a_job_that_was_killed_is_incomplete_and_goes_on_when_submitted_again(cluster, tmp_path):
     directory = written(ENDLESS, tmp_path / "job", ranks_per_node=1)
     number = cluster.submit(directory)
-    assert wait_until((directory / "chains.restart").exists), (directory / job.OUTPUT).read_text()
+    assert wait_until((directory / "chains.restart").exists), (directory / file_names.JOB_OUTPUT).read_text()
     found = told(directory)
     assert (found.state, found.steps) == ("running", 10**8)
     assert main(["status", str(directory)]) == 0
@@ -217,7 +218,7 @@ def test_a_job_that_was_killed_is_incomplete_and_goes_on_when_submitted_again(cl
     assert "job " + number + " is gone" in found.why
     assert found.step > 0
     again = cluster.submit(directory)
-    assert wait_until((directory / "chains.dump.2.bin").exists), (directory / job.OUTPUT).read_text()
+    assert wait_until((directory / "chains.dump.2.bin").exists), (directory / file_names.JOB_OUTPUT).read_text()
     assert wait_until(lambda: told(directory).step > found.step)
     cluster.call("scancel", again)
     cluster.wait()

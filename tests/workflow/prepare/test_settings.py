@@ -15,7 +15,7 @@ from workflow.engines.reference import engine
 from workflow.engines.reference.certify import certified
 from workflow.errors import RunError
 from workflow.prepare import step_search, twin
-from workflow.prepare.settings import settle, with_settings
+from workflow.prepare.settings import settle
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.analyse import analyse
@@ -151,12 +151,12 @@ def test_a_run_of_the_reference_is_certified_to_what_was_asked(tmp_path, accurac
 
 
 def test_settling_twice_changes_nothing():
-    settled = with_settings(asking(SMALL["one chain"], 1e-4))
-    assert with_settings(settled) == settled
+    settled = settle(asking(SMALL["one chain"], 1e-4), force=True)[0]
+    assert settle(settled, force=True)[0] == settled
 
 
 def test_a_scene_may_ask_for_an_accuracy_and_end_at_a_bead():
-    settled = with_settings(asking(SMALL["one chain"], 1e-4, duration=None, until_bead=20))
+    settled = settle(asking(SMALL["one chain"], 1e-4, duration=None, until_bead=20), force=True)[0]
     assert error(settled.problem(), 1e-4) <= 1e-4
 
 

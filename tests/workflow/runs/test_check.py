@@ -20,7 +20,7 @@ from workflow.commands.run import _judged
 from workflow.engines.reference import engine
 from workflow.engines.reference.certify import certified
 from workflow.prepare import step_search
-from workflow.prepare.settings import better_timestep
+from workflow.prepare.accuracy import better_timestep
 from workflow.runs.check import SPACING, check, stride
 from workflow.runs.peaks_table import found_on_the_way
 from workflow.runs.run import run

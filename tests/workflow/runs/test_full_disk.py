@@ -11,8 +11,7 @@ from kill_many import frames
 from stock_lammps import scene
 
 from analysis.files.binary_dump import CutDumpWarning
-from lammps_inputs import strict_yaml
-from lammps_inputs.decks import continuation, deck
+from lammps_inputs import file_names, strict_yaml
 from workflow.cli import main
 from workflow.engines.lammps import mpi, restarts
 from workflow.engines.lammps.frames_on_disk import FramesOnDisk
@@ -104,8 +103,8 @@ def test_a_restart_that_does_not_fit_leaves_the_one_before(ranks, disk, whole_sp
     directory = disk.path / "run"
 
     def fill(*_):
-        if not seen and (directory / continuation.RESTART).exists():
-            seen.append(restarts.step_of(directory / continuation.RESTART))
+        if not seen and (directory / file_names.RESTART).exists():
+            seen.append(restarts.step_of(directory / file_names.RESTART))
             disk.fill(but=8192)
             os.kill(os.getpid(), signal.SIGINT)  # a restart is written at Ctrl-C, too
 
@@ -113,8 +112,8 @@ def test_a_restart_that_does_not_fit_leaves_the_one_before(ranks, disk, whole_sp
     with pytest.raises(RunError, match=r"at step \d+, chains\.restart cannot be written.*--resume") as caught:
         run(SPARSE, directory, ranks=ranks, check=False, restart_every=0.0, progress=fill)
     assert len(str(caught.value).splitlines()) == 1
-    assert restarts.step_of(directory / continuation.RESTART) >= seen[0] > 0
-    assert not (directory / continuation.UNFINISHED).exists()
+    assert restarts.step_of(directory / file_names.RESTART) >= seen[0] > 0
+    assert not (directory / file_names.UNFINISHED).exists()
     (disk.path / "filler").unlink()
     result = resume(directory, check=False, ranks=1)
     assert result.directory.record["resumed"][0]["from_step"] >= seen[0]
@@ -183,4 +182,4 @@ def test_a_run_that_does_not_even_begin_can_be_begun_later(disk, capsys):
     (disk.path / "filler").unlink()
     disk.grow()
     words = ["run", "two-chains", "-o", str(disk.path / "run"), "--no-check"]
-    assert main([*words, *(["--overwrite"] if (disk.path / "run" / deck.SCENE).exists() else [])]) == 0
+    assert main([*words, *(["--overwrite"] if (disk.path / "run" / file_names.SCENE).exists() else [])]) == 0

@@ -5,7 +5,7 @@ import pytest
 from stock_lammps import scene
 
 from analysis.sharing.impulses import measure
-from lammps_inputs import Kick, Material, find
+from lammps_inputs import Kick, Material, file_names, find
 from lammps_inputs.decks import deck
 from workflow.cli import main
 from workflow.engines.collisions.first_row import gap_of_eq_5, theta
@@ -49,10 +49,10 @@ def test_a_gap_that_is_absent_leaves_no_trace_in_the_deck():
     absent, zero, there = (deck.render(scene(beads=5, **gap)) for gap in ({}, {"gap": 0.0}, {"gap": 0.5}))
     assert absent == zero
     assert not any("gap" in text for text in absent.values())
-    assert "gap 0.5" in there[deck.DECK]
-    assert there[deck.DATA] != absent[deck.DATA]
+    assert "gap 0.5" in there[file_names.DECK]
+    assert there[file_names.DATA] != absent[file_names.DATA]
     # and one that is there changes titles, positions and how far neighbours are looked for, and no other line
-    lines = zip(absent[deck.DECK].splitlines(), there[deck.DECK].splitlines(), strict=True)
+    lines = zip(absent[file_names.DECK].splitlines(), there[file_names.DECK].splitlines(), strict=True)
     assert [a.split()[0] for a, b in lines if a != b] == ["#", "neighbor"]
 
 

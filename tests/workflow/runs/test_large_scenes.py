@@ -15,8 +15,7 @@ from stock_lammps import scene
 from analysis.tracking.leading_waves import from_csv
 from analysis.tracking.peaks import PeakFinder
 from analysis.trajectory import blocks
-from lammps_inputs import Kick, Output, Scene
-from lammps_inputs.decks import deck
+from lammps_inputs import Kick, Output, Scene, file_names
 from workflow import cli
 from workflow.engines.reference import engine
 from workflow.runs.resume import resume
@@ -34,7 +33,7 @@ def long_scene(**changes):
 
 
 def read_peaks(directory):
-    return from_csv((directory.path / deck.PEAKS).read_text(), directory.problem.scale)
+    return from_csv((directory.path / file_names.PEAKS).read_text(), directory.problem.scale)
 
 
 def sparse(case):
@@ -81,16 +80,16 @@ def test_peaks_found_on_the_way_are_those_of_the_hardest_kick_also_towards_bead_
 
 def test_peaks_are_the_same_to_the_last_byte_however_often_a_restart_is_written(both, tmp_path):
     often = run(sparse(long_scene(every=0.2)), tmp_path / "often", check=False, restart_every=0.001).directory
-    assert (often.path / deck.PEAKS).read_bytes() == (both[1].path / deck.PEAKS).read_bytes()
+    assert (often.path / file_names.PEAKS).read_bytes() == (both[1].path / file_names.PEAKS).read_bytes()
 
 
 def test_a_flipped_bit_in_a_snapshot_changes_the_fingerprint_and_is_said(both, tmp_path, capsys):
     copy = tmp_path / "copy"
     shutil.copytree(both[1].path, copy)
     assert not analyse(RunDirectory(copy), figures=False).altered
-    content = bytearray((copy / deck.SNAPSHOTS).read_bytes())
+    content = bytearray((copy / file_names.SNAPSHOTS).read_bytes())
     content[-3] ^= 1
-    (copy / deck.SNAPSHOTS).write_bytes(content)
+    (copy / file_names.SNAPSHOTS).write_bytes(content)
     assert cli.main(["analyze", str(copy), "--no-figures"]) == 0
     assert "not those that the run wrote" in capsys.readouterr().out
     assert cli.main(["rerun", str(copy)]) == 2
@@ -113,13 +112,13 @@ def test_energy_and_momentum_are_told_from_the_snapshots(both):
 
 def test_a_run_whose_snapshots_are_gone_is_analysed_without_them(tmp_path):
     directory = run(sparse(long_scene(duration=4.0)), tmp_path / "run", check=False).directory
-    (directory.path / deck.SNAPSHOTS).unlink()
+    (directory.path / file_names.SNAPSHOTS).unlink()
     assert "spacetime.png" not in {path.name for path in analyse(directory).figures}
 
 
 def test_two_ranks_find_the_same_peaks(both, tmp_path):
     two = run(sparse(long_scene(every=0.2)), tmp_path / "two", ranks=2, check=False).directory
-    assert (two.path / deck.PEAKS).read_bytes() == (both[1].path / deck.PEAKS).read_bytes()
+    assert (two.path / file_names.PEAKS).read_bytes() == (both[1].path / file_names.PEAKS).read_bytes()
 
 
 KILLED = """
@@ -142,13 +141,13 @@ run(load(Path("scene.yaml")), "cut", check=False, lammps=killed)
 
 def test_a_run_that_was_killed_goes_on_to_the_same_peaks_and_snapshots(both, tmp_path):
     _, whole = both
-    shutil.copy(whole.path / deck.SCENE, tmp_path)
+    shutil.copy(whole.path / file_names.SCENE, tmp_path)
     with subprocess.Popen([sys.executable, "-c", KILLED], cwd=tmp_path, stdin=subprocess.PIPE) as process:
         assert process.wait(HANGS) == -signal.SIGKILL
-    assert not (tmp_path / "cut" / deck.PEAKS).exists()
+    assert not (tmp_path / "cut" / file_names.PEAKS).exists()
     again = resume(tmp_path / "cut", check=False)
     assert again.directory.record["resumed"][0]["from_step"] > 0
-    assert (tmp_path / "cut" / deck.PEAKS).read_bytes() == (whole.path / deck.PEAKS).read_bytes()
+    assert (tmp_path / "cut" / file_names.PEAKS).read_bytes() == (whole.path / file_names.PEAKS).read_bytes()
     velocity = [np.concatenate([block.velocity for block in part.snapshots()]) for part in (whole, again.directory)]
     assert np.array_equal(*velocity)
 

@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lammps_inputs import InputError, Kick, Scene, strict_yaml
-from lammps_inputs.decks import deck
+from lammps_inputs import InputError, Kick, Scene, file_names, strict_yaml
 from workflow.cli import main
+from workflow.runs.files import RECORD
 from workflow.runs.own_files import claim, prepare, remove_leftovers, replacing
-from workflow.runs.record import RECORD, read_record
+from workflow.runs.record import read_record
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 from workflow.runs.whole_files import write_text
@@ -131,7 +131,7 @@ def test_a_directory_where_a_run_names_its_file_is_refused_before_anything_is_to
     assert contents(tmp_path) == before
 
 
-@pytest.mark.parametrize("name", [deck.LOG, "chains.dump.2.bin"])
+@pytest.mark.parametrize("name", [file_names.LOG, "chains.dump.2.bin"])
 def test_nothing_is_written_through_a_link(tmp_path: Path, name: str, capsys: pytest.CaptureFixture[str]) -> None:
     directory = run(scene(), tmp_path / "run", check=False).directory
     directory.update_record(outcome="interrupted")

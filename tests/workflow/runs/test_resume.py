@@ -20,16 +20,17 @@ from processes import HANGS, wait_until, working_in
 from stock_lammps import scene
 
 from analysis.files.binary_dump import BinaryDump
-from lammps_inputs import InputError, strict_yaml
-from lammps_inputs.decks import continuation, deck
+from lammps_inputs import InputError, file_names, strict_yaml
+from lammps_inputs.decks import deck
 from workflow.cli import main
 from workflow.engines.lammps import mpi, restarts
+from workflow.runs.files import parts
 from workflow.runs.locks import alone
 from workflow.runs.own_files import claim
 from workflow.runs.results import results
 from workflow.runs.resume import resume
 from workflow.runs.run import run
-from workflow.runs.run_directory import RunDirectory, parts
+from workflow.runs.run_directory import RunDirectory
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
@@ -93,12 +94,12 @@ def assert_same(directory, whole):
 def goes_on(directory, whole, *, check):
     """Assert that an interrupted run goes on from where it was and ends as one without a break; what became of it."""
     step = directory.record["steps_done"]
-    assert restarts.step_of(directory.path / continuation.RESTART) == step
+    assert restarts.step_of(directory.path / file_names.RESTART) == step
     result = resume(directory.path, check=check)
     assert result.outcome == "done"
     assert [again["from_step"] for again in result.directory.record["resumed"]] == [step]
     assert_same(directory.path, whole)
-    assert not (directory.path / continuation.RESTART).exists()
+    assert not (directory.path / file_names.RESTART).exists()
     return result
 
 
@@ -177,7 +178,7 @@ def test_runs_killed_at_random_are_resumed_bit_for_bit(name, tmp_path):
 
 def test_frames_beyond_the_last_restart_are_computed_again_and_read_once(cut, whole):
     step = cut.record["steps_done"]
-    content = (whole / deck.DUMP).read_bytes()
+    content = (whole / file_names.DUMP).read_bytes()
     size = len(content) // 401
     kept = (step // 50 + 10) * size  # nine frames beyond the restart, and a cut one
     cut.dump.write_bytes(content[: kept + 77])
@@ -188,7 +189,7 @@ def test_frames_beyond_the_last_restart_are_computed_again_and_read_once(cut, wh
 
 @pytest.mark.parametrize("lost", ["frames", "last frame", "end of restart", "restart", "version"])
 def test_without_a_whole_restart_and_all_frames_until_then_it_starts_again(lost, cut, whole):
-    restart = cut.path / continuation.RESTART
+    restart = cut.path / file_names.RESTART
     if lost == "frames":
         os.truncate(cut.dump, cut.dump.stat().st_size // 2)
     elif lost == "last frame":  # that of the restart itself
@@ -224,7 +225,7 @@ def test_whoever_is_killed_of_a_run_on_two_ranks_nobody_is_left(which, tmp_path)
     scene_file.write_text(strict_yaml.dump(a_scene(duration=6e5).plain()))
     process = start(scene_file, "-o", tmp_path / "run", "--ranks", 2)
     try:
-        assert wait_until(lambda: (tmp_path / "run" / deck.DUMP).exists(), process)
+        assert wait_until(lambda: (tmp_path / "run" / file_names.DUMP).exists(), process)
         everybody = sorted(working_in(tmp_path / "run"))  # mpiexec, its proxy and two ranks
         assert len(everybody) == 4
         os.kill(everybody[which], signal.SIGKILL)
@@ -293,7 +294,7 @@ def test_a_run_killed_in_its_first_milliseconds_is_told_and_can_be_run_again(lef
 def test_a_run_killed_before_its_deck_was_written_is_resumed(missing, tmp_path):
     run(a_scene(duration=4.0), tmp_path / "whole", check=False)
     shutil.copytree(tmp_path / "whole", tmp_path / "cut")
-    for name in (*missing, deck.DUMP):
+    for name in (*missing, file_names.DUMP):
         (tmp_path / "cut" / name).unlink()
     RunDirectory(tmp_path / "cut").update_record(outcome="running")
     resume(tmp_path / "cut", check=False)
@@ -303,9 +304,9 @@ def test_a_run_killed_before_its_deck_was_written_is_resumed(missing, tmp_path):
 @pytest.mark.parametrize(
     ("name", "old", "new"),
     [
-        (deck.DECK, "overlap^1.5", "overlap^1.7"),
-        (deck.DATA, "\n1 1 1 13\n", "\n1 1 1 14\n"),
-        (deck.SCENE, "0.05", "0.06"),
+        (file_names.DECK, "overlap^1.5", "overlap^1.7"),
+        (file_names.DATA, "\n1 1 1 13\n", "\n1 1 1 14\n"),
+        (file_names.SCENE, "0.05", "0.06"),
     ],
 )
 def test_files_that_were_changed_are_not_gone_on_with(name, old, new, cut):
@@ -391,19 +392,19 @@ def test_a_worker_that_loses_its_parent_leaves_a_restart(tmp_path):
     scene_file.write_text(strict_yaml.dump(a_scene(duration=6e5).plain()))
     path = tmp_path / "run"
     process = start(scene_file, "-o", path)
-    assert wait_until(lambda: path.is_dir() and (path / deck.DUMP).exists(), process)
+    assert wait_until(lambda: path.is_dir() and (path / file_names.DUMP).exists(), process)
     process.kill()
     process.communicate()
     assert wait_until(lambda: not working_in(path))
-    assert restarts.step_of(path / continuation.RESTART) > 0
+    assert restarts.step_of(path / file_names.RESTART) > 0
     assert next_words(path, scene_file, 1) == ("running", ["--resume", path])
 
 
 def test_a_damaged_restart_is_not_gone_on_with(tmp_path):
-    restart = tmp_path / continuation.RESTART
+    restart = tmp_path / file_names.RESTART
     restart.write_bytes(b"whole")
     assert not restarts.intact(restart)
-    sums = tmp_path / continuation.RESTART_SUMS
+    sums = tmp_path / file_names.RESTART_SUMS
     sums.write_text(f"{'0' * 64}\n{hashlib.sha256(b'whole').hexdigest()}\n")
     assert restarts.intact(restart)
     restart.write_bytes(b"whale")
@@ -415,13 +416,13 @@ def test_with_damaged_peaks_a_run_starts_again(damage, tmp_path):
     one = a_scene(recorded=(3, 7))
     one = one.model_copy(update={"output": one.output.model_copy(update={"peaks": True})})
     run(one, tmp_path / "whole", check=False)
-    path = interrupted_after(2000, one, tmp_path / "cut").path / deck.PEAKS_STATE
+    path = interrupted_after(2000, one, tmp_path / "cut").path / file_names.PEAKS_STATE
     raw = bytearray(path.read_bytes())
     raw[len(raw) // 3] ^= 1
     path.write_bytes(bytes(raw) if damage == "another byte" else b"junk")
     again = resume(tmp_path / "cut", check=False)
     assert again.directory.record["resumed"][-1]["from_step"] == 0
-    assert (tmp_path / "cut" / deck.PEAKS).read_bytes() == (tmp_path / "whole" / deck.PEAKS).read_bytes()
+    assert (tmp_path / "cut" / file_names.PEAKS).read_bytes() == (tmp_path / "whole" / file_names.PEAKS).read_bytes()
 
 
 def test_with_another_atom_in_a_frame_a_run_starts_again(cut):
@@ -434,7 +435,7 @@ def test_with_another_atom_in_a_frame_a_run_starts_again(cut):
     assert again.directory.record["resumed"][-1]["from_step"] == 0
 
 
-@pytest.mark.parametrize("name", [deck.DECK, deck.DATA])
+@pytest.mark.parametrize("name", [file_names.DECK, file_names.DATA])
 def test_a_deck_that_is_no_text_is_answered_in_a_line(name, cut, capsys):
     (cut.path / name).write_bytes(b"\xff\xfe junk")
     assert main(["run", "--resume", str(cut.path)]) == 2

@@ -15,12 +15,13 @@ from small_problems import problem
 from stock_lammps import scene
 
 from analysis.files.recording import Writer
+from lammps_inputs import file_names
 from lammps_inputs.decks import continuation, deck
 from lammps_inputs.slurm import job
 from lammps_inputs.slurm.site import JobOptions
 from workflow.cli import main
 from workflow.cluster.queue import Queue, Queued, parse
-from workflow.runs.record import RECORD
+from workflow.runs.files import RECORD
 from workflow.runs.status import MEANING, status, statuses
 from workflow.runs.whole_files import write_json
 
@@ -34,7 +35,7 @@ def with_deck(directory):
     return directory
 
 
-def with_frames(directory, last, name=deck.DUMP):
+def with_frames(directory, last, name=file_names.DUMP):
     """Frames until one, as LAMMPS would have written them."""
     zero = CASE.problem().initial_velocity() * 0.0
     with Writer(directory / name, problem()) as writer:
@@ -53,16 +54,16 @@ def aged(directory, seconds=3600.0):
 def with_state(directory, state, *, reason="", ends=3600.0, number="7", step=0):
     now = int(time.time())
     lines = {"state": state, "step": step, "steps": STEPS, "job": number, "number": 1, "ranks": 1, "cluster": "alps"}
-    (directory / job.JOB).write_text("")
+    (directory / file_names.JOB).write_text("")
     lines |= {"host": "n12", "time": now, "ends": int(now + ends), "reason": reason}
-    (directory / job.STATE).write_text("".join(f"{key} {value}\n" for key, value in lines.items()))
+    (directory / file_names.JOB_STATE).write_text("".join(f"{key} {value}\n" for key, value in lines.items()))
     return directory
 
 
 def with_restart(directory, step):
     """The head and the end of a restart as LAMMPS writes it."""
     magic = b"LammpS RestartT\0"
-    (directory / continuation.RESTART).write_bytes(magic + bytes(8) + struct.pack("<iq", 5, step) + bytes(600) + magic)
+    (directory / file_names.RESTART).write_bytes(magic + bytes(8) + struct.pack("<iq", 5, step) + bytes(600) + magic)
     return directory
 
 
@@ -140,7 +141,7 @@ def test_a_deck_that_was_not_run_is_written_and_it_is_said_how_to_start_it(tmp_p
 
 def test_a_run_killed_before_it_wrote_more_than_its_scene_is_incomplete(tmp_path):
     directory = with_deck(tmp_path / "x")
-    (directory / deck.DECK).unlink()
+    (directory / file_names.DECK).unlink()
     assert status(directory).state == "incomplete"
 
 
@@ -155,7 +156,7 @@ def test_a_deck_whose_frames_end_early_is_incomplete_and_how_far_is_told(tmp_pat
     found = status(aged(with_frames(with_deck(tmp_path / "x"), 30)))
     assert (found.state, found.step, found.steps) == ("incomplete", 300, STEPS)
     assert "starts it anew" in found.why
-    (tmp_path / "x" / continuation.RESTART).write_text("")
+    (tmp_path / "x" / file_names.RESTART).write_text("")
     assert "in.continue" in status(tmp_path / "x").why
 
 
@@ -168,7 +169,7 @@ def test_the_parts_of_a_continued_run_count_together(tmp_path):
 
 def test_a_frame_that_is_cut_does_not_count(tmp_path):
     directory = with_frames(with_deck(tmp_path / "x"), 30)
-    with (directory / deck.DUMP).open("r+b") as file:
+    with (directory / file_names.DUMP).open("r+b") as file:
         file.truncate(file.seek(0, 2) - 1)
     assert status(aged(directory)).step == 290
 
@@ -202,7 +203,7 @@ def test_a_job_that_its_cluster_does_not_know_is_incomplete_and_goes_on_with_sba
 def test_where_its_queue_cannot_be_asked_a_job_is_what_it_said_last(state, queue, tmp_path):
     found = status(with_state(with_deck(tmp_path / "x"), state), queue)
     assert found.state == state
-    told = re.search(r"^time (\d+)$", (tmp_path / "x" / job.STATE).read_text(), flags=re.MULTILINE)
+    told = re.search(r"^time (\d+)$", (tmp_path / "x" / file_names.JOB_STATE).read_text(), flags=re.MULTILINE)
     when = time.strftime("%Y-%m-%d %H:%M", time.localtime(int(told[1])))
     assert found.why.endswith(f"as it was told on {when} by n12")
 
@@ -232,7 +233,7 @@ def test_a_job_that_is_done_is_done_whatever_the_queue_says(tmp_path):
 
 
 def test_a_task_of_an_array_works_in_its_line_of_the_list_of_cases(tmp_path):
-    (tmp_path / job.CASES).write_text("a\nb\n")
+    (tmp_path / file_names.CASES).write_text("a\nb\n")
     text = f"11|R|0|{tmp_path}\n12|PD|1|{tmp_path}\n13|PD|9|{tmp_path}\n14|CG|N/A|{tmp_path}/c\n"
     queue = parse("alps", text)
     assert [(one.number, one.waiting, one.directory.name) for one in queue.jobs] == [
@@ -248,14 +249,14 @@ def test_a_task_of_an_array_works_in_its_line_of_the_list_of_cases(tmp_path):
 
 def test_a_task_that_is_gone_goes_on_with_its_array(tmp_path):
     directory = with_state(with_deck(tmp_path / "x"), "running")
-    (directory / job.JOB).unlink()
+    (directory / file_names.JOB).unlink()
     assert status(directory, alps()).why.endswith(
         "`sbatch job.sbatch` beside cases.txt starts again, for there is no restart yet"
     )
 
 
 def test_a_directory_of_runs_stands_for_them_all(tmp_path):
-    (tmp_path / job.CASES).write_text("c\na\n")
+    (tmp_path / file_names.CASES).write_text("c\na\n")
     for name in "abc":
         with_deck(tmp_path / name)
     (tmp_path / "other").mkdir()
@@ -313,7 +314,7 @@ def test_a_run_on_another_machine_runs_while_it_writes(tmp_path):
 
 def test_of_a_job_and_a_local_run_the_later_one_counts(tmp_path):
     directory = with_record(with_state(with_deck(tmp_path / "x"), "incomplete"), outcome="done", steps_done=STEPS)
-    os.utime(directory / job.STATE, (1e9, 1e9))
+    os.utime(directory / file_names.JOB_STATE, (1e9, 1e9))
     assert status(directory).state == "done"
     os.utime(directory / RECORD, (9e8, 9e8))
     assert status(directory, alps()).state == "incomplete"
@@ -322,7 +323,12 @@ def test_of_a_job_and_a_local_run_the_later_one_counts(tmp_path):
 # --- anything ---------------------------------------------------------------------------------------------------------
 
 
-@given(st.sampled_from([RECORD, job.STATE, deck.DECK, deck.DUMP, deck.SCENE, job.CASES]), st.binary(max_size=300))
+@given(
+    st.sampled_from(
+        [RECORD, file_names.JOB_STATE, file_names.DECK, file_names.DUMP, file_names.SCENE, file_names.CASES]
+    ),
+    st.binary(max_size=300),
+)
 def test_whatever_stands_in_a_file_the_state_has_a_name_and_one_printable_line(tmp_path_factory, name, content):
     directory = with_frames(with_deck(tmp_path_factory.mktemp("x")), 3)
     (directory / name).write_bytes(content)

@@ -13,6 +13,7 @@ from processes import HANGS, started, wait_until
 from sweeps import GRANCHAIN, SMALL, UNTIL, sweep, sweep_file
 
 from lammps_inputs import library
+from workflow.cli import main
 from workflow.engines.lammps import hosted
 from workflow.errors import RunError
 from workflow.runs.locks import alone
@@ -193,6 +194,15 @@ def test_a_process_that_dies_is_one_failed_case_and_the_others_go_on(tmp_path):
     }
     assert "was killed by signal SIGABRT" in found["long"]["reason"]
     assert children() == []
+
+
+@pytest.mark.slow
+def test_whoever_waits_for_a_sweep_is_told_once_what_is_compiled_for_it(tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "cache"))
+    path = sweep_file(tmp_path, engine="reference", beads=[8, 9])
+    assert main(["sweep", str(path), "-o", str(tmp_path / "s"), "--jobs", "2"]) == 0
+    said = capsys.readouterr().err.splitlines()
+    assert said == ["compiling the reference, which takes some ten seconds; once for this kind of scene"]
 
 
 def in_directory(directory):

@@ -13,8 +13,7 @@ import pytest
 
 from analysis.shape.exact_wave import solitary_wave
 from analysis.sharing.verdict import State
-from lammps_inputs import Coupling, Kick, Output, Scene, find
-from lammps_inputs.decks import deck
+from lammps_inputs import Coupling, Kick, Output, Scene, file_names, find
 from lammps_inputs.units import make_scale
 from workflow.cli import main
 from workflow.engines.collisions.first_row import THETA_OF_EQ_5
@@ -178,7 +177,7 @@ def copy_with(finished, tmp_path, number):
     """The run with one velocity of its last frame replaced."""
     copy = tmp_path / "copy"
     shutil.copytree(finished.path, copy)
-    with (copy / deck.DUMP).open("r+b") as file:
+    with (copy / file_names.DUMP).open("r+b") as file:
         file.seek(-8, os.SEEK_END)
         file.write(struct.pack("<d", number))
     return copy

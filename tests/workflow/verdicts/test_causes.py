@@ -6,7 +6,7 @@ import pytest
 from plain_scene import scene
 from wrong_runs import deck_run
 
-from lammps_inputs.decks import deck
+from lammps_inputs import file_names
 from workflow.verdicts.validate import validate
 
 FRAMES = {"output": {"every": 0.1}, "duration": 16.0}
@@ -17,9 +17,9 @@ PUSHED = {"push": {"peak": 0.8, "duration": 2.0, "shape": "half-sine", "bead": 2
 
 def edited(pattern, instead):
     def edit(path):
-        text, found = re.subn(pattern, instead, (path / deck.DECK).read_text())
+        text, found = re.subn(pattern, instead, (path / file_names.DECK).read_text())
         assert found == 1
-        (path / deck.DECK).write_text(text)
+        (path / file_names.DECK).write_text(text)
 
     return edit
 
@@ -28,11 +28,11 @@ def heavier(atoms, factor):
     """The densities of some atoms of a coupled scene, times a factor."""
 
     def edit(path):
-        head, body = (path / deck.DATA).read_text().split("bond\n\n", 1)
+        head, body = (path / file_names.DATA).read_text().split("bond\n\n", 1)
         rows, rest = body.split("\n\n", 1)
         words = [row.split() for row in rows.splitlines()]
         changed = [[*w[:6], repr(float(w[6]) * factor), w[7]] if int(w[0]) in atoms else w for w in words]
-        (path / deck.DATA).write_text("\n".join([head + "bond\n", *map(" ".join, changed)]) + "\n\n" + rest)
+        (path / file_names.DATA).write_text("\n".join([head + "bond\n", *map(" ".join, changed)]) + "\n\n" + rest)
 
     return edit
 

@@ -12,7 +12,7 @@ from stock_lammps import scene
 
 from analysis.against.difference import Deviation
 from analysis.files.recording import Writer
-from lammps_inputs import Kick, find
+from lammps_inputs import Kick, file_names, find
 from lammps_inputs.decks import deck
 from workflow.cli import main
 from workflow.runs.run import run
@@ -46,7 +46,7 @@ def copied(directory, path):
 def frames_written(directory, frames):
     """The same run, of which only the first frames are there."""
     trajectory = directory.trajectory
-    with Writer(directory.path / deck.DUMP, directory.problem) as writer:
+    with Writer(directory.path / file_names.DUMP, directory.problem) as writer:
         for frame in range(frames):
             step = frame * directory.problem.steps_per_frame
             writer.append(step, trajectory.displacement[frame], trajectory.velocity[frame])
@@ -97,7 +97,9 @@ def test_a_scene_is_run_and_validated(tmp_path, capsys):
     path.write_text("name: quick\nbeads: 12\nkick: {velocity: 1}\nuntil_bead: 9\n")
     assert main(["validate", str(path), "-o", str(tmp_path / "out")]) == 0
     assert capsys.readouterr().out.splitlines()[-2] == "passed"
-    assert {REPORT, f"{FIGURE}.png", deck.DUMP, "run.json"} <= {file.name for file in (tmp_path / "out").iterdir()}
+    assert {REPORT, f"{FIGURE}.png", file_names.DUMP, "run.json"} <= {
+        file.name for file in (tmp_path / "out").iterdir()
+    }
 
 
 # --- wrong runs, each named -------------------------------------------------------------------------------------------
@@ -107,11 +109,11 @@ WRONG = {
     "kappa 1% more": (wrong_runs.ONE_PERCENT_MORE, "the coupling is 0.101 instead of 0.1"),
     "a missing spring": (wrong_runs.without_spring(8), "no spring in row 8 between chains 1 and 2"),
     "no springs": (
-        wrong_runs.replaced(deck.DECK, "kappa index 0.1\n", "kappa index 0\n"),
+        wrong_runs.replaced(file_names.DECK, "kappa index 0.1\n", "kappa index 0\n"),
         "the chains are not coupled, though the scene says 0.1",
     ),
     "another kick": (
-        wrong_runs.replaced(deck.DECK, "kick1 index 1 ", "kick1 index 1.01 "),
+        wrong_runs.replaced(file_names.DECK, "kick1 index 1 ", "kick1 index 1.01 "),
         "bead 1 of chain 1 starts with velocity 1.01 instead of 1",
     ),
     "float32 positions": (wrong_runs.in_single_precision, "positions have only single precision"),
@@ -160,7 +162,7 @@ def test_the_first_wrong_bead_and_time_are_named(good, tmp_path, capsys):
 def test_every_cause_is_named_in_the_units_of_the_scene(tmp_path):
     steel = find("two-chains-steel").model_copy(update={"beads": 20, "duration": 3e-4})
     kappa = f"{steel.problem().kappa!r}"
-    edit = wrong_runs.replaced(deck.DECK, f"kappa index {kappa}\n", f"kappa index {1.02 * float(kappa)!r}\n")
+    edit = wrong_runs.replaced(file_names.DECK, f"kappa index {kappa}\n", f"kappa index {1.02 * float(kappa)!r}\n")
     (cause,) = validate(wrong_runs.deck_run(steel, tmp_path / "run", edit)).causes
     assert cause == "the coupling is 2.458e+06 instead of 2.41e+06"
 
@@ -170,8 +172,8 @@ def test_every_cause_is_named_in_the_units_of_the_scene(tmp_path):
 
 def test_an_interrupted_run_is_said_incomplete_and_does_not_pass(good, tmp_path, capsys):
     part = frames_written(copied(good, tmp_path / "part"), 200)
-    with (part.path / deck.DUMP).open("ab") as file:
-        file.write((good.path / deck.DUMP).read_bytes()[:1000])  # killed within a frame
+    with (part.path / file_names.DUMP).open("ab") as file:
+        file.write((good.path / file_names.DUMP).read_bytes()[:1000])  # killed within a frame
     assert main(["validate", str(part.path)]) == 1
     out = capsys.readouterr()
     assert "incomplete: 200 of 401 frames" in out.out.splitlines()
@@ -201,16 +203,16 @@ def test_a_deck_run_for_fewer_steps_is_incomplete(tmp_path):
 def test_a_directory_that_cannot_be_validated_ends_in_one_line_and_exit_code_2(case, words, good, tmp_path, capsys):
     directory = copied(good, tmp_path / "run")
     if case == "no dump":
-        (directory.path / deck.DUMP).unlink()
+        (directory.path / file_names.DUMP).unlink()
     elif case == "empty dump":
-        (directory.path / deck.DUMP).write_bytes(b"")
+        (directory.path / file_names.DUMP).write_bytes(b"")
     elif case == "other cadence":
         frames = wrong_runs.deck_run(SCENE, tmp_path / "other", None, "-var", "every", "5")
-        shutil.copy(frames.path / deck.DUMP, directory.path)
+        shutil.copy(frames.path / file_names.DUMP, directory.path)
     elif case == "other scene":
         deck.write(SCENE.model_copy(update={"beads": 41}), directory.path)
     else:
-        (directory.path / deck.SCENE).unlink()
+        (directory.path / file_names.SCENE).unlink()
     assert main(["validate", str(directory.path)]) == 2
     error = capsys.readouterr().err
     assert words in error

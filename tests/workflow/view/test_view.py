@@ -158,11 +158,15 @@ def test_a_page_is_readable_in_dark_mode(ran, look):
 
 @pytest.mark.slow
 def test_the_page_of_a_sweep_draws_any_column_over_any_other(tmp_path, look):
-    what = {"scene": SCENE, "vary": {"coupling.stiffness": [0.1, 0.2, 0.3]}, "engine": "reference"}
+    what = {"scene": SCENE, "vary": {"coupling.stiffness": [0.01, 0.1, 1.0]}, "engine": "reference"}
     table = api.sweep(what, tmp_path / "swept", jobs=1, check=False)
     assert main(["view", str(tmp_path / "swept"), "--no-open", "--quiet"]) == 0
     page = look(tmp_path / "swept" / "view.html")
     page.evaluate("() => { Bokeh.documents[0].get_model_by_name('column').value = 'steps'; }")
     assert model(page, "cases", "Array.from(it.data.y)") == [row["steps"] for row in table.rows]
-    assert model(page, "cases", "Array.from(it.data.x)") == [0.1, 0.2, 0.3]
+    assert model(page, "cases", "Array.from(it.data.x)") == [0.01, 0.1, 1.0]
+    assert model(page, "top", "it.children[0].name") == "plot log"
+    page.evaluate("() => { Bokeh.documents[0].get_model_by_name('over').value = 'steps'; }")
+    assert model(page, "top", "it.children[0].name") == "plot linear"
+    assert model(page, "plot linear", "it.below[0].axis_label") == table.heading("steps")
     assert page.locator("a").first.get_attribute("href") == f"{table.rows[0]['case']}/"

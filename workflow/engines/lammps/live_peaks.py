@@ -13,8 +13,7 @@ from analysis.tracking.leading_waves import leading_waves, to_csv, usual_arrival
 from analysis.tracking.peaks import PeakFinder
 from analysis.tracking.which_leads import leading_finder, leading_passages
 from analysis.trajectory import Floats, Trajectory, frames_per_block
-from lammps_inputs import Problem
-from lammps_inputs.decks import deck
+from lammps_inputs import Problem, file_names
 from workflow.engines.lammps.restarts import write_whole
 from workflow.engines.lammps.travel import Travel
 
@@ -54,7 +53,7 @@ class LivePeaks:
         if step == 0:
             self._take()
         elif keeps:
-            with np.load(deck.PEAKS_STATE, allow_pickle=False) as state:
+            with np.load(file_names.PEAKS_STATE, allow_pickle=False) as state:
                 self._finder = self._finder.resumed(self._problem, state)
                 # it may be ahead of the restart, which was written after it
                 self._last = round(float(state["time"][-1]) / problem.timestep)
@@ -78,7 +77,7 @@ class LivePeaks:
         content = io.BytesIO()
         state: dict[str, Any] = dict(self._finder.state())  # numbers only
         np.savez(content, **state)
-        write_whole(Path(deck.PEAKS_STATE), content.getvalue())
+        write_whole(Path(file_names.PEAKS_STATE), content.getvalue())
 
     def finish(self) -> None:
         """Write ``peaks.csv``: the columns of ``waves.csv`` that need no frames."""
@@ -87,8 +86,8 @@ class LivePeaks:
         self._look()
         peaks = leading_passages(self._finder.result(), self._problem)
         waves = leading_waves(peaks, usual_arrival(self._problem))
-        write_whole(Path(deck.PEAKS), to_csv(waves, self._problem.scale).encode())
-        Path(deck.PEAKS_STATE).unlink(missing_ok=True)
+        write_whole(Path(file_names.PEAKS), to_csv(waves, self._problem.scale).encode())
+        Path(file_names.PEAKS_STATE).unlink(missing_ok=True)
 
     def _take(self) -> None:
         displacement, velocity = self._travel.state()

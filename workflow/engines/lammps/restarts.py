@@ -4,11 +4,11 @@ import hashlib
 import os
 import struct
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from lammps_inputs import Problem
-from lammps_inputs.decks import continuation
+from lammps_inputs import file_names
 
 EVERY = 30.0
 """Seconds of work that a kill may cost; a run that takes less writes none."""
@@ -25,15 +25,15 @@ class Restarts:
 
     Args:
         lmp: an instance of LAMMPS; every rank calls the same methods.
-        problem: what it computes.
+        lines: commands that write one.
         frames: the file that it writes frames to.
         every: seconds from restart to restart.
         leads: whether this rank renames the file.
     """
 
-    def __init__(self, lmp: Any, problem: Problem, frames: Path, *, every: float, leads: bool) -> None:
+    def __init__(self, lmp: Any, lines: Sequence[str], frames: Path, *, every: float, leads: bool) -> None:
         self._lmp = lmp
-        self._lines = continuation.restart_lines(problem)
+        self._lines = lines
         self._frames = frames
         self._every = every
         self._leads = leads
@@ -55,8 +55,8 @@ class Restarts:
                 self._lmp.command(line)
         except Exception as error:  # LAMMPS raises nothing more specific
             if self._leads:
-                Path(continuation.UNFINISHED).unlink(missing_ok=True)
-            raise OSError(f"{continuation.RESTART} cannot be written; is the disk full?") from error
+                Path(file_names.UNFINISHED).unlink(missing_ok=True)
+            raise OSError(f"{file_names.RESTART} cannot be written; is the disk full?") from error
         if self._leads:
             keep(self._frames, int(self._lmp.extract_global("ntimestep")))
         self._last = time.monotonic()
@@ -69,30 +69,30 @@ def keep(frames: Path, step: int) -> None:
     Raises:
         OSError: they are not.
     """
-    unfinished = Path(continuation.UNFINISHED)
+    unfinished = Path(file_names.UNFINISHED)
     try:
         for path in (frames, unfinished):
             _to_disk(path)
         if step_of(unfinished) != step:
-            raise OSError(f"{continuation.RESTART} cannot be written whole; is the disk full?")
+            raise OSError(f"{file_names.RESTART} cannot be written whole; is the disk full?")
         _note_sum(unfinished)
     except OSError:
         unfinished.unlink(missing_ok=True)
         raise
-    unfinished.replace(continuation.RESTART)
+    unfinished.replace(file_names.RESTART)
 
 
 def intact(path: Path) -> bool:
     """Whether a restart is, bit for bit, one that was noted when it was written: a damaged one hangs LAMMPS."""
     try:
-        return _sum(path) in path.with_name(continuation.RESTART_SUMS).read_text(encoding="ascii").split()
+        return _sum(path) in path.with_name(file_names.RESTART_SUMS).read_text(encoding="ascii").split()
     except (OSError, ValueError):
         return False
 
 
 def _note_sum(unfinished: Path) -> None:
     """Note the sum of a restart before it takes the place of another, whose sum stays until then."""
-    sums, restart = Path(continuation.RESTART_SUMS), Path(continuation.RESTART)
+    sums, restart = Path(file_names.RESTART_SUMS), Path(file_names.RESTART)
     before = [_sum(restart)] if restart.is_file() else []
     write_whole(sums, ("\n".join([_sum(unfinished), *before]) + "\n").encode("ascii"))
 

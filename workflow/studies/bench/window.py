@@ -10,7 +10,7 @@ import numpy as np
 
 from analysis.against.pairing import near_the_front
 from analysis.files import recording
-from lammps_inputs import Coupling, Kick, Output, Scene
+from lammps_inputs import Coupling, Kick, Output, Scene, file_names
 from lammps_inputs.decks import deck
 from workflow.engines.lammps import engine, mpi
 from workflow.studies.bench.ratio import Ratio
@@ -80,7 +80,7 @@ def _whole_seconds(beads: int, directory: Path) -> float:
     options = ["-log", "none", "-screen", "none", "-nocite", "-var", "steps", "0"]
     instance: Any = lammps.lammps(cmdargs=options)
     with contextlib.chdir(directory):  # `shell cd` would leave this process in a directory that is removed later
-        instance.file(deck.DECK)
+        instance.file(file_names.DECK)
         started = time.perf_counter()
         instance.command("run 2000 pre no post no")
         took = time.perf_counter() - started
@@ -91,10 +91,10 @@ def _whole_seconds(beads: int, directory: Path) -> float:
 def _different(whole: Path, window: Path) -> int:
     """Numbers that differ in the half of the window that is nearer to its head, while it moves on."""
     problem = scene(LONGEST_WHOLE, None).problem()
-    expected = list(recording.blocks([whole / deck.DUMP], problem))
+    expected = list(recording.blocks([whole / file_names.DUMP], problem))
     x = np.concatenate([block.displacement for block in expected])
     seen = count = 0
-    for block in recording.blocks([window / deck.DUMP], scene(LONGEST_WHOLE, ROWS).problem()):
+    for block in recording.blocks([window / file_names.DUMP], scene(LONGEST_WHOLE, ROWS).problem()):
         if block.beads[-1] == problem.beads:
             break
         part = near_the_front(block)

@@ -12,7 +12,8 @@ from analysis.sharing.impulses import ImpulseMeter, Impulses, from_events
 from analysis.tracking.peaks import PeakFinder
 from analysis.trajectory import Floats, Trajectory
 from workflow.errors import RunError
-from workflow.runs.run_directory import EVENTS, RunDirectory
+from workflow.runs.files import EVENTS
+from workflow.runs.run_directory import RunDirectory
 
 RIGID = "collisions"
 

@@ -10,18 +10,16 @@ from pathlib import Path
 
 import numpy as np
 
-from lammps_inputs import InputError, Problem, Scene, strict_yaml
-from lammps_inputs.decks import deck
+from lammps_inputs import InputError, Problem, Scene, file_names, strict_yaml
 from workflow.engines.reference import engine as reference
 from workflow.errors import RunError
 from workflow.formats import figure_files
 from workflow.prepare.settings import settle
 from workflow.runs import run as running
 from workflow.runs.compute import ENGINES, Progress
+from workflow.runs.files import RECORD, run_files
 from workflow.runs.locks import alone
 from workflow.runs.own_files import prepare, replacing
-from workflow.runs.record import RECORD
-from workflow.runs.run_directory import run_files
 from workflow.runs.whole_files import write_json, write_text
 from workflow.studies.compare.answer import answer
 from workflow.studies.compare.measure import RIGID, last_row, measure
@@ -82,7 +80,7 @@ def compare(
     scene, settings = settle(scene, source=scene.name, force="lammps" not in names)
     problem = scene.problem()
     rows = shown_rows(problem)
-    own = (deck.SCENE, RECORD, REPORT, *figure_files(FIGURE))
+    own = (file_names.SCENE, RECORD, REPORT, *figure_files(FIGURE))
     prepare(directory, own, overwrite=overwrite)
     for name in names:
         if (directory / name).exists():
@@ -100,7 +98,7 @@ def compare(
             results.append(measure(ran.directory, rows))
         last = last_row(results)
         found = Comparison(problem, tuple(results), rows, last, answer(results, last))
-        write_text(Path(work) / deck.SCENE, strict_yaml.dump(scene.resolved().plain()))
+        write_text(Path(work) / file_names.SCENE, strict_yaml.dump(scene.resolved().plain()))
         write_json(Path(work) / REPORT, plain(found))
         draw(Path(work), found)
         _put_in_place(Path(work), directory, own, names)

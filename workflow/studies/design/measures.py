@@ -21,7 +21,7 @@ from lammps_inputs import InputError, Problem, Scene, library
 from workflow.engines.reference import engine
 from workflow.engines.reference.accountant import Accountant
 from workflow.prepare.duration import with_duration
-from workflow.runs.run_directory import REPORT
+from workflow.runs.files import REPORT
 from workflow.sweep.collect import quantities
 from workflow.sweep.table import QUANTITIES
 from workflow.verdicts.analysis_report import report

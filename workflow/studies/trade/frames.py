@@ -15,8 +15,7 @@ import numpy as np
 from analysis.files import recording
 from analysis.tracking.peaks import PeakFinder, Peaks
 from analysis.trajectory import Trajectory, frames_per_block
-from lammps_inputs import Problem
-from lammps_inputs.decks import deck
+from lammps_inputs import Problem, file_names
 from workflow.errors import RunError
 from workflow.studies.trade import certified, jobs
 from workflow.studies.trade.harness import Setting
@@ -122,10 +121,10 @@ def run(job: Recording, directory: Path) -> Read:
     def change(text: str) -> str:
         if job.format == BINARY:
             return text
-        return text.replace(deck.DUMP, TEXT).replace("\ndump_modify ", f"\n{FORMATS[job.format]}dump_modify ")
+        return text.replace(file_names.DUMP, TEXT).replace("\ndump_modify ", f"\n{FORMATS[job.format]}dump_modify ")
 
     seconds, _ = jobs.lammps(job.problem, directory, change=change)
-    path = directory / (deck.DUMP if job.format == BINARY else TEXT)
+    path = directory / (file_names.DUMP if job.format == BINARY else TEXT)
     read = Read(job, path, seconds, 0.0)
     started = time.perf_counter()
     for _ in read.blocks():
@@ -192,7 +191,7 @@ def make_exact(problem: Problem, directory: Path) -> Exact:
     fine = every(problem, divisors(problem)[0])
     jobs.lammps(fine, directory)
     path = directory / "exact.bin"
-    (directory / deck.DUMP).replace(path)
+    (directory / file_names.DUMP).replace(path)
     finder = PeakFinder(first_only=True)
     for block in recording.blocks([path], fine):
         finder.add(block)

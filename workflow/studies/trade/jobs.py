@@ -12,7 +12,7 @@ from pathlib import Path
 
 from analysis.files import recording
 from analysis.trajectory import Trajectory
-from lammps_inputs import Problem
+from lammps_inputs import Problem, file_names
 from lammps_inputs.decks import deck
 from lammps_inputs.window import LOOK
 from workflow.engines.lammps import mpi
@@ -124,11 +124,11 @@ def lammps(problem: Problem, directory: Path, *, ranks: int = 1, change: Change 
     program, launcher = executable(), mpi.launcher()
     if program is None or (ranks > 1 and launcher is None):
         raise RunError("no `lmp` (or `mpiexec`) beside Python or on the PATH")
-    for name in (TOOK, deck.DUMP):
+    for name in (TOOK, file_names.DUMP):
         (directory / name).unlink(missing_ok=True)
-    (directory / deck.DATA).write_text(deck.render_data(problem))
-    (directory / deck.DECK).write_text(timed(change(deck.render_deck(problem))))
-    command = [program, "-in", deck.DECK, "-log", deck.LOG, "-screen", "none", "-nocite"]
+    (directory / file_names.DATA).write_text(deck.render_data(problem))
+    (directory / file_names.DECK).write_text(timed(change(deck.render_deck(problem))))
+    command = [program, "-in", file_names.DECK, "-log", file_names.LOG, "-screen", "none", "-nocite"]
     if ranks > 1:
         command = [str(launcher), "-n", str(ranks), *command]
     started = time.perf_counter()
@@ -137,7 +137,7 @@ def lammps(problem: Problem, directory: Path, *, ranks: int = 1, change: Change 
     try:
         seconds = float((directory / TOOK).read_text())
     except (OSError, ValueError):
-        raise RunError(f"LAMMPS ended with exit code {code}. {_complaint(directory / deck.LOG)}") from None
+        raise RunError(f"LAMMPS ended with exit code {code}. {_complaint(directory / file_names.LOG)}") from None
     return seconds, whole - seconds
 
 
@@ -170,7 +170,7 @@ def _complaint(log: Path) -> str:
 
 def _lammps(job: Job, directory: Path) -> Done:
     seconds, start = lammps(job.problem, directory, ranks=job.ranks)
-    return Done(job.problem, directory / deck.DUMP, seconds, start, float(job.problem.steps))
+    return Done(job.problem, directory / file_names.DUMP, seconds, start, float(job.problem.steps))
 
 
 # --- our own ----------------------------------------------------------------------------------------------------------
@@ -178,7 +178,7 @@ def _lammps(job: Job, directory: Path) -> Done:
 
 def _reference(job: Job, directory: Path) -> Done:
     assert job.scheme is not None
-    problem, path = job.problem, directory / deck.DUMP
+    problem, path = job.problem, directory / file_names.DUMP
     started = time.perf_counter()
     engine.load()
     loaded = time.perf_counter()
@@ -210,8 +210,8 @@ def _collisions(job: Job, directory: Path) -> Done:
 
     collisions.run(job.problem, max_events=0)
     loaded = time.perf_counter()
-    write(directory / deck.DUMP, job.problem, collisions.blocks(collisions.run(job.problem)))
-    return Done(job.problem, directory / deck.DUMP, time.perf_counter() - loaded, loaded - started, math.nan)
+    write(directory / file_names.DUMP, job.problem, collisions.blocks(collisions.run(job.problem)))
+    return Done(job.problem, directory / file_names.DUMP, time.perf_counter() - loaded, loaded - started, math.nan)
 
 
 ENGINES: dict[str, Callable[[Job, Path], Done]] = {

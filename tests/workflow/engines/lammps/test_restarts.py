@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from stock_lammps import run, scene
 
-from lammps_inputs.decks import continuation, deck
+from lammps_inputs import file_names
 from workflow.engines.lammps import restarts
 
 STEP = 400
@@ -18,8 +18,8 @@ def ready(tmp_path, monkeypatch):
     """In a directory with frames and a restart that LAMMPS has just written."""
     run(scene(beads=4), tmp_path / "run", before_run=f"restart {STEP} one two")
     monkeypatch.chdir(tmp_path / "run")
-    shutil.copy("one", continuation.UNFINISHED)
-    return Path(deck.DUMP)
+    shutil.copy("one", file_names.UNFINISHED)
+    return Path(file_names.DUMP)
 
 
 def test_frames_restart_and_its_sum_reach_the_disk_before_the_restart_takes_its_place(ready, monkeypatch):
@@ -35,13 +35,13 @@ def test_frames_restart_and_its_sum_reach_the_disk_before_the_restart_takes_its_
     monkeypatch.setattr(os, "fsync", fsync)
     monkeypatch.setattr(Path, "replace", replace)
     restarts.keep(ready, STEP)
-    sums = continuation.RESTART_SUMS
-    assert order == [deck.DUMP, continuation.UNFINISHED, f".{sums}.granchain-part", sums, continuation.RESTART]
-    assert restarts.intact(Path(continuation.RESTART))
+    sums = file_names.RESTART_SUMS
+    assert order == [file_names.DUMP, file_names.UNFINISHED, f".{sums}.granchain-part", sums, file_names.RESTART]
+    assert restarts.intact(Path(file_names.RESTART))
 
 
 def test_a_restart_of_another_step_is_not_kept(ready):
     with pytest.raises(OSError, match="cannot be written whole"):
         restarts.keep(ready, STEP + 1)
-    assert not Path(continuation.UNFINISHED).exists()
-    assert not Path(continuation.RESTART).exists()
+    assert not Path(file_names.UNFINISHED).exists()
+    assert not Path(file_names.RESTART).exists()

@@ -10,7 +10,7 @@ import pytest
 from processes import wait_until, working_in
 from stock_lammps import scene
 
-from lammps_inputs import Kick
+from lammps_inputs import Kick, file_names
 from lammps_inputs.decks import deck
 from workflow.engines.lammps import engine, mpi
 from workflow.errors import RunError
@@ -37,7 +37,7 @@ def failure(directory, ranks=1, **options):
 def failure_of(old, new, directory, ranks=1):
     """The same for the deck with a change."""
     deck.write(SCENE, directory)
-    path = directory / deck.DECK
+    path = directory / file_names.DECK
     text = path.read_text()
     assert old in text
     path.write_text(text.replace(old, new))
@@ -94,14 +94,14 @@ def test_an_error_that_one_rank_alone_sees_is_told(ranks, tmp_path):
 @pytest.mark.parametrize("ranks", RANKS)
 def test_a_missing_deck_is_told(ranks, tmp_path):
     deck.write(SCENE, tmp_path)
-    (tmp_path / deck.DECK).unlink()
-    assert f"Cannot open input script {deck.DECK}" in failure(tmp_path, ranks)
+    (tmp_path / file_names.DECK).unlink()
+    assert f"Cannot open input script {file_names.DECK}" in failure(tmp_path, ranks)
 
 
 def test_a_missing_scene_is_told(tmp_path):
     deck.write(SCENE, tmp_path)
-    (tmp_path / deck.SCENE).unlink()
-    assert failure(tmp_path) == f"LAMMPS: {deck.SCENE}: no such file"
+    (tmp_path / file_names.SCENE).unlink()
+    assert failure(tmp_path) == f"LAMMPS: {file_names.SCENE}: no such file"
 
 
 def test_a_deck_that_leaves_the_interpreter_is_told_with_its_exit_code(tmp_path):

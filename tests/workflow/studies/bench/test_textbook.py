@@ -7,7 +7,7 @@ import pytest
 
 from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import find_peaks
-from lammps_inputs.decks import deck
+from lammps_inputs import file_names
 from workflow.runs.run import run
 from workflow.studies.bench import against_usual_ways as bench
 from workflow.studies.bench import reference, textbook
@@ -19,7 +19,7 @@ def test_the_textbook_way_finds_the_same_waves(tmp_path: Path) -> None:
     problem = scene.problem()
     plain = tmp_path / "plain"
     plain.mkdir()
-    (plain / deck.DATA).write_text(textbook.plain_data(problem))
+    (plain / file_names.DATA).write_text(textbook.plain_data(problem))
     bench.lammps_seconds(plain, textbook.plain_deck(problem, dump=True))
     textbook.read_and_analyse(plain, problem)
     table = np.genfromtxt(plain / "waves.csv", delimiter=",", names=True)

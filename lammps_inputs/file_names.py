@@ -1,0 +1,41 @@
+"""Names of the files that a run is given and leaves: of the deck, of what goes on from a restart, and of a Slurm job.
+
+Imports nothing: who only looks at directories need not load what a scene may be.
+"""
+
+SCENE = "scene.yaml"
+
+DECK = "in.chains"
+DATA = "data.chains"
+DUMP = "chains.dump.bin"
+SNAPSHOTS = "chains.snapshots.bin"
+PEAKS, PEAKS_STATE = "peaks.csv", "chains.peaks.npz"
+LOG = "log.lammps"
+
+CONTINUE = "in.continue"
+RESTART = "chains.restart"
+RESTART_SUMS = "chains.restart.sha256"
+UNFINISHED = "chains.restart.part"
+
+CASES = "cases.txt"
+JOB = "job.sbatch"
+JOB_INPUT = "in.job"
+JOB_STATE = "job.state"
+JOB_STEP = "job.step"
+JOB_OUTPUT = "job.out"
+JOB_FILES = (
+    JOB,
+    JOB_INPUT,
+    JOB_STATE,
+    JOB_STEP,
+    JOB_OUTPUT,
+    "job.frames",
+    ".job.check",
+    ".job.reserve",
+    ".job.in",
+    ".job.keep",
+    ".job.yes",
+    ".job.no",
+    ".job.kept",
+)
+"""What a job has and leaves in the directory of a run, beside the run's own files."""

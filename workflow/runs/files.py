@@ -1,0 +1,61 @@
+"""Which files in a run's directory are a run's: their names, and those of the frames there are."""
+
+import re
+from pathlib import Path
+
+from lammps_inputs import file_names
+from workflow.formats import in_any_format
+
+EVENTS = "events.csv"
+REPORT = "analysis.json"
+VIEW = "view.html"
+RECORD = "run.json"
+
+OWN_FILES = (
+    *(file_names.SCENE, file_names.DECK, file_names.DATA, file_names.DUMP, file_names.LOG, EVENTS, RECORD),
+    *(
+        file_names.CONTINUE,
+        file_names.RESTART,
+        file_names.RESTART_SUMS,
+        file_names.UNFINISHED,
+        file_names.PEAKS,
+        file_names.PEAKS_STATE,
+    ),
+    *file_names.JOB_FILES,
+    file_names.SNAPSHOTS,
+)
+ANALYSIS_FIGURES = ("spacetime", "response", "distance", "shape", "energy", "forces", "spectra", "dispersion", "budget")
+ANALYSIS_FILES = (
+    *("waves.csv", "forces.csv", "spectra.csv", "dispersion.csv"),
+    REPORT,
+    VIEW,
+    *in_any_format(*ANALYSIS_FIGURES),
+    *("validation.json", *in_any_format("validation")),
+    *("compare.json", *in_any_format("compare")),
+)
+
+_PART = re.compile(r"chains\.(dump|snapshots)(?:\.([1-9][0-9]{0,8}))?\.bin")
+
+
+def run_files(engine: str) -> tuple[str, ...]:
+    """What a run by an engine, or the deck for LAMMPS, may leave in its directory before it is analysed."""
+    if engine != "lammps":
+        return (file_names.SCENE, RECORD, file_names.DUMP, EVENTS)
+    return tuple(name for name in OWN_FILES if name != EVENTS and name not in file_names.JOB_FILES)
+
+
+def parts(directory: Path, kind: str = "dump") -> list[Path]:
+    """The files of frames there are, in order; with "snapshots" those of all beads beside frames of some."""
+    found = {path: match for path in directory.iterdir() if (match := _PART.fullmatch(path.name)) and path.is_file()}
+    return sorted((path for path, match in found.items() if match[1] == kind), key=part_number)
+
+
+def all_parts(directory: Path) -> list[Path]:
+    """The files of frames and those of snapshots."""
+    return [*parts(directory), *parts(directory, "snapshots")]
+
+
+def part_number(path: Path) -> int:
+    """Number of a file of frames; 0 if it is none."""
+    match = _PART.fullmatch(path.name)
+    return 0 if match is None else int(match[2] or 1)

@@ -1,0 +1,53 @@
+"""The references that a run is compared with, or is: with ever more steps until they are as sure as was asked for."""
+
+import math
+from collections.abc import Iterator
+
+from lammps_inputs import Problem
+from workflow.engines.reference.certify import Certifier
+from workflow.prepare.settings import Settings
+
+SURE = 1.0 / 3.0
+"""Part of an accuracy to which the reference must be sure that tells whether a run keeps it."""
+
+_MOST_DOUBLINGS = 4
+
+CLOSED = 1e-9
+"""Of the energy put in: what the budget of a run by the reference may miss."""
+
+_MOST_STEPS = 64
+"""In place of one usual step, for that."""
+
+
+def certifiers(problem: Problem, settings: Settings | None) -> Iterator[Certifier]:
+    """References of a problem, of which the last counts; each is asked how sure it is when its blocks were taken.
+
+    Without an accuracy the usual one; else with ever more steps, until it is sure enough or gets hardly surer.
+    """
+    if settings is None:
+        yield Certifier(problem)
+        return
+    steps = 2 * math.ceil(0.5 * problem.every / settings.reference_timestep * (1.0 - 1e-9))
+    before = math.inf
+    for _ in range(_MOST_DOUBLINGS):
+        certifier = Certifier(problem, steps_per_frame=steps)
+        yield certifier
+        sure = certifier.certificate.velocity
+        if sure <= SURE * settings.accuracy or sure > 0.5 * before:
+            return
+        before, steps = sure, 2 * steps
+
+
+def closing(problem: Problem) -> Iterator[Certifier]:
+    """The usual reference; where energy is exchanged with ever more steps, until the budget is closed."""
+    certifier = Certifier(problem)
+    yield certifier
+    usual = certifier.certificate.steps_per_frame
+    while problem.exchanges and (missing := certifier.certificate.energy) > CLOSED:
+        steps = certifier.certificate.steps_per_frame
+        # contacts that open and close leave an order of 2.5
+        steps = min(math.ceil(1.5 * steps * (missing / CLOSED) ** 0.4), _MOST_STEPS * usual)
+        if steps <= certifier.certificate.steps_per_frame:
+            return
+        certifier = Certifier(problem, steps_per_frame=steps)
+        yield certifier
