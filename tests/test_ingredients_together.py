@@ -87,6 +87,7 @@ def test_lammps_keeps_the_error_it_states(changes):
     keeps_the_error_it_states(changes)
 
 
+@pytest.mark.slow
 @FEW
 @given(walled_and_pushed())
 def test_symmetries_hold(changes):
@@ -119,6 +120,7 @@ NEUTRAL = {
 }
 
 
+@pytest.mark.slow
 @settings(max_examples=20)
 @given(st.lists(st.sampled_from(sorted(NEUTRAL)), min_size=1, unique=True))
 def test_neutral_values_leave_the_deck_and_the_problem_of_today(names):

@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 from processes import HANGS
 
+pytestmark = pytest.mark.slow
+
 TESTS = Path(__file__).parent
 
 OWN = '''

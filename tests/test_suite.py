@@ -19,6 +19,7 @@ def test_ctrl_c_reaches_what_a_test_starts():
         assert process.wait(HANGS) == -signal.SIGINT
 
 
+@pytest.mark.slow
 def test_a_suite_started_with_ctrl_c_ignored_tests_ctrl_c_all_the_same():
     words = ["-q", "-p", "no:cacheprovider", "-c", HERE.parents[1] / "pyproject.toml"]
     words.append(f"{HERE}::{test_ctrl_c_reaches_what_a_test_starts.__name__}")

@@ -62,6 +62,7 @@ def test_any_text_gives_a_mapping_or_one_line(text):
         assert isinstance(data, dict)
 
 
+@pytest.mark.slow
 @given(st.dictionaries(KEYS, PLAIN, min_size=1, max_size=4))
 @example({"name": "1e5"})
 @example({"name": "a\x85b"})

@@ -103,6 +103,7 @@ def test_a_run_its_error_its_validation_and_its_scene_show_themselves(ran):
         assert repr(shown).startswith("<")
 
 
+@pytest.mark.slow
 def test_a_sweep_is_a_table_as_array_and_as_pandas_if_that_is_there(tmp_path):
     what = {"scene": SCENE, "vary": {"kick.velocity": [1.0, 2.0]}, "engine": "reference"}
     found = api.sweep(what, tmp_path / "swept", jobs=1)

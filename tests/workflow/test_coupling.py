@@ -91,6 +91,7 @@ def test_lammps_tends_to_the_exact_motion_as_the_step_squared(name, tmp_path):
     assert 3.6 < coarse / fine < 4.4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_the_reference_tends_to_the_exact_motion(name):
     assert np.max(np.abs(trajectory(scene(name).problem(), steps_per_frame=100).velocity - exact(name))) < 1e-7
@@ -111,6 +112,7 @@ EACH_KIND = ["ramp", "lattice", "cubic ring"]
 """Of bonds: by row, by any graph, cubic."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", EACH_KIND)
 def test_two_ranks_compute_the_same(name, by_deck, tmp_path):
     alone, two = by_deck(name), run_deck(seldom(name), tmp_path / "two", ranks=2)
@@ -119,6 +121,7 @@ def test_two_ranks_compute_the_same(name, by_deck, tmp_path):
     np.testing.assert_allclose(two.velocity, alone.velocity, rtol=0, atol=1e-15)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not DEBIAN.exists(), reason="no lmp of the distribution")
 @pytest.mark.parametrize("name", EACH_KIND)
 def test_the_release_of_2021_computes_the_same(name, by_deck, tmp_path):
@@ -168,6 +171,7 @@ def test_springs_from_row_41_on(tmp_path):
     assert peaks(result.directory, 40)[0] == pytest.approx(0.68163, abs=1e-3)  # a lone wave up to there
 
 
+@pytest.mark.slow
 def test_a_ring_of_three(tmp_path):
     result = run(find("ring-of-three"), tmp_path / "run")
     assert peaks(result.directory, 95) == pytest.approx([0.25117] * 3, abs=stated(result))
@@ -193,6 +197,7 @@ def test_springs_that_end_leave_each_chain_its_own_wave(tmp_path):
 # --- symmetries -------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_ring_does_not_know_where_it_begins():
     ring = {"chains": 5, "coupling": {"stiffness": 0.4, "topology": "ring"}}
     first = trajectory(scene("", **ring).problem()).velocity

@@ -46,6 +46,7 @@ def done(tmp_path_factory: pytest.TempPathFactory) -> Run:
     return run(damped(), tmp_path_factory.mktemp("damped") / "run")
 
 
+@pytest.mark.slow
 def test_the_twin_steps_as_lammps_does(done: Run) -> None:
     own = joined(done.directory.blocks())
     problem = done.directory.problem
@@ -53,6 +54,7 @@ def test_the_twin_steps_as_lammps_does(done: Run) -> None:
     np.testing.assert_allclose(twin.velocity, own.velocity, rtol=0.0, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_the_reference_knows_the_damped_run_to_its_certificate(done: Run) -> None:
     problem = done.directory.problem
     right = integrated(problem, loss=lambda _: 0.1, max_step=0.02, rtol=1e-10)
@@ -72,6 +74,7 @@ def budget(blocks: Iterable[Trajectory], keeper: Accountant | None = None) -> tu
     return seen.energy_drift, seen.budget.result()
 
 
+@pytest.mark.slow
 def test_the_budget_of_lammps_closes_to_the_error_of_the_run_however_far_apart_its_frames_are(done: Run) -> None:
     assert done.check is not None
     problem = done.directory.problem
@@ -84,6 +87,7 @@ def test_the_budget_of_lammps_closes_to_the_error_of_the_run_however_far_apart_i
         assert np.all(np.diff(account.lost["contact_damping"]) >= 0.0)
 
 
+@pytest.mark.slow
 def test_the_analysis_says_how_well_the_budget_is_closed(done: Run) -> None:
     found = analyse(done.directory, figures=False)
     assert found.budget is not None
@@ -96,6 +100,7 @@ def test_the_analysis_says_how_well_the_budget_is_closed(done: Run) -> None:
     assert found.conservation.momentum_drift < 1e-12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("every", [0.05, 2.5])
 @pytest.mark.parametrize("keys", [{"contact": 0.1}, {"beads": 0.05}], ids=["contacts", "beads"])
 def test_the_budget_of_the_reference_closes_to_1e_9_however_far_apart_frames_are(
@@ -107,6 +112,7 @@ def test_the_budget_of_the_reference_closes_to_1e_9_however_far_apart_frames_are
     assert sum(lost[-1] for lost in account.lost.values()) > 0.05
 
 
+@pytest.mark.slow
 @SLOW
 @pytest.mark.parametrize(
     "keys",
@@ -121,6 +127,7 @@ def test_the_budget_of_every_law_closes_to_1e_9(keys: dict[str, Any]) -> None:
     assert missing < 1e-9
 
 
+@pytest.mark.slow
 def test_a_run_by_the_reference_takes_the_steps_that_close_its_budget(tmp_path: Path) -> None:
     found = analyse(run(damped(), tmp_path / "run", engine="reference").directory, figures=False)
     assert found.budget is not None
@@ -137,6 +144,7 @@ def test_frames_that_are_followed_by_the_reference_have_the_ledger_of_its_own_ru
     np.testing.assert_allclose(again.ledger, own.ledger, rtol=0.0, atol=1e-10)
 
 
+@pytest.mark.slow
 @SLOW
 @pytest.mark.parametrize(
     ("keys", "physics"),
@@ -160,6 +168,7 @@ LAWS = {
 }
 
 
+@pytest.mark.slow
 @SLOW
 @pytest.mark.parametrize("name", LAWS)
 def test_weak_damping_slows_the_pulse_by_its_law(name: str, tmp_path: Path) -> None:
@@ -207,6 +216,7 @@ def pressed(tmp_path_factory: pytest.TempPathFactory) -> Run:
     return run(damped(precompression=PRESSED, output=output), tmp_path_factory.mktemp("pressed") / "run")
 
 
+@pytest.mark.slow
 def test_a_damped_chain_under_load_keeps_its_budget_above_the_static_state(pressed: Run) -> None:
     problem = pressed.directory.problem
     assert pressed.check is not None
@@ -217,6 +227,7 @@ def test_a_damped_chain_under_load_keeps_its_budget_above_the_static_state(press
     assert account.lost["contact_damping"][-1] > 0.2
 
 
+@pytest.mark.slow
 def test_a_gauge_reads_the_whole_force_of_a_damped_contact(pressed: Run) -> None:
     directory = pressed.directory
     analyse(directory, figures=False)
@@ -229,6 +240,7 @@ def test_a_gauge_reads_the_whole_force_of_a_damped_contact(pressed: Run) -> None
     assert main(["validate", str(directory.path), "--against", str(directory.path / "forces.csv")]) == 0
 
 
+@pytest.mark.slow
 @SLOW
 def test_the_twin_steps_as_lammps_does_under_load(pressed: Run) -> None:
     problem = pressed.directory.problem
@@ -237,6 +249,7 @@ def test_the_twin_steps_as_lammps_does_under_load(pressed: Run) -> None:
     np.testing.assert_allclose(twin.velocity, own.velocity, rtol=0.0, atol=1e-11)
 
 
+@pytest.mark.slow
 def test_a_small_standing_wave_under_load_decays_at_its_exact_complex_frequency(tmp_path: Path) -> None:
     """x ~ exp(s t) cos(q (n - 1/2)): m s^2 + 2 (1 - cos q) (g s + k) = 0, so its rate is g (1 - cos q) / m."""
     beads, mode, g = 12, 4, 0.2
@@ -264,11 +277,13 @@ def test_a_small_standing_wave_under_load_decays_at_its_exact_complex_frequency(
     assert fall[-1] < 0.6
 
 
+@pytest.mark.slow
 def test_a_damped_run_under_load_goes_on_bit_for_bit(tmp_path: Path) -> None:
     case = damped(precompression=PRESSED, damping=Damping(contact=0.1, beads=0.01), duration=20.0, timestep=0.002)
     goes_on_bit_for_bit(case, tmp_path, after=500)
 
 
+@pytest.mark.slow
 @SLOW
 def test_a_damped_column_goes_on_bit_for_bit(tmp_path: Path) -> None:
     """Where springs across are damped, too, by forces that know all velocities of a restart."""
@@ -284,6 +299,7 @@ def test_a_damped_column_goes_on_bit_for_bit(tmp_path: Path) -> None:
     goes_on_bit_for_bit(case, tmp_path, after=500)
 
 
+@pytest.mark.slow
 @SLOW
 def test_damped_contacts_of_another_exponent_go_on_bit_for_bit(tmp_path: Path) -> None:
     case = damped(

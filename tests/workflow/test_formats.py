@@ -18,6 +18,7 @@ def drawn(path):
     return {file.name for file in path.glob("response.*")}
 
 
+@pytest.mark.slow
 def test_figures_are_those_asked_for_and_none_of_ours_is_left_that_is_older(ran):
     for words, files in (
         ([], {"response.png"}),

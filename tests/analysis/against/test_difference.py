@@ -50,6 +50,7 @@ def test_a_run_does_not_differ_from_itself(run):
         assert (found[name].largest, found[name].rms, found[name].first) == (0.0, 0.0, None)
 
 
+@pytest.mark.slow
 @given(st.integers(0, 300), st.integers(1, 2), st.integers(1, 40), st.floats(2e-3, 1e3), st.sampled_from([-1.0, 1.0]))
 def test_one_wrong_number_is_found_where_it_is(run, frame, chain, bead, size, sign):
     found = compared(changed(run, frame, chain, bead, velocity=sign * size), run, [64, 64, 173]).deviations()[
@@ -74,6 +75,7 @@ def test_a_number_that_is_none_counts_as_largest_even_if_all_later_ones_are_righ
     assert found.where.time == pytest.approx(1.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("value", [1e200, np.inf, -np.inf, np.nan])
 def test_a_run_that_blew_up_is_compared_and_drawn_without_complaint(run, value):
     difference = compared(changed(run, 100, 1, 5, velocity=value, displacement=value), run)
@@ -147,6 +149,7 @@ def test_the_map_shows_a_wrong_number_in_its_cell():
     assert (found.time[-1], found.bead[-1]) == (pytest.approx(90.0), 1001)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("frames", [1, 2, 3])
 @pytest.mark.parametrize("recorded", [None, (3,), (1, 5, 8)])
 def test_the_figure_is_drawn_of_however_little(frames, recorded):

@@ -73,6 +73,7 @@ def test_the_bound_holds_for_smooth_motion(frequency, phase, every):
     assert velocity <= v + STEEPER / frequency / every
 
 
+@pytest.mark.slow
 @settings(max_examples=200)
 @given(st.floats(0.1, 0.9), st.sampled_from([-1.0, 1.0]), st.floats(0.02, 0.5))
 def test_the_bound_holds_where_a_contact_opens_or_closes(share, way, every):

@@ -110,6 +110,7 @@ def test_no_legend_lies_over_data():
         assert all(min(inside.y1, box.y1) - max(inside.y0, box.y0) < 1.0 for box in boxes)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("hit", [1, 9, 14, 20])
 def test_of_many_chains_the_one_that_was_hit_is_shown_and_the_title_says_which(hit):
     trajectory = reference(20, 0.2, 20, 5.0, kicks=[Kick(chain=hit, velocity=1.0)])
@@ -181,6 +182,7 @@ def test_a_cut_run_says_so_and_beads_that_have_not_moved_are_named_not_drawn():
     assert "cut short" not in spacetime_figure(spacetime(trajectory)).get_suptitle()
 
 
+@pytest.mark.slow
 def test_si_axes_have_prefixed_units_and_numbers_without_powers_of_ten():
     trajectory = steel(reference(2, 0.1, 60, 80.0))
     result = survey(reader(trajectory), trajectory.problem)
@@ -239,6 +241,7 @@ def test_shape_figure_shows_the_samples_on_the_exact_wave(found):
         assert np.max(np.abs(difference)) < 0.03
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("recorded", "chains", "kicks"),
     [

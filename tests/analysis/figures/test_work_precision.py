@@ -33,6 +33,7 @@ def test_every_method_is_drawn_with_its_front_and_the_floor():
         np.testing.assert_array_equal(lines["Pareto front"].get_ydata(), [1e-2, 1e-4])
 
 
+@pytest.mark.slow
 def test_a_method_looks_the_same_over_time_and_over_forces():
     front = dict.fromkeys(QUANTITIES, np.zeros((0, 2)))
     figure = drawn([curve("one", [1e-2], [10.0]), curve("two", [1e-3], [20.0])], front)
@@ -54,6 +55,7 @@ def test_runs_gone_bad_are_left_out_and_methods_without_forces_are_drawn_over_ti
         assert ("rigid" in lines) is ("wall time" in axis.get_xlabel())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("error", [0.0, 1e-300])
 def test_an_error_of_zero_is_drawn_at_the_foot(error):
     figure = drawn([curve("exact", [error], [1.0])], dict.fromkeys(QUANTITIES, np.array([[1.0, error]])))

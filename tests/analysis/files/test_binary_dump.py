@@ -206,6 +206,7 @@ def files(draw: st.DrawFn) -> tuple[bytes, list[int], np.ndarray]:
     return out, steps, np.array(values)
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None)
 @given(files())
 def test_any_order_of_ids_and_any_chunks_give_the_atoms_in_order(
@@ -427,6 +428,7 @@ def test_other_atoms_and_wrong_chunks_in_a_later_frame_are_refused_when_it_is_re
         BinaryDump(path).read()
 
 
+@pytest.mark.slow
 def test_no_wrong_byte_of_a_header_does_worse_than_a_refusal_or_takes_memory(tmp_path: Path) -> None:
     path = tmp_path / "bad.bin"
     frames = [frame(step, [rows(2, 1), rows(3)], time=0.1, units="lj") for step in range(3)]
@@ -476,6 +478,7 @@ print(status["VmHWM"].split()[0])
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="memory is measured through /proc")
 def test_three_hundred_megabytes_are_read_through_in_two_hundred(tmp_path: Path) -> None:
     problem = TWO.model_copy(update={"beads": 120}).problem()

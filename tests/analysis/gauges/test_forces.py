@@ -84,6 +84,7 @@ def test_the_largest_force_does_not_depend_on_where_frames_fall(found):
         assert read(coarse).largest[0, 0] == pytest.approx(fine, abs=2e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cut", [1, 57, 300, 499])
 def test_blocks_add_up_to_the_whole(cut, found):
     whole = read(found, contacts=(9,), sensors=(10,))

@@ -212,6 +212,7 @@ def test_a_weakly_coupled_pulse_decays_by_the_law():
     assert fit.deviation < 2e-3
 
 
+@pytest.mark.slow
 def test_the_pulse_of_a_chain_between_two_decays_twice_as_fast():
     trajectory = reference(3, 0.002, 400, 560.0, kicks=[Kick(chain=2, velocity=1.0)])
     fit = survey(reader(trajectory), trajectory.problem).decay

@@ -167,6 +167,7 @@ def test_a_run_in_pieces_of_any_size_gives_the_same():
     assert whole.verdict.since == parts.verdict.since
 
 
+@pytest.mark.slow
 def test_memory_does_not_grow_with_the_number_of_frames():
     def peak_memory(every: float) -> int:
         what = problem(2, 0.1, 60, 80.0, every)
@@ -227,6 +228,7 @@ def under_load(force, **changes):
     return survey(lambda: engine.blocks(pressed), pressed)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("force", [300.0, 1.0, 0.003])
 def test_a_kick_on_a_static_load_is_one_pulse_whatever_sound_follows(force):
     found = under_load(force)

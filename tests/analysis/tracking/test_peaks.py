@@ -216,6 +216,7 @@ def test_the_error_of_a_peak_is_below_what_is_said_where_a_push_ends_between_two
         assert abs(centre - true) <= found.arrival_error[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("recorded", [None, (2,)])
 def test_a_kicked_bead_that_is_pushed_as_well_has_its_maximum_after_the_start(recorded):
     push, kick = Load(1, 2, HalfSine(0.3, 4.0)), Kick(bead=2, velocity=1.0)

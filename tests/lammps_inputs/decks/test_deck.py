@@ -41,6 +41,7 @@ def relative(result):
 # --- the coupling -----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kappa", [0.1, 0.5, 0.12345678901234568])
 def test_two_coupled_beads_swing_as_verlet_swings_a_linear_spring(kappa, tmp_path):
     result = run(coupled_pair(kappa=kappa), tmp_path / "run")
@@ -320,6 +321,7 @@ def test_a_recorded_subset_is_bit_for_bit_that_part_of_the_whole(kappa, tmp_path
 # --- everywhere the same ----------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("changes", [{}, {"chains": 3, "kappa": 0.1}, {"chains": 2, "gap": 0.3}], ids=str)
 def test_two_ranks_give_bit_for_bit_what_one_gives(changes, tmp_path):
     case = scene(beads=30, duration=30.0, timestep=0.05, **changes)
@@ -329,6 +331,7 @@ def test_two_ranks_give_bit_for_bit_what_one_gives(changes, tmp_path):
     assert (two.vx == one.vx).all()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not DEBIAN.exists(), reason="no /usr/bin/lmp: apt-get install lammps brings the 2021 release")
 @pytest.mark.parametrize("changes", [{}, {"chains": 3, "kappa": 0.1}, {"recorded": (2, 5), "gap": 0.3}], ids=str)
 def test_the_release_of_2021_gives_bit_for_bit_the_same(changes, tmp_path):
@@ -352,6 +355,7 @@ def test_the_longest_run_that_a_scene_may_ask_for_fits_the_integers_of_lammps(ex
 # --- the text ---------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @given(scenes(chains=st.just(1), ends=False))
 def test_the_deck_of_one_chain_has_no_word_of_what_it_does_not_need(case):
     text = deck.render_deck(case.problem()).replace(f"# {case.name}:", "#").lower()
@@ -399,6 +403,7 @@ def test_the_deck_of_one_chain_is_the_same_for_every_v_to_rounding(exponent):
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", shipped.installed())
 def test_the_decks_of_the_paper_are_read_by_lammps(name, tmp_path):
     deck.write(find(name), tmp_path)

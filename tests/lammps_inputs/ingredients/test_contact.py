@@ -66,6 +66,7 @@ def test_the_exponent_of_spheres_leaves_deck_and_problem_as_they_are():
     assert (deck.render_deck(named), deck.render_data(named)) == (deck.render_deck(plain), deck.render_data(plain))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("exponent", [1.0, 1.25, 3.0])
 def test_the_reference_is_as_near_to_an_independent_integrator_as_it_says(exponent):
     problem = touching(exponent).problem()
@@ -76,6 +77,7 @@ def test_the_reference_is_as_near_to_an_independent_integrator_as_it_says(expone
     assert certifier.certificate.energy < 1e-7
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("exponent", [1.0, 1.25, 3.0])
 def test_lammps_agrees_to_second_order_and_measures_its_own_error(tmp_path, exponent):
     exact = integrated(touching(exponent).problem(), exponent=exponent)
@@ -119,10 +121,12 @@ def test_an_accuracy_is_kept_with_another_exponent(tmp_path):
     assert run(asked, tmp_path / "run").check.velocity <= 1e-3
 
 
+@pytest.mark.slow
 def test_a_run_that_was_interrupted_goes_on_bit_for_bit(tmp_path):
     goes_on_bit_for_bit(touching(2.0, duration=20.0), tmp_path, after=500)
 
 
+@pytest.mark.slow
 def test_two_ranks_compute_the_same_bits(tmp_path):
     for ranks in (1, 2):
         run(touching(1.25, duration=2.0), tmp_path / f"{ranks}", ranks=ranks, check=False)

@@ -56,6 +56,7 @@ def errors(
 _QUICK = ("linear", "coupling")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [name if name in _QUICK else pytest.param(name, marks=SLOW) for name in LOSSES])
 def test_lammps_computes_each_law_with_an_error_of_first_order(name: str, tmp_path: Path) -> None:
     coarse, fine = errors(*LOSSES[name], (0.01, 0.0025), tmp_path)
@@ -63,6 +64,7 @@ def test_lammps_computes_each_law_with_an_error_of_first_order(name: str, tmp_pa
     assert 3.2 < coarse / fine < 4.8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [name if name in _QUICK else pytest.param(name, marks=SLOW) for name in LOSSES])
 def test_lammps_computes_each_law_under_a_static_load(name: str, tmp_path: Path) -> None:
     keys, physics = LOSSES[name]
@@ -72,6 +74,7 @@ def test_lammps_computes_each_law_under_a_static_load(name: str, tmp_path: Path)
     assert 3.2 < coarse / fine < 4.8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("exponent", "name", "load"),
     [

@@ -88,6 +88,7 @@ def test_a_phase_is_in_degrees_and_motion_begins_at_the_beads_place(phase):
     assert load.force(1.0 / pushed.scale.time) * pushed.scale.force == pytest.approx(0.5 * math.sin(angle))
 
 
+@pytest.mark.slow
 def test_the_reference_is_as_near_to_an_independent_integrator_as_it_says_and_closes_the_budget():
     problem = driven(output={"every": 0.05}).problem()
     certifier = certify.certified(problem, 1e-6)
@@ -96,6 +97,7 @@ def test_the_reference_is_as_near_to_an_independent_integrator_as_it_says_and_cl
     assert certifier.certificate.energy < 1e-6
 
 
+@pytest.mark.slow
 def test_lammps_agrees_to_second_order_and_measures_its_own_error(runs):
     errors = []
     for found in runs.values():
@@ -104,6 +106,7 @@ def test_lammps_agrees_to_second_order_and_measures_its_own_error(runs):
     assert errors[0] / errors[1] == pytest.approx(4.0, abs=0.4)
 
 
+@pytest.mark.slow
 def test_a_bead_that_is_moved_is_where_it_should_be_to_rounding(runs):
     for found in runs.values():
         trajectory = found.trajectory
@@ -112,6 +115,7 @@ def test_a_bead_that_is_moved_is_where_it_should_be_to_rounding(runs):
         assert trajectory.velocity[:, 0, 0] == pytest.approx(motion.velocity(trajectory.time), abs=1e-12)
 
 
+@pytest.mark.slow
 def test_the_work_of_drives_closes_the_budget_and_the_verdict_does_not_apply(runs):
     found = analyse(runs[0.00625].directory, figures=False)
     assert found.conservation.energy_drift < 1e-4
@@ -120,11 +124,13 @@ def test_the_work_of_drives_closes_the_budget_and_the_verdict_does_not_apply(run
     assert not found.problem.holds(Fact.PULSE)
 
 
+@pytest.mark.slow
 def test_impulse_of_a_force_alone_is_momentum(tmp_path):
     found = analyse(run(driven(PUSHED), tmp_path / "run", check=False).directory, figures=False)
     assert found.conservation.momentum_drift < 1e-12
 
 
+@pytest.mark.slow
 def test_a_run_that_was_interrupted_goes_on_bit_for_bit(tmp_path):
     goes_on_bit_for_bit(driven(duration=40.0), tmp_path, after=1000)
 
@@ -194,6 +200,7 @@ def test_the_mirror_image_twice_is_the_problem_itself():
     assert mirrored_problem(problem) != problem
 
 
+@pytest.mark.slow
 def test_above_the_cut_off_of_a_linear_chain_amplitude_falls_by_what_theory_says(tmp_path):
     """Rows of beads that never touch, tied by springs of 1: a linear chain across the chains, cut off at omega = 2."""
     omega = 2.2
@@ -208,6 +215,7 @@ def test_above_the_cut_off_of_a_linear_chain_amplitude_falls_by_what_theory_says
     assert amplitude[1:4] / amplitude[:3] == pytest.approx(fall, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_validate_names_a_drive_that_is_not_the_scenes(tmp_path):
     def changed(path):
         text, found = re.subn(r"(drive1amplitude index) (\S+)", lambda m: f"{m[1]} {1.1 * float(m[2])!r}",

@@ -53,6 +53,7 @@ def exact(kind, chains):
     return integrated(on_foundation(KINDS[kind], chains=chains).problem(), *springs(KINDS[kind], chains))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "chains"), [("cubic", 1), ("in some rows", 3), *((kind, 2) for kind in KINDS)])
 def test_the_reference_agrees_with_an_independent_integrator(chains, kind):
     found = engine.run(on_foundation(KINDS[kind], chains=chains).problem(), steps_per_frame=100).velocity
@@ -94,6 +95,7 @@ def test_energy_is_kept_and_momentum_is_not_asked_for(directory):
     assert found.passed
 
 
+@pytest.mark.slow
 def test_analysis_says_where_the_energy_is_in_place_of_a_verdict(directory, draw_only):
     draw_only("energy")
     assert {path.stem for path in analyse(directory).figures} == {"energy", "response", "spacetime"}
@@ -103,6 +105,7 @@ def test_analysis_says_where_the_energy_is_in_place_of_a_verdict(directory, draw
     assert report["energy"]["centre"][0] == [1.0, None]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("edit", "said"),
     [
@@ -121,6 +124,7 @@ def test_validate_names_a_foundation_that_is_not_the_scenes(tmp_path, edit, said
     assert said in validate(deck_run(case, tmp_path / "run", changed)).causes
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("foundation", [{"stiffness": 0.5}, {"stiffness": [0.5, 0.2], "cubic": 0.1}], ids=str)
 def test_a_run_that_was_interrupted_goes_on_bit_for_bit(tmp_path, foundation):
     goes_on_bit_for_bit(on_foundation(foundation, duration=100.0), tmp_path)

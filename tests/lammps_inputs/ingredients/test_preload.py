@@ -74,6 +74,7 @@ SCENES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("keys", "known"), SCENES.values(), ids=SCENES)
 def test_lammps_agrees_with_an_independent_integrator_to_second_order(tmp_path, keys, known):
     errors, exact = [], None
@@ -86,6 +87,7 @@ def test_lammps_agrees_with_an_independent_integrator_to_second_order(tmp_path, 
     assert errors[0] / errors[1] == pytest.approx(4.0, abs=0.4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["free ends", "gravity"])
 def test_the_reference_agrees_with_an_independent_integrator(name):
     keys, known = SCENES[name]
@@ -94,6 +96,7 @@ def test_the_reference_agrees_with_an_independent_integrator(name):
     assert np.abs(found - integrated(problem, **known)).max() < 1e-6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("executable", [None, DEBIAN], ids=["wheel", "2021"])
 @pytest.mark.parametrize("name", SCENES)
 def test_what_is_not_hit_stays_at_rest_to_the_last_bit(tmp_path, name, executable):
@@ -106,6 +109,7 @@ def test_what_is_not_hit_stays_at_rest_to_the_last_bit(tmp_path, name, executabl
     assert np.any(found.velocity[-1, 1])
 
 
+@pytest.mark.slow
 def test_contacts_of_another_exponent_bear_a_load_in_lammps_and_rest_exactly(tmp_path):
     keys = {**FREE, "contact": {"exponent": 2.0}}
     case = loaded(**keys)
@@ -118,6 +122,7 @@ def test_contacts_of_another_exponent_bear_a_load_in_lammps_and_rest_exactly(tmp
     assert np.any(still.velocity[-1, 1])
 
 
+@pytest.mark.slow
 def test_a_pressed_chain_of_linear_contacts_swings_by_its_modes(tmp_path):
     """No contact opens, so that all is linear: modes 2 sin(q / 2) of a free chain, up to the cut-off 2 sqrt(k / m)."""
     beads = 40
@@ -207,12 +212,14 @@ def test_waves_on_a_load_are_faster_than_the_long_wave_theory_says(tmp_path, for
     assert wave.over_theory == pytest.approx(faster, abs=1e-4)
 
 
+@pytest.mark.slow
 def test_a_run_that_was_interrupted_goes_on_bit_for_bit(tmp_path):
     for name, keys in (("free", HELD), ("column", COLUMN)):
         (tmp_path / name).mkdir()
         goes_on_bit_for_bit(loaded(**keys, duration=60.0), tmp_path / name)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("keys", [HELD, COLUMN], ids=["force", "gravity"])
 def test_two_ranks_compute_the_same_bits(tmp_path, keys):
     one, two = (run_stock(loaded(**keys, beads=30), tmp_path / str(ranks), ranks=ranks) for ranks in (1, 2))
@@ -234,6 +241,7 @@ def test_a_slurm_job_holds_the_beads_as_the_deck_does():
         assert all(line in continued for line in lines)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("keys", "pattern", "new", "said"),
     [
@@ -262,6 +270,7 @@ def test_validate_names_what_does_not_hold_the_beads(tmp_path, keys, pattern, ne
     assert validate(deck_run(case, tmp_path / "run", changed)).causes == (said,)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("force", "said"),
     [(None, "the static load is missing"), (0.6, "the contacts bear about 2 times the static load of the scene")],
@@ -359,6 +368,7 @@ def test_a_scene_says_gravity_as_one_number_and_is_read_back():
     assert library.from_plain(case.resolved().plain(), "again").system == case.system
 
 
+@pytest.mark.slow
 def test_analyze_says_what_the_sound_is_and_why_there_is_no_map(tmp_path, capsys):
     for name, keys, words in (
         ("free", FREE, ("sound: c0 = ", "dispersion.csv")),

@@ -72,6 +72,7 @@ def exact(name):
     return integrated(problem, mass=problem.mass, strength=strengths(problem))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", UNEQUAL)
 def test_the_reference_agrees_with_an_independent_integrator(name):
     found = engine.run(scene(**UNEQUAL[name]).problem(), steps_per_frame=200).velocity
@@ -144,6 +145,7 @@ def test_walls_are_as_hard_as_the_beads_before_them_make_them():
     assert outright.law.strength[:, -1].tolist() == [3.0, 3.0]
 
 
+@pytest.mark.slow
 def test_pushed_before_walls_that_differ_lammps_is_right_to_its_stated_error(tmp_path):
     case = scene(**PUSHED_BEFORE_WALLS)
     problem, scale = case.problem(), case.scale
@@ -155,6 +157,7 @@ def test_pushed_before_walls_that_differ_lammps_is_right_to_its_stated_error(tmp
     assert np.abs(found.trajectory.velocity - exact).max() == pytest.approx(found.check.velocity, rel=0.1)
 
 
+@pytest.mark.slow
 def test_momentum_is_what_the_push_gave_and_the_walls_took():
     case = scene(**PUSHED_BEFORE_WALLS)
     problem = replace(case.problem(), steps_per_frame=1, frames=3000, timestep=0.005)
@@ -258,6 +261,7 @@ def peak(waves, bead):
     return float(waves.at(bead).peak_velocity[0])
 
 
+@pytest.mark.slow
 def test_a_dimer_at_an_anti_resonance_keeps_its_pulse():
     waves = peaks(find("dimer").problem())
     heavy = [peak(waves, 2 * cell - 1) for cell in range(20, 101, 10)]
@@ -282,6 +286,7 @@ def test_least_is_left_behind_at_the_published_anti_resonances(ratio):
     assert curvature > 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("taper", "share"), [(0.02, 0.9332), (0.08, 0.4618)])
 def test_a_taper_hands_on_less_of_the_energy(taper, share):
     problem = scene(chains=1, coupling=None, beads=20, taper=taper, duration=25.0, output=None).problem()
@@ -324,11 +329,13 @@ def test_types_that_tell_contacts_apart_are_found_once_for_a_deck(monkeypatch):
     assert found == [1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["dimer", "dimer of sizes", "disorder"])
 def test_a_run_that_was_interrupted_goes_on_bit_for_bit(tmp_path, name):
     plain_scene.goes_on_bit_for_bit(scene(**UNEQUAL[name], duration=80.0), tmp_path)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not DEBIAN.exists(), reason="needs Debian's LAMMPS")
 @pytest.mark.parametrize("name", ["dimer", "dimer of sizes"])
 def test_the_2021_release_computes_the_same(tmp_path, name):
@@ -337,6 +344,7 @@ def test_the_2021_release_computes_the_same(tmp_path, name):
     np.testing.assert_allclose(new.vx, old.vx, atol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["dimer", "disorder"])
 def test_two_ranks_compute_the_same_bits(tmp_path, name):
     case = scene(**UNEQUAL[name], beads=40, timestep=0.05)

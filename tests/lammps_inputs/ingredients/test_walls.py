@@ -51,12 +51,14 @@ def exact(kind, gap=0.0):
     return integrated(walled(walls, gap=gap).problem(), walls=strengths)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "gap"), [*((kind, 0.0) for kind in KINDS), ("both", 0.3)])
 def test_the_reference_agrees_with_an_independent_integrator(kind, gap):
     found = engine.run(walled(KINDS[kind][0], gap=gap).problem(), steps_per_frame=400).velocity
     assert np.abs(found - exact(kind, gap)).max() < 5e-7
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_lammps_agrees_to_second_order_and_measures_its_own_error(tmp_path, kind):
     errors = []
@@ -67,6 +69,7 @@ def test_lammps_agrees_to_second_order_and_measures_its_own_error(tmp_path, kind
     assert errors[0] / errors[1] == pytest.approx(4.0, abs=0.4)
 
 
+@pytest.mark.slow
 def test_energy_is_kept_and_momentum_is_not_asked_for(tmp_path):
     found = validate(run(walled(BOTH, timestep=0.005), tmp_path / "run", check=False).directory)
     assert found.deviations["energy"].largest < 1e-4
@@ -74,6 +77,7 @@ def test_energy_is_kept_and_momentum_is_not_asked_for(tmp_path):
     assert found.passed
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("edit", "said"),
     [
@@ -116,6 +120,7 @@ def test_suzukis_composition_of_steps_goes_through_walls_too(tmp_path):
     assert found.check.velocity < 1e-4
 
 
+@pytest.mark.slow
 def test_a_weak_wall_is_reached_into_without_second_beads_meeting_it(tmp_path):
     case = walled({"right": {"stiffness": 1e-3}}, chains=1, coupling=None, beads=4, duration=60.0)
     assert case.problem().diameter > 4.0
@@ -168,6 +173,7 @@ def test_in_the_mirror_a_wall_stands_at_the_other_end():
     assert mirrored_problem(mirrored_problem(problem)) == problem
 
 
+@pytest.mark.slow
 def test_the_wave_that_leads_and_its_verdict_do_not_know_of_the_wall_it_comes_to():
     free, held = (
         walled(walls, beads=60, duration=110.0, output={"every": 0.2}).problem() for walls in (None, {"right": "bead"})

@@ -81,6 +81,7 @@ def test_up_to_a_coupling_of_1_the_default_is_0_01(energy, kappa, chains):
     assert timestep.default_timestep(system(energy, kappa, chains)) == 0.01
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("table", [VERLET, SUZUKI4], ids=lambda table: table.name)
 @pytest.mark.parametrize("kappa", [1.01, 3.0, 10.0, 100.0])
 @pytest.mark.parametrize("chains", [2, 3])

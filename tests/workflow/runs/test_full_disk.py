@@ -71,6 +71,7 @@ def complaint(words, capsys):
     return line
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ranks", RANKS)
 def test_frames_that_fill_the_disk_are_kept_and_gone_on_with(ranks, disk, tmp_path, capsys):
     (tmp_path / "scene.yaml").write_text(strict_yaml.dump(DENSE.plain()))
@@ -98,6 +99,7 @@ def whole_sparse(tmp_path_factory):
     return run(SPARSE, tmp_path_factory.mktemp("sparse") / "whole", check=False).directory
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ranks", RANKS)
 def test_a_restart_that_does_not_fit_leaves_the_one_before(ranks, disk, whole_sparse):
     directory = disk.path / "run"
@@ -137,6 +139,7 @@ def test_frames_that_lammps_did_not_miss_are_missed(begun, tmp_path):
     assert not FramesOnDisk(file, problem, 0).whole(100000)
 
 
+@pytest.mark.slow
 def test_a_record_that_cannot_be_written_does_not_hide_why(disk):
     directory = disk.path / "run"
 
@@ -175,6 +178,7 @@ def test_an_analysis_that_does_not_fit_leaves_the_earlier_one(disk, capsys):
     assert main(["analyze", str(directory)]) == 0
 
 
+@pytest.mark.slow
 def test_a_run_that_does_not_even_begin_can_be_begun_later(disk, capsys):
     disk.fill(but=4096)
     line = complaint(["run", "two-chains", "-o", disk.path / "run", "--no-check"], capsys)

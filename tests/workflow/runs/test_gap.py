@@ -25,6 +25,7 @@ def gapped(gap, **changes):
     return scene(**{"chains": 2, "beads": 12, "kappa": 0.1, "gap": gap, "duration": 40.0 + 20.0 * gap, **changes})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("gap", "kappa"), [(1e-6, 0.1), (0.3, 0.1), (2.874, 0.1), (0.909, 1.0), (1000.0, 5e-7), (1000.0, None)]
 )

@@ -103,6 +103,7 @@ def frames_of_incomplete_analysis(directory, capsys):
 # --- SIGKILL ----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("size", "ranks"), [(1, 1), (2_000_000, 1), pytest.param(100_000, 2, marks=TWO)])
 def test_what_a_killed_run_had_dumped_reads_and_analyses_as_incomplete(size, ranks, start, whole, capsys):
     command = start(ranks)
@@ -114,6 +115,7 @@ def test_what_a_killed_run_had_dumped_reads_and_analyses_as_incomplete(size, ran
     assert RunDirectory(command.run).record["outcome"] == "running"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("file", ["scene.yaml", "run.json"])
 def test_a_run_killed_at_its_beginning_leaves_a_directory_that_says_what_it_lacks(file, start, capsys):
     command = start()
@@ -130,6 +132,7 @@ def test_a_run_killed_at_its_beginning_leaves_a_directory_that_says_what_it_lack
         assert err == f"granchain: {command.run}: holds no chains.dump.bin; run the deck first\n"
 
 
+@pytest.mark.slow
 def test_a_killed_worker_and_its_run_leave_whole_frames(start, whole):
     command = start()
     command.reach("chains.dump.bin", 200_000)
@@ -149,6 +152,7 @@ def test_a_frame_cut_in_two_is_left_out(tmp_path, capsys):
     assert "incomplete: 20 of 21 frames, to t = 19;" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_a_killed_run_can_be_overwritten_by_a_new_one(start):
     command = start()
     command.reach("chains.dump.bin", 1)
@@ -179,6 +183,7 @@ def test_ctrl_c_ends_a_run_with_one_line_and_its_frames(size, ranks, start, whol
     assert frames_of_incomplete_analysis(command.run, capsys) == record["steps_done"] // 100 + 1
 
 
+@pytest.mark.slow
 def test_further_signals_while_it_stops_change_nothing(start):
     command = start()
     command.reach("chains.dump.bin", 100_000)
@@ -202,6 +207,7 @@ def test_ctrl_c_before_anything_is_written_is_one_line(tmp_path):
     assert not (tmp_path / "run").exists()
 
 
+@pytest.mark.slow
 def test_a_batch_systems_sigterm_ends_a_run_like_ctrl_c(tmp_path):
     long = tmp_path / "long.yaml"
     long.write_text("name: long\nbeads: 200\nkick: {velocity: 1}\nduration: 1e6\noutput: {every: 1}\n")

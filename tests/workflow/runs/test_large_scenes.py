@@ -102,6 +102,7 @@ def test_snapshots_are_the_frames_of_the_whole_run_at_their_times(both):
     assert np.array_equal(velocity, expected.velocity[::10])
 
 
+@pytest.mark.slow
 def test_energy_and_momentum_are_told_from_the_snapshots(both):
     analyse(both[1])
     told = json.loads((both[1].path / "analysis.json").read_text())
@@ -116,6 +117,7 @@ def test_a_run_whose_snapshots_are_gone_is_analysed_without_them(tmp_path):
     assert "spacetime.png" not in {path.name for path in analyse(directory).figures}
 
 
+@pytest.mark.slow
 def test_two_ranks_find_the_same_peaks(both, tmp_path):
     two = run(sparse(long_scene(every=0.2)), tmp_path / "two", ranks=2, check=False).directory
     assert (two.path / file_names.PEAKS).read_bytes() == (both[1].path / file_names.PEAKS).read_bytes()
@@ -139,6 +141,7 @@ run(load(Path("scene.yaml")), "cut", check=False, lammps=killed)
 """Kills itself when it has gone on after the first restart."""
 
 
+@pytest.mark.slow
 def test_a_run_that_was_killed_goes_on_to_the_same_peaks_and_snapshots(both, tmp_path):
     _, whole = both
     shutil.copy(whole.path / file_names.SCENE, tmp_path)

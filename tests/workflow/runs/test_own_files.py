@@ -131,6 +131,7 @@ def test_a_directory_where_a_run_names_its_file_is_refused_before_anything_is_to
     assert contents(tmp_path) == before
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [file_names.LOG, "chains.dump.2.bin"])
 def test_nothing_is_written_through_a_link(tmp_path: Path, name: str, capsys: pytest.CaptureFixture[str]) -> None:
     directory = run(scene(), tmp_path / "run", check=False).directory

@@ -33,6 +33,7 @@ def pushed():
     return library.from_plain(yaml.safe_load(PUSHES), "pushed")
 
 
+@pytest.mark.slow
 def test_lammps_is_its_twin_to_rounding_and_within_the_default_error_of_the_reference(tmp_path):
     result = run(pushed(), tmp_path / "run")
     problem = pushed().problem()
@@ -41,6 +42,7 @@ def test_lammps_is_its_twin_to_rounding_and_within_the_default_error_of_the_refe
     assert result.check.velocity < 1e-3
 
 
+@pytest.mark.slow
 def test_a_run_that_is_interrupted_while_it_is_pushed_goes_on_bit_for_bit(tmp_path):
     run(pushed(), tmp_path / "whole", check=False)
     run(pushed(), tmp_path / "cut", check=False, lammps=lammps_here.interrupted_after(300))
@@ -48,6 +50,7 @@ def test_a_run_that_is_interrupted_while_it_is_pushed_goes_on_bit_for_bit(tmp_pa
     np.testing.assert_array_equal(frames(tmp_path / "cut"), frames(tmp_path / "whole"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("executable", "ranks"),
     [(WHEEL, 2), pytest.param(DEBIAN, 1, marks=pytest.mark.skipif(not DEBIAN.exists(), reason="no lmp of 2021"))],

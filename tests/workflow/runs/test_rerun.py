@@ -39,6 +39,7 @@ def said(words, capsys):
     return code, out + err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("changes", "options"),
     [
@@ -61,6 +62,7 @@ def test_a_run_json_alone_is_enough_to_come_to_the_same(changes, options, tmp_pa
     assert RunDirectory(tmp_path / "again").trajectory.frames == frames
 
 
+@pytest.mark.slow
 def test_ranks_do_not_change_the_fingerprint_but_the_last_bit_does(first, tmp_path):
     if mpi.cores() > 1:
         two = run(a_scene(), tmp_path / "two", ranks=2, check=False).directory

@@ -111,6 +111,7 @@ def test_an_interrupted_run_goes_on_bit_for_bit_from_where_it_was_and_is_checked
     assert before < cut.record["wall_seconds"] < before + time.perf_counter() - started
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("changes", [{"scheme": "suzuki4"}, {"chains": 2, "beads": 200, "window": 64}])
 def test_an_interrupted_run_of_another_kind_goes_on_bit_for_bit(changes, tmp_path):
     one = a_scene(**changes)
@@ -131,6 +132,7 @@ def test_snapshots_of_all_beads_go_on_too(tmp_path):
     np.testing.assert_array_equal(left, right)
 
 
+@pytest.mark.slow
 @TWO
 def test_two_ranks_are_interrupted_and_go_on_as_one_or_two(tmp_path):
     run(a_scene(duration=600.0), tmp_path / "whole", check=False)
@@ -158,6 +160,7 @@ def test_other_engines_start_again(engine, tmp_path):
 # --- SIGKILL ----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     [
@@ -187,6 +190,7 @@ def test_frames_beyond_the_last_restart_are_computed_again_and_read_once(cut, wh
     assert_same(cut.path, whole)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("lost", ["frames", "last frame", "end of restart", "restart", "version"])
 def test_without_a_whole_restart_and_all_frames_until_then_it_starts_again(lost, cut, whole):
     restart = cut.path / file_names.RESTART
@@ -218,6 +222,7 @@ def test_a_run_that_ends_in_seconds_writes_no_restart(tmp_path):
     assert not written
 
 
+@pytest.mark.slow
 @TWO
 @pytest.mark.parametrize("which", range(4))
 def test_whoever_is_killed_of_a_run_on_two_ranks_nobody_is_left(which, tmp_path):
@@ -290,6 +295,7 @@ def test_a_run_killed_in_its_first_milliseconds_is_told_and_can_be_run_again(lef
     assert not list(path.glob(".*"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("missing", [["in.chains", "data.chains"], ["data.chains"]])
 def test_a_run_killed_before_its_deck_was_written_is_resumed(missing, tmp_path):
     run(a_scene(duration=4.0), tmp_path / "whole", check=False)
@@ -356,6 +362,7 @@ def start(*words):
     )
 
 
+@pytest.mark.slow
 def test_two_resumes_at_once_do_not_meet(tmp_path, monkeypatch):
     monkeypatch.setattr("workflow.runs.locks._LOCK_SECONDS", 0.2)
     interrupted_after(1000, a_scene(duration=6e5), tmp_path)
@@ -387,6 +394,7 @@ def test_two_resumes_at_once_do_not_meet(tmp_path, monkeypatch):
         process.communicate()
 
 
+@pytest.mark.slow
 def test_a_worker_that_loses_its_parent_leaves_a_restart(tmp_path):
     scene_file = tmp_path / "long.yaml"
     scene_file.write_text(strict_yaml.dump(a_scene(duration=6e5).plain()))
@@ -411,6 +419,7 @@ def test_a_damaged_restart_is_not_gone_on_with(tmp_path):
     assert not restarts.intact(restart)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("damage", ["junk", "another byte"])
 def test_with_damaged_peaks_a_run_starts_again(damage, tmp_path):
     one = a_scene(recorded=(3, 7))

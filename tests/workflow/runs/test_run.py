@@ -272,6 +272,7 @@ def test_two_ranks_compute_bit_for_bit_what_one_computes(chains, tmp_path):
     np.testing.assert_array_equal(one.velocity, two.velocity)
 
 
+@pytest.mark.slow
 @two_ranks
 def test_two_ranks_are_two_and_not_two_copies(tmp_path):
     run(small(), tmp_path / "run", ranks=2, check=False)

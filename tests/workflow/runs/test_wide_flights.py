@@ -23,6 +23,7 @@ def test_contacts_are_not_lost_between_two_segments_of_a_composition(tmp_path):
     assert random_scenes.judge(case, tmp_path / "run")[0] in ("right", "told")
 
 
+@pytest.mark.slow
 @TWO
 def test_springs_are_not_lost_on_two_ranks_of_a_composition(tmp_path):
     case = scene(chains=2, beads=3, kappa=0.0018, kick=(Kick(bead=2, velocity=1.0),), duration=20.0, scheme="suzuki4")
@@ -43,11 +44,13 @@ def some(*seeds, slow=()):
     return pytest.mark.parametrize("seed", [*seeds, *(pytest.param(seed, marks=pytest.mark.slow) for seed in slow)])
 
 
+@pytest.mark.slow
 @some(2, 12, 36, slow=(15, 28, 39, 45))  # gaps, suzuki4, springs, peaks; a window, a push, walls, a foundation
 def test_random_scenes_are_not_silently_wrong(seed, tmp_path):
     assert random_scenes.judge(drawn(seed), tmp_path / "run", cut=seed % 2 == 0)[0] in ("right", "told")
 
 
+@pytest.mark.slow
 @TWO
 @some(slow=(8, 36))  # walls, gaps, springs, either scheme (ranks wait by computing)
 def test_what_one_rank_can_do_two_can_also_when_they_go_on_from_it(seed, tmp_path):

@@ -75,6 +75,7 @@ def found(tmp_path_factory, request):
     return directory / "d"
 
 
+@pytest.mark.slow
 def test_lammps_agrees_with_the_reference_on_the_winner(found):
     report = json.loads((found / "design.json").read_text())
     best = report["verified"][0]
@@ -83,6 +84,7 @@ def test_lammps_agrees_with_the_reference_on_the_winner(found):
     assert best["lammps"]["delay"] == pytest.approx(best["reference"]["delay"], rel=1e-3)
 
 
+@pytest.mark.slow
 def test_where_designs_can_be_counted_all_are_computed_and_the_table_begins_with_the_best(found):
     rows = list(csv.DictReader((found / "designs.csv").read_text().splitlines()))
     assert len(rows) == 4 * 7
@@ -91,6 +93,7 @@ def test_where_designs_can_be_counted_all_are_computed_and_the_table_begins_with
     assert all((int(row["beads"]) >= 10) == (row["fits"] == "yes") for row in rows)
 
 
+@pytest.mark.slow
 def test_from_python_the_same_design_is_found_again_and_shows_itself(found, monkeypatch):
     monkeypatch.setattr("workflow.studies.design.report.page", lambda _: (found / "index.html").read_text())
     again = api.design(SMALL, str(found), jobs=1)
@@ -107,6 +110,7 @@ def test_the_schema_of_designs_knows_the_keys():
         assert list(validator.iter_errors(SMALL | wrong))
 
 
+@pytest.mark.slow
 def test_the_report_is_one_page_with_its_pictures_inside(found):
     page = (found / "index.html").read_text()
     assert page.count("<img") == 5

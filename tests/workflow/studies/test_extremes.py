@@ -113,6 +113,7 @@ def test_a_deck_with_the_wrong_springs_is_silently_wrong(wrong_kappa):
     assert classify(measure.PROMISED, None, truth)[0] == "WRONG"
 
 
+@pytest.mark.slow
 def test_the_leading_pulse_alone_shows_the_wrong_springs(wrong_kappa):
     truth = judge(wrong_kappa, 1e-5, longest=0.0)
     assert truth.by == "leading pulse"
@@ -176,6 +177,7 @@ def test_a_run_that_is_not_the_scaled_copy_is_found(tmp_path):
 # --- a small grid, for real -------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "cell"),
     [
@@ -203,6 +205,7 @@ def test_a_cell_ends_as_it_should(kind, cell):
     assert kind != "RIGHT" or found.error <= found.asked
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(mpi.cores() < 2, reason="needs two cores")
 def test_two_ranks_are_right():
     assert measure.measure(Cell("ranks", "2", SHORT, ranks=2)).kind == "RIGHT"
@@ -324,6 +327,7 @@ def test_an_unwritable_directory_is_refused(tmp_path, capsys):
     assert "cannot be written to" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_ctrl_c_keeps_what_is_done_and_leaves_nothing_behind(tmp_path):
     work, out = tmp_path / "tmp", tmp_path / "out"
     work.mkdir()

@@ -39,6 +39,7 @@ def found(tmp_path_factory, request):
     return directory / "out"
 
 
+@pytest.mark.slow
 def test_three_fields_and_the_time_offset_are_found_from_noisy_traces_at_1_mhz(found):
     report = json.loads((found / "fit.json").read_text())
     truth = {**measured.TRUTH, "time offset": measured.LATE}
@@ -53,6 +54,7 @@ def test_three_fields_and_the_time_offset_are_found_from_noisy_traces_at_1_mhz(f
     assert report["warnings"] == []
 
 
+@pytest.mark.slow
 def test_the_fitted_scene_is_a_scene_that_lammps_has_run_with_its_error(found):
     scene = library.load(found / "fitted.yaml")
     report = json.loads((found / "fit.json").read_text())

@@ -180,6 +180,7 @@ def test_where_chooses_the_cases_of_the_table_with_and_without_a_figure(copied, 
 # --- figures ----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_quantity_is_drawn_over_one_field_and_over_two(copied, capsys):
     name = "amplitude-over-coupling.stiffness"
     words = ["collect", str(copied), "--plot", "amplitude", "--over", "coupling.stiffness"]
@@ -328,6 +329,7 @@ def shaken(tmp_path_factory):
     return folder / "s"
 
 
+@pytest.mark.slow
 def test_what_a_drive_passes_on_falls_above_the_cut_off_of_the_load(shaken):
     found = collect(shaken)
     assert found.heading("drive.frequency") == "drive.frequency (Hz)"
@@ -340,6 +342,7 @@ def test_what_a_drive_passes_on_falls_above_the_cut_off_of_the_load(shaken):
     assert high == pytest.approx(np.exp(-2.0 * decay * 4), rel=0.1)
 
 
+@pytest.mark.slow
 def test_frequencies_that_do_not_pass_are_shaded_in_the_figure_over_frequency(shaken, monkeypatch):
     drawn = []
     monkeypatch.setattr(collecting, "write_figure", lambda _path, _name, figure: drawn.append(figure) or ())

@@ -44,6 +44,7 @@ def done(tmp_path_factory):
 # --- running ----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_swept_case_is_bit_for_bit_the_scene_run_alone(done, tmp_path):
     swept = RunDirectory(done[1] / "coupling.stiffness=0.2").trajectory
     alone = run(library.from_plain({**SMALL, "coupling": {"stiffness": 0.2}}, ""), tmp_path / "alone", check=False)
@@ -174,6 +175,7 @@ def job(directory, **changes):
     return Job(str(directory), Asked({}, {**SMALL, **changes}, "lammps"), check=False, figures=())
 
 
+@pytest.mark.slow
 def test_a_process_that_dies_is_one_failed_case_and_the_others_go_on(tmp_path):
     jobs = iter(
         [(name, job(tmp_path / name, duration=3e6 if name == "long" else 10)) for name in ("long", "a", "b", "c")]
@@ -261,6 +263,7 @@ def at_work(directory):
     return found
 
 
+@pytest.mark.slow
 def test_ctrl_c_keeps_what_is_done_and_the_same_command_does_the_rest(slow):
     process, command, directory = slow
     os.killpg(process.pid, signal.SIGINT)
@@ -278,6 +281,7 @@ def test_ctrl_c_keeps_what_is_done_and_the_same_command_does_the_rest(slow):
     assert outcomes(directory) == {"done": 5}
 
 
+@pytest.mark.slow
 def test_an_interrupted_case_goes_on_from_its_restart_and_ends_as_if_it_had_not_been(tmp_path):
     scene = {**SMALL, "duration": 6000, "output": {"every": 1.0}}
     path, case = sweep_file(tmp_path, scene, beads=[12]), tmp_path / "s" / "beads=12"
@@ -293,6 +297,7 @@ def test_an_interrupted_case_goes_on_from_its_restart_and_ends_as_if_it_had_not_
     np.testing.assert_array_equal(RunDirectory(case).trajectory.velocity, whole.velocity)
 
 
+@pytest.mark.slow
 def test_a_killed_sweep_leaves_no_process_and_the_same_command_does_the_rest(slow):
     process, command, directory = slow
     process.kill()

@@ -24,6 +24,7 @@ def test_a_written_sweep_has_a_deck_per_case_and_one_array(tmp_path, capsys):
         assert files == {"run.json", "case.json", "scene.yaml", "in.chains", "data.chains", "in.job", "in.continue"}
 
 
+@pytest.mark.slow
 def test_added_cases_keep_the_numbers_of_those_before_and_done_ones_are_left_out(tmp_path):
     assert sweep(sweep_file(tmp_path, beads=[12]), tmp_path / "s") == 0
     for beads in ([12, 13], [10, 12, 13]):

@@ -220,6 +220,7 @@ def gapped(tmp_path_factory):
     return run(find("two-chains-gapped"), tmp_path_factory.mktemp("gapped") / "run", check=False).directory
 
 
+@pytest.mark.slow
 def test_gapped_chains_that_reproduce_finds_equal_are_found_equal_and_in_step(gapped):
     found = analyse(gapped, figures=False).survey
     assert found.arrival == "impulse"

@@ -64,6 +64,7 @@ WRONG = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("changes", "edit", "said"), WRONG.values(), ids=WRONG)
 def test_validate_names_what_is_not_the_scenes(tmp_path, changes, edit, said):
     found = validate(deck_run(scene(**changes), tmp_path / "run", edit))

@@ -113,6 +113,7 @@ def test_the_error_against_a_table_is_the_runs_own_within_interpolation(runs, ex
     assert between.deviations["velocity"].largest == pytest.approx(error, rel=0.01, abs=between.interpolation[1])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["long", "grid"])
 def test_an_npz_says_the_same_as_text(kind, runs, exact, tmp_path):
     fine = exact[1]

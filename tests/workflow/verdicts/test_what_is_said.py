@@ -159,6 +159,7 @@ def told(request, tmp_path, capsys):
     return row, capsys.readouterr().out, json.loads((tmp_path / "run" / "analysis.json").read_text())
 
 
+@pytest.mark.slow
 def test_what_is_said_holds(told):
     row, printed, report = told
     shared = report["equipartition"]

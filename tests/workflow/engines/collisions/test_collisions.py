@@ -118,6 +118,7 @@ def brute_force(problem, events, step=2e-3):
     return [np.array(column) for column in zip(*sorted(found[:events], key=at_once), strict=True)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("chains", "kappa", "gap", "kicks"),
     [
@@ -144,6 +145,7 @@ def test_the_first_events_agree_with_fine_steps_and_bisection(chains, kappa, gap
 # what is conserved
 
 
+@pytest.mark.slow
 def test_a_million_collisions_keep_energy_and_momentum():
     beads = 2000
     problem = make_problem(2, beads, random_kicks(2, beads, 1), gap=1.0, duration=4000.0)

@@ -40,6 +40,7 @@ def distances(draw, fewest=0):
     return Distance(now - sum(waves[0]), draw(st.floats(-0.5, 0.5)), waves, omega)
 
 
+@pytest.mark.slow
 @settings(max_examples=400, deadline=None)
 @given(distances(), st.floats(0.1, 300.0))
 def test_nothing_closes_before_the_time_that_the_search_returns(distance, limit):
@@ -59,6 +60,7 @@ def test_nothing_closes_before_the_time_that_the_search_returns(distance, limit)
         assert found > 0.0
 
 
+@pytest.mark.slow
 @settings(max_examples=200, deadline=None)
 @given(distances(fewest=1), st.floats(1e-13, 1e-3))
 def test_a_dip_is_found_however_shallow(distance, depth):

@@ -47,6 +47,7 @@ def failure_of(old, new, directory, ranks=1):
 # --- time steps that are too long -------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("step", [1.2, 3.0, 1e3, 1e20])
 def test_an_unstable_time_step_fails_in_the_first_segment_with_step_bound_and_remedy(step, tmp_path):
     unstable = scene(beads=20, timestep=step, every=step, duration=2000 * step)
@@ -70,6 +71,7 @@ def test_the_remedy_is_in_the_units_of_the_scene(tmp_path):
 # --- decks that LAMMPS does not take ----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ranks", RANKS)
 @pytest.mark.parametrize(
     ("old", "new", "says"),
@@ -84,6 +86,7 @@ def test_an_error_of_lammps_is_one_line_in_its_own_words(old, new, says, ranks, 
     assert failure_of(old, new, tmp_path, ranks).startswith(f"LAMMPS: ERROR: {says}")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ranks", RANKS)
 def test_an_error_that_one_rank_alone_sees_is_told(ranks, tmp_path):
     # a bead of the last row is out of reach of its spring
@@ -91,6 +94,7 @@ def test_an_error_that_one_rank_alone_sees_is_told(ranks, tmp_path):
     assert message.startswith(f"LAMMPS: ERROR on proc {ranks - 1}: Bond atoms 48 24 missing")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ranks", RANKS)
 def test_a_missing_deck_is_told(ranks, tmp_path):
     deck.write(SCENE, tmp_path)
@@ -155,6 +159,7 @@ def test_a_killed_process_is_told_with_its_signal_and_the_last_step(tmp_path):
     assert re.fullmatch(r"LAMMPS was killed by signal SIGKILL after step \d+\.", message)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(mpi.cores() < 2, reason="needs two cores")
 @pytest.mark.parametrize("which", [min, max])
 def test_a_killed_rank_ends_the_other_and_is_told(which, tmp_path):
@@ -180,6 +185,7 @@ def test_a_killed_run_is_recorded_as_failed_and_its_frames_are_kept(tmp_path):
     assert directory.trajectory.time[-1] >= 2.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ranks", RANKS)
 def test_frames_that_cannot_be_written_fail_the_run(ranks, tmp_path):
     deck.write(LONG, tmp_path)

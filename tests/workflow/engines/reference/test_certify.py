@@ -40,6 +40,7 @@ def to_1e_9():
 # --- against the independent ------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_two_chains_are_certified_to_1e_9(to_1e_9):
     _, certificate = to_1e_9
     assert certificate.velocity <= 1e-9
@@ -48,6 +49,7 @@ def test_two_chains_are_certified_to_1e_9(to_1e_9):
     assert certificate.momentum <= 1e-12
 
 
+@pytest.mark.slow
 def test_two_chains_certified_to_1e_9_are_found_so_by_velocity_verlet_at_very_fine_steps(to_1e_9):
     reference, certificate = to_1e_9
     coarse, fine = (engine.run(PAPER, scheme=VERLET, steps_per_frame=steps).velocity for steps in (1500, 3000))
@@ -80,6 +82,7 @@ def small():
     return joined(certifier.blocks()), certifier.certificate
 
 
+@pytest.mark.slow
 @extended
 def test_a_small_case_is_that_of_another_scheme_in_extended_precision(small):
     reference, certificate = small
@@ -156,6 +159,7 @@ def measured():
     return results
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("quantity", ["velocity", "arrival"])
 def test_the_certificate_bounds_the_error_in_every_scene(quantity, measured):
     told = [(scene, *found) for scene, found in zip(SCENES, measured, strict=True) if quantity in found[1]]

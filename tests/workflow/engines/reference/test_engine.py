@@ -368,6 +368,7 @@ def acceleration(x, like):
     return a
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(np.finfo(np.longdouble).eps > EPS / 100, reason="no longer float than float64 here")
 @pytest.mark.parametrize("scheme", SCHEMES, ids=lambda scheme: scheme.name)
 @pytest.mark.parametrize(("chains", "kappa", "gap"), SHAPES)

@@ -29,6 +29,7 @@ def test_peaks_are_those_of_recorded_frames() -> None:
     np.testing.assert_allclose(noted.arrival[clear], recorded.arrival[clear], atol=5e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("chains", "kappa", "window"), [(1, 0.0, 40), (2, 0.1, 40), (3, 0.1, 40), (2, 0.01, 40)])
 def test_a_window_behind_the_front_changes_no_bit_of_the_leading_pulse(chains: int, kappa: float, window: int) -> None:
     long = problem(chains, 400, kappa, 2000.0)

@@ -28,6 +28,7 @@ def pushed(*loads, **changes):
     return problem(kicks=(), loads=loads, **changes)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LAWS)
 def test_it_is_the_solution_that_scipy_finds(name):
     one = pushed(Load(1, 1, LAWS[name]), Load(2, 3, HalfSine(-0.2, 1.0)), frames=60)
@@ -54,6 +55,7 @@ def test_it_is_the_solution_that_scipy_finds(name):
     assert np.max(np.abs(run.velocity - right)) < 1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LAWS)
 def test_momentum_afterwards_is_the_impulse_and_energy_the_work(name):
     one = pushed(Load(1, 1, LAWS[name]), Load(1, 1, HalfSine(0.3, 1.05)))
@@ -66,6 +68,7 @@ def test_momentum_afterwards_is_the_impulse_and_energy_the_work(name):
     assert seen.energy_drift < 2e-6  # contacts close and open between frames
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["half-sine", "table"])
 def test_stepping_as_lammps_does_is_of_order_two_and_gives_the_impulse_exactly(name):
     one = pushed(Load(1, 1, LAWS[name]), frames=60)
@@ -79,6 +82,7 @@ def test_stepping_as_lammps_does_is_of_order_two_and_gives_the_impulse_exactly(n
     assert 1.95 < order < 2.05
 
 
+@pytest.mark.slow
 def test_a_force_that_ends_at_a_frame_leaves_order_one_there_and_two_afterwards():
     one = pushed(Load(1, 1, Rectangular(0.5, 2.0)), frames=60)
     right = engine.run(one, steps_per_frame=64).velocity
@@ -91,6 +95,7 @@ def test_a_force_that_ends_at_a_frame_leaves_order_one_there_and_two_afterwards(
     assert np.max(errors[0][21:]) / np.max(errors[1][21:]) == pytest.approx(4.0, rel=0.1)
 
 
+@pytest.mark.slow
 def test_a_very_short_push_tends_to_the_kick_in_proportion_to_its_duration():
     kicked = passages(problem(chains=1, beads=60, frames=700), timestep=0.02).waves
     away = []
@@ -111,6 +116,7 @@ def test_nothing_moves_that_the_push_has_not_reached():
     assert not whole.velocity[10, 0, 35:].any()
 
 
+@pytest.mark.slow
 def test_in_the_mirror_the_push_comes_from_the_other_side():
     one = pushed(Load(1, 1, HalfSine(0.8, 2.0)), Load(2, 3, LAWS["table"]))
     other = engine.run(mirrored_problem(one))
@@ -118,6 +124,7 @@ def test_in_the_mirror_the_push_comes_from_the_other_side():
     assert mirrored_problem(mirrored_problem(one)) == one
 
 
+@pytest.mark.slow
 def test_no_load_leaves_the_bits_of_a_kicked_run():
     one = problem()
     never = replace(one, loads=(Load(2, 5, make_table(np.array([90.0, 91.0, 92.0]), np.array([0.0, 1.0, 0.0]))),))

@@ -1,5 +1,7 @@
 import math
 
+import pytest
+
 from workflow.studies.bench import collisions as bench_collisions
 
 
@@ -10,6 +12,7 @@ def test_a_crowd_has_more_collisions_than_are_timed():
         assert len(found) == bench_collisions.PER_ROW * rows
 
 
+@pytest.mark.slow
 def test_the_ratios_say_what_was_measured(monkeypatch):
     assert math.isfinite(bench_collisions.cost(bench_collisions.crowd(100), 300))
     seconds = {100: 2e-6, 1_000: 2.5e-6}

@@ -7,6 +7,7 @@ import pytest
 from workflow.studies.bench import sweeps
 
 
+@pytest.mark.slow
 def test_the_ratios_are_of_the_same_sweep_and_count_every_case(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sweeps, "CASES", 2)
     faster, overhead = sweeps.sweep_ratios(tmp_path / "b")

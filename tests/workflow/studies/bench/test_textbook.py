@@ -14,6 +14,7 @@ from workflow.studies.bench import reference, textbook
 from workflow.studies.bench.ratio import make_ratio
 
 
+@pytest.mark.slow
 def test_the_textbook_way_finds_the_same_waves(tmp_path: Path) -> None:
     scene = bench.paper_scene(30.0)
     problem = scene.problem()

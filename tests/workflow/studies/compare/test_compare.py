@@ -38,6 +38,7 @@ def small(**changes):
     return scene(**{"chains": 2, "beads": 14, "kappa": 0.1, "gap": 0.5, "duration": 40.0, **changes})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("engine", ["reference", "lammps"])
 @pytest.mark.parametrize(("bead", "published"), [(5, (0.342, 0.724)), (25, (0.569, 0.487)), (100, (0.527, 0.527))])
 def test_hertz_beads_have_the_published_impulses(engine, bead, published, found):
@@ -46,6 +47,7 @@ def test_hertz_beads_have_the_published_impulses(engine, bead, published, found)
     np.testing.assert_allclose(first, published, rtol=0, atol=5e-4)
 
 
+@pytest.mark.slow
 def test_rigid_beads_do_not_share_the_pulse_and_hertz_beads_do(found):
     data = found[1]
     rows = [data["beads"].index(bead) for bead in range(20, 31)]

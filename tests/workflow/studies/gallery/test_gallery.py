@@ -32,11 +32,13 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return directory
 
 
+@pytest.mark.slow
 def test_an_entry_whose_numbers_do_not_hold_is_red_and_no_failure(page):
     assert verdicts(page, "kicked-chain") == ["holds"] * 3
     assert FAILS in verdicts(page, "tapered")
 
 
+@pytest.mark.slow
 def test_the_page_has_both_engines_numbers_and_needs_no_other_file(page):
     text = (page / "index.html").read_text()
     assert "LAMMPS 0.68163 V, reference 0.68163 V" in text
@@ -44,6 +46,7 @@ def test_the_page_has_both_engines_numbers_and_needs_no_other_file(page):
     assert not re.findall(r'(?:src|href)="(?!data:|#)', text)
 
 
+@pytest.mark.slow
 def test_an_entry_that_cannot_be_run_fails_alone(page, capsys):
     spoilt = page / "entries" / "kicked-chain" / "runs" / "kicked-lammps" / "run.json"
     whole = spoilt.read_text()
@@ -57,6 +60,7 @@ def test_an_entry_that_cannot_be_run_fails_alone(page, capsys):
     assert failed["tapered"] is None
 
 
+@pytest.mark.slow
 def test_a_second_start_runs_nothing_again_and_keeps_what_is_not_asked_for_on_the_page(page):
     dumps = {path: path.stat().st_mtime_ns for path in page.rglob("*.bin")}
     found = api.gallery(str(page), "tapered")

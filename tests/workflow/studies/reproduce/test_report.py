@@ -22,6 +22,7 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return directory
 
 
+@pytest.mark.slow
 def test_the_page_holds_the_final_amplitudes_of_both_engines(report: Path) -> None:
     page = (report / "index.html").read_text()
     for engine in ("LAMMPS", "reference"):
@@ -45,6 +46,7 @@ def test_all_figures_of_section_2_are_there(report: Path) -> None:
         assert (report / f"fig{number}.png").stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_a_second_start_runs_nothing_again(report: Path) -> None:
     dumps = sorted((report / "runs").rglob("*.bin"))
     before = [path.stat().st_mtime_ns for path in dumps]
@@ -53,6 +55,7 @@ def test_a_second_start_runs_nothing_again(report: Path) -> None:
     assert [path.stat().st_mtime_ns for path in dumps] == before
 
 
+@pytest.mark.slow
 def test_the_page_opens_in_a_browser_without_errors(report: Path, tmp_path: Path) -> None:
     browser = shutil.which("chromium")
     if browser is None:

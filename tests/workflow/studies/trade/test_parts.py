@@ -105,6 +105,7 @@ def test_more_ranks_than_cores_are_not_tried():
     assert all(1 <= count <= mpi.cores() for count in ranks)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["LAMMPS window", "reference window"])
 def test_a_window_has_the_errors_of_all_rows_near_the_front(name, truth, tmp_path):
     several = curve(grid.settings(truth.problem), name)
@@ -122,6 +123,7 @@ def test_a_reference_window_too_narrow_is_left_out_with_its_reason(truth, tmp_pa
         jobs.run(replace(job, window=3), tmp_path)
 
 
+@pytest.mark.slow
 def test_rigid_beads_are_far_from_hertz_beads(tmp_path):
     own = problem(gap=2.874, beads=30, frames=800)
     truth = make_truth(own, tmp_path, seconds=HANGS)
@@ -205,6 +207,7 @@ def test_a_text_dump_that_is_cut_is_refused(tmp_path):
         list(text_blocks(cut, own))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("steps", [1, 7, 10, 25, 100])
 def test_every_recording_has_frames_of_the_exact_one(steps, tmp_path):
     own = problem(timestep=0.1 / steps, steps_per_frame=steps, frames=40, beads=4)

@@ -69,6 +69,7 @@ def velocity(row):
     return float(row["velocity_error"])
 
 
+@pytest.mark.slow
 def test_every_choice_is_measured(found):
     methods = {row["method"] for row in found[1]}
     always = {"LAMMPS verlet", "LAMMPS suzuki4", "reference blanes-moan", "reference suzuki4", "reference verlet"}
