@@ -11,4 +11,6 @@ class Fact(Enum):
     SECOND_ORDER = "LAMMPS's error falls as the square of the time step"
     PULSE = "the kick becomes a pulse that leads, and later pulses that follow"
     REST = "no bead moves before its neighbour has"
+    FRONT = "what the leading pulse has left behind never matters again, so that a window may let go of it"
+    REVERSIBLE = "forces are smooth, and know neither time nor velocity, so that a scheme may step back in time"
     SONIC_VACUUM = "beads at rest bear no load and pass on no sound, so that pulses are exact solitary waves"

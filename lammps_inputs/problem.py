@@ -18,11 +18,9 @@ from numpy.typing import NDArray
 
 from lammps_inputs import laws
 from lammps_inputs.facts import Fact
-from lammps_inputs.laws import dashpot
 from lammps_inputs.laws.dashpot import ContactLoss
-from lammps_inputs.laws.in_time import Sine
 from lammps_inputs.laws.linear import Linear
-from lammps_inputs.links import Across, Along, Ground, Link, Wall, largest_eigenvalue
+from lammps_inputs.links import Across, Along, Ground, Link, Wall
 from lammps_inputs.loads import Load, Motion
 from lammps_inputs.numbers import power_of_two_at_least, text
 from lammps_inputs.scheme import SchemeName
@@ -186,19 +184,6 @@ class System:
         return bool(self.dampers) and self.holds(Fact.SECOND_ORDER)
 
     @property
-    def drag(self) -> float:
-        """Rate, at most, at which dashpots stop any motion (Gershgorin)."""
-        contacts, others = np.zeros(1), 0.0
-        for link in self.dampers:
-            if isinstance(link, Along):
-                reached = dashpot.at_reach(link.law, self.along[0].law, self.energy)
-                contacts = contacts + self._on_beads(reached)
-            else:
-                graph = largest_eigenvalue(link, self.chains) if isinstance(link, Across) else 1.0
-                others += graph * float(np.max(dashpot.resistance(link.law, 0.0)))
-        return float(np.max(contacts / self.mass)) + others / float(np.min(self.mass))
-
-    @property
     def coupled(self) -> bool:
         """Whether any spring between chains exists."""
         return bool(self.across)
@@ -218,78 +203,10 @@ class System:
         """Clear distance between neighbouring beads; 0 where they touch."""
         return self.along[0].gap
 
-    @property
-    def swing(self) -> float:
-        """Angular frequency, at most, of a bead on its springs, those across and those to the ground, and of sound."""
-        return float(np.sqrt(self._springs() + self.sound_frequency**2))
-
     @cached_property
     def loaded(self) -> bool:
         """Whether contacts bear a load at rest, so that there is sound."""
         return any(np.any(laws.load(link.law)) for link in self.along)
-
-    @cached_property
-    def sound_frequency(self) -> float:
-        """Angular frequency, at most, of sound: small motions about rest, springs left out; 0 where there is none."""
-        if not self.loaded:
-            return 0.0
-        total = sum(self._on_beads(laws.stiffness(link.law, 0.0)) for link in self.along)
-        for wall in self.walls:
-            total += laws.stiffness(wall.law, 0.0)
-        return float(np.sqrt(np.max(total / self.mass)))
-
-    @property
-    def pace(self) -> float:
-        """Beads that a pulse passes in a unit of time, at most; as fast as sound at the largest force, if any bead is
-        lighter, or any contact under load or harder, than the reference's.
-        """
-        plain = self.alike and not self.loaded and all(laws.strength(link.law) == 1.0 for link in self.along)
-        return 1.0 if plain else max(1.0, 0.5 * float(np.sqrt(self._contacts())))
-
-    @property
-    def stiffest_spring(self) -> float:
-        """Largest stiffness of any spring, those across and those to the ground; 0 where there are none."""
-        return max((laws.stiffest(link.law, self.energy) for link in (*self.across, *self._holding)), default=0.0)
-
-    @property
-    def fastest(self) -> float:
-        """Angular frequency, at most, of any motion (Gershgorin); energy bounds how stiff a contact can get."""
-        endless = (load.law.omega for load in self.loads if isinstance(load.law, Sine))
-        own = float(np.sqrt(self._contacts() + self._springs()))
-        return max((own, *endless, *(motion.omega for motion in self.motions)))
-
-    def _contacts(self) -> float:
-        if self.alike:
-            wall = max((laws.stiffest(link.law, self.energy) for link in self.walls), default=0.0)
-            contacts = sum(4.0 * laws.stiffest(link.law, self.energy) for link in self.along)
-            # a bead at the end has one contact, and a wall
-            return max(contacts, 0.5 * contacts + wall) if self.walls else contacts
-        total = sum(self._on_beads(laws.at_reach(link.law, self.energy)) for link in self.along)
-        for held in self.walls:
-            total += laws.at_reach(held.law, self.energy)
-        return float(np.max(total / self.mass))
-
-    def _on_beads(self, contact: Any) -> NDArray[np.float64]:
-        """Bound on what the contacts do to each bead's motion (Gershgorin), [chain, bead]: twice the sum of both."""
-        total = np.zeros((self.chains, self.beads))
-        for side in (slice(1, None), slice(None, -1)):
-            total[:, side] += 2.0 * np.broadcast_to(contact, (self.chains, self.beads - 1))
-        return total
-
-    def _springs(self) -> float:
-        held = (laws.stiffest(link.law, self.energy) for link in self._holding)
-        return sum((*map(self._across, self.across), *held), 0.0) / float(np.min(self.mass))
-
-    @property
-    def _holding(self) -> tuple[Ground, ...]:
-        """The springs to the ground."""
-        return tuple(link for link in self.ground if not isinstance(link, Wall))
-
-    def _across(self, link: Across) -> float:
-        """Largest eigenvalue of a row of beads on links across, each as stiff as energy can make it anywhere."""
-        if not laws.differs(link.law):
-            return laws.stiffest(link.law, self.energy) * largest_eigenvalue(link, self.chains)
-        return largest_eigenvalue(link, self.chains, link.of_edges(laws.at_reach(link.law, self.energy)))
 
     @property
     def uniform(self) -> bool:

@@ -172,6 +172,7 @@ class BaseScene(Part):
         self._check_numbers()
         for ingredient in self.ingredients:
             ingredient.refuse(self)
+        self._check_wanted()
         system = self.system
         for ingredient in self.ingredients:
             ingredient.refuse_system(self, system)
@@ -206,6 +207,22 @@ class BaseScene(Part):
                 f"window: {self.window} rows; those of bead {first} would be left behind when bead {last} is hit, too; "
                 f"take {rows_for(last - first + HEADROOM)} or more, or auto"
             )
+
+    @property
+    def wanted(self) -> dict[Fact, str]:
+        """What the scene's choices build on, each with the choice; no ingredient may take it away."""
+        composed = self.scheme not in (None, "verlet")
+        chosen = ((Fact.FRONT, "window", self.window is not None), (Fact.REVERSIBLE, "scheme", composed))
+        return {fact: key for fact, key, made in chosen if made}
+
+    def _check_wanted(self) -> None:
+        """Refuse choices that build on what an ingredient takes away."""
+        for key in INGREDIENTS:
+            named = getattr(self, key)
+            for ingredient in named if isinstance(named, tuple) else () if named is None else (named,):
+                for fact in ingredient.lacks(self) & self.wanted.keys():
+                    reason = ingredient.why.get(fact, f"takes away that {fact.value}")
+                    raise ValueError(f"{key}: {reason}; leave the {self.wanted[fact]} out")
 
     def _check_numbers(self) -> None:
         """Refuse scenes whose dimensionless numbers overflow."""

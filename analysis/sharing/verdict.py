@@ -10,6 +10,7 @@ from analysis.sharing.decay_law import DecayFit
 from analysis.sharing.equipartition import Estimate, Sharing
 from lammps_inputs import Problem
 from lammps_inputs.facts import Fact
+from lammps_inputs.limits import rates
 
 AGREEMENT = 0.01
 """Mismatch of amplitudes and of arrivals (in passages of the wave) below which chains count as equal."""
@@ -164,7 +165,7 @@ def _plain(problem: Problem) -> bool:
 def _resolved(shared: Sharing, problem: Problem) -> bool:
     """Whether the places lie near enough together to show beats."""
     apart = int(np.diff(shared.bead).max(initial=1))
-    kappa = problem.kappa if problem.open_row else 0.5 * problem.swing**2
+    kappa = problem.kappa if problem.open_row else 0.5 * rates.swing(problem) ** 2
     return apart == 1 or (problem.gap == 0.0 and apart <= RESOLVED / math.sqrt(kappa))
 
 

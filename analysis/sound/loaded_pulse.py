@@ -10,6 +10,7 @@ from analysis.mirror import direction_of
 from analysis.shape.loaded_wave import sound_speed, speed_over_sound
 from analysis.trajectory import Floats, Trajectory, joined
 from lammps_inputs import Problem, laws
+from lammps_inputs.limits import rates
 
 CLEAR = 5
 """Contacts from the far end, nearer to which the pulse feels it."""
@@ -62,7 +63,7 @@ class LoadedPulse:
     def __init__(self, problem: Problem) -> None:
         self._problem = problem
         shape = problem.chains, problem.beads - 1
-        self._least = SMALLEST / problem.pace
+        self._least = SMALLEST / rates.pace(problem)
         self._arrival, self._strain = np.full(shape, np.nan), np.full(shape, np.nan)
         self._carried: Trajectory | None = None
 

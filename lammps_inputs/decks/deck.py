@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from lammps_inputs import file_names, laws, loads, scheme, strict_yaml, window
 from lammps_inputs.decks import at_rest
 from lammps_inputs.laws import dashpot
+from lammps_inputs.limits import rates
 from lammps_inputs.lines import AtomTypes, Lines
 from lammps_inputs.links import Across, Along, words
 from lammps_inputs.numbers import text
@@ -226,7 +227,7 @@ def travel_lines(problem: Problem) -> list[str]:
     if problem.window is None:
         return scheme.run_lines(problem.scheme, "${steps}")
     travel = [
-        window.stretch_line(problem.timestep, scheme.cycle(problem.scheme), problem.pace),
+        window.stretch_line(problem.timestep, scheme.cycle(problem.scheme), rates.pace(problem)),
         *window.travel_lines(problem.scheme),
     ]
     return travel if problem.scheme == "verlet" else [*scheme.QUIET, *travel, *scheme.LOUD]

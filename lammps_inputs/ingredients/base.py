@@ -1,6 +1,8 @@
 """What an ingredient of a scene is: keys that a user may write, and what becomes of them."""
 
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -31,6 +33,8 @@ class Ingredient(Part):
 
     takes_away: ClassVar[frozenset[Fact]] = frozenset()
     """What no longer holds where any of its links exist."""
+    why: ClassVar[Mapping[Fact, str]] = MappingProxyType({})
+    """Of what it takes away, the reason, for users who ask for what builds on it (`BaseScene.wanted`)."""
     several: ClassVar[bool] = False
     """Whether a scene may have a list of them."""
 

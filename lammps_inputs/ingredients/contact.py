@@ -4,6 +4,7 @@ They are those of elastic spheres (Hertz 1882), unless the scene names another e
 spheres, cylinders and rubber O-rings: p from 1 to 3 (Nesterenko 2001; Spadoni & Daraio, PNAS 107, 2010).
 """
 
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
@@ -32,6 +33,10 @@ LEAST_OF_PULSES = 1.05
 class Contact(Ingredient):
     """A force ``stiffness * overlap**exponent``."""
 
+    why = MappingProxyType(
+        {Fact.REVERSIBLE: "contacts of an exponent below 1.5 open and close so abruptly that suzuki4 gains nothing"}
+    )
+
     exponent: Annotated[float, Field(ge=1, le=3), PURE]
     stiffness: Annotated[float, Field(gt=0, le=1e30), Unit("N/m^p")] | None = None
     """1 in reduced units; with a material it is that one's own for the exponent 1.5 alone."""
@@ -42,11 +47,6 @@ class Contact(Ingredient):
             raise ValueError("contact.stiffness: the material says how stiff contacts of the exponent 1.5 are")
         if scene.material is not None and self.exponent != HERTZ and self.stiffness is None:
             raise ValueError(f"contact.stiffness: is missing; the force at an overlap of 1 m, in N/m^{self.exponent:g}")
-        if scene.scheme == "suzuki4" and self.exponent < HERTZ:
-            raise ValueError(
-                f"contact.exponent: contacts of exponent {self.exponent:g} open and close so abruptly that suzuki4 "
-                "gains nothing; leave the scheme out"
-            )
 
     def refuse_system(self, scene: "BaseScene", system: "System") -> None:  # noqa: ARG002
         """Refuse what is known of spheres only."""
@@ -73,8 +73,9 @@ class Contact(Ingredient):
         return self.exponent, self.stiffness
 
     def lacks(self, scene: "BaseScene") -> frozenset[Fact]:  # noqa: ARG002
-        """Linear contacts disperse any pulse."""
-        return frozenset({Fact.PULSE}) if self.exponent < LEAST_OF_PULSES else frozenset()
+        """Linear contacts disperse any pulse; all that are harder at first than spheres begin abruptly."""
+        taken = {Fact.REVERSIBLE} if self.exponent < HERTZ else set()
+        return frozenset(taken | {Fact.PULSE} if self.exponent < LEAST_OF_PULSES else taken)
 
 
 def contacts(gap: float, strength: Parameter = 1.0, law: Law | None = None) -> tuple[Along, ...]:

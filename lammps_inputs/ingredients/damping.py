@@ -6,6 +6,7 @@ Seitz (1982) for the restitution of beads in a row.
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
@@ -45,6 +46,13 @@ def _of_law(damping: Mapping[str, Any]) -> str:
 
 class Damping(Ingredient):
     """Forces against velocities, each absent if its coefficient is 0 or not given."""
+
+    why = MappingProxyType(
+        {
+            Fact.FRONT: "a window moves on with forces that do not know the velocities of the step before",
+            Fact.REVERSIBLE: "suzuki4 has steps backwards in time, in which dashpots would give",
+        }
+    )
 
     contact: Annotated[Number, Unit(_of_law)] | None = None
     """Of contacts, over the rate of overlap (linear), that times overlap**0.5 (viscoelastic), or the share of its speed
@@ -86,13 +94,6 @@ class Damping(Ingredient):
         largest = max((float(np.max(link.law.coefficient)) for link in self.dampers(scene)), default=0.0)  # type: ignore[attr-defined]
         if largest > MOST:
             raise ValueError(f"damping: {largest:.3g} in dimensionless units; at most {MOST:g}, where beads stick")
-        if scene.scheme == "suzuki4":
-            raise ValueError("scheme: suzuki4 has steps backwards in time, which damping does not; leave it out")
-        if scene.window is not None:
-            raise ValueError(
-                "damping: a window moves on with forces that do not know the velocities of the step before; "
-                "leave the window out"
-            )
 
     def refuse_system(self, scene: "BaseScene", system: "System") -> None:  # noqa: ARG002
         """Refuse contacts and masses with which LAMMPS's dashpots are others."""
@@ -134,9 +135,9 @@ class Damping(Ingredient):
         return tuple(found)
 
     def lacks(self, scene: "BaseScene") -> frozenset[Fact]:
-        """Energy; momentum by drag on beads; order 2 by all other dashpots."""
+        """Energy, and what goes with it; momentum by drag on beads; order 2 by all other dashpots."""
         dampers = self.dampers(scene)
-        taken = {Fact.ENERGY} if dampers else set()
+        taken = {Fact.ENERGY, Fact.FRONT, Fact.REVERSIBLE} if dampers else set()
         if any(isinstance(link, Ground) for link in dampers):
             taken.add(Fact.MOMENTUM)
         if any(not isinstance(link, Ground) for link in dampers):

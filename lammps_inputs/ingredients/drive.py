@@ -1,6 +1,7 @@
 """Harmonic drives: a bead that is moved to and fro, or pushed and pulled, for ever: a shaker, a piezo actuator."""
 
 import math
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, ClassVar, Self
 
 from pydantic import Field, model_validator
@@ -22,6 +23,13 @@ Positive = Annotated[float, Field(gt=0, le=1e30)]
 
 class Drive(Ingredient):
     """``displacement * (sin(2 pi frequency t + phase) - sin(phase))``, or a force ``force * sin(...)``, of one bead."""
+
+    why = MappingProxyType(
+        {
+            Fact.FRONT: "a window would take the bead that is driven to its head",
+            Fact.REVERSIBLE: "suzuki4 steps back in time within each cycle",
+        }
+    )
 
     several: ClassVar[bool] = True
 
@@ -48,10 +56,6 @@ class Drive(Ingredient):
             raise ValueError(f"drive.chain: {self.chain} is outside the array (chains 1 to {scene.chains})")
         if self.bead > scene.beads:
             raise ValueError(f"drive.bead: {self.bead} is outside the array (beads 1 to {scene.beads})")
-        if scene.window is not None:
-            raise ValueError("drive: a window would take the bead that is driven to its head; leave the window out")
-        if scene.scheme == "suzuki4":
-            raise ValueError("drive: suzuki4 steps back in time within each cycle; leave the scheme out")
         if scene.output.peaks:
             raise ValueError("output.peaks: finds the pulse that leads, which a drive makes none of; leave it out")
         if self.displacement is not None and any(
@@ -76,8 +80,9 @@ class Drive(Ingredient):
         return ()
 
     def lacks(self, scene: "BaseScene") -> frozenset[Fact]:  # noqa: ARG002
-        """No pulse leads; and what moves a bead takes up any momentum."""
-        return frozenset({Fact.PULSE} if self.displacement is None else {Fact.PULSE, Fact.MOMENTUM})
+        """No pulse leads, and time matters; and what moves a bead takes up any momentum."""
+        taken = {Fact.PULSE, Fact.FRONT, Fact.REVERSIBLE}
+        return frozenset(taken if self.displacement is None else {*taken, Fact.MOMENTUM})
 
     def speed(self, mass: float) -> float:
         """Largest velocity of the bead's motion; of a free bead under the force, about its mean."""

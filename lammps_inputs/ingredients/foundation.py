@@ -4,6 +4,7 @@ Beats between chains on foundations, and their targeted transfer of energy: Star
 SIAM J. Appl. Math. 72 (2012); Hasan et al., Granular Matter 15 (2013).
 """
 
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
@@ -34,7 +35,8 @@ MOST = 1e12
 class Foundation(Ingredient):
     """Springs from the beads to the ground: a force ``-stiffness x - cubic x**3``."""
 
-    takes_away = frozenset({Fact.MOMENTUM, Fact.PULSE})
+    takes_away = frozenset({Fact.MOMENTUM, Fact.PULSE, Fact.FRONT})
+    why = MappingProxyType({Fact.FRONT: "beads that a window leaves behind swing on for ever"})
 
     stiffness: Stiffness | tuple[Stiffness, ...] = 0.0
     """Of all chains, or one for each."""
@@ -46,9 +48,7 @@ class Foundation(Ingredient):
     _from_list = field_validator("stiffness", "cubic", "rows", mode="before")(strict_yaml.as_tuple)
 
     def refuse(self, scene: "BaseScene") -> None:
-        """Refuse what does not fit the chains, and a window: beads that it leaves behind swing on."""
-        if scene.window is not None:
-            raise ValueError("foundation: beads that a window leaves behind swing on for ever; leave the window out")
+        """Refuse what does not fit the chains."""
         for key in ("stiffness", "cubic"):
             given = getattr(self, key)
             if isinstance(given, tuple) and len(given) != scene.chains:

@@ -5,6 +5,7 @@ waves on top of the load (Nesterenko, Dynamics of Heterogeneous Materials, 2001;
 Phys. Rev. E 73, 026610, 2006).
 """
 
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
@@ -31,15 +32,12 @@ class _Load(Ingredient):
     """What presses beads together at rest."""
 
     key: ClassVar[str]
+    why = MappingProxyType({Fact.FRONT: "a window lets go of rows from which sound would come back"})
 
     def refuse(self, scene: "BaseScene") -> None:
-        """Refuse gaps, which no load leaves, and a window: sound runs both ways for ever."""
+        """Refuse gaps, which no load leaves."""
         if scene.gap > 0.0:
             raise ValueError(f"gap: beads under a static load touch; leave the gap or `{self.key}` out")
-        if scene.window is not None:
-            raise ValueError(
-                f"{self.key}: a window lets go of rows from which sound would come back; leave the window out"
-            )
 
     def refuse_system(self, scene: "BaseScene", system: "System") -> None:  # noqa: ARG002
         """Refuse springs between chains that differ: they would be stretched at rest; and walls without number."""
@@ -57,7 +55,7 @@ class _Load(Ingredient):
 
     def lacks(self, scene: "BaseScene") -> frozenset[Fact]:  # noqa: ARG002
         """There is sound."""
-        return frozenset({Fact.SONIC_VACUUM})
+        return frozenset({Fact.SONIC_VACUUM, Fact.FRONT})
 
     def links(self, scene: "BaseScene") -> tuple[Link, ...]:  # noqa: ARG002
         """None: it changes those that there are."""

@@ -3,6 +3,7 @@
 import itertools
 import math
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from pydantic import Field, field_validator, model_validator
 
 from lammps_inputs.errors import InputError
+from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Ingredient
 from lammps_inputs.laws.in_time import HalfSine, Rectangular, TimeLaw, make_table
 from lammps_inputs.links import Link
@@ -31,6 +33,13 @@ _SHAPES: dict[str, type[HalfSine] | type[Rectangular]] = {"half-sine": HalfSine,
 
 class Push(Ingredient):
     """A force on one bead, towards higher bead numbers when positive: of a shape, or from a table."""
+
+    why = MappingProxyType(
+        {
+            Fact.FRONT: "a window would take the bead that is pushed to its head",
+            Fact.REVERSIBLE: "suzuki4 steps back in time within each cycle",
+        }
+    )
 
     several: ClassVar[bool] = True
 
@@ -96,19 +105,19 @@ class Push(Ingredient):
         return self
 
     def refuse(self, scene: "BaseScene") -> None:
-        """Refuse a bead outside the array, and what does not go with forces over time."""
+        """Refuse a bead outside the array."""
         if self.chain > scene.chains:
             raise ValueError(f"push.chain: {self.chain} is outside the array (chains 1 to {scene.chains})")
         if self.bead > scene.beads:
             raise ValueError(f"push.bead: {self.bead} is outside the array (beads 1 to {scene.beads})")
-        if scene.window is not None:
-            raise ValueError("push: a window would take the bead that is pushed to its head; leave the window out")
-        if scene.scheme == "suzuki4":
-            raise ValueError("push: suzuki4 steps back in time within each cycle; leave the scheme out")
 
     def links(self, scene: "BaseScene") -> tuple[Link, ...]:  # noqa: ARG002
         """None."""
         return ()
+
+    def lacks(self, scene: "BaseScene") -> frozenset[Fact]:  # noqa: ARG002
+        """While it lasts, time matters, and the place of the bead."""
+        return frozenset({Fact.FRONT, Fact.REVERSIBLE})
 
     def speed(self, mass: float) -> float:
         """Of a free bead that has been given the impulse of the force's size."""

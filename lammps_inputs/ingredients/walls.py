@@ -6,6 +6,7 @@ large; 2 sqrt(2) if that is also rigid. Where beads differ, all of this is about
 """
 
 import math
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
@@ -43,7 +44,8 @@ Kind = Literal["bead", "flat", "rigid"] | Face
 class Walls(Ingredient):
     """Walls that all chains have in common; with a gap they stand as far away as beads do."""
 
-    takes_away = frozenset({Fact.MOMENTUM})
+    takes_away = frozenset({Fact.MOMENTUM, Fact.FRONT})
+    why = MappingProxyType({Fact.FRONT: "a window lets go of the rows that pulses come back through"})
 
     left: Kind | None = None
     """Before the first beads."""
@@ -51,11 +53,9 @@ class Walls(Ingredient):
     """Behind the last beads."""
 
     def refuse(self, scene: "BaseScene") -> None:
-        """Refuse what is no wall, and a window: pulses come back through rows that it has let go of."""
+        """Refuse what is no wall."""
         if self.left is None and self.right is None:
             raise ValueError("walls: name left, right or both: bead, flat, rigid or {stiffness: ...}")
-        if scene.window is not None:
-            raise ValueError("walls: a window lets go of the rows that pulses come back through; leave the window out")
         for key in ("left", "right"):
             kind = getattr(self, key)
             if isinstance(kind, Face) and not LEAST <= (strength := _strength(kind, scene)) <= MOST:

@@ -9,6 +9,7 @@ of coupled beads that swings about its mean with angular frequency omega is late
 import math
 
 from lammps_inputs.facts import Fact
+from lammps_inputs.limits import rates
 from lammps_inputs.problem import System
 from lammps_inputs.scheme import SchemeName, largest_phase
 
@@ -70,33 +71,33 @@ _USABLE = 0.5
 
 def stability_bound(system: System, scheme: SchemeName = "verlet") -> float:
     """Largest stable (mean) Verlet step, ``2 / omega_max`` for velocity Verlet, of a dimensionless system."""
-    bound = largest_phase(scheme) / system.fastest
+    bound = largest_phase(scheme) / rates.fastest(system)
     if not system.dampers or system.centred:
         return bound
     # the root of (omega h)**2 + 2 drag h = 4, from the characteristic polynomial with velocities of the half step
-    drag = 0.5 * bound * system.drag
+    drag = 0.5 * bound * rates.drag(system)
     return 2.0 * bound / (drag + math.sqrt(drag * drag + 4.0))
 
 
 def default_timestep(system: System, scheme: SchemeName = "verlet") -> float:
     """0.01, or less where stiff springs, many kicks or short forces from outside need it, in dimensionless time."""
-    bound = largest_phase("verlet") / system.fastest
+    bound = largest_phase("verlet") / rates.fastest(system)
     step = min(DEFAULT, bound / (_STEPS_PER_BOUND if _as_spheres(system) else _STEPS_PER_BOUND_UNLIKE))
     if system.loaded:
-        step = min(step, largest_phase("verlet") / system.sound_frequency / _STEPS_PER_SOUND)
+        step = min(step, largest_phase("verlet") / rates.sound_frequency(system) / _STEPS_PER_SOUND)
     if not system.holds(Fact.SECOND_ORDER) and system.dampers:
-        step /= min(_MOST_FOR_DRAG, 1.0 + system.drag / _DRAG)
+        step /= min(_MOST_FOR_DRAG, 1.0 + rates.drag(system) / _DRAG)
         step = min(step, stability_bound(system) / _STEPS_PER_BOUND_OF_DRAG)
     elif system.dampers:
-        step = min(step, _DRAG_IN_A_STEP / system.drag)
+        step = min(step, _DRAG_IN_A_STEP / rates.drag(system))
     for load in system.loads:  # an impulse of 1 that begins within a step leaves up to step**2 / (8 duration)
         if SHORTEST_LOAD < load.end < math.inf:
             step = min(step, DEFAULT * math.sqrt(load.end))
-    if system.stiffest_spring <= 1.0:
+    if rates.stiffest_spring(system) <= 1.0:
         return step
     if scheme == "suzuki4":
-        return min(step, _STIFF_SUZUKI / math.pow(system.swing, 1.25))
-    return min(step, max(_STIFF / math.pow(system.swing, 1.5), bound / _MOST_STEPS_PER_BOUND))
+        return min(step, _STIFF_SUZUKI / math.pow(rates.swing(system), 1.25))
+    return min(step, max(_STIFF / math.pow(rates.swing(system), 1.5), bound / _MOST_STEPS_PER_BOUND))
 
 
 def _as_spheres(system: System) -> bool:
@@ -116,12 +117,12 @@ def timestep_for(accuracy: float, duration: float, system: System, scheme: Schem
     step of velocity Verlet is 1.0 to 3.1 times as small as would just do; that of Suzuki's composition 1.5 to 4.1
     times, but with a gap it is up to 2.5 times too large. It knows no stability bound.
     """
-    swing = system.swing
+    swing = rates.swing(system)
     plain = _as_spheres(system) and not system.loaded
     faster = 1.0 if plain else max(1.0, DEFAULT * _STEPS_PER_BOUND_UNLIKE / stability_bound(system))
     if system.dampers and not system.centred:
         # measured: 9e-4 of V at the default step from a drag of 0.4 on, less before
-        return accuracy / min(1.5 * system.drag, 0.1 + 0.06 * system.drag)
+        return accuracy / min(1.5 * rates.drag(system), 0.1 + 0.06 * rates.drag(system))
     if scheme == "verlet":
         return math.sqrt(accuracy / (duration * (_PULSE * faster**3 + _SWING * swing**3)))
     twice = 2.0 * duration / accuracy  # each part is given half of the accuracy

@@ -25,6 +25,7 @@ from lammps_inputs import file_names, scheme, window
 from lammps_inputs.decks import deck
 from lammps_inputs.decks.continuation import onward_lines, render_continuation, restart_lines
 from lammps_inputs.errors import InputError
+from lammps_inputs.limits import rates
 from lammps_inputs.problem import Problem
 from lammps_inputs.slurm.site import JobOptions
 
@@ -168,7 +169,7 @@ def render_input(problem: Problem) -> str:
         'if "${kept} == lost" then "quit 3"',
     ]
     cycle = scheme.cycle(problem.scheme)
-    grain = cycle if problem.window is None else window.look_steps(problem.timestep, cycle, problem.pace)
+    grain = cycle if problem.window is None else window.look_steps(problem.timestep, cycle, rates.pace(problem))
     tell = f'print "$(step:%.0f)" file {file_names.JOB_STEP} screen no'
     sections = [
         [

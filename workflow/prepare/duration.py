@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from lammps_inputs import InputError, Scene
+from lammps_inputs.limits import rates
 from lammps_inputs.limits.closing import slowest_swing
 from workflow.engines.reference import engine
 
@@ -36,7 +37,7 @@ def with_duration(scene: Scene) -> Scene:
     # the reference integrates with the scene's own cadence, but records the one bead that matters
     gap, system = scene.gap / scene.scale.length, scene.system
     pushed = max((load.end for load in system.loads if not load.endless), default=0.0)
-    cadence = 0.1 / system.pace if system.loaded else 0.1  # sound may be faster
+    cadence = 0.1 / rates.pace(system) if system.loaded else 0.1  # sound may be faster
     limit = (_SLOWEST * (scene.until_bead + 10) * (1.0 + gap) + pushed) * scene.scale.time
     trial = scene.model_copy(
         update={

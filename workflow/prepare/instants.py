@@ -3,6 +3,7 @@
 import math
 
 from lammps_inputs import Problem
+from lammps_inputs.limits import rates
 
 SPACING = 0.4
 """Time between the frames that are compared, in units of T: waves are found between them to 1e-5."""
@@ -19,9 +20,9 @@ def stride(problem: Problem, spacing: float = SPACING) -> int:
     """
     if problem.frames <= FEW:
         return 1
-    if problem.swing > 0.0:
-        spacing = min(spacing, 0.5 * math.pi / problem.swing)
-    if problem.drag > 0.0:
-        spacing = min(spacing, 0.25 / problem.drag)
+    if rates.swing(problem) > 0.0:
+        spacing = min(spacing, 0.5 * math.pi / rates.swing(problem))
+    if rates.drag(problem) > 0.0:
+        spacing = min(spacing, 0.25 / rates.drag(problem))
     most = max(1, min(math.floor(spacing / problem.every * (1.0 + 1e-9)), problem.frames))
     return min(range(most, most // 2, -1), key=lambda step: problem.frames % step)

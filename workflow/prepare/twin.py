@@ -12,7 +12,7 @@ from analysis.against.pairing import on_common_rows
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem, scheme
 from lammps_inputs.facts import Fact
-from lammps_inputs.limits import timestep
+from lammps_inputs.limits import rates, timestep
 from workflow.engines.reference import engine
 from workflow.engines.reference.blanes_moan import BLANES_MOAN
 from workflow.engines.reference.certify import Certifier
@@ -126,7 +126,7 @@ def work(problem: Problem, verlet_steps: int, reference_steps: int) -> float:
 def _rows_by_time(problem: Problem) -> float:
     """Integral over time of the number of rows that have moved, roughly: no pulse is faster than the system's pace."""
     first, last = (choose(bead for _, bead, _ in problem.struck) for choose in (min, max))
-    way = problem.pace * np.linspace(0.0, problem.duration, 101)
+    way = rates.pace(problem) * np.linspace(0.0, problem.duration, 101)
     rows = np.minimum(problem.beads, last + way) - np.maximum(1.0, first - way) + 1.0
     if problem.window is not None:
         rows = np.minimum(rows, engine.WIDER * problem.window)
@@ -142,7 +142,7 @@ def guessed_step(problem: Problem, accuracy: float) -> float:
 def guessed_reference_steps(problem: Problem, accuracy: float) -> int:
     """Steps a frame of the reference that are usually sure enough: at its default, contacts leave it unsure by 1e-5."""
     usual = engine.default_steps_per_frame(problem)
-    contacts, swings = 1e-5 / (SURE * accuracy), 9e-8 * problem.swing * problem.duration / (SURE * accuracy)
+    contacts, swings = 1e-5 / (SURE * accuracy), 9e-8 * rates.swing(problem) * problem.duration / (SURE * accuracy)
     return 2 * math.ceil(0.5 * usual * max(1.0, math.pow(contacts, 1.0 / _LEAST_ORDER), math.pow(swings, 0.25)))
 
 

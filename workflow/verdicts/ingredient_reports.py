@@ -17,6 +17,7 @@ from analysis.sound.loaded_pulse import LoadedWave
 from analysis.tracking.pulses import Pulse
 from analysis.trajectory import Floats
 from lammps_inputs import Problem, laws
+from lammps_inputs.limits import rates
 from lammps_inputs.numbers import known
 from lammps_inputs.units import Scale
 
@@ -184,7 +185,7 @@ def sound_report(
         "overlap": [float(find(rest) * scale.length) for find in (np.min, np.max)],
         "speed": [float(find(speed) / scale.time) for find in (np.min, np.max)],
         "metres": None if metres is None else [float(find(speed) * metres / scale.time) for find in (np.min, np.max)],
-        "cutoff": problem.sound_frequency / scale.time,
+        "cutoff": rates.sound_frequency(problem) / scale.time,
         "crest": max((float(crest.peak_velocity.max()) * scale.velocity for crest in crests), default=None),
         "pulse": None
         if wave is None

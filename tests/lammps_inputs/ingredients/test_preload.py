@@ -20,6 +20,7 @@ from analysis.sound.dispersion import Dispersion
 from analysis.sound.loaded_pulse import LoadedPulse
 from lammps_inputs import InputError, file_names, library
 from lammps_inputs.decks import deck
+from lammps_inputs.limits import rates
 from lammps_inputs.slurm import job
 from lammps_inputs.slurm.site import JobOptions
 from workflow.cli import main
@@ -142,7 +143,7 @@ def test_a_pressed_chain_of_linear_contacts_swings_by_its_modes(tmp_path):
     error = np.abs(found.trajectory.velocity[:, 0] - exact).max()
     assert error == pytest.approx(found.check.velocity, rel=0.01)
     assert error < 1e-4
-    assert case.system.sound_frequency == pytest.approx(2.0, rel=1e-12)
+    assert rates.sound_frequency(case.system) == pytest.approx(2.0, rel=1e-12)
     spectrum = Dispersion(found.directory.problem)
     for block in found.directory.blocks():
         spectrum.add(block)
@@ -322,7 +323,7 @@ def test_the_end_at_a_bead_comes_sooner_the_faster_sound_is():
         for f in (0.1, 100.0)
     ]
     assert ends[0] > 2.0 * ends[1]
-    assert ends[1] > 30 / loaded(precompression={"force": 100.0}).system.pace
+    assert ends[1] > 30 / rates.pace(loaded(precompression={"force": 100.0}).system)
 
 
 def test_the_work_of_a_run_counts_the_rows_that_sound_reaches():
@@ -385,7 +386,7 @@ def test_no_load_leaves_no_trace():
     problem = loaded().problem()
     assert not problem.loaded
     assert not problem.lacks
-    assert problem.pace == 1.0
+    assert rates.pace(problem) == 1.0
     text = deck.render_deck(problem)
     assert "run 0" not in text
     assert "load" not in text

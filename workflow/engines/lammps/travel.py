@@ -7,6 +7,7 @@ import numpy as np
 from analysis import motion
 from analysis.trajectory import Floats
 from lammps_inputs import Problem, scheme, window
+from lammps_inputs.limits import rates
 
 
 class OutrunError(Exception):
@@ -43,7 +44,7 @@ class Travel:
         if problem.window is None:
             self._run(steps)
             return
-        look = window.look_steps(problem.timestep, scheme.cycle(problem.scheme), problem.pace)
+        look = window.look_steps(problem.timestep, scheme.cycle(problem.scheme), rates.pace(problem))
         while steps > 0:
             self._follow()
             self._run(min(look, steps))

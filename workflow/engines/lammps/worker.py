@@ -21,6 +21,7 @@ import numpy as np
 
 from lammps_inputs import Problem, file_names, load, scheme, window
 from lammps_inputs.decks import continuation
+from lammps_inputs.limits import rates
 from workflow.engines.lammps import invariants, mpi, restarts
 from workflow.engines.lammps.frames_on_disk import FramesOnDisk
 from workflow.engines.lammps.live_peaks import LivePeaks
@@ -88,7 +89,7 @@ def segments(
     largest = max(1, SEGMENT_BEAD_STEPS // (problem.chains * problem.rows))
     # a restart falls between two cycles of the scheme, and where the window may follow
     cycle = scheme.cycle(problem.scheme)
-    whole = cycle if problem.window is None else window.look_steps(problem.timestep, cycle, problem.pace)
+    whole = cycle if problem.window is None else window.look_steps(problem.timestep, cycle, rates.pace(problem))
     begun = done = int(lmp.extract_global("ntimestep"))
     frames = Path(continuation.dump_part(part))
     travel = Travel(lmp, problem)

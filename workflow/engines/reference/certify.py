@@ -13,6 +13,7 @@ from analysis.tracking.peaks import sharp
 from analysis.tracking.which_leads import leading_finder, leading_passages
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem
+from lammps_inputs.limits import rates
 from workflow.engines.reference import engine
 from workflow.engines.reference.blanes_moan import BLANES_MOAN
 from workflow.engines.reference.scheme import Scheme
@@ -136,7 +137,7 @@ def rows_to_judge(problem: Problem) -> int | None:
     )
     arrival = float(np.min(found.waves.at(before_last).arrival, initial=problem.duration))
     # what it lacks would have to come from behind the tail
-    return problem.beads if problem.pace * (problem.duration - arrival) > problem.window / 2.0 else None
+    return problem.beads if rates.pace(problem) * (problem.duration - arrival) > problem.window / 2.0 else None
 
 
 def certified(problem: Problem, tolerance: float) -> Certifier:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from analysis.trajectory import LEDGER, Floats, Trajectory, frames_per_block, joined
 from lammps_inputs import Problem
 from lammps_inputs.ingredients import coupled_chains
+from lammps_inputs.limits import rates
 from lammps_inputs.limits.timestep import stability_bound
 from lammps_inputs.units import Scale
 from workflow.engines.reference.blanes_moan import BLANES_MOAN
@@ -59,7 +60,7 @@ def default_steps_per_frame(problem: Problem) -> int:
     """Steps between frames, an even number, that leave an error of some 1e-6 of V or less."""
     bound = stability_bound(problem)
     if problem.dampers:  # drag on beads alone does not bind LAMMPS
-        bound = min(bound, 2.0 / problem.drag)
+        bound = min(bound, 2.0 / rates.drag(problem))
     # contacts of lower exponents open and close more abruptly
     abrupt = max(0.0, 1.5 - (problem.exponent or 1.5))
     steps = STEPS_PER_BOUND * (1.0 + _ABRUPT * abrupt)
@@ -103,7 +104,7 @@ def blocks(
     yield Trajectory(problem, np.zeros(1), *start, _first(problem, recorded), ledger)
     size = frames_per_block(problem)
     if problem.window is not None:
-        size = max(1, min(size, math.floor(_ADVANCE / (problem.pace * problem.every))))
+        size = max(1, min(size, math.floor(_ADVANCE / (rates.pace(problem) * problem.every))))
     for first in range(1, problem.frames + 1, size):
         frame = np.arange(first, min(first + size, problem.frames + 1))
         recorded = _recorded(problem, state, len(frame) * problem.every)
@@ -156,7 +157,7 @@ def _recorded(problem: Problem, state: "State", ahead: float) -> NDArray[np.int6
         return problem.recorded_beads
     front = int(state.span[1])
     first = max(1, front - problem.window // 2)  # see `analysis.against.pairing.near_the_front`
-    return np.arange(first, min(problem.beads, front + math.ceil(problem.pace * ahead) + problem.window) + 1)
+    return np.arange(first, min(problem.beads, front + math.ceil(rates.pace(problem) * ahead) + problem.window) + 1)
 
 
 def _first(problem: Problem, recorded: NDArray[np.int64]) -> int:

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 from lammps_inputs import Problem
 from lammps_inputs import scheme as schemes
+from lammps_inputs.facts import Fact
 from lammps_inputs.limits.timestep import stability_bound
 from lammps_inputs.scheme import SchemeName
 from lammps_inputs.window import HEADROOM, LEAST_WINDOW
@@ -39,8 +40,7 @@ RANKS, WINDOW = "ranks", "window"
 def settings(problem: Problem) -> Jobs:
     """Everything to be measured for a problem, which has the scene's own frames and time step."""
     found = lammps_by_step(problem, "verlet")
-    # suzuki4 steps back in time, and gains nothing where contacts are more abrupt than those of spheres
-    if not problem.acted_on and not problem.dampers and (problem.exponent or 1.5) >= 1.5:
+    if problem.holds(Fact.REVERSIBLE):
         found += lammps_by_step(problem, "suzuki4")
     found += lammps_by_ranks(problem)
     for scheme in reference_schemes():
@@ -124,9 +124,8 @@ def reference_by_step(problem: Problem, scheme: Scheme) -> Jobs:
 def lammps_by_window(problem: Problem) -> Jobs:
     """LAMMPS at the scene's time step by the number of rows that exist; all of them last."""
     recorded = problem.recorded is None and problem.uniform
-    over = not (problem.acted_on or problem.dampers or problem.ground or problem.loaded)  # behind the pulse
     forward = all(velocity > 0.0 and bead <= LEAST_WINDOW - HEADROOM for _, bead, velocity in problem.kicks)
-    may = recorded and over and forward
+    may = recorded and forward and problem.holds(Fact.FRONT)
     jobs = [Job("lammps", replace(problem, window=rows)) for rows in widths(problem)] if may else []
     return _windows(LAMMPS, problem, jobs, Job("lammps", problem))
 

@@ -1,0 +1,104 @@
+"""How fast anything in a system can move: bounds on angular frequencies, rates and speeds, dimensionless.
+
+By Gershgorin's circles, with every contact and spring as stiff as the energy of the system can make it.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lammps_inputs import laws
+from lammps_inputs.laws import dashpot
+from lammps_inputs.laws.in_time import Sine
+from lammps_inputs.links import Across, Along, Ground, Wall, largest_eigenvalue
+from lammps_inputs.problem import System
+
+
+def fastest(system: System) -> float:
+    """Angular frequency, at most, of any motion; energy bounds how stiff a contact can get."""
+    endless = (load.law.omega for load in system.loads if isinstance(load.law, Sine))
+    own = float(np.sqrt(_contacts(system) + _springs(system)))
+    return max((own, *endless, *(motion.omega for motion in system.motions)))
+
+
+def swing(system: System) -> float:
+    """Angular frequency, at most, of a bead on its springs, those across and those to the ground, and of sound."""
+    return float(np.sqrt(_springs(system) + sound_frequency(system) ** 2))
+
+
+def sound_frequency(system: System) -> float:
+    """Angular frequency, at most, of sound: small motions about rest, springs left out; 0 where there is none."""
+    if not system.loaded:
+        return 0.0
+    total = sum(_on_beads(system, laws.stiffness(link.law, 0.0)) for link in system.along)
+    for wall in system.walls:
+        total += laws.stiffness(wall.law, 0.0)
+    return float(np.sqrt(np.max(total / system.mass)))
+
+
+def pace(system: System) -> float:
+    """Beads that a pulse passes in a unit of time, at most.
+
+    As fast as sound at the largest force, if any bead is lighter, or any contact under load or harder, than the
+    reference's.
+    """
+    plain = system.alike and not system.loaded and all(laws.strength(link.law) == 1.0 for link in system.along)
+    return 1.0 if plain else max(1.0, 0.5 * float(np.sqrt(_contacts(system))))
+
+
+def stiffest_spring(system: System) -> float:
+    """Largest stiffness of any spring, those across and those to the ground; 0 where there are none."""
+    springs = (*system.across, *_holding(system))
+    return max((laws.stiffest(link.law, system.energy) for link in springs), default=0.0)
+
+
+def drag(system: System) -> float:
+    """Rate, at most, at which dashpots stop any motion."""
+    contacts, others = np.zeros(1), 0.0
+    for link in system.dampers:
+        if isinstance(link, Along):
+            reached = dashpot.at_reach(link.law, system.along[0].law, system.energy)
+            contacts = contacts + _on_beads(system, reached)
+        else:
+            graph = largest_eigenvalue(link, system.chains) if isinstance(link, Across) else 1.0
+            others += graph * float(np.max(dashpot.resistance(link.law, 0.0)))
+    return float(np.max(contacts / system.mass)) + others / float(np.min(system.mass))
+
+
+def _contacts(system: System) -> float:
+    if system.alike:
+        wall = max((laws.stiffest(link.law, system.energy) for link in system.walls), default=0.0)
+        contacts = sum(4.0 * laws.stiffest(link.law, system.energy) for link in system.along)
+        # a bead at the end has one contact, and a wall
+        return max(contacts, 0.5 * contacts + wall) if system.walls else contacts
+    total = sum(_on_beads(system, laws.at_reach(link.law, system.energy)) for link in system.along)
+    for held in system.walls:
+        total += laws.at_reach(held.law, system.energy)
+    return float(np.max(total / system.mass))
+
+
+def _on_beads(system: System, contact: Any) -> NDArray[np.float64]:
+    """Bound on what the contacts do to each bead's motion, [chain, bead]: twice the sum of both."""
+    total = np.zeros((system.chains, system.beads))
+    for side in (slice(1, None), slice(None, -1)):
+        total[:, side] += 2.0 * np.broadcast_to(contact, (system.chains, system.beads - 1))
+    return total
+
+
+def _springs(system: System) -> float:
+    across = (_row(system, link) for link in system.across)
+    held = (laws.stiffest(link.law, system.energy) for link in _holding(system))
+    return sum((*across, *held), 0.0) / float(np.min(system.mass))
+
+
+def _holding(system: System) -> tuple[Ground, ...]:
+    """The springs to the ground."""
+    return tuple(link for link in system.ground if not isinstance(link, Wall))
+
+
+def _row(system: System, link: Across) -> float:
+    """Largest eigenvalue of a row of beads on links across, each as stiff as energy can make it anywhere."""
+    if not laws.differs(link.law):
+        return laws.stiffest(link.law, system.energy) * largest_eigenvalue(link, system.chains)
+    return largest_eigenvalue(link, system.chains, link.of_edges(laws.at_reach(link.law, system.energy)))
