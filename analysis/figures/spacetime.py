@@ -140,7 +140,9 @@ def spacetime_figure(data: SpaceTime) -> Figure:
     return figure
 
 
-def moving_part(beads: NDArray[np.int64], moves: NDArray[np.bool_], whole: tuple[float, float]) -> tuple[float, float]:
+def moving_part(
+    beads: NDArray[np.int64] | Floats, moves: NDArray[np.bool_], whole: tuple[float, float]
+) -> tuple[float, float]:
     """Ends of the axis of beads: all, or those that move with as many around if they are less than half."""
     seen = np.flatnonzero(moves)
     if len(seen) == 0 or 2 * (seen[-1] + 1 - seen[0]) >= len(beads):

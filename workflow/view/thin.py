@@ -1,12 +1,13 @@
 """What a page holds of a run: some chains, beads and frames of it as they are, so that every number is the run's."""
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis import motion
+from analysis.figures.style import Unit
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem
 
@@ -14,17 +15,21 @@ MOST_BEADS = 500
 """Of a chain."""
 
 MOST_NUMBERS = 330_000
-"""Beads times frames; a page has sixteen bytes for each."""
+"""Beads times frames that the run recorded; a page has sixteen bytes for each."""
+
+MOST_HELD = 4_000_000
+"""Beads times frames with those around a window, which take a browser's memory, but next to none of the page."""
 
 
 @dataclass(frozen=True)
 class Thinned:
-    """Part of a run, in the scene's units.
+    """Part of a run, dimensionless.
 
     Attributes:
         chains, beads: which, counted from 1.
         time: [frame].
-        displacement, velocity: [chain, frame, bead].
+        displacement: [chain, frame, bead].
+        velocity: likewise; of the run's frames that are nearest to this one, the largest in size, so that peaks stay.
         overlap, force: of each bead with the next of its chain, [chain, frame, bead]; NaN where that is not known.
         energy: of each chain's beads, [chain, frame]; NaN where not every bead was recorded.
         bead_stride, frame_stride: every how many there are here.
@@ -41,6 +46,35 @@ class Thinned:
     bead_stride: int
     frame_stride: int
 
+    @property
+    def even(self) -> bool:
+        """Whether the beads are evenly spaced."""
+        steps = np.diff(self.beads)
+        return bool(np.all(steps == steps[:1]))
+
+    @property
+    def places(self) -> NDArray[np.float64]:
+        """[bead] where each is drawn: at its number, or, where they are unevenly spaced, side by side from 0."""
+        return np.asarray(self.beads if self.even else np.arange(len(self.beads)), dtype=float)
+
+    @property
+    def spacing(self) -> float:
+        """Between two neighbouring places."""
+        return float(self.places[1] - self.places[0]) if len(self.beads) > 1 else 1.0
+
+    def measured(self, units: Mapping[str, Unit]) -> "Thinned":
+        """The same in units of time, velocity, length, force and energy."""
+        worth = {name: unit.worth for name, unit in units.items()}
+        return replace(
+            self,
+            time=self.time * worth["time"],
+            displacement=self.displacement * worth["length"],
+            velocity=self.velocity * worth["velocity"],
+            overlap=self.overlap * worth["length"],
+            force=self.force * worth["force"],
+            energy=self.energy * worth["energy"],
+        )
+
 
 def thinned(problem: Problem, blocks: Iterable[Trajectory], chains: list[int], *, most: int = MOST_NUMBERS) -> Thinned:
     """Every so-manieth bead and frame of some chains.
@@ -53,40 +87,67 @@ def thinned(problem: Problem, blocks: Iterable[Trajectory], chains: list[int], *
     """
     recorded = problem.recorded_beads
     beads = slice(None, None, max(1, -(-len(recorded) // MOST_BEADS)))
-    stride = max(1, -(-(problem.frames + 1) * len(recorded[beads]) * len(chains) // most))
+    numbers = (problem.frames + 1) * len(chains)
+    known = numbers * problem.rows_a_frame // beads.step
+    stride = max(1, -(-known // most), -(-numbers * len(recorded[beads]) // MOST_HELD))
     parts: list[tuple[Floats, ...]] = []
+    velocity: dict[int, Floats] = {}  # of the frames nearest to each that is kept
     seen = 0
     for block in blocks:
-        frames = block[-seen % stride :: stride]
+        frames = _whole(block[-seen % stride :: stride])
+        nearest, first = np.unique((np.arange(seen, seen + block.frames) + stride // 2) // stride, return_index=True)
+        fastest = replace(
+            block,
+            time=block.time[first],
+            displacement=block.displacement[first],
+            velocity=_largest(block.velocity, first),
+            ledger=None,
+        )
+        largest = _whole(fastest).velocity[:, chains, beads]
+        for place, values in zip(nearest.tolist(), largest, strict=True):
+            both = [velocity[place], values] if place in velocity else [values]
+            velocity[place] = _largest(np.array(both), np.array([0]))[0]
         seen += block.frames
-        if problem.window is not None:
-            frames = frames.on(1, problem.beads, behind=np.nan)
         parts.append((frames.time, _energy(frames)[:, chains], *(values[:, chains, beads] for values in _of(frames))))
     time, energy, *values = (np.concatenate(kind) for kind in zip(*parts, strict=True))
-    scale = problem.scale
-    x, v, overlap, force = (np.ascontiguousarray(kind.transpose(1, 0, 2)) for kind in values)
+    if len(velocity) > len(time):  # the last frames are nearer to one that would follow
+        last = _largest(np.array([velocity[len(time) - 1], velocity.pop(len(time))]), np.array([0]))
+        velocity[len(time) - 1] = last[0]
+    values.append(np.array([velocity[place] for place in range(len(time))]))
+    x, overlap, force, v = (np.ascontiguousarray(kind.transpose(1, 0, 2)) for kind in values)
     return Thinned(
         chains=[chain + 1 for chain in chains],
         beads=recorded[beads],
-        time=time * scale.time,
-        displacement=x * scale.length,
-        velocity=v * scale.velocity,
-        overlap=overlap * scale.length,
-        force=force * scale.force,
-        energy=energy.T * scale.energy,
+        time=time,
+        displacement=x,
+        velocity=v,
+        overlap=overlap,
+        force=force,
+        energy=energy.T,
         bead_stride=beads.step,
         frame_stride=stride,
     )
 
 
-def _of(frames: Trajectory) -> tuple[Floats, Floats, Floats, Floats]:
-    """Displacement, velocity, and overlap and force of each bead with the next, all [frame, chain, bead]."""
+def _whole(frames: Trajectory) -> Trajectory:
+    """The same frames of all rows, where a window follows the pulse; NaN where it has left."""
+    return frames if frames.problem.window is None else frames.on(1, frames.problem.beads, behind=np.nan)
+
+
+def _largest(values: Floats, first: NDArray[np.intp]) -> Floats:
+    """Of the frames from each first one to the next, the value of largest size; NaN where all are."""
+    highest, lowest = np.fmax.reduceat(values, first, axis=0), np.fmin.reduceat(values, first, axis=0)
+    return np.asarray(np.where(highest >= -lowest, highest, lowest))
+
+
+def _of(frames: Trajectory) -> tuple[Floats, Floats, Floats]:
+    """Displacement, and overlap and force of each bead with the next, all [frame, chain, bead]."""
     problem, x = frames.problem, frames.displacement
     overlap, force = np.full_like(x, np.nan), np.full_like(x, np.nan)
     if problem.recorded is None:
         overlap[..., :-1] = motion.overlaps(problem, x)
         force[..., :-1] = motion.contact_force(problem, overlap[..., :-1])
-    return x, frames.velocity, overlap, force
+    return x, overlap, force
 
 
 def _energy(frames: Trajectory) -> Floats:

@@ -4,9 +4,9 @@ import warnings
 from html import escape
 from pathlib import Path
 
-from analysis.figures.style import shown_chains
+from analysis.figures.style import axis_unit, shown_chains
 from analysis.files.binary_dump import CutDumpWarning
-from lammps_inputs import InputError, file_names, strict_yaml
+from lammps_inputs import InputError, Problem, file_names, strict_yaml
 from workflow.runs.files import VIEW
 from workflow.runs.own_files import claim
 from workflow.runs.run_directory import RunDirectory
@@ -16,7 +16,10 @@ from workflow.verdicts.analyse import analyse, default_beads
 from workflow.view.page import folded, paragraphs, render
 from workflow.view.run_page import layout
 from workflow.view.sweep_page import layout as sweep_layout
-from workflow.view.thin import thinned
+from workflow.view.thin import Thinned, thinned
+
+FINE = 0.5
+"""Time between frames up to which a pulse is followed closely, in units of T."""
 
 
 def write(directory: Path) -> list[Path]:
@@ -25,14 +28,15 @@ def write(directory: Path) -> list[Path]:
     Raises:
         InputError: there is nothing to be seen in it.
     """
-    if (directory / file_names.SCENE).is_file():
-        return [_run(directory)]
     if not directory.is_dir():
         raise InputError(f"{directory}: no such directory")
+    compared = (directory / "compare.json").is_file()  # beside the scene that was compared
+    if (directory / file_names.SCENE).is_file() and not compared:
+        return [_run(directory)]
     inside = sorted(path for path in directory.iterdir() if (path / file_names.SCENE).is_file())
     if not inside:
         raise InputError(f"{directory}: neither a run nor a sweep; it has no {file_names.SCENE}")
-    if (directory / "compare.json").is_file():
+    if compared:
         return [_run(path) for path in inside]
     return [_sweep(directory)]
 
@@ -44,7 +48,7 @@ def _run(path: Path) -> Path:
     try:
         analysis = analyse(directory, figures=False)
         found = analysis.survey
-        lines.append(found.verdict.sentence)
+        lines.append(f"Equipartition: {found.verdict.sentence}.")
         if not analysis.complete:
             lines.append("The run is incomplete; what there is is shown.")
     except InputError as error:
@@ -56,13 +60,7 @@ def _run(path: Path) -> Path:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", CutDumpWarning)  # that the run is incomplete is said in words
         part = thinned(problem, directory.blocks(), shown_chains(problem))
-    left_out = [
-        f"{len(part.chains)} of {problem.chains} chains" if len(part.chains) < problem.chains else "",
-        f"one bead in {part.bead_stride}" if part.bead_stride > 1 else "",
-        f"one frame in {part.frame_stride}" if part.frame_stride > 1 else "",
-    ]
-    if any(left_out):
-        lines.append(f"Shown: {', '.join(filter(None, left_out))}; each number is the run's own.")
+    lines += _left_out(problem, part)
     texts = {"scene": strict_yaml.dump(scene.plain())}
     if (path / file_names.DECK).is_file():
         texts[file_names.DECK] = (path / file_names.DECK).read_text(encoding="utf-8", errors="replace")
@@ -76,6 +74,30 @@ def _run(path: Path) -> Path:
     claim(path, (VIEW,))
     write_text(path / VIEW, made)
     return path / VIEW
+
+
+def _left_out(problem: Problem, part: Thinned) -> list[str]:
+    """What a page does not show of a run, in words."""
+    apart, time = problem.every * part.frame_stride, axis_unit(problem, "time", problem.every * part.frame_stride)
+    distance = f"{apart * time.worth:.3g} {time.symbol}" if problem.scale.si else f"{apart:.3g} T"
+    kept = [
+        f"{len(part.chains)} of {problem.chains} chains" if len(part.chains) < problem.chains else "",
+        f"one bead in {part.bead_stride}" if part.bead_stride > 1 else "",
+        f"one frame in {part.frame_stride}, {distance} apart" if part.frame_stride > 1 else "",
+    ]
+    lines = [f"Shown: {', '.join(filter(None, kept))}; each number is the run's own."] if any(kept) else []
+    if part.frame_stride > 1:
+        lines.append(
+            "Each velocity is the largest in size around its frame, so that no peak is lost;"
+            " displacement, overlap, force and energy are those at its time."
+        )
+    if apart > FINE:
+        lines.append(
+            f"Frames shown are {distance} apart, too far to follow a pulse closely: "
+            + ("overlaps and forces" if problem.every <= FINE else "velocities, overlaps and forces")
+            + " may have been larger between them."
+        )
+    return lines
 
 
 def _sweep(directory: Path) -> Path:
