@@ -264,6 +264,7 @@ def _maps(
         plot.grid.visible = False
         _label(plot)
         _name_places(plot, part)
+        plot.xaxis.ticker.desired_num_ticks = 8 // across + 2
         if len(found) == across - 1:
             bar = ColorBar(color_mapper=colours, title=axis_label("velocity", units["velocity"]), width=10)
             plot.add_layout(bar, "right")
@@ -286,7 +287,7 @@ def _traces(part: Thinned, shown: list[int], time_range: Any, units: Units) -> t
             data["label"].append(f"bead {part.beads[k]}, chain {chain}")
     source = ColumnDataSource(name="traces", data=data)
     plot = _graph(
-        "velocity over time; click into a map for another bead",
+        "velocity over time; click a map for more",
         axis_label("time", units["time"]),
         axis_label("velocity", units["velocity"]),
         (float(part.time[0]), float(part.time[-1])),
@@ -415,7 +416,7 @@ def _distances(problem: Problem, part: Thinned, found: Survey, bead_range: Any, 
 
 def _energy(part: Thinned, time_range: Any, units: Units) -> Any:
     """Energy of the beads of each chain that is shown, with their contacts and what holds them, over time."""
-    heading = "energy of each chain, without the springs between chains"
+    heading = "energy of each chain, without coupling"
     plot = _graph(heading, axis_label("time", units["time"]), axis_label("energy", units["energy"]), time_range)
     for place, chain in enumerate(part.chains):
         plot.line(part.time, part.energy[place], **_of_chain(place, chain))
@@ -445,6 +446,7 @@ def _put_legend_aside(plot: Any) -> None:
     legend.label_text_font_size = "8pt"
     legend.padding = 3
     legend.border_line_color = None
+    legend.background_fill_alpha = 0.0
     plot.add_layout(legend, "right")
 
 

@@ -97,6 +97,8 @@ def _left_out(problem: Problem, part: Thinned) -> list[str]:
             + ("overlaps and forces" if problem.every <= FINE else "velocities, overlaps and forces")
             + " may have been larger between them."
         )
+    if problem.window is not None:
+        lines.append("Grey: the window has left; what happened there is not known.")
     return lines
 
 

@@ -1,5 +1,6 @@
-"""What a page of a run holds, without a browser: hand-made frames, in the scene's units."""
+"""What a page of a run holds, without a browser: hand-made frames, in the page's units."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,9 +10,12 @@ from stock_lammps import scene
 from analysis import motion
 from analysis.tracking.leading_waves import with_speeds
 from analysis.trajectory import Trajectory
-from lammps_inputs import Kick, Material
+from lammps_inputs import Kick, Material, Output
+from lammps_inputs.ingredients.foundation import Foundation
 from workflow.view import run_page
 from workflow.view.thin import thinned
+from workflow.view.units import units_of
+from workflow.view.write import _left_out
 
 STEEL = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)
 
@@ -28,12 +32,20 @@ def held(request):
     displacement = 0.1 * np.cos(np.arange(np.prod(shape))).reshape(shape)
     time = np.arange(problem.frames + 1) * problem.every
     run = Trajectory(problem, time, displacement, 1.0 + np.arange(np.prod(shape)).reshape(shape))
-    return problem, run, thinned(problem, [run[:7], run[7:]], [0, 2])
+    part = thinned(problem, [run[:7], run[7:]], [0, 2])
+    units = units_of(problem, part)
+    return problem, run, part.measured(units), units
 
 
-def test_every_number_is_the_runs_in_the_scenes_units(held):
-    problem, run, part = held
-    scale, overlap = problem.scale, motion.overlaps(problem, run.displacement)
+def test_every_number_is_the_runs_in_the_units_of_its_figures(held):
+    problem, run, part, units = held
+    overlap = motion.overlaps(problem, run.displacement)
+    scale = SimpleNamespace(**{name: unit.worth for name, unit in units.items()})
+    if problem.scale.si:
+        assert units["time"].symbol == "\N{MICRO SIGN}s"
+        assert scale.time == pytest.approx(1e6 * problem.scale.time)
+    else:
+        assert {unit.symbol for unit in units.values()} == {""}
     assert part.chains == [1, 3]
     np.testing.assert_allclose(part.time, run.time * scale.time)
     for place, chain in enumerate((0, 2)):
@@ -47,7 +59,7 @@ def test_every_number_is_the_runs_in_the_scenes_units(held):
 
 
 def test_the_middle_of_a_pixel_is_its_bead_and_time(held):
-    _, _, part = held
+    _, _, part, _ = held
     data = run_page._image_source(part, 1).data
     rows, columns = data["velocity"][0].shape
     middle = (data["x"][0] + 0.5 * data["dw"][0] / columns, data["y"][0] + 0.5 * data["dh"][0] / rows)
@@ -57,12 +69,10 @@ def test_the_middle_of_a_pixel_is_its_bead_and_time(held):
 
 
 def test_the_arrival_after_that_in_the_first_chain_is_positive_where_a_chain_is_later(held):
-    problem, _, part = held
+    problem, _, part, units = held
     chain, bead = np.repeat([1, 3], 3), np.tile([2, 3, 4], 2)
     waves = with_speeds(chain, bead, 1.2 * bead + 0.3 * (chain == 3), 0.1 * chain + 0.01 * bead)
-    symbol = {"time": "", "velocity": ""}
-    peaks, lags = run_page._distances(problem, part, SimpleNamespace(waves=waves), (0, 6), symbol)
-    scale = problem.scale
+    peaks, lags = run_page._distances(problem, part, SimpleNamespace(waves=waves), (0, 6), units)
     for plot, expected in (
         (peaks, {"chain 1": 0.1 + 0.01 * bead[:3], "chain 3": 0.3 + 0.01 * bead[:3]}),
         (lags, {"chain 1": np.zeros(3), "chain 3": np.full(3, 0.3)}),
@@ -71,15 +81,86 @@ def test_the_arrival_after_that_in_the_first_chain_is_positive_where_a_chain_is_
         for name, values in expected.items():
             glyph, data = lines[name].glyph, lines[name].data_source.data
             assert list(data[glyph.x]) == [2, 3, 4]
-            worth = scale.velocity if plot is peaks else scale.time
+            worth = units["velocity" if plot is peaks else "time"].worth
             np.testing.assert_allclose(data[glyph.y], values * worth, atol=1e-12)
 
 
 def test_springs_are_drawn_between_chains_that_are_tied(held):
-    problem, _, part = held
+    problem, _, part, units = held
     images = [run_page._image_source(part, place) for place in range(2)]
     both = thinned(problem, [Trajectory(problem, *(np.zeros(s) for s in ((1,), (1, 3, 6), (1, 3, 6))))], [1, 2])
     for kept, springs in ((part, []), (both, [[0, 1]])):  # chains 1 and 3 are tied to chain 2 only
-        plot, _ = run_page._moving(problem, kept, images, run_page.Span(), run_page.LinearColorMapper(palette=["#000"]))
+        colours = run_page.LinearColorMapper(palette=["#000"])
+        plot, _ = run_page._moving(problem, kept, images, run_page.Span(), colours, units)
         (move,) = (code for codes in plot.js_property_callbacks.values() for code in codes if "springs" in code.args)
         assert move.args["springs"] == springs
+
+
+def made(problem, *, rows=None):
+    """Frames of a problem in which beads swing fast, and each bead as far as no other."""
+    shape = (problem.frames + 1, problem.chains, rows or problem.rows_a_frame)
+    number = np.arange(np.prod(shape)).reshape(shape)
+    time = np.arange(problem.frames + 1) * problem.every
+    return Trajectory(problem, time, np.zeros(shape), number % 7 * np.cos(2.0 * number))
+
+
+@pytest.mark.parametrize("stride", [4, 7])
+def test_thinning_in_time_keeps_the_velocity_of_largest_size_around_each_frame(stride):
+    problem = scene(chains=2, beads=6, kick=(Kick(velocity=0.5),), kappa=0.1, duration=4.8).problem()
+    run, frames = made(problem), problem.frames + 1
+    blocks = [run[:3], run[3:4], run[4:17], run[17:]]
+    part = thinned(problem, blocks, [1], most=-(-frames * 6 // stride))
+    assert part.frame_stride == stride
+    assert np.array_equal(part.time, run.time[::stride])
+    last = len(part.time) - 1
+    nearest = np.minimum((np.arange(frames) + stride // 2) // stride, last)
+    for place in range(last + 1):
+        around = run.velocity[nearest == place, 1]
+        largest = np.take_along_axis(around, np.abs(around).argmax(axis=0)[None], axis=0)[0]
+        assert np.array_equal(part.velocity[0, place], largest)
+
+
+def test_what_a_window_has_left_does_not_make_frames_fewer():
+    problem = scene(chains=2, beads=600, kick=(Kick(velocity=0.5),), kappa=0.1, duration=3.0, window=64).problem()
+    run = replace(made(problem, rows=64), first=301)
+    part = thinned(problem, [run], [0, 1], most=(problem.frames + 1) * 2 * 64)
+    assert (part.bead_stride, part.frame_stride) == (2, 1)
+    assert np.isnan(part.velocity[:, :, :150]).all()
+    assert np.array_equal(part.velocity[0, :, 150:182], run.velocity[:, 0, ::2])
+
+
+def test_a_page_says_how_far_apart_frames_are_that_cannot_follow_a_pulse():
+    problem = scene(chains=2, beads=6, kick=(Kick(velocity=0.5),), kappa=0.1, duration=4.8).problem()
+    for stride, said in ((1, False), (3, False), (8, True)):
+        part = thinned(problem, [made(problem)], [0, 1], most=-(-(problem.frames + 1) * 12 // stride))
+        told = " ".join(_left_out(problem, part))
+        assert f"{part.frame_stride * problem.every:.3g} T apart, too far" in told or not said
+        assert ("too far" in told) == said
+        assert ("largest in size" in told) == (stride > 1)
+
+
+@pytest.mark.parametrize(("beads", "even"), [((1, 3, 5), True), ((1, 2, 6), False)])
+def test_a_column_of_the_map_is_one_recorded_bead_however_they_are_spaced(beads, even):
+    output = Output(every=0.1, beads=beads)
+    problem = scene(chains=2, beads=6, kick=(Kick(velocity=0.5),), kappa=0.1, duration=2.0, output=output).problem()
+    part = thinned(problem, [made(problem)], [0, 1])
+    assert part.even == even
+    data = run_page._image_source(part, 0).data
+    width = data["dw"][0] / 3
+    middles = data["x"][0] + width * (0.5 + np.arange(3))
+    assert middles == pytest.approx(part.places)
+    assert middles == pytest.approx(beads if even else (0, 1, 2))
+
+
+def headings(root):
+    return [model.title.text for model in root.select({"type": run_page.figure})]
+
+
+def test_no_peaks_are_drawn_where_no_pulse_leads():
+    kick = (Kick(velocity=0.5),)
+    waves = with_speeds(np.array([1, 1]), np.array([2, 3]), np.array([1.0, 2.0]), np.array([0.2, 0.1]))
+    for foundation, drawn in ((None, True), (Foundation(stiffness=0.5), False)):
+        problem = scene(chains=1, beads=6, kick=kick, duration=2.0, foundation=foundation).problem()
+        root = run_page.layout(problem, thinned(problem, [made(problem)], [0]), SimpleNamespace(waves=waves), [1, 3])
+        assert ("peak velocity of the leading pulse" in headings(root)) == drawn
+        assert "energy of each chain, without coupling" in headings(root)
