@@ -22,6 +22,17 @@ SCENE = {
 }
 BEAD, FRAME = 8, 100
 
+FEW = {
+    "name": "few",
+    "chains": 12,
+    "beads": 30,
+    "material": {"radius": 4.76e-3, "density": 8000.0, "youngs_modulus": 193e9, "poisson_ratio": 0.3},
+    "coupling": {"stiffness": 1e5},
+    "kick": {"velocity": 0.01},
+    "duration": 0.002,
+    "output": {"beads": [3, 10, 28]},
+}
+
 WHERE = """([name, x, y]) => {
   const plot = Bokeh.documents[0].roots()[0], found = [];
   const look = view => { if (view.model.type == 'Figure') found.push(view);
@@ -68,7 +79,7 @@ def look(browser):
 
     def opened(path, **options):
         page = browser.new_context(offline=True, viewport={"width": 1300, "height": 1700}, **options).new_page()
-        page.set_default_timeout(600_000)
+        page.set_default_timeout(120_000)
         page.on("console", lambda said: complaints.append(said.text) if said.type in ("error", "warning") else None)
         page.on("pageerror", lambda error: complaints.append(str(error)))
         page.goto(path.resolve().as_uri())
@@ -79,6 +90,10 @@ def look(browser):
     assert complaints == []
 
 
+def by_name(words):
+    return dict(zip(*(map(str.strip, words[k::2]) for k in (0, 1)), strict=True))
+
+
 def model(page, name, what):
     return page.evaluate(f"() => {{ const it = Bokeh.documents[0].get_model_by_name('{name}'); return {what}; }}")
 
@@ -87,7 +102,8 @@ def test_what_a_page_holds_is_the_runs_own(ran):
     problem, whole = ran.directory.problem, ran.trajectory
     part = thinned(problem, ran.directory.blocks(), [1], most=1000)
     assert (part.frame_stride, part.bead_stride) == (5, 1)
-    assert np.array_equal(part.velocity[0], whole.velocity[::5, 1])
+    v = whole.velocity[3:198, 1].reshape(-1, 5, 20)  # around every fifth frame
+    assert np.array_equal(part.velocity[0, 1:-1], np.take_along_axis(v, np.abs(v).argmax(1)[:, None], 1)[:, 0])
     assert np.array_equal(part.overlap[0, :, :-1], motion.overlaps(problem, whole.displacement)[::5, 1])
     assert np.array_equal(part.time, whole.time[::5])
     assert part.energy[0] == pytest.approx(
@@ -107,6 +123,19 @@ def test_a_folder_without_a_run_has_no_page(tmp_path, capsys):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_each_run_of_a_comparison_has_a_page(ran, tmp_path, capsys):
+    for name in ("collisions", "reference"):
+        shutil.copytree(ran.directory.path, tmp_path / name)
+    shutil.copy(ran.directory.path / "scene.yaml", tmp_path)
+    (tmp_path / "compare.json").write_text("{}")
+    assert main(["view", str(tmp_path), "--no-open"]) == 0
+    said = capsys.readouterr().out
+    for name in ("collisions", "reference"):
+        assert (tmp_path / name / "view.html").is_file()
+        assert f"{name}/view.html" in said
+    assert not (tmp_path / "view.html").exists()
+
+
 @pytest.mark.slow
 def test_the_page_of_a_run_says_the_right_numbers_and_moves_the_right_beads(ran, look):
     path = ran.directory.path
@@ -120,12 +149,12 @@ def test_the_page_of_a_run_says_the_right_numbers_and_moves_the_right_beads(ran,
     page.mouse.move(*page.evaluate(WHERE, ["chain 2", BEAD, time]))
     page.wait_for_function(f"() => ({TEXT})().length > 0")
     words = page.evaluate(TEXT)
-    told = dict(zip((word.strip() for word in words[::2]), words[1::2], strict=True))
+    told = by_name(words)
     overlap = motion.overlaps(ran.directory.problem, frames.displacement)[FRAME, 1, BEAD - 1]
     assert int(told["bead:"]) == BEAD
     assert float(told["time:"]) == pytest.approx(time, rel=1e-5)
     assert float(told["velocity:"]) == pytest.approx(frames.velocity[FRAME, 1, BEAD - 1], rel=1e-5)
-    assert float(told["overlap:"]) == pytest.approx(overlap, rel=1e-4)
+    assert float(told["overlap with the next:"]) == pytest.approx(overlap, rel=1e-4)
 
     before = model(page, "traces", "it.data.label.length")
     page.mouse.click(*page.evaluate(WHERE, ["chain 2", BEAD, time]))
@@ -136,6 +165,10 @@ def test_the_page_of_a_run_says_the_right_numbers_and_moves_the_right_beads(ran,
     drawn = model(page, "traces", f"Array.from(it.data.ys[it.data.label.indexOf('bead {BEAD}, chain 2')])")
     assert drawn == pytest.approx(frames.velocity[:, 1, BEAD - 1].tolist(), abs=1e-7)
 
+    dashes, colours = (model(page, "traces", f"Array.from(it.data.{name})") for name in ("dash", "colour"))
+    assert len(set(zip(dashes, colours, strict=True))) == len(dashes)
+    assert colours == colours[:2] * (len(dashes) // 2), "a chain keeps its colour"
+
     page.locator(".noUi-handle").first.focus()
     for _ in range(3):
         page.keyboard.press("ArrowRight")
@@ -143,6 +176,52 @@ def test_the_page_of_a_run_says_the_right_numbers_and_moves_the_right_beads(ran,
     places = model(page, "balls", "Array.from(it.data.x)")
     moved = frames.beads + 0.25 * frames.displacement[3]
     assert places == pytest.approx(moved.ravel().tolist(), abs=1e-6)
+    assert model(page, "balls", "Array.from(it.data.d)") == pytest.approx(frames.displacement[3].ravel(), abs=1e-7)
+    assert model(page, "balls", "it.data.bead[21] + ' ' + it.data.chain[21]") == "2 2"
+
+
+@pytest.mark.slow
+def test_the_page_of_many_chains_and_few_beads_answers_clicks_and_keys(tmp_path, look):
+    ran = api.run(FEW, tmp_path / "run", engine="reference", check=False)
+    frames, chains = ran.trajectory, (1, 2, 3, 4, 5, 6, 7, 9, 12)
+    page = look(ran.view().path)
+    top, late = "chain 12", 0.5e3 * float(frames.measured().time[-1])
+
+    # a cursor says which bead, and units
+    page.mouse.move(*page.evaluate(WHERE, [top, 2.3, late]))
+    page.wait_for_function(f"() => ({TEXT})().length > 0")
+    told = by_name(page.evaluate(TEXT))
+    assert told["bead:"] == "28"
+    assert float(told["time:"].removesuffix(" ms")) == pytest.approx(late, rel=0.01)
+    assert told["velocity:"].endswith("m/s")
+
+    # clicks add beads; chains keep their colours
+    first = [f"bead 3, chain {chain}" for chain in chains]
+    labels = model(page, "traces", "Array.from(it.data.label)")
+    assert labels == first
+    colours = model(page, "traces", "Array.from(it.data.colour)")
+    assert len(set(colours)) == len(chains)
+    page.mouse.click(*page.evaluate(WHERE, [top, 1, late]))
+    page.wait_for_function(
+        "() => Bokeh.documents[0].get_model_by_name('traces').data.label.includes('bead 10, chain 1')"
+    )
+    assert model(page, "traces", "Array.from(it.data.label)") == [f"bead 10, chain {chain}" for chain in chains]
+    assert model(page, "traces", "Array.from(it.data.colour)") == colours
+
+    # all beads are in sight; keys start and stop them
+    assert model(page, "balls", "new Set(it.data.bead).size") == 3
+    page.get_by_role("button", name="play").focus()
+    value = "Bokeh.documents[0].get_model_by_name('time').value"
+    page.keyboard.press("Enter")
+    page.wait_for_function(f"() => {value} > 2")
+    page.keyboard.press("Enter")
+    assert model(page, "play", "it.active") is False
+    still = f"const before = {value}; await new Promise(done => setTimeout(done, 200)); return {value} == before;"
+    assert page.evaluate(f"async () => {{ {still} }}")
+
+    # a narrow window has all of it
+    page.set_viewport_size({"width": 800, "height": 1700})
+    page.wait_for_function("() => document.documentElement.scrollWidth <= 800")
 
 
 @pytest.mark.slow
