@@ -60,7 +60,8 @@ def swept_figure(
 ) -> Figure:
     """A quantity over a field, and over a second one as lines or, from nine values on, as the rows of a map.
 
-    Bars are uncertainties (lines only); cases that are not settled are hollow marks, in a map crosses.
+    Bars are uncertainties (lines only); cases that are not settled are hollow marks, in a map crosses; those without a
+    number are ticks at the foot, in a map grey.
 
     Args:
         quantity: what came of each case.
@@ -76,13 +77,16 @@ def swept_figure(
         is_map = beside is not None and len(np.unique(beside.values)) > MOST_LINES
         if np.any(quantity.open):
             notes.append(f"{'crossed' if is_map else 'hollow'}: not settled")
+        holes = not np.all(np.isfinite(quantity.values))
         if beside is None:
             _line(axis, quantity, over, np.ones(len(over.values), dtype=bool), color="#0072B2", marker="o")
-        elif len(np.unique(beside.values)) <= MOST_LINES:
+        elif is_map:
+            holes = _map(figure, axis, quantity, over, beside)
+        else:
             _lines(axis, quantity, over, beside)
-        elif _map(figure, axis, quantity, over, beside):
-            notes.append("grey: no number")
-        if beside is None or len(np.unique(beside.values)) <= MOST_LINES:
+        if holes:
+            notes.append(f"{'grey' if is_map else 'ticks at the foot'}: no number")
+        if not is_map:
             axis.set_ylabel(quantity.label)
             finite = quantity.values[np.isfinite(quantity.values)]
             if len(finite) and finite.min() > 0.0 and finite.max() / finite.min() > 30.0:
@@ -99,10 +103,15 @@ def swept_figure(
     return figure
 
 
-def _line(axis: Axes, quantity: Axis, over: Axis, here: NDArray[np.bool_], **look: Any) -> None:
+def _line(axis: Axes, quantity: Axis, over: Axis, here: NDArray[np.bool_], level: int = 0, **look: Any) -> None:
+    """The cases here; where they have no number, ticks at the foot, on a level for each line."""
     chosen = np.flatnonzero(here)[np.argsort(over.values[here], kind="stable")]
     x, y = over.values[chosen], quantity.values[chosen]
     axis.plot(x, y, markersize=5, **look)
+    missing = x[~np.isfinite(y)]
+    if len(missing):
+        foot = {"transform": axis.get_xaxis_transform(), "linestyle": "none", "marker": "|", "markersize": 7}
+        axis.plot(missing, np.full(len(missing), 0.025 + 0.04 * level), color=look["color"], **foot)
     hollow = quantity.open[chosen]
     if hollow.any():
         marks = {"color": look["color"], "marker": look["marker"], "markerfacecolor": "white", "linestyle": "none"}
@@ -118,7 +127,7 @@ def _lines(axis: Axes, quantity: Axis, over: Axis, beside: Axis) -> None:
     colours = mpl.colormaps["viridis"](np.linspace(0.0, 0.85, len(numbers)))
     for k, number in enumerate(numbers):
         here = beside.values == number
-        _line(axis, quantity, over, here, color=colours[k], marker=_MARKERS[k], label=f"{number:.6g}")
+        _line(axis, quantity, over, here, level=k, color=colours[k], marker=_MARKERS[k], label=f"{number:.6g}")
     # beside the axes, where no line can run through it
     axis.legend(title=beside.label, loc="upper left", bbox_to_anchor=(1.0, 1.0))
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from lammps_inputs import InputError, file_names, strict_yaml
+from lammps_inputs import InputError, file_names, library, strict_yaml
 from workflow.cluster import queue
 from workflow.engines.lammps.mpi import cores
 from workflow.runs.files import RECORD, REPORT
@@ -200,7 +200,8 @@ def plot(
     shown = [name for name in (over, beside) if name is not None]
     numeric = [name for name, found in QUANTITIES.items() if found.label]
     if quantity not in numeric:
-        raise InputError(f"--plot: {quantity!r} given; {', '.join(numeric)}")
+        hint = library.suggestion(quantity, numeric)
+        raise InputError(f"--plot: {quantity!r} given{hint}; should be one of {', '.join(numeric)}")
     for option, name in (("--over", over), ("--and", beside)):
         if name is not None:
             _refuse_unless_varied(option, name, table)

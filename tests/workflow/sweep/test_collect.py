@@ -14,6 +14,7 @@ from analysis.figures.swept import MOST_LINES, Axis, logarithmic, swept_figure
 from analysis.sound.dispersion import cell_of
 from lammps_inputs import strict_yaml
 from workflow.cli import main
+from workflow.commands.collect import cell
 from workflow.runs.run_directory import RunDirectory
 from workflow.sweep import collect as collecting
 from workflow.sweep import file as sweep_file
@@ -194,8 +195,11 @@ def test_a_quantity_is_drawn_over_one_field_and_over_two(copied, capsys):
 @pytest.mark.parametrize(
     ("options", "says"),
     [
-        (["--plot", "amplitud", "--over", "beads"], "--plot: 'amplitud' given; amplitude, "),
-        (["--plot", "verdict", "--over", "beads"], "--plot: 'verdict' given; amplitude, "),
+        (
+            ["--plot", "amplitud", "--over", "beads"],
+            "'amplitud' given (did you mean `amplitude`?); should be one of amplitude, ",
+        ),
+        (["--plot", "verdict", "--over", "beads"], "--plot: 'verdict' given; should be one of amplitude, "),
         (["--plot", "amplitude", "--over", "bead"], "--over: 'bead' is not varied here; beads, coupling.stiffness"),
         (["--plot", "amplitude", "--over", "beads"], "--where coupling.stiffness=VALUE"),
         (["--plot", "amplitude", "--over", "beads", "--and", "gap"], "--and: 'gap' is not varied"),
@@ -270,6 +274,29 @@ def test_uncertainties_are_bars_and_cases_that_are_not_settled_are_hollow():
     np.testing.assert_allclose([part[:, 1] for part in bars.get_segments()], np.outer([1.0, 2.0, 3.0], [1.9, 2.1]))
 
 
+@pytest.mark.parametrize("lines", [False, True])
+def test_cases_without_a_number_are_ticks_at_the_foot_and_no_mark_is_cut(lines):
+    x, y = (
+        np.array([0.05, 0.1, 0.2]),
+        np.array([np.nan, 1.0, 2.0]),
+    )  # as lines, such few values are the ticks themselves
+    figure = swept_figure(Axis("y", y), Axis("x", x), Axis("z", np.ones(3)) if lines else None)
+    axis = figure.axes[0]
+    assert axis.get_title() == "ticks at the foot: no number"
+    (foot,) = [line for line in axis.get_lines() if line.get_marker() == "|"]
+    assert foot.get_xdata().tolist() == [0.05]
+    figure.draw_without_rendering()
+    first, last = axis.get_xlim()
+    assert first < 0.05 * 0.95
+    assert last > 0.2 * 1.05
+
+
+def test_an_amplitude_is_printed_with_its_uncertainty_to_the_digits_that_are_sure():
+    words = {0.25: "0.34 +- 0.25", 0.00951: "0.3368 +- 0.0095", 1e-9: "0.3368", None: "0.3368"}
+    for uncertainty, said in words.items():
+        assert cell("amplitude", {"amplitude": 0.3368, "amplitude_uncertainty": uncertainty}) == said
+
+
 def test_cases_of_a_map_that_are_not_settled_are_crossed():
     x, y = (part.ravel() for part in np.meshgrid([0.1, 0.2], np.arange(1.0, MOST_LINES + 2)))
     figure = swept_figure(Axis("z", x * y, None, y == 3.0), Axis("x", x), Axis("y", y))
@@ -295,7 +322,8 @@ def test_columns_of_si_scenes_name_their_units_and_others_keep_their_names(swept
     reduced = collect(swept)
     assert reduced.to_csv().splitlines()[0].split(",") == reduced.columns
     head = type(reduced)(["kick.velocity"], [], si=True, units={"kick.velocity": "m/s"}).to_csv().splitlines()[0]
-    assert {"kick.velocity (m/s)", "amplitude", "arrival (s)", "peak_velocity (m/s)"} <= set(head.split(","))
+    found = {"kick.velocity (m/s)", "amplitude (V)", "amplitude_uncertainty (V)", "error_arrival (T)", "arrival (s)"}
+    assert found <= set(head.split(","))
 
 
 def test_labels_tell_the_units_of_the_scenes(swept):
@@ -304,6 +332,8 @@ def test_labels_tell_the_units_of_the_scenes(swept):
     assert reduced.label("beads") == "beads"
     assert reduced.label("speed") == "speed at the last clear bead (reduced)"
     assert type(reduced)([], [], si=True).label("speed") == "speed at the last clear bead (beads/s)"
+    for si in (True, False, None):
+        assert type(reduced)([], [], si=si).label("amplitude") == "final amplitude / $V$"
 
 
 # --- over frequency ---------------------------------------------------------------------------------------------------
