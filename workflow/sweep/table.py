@@ -16,7 +16,6 @@ from lammps_inputs.numbers import text
 from lammps_inputs.units import REDUCED, SI
 from workflow.runs.files import RECORD, REPORT
 
-
 OWN = ("V", "T")
 """A case's own units: of the fastest kick, and of time (`lammps_inputs.units`)."""
 

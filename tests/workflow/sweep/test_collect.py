@@ -13,10 +13,12 @@ import pytest
 from analysis.figures.swept import MOST_LINES, Axis, logarithmic, swept_figure
 from analysis.sound.dispersion import cell_of
 from lammps_inputs import strict_yaml
+from workflow import api
 from workflow.cli import main
 from workflow.commands.collect import cell
 from workflow.runs.run_directory import RunDirectory
 from workflow.sweep import collect as collecting
+from workflow.sweep import fields
 from workflow.sweep import file as sweep_file
 from workflow.sweep.cases import all_cases, scene_of
 from workflow.sweep.collect import collect
@@ -279,7 +281,7 @@ def test_cases_without_a_number_are_ticks_at_the_foot_and_no_mark_is_cut(lines):
     x, y = (
         np.array([0.05, 0.1, 0.2]),
         np.array([np.nan, 1.0, 2.0]),
-    )  # as lines, such few values are the ticks themselves
+    )  # so few are the ticks themselves
     figure = swept_figure(Axis("y", y), Axis("x", x), Axis("z", np.ones(3)) if lines else None)
     axis = figure.axes[0]
     assert axis.get_title() == "ticks at the foot: no number"
@@ -399,11 +401,27 @@ def test_bands_that_differ_from_case_to_case_are_not_those_of_the_figure(shaken)
     assert found.passed("drive.displacement") is None
 
 
-def test_the_example_of_the_readme_is_a_sweep_across_the_cut_off(tmp_path):
+@pytest.fixture
+def example(tmp_path):
+    """The sweep of the README."""
     text = (Path(__file__).parents[3] / "workflow" / "README.md").read_text(encoding="utf-8")
     path = tmp_path / "shaken.yaml"
     path.write_text(text.partition("<!-- transmissibility -->\n```yaml\n")[2].partition("```")[0])
-    what = sweep_file.load(path)
-    first, *_, last = (scene_of(what, case).problem() for case in all_cases(what))
+    return sweep_file.load(path)
+
+
+def test_the_example_of_the_readme_is_a_sweep_across_the_cut_off(example):
+    first, *_, last = (scene_of(example, case).problem() for case in all_cases(example))
     (band,) = cell_of(first).bands() / first.scale.time
     assert first.motions[0].omega / first.scale.time < band[1] < last.motions[0].omega / last.scale.time
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("frequency", [0.4, 0.45, 0.5])
+def test_the_example_of_the_readme_finds_what_it_says(frequency, example, tmp_path):
+    scene = fields.put(example.scene, fields.parse("drive.frequency"), frequency)
+    api.analyse(api.run(scene, tmp_path / "run", engine="reference", check=False))
+    report = json.loads((tmp_path / "run" / "analysis.json").read_text())
+    ((_, cut_off),) = report["spectra"]["bands"]
+    exact = np.exp(-20.0 * np.arccosh(frequency / cut_off))
+    assert report["spectra"]["transmissibility"] == pytest.approx(exact, rel=0.05)
