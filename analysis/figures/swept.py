@@ -110,13 +110,15 @@ def _line(axis: Axes, quantity: Axis, over: Axis, here: NDArray[np.bool_], level
     axis.plot(x, y, markersize=5, **look)
     missing = x[~np.isfinite(y)]
     if len(missing):
-        foot: dict[str, Any] = {
-            "transform": axis.get_xaxis_transform(),
-            "linestyle": "none",
-            "marker": "|",
-            "markersize": 7,
-        }
-        axis.plot(missing, np.full(len(missing), 0.025 + 0.04 * level), color=look["color"], **foot)
+        axis.plot(
+            missing,
+            np.full(len(missing), 0.025 + 0.04 * level),
+            color=look["color"],
+            marker="|",
+            markersize=7,
+            linestyle="none",
+            transform=axis.get_xaxis_transform(),
+        )
     hollow = quantity.open[chosen]
     if hollow.any():
         marks = {"color": look["color"], "marker": look["marker"], "markerfacecolor": "white", "linestyle": "none"}
