@@ -320,15 +320,6 @@ def test_the_collected_figure_knows_its_scene_its_bars_and_its_unsettled_cases(c
     assert len(axis.collections[0].get_segments()) == 3
 
 
-def test_a_case_that_is_not_done_is_a_tick_at_the_foot_of_the_figure(copied, monkeypatch):
-    drawn = []
-    monkeypatch.setattr(collecting, "write_figure", lambda _path, _name, figure: drawn.append(figure) or ())
-    RunDirectory(copied / "beads=20,coupling.stiffness=0.4").update_record(outcome="failed", reason="by step 200")
-    collecting.plot(collecting.only(collect(copied), {"beads": 20}), copied, "amplitude", "coupling.stiffness", None)
-    (foot,) = [line for line in drawn[0].axes[0].get_lines() if line.get_marker() == "|"]
-    assert foot.get_xdata().tolist() == [0.4]
-
-
 def test_columns_of_si_scenes_name_their_units_and_others_keep_their_names(swept):
     reduced = collect(swept)
     assert reduced.to_csv().splitlines()[0].split(",") == reduced.columns
