@@ -34,8 +34,16 @@ class Measured(NamedTuple):
     velocity: Floats
     """[frame, chain, bead]"""
 
+    def __repr__(self) -> str:
+        return f"<{_size(self.velocity)}: time, displacement, velocity in the scene's units>"
 
-@dataclass(frozen=True)
+
+def _size(frames: Floats) -> str:
+    count, chains, beads = frames.shape
+    return f"{count} frames of {chains} x {beads} beads"
+
+
+@dataclass(frozen=True, repr=False)
 class Trajectory:
     """Consecutive frames of a run, or all of them.
 
@@ -55,6 +63,10 @@ class Trajectory:
     velocity: Floats
     first: int = 1
     ledger: Floats | None = None
+
+    def __repr__(self) -> str:
+        until = f"to t = {self.time[-1]:.6g} T" if len(self.time) else "none yet"
+        return f"<trajectory of {self.problem.name}: {_size(self.velocity)}, {until}, in units of T, L and V>"
 
     @property
     def beads(self) -> NDArray[np.int64]:

@@ -75,7 +75,8 @@ def load_plain(path: Path) -> dict[str, Any]:
     Raises:
         InputError: as `load`.
     """
-    return with_files(strict_yaml.load(path), path.parent)
+    needed = "`granchain show two-chains` prints a scene to start from"
+    return with_files(strict_yaml.load(path, needed), path.parent)
 
 
 def with_files(data: dict[str, Any], folder: Path) -> dict[str, Any]:
@@ -97,7 +98,26 @@ def from_plain(data: dict[str, Any], source: str) -> Scene:
     try:
         return Scene.model_validate(data)
     except ValidationError as error:
-        raise InputError(f"{source}: {describe(error, Scene)}") from None
+        raise InputError(f"{source}: {mistaken(data, 'scene') or describe(error, Scene)}") from None
+
+
+def mistaken(data: dict[str, Any], wanted: str) -> str:
+    """That plain data are of another kind of file than is wanted, and which command takes it; empty if they are not.
+
+    Args:
+        data: what was read.
+        wanted: ``scene``, ``sweep`` or ``design``.
+    """
+    if "vary" in data:
+        found = "design" if wanted == "design" or data.keys() & {"minimize", "maximize"} else "sweep"
+    elif data.keys() & {"beads", "kick"}:
+        found = "scene"
+    else:
+        return ""
+    command = "run" if found == "scene" else found
+    return (
+        "" if found == wanted else f"looks like a {found}, not a {wanted}; `granchain {command} FILE -o DIR` takes it"
+    )
 
 
 def describe(error: ValidationError, model: type[BaseModel]) -> str:
@@ -155,9 +175,14 @@ def _line(detail: ErrorDetails, model: type[BaseModel]) -> str:
         return f"{key}: {given} given; {allowed}"
     if kind == "literal_error" and key == "output.beads":
         return f"{key}: should be `all` or a list of bead numbers, {given} given"
+    value = detail["input"]
+    if kind in _WHOLE and isinstance(value, float) and value.is_integer() and abs(value) < 1e15:
+        return f"{key}: {given} given; write it as a whole number without a point or exponent, {int(value)}"
     message = _PLAIN.get(kind, detail["msg"].removeprefix("Input "))
     return f"{key}: {message}, {given} given"
 
+
+_WHOLE = ("int_type", "int_from_float")
 
 _PLAIN = {
     "int_type": "should be a whole number",

@@ -94,12 +94,13 @@ for _tag, _pattern, _first in (
         _class.add_implicit_resolver(f"tag:yaml.org,2002:{_tag}", re.compile(f"^(?:{_pattern})$"), list(_first))
 
 
-def parse(text: str, source: str) -> dict[str, Any]:
+def parse(text: str, source: str, needed: str = "") -> dict[str, Any]:
     """The mapping that a YAML text holds.
 
     Args:
         text: the YAML text.
         source: what to call the text in messages, usually the file's path.
+        needed: what should stand there, to be said of an empty text.
 
     Raises:
         InputError: not YAML, empty, not a mapping, a key given twice, too long, or nested beyond reason.
@@ -119,14 +120,18 @@ def parse(text: str, source: str) -> dict[str, Any]:
     except (ValueError, OverflowError):
         raise InputError(f"{source}: holds a number too long to read, or a character that does not exist") from None
     if data is None:
-        raise InputError(f"{source}: is empty; `granchain show two-chains` prints a scene to start from")
+        raise InputError(f"{source}: is empty{'; ' * bool(needed)}{needed}")
     if not isinstance(data, dict):
         raise InputError(f"{source}: holds a {type(data).__name__}, not `key: value` lines")
     return data
 
 
-def load(path: Path) -> dict[str, Any]:
+def load(path: Path, needed: str = "") -> dict[str, Any]:
     """Read one mapping from a file of at most `MAX_BYTES`.
+
+    Args:
+        path: the file.
+        needed: as for `parse`.
 
     Raises:
         InputError: the file is missing, unreadable, not text, or does not parse.
@@ -146,7 +151,7 @@ def load(path: Path) -> dict[str, Any]:
         text = raw.decode("utf-8-sig")
     except UnicodeDecodeError:
         raise InputError(f"{path}: is not a text file (UTF-8)") from None
-    return parse(text, str(path))
+    return parse(text, str(path), needed)
 
 
 def dump(data: dict[str, Any]) -> str:

@@ -1,8 +1,9 @@
 """What the commands do, for scripts and notebooks: ``from workflow.api import load, run, analyse``.
 
 Scenes may be given by name, as a file, as plain data or as a `Scene`; directories as text or paths, or as the `Run`
-that is in them. Mistakes raise `InputError`, failures `RunError`; nothing ends the interpreter. Results show themselves
-in a notebook. On a terminal and in a notebook long work has a progress bar.
+that is in them. `analyse` does what the command ``analyze`` does. Mistakes raise `InputError`, failures `RunError`;
+nothing ends the interpreter. Results show themselves in a notebook. On a terminal and in a notebook long work has a
+progress bar.
 """
 
 import os

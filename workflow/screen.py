@@ -115,5 +115,5 @@ def print_table(title: str, head: list[str], rows: list[list[str]]) -> None:
         table.add_column(name, justify="right")
     for row in rows:
         table.add_row(*row)
-    console = Console(width=None if Console().is_terminal else 120, highlight=False)
+    console = Console(width=None if Console().is_terminal else 140, highlight=False)
     console.print(table)

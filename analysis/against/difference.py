@@ -129,7 +129,7 @@ class Difference:
         self.conservation = Conservation(self.counted)
         self._map: list[Floats] = []
         self._times: list[float] = []
-        self._last_time, self._cell_beads = 0.0, np.zeros(0, dtype=np.int64)
+        self._last_time, self._cell_beads, self._each = 0.0, np.zeros(0, dtype=np.int64), True
         self.frames = 0
         self._problem: Problem | None = None
 
@@ -160,6 +160,7 @@ class Difference:
             self._map.append(np.fmax.reduceat(row, np.arange(0, len(row), thin)))
             self._times.append(float(block.time[start]))
         self._last_time, self._cell_beads = float(block.time[-1]), np.append(beads[::thin], beads[-1] + 1)
+        self._each = thin == 1
 
     def deviations(self) -> dict[str, Deviation]:
         """Deviation of every quantity in `QUANTITIES`; amplitudes and arrivals are the leading pulse's.
@@ -202,7 +203,8 @@ class Difference:
     @property
     def error_map(self) -> "ErrorMap":
         """Where the velocities differ, in cells of some frames by some beads."""
-        return ErrorMap(np.array([*self._times, self._last_time]), self._cell_beads, np.array(self._map))
+        times = np.array([*self._times, self._last_time])
+        return ErrorMap(times, self._cell_beads, np.array(self._map), self._each)
 
 
 @dataclass(frozen=True)
@@ -213,8 +215,10 @@ class ErrorMap:
         time: of the first frame of each cell and of the last frame of all, [cell + 1].
         bead: first bead of each cell, counted from 1, and the one after the last bead of all, [bead cell + 1].
         velocity: [cell, bead cell].
+        each: whether each cell is of one bead.
     """
 
     time: Floats
     bead: NDArray[np.int64]
     velocity: Floats
+    each: bool = True

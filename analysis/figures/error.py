@@ -7,7 +7,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from analysis.against.difference import Deviation, ErrorMap
-from analysis.figures.style import STYLE, axis_unit
+from analysis.figures.style import STYLE, axis_unit, name_columns
 from lammps_inputs import Problem
 
 GOOD, BAD = "#0072B2", "#D55E00"
@@ -20,6 +20,8 @@ def validation_figure(
     problem: Problem, errors: ErrorMap, deviations: dict[str, Deviation], tolerances: dict[str, float], against: str
 ) -> Figure:
     """Largest velocity error of any chain over bead and time; beside it, every quantity as a share of its tolerance.
+
+    Beads that are not evenly spaced stand side by side in columns of one width.
 
     Args:
         problem: what was run.
@@ -42,8 +44,14 @@ def _draw_map(figure: Figure, space: Axes, problem: Problem, errors: ErrorMap) -
     shown = np.ma.masked_invalid(np.clip(errors.velocity, DECADES * top, None))
     last = errors.time[-1] if errors.time[-1] > errors.time[-2] else errors.time[-2] + problem.every
     unit = axis_unit(problem, "time", float(last))
+    beads = errors.bead[:-1]
+    step = np.diff(beads)
+    even = len(step) > 0 and bool(np.all(step == step[0]))
+    edges = np.arange(len(beads) + 1) - 0.5
+    if even:  # a cell of several beads begins with its first
+        edges = np.append(beads, beads[-1] + step[0]) - 0.5 * (step[0] if errors.each else 1)
     image = space.pcolormesh(
-        errors.bead - 0.5,
+        edges,
         np.append(errors.time[:-1], last) * unit.worth,
         shown,
         cmap="cividis",
@@ -52,6 +60,8 @@ def _draw_map(figure: Figure, space: Axes, problem: Problem, errors: ErrorMap) -
     )
     space.set_facecolor(BAD)  # shows where the error is not a number
     space.set_xlabel("bead")
+    if not even:
+        name_columns(space, beads)
     space.set_ylabel(f"time $t$ ({unit.symbol})")
     space.set_title("largest velocity error of any chain")
     figure.colorbar(image, ax=space).set_label("$|v - v_{ref}|$ / $V$")

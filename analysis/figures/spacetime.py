@@ -4,12 +4,11 @@ from typing import Any
 
 import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.colors import FuncNorm
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from analysis.figures.style import STYLE, axis_unit, grid, shown_chains, title
+from analysis.figures.style import STYLE, axis_unit, grid, name_columns, shown_chains, title
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem
 
@@ -22,8 +21,6 @@ NEAR = 5
 
 STILL = 1e-3
 """Share of the largest velocity below which a bead is nowhere seen to move."""
-
-_MOST_LABELS = 8
 
 
 class SpaceTime:
@@ -120,10 +117,10 @@ def spacetime_figure(data: SpaceTime) -> Figure:
             axis.set_facecolor("0.75")
             axis.set_title(f"chain {chain + 1}")
             if place + columns >= len(chains):
-                axis.set_xlabel("bead" if even else "recorded bead")
+                axis.set_xlabel("bead")
                 axis.xaxis.set_tick_params(labelbottom=True)
             if not even:
-                _name_columns(axis, data.beads)
+                name_columns(axis, data.beads)
         if even:
             axes[0, 0].xaxis.get_major_locator().set_params(integer=True)
             axes[0, 0].set_xlim(*moving_part(data.beads, np.max(size, axis=(0, 1)) > STILL * largest, places))
@@ -165,9 +162,3 @@ def _ticks(top: float) -> list[float]:
     sizes = [float(f"{top * share:.1g}") for share in (1.0, 0.5, 0.2, 0.05)]
     sizes = [size for size in dict.fromkeys(sizes) if size <= top]
     return [*(-size for size in sizes), 0.0, *reversed(sizes)]
-
-
-def _name_columns(axis: Axes, beads: NDArray[np.int64]) -> None:
-    """Write bead numbers under the columns, or under some of them."""
-    named = np.unique(np.linspace(0, len(beads) - 1, min(len(beads), _MOST_LABELS)).round().astype(int))
-    axis.set_xticks(named.tolist(), labels=[str(beads[place]) for place in named])

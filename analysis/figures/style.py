@@ -36,6 +36,8 @@ MAX_PANELS_OF_LATTICE = 25
 
 FEW_NUMBERS = 20
 
+_MOST_LABELS = 8
+
 STYLE: Any = {
     "font.size": 9,
     "axes.titlesize": 9,
@@ -196,3 +198,10 @@ def chain_legend(figure: Figure, axis: Axes) -> None:
     handles, labels = axis.get_legend_handles_labels()
     if len(handles) > 1:
         figure.legend(handles, labels, loc="outside lower center", ncols=min(len(handles), 4))
+
+
+def name_columns(axis: Axes, beads: NDArray[np.int64]) -> None:
+    """Write bead numbers under columns of one width, or under some of them: beads that are not evenly spaced."""
+    named = np.unique(np.linspace(0, len(beads) - 1, min(len(beads), _MOST_LABELS)).round().astype(int))
+    axis.set_xticks(named.tolist(), labels=[str(beads[place]) for place in named])
+    axis.set_xlabel("recorded bead")

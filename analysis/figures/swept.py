@@ -1,5 +1,6 @@
 """One quantity of many cases over one swept field, or over two: lines, or a map where there are too many lines."""
 
+import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -20,6 +21,12 @@ MOST_LINES = 8
 _MOST_TICKS = 8
 
 _MARKERS = "osD^v<>p"
+
+_LEVEL = 0.045
+"""Height of a row of ticks at the foot, in that of the axes."""
+
+_TITLE = 66
+"""Letters that fit above the axes."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +67,8 @@ def swept_figure(
 ) -> Figure:
     """A quantity over a field, and over a second one as lines or, from nine values on, as the rows of a map.
 
-    Bars are uncertainties (lines only); cases that are not settled are hollow marks, in a map crosses.
+    Bars are uncertainties (lines only); cases that are not settled are hollow marks, in a map crosses; those without a
+    number are ticks at the foot, in a map grey.
 
     Args:
         quantity: what came of each case.
@@ -76,13 +84,16 @@ def swept_figure(
         is_map = beside is not None and len(np.unique(beside.values)) > MOST_LINES
         if np.any(quantity.open):
             notes.append(f"{'crossed' if is_map else 'hollow'}: not settled")
+        holes: int  # lines that lack numbers
         if beside is None:
-            _line(axis, quantity, over, np.ones(len(over.values), dtype=bool), color="#0072B2", marker="o")
-        elif len(np.unique(beside.values)) <= MOST_LINES:
-            _lines(axis, quantity, over, beside)
-        elif _map(figure, axis, quantity, over, beside):
-            notes.append("grey: no number")
-        if beside is None or len(np.unique(beside.values)) <= MOST_LINES:
+            holes = _line(axis, quantity, over, np.ones(len(over.values), dtype=bool), color="#0072B2", marker="o")
+        elif is_map:
+            holes = _map(figure, axis, quantity, over, beside)
+        else:
+            holes = _lines(axis, quantity, over, beside)
+        if holes:
+            notes.append(f"{'grey' if is_map else 'ticks at the foot'}: no number")
+        if not is_map:
             axis.set_ylabel(quantity.label)
             finite = quantity.values[np.isfinite(quantity.values)]
             if len(finite) and finite.min() > 0.0 and finite.max() / finite.min() > 30.0:
@@ -90,19 +101,33 @@ def swept_figure(
             else:
                 axis.ticklabel_format(axis="y", scilimits=(-3, 6), useMathText=True)
                 _whole(axis.yaxis, finite)
+            if holes:
+                _leave_room(axis, holes * _LEVEL)
         _scale(axis, over, "x")
         if passed is not None:
             _shade_between(axis, passed)
             notes.append("shaded: no small waves pass")
         axis.set_xlabel(over.label)
-        axis.set_title("; ".join(notes))
+        axis.set_title("\n".join(textwrap.wrap("; ".join(notes), _TITLE)))
     return figure
 
 
-def _line(axis: Axes, quantity: Axis, over: Axis, here: NDArray[np.bool_], **look: Any) -> None:
+def _line(axis: Axes, quantity: Axis, over: Axis, here: NDArray[np.bool_], level: int = 0, **look: Any) -> bool:
+    """The cases here; where they have no number, ticks at the foot, on a level for each line. Whether there are any."""
     chosen = np.flatnonzero(here)[np.argsort(over.values[here], kind="stable")]
     x, y = over.values[chosen], quantity.values[chosen]
     axis.plot(x, y, markersize=5, **look)
+    missing = x[~np.isfinite(y)]
+    if len(missing):
+        axis.plot(
+            missing,
+            np.full(len(missing), _LEVEL * (level + 0.6)),
+            color=look["color"],
+            marker="|",
+            markersize=7,
+            linestyle="none",
+            transform=axis.get_xaxis_transform(),
+        )
     hollow = quantity.open[chosen]
     if hollow.any():
         marks = {"color": look["color"], "marker": look["marker"], "markerfacecolor": "white", "linestyle": "none"}
@@ -111,16 +136,27 @@ def _line(axis: Axes, quantity: Axis, over: Axis, here: NDArray[np.bool_], **loo
         known = np.isfinite(quantity.error[chosen])
         bars = quantity.error[chosen][known]
         axis.errorbar(x[known], y[known], bars, fmt="none", ecolor=look["color"], elinewidth=0.9, capsize=2.5)
+    return len(missing) > 0
 
 
-def _lines(axis: Axes, quantity: Axis, over: Axis, beside: Axis) -> None:
+def _lines(axis: Axes, quantity: Axis, over: Axis, beside: Axis) -> int:
+    """A line for each value of the second field; how many of them lack numbers."""
+    holes = 0
     numbers = np.unique(beside.values)
     colours = mpl.colormaps["viridis"](np.linspace(0.0, 0.85, len(numbers)))
     for k, number in enumerate(numbers):
         here = beside.values == number
-        _line(axis, quantity, over, here, color=colours[k], marker=_MARKERS[k], label=f"{number:.6g}")
+        holes += _line(axis, quantity, over, here, holes, color=colours[k], marker=_MARKERS[k], label=f"{number:.6g}")
     # beside the axes, where no line can run through it
     axis.legend(title=beside.label, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    return holes
+
+
+def _leave_room(axis: Axes, share: float) -> None:
+    """Let a share of the height at the foot be free."""
+    scale = axis.yaxis.get_transform()
+    low, high = scale.transform(np.array(axis.get_ylim()))
+    axis.set_ylim(bottom=float(scale.inverted().transform(np.array([low - share / (1.0 - share) * (high - low)]))[0]))
 
 
 def _map(figure: Figure, axis: Axes, quantity: Axis, over: Axis, beside: Axis) -> bool:

@@ -43,6 +43,16 @@ class Waves:
     def __len__(self) -> int:
         return len(self.bead)
 
+    def __repr__(self) -> str:
+        chains, beads = (len(np.unique(numbers)) for numbers in (self.chain, self.bead))
+        return f"<leading pulses of {chains} chains at {beads} beads: {', '.join(f.name for f in fields(self))}>"
+
+    def measured(self, scale: Scale) -> "Waves":
+        """The same in the units of a scene."""
+        times = {name: getattr(self, name) * scale.time for name in ("arrival", "time", "arrival_error")}
+        velocities = {name: getattr(self, name) * scale.velocity for name in ("peak_velocity", "velocity_error")}
+        return replace(self, **times, **velocities, speed=self.speed / scale.time)
+
     def array(self) -> NDArray[np.void]:
         """A structured array of these columns."""
         columns = {field.name: getattr(self, field.name) for field in fields(self)}
@@ -150,13 +160,14 @@ def to_csv(waves: Waves, scale: Scale, more: Mapping[str, Floats] | None = None)
     """
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
+    measured = waves.measured(scale)
     numbers = {
-        scale.heading("arrival", "time"): waves.arrival * scale.time,
-        scale.heading("peak_velocity", "velocity"): waves.peak_velocity * scale.velocity,
-        scale.heading("speed", "speed"): waves.speed / scale.time,
+        scale.heading("arrival", "time"): measured.arrival,
+        scale.heading("peak_velocity", "velocity"): measured.peak_velocity,
+        scale.heading("speed", "speed"): measured.speed,
         **(more or {}),
-        scale.heading("arrival_error", "time"): waves.arrival_error * scale.time,
-        scale.heading("peak_velocity_error", "velocity"): waves.velocity_error * scale.velocity,
+        scale.heading("arrival_error", "time"): measured.arrival_error,
+        scale.heading("peak_velocity_error", "velocity"): measured.velocity_error,
     }
     writer.writerow(["chain", "bead", *numbers])
     for chain, bead, *row in zip(waves.chain, waves.bead, *numbers.values(), strict=True):

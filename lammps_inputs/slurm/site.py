@@ -168,7 +168,7 @@ def load(path: Path) -> dict[str, Any]:
     Raises:
         InputError: naming the file, the key, what was given and what would be right.
     """
-    data = strict_yaml.load(path)
+    data = strict_yaml.load(path, "a site's file holds defaults of the options of jobs, such as `partition: NAME`")
     try:
         JobOptions.model_validate(data)
     except ValidationError as error:

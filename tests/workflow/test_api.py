@@ -1,5 +1,6 @@
 """For scripts and notebooks: the same as the commands, with results that show themselves."""
 
+import csv
 import json
 from html.parser import HTMLParser
 from pathlib import Path
@@ -90,6 +91,16 @@ def test_waves_are_a_structured_array(ran):
     assert np.array_equal(found["peak_velocity"], waves.peak_velocity)
 
 
+def test_waves_in_si_are_those_of_the_table(ran):
+    found = api.analyse(ran, figures=False)
+    with (ran.directory.path / "waves.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    columns = {"arrival": "arrival (s)", "peak_velocity": "peak_velocity (m/s)", "speed": "speed (beads/s)"}
+    for name, column in columns.items():
+        written = [float(row[column] or "nan") for row in rows]
+        np.testing.assert_array_equal(found.si.array()[name], written)
+
+
 def test_a_run_its_error_its_validation_and_its_scene_show_themselves(ran):
     judged = api.validate(ran.directory.path)
     for shown, words in (
@@ -97,8 +108,15 @@ def test_a_run_its_error_its_validation_and_its_scene_show_themselves(ran):
         (ran.check, "velocities (V)"),
         (judged, "momentum"),
         (api.load(STEEL), "radius"),
+        (api.analyse(ran, figures=False), "last bead"),
     ):
         assert any(words in text for text in Cells(shown._repr_html_()).text)
+        assert len(repr(shown)) < 200
+        assert repr(shown).startswith("<")
+
+
+def test_what_holds_many_numbers_says_how_many_in_a_line(ran):
+    for shown in (ran.si, ran.trajectory, api.analyse(ran, figures=False).waves):
         assert len(repr(shown)) < 200
         assert repr(shown).startswith("<")
 

@@ -201,7 +201,7 @@ def test_a_directory_that_holds_something_else_is_left_alone(command, options, t
 @pytest.mark.parametrize("command", ["run", "deck"])
 def test_a_run_is_left_alone(command, a_run, capsys):
     before = tree(a_run)
-    assert "give --overwrite" in refusal([command, "two-chains", "-o", a_run], capsys)
+    assert "overwrite it (--overwrite)" in refusal([command, "two-chains", "-o", a_run], capsys)
     assert tree(a_run) == before
 
 

@@ -122,6 +122,14 @@ def cost(problem: Problem, ranks: int) -> Cost:
     )
 
 
+def too_many(problem: Problem, ranks: int) -> str:
+    """That one rank would be faster by the model, in one line; empty if it would not."""
+    alone = cost(problem, 1)
+    if alone.step >= cost(problem, ranks).step:
+        return ""
+    return f"one rank would be faster: about {_duration(alone.seconds)} with --nodes 1 --ranks-per-node 1"
+
+
 _TIMES = (
     (2 * 86400.0, 86400.0, "days"),
     (7200.0, 3600.0, "h"),

@@ -246,7 +246,8 @@ def _print_forces(problem: Problem, readings: Readings, given_back: dict[str, Fl
                 other = readings.gauges[kinds.index("contact")].name
                 said.append(f"largest force {readings.largest[chain, place] / inside:.4f} times that at {other}")
             if math.isfinite(back := given_back[gauge.side][chain]):
-                said.append(f"the first pulse is thrown back at {back:.4f} of its velocity")
+                among = " (and chains have exchanged energy meanwhile)" if problem.coupled else ""
+                said.append(f"the first pulse is thrown back at {back:.4f} of its velocity{among}")
             if said:
                 print(f"{gauge.name}, chain {chain + 1}: {', '.join(said)}")
 

@@ -1,6 +1,7 @@
 """Gather a sweep's analyses into one table, and plot a quantity over what was varied."""
 
 import argparse
+import math
 from pathlib import Path
 from typing import Any
 
@@ -8,7 +9,7 @@ from lammps_inputs import InputError, strict_yaml
 from workflow.runs.whole_files import write_text
 from workflow.screen import Answer, count_bar, one_line, print_table
 from workflow.sweep import collect as collecting
-from workflow.sweep.table import QUANTITIES, Table
+from workflow.sweep.table import QUANTITIES, UNCERTAINTIES, Table
 
 TABLE = "table.csv"
 
@@ -95,7 +96,7 @@ def _refuse(output: Path) -> None:
 
 def _print(table: Table, title: str) -> None:
     columns = [*table.fields, "outcome", *_SHOWN]
-    rows = [[_cell(name, row[name]) for name in columns] for row in table.rows[:_MOST_ROWS]]
+    rows = [[cell(name, row) for name in columns] for row in table.rows[:_MOST_ROWS]]
     print_table(title, [table.heading(name) for name in columns], rows)
     if len(table.rows) > _MOST_ROWS:
         print(f"... and {len(table.rows) - _MOST_ROWS} more")
@@ -104,9 +105,15 @@ def _print(table: Table, title: str) -> None:
     print(f"{len(outcomes)} cases: {counts}")
 
 
-def _cell(name: str, value: Any) -> str:
+def cell(name: str, row: dict[str, Any]) -> str:
+    """What the screen shows of a column in a row of the table; an amplitude with its uncertainty."""
+    value = row[name]
+    uncertainty = row.get(UNCERTAINTIES.get(name, ""))
     if value is None:
         return "-"
+    if isinstance(uncertainty, int | float) and 5e-5 <= uncertainty < math.inf:  # else the four digits are sure
+        digits = min(4, max(0, 1 - math.floor(math.log10(uncertainty))))
+        return f"{value:.{digits}f} +- {uncertainty:.2g}"
     if isinstance(value, int | float):
         return format(value, _SHOWN.get(name, ".6g"))
     return "".join(letter if letter.isprintable() else "?" for letter in str(value))

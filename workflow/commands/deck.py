@@ -53,6 +53,9 @@ def execute(arguments: argparse.Namespace) -> int:
     print(f"{one_line(arguments.output)}: {', '.join(files)}")
     if options is not None:
         print(ranks.cost(scene.problem(), options.ranks).sentence())
+        slower = ranks.too_many(scene.problem(), options.ranks)
+        if slower:
+            print(slower)
         print(f"on the cluster, there: sbatch {file_names.JOB}    then: granchain status {one_line(arguments.output)}")
         return 0
     if scene.output.peaks:

@@ -1,12 +1,17 @@
-"""Say in what state directories are: waiting, running, done, failed or incomplete, and why."""
+"""Say in what state directories are: waiting, running, done, failed or incomplete, and why.
+
+Exit code 1 if one has failed or holds no run, 2 if one does not exist.
+"""
 
 import argparse
+import os
 from collections import Counter
 from pathlib import Path
 
+from lammps_inputs import InputError
 from workflow.cluster import queue
 from workflow.runs.status import Status, statuses
-from workflow.screen import Answer
+from workflow.screen import Answer, one_line
 
 ANSWERS = "a list of objects"
 EXAMPLES = (
@@ -20,10 +25,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "directories", metavar="DIR", type=Path, nargs="+", help="run directories, or one with a list of cases"
     )
+    parser.description = f"{parser.description} Exit code 1 if one has failed or holds no run, 2 if one does not exist."
 
 
 def execute(arguments: argparse.Namespace) -> Answer:
-    """Print a line per directory; exit code 1 if one has failed or holds no run."""
+    """Print a line per directory; exit code 1 if one has failed or holds no run.
+
+    Raises:
+        InputError: one does not exist.
+    """
+    for path in arguments.directories:
+        if not os.path.lexists(path):
+            raise InputError(f"{one_line(path)}: no such directory")
     found = statuses(arguments.directories, queue.ask())
     for one in found:
         print(line(one))

@@ -98,18 +98,19 @@ def _tolerances(given: list[str]) -> dict[str, float]:
 
 
 def _print(found: validation.Validation) -> None:
-    rows = []
+    rows, scale = [], found.problem.scale
+    second = f" {scale.symbol('time')}" if scale.si else ""
     for name, deviation in found.deviations.items():
         where = ""
         if deviation.where is not None:
             where = f"bead {deviation.where.bead}, chain {deviation.where.chain}"
             if deviation.where.time is not None:
-                where += f", t = {deviation.where.time * found.problem.scale.time:.5g}"
+                where += f", t = {deviation.where.time * scale.time:.5g}{second}"
         rms = f"{deviation.rms:.1e}" if np.isfinite(deviation.rms) else ""
         verdict = "EXCEEDED" if found.exceeded(name) else "ok"
         rows.append([name, f"{deviation.largest:.2e}", rms, f"{found.tolerances[name]:.0e}", verdict, where])
     print_table(
-        f"{found.problem.name} against {found.against} at {found.compared} instants, dimensionless",
+        f"{found.problem.name} against {found.against} at {found.compared} instants; errors dimensionless",
         ["quantity", "largest", "rms", "tolerance", "", "largest at"],
         rows,
     )
@@ -126,10 +127,7 @@ def _print(found: validation.Validation) -> None:
     ]
     if firsts:
         time, name, place = min(firsts, key=lambda first: first[0])
-        print(
-            f"first wrong: {name} of bead {place.bead}, chain {place.chain}, at t = "
-            f"{time * found.problem.scale.time:.6g}"
-        )
+        print(f"first wrong: {name} of bead {place.bead}, chain {place.chain}, at t = {time * scale.time:.6g}{second}")
     if not found.complete:
         print(f"incomplete: {found.frames} of {found.problem.frames + 1} frames")
     for remark in found.remarks:

@@ -95,7 +95,9 @@ def prepare(directory: Path, names: Iterable[str] = (), *, overwrite: bool = Fal
         directory.mkdir(parents=True, exist_ok=True)
         if others(directory):
             if not overwrite:
-                raise InputError(f"{directory}: exists and is not empty; choose another -o, or give --overwrite")
+                raise InputError(
+                    f"{directory}: exists and is not empty; choose another directory, or overwrite it (--overwrite)"
+                )
             own = listed(directory)
             if RECORD not in own and not list(directory.glob(f"{_ASIDE}*")):
                 raise InputError(

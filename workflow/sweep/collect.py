@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from lammps_inputs import InputError, file_names, strict_yaml
+from lammps_inputs import InputError, file_names, library, strict_yaml
 from workflow.cluster import queue
 from workflow.engines.lammps.mpi import cores
 from workflow.runs.files import RECORD, REPORT
@@ -179,13 +179,17 @@ def _refuse_unless_varied(option: str, name: str, table: Table) -> None:
         raise InputError(f"{option}: {name!r} is not varied here; {', '.join(table.fields) or 'nothing'} is")
 
 
+def _placed(row: dict[str, Any], axes: list[str]) -> bool:
+    return all(isinstance(row[name], int | float) and np.isfinite(row[name]) for name in axes)
+
+
 def plot(
     table: Table, directory: Path, quantity: str, over: str, beside: str | None, title: str = ""
 ) -> tuple[Path, ...]:
     """Draw a quantity over a field, or two, into a directory.
 
     Args:
-        table: what to draw from; cases that are done, and that have a number, are drawn.
+        table: what to draw from; cases that are not done count as having no number.
         directory: for the figure.
         quantity: one of `QUANTITIES`.
         over: the field along the horizontal axis.
@@ -200,7 +204,8 @@ def plot(
     shown = [name for name in (over, beside) if name is not None]
     numeric = [name for name, found in QUANTITIES.items() if found.label]
     if quantity not in numeric:
-        raise InputError(f"--plot: {quantity!r} given; {', '.join(numeric)}")
+        hint = library.suggestion(quantity, numeric)
+        raise InputError(f"--plot: {quantity!r} given{hint}; should be one of {', '.join(numeric)}")
     for option, name in (("--over", over), ("--and", beside)):
         if name is not None:
             _refuse_unless_varied(option, name, table)
@@ -218,6 +223,9 @@ def plot(
             f"--plot: {len(rows)} cases lie at {len(points)} points; choose among {', '.join(others)} "
             f"with --where {others[0] if others else 'FIELD'}=VALUE, or with --and"
         )
+    bands = drawn.passed(over)
+    rows += [{**row, quantity: None} for row in table.rows if row["outcome"] != "done" and _placed(row, shown)]
+    drawn = replace(table, rows=rows)
     along, *second = [Axis(drawn.label(name), drawn.numbers(name)) for name in shown]
     error = UNCERTAINTIES.get(quantity)
     upwards = Axis(
@@ -227,6 +235,6 @@ def plot(
         np.array([QUANTITIES[quantity].path[0] == "equipartition" and row["state"] in UNSETTLED for row in rows]),
     )
     title = ", ".join(filter(None, (table.scene, title)))
-    figure = swept_figure(upwards, along, second[0] if second else None, title, drawn.passed(over))
+    figure = swept_figure(upwards, along, second[0] if second else None, title, bands)
     name = f"{quantity}-over-{'-and-'.join(shown)}".replace("[", "").replace("]", "")
     return write_figure(directory, name, figure)

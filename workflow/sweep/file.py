@@ -142,7 +142,7 @@ def load(path: Path) -> Sweep:
     Raises:
         InputError: naming the file, the key, what was given and what would be right.
     """
-    return from_plain(strict_yaml.load(path), path)
+    return from_plain(strict_yaml.load(path, "a sweep needs a `scene` and what to `vary`"), path)
 
 
 def from_plain(data: dict[str, Any], path: Path) -> Sweep:
@@ -154,7 +154,7 @@ def from_plain(data: dict[str, Any], path: Path) -> Sweep:
     try:
         file = _File.model_validate(data)
     except ValidationError as error:
-        raise InputError(f"{path}: {library.describe(error, _File)}") from None
+        raise InputError(f"{path}: {library.mistaken(data, 'sweep') or library.describe(error, _File)}") from None
     names = sorted(file.vary)
     seen: dict[fields.Path, str] = {}
     for name in names:

@@ -16,6 +16,9 @@ from lammps_inputs.numbers import text
 from lammps_inputs.units import REDUCED, SI
 from workflow.runs.files import RECORD, REPORT
 
+OWN = ("V", "T")
+"""A case's own units: of the fastest kick, and of time (`lammps_inputs.units`)."""
+
 
 @dataclass(frozen=True)
 class Quantity:
@@ -24,7 +27,8 @@ class Quantity:
     Attributes:
         file: where its value stands.
         path: key by key.
-        label: for an axis; of a number only. A quantity of the scene's units ends in one of `lammps_inputs.units.SI`.
+        label: for an axis; of a number only. A quantity of the scene's units ends in one of `lammps_inputs.units.SI`,
+            what is measured in the case's own velocity or time in one of `OWN`.
     """
 
     file: str
@@ -37,9 +41,11 @@ class Quantity:
         return self.label.partition(" [")[0]
 
     def unit(self, *, si: bool) -> str:
-        """Symbol of what is in the scene's units; empty for anything else."""
-        _, bracket, quantity = self.label.partition(" [")
-        return (SI[quantity[:-1]] if si else REDUCED) if bracket else ""
+        """Symbol of what has a unit; empty for anything else."""
+        _, bracket, quantity = self.label.rstrip("]").partition(" [")
+        if not bracket or quantity in OWN:
+            return quantity
+        return SI[quantity] if si else REDUCED
 
 
 def _analysis(path: str, label: str = "") -> Quantity:
@@ -51,8 +57,8 @@ def _run(path: str, label: str = "") -> Quantity:
 
 
 QUANTITIES = {
-    "amplitude": _analysis("equipartition/final/value", "final amplitude / $V$"),
-    "amplitude_uncertainty": _analysis("equipartition/final/uncertainty", "uncertainty of the final amplitude / $V$"),
+    "amplitude": _analysis("equipartition/final/value", "final amplitude [V]"),
+    "amplitude_uncertainty": _analysis("equipartition/final/uncertainty", "uncertainty of the final amplitude [V]"),
     "agree_10": _analysis("equipartition/amplitudes/0.1", "bead from which the chains agree to 10%"),
     "agree_1": _analysis("equipartition/amplitudes/0.01", "bead from which the chains agree to 1%"),
     "in_step_1": _analysis("equipartition/arrivals/0.01", "bead from which arrivals agree to 1%"),
@@ -74,9 +80,9 @@ QUANTITIES = {
     "transmitted_energy": _analysis("far_end/transmitted_energy", "most energy at the far end / that of the kick"),
     "front": _analysis("front", "foremost bead that moved"),
     "energy_drift": _analysis("energy_drift", "relative drift of the energy"),
-    "error_velocity": _run("check/velocity", "error of velocities / $V$"),
-    "error_amplitude": _run("check/amplitude", "error of peak velocities / $V$"),
-    "error_arrival": _run("check/arrival", "error of arrivals / $T$"),
+    "error_velocity": _run("check/velocity", "error of velocities [V]"),
+    "error_amplitude": _run("check/amplitude", "error of peak velocities [V]"),
+    "error_arrival": _run("check/arrival", "error of arrivals [T]"),
     "engine": _run("engine"),
     "steps": _run("steps", "time steps"),
     "engine_seconds": _run("engine_seconds", "time of the engine (s)"),
@@ -178,19 +184,22 @@ class Table:
     def heading(self, name: str) -> str:
         """The name of a column in the table; with its unit where the scenes are in SI."""
         unit = self._unit(name)
-        return name if unit in ("", REDUCED) else f"{name} ({unit})"
+        return name if unit in ("", REDUCED) or (unit in OWN and not self.si) else f"{name} ({unit})"
 
     def label(self, name: str) -> str:
         """What to write at an axis that shows a column."""
         words = name.replace("_", " ").replace(".", " ") if name in self.fields else QUANTITIES[name].words
         unit = self._unit(name)
+        if unit in OWN:
+            return f"{words} / ${unit}$"
         return f"{words} ({unit})" if unit else words
 
     def _unit(self, name: str) -> str:
         """Of a column; empty where it has none, or the scenes do not agree on one."""
         if name in self.fields:
             return self.units.get(name, "")
-        return "" if self.si is None or name not in QUANTITIES else QUANTITIES[name].unit(si=self.si)
+        unit = "" if name not in QUANTITIES else QUANTITIES[name].unit(si=self.si is True)
+        return unit if self.si is not None or unit in OWN else ""
 
 
 def _written(value: Any) -> str:

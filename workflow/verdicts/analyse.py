@@ -30,7 +30,7 @@ from analysis.sound.loaded_pulse import LoadedPulse, LoadedWave
 from analysis.tracking.leading_waves import Arrival, Waves, usual_arrival
 from analysis.tracking.left_behind import LeftBehind
 from analysis.trajectory import Floats, Trajectory
-from lammps_inputs import InputError, Problem, Scene, laws
+from lammps_inputs import InputError, Problem, Scene, html, laws
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.unequal import period
 from workflow.engines.reference.accountant import Accountant
@@ -68,7 +68,7 @@ LARGEST = 1e100
 """Displacement or velocity that no run has, far from where squares overflow; dimensionless."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Analysis:
     """What was found in a run.
 
@@ -116,6 +116,24 @@ class Analysis:
     def waves(self) -> Waves:
         """The leading pulse at every bead, dimensionless."""
         return self.survey.waves
+
+    @property
+    def si(self) -> Waves:
+        """The leading pulse at every bead, in the scene's units."""
+        return self.waves.measured(self.problem.scale)
+
+    def __repr__(self) -> str:
+        return f"<analysis of {self.problem.name}: {self.survey.verdict.sentence}>"
+
+    def _repr_html_(self) -> str:
+        drawn = ", ".join(path.name for path in self.figures)
+        head = ["chain", "last bead", "arrival", "peak velocity", "beads a unit of time"]
+        rows = []
+        for chain in np.unique(self.waves.chain).tolist():
+            last = self.si.of_chain(chain).array()[-1]
+            numbers = (f"{float(last[name]):.6g}" for name in ("arrival", "peak_velocity", "speed"))
+            rows.append((chain, last["bead"], *numbers))
+        return html.table(repr(self)[1:-1], head, rows) + html.text(drawn)
 
 
 def analyse(

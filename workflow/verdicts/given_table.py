@@ -65,12 +65,16 @@ def are_frames(theirs: Trajectory, own: Trajectory) -> bool:
     return bool(np.all(np.abs(theirs.time - nearest) <= 1e-9 * own.problem.every))
 
 
-def remarks(path: Path, theirs: Trajectory, own: Trajectory) -> Iterator[str]:
-    """What a table's owner may not know of it: that its numbers are rounded, or that it ends soon after the start."""
+def rounded(path: Path, theirs: Trajectory) -> Iterator[str]:
+    """Which of a table's numbers are rounded."""
     for name, values in (("displacements", theirs.displacement), ("velocities", theirs.velocity)):
         precision = symptoms.precision(values)
         if precision is not None:
             yield f"{name} in {path} have only {precision}"
+
+
+def remarks(path: Path, theirs: Trajectory, own: Trajectory) -> Iterator[str]:
+    """What a table's owner may not know of it beside: that it ends soon after the start."""
     if theirs.time[-1] < 0.01 * own.time[-1]:
         yield f"{path} ends at {theirs.time[-1] / own.time[-1]:.2g} of the run: is it in other units? (see --units)"
 

@@ -230,7 +230,8 @@ def validate_against(
     Files: see `analysis.files.table` and `analysis.files.text_dump`.
 
     The run is interpolated to the table's times. Peaks and arrivals are compared where the table has displacement and
-    velocity at evenly spaced times. That the table's numbers are rounded is remarked, but counts only by its effect.
+    velocity at evenly spaced times. That the table's numbers are rounded is remarked, and is the cause where a
+    tolerance is exceeded for no other reason.
 
     Args:
         directory: the run.
@@ -277,13 +278,16 @@ def validate_against(
     found: list[str] = []
     if exceeded and theirs.problem.recorded is None:
         found = causes.causes(resampled, theirs) or [f"{path}: {cause}" for cause in causes.causes(theirs, resampled)]
+    digits = list(given_table.rounded(path, theirs))
+    if exceeded and not found:  # nothing else explains it
+        found, digits = digits, []
     result = Validation(
         problem=problem,
         against=str(path),
         deviations=deviations,
         tolerances=limits,
         causes=tuple(found),
-        remarks=tuple(given_table.remarks(path, theirs, own)),
+        remarks=(*digits, *given_table.remarks(path, theirs, own)),
         certificate=None,
         interpolation=None if given_table.are_frames(theirs, own) else resample.interpolation_error(own_part),
         frames=own.frames,

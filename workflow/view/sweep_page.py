@@ -7,6 +7,8 @@ from bokeh.layouts import column, row
 from bokeh.models import (
     ColumnDataSource,
     CustomJS,
+    CustomJSTicker,
+    CustomJSTickFormatter,
     DataTable,
     HoverTool,
     HTMLTemplateFormatter,
@@ -37,11 +39,34 @@ _DARK_CHOICE = """
 """
 
 _CHOOSE = """
-source.data.x = source.data[over.value]; source.data.y = source.data[what.value]; source.change.emit();
+const numbers = name => Array.from(source.data[name], value => typeof value === "number" ? value : NaN);
+source.data.x = numbers(over.value); source.data.y = numbers(what.value); source.change.emit();
 const plot = plots[kinds[over.value]];
+const count = source.data.x.filter((x, k) => isNaN(x + source.data.y[k])).length;
+plot.title.text = count ? `${count} of ${source.data.x.length} cases have no number here` : "";
 plot.below[0].axis_label = headings[over.value]; plot.left[0].axis_label = headings[what.value];
 if (top.children[0] != plot) top.children = [plot, top.children[1]];
 """
+
+_TICKS = """
+const {start, end} = cb_data.range, low = Math.min(start, end), high = Math.max(start, end);
+const decades = Math.log10(high / low), found = [];
+if (decades < 0.5) {
+  const step = 10 ** Math.floor(Math.log10(high - low));
+  for (let k = Math.ceil(low / step); k * step <= high; k++) found.push(k * step);
+} else {
+  const every = Math.ceil(decades / 10);
+  for (let power = Math.floor(Math.log10(low) / every) * every; 10 ** power <= high; power += every)
+    for (const digit of decades < 3 ? [1, 2, 5] : [1]) found.push(digit * 10 ** power);
+}
+return found.filter(tick => low <= tick && tick <= high);
+"""
+"""On a logarithmic axis: 1, 2 and 5 of each decade where few are shown, evenly spaced ones within one."""
+
+_PLAIN_NUMBER = "return String(+tick.toPrecision(6));"
+
+_WIDEST, _LETTER = 600, 8
+"""Pixels of a column, and of a letter in it."""
 
 
 def layout(table: Table, pages: dict[str, str]) -> Any:
@@ -56,11 +81,14 @@ def layout(table: Table, pages: dict[str, str]) -> Any:
     numbers = [name for name in table.columns if any(isinstance(value, float | int) for value in data[name])]
     over = table.fields[0] if table.fields and table.fields[0] in numbers else numbers[0]
     what = next((name for name in ("amplitude", "peak_velocity", *numbers) if name in numbers and name != over), over)
-    data["x"], data["y"] = data[over], data[what]
+    data["x"], data["y"] = _drawn(data[over]), _drawn(data[what])
+    unknown = sum(math.isnan(x + y) for x, y in zip(data["x"], data["y"], strict=True))
     source = ColumnDataSource(name="cases", data=data)
     headings = {name: table.heading(name) for name in table.columns}
     kinds = {name: "log" if _by_factors(data[name]) else "linear" for name in numbers}
     plots = {kind: _plot(source, kind, headings[over], headings[what]) for kind in sorted(set(kinds.values()))}
+    if unknown:
+        plots[kinds[over]].title.text = f"{unknown} of {len(table.rows)} cases have no number here"
     choose_x = Select(title="over", value=over, options=numbers, name="over", stylesheets=[_DARK_CHOICE])
     choose_y = Select(title="column", value=what, options=numbers, name="column", stylesheets=[_DARK_CHOICE])
     args = {"source": source, "over": choose_x, "what": choose_y, "plots": plots, "kinds": kinds, "headings": headings}
@@ -71,7 +99,7 @@ def layout(table: Table, pages: dict[str, str]) -> Any:
         TableColumn(
             field=name,
             title=headings[name],
-            width=230 if name in ("case", "verdict", "reason") else 110,
+            width=_width([headings[name], *map(_shown, data[name])]),
             formatter=HTMLTemplateFormatter(template=_LINK if name == "case" else _NUMBER),
         )
         for name in table.columns
@@ -101,6 +129,10 @@ def _plot(source: ColumnDataSource, kind: str, over: str, what: str) -> Any:
         name=f"plot {kind}",
     )
     plot.toolbar.logo = None
+    if kind == "log":
+        plot.xaxis.ticker = CustomJSTicker(major_code=_TICKS)
+        plot.xaxis.formatter = CustomJSTickFormatter(code=_PLAIN_NUMBER)
+        plot.xgrid.ticker = plot.xaxis[0].ticker
     drawn = plot.scatter("x", "y", size=10, source=source, fill_color="#0072B2", line_color="white", name="points")
     plot.add_tools(HoverTool(renderers=[drawn], tooltips=[("case", "@case"), ("x", "@x"), ("y", "@y")]))
     plot.add_tools(TapTool(renderers=[drawn], callback=OpenURL(url="@link")))
@@ -110,6 +142,21 @@ def _plot(source: ColumnDataSource, kind: str, over: str, what: str) -> Any:
 def _by_factors(values: list[Any]) -> bool:
     """Whether what stands in a column is spaced by factors."""
     return logarithmic([value for value in values if isinstance(value, float | int)])
+
+
+def _drawn(values: list[Any]) -> list[float]:
+    """A column for an axis, which would show None at 0."""
+    return [value if isinstance(value, float | int) else math.nan for value in values]
+
+
+def _width(texts: list[str]) -> int:
+    """Pixels of a column in which they can be read."""
+    return min(_WIDEST, 30 + _LETTER * max(map(len, texts)))
+
+
+def _shown(value: Any) -> str:
+    """As `_NUMBER` writes it, or about as long."""
+    return f"{value:.6g}" if isinstance(value, float) else "" if value is None else str(value)
 
 
 def _plain(value: Any) -> Any:

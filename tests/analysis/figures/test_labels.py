@@ -155,6 +155,16 @@ def test_what_is_left_of_a_trace_is_data_minus_run_in_units_of_the_noise(problem
     assert others[1].get_lines()[0].get_ydata() == pytest.approx([0.0, 4.0])
 
 
+def test_a_validation_of_few_beads_has_a_column_of_one_width_for_each(problem):
+    error = np.array([[1e-3, 2e-3, 3e-3]])
+    found = ErrorMap(np.array([0.0, 4.0]), np.array([10, 50, 95, 96]), error)
+    space = validation_figure(problem, found, {"velocity": Deviation(3e-3, 1e-4)}, {"velocity": 1e-2}, "mine").axes[0]
+    corners = space.collections[0].get_coordinates()[0, :, 0]
+    np.testing.assert_array_equal(np.diff(corners), 1.0)
+    named = dict(zip((label.get_text() for label in space.get_xticklabels()), space.get_xticks(), strict=True))
+    assert named == {"10": 0.0, "50": 1.0, "95": 2.0}
+
+
 def test_a_validation_shows_each_error_at_its_bead_and_as_a_share_of_its_tolerance(problem):
     error = np.zeros((2, 10))
     error[1, 6] = 1e-3  # bead 7, in the second half

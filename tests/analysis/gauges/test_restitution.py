@@ -39,3 +39,13 @@ def test_it_is_the_ratio_of_velocities_at_one_bead_clear_of_the_wall(right):
     found = restitution(pulses, problem(beads=BEADS), right=right)
     assert found[0] == pytest.approx((0.9 - 0.001 * CLEAR) / (1.0 + 0.01 * CLEAR))
     assert np.isnan(found[1])
+
+
+def test_a_ripple_that_runs_ahead_of_the_pulse_is_not_what_the_wall_throws_back():
+    pulses = (
+        pulse(1, 1, range(26, 48), 0.0, lambda _: 0.03),
+        pulse(1, 1, range(10, 58), 5.0, lambda _: 0.4),
+        pulse(1, -1, range(57, 20, -1), 54.0, lambda _: 0.02),
+        pulse(1, -1, range(57, 10, -1), 60.0, lambda _: 0.3),
+    )
+    assert restitution(pulses, problem(beads=BEADS), right=True)[0] == pytest.approx(0.75)

@@ -171,7 +171,7 @@ def test_in_si_units_lengths_are_those_of_the_exponent():
         ),
         ({"walls": {"right": "bead"}}, "contact.exponent: 2 given; walls are those of spheres"),
         ({"taper": 0.02}, "contact.exponent: 2 given; how the contacts of beads of unlike radius"),
-        ({"contact": {"exponent": 1.2}, "scheme": "suzuki4"}, "contact.exponent: contacts of exponent 1.2 open"),
+        ({"contact": {"exponent": 1.2}, "scheme": "suzuki4"}, "contact: contacts of an exponent below 1.5 open"),
     ],
     ids=lambda value: re.sub(r"\W+", "-", str(value))[:40],
 )

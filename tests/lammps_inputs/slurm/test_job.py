@@ -470,6 +470,7 @@ def test_options_win_over_the_site_and_the_site_over_the_defaults(tmp_path):
 @pytest.mark.parametrize(
     ("text", "says"),
     [
+        ("", "is empty; a site's file holds defaults of the options of jobs"),
         ("partitoin: long\n", "partitoin: unknown key (did you mean `partition`?)"),
         ("nodes: two\n", "nodes: should be a whole number, 'two' given"),
         ("time: 90\n", "time: should be text, 90 given"),

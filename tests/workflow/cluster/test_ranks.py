@@ -42,6 +42,15 @@ def test_no_rank_has_fewer_beads_than_its_messages_are_worth_or_fewer_than_twent
         assert beads / advised >= ranks.LEAST_ROWS
 
 
+def test_ranks_that_make_a_run_slower_than_one_alone_are_told_and_no_others():
+    few = many(240, chains=2)
+    assert ranks.cost(few, 2).seconds > ranks.cost(few, 1).seconds
+    alone = ranks._duration(ranks.cost(few, 1).seconds)
+    assert ranks.too_many(few, 2) == f"one rank would be faster: about {alone} with --nodes 1 --ranks-per-node 1"
+    assert ranks.too_many(few, 1) == ""
+    assert ranks.too_many(many(10**4), 2) == ""
+
+
 @pytest.mark.parametrize("coupled", [True, False])
 def test_a_rank_with_the_least_beads_spends_a_tenth_of_its_time_on_messages(coupled):
     what = many(10**6, coupled)

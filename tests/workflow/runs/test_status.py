@@ -362,7 +362,9 @@ def test_the_command_prints_a_line_each_and_their_counts(tmp_path, capsys):
         "2 directories: 1 done, 1 failed",
     ]
     assert main(["status", str(tmp_path / "a")]) == 0
-    assert main(["status", str(tmp_path / "a"), str(tmp_path / "nowhere")]) == 1
+    capsys.readouterr()
+    assert main(["status", str(tmp_path / "a"), str(tmp_path / "nowhere")]) == 2
+    assert capsys.readouterr() == ("", f"granchain: {tmp_path}/nowhere: no such directory\n")
 
 
 def test_the_command_prints_json(tmp_path, capsys):

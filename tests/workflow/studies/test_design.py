@@ -245,6 +245,21 @@ def test_a_mistake_is_one_line_that_names_the_file_and_the_key(changes, says, tm
     assert err.count("\n") == 1
 
 
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("", "is empty; a design needs a `scene`, what may `vary`, and what to `minimize` or `maximize`"),
+        ("name: a\nbeads: 9\n", "looks like a scene, not a design; `granchain run FILE -o DIR` takes it"),
+        ("scene: two-chains\nvary: {gap: [1, 2]}\nminimise: delay\n", "did you mean `minimize`?"),
+    ],
+)
+def test_what_is_no_design_is_told_what_it_is_or_lacks(text, says, tmp_path, capsys):
+    path = tmp_path / "design.yaml"
+    path.write_text(text)
+    assert main(["design", str(path), "-o", str(tmp_path / "d")]) == 2
+    assert says in capsys.readouterr().err
+
+
 def test_where_nothing_fits_the_reason_is_said(tmp_path, capsys):
     path = written(tmp_path, where={"mass": {"from": 1000}})
     assert main(["design", str(path), "-o", str(tmp_path / "d"), "--jobs", "1"]) == 2

@@ -13,9 +13,12 @@ import pytest
 from analysis.figures.swept import MOST_LINES, Axis, logarithmic, swept_figure
 from analysis.sound.dispersion import cell_of
 from lammps_inputs import strict_yaml
+from workflow import api
 from workflow.cli import main
+from workflow.commands.collect import cell
 from workflow.runs.run_directory import RunDirectory
 from workflow.sweep import collect as collecting
+from workflow.sweep import fields
 from workflow.sweep import file as sweep_file
 from workflow.sweep.cases import all_cases, scene_of
 from workflow.sweep.collect import collect
@@ -194,8 +197,11 @@ def test_a_quantity_is_drawn_over_one_field_and_over_two(copied, capsys):
 @pytest.mark.parametrize(
     ("options", "says"),
     [
-        (["--plot", "amplitud", "--over", "beads"], "--plot: 'amplitud' given; amplitude, "),
-        (["--plot", "verdict", "--over", "beads"], "--plot: 'verdict' given; amplitude, "),
+        (
+            ["--plot", "amplitud", "--over", "beads"],
+            "'amplitud' given (did you mean `amplitude`?); should be one of amplitude, ",
+        ),
+        (["--plot", "verdict", "--over", "beads"], "--plot: 'verdict' given; should be one of amplitude, "),
         (["--plot", "amplitude", "--over", "bead"], "--over: 'bead' is not varied here; beads, coupling.stiffness"),
         (["--plot", "amplitude", "--over", "beads"], "--where coupling.stiffness=VALUE"),
         (["--plot", "amplitude", "--over", "beads", "--and", "gap"], "--and: 'gap' is not varied"),
@@ -270,6 +276,29 @@ def test_uncertainties_are_bars_and_cases_that_are_not_settled_are_hollow():
     np.testing.assert_allclose([part[:, 1] for part in bars.get_segments()], np.outer([1.0, 2.0, 3.0], [1.9, 2.1]))
 
 
+@pytest.mark.parametrize("lines", [False, True])
+def test_cases_without_a_number_are_ticks_at_the_foot_and_no_mark_is_cut(lines):
+    x, y = (
+        np.array([0.05, 0.1, 0.2]),
+        np.array([np.nan, 1.0, 2.0]),
+    )  # so few are the ticks themselves
+    figure = swept_figure(Axis("y", y), Axis("x", x), Axis("z", np.ones(3)) if lines else None)
+    axis = figure.axes[0]
+    assert axis.get_title() == "ticks at the foot: no number"
+    (foot,) = [line for line in axis.get_lines() if line.get_marker() == "|"]
+    assert foot.get_xdata().tolist() == [0.05]
+    figure.draw_without_rendering()
+    first, last = axis.get_xlim()
+    assert first < 0.05 * 0.95
+    assert last > 0.2 * 1.05
+
+
+def test_an_amplitude_is_printed_with_its_uncertainty_to_the_digits_that_are_sure():
+    words = {0.25: "0.34 +- 0.25", 0.00951: "0.3368 +- 0.0095", 1e-9: "0.3368", None: "0.3368"}
+    for uncertainty, said in words.items():
+        assert cell("amplitude", {"amplitude": 0.3368, "amplitude_uncertainty": uncertainty}) == said
+
+
 def test_cases_of_a_map_that_are_not_settled_are_crossed():
     x, y = (part.ravel() for part in np.meshgrid([0.1, 0.2], np.arange(1.0, MOST_LINES + 2)))
     figure = swept_figure(Axis("z", x * y, None, y == 3.0), Axis("x", x), Axis("y", y))
@@ -295,7 +324,8 @@ def test_columns_of_si_scenes_name_their_units_and_others_keep_their_names(swept
     reduced = collect(swept)
     assert reduced.to_csv().splitlines()[0].split(",") == reduced.columns
     head = type(reduced)(["kick.velocity"], [], si=True, units={"kick.velocity": "m/s"}).to_csv().splitlines()[0]
-    assert {"kick.velocity (m/s)", "amplitude", "arrival (s)", "peak_velocity (m/s)"} <= set(head.split(","))
+    found = {"kick.velocity (m/s)", "amplitude (V)", "amplitude_uncertainty (V)", "error_arrival (T)", "arrival (s)"}
+    assert found <= set(head.split(","))
 
 
 def test_labels_tell_the_units_of_the_scenes(swept):
@@ -304,6 +334,8 @@ def test_labels_tell_the_units_of_the_scenes(swept):
     assert reduced.label("beads") == "beads"
     assert reduced.label("speed") == "speed at the last clear bead (reduced)"
     assert type(reduced)([], [], si=True).label("speed") == "speed at the last clear bead (beads/s)"
+    for si in (True, False, None):
+        assert type(reduced)([], [], si=si).label("amplitude") == "final amplitude / $V$"
 
 
 # --- over frequency ---------------------------------------------------------------------------------------------------
@@ -369,11 +401,27 @@ def test_bands_that_differ_from_case_to_case_are_not_those_of_the_figure(shaken)
     assert found.passed("drive.displacement") is None
 
 
-def test_the_example_of_the_readme_is_a_sweep_across_the_cut_off(tmp_path):
+@pytest.fixture
+def example(tmp_path):
+    """The sweep of the README."""
     text = (Path(__file__).parents[3] / "workflow" / "README.md").read_text(encoding="utf-8")
     path = tmp_path / "shaken.yaml"
     path.write_text(text.partition("<!-- transmissibility -->\n```yaml\n")[2].partition("```")[0])
-    what = sweep_file.load(path)
-    first, *_, last = (scene_of(what, case).problem() for case in all_cases(what))
+    return sweep_file.load(path)
+
+
+def test_the_example_of_the_readme_is_a_sweep_across_the_cut_off(example):
+    first, *_, last = (scene_of(example, case).problem() for case in all_cases(example))
     (band,) = cell_of(first).bands() / first.scale.time
     assert first.motions[0].omega / first.scale.time < band[1] < last.motions[0].omega / last.scale.time
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("frequency", [0.4, 0.45, 0.5])
+def test_the_example_of_the_readme_finds_what_it_says(frequency, example, tmp_path):
+    scene = fields.put(example.scene, fields.parse("drive.frequency"), frequency)
+    api.analyse(api.run(scene, tmp_path / "run", engine="reference", check=False))
+    report = json.loads((tmp_path / "run" / "analysis.json").read_text())
+    ((_, cut_off),) = report["spectra"]["bands"]
+    exact = np.exp(-20.0 * np.arccosh(frequency / cut_off))
+    assert report["spectra"]["transmissibility"] == pytest.approx(exact, rel=0.05)

@@ -71,7 +71,7 @@ def test_rows_are_in_the_order_of_numbers_not_of_their_digits():
     assert sorted([10, 9.5, "bead", 2, 100.0], key=collect._rank) == [2, 9.5, 10, 100.0, "bead"]
 
 
-def test_a_figure_is_of_cases_that_are_done(tmp_path, monkeypatch):
+def test_a_figure_is_of_cases_that_are_done_and_has_a_tick_for_each_other(tmp_path, monkeypatch):
     drawn = []
     monkeypatch.setattr(collect, "write_figure", lambda _path, _name, figure: drawn.append(figure) or ())
     blank = dict.fromkeys(QUANTITIES)
@@ -80,8 +80,9 @@ def test_a_figure_is_of_cases_that_are_done(tmp_path, monkeypatch):
         for gap, outcome in ((1.0, "done"), (2.0, "failed"), (3.0, "done"), (4.0, "incomplete"))
     ]
     collect.plot(Table(["gap"], rows, False), tmp_path, "speed", "gap", None)
-    (line,) = drawn[0].axes[0].get_lines()
-    assert line.get_xydata().tolist() == [[1.0, 10.0], [3.0, 30.0]]
+    line, foot = drawn[0].axes[0].get_lines()
+    assert [place for place in line.get_xydata().tolist() if place[1] == place[1]] == [[1.0, 10.0], [3.0, 30.0]]
+    assert foot.get_xdata().tolist() == [2.0, 4.0]
 
 
 @pytest.mark.parametrize(

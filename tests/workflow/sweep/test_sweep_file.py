@@ -121,6 +121,9 @@ def test_whatever_the_value_a_name_is_one_safe_word(value):
 # --- mistakes ---------------------------------------------------------------------------------------------------------
 
 BAD = {
+    "empty": ("", "is empty; a sweep needs a `scene` and what to `vary`"),
+    "scene": ("name: a\nbeads: 9\nkick: {velocity: 1}", "looks like a scene, not a sweep; `granchain run FILE -o DIR`"),
+    "design": ("scene: two-chains\nvary: {gap: [1, 2]}\nminimize: delay", "looks like a design, not a sweep;"),
     "no scene": ("vary: {gap: [1]}", "scene: is missing"),
     "nothing to vary": ("scene: two-chains\nvary: {}", "vary: names no field"),
     "misspelt key": ("scene: two-chains\nvarry: {gap: [1]}", "did you mean `vary`?"),

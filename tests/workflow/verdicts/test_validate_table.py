@@ -188,7 +188,7 @@ def test_a_table_from_positions_printed_with_g_is_caught_and_named(runs, exact, 
     np.savez(tmp_path / "own.npz", time=fine.time, displacement=far, velocity=fine.velocity)
     found = validate_against(runs["reduced"], tmp_path / "own.npz")
     assert found.exceeded("displacement")
-    assert any("displacements in" in remark and "decimals" in remark for remark in found.remarks)
+    assert any("displacements in" in cause and "decimals" in cause for cause in found.causes)
 
 
 WRONG = {

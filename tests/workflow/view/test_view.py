@@ -51,6 +51,11 @@ TEXT = """() => {
   walk(document);
   return words;
 }"""
+LABELS = """() => {
+  const plot = Bokeh.documents[0].get_model_by_name('plot log');
+  const axis = Bokeh.index.find_one_by_id(plot.below[0].id), ticks = axis.tick_coords.major[0];
+  return axis.compute_labels(Array.from(ticks)).items.map(one => one.text);
+}"""
 
 
 @pytest.fixture(scope="module")
@@ -245,6 +250,12 @@ def test_the_page_of_a_sweep_draws_any_column_over_any_other(tmp_path, look):
     assert model(page, "cases", "Array.from(it.data.y)") == [row["steps"] for row in table.rows]
     assert model(page, "cases", "Array.from(it.data.x)") == [0.01, 0.1, 1.0]
     assert model(page, "top", "it.children[0].name") == "plot log"
+    assert page.evaluate(LABELS) == ["0.01", "0.02", "0.05", "0.1", "0.2", "0.5", "1"]
+    page.evaluate("() => { Bokeh.documents[0].get_model_by_name('column').value = 'agree_10'; }")
+    agree = [row["agree_10"] for row in table.rows]
+    assert None in agree
+    assert model(page, "cases", "Array.from(it.data.y, y => isNaN(y) ? null : y)") == agree
+    assert model(page, "plot log", "it.title.text") == f"{agree.count(None)} of 3 cases have no number here"
     page.evaluate("() => { Bokeh.documents[0].get_model_by_name('over').value = 'steps'; }")
     assert model(page, "top", "it.children[0].name") == "plot linear"
     assert model(page, "plot linear", "it.below[0].axis_label") == table.heading("steps")

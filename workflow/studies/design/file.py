@@ -158,7 +158,8 @@ def load(path: Path) -> Design:
     Raises:
         InputError: naming the file, the key, what was given and what would be right.
     """
-    return from_plain(strict_yaml.load(path), path)
+    needed = "a design needs a `scene`, what may `vary`, and what to `minimize` or `maximize`"
+    return from_plain(strict_yaml.load(path, needed), path)
 
 
 def schema_of_file() -> dict[str, Any]:
@@ -198,7 +199,7 @@ def from_plain(data: Any, path: Path) -> Design:
     try:
         file = _File.model_validate(data)
     except ValidationError as error:
-        raise InputError(f"{path}: {library.describe(error, _File)}") from None
+        raise InputError(f"{path}: {library.mistaken(data, 'design') or library.describe(error, _File)}") from None
     if (file.minimize is None) == (file.maximize is None):
         raise InputError(f"{path}: give either minimize or maximize, and a quantity: {', '.join(KNOWN)}")
     objective = file.minimize or file.maximize or ""
