@@ -5,6 +5,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from bokeh.models import LinearColorMapper, Span
+from bokeh.plotting import figure
 from stock_lammps import scene
 
 from analysis import motion
@@ -12,7 +14,7 @@ from analysis.tracking.leading_waves import with_speeds
 from analysis.trajectory import Trajectory
 from lammps_inputs import Kick, Material, Output
 from lammps_inputs.ingredients.foundation import Foundation
-from workflow.view import run_page
+from workflow.view import distances, maps, moving, run_page
 from workflow.view.thin import thinned
 from workflow.view.units import units_of
 from workflow.view.write import _left_out
@@ -60,7 +62,7 @@ def test_every_number_is_the_runs_in_the_units_of_its_figures(held):
 
 def test_the_middle_of_a_pixel_is_its_bead_and_time(held):
     _, _, part, _ = held
-    data = run_page._image_source(part, 1).data
+    data = maps.image_source(part, 1).data
     rows, columns = data["velocity"][0].shape
     middle = (data["x"][0] + 0.5 * data["dw"][0] / columns, data["y"][0] + 0.5 * data["dh"][0] / rows)
     assert middle == pytest.approx((1.0, 0.0), abs=1e-12 * float(part.time[-1]))
@@ -72,7 +74,7 @@ def test_the_arrival_after_that_in_the_first_chain_is_positive_where_a_chain_is_
     problem, _, part, units = held
     chain, bead = np.repeat([1, 3], 3), np.tile([2, 3, 4], 2)
     waves = with_speeds(chain, bead, 1.2 * bead + 0.3 * (chain == 3), 0.1 * chain + 0.01 * bead)
-    peaks, lags = run_page._distances(problem, part, SimpleNamespace(waves=waves), (0, 6), units)
+    peaks, lags = distances.distances(problem, part, SimpleNamespace(waves=waves), (0, 6), units)
     for plot, expected in (
         (peaks, {"chain 1": 0.1 + 0.01 * bead[:3], "chain 3": 0.3 + 0.01 * bead[:3]}),
         (lags, {"chain 1": np.zeros(3), "chain 3": np.full(3, 0.3)}),
@@ -87,11 +89,11 @@ def test_the_arrival_after_that_in_the_first_chain_is_positive_where_a_chain_is_
 
 def test_springs_are_drawn_between_chains_that_are_tied(held):
     problem, _, part, units = held
-    images = [run_page._image_source(part, place) for place in range(2)]
+    images = [maps.image_source(part, place) for place in range(2)]
     both = thinned(problem, [Trajectory(problem, *(np.zeros(s) for s in ((1,), (1, 3, 6), (1, 3, 6))))], [1, 2])
     for kept, springs in ((part, []), (both, [[0, 1]])):  # chains 1 and 3 are tied to chain 2 only
-        colours = run_page.LinearColorMapper(palette=["#000"])
-        plot, _ = run_page._moving(problem, kept, images, run_page.Span(), colours, units)
+        colours = LinearColorMapper(palette=["#000"])
+        plot, _ = moving.moving_beads(problem, kept, images, Span(), colours, units)
         (move,) = (code for codes in plot.js_property_callbacks.values() for code in codes if "springs" in code.args)
         assert move.args["springs"] == springs
 
@@ -145,7 +147,7 @@ def test_a_column_of_the_map_is_one_recorded_bead_however_they_are_spaced(beads,
     problem = scene(chains=2, beads=6, kick=(Kick(velocity=0.5),), kappa=0.1, duration=2.0, output=output).problem()
     part = thinned(problem, [made(problem)], [0, 1])
     assert part.even == even
-    data = run_page._image_source(part, 0).data
+    data = maps.image_source(part, 0).data
     width = data["dw"][0] / 3
     middles = data["x"][0] + width * (0.5 + np.arange(3))
     assert middles == pytest.approx(part.places)
@@ -153,7 +155,7 @@ def test_a_column_of_the_map_is_one_recorded_bead_however_they_are_spaced(beads,
 
 
 def headings(root):
-    return [model.title.text for model in root.select({"type": run_page.figure})]
+    return [model.title.text for model in root.select({"type": figure})]
 
 
 def test_no_peaks_are_drawn_where_no_pulse_leads():

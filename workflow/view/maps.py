@@ -1,0 +1,170 @@
+"""Velocity in space and time, a plot for each chain, and the traces of the beads that one clicks in them."""
+
+from typing import Any
+
+import numpy as np
+from bokeh.events import Tap
+from bokeh.models import (
+    ColorBar,
+    ColumnDataSource,
+    CrosshairTool,
+    CustomJS,
+    CustomJSHover,
+    HoverTool,
+    LinearColorMapper,
+    Span,
+)
+from bokeh.plotting import figure
+
+from workflow.view.axes import CHAIN_COLOURS, TOOLS, Units, graph, label, name_places, number, put_legend_aside
+from workflow.view.thin import Thinned
+from workflow.view.units import axis_label, behind
+
+BEAD_DASHES = ("solid", "6 3", "2 2", "8 2 2 2", "12 3", "5 2 2 2 2 2", "2 5", "12 3 3 3")
+"""Of the traces of a bead, one for each bead that is shown."""
+
+MOST_TRACES = len(BEAD_DASHES)
+"""Or those of one bead, where there are more chains."""
+
+PLOTS_A_ROW = 4
+
+_BEAD = (
+    "return String(beads[Math.max(0, Math.min(beads.length - 1, Math.round((special_vars.x - places[0]) / spacing)))])"
+)
+
+_WHEN = """
+const k = time.length > 1 ? Math.round((special_vars.y - time[0]) / (time[1] - time[0])) : 0;
+return time[Math.max(0, Math.min(time.length - 1, k))].toPrecision(6) + unit
+"""
+
+_TRACE = """
+const distance = places.map(place => Math.abs(place - cb_obj.x)), i = distance.indexOf(Math.min(...distance));
+const n = beads.length, some = chains.length, data = {...traces.data};
+for (const key in data) data[key] = Array.from(data[key]);
+if (data.label.includes(`bead ${beads[i]}, chain ${chains[0]}`)) return;
+while (data.label.length > Math.max(0, most - some)) for (const key in data) data[key].splice(0, some);
+let look = 0;
+while (data.look.includes(look)) look++;
+for (let c = 0; c < some; c++) {
+  const vel = images[c].data.velocity[0], ys = [];
+  for (let k = 0; k < time.length; k++) ys.push(vel[k * n + i]);
+  data.xs.push(Array.from(time)); data.ys.push(ys); data.look.push(look);
+  data.colour.push(colours[some > 1 ? c : look]); data.dash.push(dashes[some > 1 ? look : 0]);
+  data.label.push(`bead ${beads[i]}, chain ${chains[c]}`);
+}
+traces.data = data;
+"""
+
+
+def image_source(part: Thinned, place: int) -> ColumnDataSource:
+    """What a chain's map shows, and where it stands."""
+    first, last = float(part.places[0]), float(part.places[-1])
+    step = float(part.time[1] - part.time[0]) if len(part.time) > 1 else 1.0
+    arrays = {name: [getattr(part, name)[place].astype(np.float32)] for name in ("velocity", "overlap", "force")}
+    half = 0.5 * part.spacing
+    box = {
+        "x": [first - half],
+        "y": [float(part.time[0]) - 0.5 * step],
+        "dw": [last - first + 2.0 * half],
+        "dh": [float(part.time[-1] - part.time[0]) + step],
+    }
+    return ColumnDataSource(name=f"chain-{part.chains[place]}", data={**arrays, **box})
+
+
+def maps_of(
+    part: Thinned,
+    images: list[ColumnDataSource],
+    now: Span,
+    colours: LinearColorMapper,
+    units: Units,
+    sight: tuple[float, float],
+) -> tuple[list[Any], Any, Any]:
+    """Velocity in space and time, a plot for each chain, with linked axes and a cursor that says the numbers.
+
+    Args:
+        sight: places that are seen at first.
+    """
+    across = min(PLOTS_A_ROW, len(part.chains))
+    lists = {"beads": part.beads.tolist(), "places": part.places.tolist(), "spacing": part.spacing}
+    when = {"time": part.time.tolist(), "unit": behind(units["time"])}
+    kinds = {"velocity": ("velocity", "velocity")}
+    if np.any(np.isfinite(part.overlap)):
+        kinds |= {"overlap": ("overlap with the next", "length"), "force": ("force on the next", "force")}
+    told = {"$x": CustomJSHover(args=lists, code=_BEAD), "$y": CustomJSHover(args=when, code=_WHEN)}
+    told |= {f"@{name}": number(units[kind]) for name, (_, kind) in kinds.items()}
+    tips = [("bead", "$x{custom}"), ("time", "$y{custom}")]
+    tips += [(said, f"@{name}{{custom}}") for name, (said, _) in kinds.items()]
+    found: list[Any] = []
+    for source, chain in zip(images, part.chains, strict=True):
+        shared = {"x_range": found[0].x_range, "y_range": found[0].y_range} if found else {"x_range": sight}
+        plot = figure(
+            title=f"chain {chain}",
+            tools=TOOLS,
+            active_scroll="wheel_zoom",
+            height=430,
+            sizing_mode="stretch_width",
+            y_axis_label=axis_label("time", units["time"]),
+            **shared,
+        )
+        drawn = plot.image("velocity", x="x", y="y", dw="dw", dh="dh", source=source, color_mapper=colours)
+        plot.add_tools(HoverTool(renderers=[drawn], tooltips=tips, formatters=told))
+        plot.add_tools(CrosshairTool(line_alpha=0.4))
+        plot.add_layout(now)
+        plot.grid.visible = False
+        label(plot)
+        name_places(plot, part)
+        plot.xaxis.ticker.desired_num_ticks = 8 // across + 2
+        if len(found) == across - 1:
+            bar = ColorBar(color_mapper=colours, title=axis_label("velocity", units["velocity"]), width=10)
+            plot.add_layout(bar, "right")
+        found.append(plot)
+    return found, found[0].x_range, found[0].y_range
+
+
+def traces_of(part: Thinned, shown: list[int], time_range: Any, units: Units) -> tuple[Any, ColumnDataSource]:
+    """Velocity of some beads over time; a click into a map adds one."""
+    data: dict[str, list[Any]] = {"xs": [], "ys": [], "label": [], "colour": [], "dash": [], "look": []}
+    many = len(part.chains) > 1
+    for look, bead in enumerate(shown[: max(1, 6 // len(part.chains))]):
+        k = int(np.argmin(np.abs(part.beads - bead)))
+        for place, chain in enumerate(part.chains):
+            data["xs"].append(part.time.astype(np.float32))
+            data["ys"].append(part.velocity[place, :, k].astype(np.float32))
+            data["colour"].append(CHAIN_COLOURS[place if many else look])
+            data["dash"].append(BEAD_DASHES[look if many else 0])
+            data["look"].append(look)
+            data["label"].append(f"bead {part.beads[k]}, chain {chain}")
+    source = ColumnDataSource(name="traces", data=data)
+    plot = graph(
+        "velocity over time; click a map for more",
+        axis_label("time", units["time"]),
+        axis_label("velocity", units["velocity"]),
+        (float(part.time[0]), float(part.time[-1])),
+    )
+    time_range.js_link("start", plot.x_range, "start")
+    time_range.js_link("end", plot.x_range, "end")
+    plot.multi_line(
+        "xs", "ys", source=source, line_color="colour", line_dash="dash", legend_field="label", line_width=1.5
+    )
+    put_legend_aside(plot)
+    return plot, source
+
+
+def on_click(maps: list[Any], part: Thinned, images: list[ColumnDataSource], traces: ColumnDataSource) -> None:
+    """Add the traces of the bead that is clicked in a map, in place of the oldest where there are too many."""
+    tap = CustomJS(
+        args={
+            "beads": part.beads.tolist(),
+            "places": part.places.tolist(),
+            "chains": part.chains,
+            "time": part.time.tolist(),
+            "images": images,
+            "traces": traces,
+            "colours": list(CHAIN_COLOURS),
+            "dashes": list(BEAD_DASHES),
+            "most": MOST_TRACES,
+        },
+        code=_TRACE,
+    )
+    for one in maps:
+        one.js_on_event(Tap, tap)

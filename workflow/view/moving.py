@@ -1,0 +1,153 @@
+"""Beads, springs and contact forces that move along the chains, under a slider."""
+
+from typing import Any
+
+import numpy as np
+from bokeh.layouts import row
+from bokeh.models import (
+    ColumnDataSource,
+    CustomJS,
+    CustomJSTickFormatter,
+    HoverTool,
+    LinearColorMapper,
+    Slider,
+    Span,
+    Toggle,
+)
+from bokeh.plotting import figure
+
+from lammps_inputs import Problem
+from workflow.view.axes import Units, label, name_places, number
+from workflow.view.thin import Thinned
+from workflow.view.units import behind
+
+BEADS_IN_SIGHT = 40
+"""Around the front, where beads move."""
+
+_EXAGGERATED = 0.25
+"""Distances between neighbouring beads of a page for a displacement of L: what LAMMPS's, 4 wide, have."""
+
+_MOVE = """
+const k = slider.value, n = places.length, T = time[k];
+now.location = T;
+const x = [], y = [], v = [], d = [], bead = [], chain = [], fx = [], fy = [], fh = [];
+const sx0 = [], sx1 = [], sy0 = [], sy1 = [], sc = [];
+let front = 0, fastest = 0;
+for (let c = 0; c < images.length; c++) {
+  const vel = images[c].data.velocity[0], force = images[c].data.force[0], dis = moved.data.displacement[c];
+  for (let i = 0; i < n; i++) {
+    const at = k * n + i;
+    x.push(places[i] + exaggerated * dis[at]); y.push(-c); v.push(vel[at]);
+    d.push(dis[at] * length); bead.push(beads[i]); chain.push(chains[c]);
+    if (force[at] > 0) { fx.push(places[i] + 0.5 * spacing); fy.push(-c + 0.3); fh.push(0.45 * force[at] / strongest); }
+    if (Math.abs(vel[at]) > fastest) { fastest = Math.abs(vel[at]); front = i; }
+  }
+}
+for (const [a, b] of springs)
+  for (let i = 0; i < n; i++) {
+    const one = k * n + i, dis = moved.data.displacement, p = exaggerated * dis[a][one], q = exaggerated * dis[b][one];
+    sx0.push(places[i] + p); sx1.push(places[i] + q);
+    sy0.push(-a); sy1.push(-b); sc.push(Math.min(1, 0.15 + Math.abs(p - q) / spacing));
+  }
+balls.data = {x, y, v, d, bead, chain};
+pushes.data = {x: fx, y: fy.map((low, i) => low + fh[i] / 2), h: fh};
+ties.data = {x0: sx0, x1: sx1, y0: sy0, y1: sy1, alpha: sc};
+const half = 0.5 * sight, first = places[0] - spacing, last = places[n - 1] + spacing;
+const middle = Math.max(first + half, Math.min(last - half, places[front]));
+if (last - first > sight) { range.start = middle - half; range.end = middle + half; }
+"""
+
+_TIME = "return time[Math.max(0, Math.min(time.length - 1, Math.round(tick)))].toPrecision(5) + unit"
+
+_PLAY = """
+clearInterval(window.playing);
+if (button.active) window.playing = setInterval(() => {
+  slider.value = slider.value >= slider.end ? slider.start : slider.value + Math.max(1, Math.round(slider.end / 400));
+}, 40);
+"""
+
+
+def moving_beads(
+    problem: Problem,
+    part: Thinned,
+    images: list[ColumnDataSource],
+    now: Span,
+    colours: LinearColorMapper,
+    units: Units,
+) -> tuple[Any, Any]:
+    """Beads, springs and contact forces at one time, with a slider and a button that moves it."""
+    chains = len(part.chains)
+    first, last = float(part.places[0]) - part.spacing, float(part.places[-1]) + part.spacing
+    sight = BEADS_IN_SIGHT * part.spacing
+    plot = figure(
+        tools="xpan,xwheel_zoom,reset,save",
+        height=110 + 46 * chains,
+        sizing_mode="stretch_width",
+        x_range=(first, min(last, first + sight)),
+        y_range=(-chains + 0.4, 0.9),
+    )
+    label(plot)
+    name_places(plot, part)
+    spacings = "spacings" if part.bead_stride == 1 and part.even else "times the spacing shown"
+    bars = ", bars: contact force" if np.any(np.isfinite(part.force)) else ""
+    plot.xaxis.axis_label += f"; displacements times {_EXAGGERATED:g} {spacings} / L{bars}"
+    plot.yaxis.ticker = [-k for k in range(chains)]
+    plot.yaxis.major_label_overrides = {-k: f"chain {chain}" for k, chain in enumerate(part.chains)}
+    plot.grid.visible = False
+    balls = ColumnDataSource(name="balls", data={name: [] for name in ("x", "y", "v", "d", "bead", "chain")})
+    pushes = ColumnDataSource(name="pushes", data={"x": [], "y": [], "h": []})
+    ties = ColumnDataSource(name="ties", data={"x0": [], "x1": [], "y0": [], "y1": [], "alpha": []})
+    plot.segment("x0", "y0", "x1", "y1", source=ties, line_color="#7a5195", line_alpha="alpha", line_width=2)
+    plot.rect("x", "y", width=0.35 * part.spacing, height="h", source=pushes, fill_color="#e69f00", line_color=None)
+    drawn = plot.scatter(
+        "x", "y", size=13, source=balls, fill_color={"field": "v", "transform": colours}, line_color="#555555"
+    )
+    plot.add_tools(
+        HoverTool(
+            renderers=[drawn],
+            tooltips=[
+                ("bead", "@bead"),
+                ("chain", "@chain"),
+                ("displacement", "@d{custom}"),
+                ("velocity", "@v{custom}"),
+            ],
+            formatters={"@d": number(units["length"]), "@v": number(units["velocity"])},
+        )
+    )
+    length = units["length"].worth
+    moved = ColumnDataSource(
+        name="moved", data={"displacement": [(x / length).astype(np.float32) for x in part.displacement]}
+    )
+    told = CustomJSTickFormatter(args={"time": part.time.tolist(), "unit": behind(units["time"])}, code=_TIME)
+    slider = Slider(start=0, end=max(1, len(part.time) - 1), value=0, step=1, title="time", name="time", format=told)
+    slider.sizing_mode = "stretch_width"
+    button = Toggle(label="play", width=70, name="play")  # a button whose label changes would lose the focus
+    rows = {chain - 1: k for k, chain in enumerate(part.chains)}
+    edges = [edge for link in problem.across for edge in link.edges if edge[0] in rows and edge[1] in rows]
+    move = CustomJS(
+        args={
+            "slider": slider,
+            "now": now,
+            "beads": part.beads.tolist(),
+            "places": part.places.tolist(),
+            "chains": part.chains,
+            "time": part.time.tolist(),
+            "images": images,
+            "moved": moved,
+            "balls": balls,
+            "pushes": pushes,
+            "ties": ties,
+            "range": plot.x_range,
+            "springs": [[rows[one], rows[other]] for one, other in edges],
+            "strongest": float(np.nanmax(part.force, initial=0.0)) or 1.0,
+            "exaggerated": _EXAGGERATED * part.spacing,
+            "length": length,
+            "spacing": part.spacing,
+            "sight": sight,
+        },
+        code=_MOVE,
+    )
+    slider.js_on_change("value", move)
+    button.js_on_change("active", CustomJS(args={"slider": slider, "button": button}, code=_PLAY))
+    plot.js_on_change("inner_width", move)  # once, when the page is laid out
+    return plot, row(button, slider, sizing_mode="stretch_width")
