@@ -66,6 +66,7 @@ def locked(tmp_path):
     """A directory that the user may not look into; root, for whom permissions do not count, is somebody else here."""
     for name in COMMANDS:  # while they can be read
         importlib.import_module(f"workflow.commands.{name}")
+    importlib.import_module("rich.progress")
     library.find("two-chains")
     tmp_path.chmod(0)
     if os.getuid() == 0:

@@ -132,6 +132,16 @@ def test_snapshots_of_all_beads_go_on_too(tmp_path):
     np.testing.assert_array_equal(left, right)
 
 
+def test_without_all_snapshots_until_the_restart_it_starts_again(tmp_path):
+    one = a_scene(recorded=(3, 7))
+    one = one.model_copy(update={"output": one.output.model_copy(update={"snapshots": 20.0})})
+    interrupted_after(5000, one, tmp_path)
+    (tmp_path / file_names.SNAPSHOTS).unlink()
+    again = resume(tmp_path, check=False)
+    assert [part["from_step"] for part in again.directory.record["resumed"]] == [0]
+    assert len(frames(tmp_path, "chains.snapshots*.bin")) == 11
+
+
 @pytest.mark.slow
 @TWO
 def test_two_ranks_are_interrupted_and_go_on_as_one_or_two(tmp_path):
