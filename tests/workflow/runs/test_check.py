@@ -21,6 +21,7 @@ from workflow.engines.reference import engine
 from workflow.engines.reference.certify import certified
 from workflow.prepare import step_search
 from workflow.prepare.accuracy import better_timestep
+from workflow.prepare.settings import Settings
 from workflow.runs.check import SPACING, check, stride
 from workflow.runs.peaks_table import found_on_the_way
 from workflow.runs.run import run
@@ -189,6 +190,23 @@ def test_no_time_step_is_named_where_none_keeps_it_or_a_shorter_run_stood_for_th
 def test_what_the_reference_is_not_sure_of_is_not_said(velocity, sure, says, finished, capsys):
     told = replace(finished.check, velocity=velocity, reference=replace(finished.check.reference, velocity=sure))
     assert _judged(told, finished.directory.scene, None) == 0
+    printed = capsys.readouterr().out
+    assert says in printed
+    assert bool(says) == bool(printed)
+
+
+@pytest.mark.parametrize(
+    ("velocity", "sure", "code", "says"),
+    [
+        (9e-5, 9e-5, 0, ""),
+        (2e-4, 1e-5, 1, "that is more than 0.0001 V, which a twin of the run did not show"),
+        (9e-5, 2e-4, 1, "cannot tell whether that is within 0.0001 V, for errors grow"),
+    ],
+)
+def test_an_accuracy_that_was_asked_for_and_not_kept_is_a_failure(velocity, sure, code, says, finished, capsys):
+    told = replace(finished.check, velocity=velocity, reference=replace(finished.check.reference, velocity=sure))
+    asked = Settings(1e-4, 0.01, 10, 0.1, 5e-5, 5e-5, 1.0, limited=False, seconds=0.1)
+    assert _judged(told, finished.directory.scene, asked) == code
     printed = capsys.readouterr().out
     assert says in printed
     assert bool(says) == bool(printed)
