@@ -16,6 +16,7 @@ CONTINUE = "in.continue"
 RESTART = "chains.restart"
 RESTART_SUMS = "chains.restart.sha256"
 UNFINISHED = "chains.restart.part"
+"""A restart while it is written."""
 
 CASES = "cases.txt"
 JOB = "job.sbatch"

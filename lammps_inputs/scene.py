@@ -217,12 +217,11 @@ class BaseScene(Part):
 
     def _check_wanted(self) -> None:
         """Refuse choices that build on what an ingredient takes away."""
-        for key in INGREDIENTS:
-            named = getattr(self, key)
-            for ingredient in named if isinstance(named, tuple) else () if named is None else (named,):
-                for fact in ingredient.lacks(self) & self.wanted.keys():
-                    reason = ingredient.why.get(fact, f"takes away that {fact.value}")
-                    raise ValueError(f"{key}: {reason}; leave the {self.wanted[fact]} out")
+        wanted = self.wanted
+        for key, ingredient in self._named if wanted else ():
+            for fact in ingredient.lacks(self) & wanted.keys():
+                reason = ingredient.why.get(fact, f"takes away that {fact.value}")
+                raise ValueError(f"{key}: {reason}; leave the {wanted[fact]} out")
 
     def _check_numbers(self) -> None:
         """Refuse scenes whose dimensionless numbers overflow."""
@@ -327,9 +326,15 @@ class BaseScene(Part):
     @property
     def ingredients(self) -> tuple[Ingredient, ...]:
         """What the scene names of all that a scene may be made of."""
-        named = (getattr(self, key) for key in INGREDIENTS)
-        lists = (each if isinstance(each, tuple) else (each,) for each in named if each is not None)
-        return tuple(ingredient for each in lists for ingredient in each)
+        return tuple(ingredient for _, ingredient in self._named)
+
+    @property
+    def _named(self) -> Iterator[tuple[str, Ingredient]]:
+        """The same, each with its key."""
+        for key in INGREDIENTS:
+            named = getattr(self, key)
+            for ingredient in named if isinstance(named, tuple) else () if named is None else (named,):
+                yield key, ingredient
 
     @property
     def system(self) -> System:
@@ -359,7 +364,7 @@ class BaseScene(Part):
         try:
             return under_load(system, np.broadcast_to(static, (self.chains, self.beads + 1)))
         except LoadError as error:
-            key = next(key for key in INGREDIENTS if np.any(_static(getattr(self, key), self, mass)))
+            key = next(key for key, ingredient in self._named if np.any(ingredient.static(self, mass)))
             raise ValueError(f"{key}: {error}") from None
 
     def _cadence(self) -> tuple[float, int]:
@@ -433,10 +438,6 @@ class BaseScene(Part):
 
 def _one_or_several(value: Any) -> Any:
     return tuple(value) if isinstance(value, list | tuple) else None if value is None else (value,)
-
-
-def _static(part: Any, scene: BaseScene, mass: Any) -> Any:
-    return part.static(scene, mass) if isinstance(part, Ingredient) else 0.0
 
 
 def _annotation(ingredient: type[Ingredient]) -> Any:

@@ -11,7 +11,6 @@ if TYPE_CHECKING:
     from lammps_inputs import Problem
 
 _bars: ContextVar[bool] = ContextVar("bars", default=True)
-_hints: ContextVar[Callable[[str], None] | None] = ContextVar("hints", default=None)
 
 
 class Answer(NamedTuple):
@@ -32,33 +31,35 @@ def without_bars() -> Iterator[None]:
         _bars.reset(token)
 
 
-@contextmanager
-def with_hints(tell: Callable[[str], None] | None = None) -> Iterator[None]:
-    """Give hints meanwhile also where standard error is no terminal; ``tell`` takes them, if it is given."""
-    token = _hints.set(tell or _print_hint)
-    try:
-        yield
-    finally:
-        _hints.reset(token)
-
-
-def hint(text: str) -> None:
-    """Say to whoever waits what takes long, in one line on standard error; where progress is shown, and in commands."""
-    if not _bars.get():
-        return
-    tell = _hints.get()
-    if tell is not None:
-        tell(text)
-    else:
-        _print_hint(text, anywhere=False)
-
-
 def _print_hint(text: str, *, anywhere: bool = True) -> None:
     from rich.console import Console
 
     console = Console(stderr=True, soft_wrap=True, highlight=False)
     if anywhere or console.is_terminal or console.is_jupyter:
         console.print(text, style="dim", markup=False)
+
+
+def _print_where_seen(text: str) -> None:
+    _print_hint(text, anywhere=False)
+
+
+_tell: ContextVar[Callable[[str], None]] = ContextVar("tell", default=_print_where_seen)
+
+
+@contextmanager
+def with_hints(tell: Callable[[str], None] = _print_hint) -> Iterator[None]:
+    """Let something else take hints meanwhile; by default they are given also where standard error is no terminal."""
+    token = _tell.set(tell)
+    try:
+        yield
+    finally:
+        _tell.reset(token)
+
+
+def hint(text: str) -> None:
+    """Say to whoever waits what takes long, in one line on standard error; where progress is shown, and in commands."""
+    if _bars.get():
+        _tell.get()(text)
 
 
 def one_line(text: object) -> str:

@@ -129,7 +129,7 @@ class Difference:
         self.conservation = Conservation(self.counted)
         self._map: list[Floats] = []
         self._times: list[float] = []
-        self._last_time, self._cell_beads, self._each = 0.0, np.zeros(0, dtype=np.int64), True
+        self._last_time, self._cell_beads = 0.0, np.zeros(0, dtype=np.int64)
         self.frames = 0
         self._problem: Problem | None = None
 
@@ -160,7 +160,6 @@ class Difference:
             self._map.append(np.fmax.reduceat(row, np.arange(0, len(row), thin)))
             self._times.append(float(block.time[start]))
         self._last_time, self._cell_beads = float(block.time[-1]), np.append(beads[::thin], beads[-1] + 1)
-        self._each = thin == 1
 
     def deviations(self) -> dict[str, Deviation]:
         """Deviation of every quantity in `QUANTITIES`; amplitudes and arrivals are the leading pulse's.
@@ -204,7 +203,8 @@ class Difference:
     def error_map(self) -> "ErrorMap":
         """Where the velocities differ, in cells of some frames by some beads."""
         times = np.array([*self._times, self._last_time])
-        return ErrorMap(times, self._cell_beads, np.array(self._map), self._each)
+        each = self._problem is None or len(self._problem.recorded_beads) <= MAP_CELLS
+        return ErrorMap(times, self._cell_beads, np.array(self._map), each)
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from analysis.against.difference import Deviation, ErrorMap
-from analysis.figures.style import STYLE, axis_unit, name_columns
+from analysis.figures.style import STYLE, axis_unit, evenly_spaced, name_columns
 from lammps_inputs import Problem
 
 GOOD, BAD = "#0072B2", "#D55E00"
@@ -44,12 +44,11 @@ def _draw_map(figure: Figure, space: Axes, problem: Problem, errors: ErrorMap) -
     shown = np.ma.masked_invalid(np.clip(errors.velocity, DECADES * top, None))
     last = errors.time[-1] if errors.time[-1] > errors.time[-2] else errors.time[-2] + problem.every
     unit = axis_unit(problem, "time", float(last))
-    beads = errors.bead[:-1]
-    step = np.diff(beads)
-    even = len(step) > 0 and bool(np.all(step == step[0]))
-    edges = np.arange(len(beads) + 1) - 0.5
+    beads, edges = errors.bead[:-1], np.arange(len(errors.bead)) - 0.5
+    even = evenly_spaced(beads)
     if even:  # a cell of several beads begins with its first
-        edges = np.append(beads, beads[-1] + step[0]) - 0.5 * (step[0] if errors.each else 1)
+        step = beads[1] - beads[0]
+        edges = np.append(beads, beads[-1] + step) - 0.5 * (step if errors.each else 1)
     image = space.pcolormesh(
         edges,
         np.append(errors.time[:-1], last) * unit.worth,

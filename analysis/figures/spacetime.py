@@ -8,7 +8,7 @@ from matplotlib.colors import FuncNorm
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from analysis.figures.style import STYLE, axis_unit, grid, name_columns, shown_chains, title
+from analysis.figures.style import STYLE, axis_unit, evenly_spaced, grid, name_columns, shown_chains, title
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem
 
@@ -92,11 +92,13 @@ def spacetime_figure(data: SpaceTime) -> Figure:
     lattice = grid(problem)
     if lattice is not None and len(chains) == problem.chains:
         rows, columns = lattice
-    step = np.diff(data.beads)
-    even = len(step) > 0 and bool(np.all(step == step[0]))
+    even = evenly_spaced(data.beads)
     half = 0.5 * float(data.time[-1] - data.time[0]) / max(1, len(data.time) - 1)
     instants = ((data.time[0] - half) * time.worth, (data.time[-1] + half) * time.worth)
-    places = (data.beads[0] - 0.5 * step[0], data.beads[-1] + 0.5 * step[-1]) if even else (-0.5, len(data.beads) - 0.5)
+    places = (-0.5, len(data.beads) - 0.5)
+    if even:
+        step = data.beads[1] - data.beads[0]
+        places = (data.beads[0] - 0.5 * step, data.beads[-1] + 0.5 * step)
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(2.2 + 2.4 * columns, 0.6 + 3.6 * rows), layout="constrained")
         axes = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)

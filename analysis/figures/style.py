@@ -200,6 +200,12 @@ def chain_legend(figure: Figure, axis: Axes) -> None:
         figure.legend(handles, labels, loc="outside lower center", ncols=min(len(handles), 4))
 
 
+def evenly_spaced(beads: NDArray[np.int64]) -> bool:
+    """Whether all beads are equally far apart; a single one is not."""
+    steps = np.diff(beads)
+    return len(steps) > 0 and bool(np.all(steps == steps[0]))
+
+
 def name_columns(axis: Axes, beads: NDArray[np.int64]) -> None:
     """Write bead numbers under columns of one width, or under some of them: beads that are not evenly spaced."""
     named = np.unique(np.linspace(0, len(beads) - 1, min(len(beads), _MOST_LABELS)).round().astype(int))

@@ -12,7 +12,6 @@ NEAR = 15
 CLEAR = 25
 """Beads from the wall where they are compared, as near as can be: the reflected one has its shape there."""
 
-
 CLEARLY = 0.5
 """Of the fastest that came: what is slower, ahead of it, is a ripple of another chain's pulse, not the one meant."""
 

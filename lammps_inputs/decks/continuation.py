@@ -15,8 +15,6 @@ from lammps_inputs.decks import at_rest, deck
 from lammps_inputs.numbers import text
 from lammps_inputs.problem import Problem
 
-"""A restart while it is written."""
-
 _TIMED_SINCE = 20230802
 """Earlier releases know the time since the restart only."""
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 class Part(BaseModel):
     """Keys of a scene that belong together: frozen, and none that is not known."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False, defer_build=True)
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
     alone: ClassVar[str | None] = None
     """Key of a number that may be written in place of the part."""

@@ -20,9 +20,10 @@ def stride(problem: Problem, spacing: float = SPACING) -> int:
     """
     if problem.frames <= FEW:
         return 1
-    if rates.swing(problem) > 0.0:
-        spacing = min(spacing, 0.5 * math.pi / rates.swing(problem))
-    if rates.drag(problem) > 0.0:
-        spacing = min(spacing, 0.25 / rates.drag(problem))
+    swing, drag = rates.swing(problem), rates.drag(problem)
+    if swing > 0.0:
+        spacing = min(spacing, 0.5 * math.pi / swing)
+    if drag > 0.0:
+        spacing = min(spacing, 0.25 / drag)
     most = max(1, min(math.floor(spacing / problem.every * (1.0 + 1e-9)), problem.frames))
     return min(range(most, most // 2, -1), key=lambda step: problem.frames % step)

@@ -36,7 +36,7 @@ Date = Annotated[str, AfterValidator(_date)]
 class _Part(BaseModel):
     """What is not named here is nobody's business."""
 
-    model_config = ConfigDict(frozen=True, strict=True, allow_inf_nan=False, defer_build=True)
+    model_config = ConfigDict(frozen=True, strict=True, allow_inf_nan=False)
 
 
 class _Resumed(_Part):

@@ -10,14 +10,12 @@ from analysis.figures.style import Unit
 from workflow.view.thin import Thinned
 from workflow.view.units import behind
 
-Units = dict[str, Unit]
-
 CHAIN_COLOURS = tuple("#44aa99" if colour == "#000000" else colour for colour in ON_PAPER)
 """Teal (Tol) for black, which is not seen in dark mode."""
 
 TOOLS = "pan,wheel_zoom,box_zoom,reset,save"
 
-_TICK = "return String(+tick.toPrecision(6))"
+TICK = "return String(+tick.toPrecision(6))"
 """Numbers on axes, without the zeros that Bokeh would put behind those with a power of ten."""
 
 _NUMBER = "return isNaN(value) ? '\N{EN DASH}' : String(+value.toPrecision(6)) + unit"
@@ -55,7 +53,7 @@ def put_legend_aside(plot: Any) -> None:
 def label(plot: Any) -> None:
     """Write the numbers on axes as short as they are."""
     for axis in (*plot.xaxis, *plot.yaxis):
-        axis.formatter = CustomJSTickFormatter(code=_TICK)
+        axis.formatter = CustomJSTickFormatter(code=TICK)
 
 
 def name_places(plot: Any, part: Thinned) -> None:

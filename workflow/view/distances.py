@@ -7,9 +7,9 @@ from bokeh.models import HoverTool
 
 from analysis.sharing.survey import Survey
 from lammps_inputs import Problem
-from workflow.view.axes import Units, graph, number, of_chain, put_legend_aside
+from workflow.view.axes import graph, number, of_chain, put_legend_aside
 from workflow.view.thin import Thinned
-from workflow.view.units import axis_label
+from workflow.view.units import Units, axis_label
 
 
 def distances(problem: Problem, part: Thinned, found: Survey, bead_range: Any, units: Units) -> list[Any]:

@@ -17,9 +17,9 @@ from bokeh.models import (
 from bokeh.plotting import figure
 
 from lammps_inputs import Problem
-from workflow.view.axes import Units, label, name_places, number
+from workflow.view.axes import label, name_places, number
 from workflow.view.thin import Thinned
-from workflow.view.units import behind
+from workflow.view.units import Units, behind
 
 BEADS_IN_SIGHT = 40
 """Around the front, where beads move."""

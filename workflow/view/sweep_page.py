@@ -21,6 +21,7 @@ from bokeh.plotting import figure
 
 from analysis.figures.swept import logarithmic
 from workflow.sweep.table import Table
+from workflow.view.axes import TICK, TOOLS
 
 _LINK = '<a href="<%= link %>"><%- value %></a>'
 
@@ -62,8 +63,6 @@ if (decades < 0.5) {
 return found.filter(tick => low <= tick && tick <= high);
 """
 """On a logarithmic axis: 1, 2 and 5 of each decade where few are shown, evenly spaced ones within one."""
-
-_PLAIN_NUMBER = "return String(+tick.toPrecision(6));"
 
 _WIDEST, _LETTER = 600, 8
 """Pixels of a column, and of a letter in it."""
@@ -120,7 +119,7 @@ def layout(table: Table, pages: dict[str, str]) -> Any:
 def _plot(source: ColumnDataSource, kind: str, over: str, what: str) -> Any:
     """The column that is chosen over another, on a linear or a logarithmic axis; a click opens the case."""
     plot = figure(
-        tools="pan,wheel_zoom,box_zoom,reset,save",
+        tools=TOOLS,
         height=380,
         width=760,
         x_axis_type=kind,
@@ -131,7 +130,7 @@ def _plot(source: ColumnDataSource, kind: str, over: str, what: str) -> Any:
     plot.toolbar.logo = None
     if kind == "log":
         plot.xaxis.ticker = CustomJSTicker(major_code=_TICKS)
-        plot.xaxis.formatter = CustomJSTickFormatter(code=_PLAIN_NUMBER)
+        plot.xaxis.formatter = CustomJSTickFormatter(code=TICK)
         plot.xgrid.ticker = plot.xaxis[0].ticker
     drawn = plot.scatter("x", "y", size=10, source=source, fill_color="#0072B2", line_color="white", name="points")
     plot.add_tools(HoverTool(renderers=[drawn], tooltips=[("case", "@case"), ("x", "@x"), ("y", "@y")]))

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis import motion
-from analysis.figures.style import Unit
+from analysis.figures.style import Unit, evenly_spaced
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem
 
@@ -48,9 +48,8 @@ class Thinned:
 
     @property
     def even(self) -> bool:
-        """Whether the beads are evenly spaced."""
-        steps = np.diff(self.beads)
-        return bool(np.all(steps == steps[:1]))
+        """Whether the beads are evenly spaced, or one."""
+        return len(self.beads) < 2 or evenly_spaced(self.beads)
 
     @property
     def places(self) -> NDArray[np.float64]:

@@ -7,8 +7,10 @@ from analysis.figures.style import Unit, axis_unit
 from lammps_inputs import Problem
 from workflow.view.thin import Thinned
 
+Units = dict[str, Unit]
 
-def units_of(problem: Problem, part: Thinned) -> dict[str, Unit]:
+
+def units_of(problem: Problem, part: Thinned) -> Units:
     """Units of time, velocity, length, force and energy; reduced ones as they are, without a symbol.
 
     Args:

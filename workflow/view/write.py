@@ -78,7 +78,8 @@ def _run(path: Path) -> Path:
 
 def _left_out(problem: Problem, part: Thinned) -> list[str]:
     """What a page does not show of a run, in words."""
-    apart, time = problem.every * part.frame_stride, axis_unit(problem, "time", problem.every * part.frame_stride)
+    apart = problem.every * part.frame_stride
+    time = axis_unit(problem, "time", apart)
     distance = f"{apart * time.worth:.3g} {time.symbol}" if problem.scale.si else f"{apart:.3g} T"
     kept = [
         f"{len(part.chains)} of {problem.chains} chains" if len(part.chains) < problem.chains else "",

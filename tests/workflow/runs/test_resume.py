@@ -119,9 +119,14 @@ def test_an_interrupted_run_of_another_kind_goes_on_bit_for_bit(changes, tmp_pat
     goes_on(interrupted_after(5000, one, tmp_path / "cut"), tmp_path / "whole", check=False)
 
 
-def test_snapshots_of_all_beads_go_on_too(tmp_path):
+def with_snapshots():
+    """Frames of two beads, and snapshots of all."""
     one = a_scene(recorded=(3, 7))
-    one = one.model_copy(update={"output": one.output.model_copy(update={"snapshots": 20.0})})
+    return one.model_copy(update={"output": one.output.model_copy(update={"snapshots": 20.0})})
+
+
+def test_snapshots_of_all_beads_go_on_too(tmp_path):
+    one = with_snapshots()
     run(one, tmp_path / "whole", check=False)
     interrupted_after(5000, one, tmp_path / "cut")
     resume(tmp_path / "cut", check=False)
@@ -133,9 +138,7 @@ def test_snapshots_of_all_beads_go_on_too(tmp_path):
 
 
 def test_without_all_snapshots_until_the_restart_it_starts_again(tmp_path):
-    one = a_scene(recorded=(3, 7))
-    one = one.model_copy(update={"output": one.output.model_copy(update={"snapshots": 20.0})})
-    interrupted_after(5000, one, tmp_path)
+    interrupted_after(5000, with_snapshots(), tmp_path)
     (tmp_path / file_names.SNAPSHOTS).unlink()
     again = resume(tmp_path, check=False)
     assert [part["from_step"] for part in again.directory.record["resumed"]] == [0]

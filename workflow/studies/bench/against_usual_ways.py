@@ -45,7 +45,7 @@ def output_cost(root: Path) -> Iterator[Ratio]:
     """LAMMPS with the frames of the paper's scene against LAMMPS without any."""
     _write(paper_scene(), root)
     text = (root / file_names.DECK).read_text()
-    bare = "\n".join(line for line in text.splitlines() if not line.startswith("dump"))
+    bare = without_frames(text)
     pairs = [(lammps_seconds(root, bare), lammps_seconds(root, text)) for _ in range(7)]
     yield make_ratio("run with frames / without, 2 x 120", [b / a for a, b in pairs], 1.3, below=True, times=pairs)
 
@@ -65,7 +65,7 @@ def check_cost(root: Path) -> Iterator[Ratio]:
 def tuned_against_plain(root: Path) -> Iterator[Ratio]:
     """The deck against a plain one, no frames, per bead and step."""
     problem = _write(_scene(100, 1000, 2.0), root)
-    bare = "\n".join(line for line in (root / file_names.DECK).read_text().splitlines() if not line.startswith("dump"))
+    bare = without_frames((root / file_names.DECK).read_text())
     plain = root / "plain"
     _write_plain(problem, plain)
     text = textbook.plain_deck(problem, dump=False)
@@ -107,6 +107,11 @@ def _write(scene: Scene, directory: Path) -> Problem:
     directory.mkdir(parents=True, exist_ok=True)
     deck.write(scene, directory)
     return scene.problem()
+
+
+def without_frames(text: str) -> str:
+    """A deck that writes none."""
+    return "\n".join(line for line in text.splitlines() if not line.startswith("dump"))
 
 
 def _write_plain(problem: Problem, directory: Path) -> None:

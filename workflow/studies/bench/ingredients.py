@@ -7,7 +7,7 @@ from typing import Any
 
 from lammps_inputs import Scene, file_names, library
 from lammps_inputs.decks import deck
-from workflow.studies.bench.against_usual_ways import lammps_seconds
+from workflow.studies.bench.against_usual_ways import lammps_seconds, without_frames
 from workflow.studies.bench.ratio import Ratio, make_ratio
 
 REPEATS = 5
@@ -53,4 +53,4 @@ def _text(scene: Scene, folder: Path) -> str:
     """The deck without its frames; its data file in a folder."""
     folder.mkdir(parents=True)
     deck.write(scene, folder)
-    return "\n".join(row for row in (folder / file_names.DECK).read_text().splitlines() if not row.startswith("dump"))
+    return without_frames((folder / file_names.DECK).read_text())
