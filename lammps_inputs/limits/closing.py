@@ -73,12 +73,12 @@ def _stays_open(closing: Floats, kappa: float, gap: float) -> bool:
     # the farthest that the drift can be made up for, in steps between which no swing rises by half the gap
     end = (share / slowest - gap) / -drift
     fastest = 2.0 * math.sqrt(kappa)
-    step = math.sqrt(4.0 * gap / (share * fastest))
-    if not end / step * chains**2 <= MOST_WORK:
+    steps = end * math.sqrt(share * fastest / gap) / 2.0
+    if not steps * chains**2 <= MOST_WORK:  # also without end, where the gap is next to nothing
         return False
     mode = np.arange(1, chains)
     shape = np.sqrt(2.0 / chains) * np.cos(math.pi / chains * np.outer(mode, np.arange(chains) + 0.5))
     omega = 2.0 * math.sqrt(kappa) * np.sin(math.pi / (2.0 * chains) * mode)
-    time = np.arange(0.0, end + step, step)[:, np.newaxis]
+    time = np.linspace(0.0, end, math.ceil(steps) + 2)[:, np.newaxis]
     advance = drift * time + (np.sin(omega * time) * (shape @ swing) / omega) @ shape
     return bool(advance.max() < 0.5 * gap)

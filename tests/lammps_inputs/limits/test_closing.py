@@ -68,6 +68,12 @@ def test_beads_of_a_refused_scene_never_meet():
     assert 50 < refused < 400
 
 
+@pytest.mark.parametrize("kappa", [5e-324, 1e-20, 121.0, 1e308])
+@pytest.mark.parametrize("gap", [5e-324, 1e-300])
+def test_a_gap_of_next_to_nothing_is_accepted(gap, kappa):
+    assert not never_closes(2, kappa, gap, [(1, 1, -0.63), (2, 1, 0.1)], 3)
+
+
 def test_what_would_take_too_long_to_prove_is_accepted():
     # 5000 chains: modes of no use, and the cheap bounds leave it open
     assert not never_closes(5000, 1e-6, 1e-3, [(1, 1, -1.0)], 3)
