@@ -166,6 +166,11 @@ class System:
         """The links to the ground that only push."""
         return tuple(link for link in self.ground if isinstance(link, Wall))
 
+    @cached_property
+    def held(self) -> tuple[Ground, ...]:
+        """The springs to the ground."""
+        return tuple(link for link in self.ground if not isinstance(link, Wall))
+
     @property
     def sinks(self) -> tuple[str | None, str | None, str | None]:
         """Names of the dashpots along, across and to the ground; None where there are none."""

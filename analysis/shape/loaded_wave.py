@@ -18,8 +18,13 @@ from numpy.typing import NDArray
 from analysis.trajectory import Floats
 from lammps_inputs import System, laws
 
+LONGEST_CELL = 12
+"""Beads that are looked for to repeat along the chains."""
+
+_SAME = 1e-9
+
 _NEAR = 2
-"""Beads on either side over which masses and contacts are averaged where they differ."""
+"""Beads on either side over which masses and contacts are averaged, at least; whole cells where beads repeat."""
 
 _ABOVE = np.logspace(-4.0, 13.0, 2000)
 """Force ratios above 1 of the table of amplitudes."""
@@ -52,6 +57,26 @@ def _table(exponent: float) -> tuple[Floats, Floats]:
         return np.log(_amplitude(1.0 + _ABOVE, exponent)), speed_over_sound(1.0 + _ABOVE, exponent)
 
 
+def repeats(columns: Floats) -> int | None:
+    """After how many beads all rows of an array [what, bead] repeat; None where they do not, or are too short."""
+    scale = np.maximum(np.max(np.abs(columns), axis=1, keepdims=True), 1e-300)
+    for period in range(1, min(LONGEST_CELL, columns.shape[1] // 3) + 1):
+        if np.all(np.abs(columns[:, period:] - columns[:, :-period]) <= _SAME * scale):
+            return period
+    return None
+
+
+def cell_beads(system: System) -> int:
+    """After how many beads masses and contacts repeat, whatever load they bear; 1 where they do not."""
+    if system.one_kind:
+        return 1
+    shape = system.chains, system.beads - 1
+    strength = [np.broadcast_to(laws.strength(link.law), shape) for link in system.along]
+    mass = np.broadcast_to(system.mass, (system.chains, system.beads))[:, :-1]
+    # the first may be a striker
+    return repeats(np.concatenate([mass, *strength])[:, 1:]) or 1
+
+
 def sound_speed(system: System) -> Floats:
     """Speed of long waves at every bead, [chain, bead] in beads / T, from the masses and contacts near it.
 
@@ -60,16 +85,17 @@ def sound_speed(system: System) -> Floats:
     stiffness = np.broadcast_to(
         sum(laws.stiffness(link.law, 0.0) for link in system.along), (system.chains, system.beads - 1)
     )
-    mass = np.broadcast_to(system.mass, (system.chains, system.beads))
+    mass, near = np.broadcast_to(system.mass, (system.chains, system.beads)), _near(system)
     with np.errstate(divide="ignore"):
         compliance = 1.0 / stiffness
-    return np.asarray(1.0 / np.sqrt(_smooth(mass) * _at_beads(_smooth(compliance))))
+    return np.asarray(1.0 / np.sqrt(_smooth(mass, near) * _at_beads(_smooth(compliance, near))))
 
 
 def make_speed(system: System) -> "LoadedSpeed":
     """How fast pulses of an amplitude run at a bead of a loaded chain."""
     rest = np.broadcast_to(sum(laws.rest(link.law) for link in system.along), (system.chains, system.beads - 1))
-    return LoadedSpeed(sound_speed(system), np.asarray(_at_beads(_smooth(rest))), system.exponent or 1.5)
+    rest = np.asarray(_at_beads(_smooth(rest, _near(system))))
+    return LoadedSpeed(sound_speed(system), rest, system.exponent or 1.5)
 
 
 class LoadedSpeed:
@@ -89,13 +115,25 @@ class LoadedSpeed:
         return np.asarray(sound * np.interp(amplitude, *self._table))
 
 
-def _smooth(values: Floats) -> Floats:
-    """Means over those near, along the last axis."""
-    count = values.shape[-1]
-    total = np.cumsum(np.pad(values, [(0, 0)] * (values.ndim - 1) + [(1, 0)]), axis=-1)
-    place = np.arange(count)
-    low, high = np.maximum(place - _NEAR, 0), np.minimum(place + _NEAR + 1, count)
-    return np.asarray((total[..., high] - total[..., low]) / (high - low))
+def _near(system: System) -> int:
+    """Beads on either side over which to average: twice as many are whole cells."""
+    cell = cell_beads(system)
+    return cell * -(-_NEAR // cell)
+
+
+def _smooth(values: Floats, near: int) -> Floats:
+    """Means over so many on either side along the last axis, the outermost with half their weight.
+
+    At the ends they are those of the nearest place that has as many.
+    """
+    near = min(near, (values.shape[-1] - 1) // 2)
+    if near == 0:
+        return values
+    weight = np.full(2 * near + 1, 0.5 / near)
+    weight[[0, -1]] *= 0.5
+    windows = np.lib.stride_tricks.sliding_window_view(values, len(weight), axis=-1)
+    inner = np.sum(windows * weight, axis=-1)
+    return np.pad(inner, [(0, 0)] * (values.ndim - 1) + [(near, near)], mode="edge")
 
 
 def _at_beads(contacts: Floats) -> Floats:

@@ -13,21 +13,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from analysis.mirror import direction_of
+from analysis.shape.loaded_wave import repeats
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem, System, laws
-from lammps_inputs.links import Wall
 from lammps_inputs.numbers import text
 from lammps_inputs.units import Scale
 
-LONGEST_CELL, MOST_BRANCHES = 12, 60
+MOST_BRANCHES = 60
 
 MOST_NUMBERS = 20_000_000
 """Velocities that are held."""
 
 FAINTEST = 1e-9
 """Share of the largest power that a ridge must have."""
-
-_SAME = 1e-9
 
 _POINTS = 200
 """Wavenumbers from 0 to the edge of a zone at which bands are looked for."""
@@ -100,16 +98,12 @@ def cell_of(system: System) -> Cell:
             for here, there in ((one, other), (other, one)):
                 row[:, here, here] += stiff[k]
                 row[:, here, there] -= stiff[k]
-    for ground in system.ground:
-        if not isinstance(ground, Wall):
-            held = np.broadcast_to(laws.stiffness(ground.law, 0.0), (chains, beads))
-            row[:, np.arange(chains), np.arange(chains)] += held.T
+    for spring in system.held:
+        held = np.broadcast_to(laws.stiffness(spring.law, 0.0), (chains, beads))
+        row[:, np.arange(chains), np.arange(chains)] += held.T
     columns = np.concatenate([mass, along, row.reshape(beads, -1).T])[:, 1:-1]
-    scale = np.maximum(np.max(np.abs(columns), axis=1, keepdims=True), 1e-300)
-    for period in range(1, min(LONGEST_CELL, (beads - 2) // 3) + 1):
-        if np.all(np.abs(columns[:, period:] - columns[:, :-period]) <= _SAME * scale):
-            break
-    else:
+    period = repeats(columns)
+    if period is None:
         raise NoDispersionError("beads or the loads that they bear differ along the chains and do not repeat")
     if period * chains > MOST_BRANCHES:
         raise NoDispersionError(f"the chains have {period * chains} branches; at most {MOST_BRANCHES}")

@@ -7,16 +7,20 @@ from numpy.typing import NDArray
 
 from analysis import hermite, motion
 from analysis.mirror import direction_of
-from analysis.shape.loaded_wave import sound_speed, speed_over_sound
+from analysis.shape.loaded_wave import cell_beads, sound_speed, speed_over_sound
 from analysis.trajectory import Floats, Trajectory, joined
 from lammps_inputs import Problem, laws
 from lammps_inputs.limits import rates
 
 CLEAR = 5
-"""Contacts from the far end, nearer to which the pulse feels it."""
+"""Contacts from the far end, nearer to which the pulse feels it, and as many that it must have passed at least."""
+
+FRONT = 1.5
+"""More of them, over the cube root of the contacts from the start on, for so fronts of sound spread: their speed
+feels the end by less than a thousandth there."""
 
 OVER = 10
-"""Contacts over which speed and force are measured, as far as the pulse has come."""
+"""Contacts over which speed and force are measured, as far as the pulse has come; more where whole cells are more."""
 
 SMALLEST = 1e-3
 """Velocity, in units of V, of a pulse whose overlap counts."""
@@ -111,11 +115,14 @@ class LoadedPulse:
         chain, count = hit - 1, problem.beads - 1
         contact = np.arange(count)
         distance = contact - (bead - 1) if way > 0 else (bead - 2) - contact
-        clear = (distance >= 0) & (contact < count - CLEAR if way > 0 else contact >= CLEAR)
+        ahead = count - contact if way > 0 else contact + 1
+        clear = (distance >= 0) & (ahead > CLEAR + FRONT * np.cbrt(distance))
         reached = contact[clear & np.isfinite(self._arrival[chain])]
         if len(reached) < CLEAR:
             return None
-        used = reached[-OVER - 1 :] if way > 0 else reached[: OVER + 1]
+        cell = cell_beads(problem)
+        over = cell * min(-(-OVER // cell), max(1, (len(reached) - 1) // cell))
+        used = reached[-over - 1 :] if way > 0 else reached[: over + 1]
         first, last = (int(used[0]), int(used[-1])) if way > 0 else (int(used[-1]), int(used[0]))
         whole = laws.rest(problem.along[0].law) + np.where(np.isfinite(self._strain), self._strain, 0.0)
         force = motion.contact_force(problem, whole)

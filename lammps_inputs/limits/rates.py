@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from lammps_inputs import laws
 from lammps_inputs.laws import dashpot
 from lammps_inputs.laws.in_time import Sine
-from lammps_inputs.links import Across, Along, Ground, Wall, largest_eigenvalue
+from lammps_inputs.links import Across, Along, largest_eigenvalue
 from lammps_inputs.problem import System
 
 
@@ -49,7 +49,7 @@ def pace(system: System) -> float:
 
 def stiffest_spring(system: System) -> float:
     """Largest stiffness of any spring, those across and those to the ground; 0 where there are none."""
-    springs = (*system.across, *_holding(system))
+    springs = (*system.across, *system.held)
     return max((laws.stiffest(link.law, system.energy) for link in springs), default=0.0)
 
 
@@ -88,13 +88,8 @@ def _on_beads(system: System, contact: Any) -> NDArray[np.float64]:
 
 def _springs(system: System) -> float:
     across = (_row(system, link) for link in system.across)
-    held = (laws.stiffest(link.law, system.energy) for link in _holding(system))
+    held = (laws.stiffest(link.law, system.energy) for link in system.held)
     return sum((*across, *held), 0.0) / float(np.min(system.mass))
-
-
-def _holding(system: System) -> tuple[Ground, ...]:
-    """The springs to the ground."""
-    return tuple(link for link in system.ground if not isinstance(link, Wall))
 
 
 def _row(system: System, link: Across) -> float:

@@ -15,6 +15,7 @@ from analysis.sharing.energy_flow import Flow
 from analysis.sharing.equipartition import CLEAR
 from analysis.sharing.is_solitary import Character
 from analysis.sharing.survey import Survey
+from analysis.sound.dispersion import Map
 from analysis.tracking.leading_waves import ARRIVALS
 from analysis.tracking.pulses import of_one_kind
 from analysis.trajectory import Floats
@@ -176,9 +177,16 @@ def _print_sound(found: Analysis) -> None:
     """The speed of sound, and the leading pulse on it against the long-wave theory's."""
     problem, wave = found.problem, found.sound
     scale = problem.scale
+    if problem.held:
+        line = "sound: long waves do not run, for springs to the ground hold the beads"
+        if isinstance(found.dispersion, Map):
+            bands, unit = found.dispersion.cell.bands() / scale.time, "rad/s" if scale.si else "rad per unit time"
+            line += f"; small ones have frequencies from {bands.min():.6g} to {bands.max():.6g} {unit}"
+        print(line)
+        return
     speeds = sound_speed(problem) if wave is None else np.array([wave.sound])
     unit = "beads/s" if scale.si else "beads per unit time"
-    said = [f"{speed / scale.time:.6g}" for speed in dict.fromkeys((float(speeds.min()), float(speeds.max())))]
+    said = dict.fromkeys(f"{speed / scale.time:.6g}" for speed in (float(speeds.min()), float(speeds.max())))
     line = f"sound: c0 = {' to '.join(said)} {unit}"
     if found.bead_length is not None:
         line += f" ({float(speeds.max()) * found.bead_length / scale.time:.5g} m/s)"

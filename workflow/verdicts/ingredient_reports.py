@@ -169,9 +169,11 @@ def sound_report(
     |-----------|-------------------------------------------------------------------------------------------------|
     | load      | least and largest force of a contact at rest                                                    |
     | overlap   | at rest, of those                                                                               |
-    | speed     | of sound of long waves, beads per unit time, least and largest along the chains                 |
+    | speed     | of sound of long waves, beads per unit time, least and largest along the chains; null where     |
+    |           | springs to the ground hold beads, which long waves then do not move                             |
     | metres    | the same in m/s where all beads are of one material and size; else null                         |
-    | cutoff    | highest angular frequency of small motions, springs between chains left out                     |
+    | cutoff    | highest angular frequency of small motions; where beads or loads do not repeat along the chains |
+    |           | it is at most this, but for springs                                                             |
     | crest     | largest velocity of crests of sound, which are no pulses (analysis/README.md); null without any   |
     | pulse     | the leading pulse of the chain that was hit hardest, between the contacts ``first`` and ``last``: |
     |           | ``force_ratio`` f of the largest force to that at rest, ``speed``, ``over_sound``, ``theory``:  |
@@ -179,13 +181,14 @@ def sound_report(
     """
     scale, law = problem.scale, problem.along[0].law
     load, rest = (np.asarray(find(law)) for find in (laws.load, laws.rest))
-    speed = sound_speed(problem)
+    speed, held = sound_speed(problem), bool(problem.held)
+    range_of = [float(find(speed)) for find in (np.min, np.max)]
     return {
         "load": [float(find(load) * scale.force) for find in (np.min, np.max)],
         "overlap": [float(find(rest) * scale.length) for find in (np.min, np.max)],
-        "speed": [float(find(speed) / scale.time) for find in (np.min, np.max)],
-        "metres": None if metres is None else [float(find(speed) * metres / scale.time) for find in (np.min, np.max)],
-        "cutoff": rates.sound_frequency(problem) / scale.time,
+        "speed": None if held else [value / scale.time for value in range_of],
+        "metres": None if held or metres is None else [value * metres / scale.time for value in range_of],
+        "cutoff": _cutoff(problem) / scale.time,
         "crest": max((float(crest.peak_velocity.max()) * scale.velocity for crest in crests), default=None),
         "pulse": None
         if wave is None
@@ -198,6 +201,13 @@ def sound_report(
             "over_theory": known(wave.over_theory),
         },
     }
+
+
+def _cutoff(problem: Problem) -> float:
+    try:
+        return float(cell_of(problem).bands().max())
+    except NoDispersionError:
+        return rates.sound_frequency(problem)
 
 
 def dispersion_report(problem: Problem, found: Map | str) -> dict[str, Any]:

@@ -134,6 +134,19 @@ def test_sound_is_told_in_beads_and_metres_a_time(si):
     assert ratios == pytest.approx([1.25, 1.3, 1.25 / 1.3])
 
 
+def test_the_cutoff_is_the_edge_of_the_highest_band_and_springs_to_the_ground_leave_no_speed_of_sound():
+    plain = {"name": "a", "beads": 20, "precompression": {"force": 1.0}, "kick": {"velocity": 0.1}, "duration": 20.0}
+    turns = {"kinds": {"heavy": {}, "light": {"mass": 0.5}}, "pattern": ["heavy", "light"]}
+    found, held = (
+        sound_report(library.from_plain({**plain, **more}, "a").problem(), None, (), 1.0)
+        for more in (turns, {"foundation": {"stiffness": 0.5}})
+    )
+    assert found["cutoff"] == pytest.approx(math.sqrt(2.0 * 1.5 * 3.0))
+    assert found["speed"] == found["metres"] == pytest.approx([math.sqrt(1.5 / 0.75)] * 2)
+    assert held["cutoff"] == pytest.approx(math.sqrt(4.0 * 1.5 + 0.5))
+    assert held["speed"] is held["metres"] is None
+
+
 def test_bands_and_their_bin_are_in_the_scenes_units(problem):
     cell = Cell(np.ones((1, 1)), np.full((1, 1), 2.25), np.zeros((1, 1, 1)))  # omega = 3 |sin(q / 2)|
     frequency = np.array([0.0, 0.25])
