@@ -22,13 +22,17 @@ from workflow.runs.peaks_table import found_on_the_way
 from workflow.runs.references import certifiers
 from workflow.runs.run_directory import RunDirectory
 
+LITTLE = 100_000
+"""As many recorded states of beads are all compared, which takes some hundredths of a second."""
+
 
 @dataclass(frozen=True)
 class Check:
     """What a run's error was found to be, dimensionless.
 
     Attributes:
-        velocity: largest error of any velocity, in frames and snapshots.
+        velocity: largest error of any velocity, in snapshots and the frames that are compared: all of a little run,
+            else those that `workflow.prepare.instants` chooses.
         where: at which bead and time.
         arrival: largest error of an arrival of the leading pulse, where `analysis.tracking.peaks.sharp`; NaN where none
             is.
@@ -73,7 +77,8 @@ def check(directory: RunDirectory, settings: Settings | None = None) -> Check:
     engine.load()  # takes its time once in a process, whatever is checked
     started = time.perf_counter()
     problem = directory.problem
-    step = stride(problem, SPACING if settings is None else CADENCE)
+    little = problem.frames * problem.chains * len(problem.recorded_beads) <= LITTLE
+    step = 1 if little else stride(problem, SPACING if settings is None else CADENCE)
     found, certificate = _compared(problem.coarser(step), lambda: directory.blocks(step), settings)
     velocity = found["velocity"]
     if problem.frames_per_snapshot is not None:

@@ -22,6 +22,7 @@ from workflow.engines.reference.certify import certified
 from workflow.prepare import step_search
 from workflow.prepare.accuracy import better_timestep
 from workflow.prepare.settings import Settings
+from workflow.runs import check as checking
 from workflow.runs.check import SPACING, check, stride
 from workflow.runs.peaks_table import found_on_the_way
 from workflow.runs.run import run
@@ -91,27 +92,40 @@ def test_the_last_line_says_the_error_where_it_is_and_how_sure_that_is(tmp_path,
     assert said.endswith(f"sure to {held['reference']['velocity']:.1e} V and {held['reference']['arrival']:.1e} T")
 
 
-def test_its_velocity_error_is_the_largest_of_the_frames_that_it_compares(finished):
-    directory = finished.directory
+def test_of_a_little_run_its_velocity_error_is_the_full_one(finished, full):
+    sure = finished.check.reference.velocity + 1e-9
+    assert finished.check.velocity == pytest.approx(full["velocity"].largest, abs=sure)
+    assert finished.check.where == full["velocity"].where
+
+
+@pytest.fixture
+def sampled(finished, monkeypatch):
+    """Its check, as if it were no little run."""
+    monkeypatch.setattr(checking, "LITTLE", 0)
+    return replace(finished, check=check(finished.directory))
+
+
+def test_its_velocity_error_is_the_largest_of_the_frames_that_it_compares(sampled):
+    directory = sampled.directory
     step = stride(directory.problem)
     fine = certified(directory.problem, 1e-9)
     exact = engine.run(directory.problem, steps_per_frame=fine.steps_per_frame).velocity[::step]
     error = np.max(np.abs(directory.trajectory.velocity[::step] - exact))
-    assert finished.check.velocity == pytest.approx(error, abs=finished.check.reference.velocity + 1e-9)
+    assert sampled.check.velocity == pytest.approx(error, abs=sampled.check.reference.velocity + 1e-9)
 
 
-def test_its_velocity_error_is_the_full_ones_within_sampling(finished, full):
-    sure = finished.check.reference.velocity + 1e-9
+def test_its_velocity_error_is_the_full_ones_within_sampling(sampled, full):
+    sure = sampled.check.reference.velocity + 1e-9
     largest = full["velocity"].largest
     # the error goes as acceleration times delay; between instants 0.4 apart, at most 0.2 from the largest, a pulse that
     # passes at half height within 1.74 changes by less than (2 pi 0.2 / 3.5)^2 / 2 of itself
-    assert largest * (1.0 - 0.065) - sure <= finished.check.velocity <= largest + sure
+    assert largest * (1.0 - 0.065) - sure <= sampled.check.velocity <= largest + sure
 
 
 @pytest.mark.parametrize("quantity", ["arrival", "amplitude"])
-def test_its_wave_errors_are_the_full_ones(quantity, finished, full):
+def test_its_wave_errors_are_the_full_ones(quantity, sampled, full):
     # peaks are found to 1e-5 between frames 0.4 apart, in both runs with nearly the same error
-    assert getattr(finished.check, quantity) == pytest.approx(full[quantity].largest, abs=1e-5)
+    assert getattr(sampled.check, quantity) == pytest.approx(full[quantity].largest, abs=1e-5)
 
 
 @pytest.mark.parametrize(("every", "frames"), [(0.05, 8), (0.1, 4), (0.15, 2), (0.4, 1), (0.41, 1), (3.0, 1)])
