@@ -31,9 +31,12 @@ from workflow.engines.reference import engine
 from workflow.engines.reference.accountant import Accountant
 from workflow.engines.reference.verlet import VERLET
 from workflow.prepare.instants import stride
+from workflow.runs.references import closing
 from workflow.runs.run import Run, run
+from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.analyse import analyse
 from workflow.verdicts.causes import causes
+from workflow.verdicts.validate import validate
 
 SLOW = pytest.mark.slow
 
@@ -133,6 +136,33 @@ def test_a_run_by_the_reference_takes_the_steps_that_close_its_budget(tmp_path: 
     found = analyse(run(damped(), tmp_path / "run", engine="reference").directory, figures=False)
     assert found.budget is not None
     assert found.budget.missing < 1e-9
+
+
+@pytest.mark.slow
+def test_contacts_that_stick_and_part_take_steps_of_their_own_for_that() -> None:
+    kicks = (Kick(bead=10, velocity=1.0), Kick(bead=11, velocity=-0.4904698767034886))
+    scene = damped(damping=Damping(contact=0.785972041541755, tension="cut"), kick=kicks, every=0.05)
+    for certifier in closing(scene.problem()):
+        for _ in certifier.blocks():
+            pass
+    assert certifier.certificate.energy < 1e-9
+
+
+@pytest.mark.slow
+def test_a_damped_run_is_validated_by_what_its_budget_misses(done: Run) -> None:
+    found = validate(done.directory)
+    assert found.passed
+    assert done.check is not None
+    assert 0.0 < found.deviations["energy"].largest < 2.0 * done.check.velocity
+
+
+@pytest.mark.slow
+def test_a_run_with_other_dashpots_fails_by_its_budget_too(done: Run, tmp_path: Path) -> None:
+    other = run(damped(damping=Damping(contact=0.11)), tmp_path / "run").directory.path
+    (other / "scene.yaml").write_text((done.directory.path / "scene.yaml").read_text())
+    found = validate(RunDirectory(other))
+    assert found.exceeded("energy")
+    assert found.causes == ("the contact damping is 1.1 times as strong as the scene says",)
 
 
 def test_frames_that_are_followed_by_the_reference_have_the_ledger_of_its_own_run() -> None:

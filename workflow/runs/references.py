@@ -15,7 +15,7 @@ _MOST_DOUBLINGS = 4
 CLOSED = 1e-9
 """Of the energy put in: what the budget of a run by the reference may miss."""
 
-_MOST_STEPS = 64
+_MOST_STEPS = 256
 """In place of one usual step, for that."""
 
 

@@ -15,7 +15,6 @@ from analysis.files import table, text_dump
 from analysis.files.binary_dump import CutDumpWarning
 from analysis.trajectory import Trajectory, joined
 from lammps_inputs import InputError, Problem, html
-from lammps_inputs.facts import Fact
 from workflow.engines.reference.certify import Certificate, Certifier
 from workflow.formats import figure_files
 from workflow.runs.accounts import accountant
@@ -145,8 +144,7 @@ def validate(directory: RunDirectory, tolerances: dict[str, float] | None = None
     problem = directory.problem
     limits = _limits(problem, tolerances)
     certifier = _sure_enough(problem, limits)
-    counted = accountant(directory, problem).of if problem.holds(Fact.ENERGY) else None
-    difference = Difference(limits, counted)
+    difference = Difference(limits, accountant(directory, problem).of)
     kept: list[tuple[Trajectory, Trajectory]] = []
     kept_bytes = 0
     try:
