@@ -149,8 +149,21 @@ def identify_springs(trajectory: Trajectory) -> Springs | None:
     return Springs(linear, cubic if left_by_cubic < 0.1 * left else 0.0, left)
 
 
-def identify_strengths(trajectory: Trajectory) -> dict[str, float] | None:
-    """How strong each kind of link was felt to be, name -> factor on the problem's own force; 1 is right.
+@dataclass(frozen=True)
+class Strengths:
+    """How strong the links of a trajectory were felt to be.
+
+    Attributes:
+        factors: name of a kind of link -> factor on the problem's own force; 1 is right.
+        left: what these leave unexplained, over what the problem's own forces leave (of squared changes of momentum).
+    """
+
+    factors: dict[str, float]
+    left: float
+
+
+def identify_strengths(trajectory: Trajectory) -> Strengths | None:
+    """Find how strong each kind of link was felt to be.
 
     Least squares of the change of every bead's momentum between frames on the impulses of the links. None for fewer
     than ten frames, where not all beads are recorded, and where the impulses of two kinds of link cannot be told apart.
@@ -164,10 +177,13 @@ def identify_strengths(trajectory: Trajectory) -> dict[str, float] | None:
     columns = [
         _but_for_driven(impulses.on_beads(link, impulse, trajectory), problem).reshape(-1) for link, impulse in given
     ]
-    factors, _, rank, _ = np.linalg.lstsq(np.array(columns).T, change.reshape(-1), rcond=1e-6)
+    matrix, right = np.array(columns).T, change.reshape(-1)
+    factors, _, rank, _ = np.linalg.lstsq(matrix, right, rcond=1e-6)
     if rank < len(columns):
         return None
-    return {link.name: float(factor) for (link, _), factor in zip(given, factors, strict=True)}
+    left, own = (float(np.sum((right - matrix @ fit) ** 2)) for fit in (factors, np.ones(len(columns))))
+    found = {link.name: float(factor) for (link, _), factor in zip(given, factors, strict=True)}
+    return Strengths(found, left / own if own > 0.0 else 0.0)
 
 
 _EXPLAINED = 0.05

@@ -22,6 +22,12 @@ _CLEAR = 0.97
 
 _MOST_NAMED = 10
 
+_EXPLAINED = 0.03
+"""Share of what the scene's own forces leave unexplained that other strengths of them must leave at most."""
+
+_METHOD = 0.25
+"""Of a strength: if the reference differs more from the scene, the method does not work on these frames."""
+
 _LOAD_DOUBT = 5e-3
 """Share of a static load."""
 _MOTION_DOUBT = 1e-6
@@ -49,7 +55,8 @@ def causes(own: Trajectory, reference: Trajectory) -> list[str]:
     found = found or _static(own, reference) or _exponent(own, reference)
     found = found or ([] if own.problem.one_kind else _beads(own, reference))
     found = found or _strengths(own, reference) or _springs(own, reference)
-    return found or (_beads(own, reference) if own.problem.one_kind else [])
+    found = found or (_beads(own, reference) if own.problem.one_kind else [])
+    return found or _laws(own, reference)
 
 
 def rounded(own: Trajectory, reference: Trajectory) -> list[str]:
@@ -231,16 +238,40 @@ def _strengths(own: Trajectory, reference: Trajectory) -> list[str]:
     if not links:
         return []
     felt, right = symptoms.identify_strengths(own), symptoms.identify_strengths(reference)
-    if felt is None or right is None:
+    if felt is None or right is None or felt.left > _EXPLAINED:
         return []
     found = []
     for link in links:
-        factor, doubt = felt[link.name] / right[link.name], 5e-4 + 3.0 * abs(right[link.name] - 1.0)
+        factor, doubt = _factor(link.name, felt, right)
         if abs(factor) < doubt:
             found.append(f"the {link.name.replace('_', ' ')} is missing")
         elif abs(factor - 1.0) > doubt:
             found.append(f"the {link.name.replace('_', ' ')} is {factor:.4g} times as strong as the scene says")
     return found
+
+
+def _laws(own: Trajectory, reference: Trajectory) -> list[str]:
+    """Whether what holds beads, or stops them, acts otherwise than the scene says, however strong it is."""
+    links = (*own.problem.ground, *own.problem.dampers)
+    if not links:
+        return []
+    felt, right = symptoms.identify_strengths(own), symptoms.identify_strengths(reference)
+    if felt is None or right is None or felt.left <= _EXPLAINED:
+        return []
+    off = {link.name: _off(*_factor(link.name, felt, right)) for link in links}
+    name = max(off, key=lambda name: off[name])
+    return [f"the {name.replace('_', ' ')} follows another law than the scene says"] if off[name] > 0.0 else []
+
+
+def _factor(name: str, felt: symptoms.Strengths, right: symptoms.Strengths) -> tuple[float, float]:
+    """How strong a link was felt to be, and the doubt of that; 1 where the reference itself tells something else."""
+    felt_here, there = felt.factors[name], right.factors[name]
+    return (1.0, 0.0) if abs(there - 1.0) > _METHOD else (felt_here / there, 5e-4 + 3.0 * abs(there - 1.0))
+
+
+def _off(factor: float, doubt: float) -> float:
+    """How much beyond its doubt."""
+    return abs(factor - 1.0) - doubt
 
 
 def _springs(own: Trajectory, reference: Trajectory) -> list[str]:
@@ -259,7 +290,7 @@ def _springs(own: Trajectory, reference: Trajectory) -> list[str]:
     missing = np.argwhere(moved & (felt.linear < 0.5 * typical))
     if right is not None:
         whole = np.isfinite(right.linear)
-        if np.any(np.abs(right.linear[whole] / problem.kappa - 1.0) > 0.25):  # the method does not work on these frames
+        if np.any(np.abs(right.linear[whole] / problem.kappa - 1.0) > _METHOD):
             return []
     if 0 < len(missing) <= _MOST_NAMED:
         rows = ", ".join(f"row {row + 1} between chains {chain + 1} and {chain + 2}" for chain, row in missing)

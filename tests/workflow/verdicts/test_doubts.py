@@ -22,7 +22,7 @@ def springs(factor):
 
 
 def ground(factor):
-    return symptoms, "identify_strengths", lambda _: {"contacts": 1.0, "foundation": factor}
+    return symptoms, "identify_strengths", lambda _: symptoms.Strengths({"contacts": 1.0, "foundation": factor}, 0.0)
 
 
 def load(factor):
