@@ -16,7 +16,7 @@ from lammps_inputs import scheme as schemes
 from lammps_inputs.facts import Fact
 from lammps_inputs.force_readout import Forces
 from lammps_inputs.ingredients import INGREDIENTS, contacts
-from lammps_inputs.ingredients.base import Ingredient, Part
+from lammps_inputs.ingredients.base import Count, Ingredient, Part, Positive
 from lammps_inputs.ingredients.unequal import (
     Disorder,
     Kinds,
@@ -49,9 +49,6 @@ MAX_LENGTH = 1e9
 
 SEVERAL = {"kick", "replace", *(key for key, ingredient in INGREDIENTS.items() if ingredient.several)}
 """Keys that may hold a list of parts."""
-
-Positive = Annotated[float, Field(gt=0, le=1e30)]
-Count = Annotated[int, Field(ge=1, le=2**31 - 1)]
 
 
 class Kick(Part):
