@@ -212,12 +212,14 @@ def identify_load(trajectory: Trajectory) -> StaticLoad | None:
     problem = trajectory.problem
     if not problem.loaded or problem.recorded is not None or trajectory.frames < 10:
         return None
-    change = impulses.unexplained(trajectory, (*problem.across, *problem.ground), problem.dampers)
+    bearing = (*problem.along, *problem.walls)
+    others = [link for link in problem.links if link not in bearing]
+    change = impulses.unexplained(trajectory, others, problem.dampers)
 
     def left(factor: float) -> Floats:
         total = change.copy()
-        for link in problem.along:
-            other = replace(link, law=pressed(link.law, factor))  # type: ignore[arg-type]
+        for link in bearing:
+            other = replace(link, law=pressed(link.law, factor)) if np.any(laws.load(link.law)) else link
             other.drive(total, -impulses.of_link(other, trajectory))
         return _but_for_driven(total, problem)
 

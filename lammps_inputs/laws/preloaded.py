@@ -205,12 +205,11 @@ def wall_under(law: HertzWall, load: Parameter, grid: float) -> PreloadedWall:
     return PreloadedWall(law.strength, law.side, rest, _held(law.strength, rest))
 
 
-def pressed(law: Preloaded | PreloadedPower, factor: float) -> Preloaded | PreloadedPower:
-    """The same contact under so many times its load."""
-    rest = law.rest * factor ** (1.0 / law.exponent)
-    if isinstance(law, PreloadedPower):
-        return _power_at(law.strength, law.exponent, rest)
-    return law._replace(rest=rest, load=law.load * factor)
+def pressed(law: Any, factor: float) -> Any:
+    """The same contact or wall under so many times its load."""
+    exponent = getattr(law, "exponent", 1.5)
+    rest = np.maximum(law.rest * factor ** (1.0 / exponent), _LEAST)
+    return law._replace(rest=rest, load=law.strength * rest**exponent)
 
 
 def _power_at(strength: Parameter, exponent: float, rest: Parameter) -> PreloadedPower:

@@ -4,6 +4,7 @@ Every measurement is made on the reference too, so that what the method itself g
 round numbers) is not taken for a fault of the trajectory.
 """
 
+import math
 from collections import Counter
 
 import numpy as np
@@ -13,8 +14,8 @@ from analysis.against import beads, symptoms
 from analysis.files.recording import rest_positions
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import laws
-from lammps_inputs.laws.in_time import HalfSine, Rectangular, TimeLaw
-from lammps_inputs.loads import Load
+from lammps_inputs.laws.in_time import HalfSine, Rectangular, Sine, TimeLaw
+from lammps_inputs.loads import Load, Motion
 from lammps_inputs.units import Scale
 
 _CLEAR = 0.97
@@ -51,7 +52,8 @@ def causes(own: Trajectory, reference: Trajectory) -> list[str]:
         own: consecutive frames of the trajectory, all beads.
         reference: the same frames, right.
     """
-    found = _numbers(own) or _times(own, reference) or _moved(own) or _start(own) or _pushes(own, reference)
+    found = _numbers(own) or _driven(own) or _times(own, reference) or _moved(own)
+    found = found or _start(own) or _pushes(own, reference)
     found = found or _static(own, reference) or _exponent(own, reference)
     found = found or ([] if own.problem.one_kind else _beads(own, reference))
     found = found or _strengths(own, reference) or _springs(own, reference)
@@ -116,20 +118,76 @@ def _start(own: Trajectory) -> list[str]:
     return [f"bead {bead + 1} of chain {chain + 1} starts with velocity {found:.6g} instead of {right:.6g}"]
 
 
-def _moved(own: Trajectory) -> list[str]:
-    """Whether beads whose motion is given move so."""
+def _driven(own: Trajectory) -> list[str]:
+    """Whether beads whose motion is given move by another sine."""
     problem, found = own.problem, []
+    scale = problem.scale
     for given in problem.motions:
-        right, velocity = given.displacement(own.time), given.velocity(own.time)
-        is_at = own.displacement[:, given.chain - 1, given.bead - 1]
-        if np.max(np.abs(is_at - right)) < _MOTION_DOUBT * abs(given.amplitude):
+        is_at = _off_its_way(own, given)
+        if is_at is None:
             continue
-        factor = float(np.sum(own.velocity[:, given.chain - 1, given.bead - 1] * velocity) / np.sum(velocity**2))
-        found.append(
-            f"bead {given.bead} of chain {given.chain} does not move as the drive says"
-            + (f": {factor:.4g} times as far" if abs(factor - 1.0) > _MOTION_DOUBT else "")
-        )
+        sine = _sine(own.time, is_at, given.omega, _MOTION_DOUBT)
+        if sine is not None:
+            omega, along, across = sine
+            amplitude, phase = math.hypot(along, across), math.atan2(across, along)
+            right = given.amplitude * scale.length, given.omega, given.phase
+            said = _other_sine("displacement", (amplitude * scale.length, omega, phase), right, scale, _MOTION_DOUBT)
+            found += [f"the drive of bead {given.bead} of chain {given.chain} has {said}"] if said else []
     return found
+
+
+def _moved(own: Trajectory) -> list[str]:
+    """Whether beads whose motion is given move otherwise."""
+    return [
+        f"bead {given.bead} of chain {given.chain} does not move as the drive says"
+        for given in own.problem.motions
+        if _off_its_way(own, given) is not None
+    ]
+
+
+def _off_its_way(own: Trajectory, given: Motion) -> Floats | None:
+    """Displacement of a bead whose motion is given; None where it moves so."""
+    is_at = own.displacement[:, given.chain - 1, given.bead - 1]
+    off = np.max(np.abs(is_at - given.displacement(own.time)))
+    return None if off < _MOTION_DOUBT * abs(given.amplitude) else is_at
+
+
+def _sine(time: Floats, values: Floats, near: float, doubt: float) -> tuple[float, float, float] | None:
+    """``a sin(omega t) + b (cos(omega t) - 1)`` as omega, a, b; omega as near to one as explains all but a doubt."""
+
+    def fit(omega: float) -> tuple[float, Floats]:
+        basis = np.stack([np.sin(omega * time), np.cos(omega * time) - 1.0], axis=-1)
+        factors = np.linalg.lstsq(basis, values, rcond=None)[0]
+        return float(np.sum((values - basis @ factors) ** 2)), factors
+
+    tried, best = near * np.geomspace(0.5, 2.0, 401), near
+    enough = doubt**2 * float(np.sum(values**2))
+    for _ in range(9):
+        left, (along, across) = fit(best)
+        if left <= enough:
+            return best, float(along), float(across)
+        best = min(tried.tolist(), key=lambda omega: fit(omega)[0])
+        tried = best * (tried / tried[200]) ** 0.05
+    return None
+
+
+def _other_sine(
+    what: str, found: tuple[float, float, float], right: tuple[float, float, float], scale: Scale, doubt: float
+) -> str:
+    """What differs of two sines, each its amplitude, angular frequency and phase."""
+    turned = math.pi if right[0] < 0.0 else 0.0
+    late = math.remainder(found[2] + turned - right[2], 2.0 * math.pi)
+    second = 2.0 * math.pi * scale.time
+    said = [
+        f"a {name} of {here:.4g} instead of {there:.4g}{unit}"
+        for name, here, there, size, unit in (
+            (what, math.copysign(found[0], right[0]), right[0], abs(right[0]), ""),
+            ("frequency", found[1] / second, right[1] / second, right[1] / second, ""),
+            ("phase", math.degrees(right[2] + late), math.degrees(right[2]), math.degrees(1.0), " degrees"),
+        )
+        if abs(here - there) > doubt * size and f"{here:.4g}" != f"{there:.4g}"
+    ]
+    return " and ".join(said)
 
 
 def _pushes(own: Trajectory, reference: Trajectory) -> list[str]:
@@ -142,10 +200,11 @@ def _pushes(own: Trajectory, reference: Trajectory) -> list[str]:
         if places[load.chain, load.bead] > 1:  # which of them is wrong, nobody can tell
             continue
         right = load.impulse(own.time)
-        felt = beads.given(own, load) - (beads.given(reference, load) - right)
-        most = float(np.max(np.abs(right)))
-        if most == 0.0 or np.max(np.abs(felt - right)) < _PUSH_DOUBT * most:
-            continue
+        off, method = (beads.given(one, load) - right for one in (own, reference))
+        most, furthest = (float(np.max(np.abs(values))) for values in (right, off))
+        felt = right + off - method
+        if most == 0.0 or np.max(np.abs(felt - right)) < _PUSH_DOUBT * most or furthest < np.max(np.abs(method)):
+            continue  # right, or the reference is further off than this
         what = "drive" if load.endless else "push"
         name = f"the {what}" if len(problem.loads) == 1 else f"the {what} on bead {load.bead} of chain {load.chain}"
         found.append(f"{name} {_other_push(load, own.time, felt, problem.scale)}")
@@ -165,6 +224,12 @@ def _other_push(load: Load, time: Floats, felt: Floats, scale: Scale) -> str:
     law = load.law
     if np.max(np.abs(felt)) < _PUSH_DOUBT * load.law.total:
         return "is missing"
+    if isinstance(law, Sine) and (sine := _sine(time, felt, law.omega, _PUSH_DOUBT)) is not None:
+        omega, along, across = sine
+        there = law.peak * scale.force, law.omega, law.phase
+        here = omega * math.hypot(along, across) * scale.force, omega, math.atan2(along, -across)
+        if said := _other_sine("force", here, there, scale, _PUSH_DOUBT):
+            return f"has {said}"
     factor, left = fit(law)
     if left < _PUSH_DOUBT**2:
         return f"is {factor:.4g} times as strong as the scene says"

@@ -275,7 +275,7 @@ def validate_against(
     exceeded = _any_exceeded(deviations, limits)
     found: list[str] = []
     if exceeded and theirs.problem.recorded is None:
-        found = causes.causes(resampled, theirs) or [f"{path}: {cause}" for cause in causes.causes(theirs, resampled)]
+        found = [f"{path}: {cause}" for cause in causes.causes(theirs, resampled)] or causes.causes(resampled, theirs)
     digits = list(given_table.rounded(path, theirs))
     if exceeded and not found:  # nothing else explains it
         found, digits = digits, []

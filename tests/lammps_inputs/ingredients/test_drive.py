@@ -2,6 +2,7 @@
 
 import math
 import re
+from dataclasses import replace
 
 import lammps_here as here
 import numpy as np
@@ -19,6 +20,7 @@ from workflow.engines.reference import certify, engine
 from workflow.runs.run import run
 from workflow.sweep.fields import all_fields
 from workflow.verdicts.analyse import analyse
+from workflow.verdicts.causes import causes
 from workflow.verdicts.validate import validate
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
@@ -223,8 +225,27 @@ def test_validate_names_a_drive_that_is_not_the_scenes(tmp_path):
         assert found == 1
         (path / file_names.DECK).write_text(text)
 
-    causes = validate(deck_run(driven(), tmp_path / "run", changed)).causes
-    assert "bead 1 of chain 1 does not move as the drive says: 1.1 times as far" in causes
+    found = validate(deck_run(driven(), tmp_path / "run", changed)).causes
+    assert found == ("the drive of bead 1 of chain 1 has a displacement of 0.55 instead of 0.5",)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        (({**MOVED, "phase": -50.0}, PUSHED), "drive of bead 1 of chain 1 has a phase of -50 instead of -60 degrees"),
+        (({**MOVED, "frequency": 0.31}, PUSHED), "drive of bead 1 of chain 1 has a frequency of 0.31 instead of 0.3"),
+        ((MOVED, {**PUSHED, "phase": 45.0}), "the drive has a phase of 45 instead of 30 degrees"),
+        ((MOVED, {**PUSHED, "frequency": 0.22}), "the drive has a frequency of 0.22 instead of 0.2"),
+        ((MOVED, {**PUSHED, "force": 0.44}), "the drive has a force of 0.44 instead of 0.4"),
+    ],
+    ids=["phase of motion", "frequency of motion", "phase", "frequency", "force"],
+)
+def test_what_is_wrong_with_a_drive_is_named(wrong, said):
+    kicked = {"kick": {"chain": 2, "bead": 8, "velocity": -2.0}, "output": {"every": 0.1}}  # which makes V the same
+    right, other = (engine.run(driven(*drives, **kicked).problem()) for drives in ((MOVED, PUSHED), wrong))
+    (cause,) = causes(replace(other, problem=right.problem), right)
+    assert cause.endswith(said)
+    assert not any("drive" in cause for cause in causes(right, replace(other, problem=right.problem)))
 
 
 @pytest.mark.parametrize(

@@ -194,7 +194,7 @@ def test_a_table_from_positions_printed_with_g_is_caught_and_named(runs, exact, 
 WRONG = {
     "a shifted time": (
         lambda fine: {"time": fine.time[:-1], "velocity": fine.velocity[1:], "displacement": fine.displacement[1:]},
-        "all frames are shown 0.06 later than they are",
+        "own.npz: all frames are shown 0.06 earlier than they are",
     ),
     "half-step velocities": (
         lambda fine: {
