@@ -36,7 +36,7 @@ from workflow.runs.run import Run, run
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.analyse import analyse
 from workflow.verdicts.causes import causes
-from workflow.verdicts.validate import validate
+from workflow.verdicts.validate import TOLERANCES, validate
 
 SLOW = pytest.mark.slow
 
@@ -153,6 +153,14 @@ def test_a_damped_run_is_validated_by_what_its_budget_misses(done: Run) -> None:
     assert found.passed
     assert done.check is not None
     assert 0.0 < found.deviations["energy"].largest < 2.0 * done.check.velocity
+
+
+@pytest.mark.slow
+def test_peaks_of_a_damped_run_at_the_default_step_are_let_pass(tmp_path: Path) -> None:
+    """The error is of first order there, in peaks as anywhere."""
+    found = validate(run(damped(damping=Damping(contact=0.5)), tmp_path / "run", check=False).directory)
+    assert found.deviations["amplitude"].largest > TOLERANCES["amplitude"]
+    assert found.passed
 
 
 @pytest.mark.slow

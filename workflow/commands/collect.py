@@ -70,7 +70,7 @@ def execute(arguments: argparse.Namespace) -> Answer:
         title = ", ".join(f"{name} = {value}" for name, value in where.items())
         figures = collecting.plot(table, output.parent, arguments.plot, arguments.over, arguments.beside, title)
     write_text(output, table.to_csv())
-    _print(table, one_line(arguments.directory))
+    _print(table, one_line(arguments.directory), arguments.plot)
     print(", ".join(one_line(path) for path in (output, *figures)))
     return Answer(0, [{name: row[name] for name in table.columns} for row in table.rows])
 
@@ -94,8 +94,8 @@ def _refuse(output: Path) -> None:
         raise InputError(f"-o: {output}: exists and is not a table of granchain's; choose another file")
 
 
-def _print(table: Table, title: str) -> None:
-    columns = [*table.fields, "outcome", *_SHOWN]
+def _print(table: Table, title: str, drawn: str | None) -> None:
+    columns = list(dict.fromkeys([*table.fields, "outcome", *filter(None, [drawn]), *_SHOWN]))
     rows = [[cell(name, row) for name in columns] for row in table.rows[:_MOST_ROWS]]
     print_table(title, [table.heading(name) for name in columns], rows)
     if len(table.rows) > _MOST_ROWS:

@@ -69,6 +69,15 @@ def test_the_table_has_a_line_per_case_ordered_by_value(copied, capsys):
     assert values == [(beads, stiffness) for beads in ("20", "24") for stiffness in ("0.2", "0.4", "0.8")]
 
 
+def test_what_is_drawn_is_on_the_screen_too(copied, capsys, monkeypatch):
+    monkeypatch.setattr(collecting, "write_figure", lambda *_: ())
+    assert (
+        main(["collect", str(copied), "--plot", "speed", "--over", "beads", "--where", "coupling.stiffness=0.2"]) == 0
+    )
+    head, *_ = (line for line in capsys.readouterr().out.splitlines() if "outcome" in line)
+    assert head.split()[:4] == ["beads", "coupling.stiffness", "outcome", "speed"]
+
+
 def test_numbers_in_the_table_are_exactly_those_of_the_cases_files(copied):
     assert main(["collect", str(copied), "-o", str(copied / "mine.csv")]) == 0
     for row in table(copied / "mine.csv"):
