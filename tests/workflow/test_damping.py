@@ -164,6 +164,14 @@ def test_peaks_of_a_damped_run_at_the_default_step_are_let_pass(tmp_path: Path) 
 
 
 @pytest.mark.slow
+def test_what_a_time_step_leaves_of_overdamped_beads_is_not_taken_for_their_masses(tmp_path: Path) -> None:
+    sticky = damped(damping=Damping(contact=20.0, law="viscoelastic"), beads=16, duration=18.0)
+    found = validate(run(sticky, tmp_path / "run", check=False).directory)
+    assert found.exceeded("velocity")
+    assert found.causes == ()
+
+
+@pytest.mark.slow
 def test_a_run_with_other_dashpots_fails_by_its_budget_too(done: Run, tmp_path: Path) -> None:
     other = run(damped(damping=Damping(contact=0.11)), tmp_path / "run").directory.path
     (other / "scene.yaml").write_text((done.directory.path / "scene.yaml").read_text())

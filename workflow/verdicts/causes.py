@@ -15,6 +15,7 @@ from analysis.files.recording import rest_positions
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import laws
 from lammps_inputs.laws.in_time import HalfSine, Rectangular, Sine, TimeLaw
+from lammps_inputs.limits import rates
 from lammps_inputs.loads import Load, Motion
 from lammps_inputs.units import Scale
 
@@ -28,6 +29,9 @@ _EXPLAINED = 0.03
 
 _METHOD = 0.25
 """Of a strength: if the reference differs more from the scene, the method does not work on these frames."""
+
+_LAW_DOUBT = 0.05
+"""Of a strength that does not explain what is wrong; long steps leave less."""
 
 _LOAD_DOUBT = 5e-3
 """Share of a static load."""
@@ -250,8 +254,13 @@ def _other_push(load: Load, time: Floats, felt: Floats, scale: Scale) -> str:
 
 
 def _beads(own: Trajectory, reference: Trajectory) -> list[str]:
-    """Whether beads are heavier, or contacts stronger, than the scene says: of one kind, or single ones."""
+    """Whether beads are heavier, or contacts stronger, than the scene says: of one kind, or single ones.
+
+    Where dashpots are quicker than contacts, beads go as forces let them, and hardly as they weigh.
+    """
     problem = own.problem
+    if rates.drag(problem) > rates.fastest(problem):
+        return []
     felt, right = beads.identify_beads(own), beads.identify_beads(reference)
     if felt is None or right is None:
         return []
@@ -325,7 +334,7 @@ def _laws(own: Trajectory, reference: Trajectory) -> list[str]:
         return []
     off = {link.name: _off(*_factor(link.name, felt, right)) for link in links}
     name = max(off, key=lambda name: off[name])
-    return [f"the {name.replace('_', ' ')} follows another law than the scene says"] if off[name] > 0.0 else []
+    return [f"the {name.replace('_', ' ')} follows another law than the scene says"] if off[name] > _LAW_DOUBT else []
 
 
 def _factor(name: str, felt: symptoms.Strengths, right: symptoms.Strengths) -> tuple[float, float]:
