@@ -49,6 +49,16 @@ def push(factor):
     return beads, "given", lambda trajectory, load: factor * load.impulse(trajectory.time)
 
 
+def without_symptoms(keys, monkeypatch):
+    """Two trajectories in which nothing is measured to be wrong."""
+    problem = library.from_plain({**PLAIN, **keys}, "test").problem()
+    for name in ("identify_springs", "identify_strengths", "identify_load", "identify_exponent"):
+        monkeypatch.setattr(symptoms, name, lambda _: None)
+    monkeypatch.setattr(beads, "identify_beads", lambda _: None)
+    monkeypatch.setattr(beads, "given", lambda trajectory, load: load.impulse(trajectory.time))
+    return [written_down(problem, lambda t: (0.0 * t, problem.initial_velocity() + 0.0 * t)) for _ in "ab"]
+
+
 @pytest.mark.parametrize(
     ("keys", "measured", "within", "beyond", "said"),
     [
@@ -63,12 +73,7 @@ def push(factor):
     ids=["springs", "ground", "load", "exponent", "mass", "contact", "push"],
 )
 def test_a_cause_is_named_beyond_its_doubt_and_not_within(keys, measured, within, beyond, said, monkeypatch):
-    problem = library.from_plain({**PLAIN, **keys}, "test").problem()
-    own, reference = (written_down(problem, lambda t: (0.0 * t, problem.initial_velocity() + 0.0 * t)) for _ in "ab")
-    for name in ("identify_springs", "identify_strengths", "identify_load", "identify_exponent"):
-        monkeypatch.setattr(symptoms, name, lambda _: None)
-    monkeypatch.setattr(beads, "identify_beads", lambda _: None)
-    monkeypatch.setattr(beads, "given", lambda trajectory, load: load.impulse(trajectory.time))
+    own, reference = without_symptoms(keys, monkeypatch)
     module, name, _ = measured(1.0)
     for factor in (within, beyond):
         right, wrong = measured(1.0)[2], measured(factor)[2]
@@ -86,3 +91,17 @@ def test_a_cause_is_named_beyond_its_doubt_and_not_within(keys, measured, within
         else:
             (cause,) = found
             assert cause.startswith(said)
+
+
+@pytest.mark.parametrize(
+    ("velocity", "displacement", "said"),
+    [(0.98, 0.98, ["all frames are shown 0.02 earlier than they are"]), (0.96, 0.98, []), (0.98, 0.96, [])],
+)
+def test_a_shift_in_time_is_named_where_it_explains_nearly_all_of_the_difference(
+    velocity, displacement, said, monkeypatch
+):
+    """Of the velocities, which are asked for first, and of the displacements."""
+    own, reference = without_symptoms({}, monkeypatch)
+    explained = iter((velocity, displacement))
+    monkeypatch.setattr(symptoms, "time_shift", lambda *_: symptoms.Shift(0.02, next(explained)))
+    assert causes(own, reference) == said
