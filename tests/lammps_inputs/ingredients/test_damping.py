@@ -1,5 +1,7 @@
 """Damping: what a scene may say, and what LAMMPS makes of it against an integrator of its own."""
 
+import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +11,7 @@ from independent import integrated
 from pydantic import ValidationError
 from stock_lammps import run, scene
 
-from lammps_inputs import Coupling, Material, Scene
+from lammps_inputs import Coupling, Kick, Material, Scene, laws
 from lammps_inputs.decks import deck
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.contact import Contact
@@ -101,6 +103,19 @@ def test_lammps_computes_drag_on_beads_with_an_error_of_second_order(tmp_path: P
     coarse, fine = errors({"beads": 0.3}, {"drag": 0.3}, (0.02, 0.005), tmp_path)
     assert coarse < 2e-4
     assert 12.0 < coarse / fine < 20.0
+
+
+@pytest.mark.parametrize("load", [None, 4.94])
+def test_dashpots_between_chains_reach_as_far_as_their_springs_and_not_to_the_next_row(load: float | None) -> None:
+    """Both beads of one chain are kicked, and the spring is so weak that it may take nearly half of their spacing."""
+    both = (Kick(velocity=1.0), Kick(bead=2, velocity=1.0))
+    pressed = load and Precompression(force=load)
+    tied = scene(chains=2, beads=2, kappa=0.31, kick=both, damping=Damping(coupling=0.1), precompression=pressed)
+    problem = tied.problem()
+    cutoff = float(re.findall(r"dpd/ext/tstat 0 0 (\S+)", deck.render_deck(problem))[0])
+    beside, reach = 2.0 * problem.diameter, float(laws.reach(problem.across[0].law, problem.energy))
+    assert reach > 0.45 * problem.spacing or load is None
+    assert math.hypot(beside, reach) < cutoff < math.hypot(beside, problem.spacing - reach)
 
 
 @pytest.mark.parametrize(("share", "exponent"), [(0.9, 1.5), (0.7, 1.5), (0.5, 1.5), (0.7, 1.0), (0.7, 2.0)])
