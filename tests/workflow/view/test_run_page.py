@@ -131,12 +131,16 @@ def test_what_a_window_has_left_does_not_make_frames_fewer():
     assert np.array_equal(part.velocity[0, :, 150:182], run.velocity[:, 0, ::2])
 
 
-def test_a_page_says_how_far_apart_frames_are_that_cannot_follow_a_pulse():
-    problem = scene(chains=2, beads=6, kick=(Kick(velocity=0.5),), kappa=0.1, duration=4.8).problem()
+@pytest.mark.parametrize("material", [None, STEEL], ids=["reduced", "SI"])
+def test_a_page_says_how_far_apart_frames_are_that_cannot_follow_a_pulse(material):
+    kick = (Kick(velocity=0.5),)
+    unit = scene(chains=2, beads=6, kick=kick, material=material).scale
+    problem = scene(chains=2, beads=6, kick=kick, material=material, duration=4.8 * unit.time).problem()
     for stride, said in ((1, False), (3, False), (8, True)):
         part = thinned(problem, [made(problem)], [0, 1], most=-(-(problem.frames + 1) * 12 // stride))
-        told = " ".join(_left_out(problem, part))
-        assert f"{part.frame_stride * problem.every:.3g} T apart, too far" in told or not said
+        told, apart = " ".join(_left_out(problem, part)), part.frame_stride * problem.every
+        distance = f"{apart:.3g} T" if material is None else f"{apart * unit.time * 1e6:.3g} \N{MICRO SIGN}s"
+        assert f"{distance} apart, too far" in told or not said
         assert ("too far" in told) == said
         assert ("largest in size" in told) == (stride > 1)
 
