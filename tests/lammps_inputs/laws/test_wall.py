@@ -23,7 +23,7 @@ def test_the_largest_displacement_holds_the_whole_energy(energy, strength, side,
     reach = law.reach(energy, *law)
     assert reach[0] == 0.0
     overlap = law.overlap(energy)[1]
-    np.testing.assert_allclose(side * reach[1], gap + overlap, rtol=4e-16)
+    np.testing.assert_allclose(side * reach[1], gap + overlap, rtol=1e-15)
     rounding = 4e-16 * (1.0 + gap / overlap)
     np.testing.assert_allclose(laws.energy(law, reach)[1], energy, rtol=20.0 * rounding)
 
