@@ -195,6 +195,10 @@ def test_strong_dashpots_shorten_the_stable_and_the_default_step() -> None:
     assert stability_bound(stuck) == pytest.approx(2.0 / rates.drag(stuck), rel=0.01)
     assert default_timestep(stuck) < stability_bound(stuck) / 19.0
     assert default_timestep(free) == 0.01
+    for loss, shorter in ((0.005, 3.0), (1.0, 10.0)):  # by 1 + drag / 0.01, at most 10
+        assert default_timestep(scene(beads=4, damping=Damping(contact=loss)).problem()) == pytest.approx(
+            0.01 / shorter
+        )
     assert stability_bound(scene(beads=4, damping=Damping(beads=100.0)).problem()) == stability_bound(free)
 
 
