@@ -210,7 +210,8 @@ def test_contacts_of_two_sizes_are_hertzs():
 
 def test_si_and_reduced_units_say_the_same():
     steel = {"radius": 4.76e-3, "density": 8000.0, "youngs_modulus": 193e9, "poisson_ratio": 0.3}
-    small = {"radius": 0.5 * 4.76e-3, "density": 4000.0, "youngs_modulus": 386e9}
+    twice = {"youngs_modulus": 386e9 * (1.0 - 0.45**2) / (1.0 - 0.3**2), "poisson_ratio": 0.45}
+    small = {"radius": 0.5 * 4.76e-3, "density": 4000.0, **twice}
     si = scene(
         material=steel, kinds={"small": small}, replace={"bead": 2, "kind": "small"}, coupling=None, duration=1e-4,
         output={"every": 1e-6}
@@ -220,6 +221,11 @@ def test_si_and_reduced_units_say_the_same():
     ).problem()
     assert si.mass == pytest.approx(reduced.mass, rel=1e-15)
     assert strengths(si) == pytest.approx(strengths(reduced), rel=1e-15)
+
+
+def test_a_cell_holds_the_patterns_of_all_chains():
+    several = {"kinds": {"a": {}, "b": {"mass": 2.0}}, "pattern": [["a", "b"], ["a", "a", "b"]]}
+    assert period(scene(**several)) == 6
 
 
 def test_disorder_is_the_same_on_any_machine():

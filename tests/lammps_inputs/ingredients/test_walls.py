@@ -194,15 +194,6 @@ def test_what_a_wall_behind_the_hit_bead_throws_back_does_not_lead():
     assert found.waves.bead.min() == 20
 
 
-def test_a_wall_that_is_named_is_as_hard_as_the_bead_that_meets_it_makes_it():
-    """Contacts of spheres of half the radius are sqrt(1/2) times as strong."""
-    last = {"kinds": {"small": {"radius": 0.5}}, "replace": {"bead": 12, "kind": "small"}, "beads": 12}
-    for right, strength in (("flat", 1.0), ({"stiffness": 5.0}, 5.0)):
-        one, other = walled({"left": "flat", "right": right}, chains=1, coupling=None, **last).system.walls
-        assert one.law.strength[0].tolist() == [math.sqrt(2.0), *[0.0] * 11]
-        assert other.law.strength[0].tolist() == [*[0.0] * 11, pytest.approx(strength)]
-
-
 def test_units_a_wall_of_steel_is_as_hard_as_the_kinds_say():
     changes = {"material": STEEL, "coupling": None, "duration": 1e-4, "output": {"every": 1e-6}}
     constant = STEEL["youngs_modulus"] * math.sqrt(2.0 * STEEL["radius"]) / (3.0 * (1.0 - 0.3**2))
