@@ -11,7 +11,7 @@ from independent import integrated
 from pydantic import ValidationError
 from stock_lammps import run, scene
 
-from lammps_inputs import Coupling, Kick, Material, Scene, laws
+from lammps_inputs import Coupling, Kick, Material, Scene, laws, library
 from lammps_inputs.decks import deck
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.contact import Contact
@@ -126,6 +126,16 @@ def test_two_beads_part_with_their_restitution(share: float, exponent: float, tm
     asked = scene(duration=10.0, contact=contact, damping=losing, timestep=step, every=10.0)
     first, second = run(asked, tmp_path / "run").velocity[-1, 0]
     assert second - first == pytest.approx(share, abs=5e-5)
+
+
+def test_a_restitution_is_that_of_the_reduced_mass_and_the_strength_of_each_contact() -> None:
+    kinds = {"light": {"mass": 0.25}, "hard": {"stiffness": 3.0}}
+    several: dict[str, Any] = {"kinds": kinds, "pattern": ["light", "hard", "hard"]}
+    losing = {"contact": 0.7, "law": "restitution"}
+    plain = {"name": "a", "beads": 3, "kick": {"velocity": 1.0}, "duration": 1.0, "damping": losing, **several}
+    (link,) = library.from_plain(plain, "a").system.dampers
+    right = [alpha(0.7) * math.sqrt(0.25 / 1.25 * 1.5), alpha(0.7) * math.sqrt(0.5 * 3.0)]
+    np.testing.assert_allclose(link.law.coefficient, [right], rtol=1e-14)  # type: ignore[attr-defined]
 
 
 @pytest.mark.parametrize("nothing", [{"contact": 0.0}, {"contact": 1.0, "law": "restitution"}, {"beads": 0.0}])

@@ -235,6 +235,13 @@ def test_disorder_is_the_same_on_any_machine():
     assert found[0].tolist() == DISORDER_1
 
 
+def test_beads_of_disordered_radius_are_as_heavy_as_their_size_makes_them():
+    disorder = Disorder(radius=0.1, mass=0.05, seed=3)
+    radius, mass = (disorder.factors(name, (1, 12)) for name in ("radius", "mass"))
+    found = scene(disorder=disorder.model_dump(), chains=1, coupling=None).problem().mass
+    np.testing.assert_allclose(found, radius**3 * mass, rtol=1e-14)
+
+
 DISORDER_1 = [1.0004728649880104, 1.0180185478530375, 0.9857663845087854]
 
 
