@@ -176,6 +176,10 @@ def test_damping_says_what_it_takes_away() -> None:
             "cuts tension where dashpots pull harder than contacts of spheres push, of exponent 1.5, not 2",
         ),
         (
+            {"damping": Damping(contact=0.1, tension="cut"), "disorder": {"mass": 0.1}, "coupling": None},
+            "cut at the force of equal contacts only",
+        ),
+        (
             {"damping": Damping(contact=0.7, law="restitution"), "contact": Contact(exponent=3.0)},
             "for contacts of exponent 1, 1.5 and 2, not 3",
         ),

@@ -245,6 +245,7 @@ def test_validate_names_a_drive_that_is_not_the_scenes(tmp_path):
         ([{**MOVED, "chain": 3}], {}, "drive.chain: 3 is outside the array (chains 1 to 2)"),
         ([{**MOVED, "frequency": 0.0}], {}, "drive.frequency: should be greater than 0"),
         ([MOVED], {"window": 64}, "drive: a window would take"),
+        ([PUSHED], {"output": {"peaks": True, "beads": [1]}}, "output.peaks: finds the pulse that leads"),
         ([MOVED], {"scheme": "suzuki4"}, "drive: suzuki4 steps back"),
         ([MOVED], {"kick": {"velocity": 1.0}}, "drive.displacement: says how the bead moves"),
         ([MOVED, {**PUSHED, "chain": 1, "bead": 1}], {}, "drive.displacement: bead 1 of chain 1 is moved or pushed"),

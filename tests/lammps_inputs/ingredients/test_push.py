@@ -45,7 +45,7 @@ def test_a_scene_with_pushes_survives_being_written_down():
 
 
 def test_a_table_is_read_from_beside_the_scene_and_written_into_it(tmp_path):
-    (tmp_path / "force.csv").write_text("time,force\n0,0\n1.5, 2\n3,0\n\n")
+    (tmp_path / "force.csv").write_text("time,force\n0,0\n1.5; 2\n3,0\n\n")
     (tmp_path / "a.yaml").write_text("name: a\nbeads: 20\nduration: 10\npush: {table: force.csv}\n")
     one = library.find(str(tmp_path / "a.yaml"))
     assert one.plain()["push"]["table"] == [[0.0, 0.0], [1.5, 2.0], [3.0, 0.0]]
