@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
 
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients.base import Ingredient, Part
+from lammps_inputs.ingredients.base import Ingredient, Part, Positive
 from lammps_inputs.ingredients.unequal import with_its_like
 from lammps_inputs.laws.wall import HertzWall
 from lammps_inputs.lines import MOST_GROUPS
@@ -34,7 +33,7 @@ MOST, LEAST = 1e6, 1e-6
 class Face(Part):
     """A wall of any strength."""
 
-    stiffness: Annotated[float, Field(gt=0, le=1e30), Unit("N/m^1.5")]
+    stiffness: Annotated[Positive, Unit("N/m^1.5")]
     """Force over ``overlap**1.5``."""
 
 
