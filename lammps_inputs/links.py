@@ -19,8 +19,7 @@ from numpy.typing import NDArray
 
 from lammps_inputs import laws
 from lammps_inputs.laws import Law, dashpot
-from lammps_inputs.laws.preloaded import PreloadedWall
-from lammps_inputs.laws.wall import HertzWall
+from lammps_inputs.laws.preloaded import FreeWall, LoadedWall
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -259,7 +258,7 @@ class Ground(Link):
 class Wall(Ground):
     """The last bead of each chain, or the first, with a wall at rest that only ever pushes: it lets no bead swing."""
 
-    law: HertzWall | PreloadedWall
+    law: FreeWall | LoadedWall
 
     def mirrored(self) -> Self:
         """The wall at the other end."""

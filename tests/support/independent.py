@@ -46,9 +46,9 @@ def integrated(
         drag: force on a bead over its velocity.
         drag_across: force between beads of a row in neighbouring chains over their relative velocity.
         max_step: of the integrator, which may not see jumps of the force in longer ones.
-        walls: force over overlap**1.5 of the walls on the left and on the right, a gap away, [chain] or one number.
+        walls: force over overlap**exponent of those on the left and on the right, a gap away, [chain] or one number.
         push: chain and bead, from 1, peak and duration of a half-sine of force.
-        exponent: of the overlap in the contacts' force.
+        exponent: of the overlap in the force of contacts and walls.
         rtol: of the integrator.
         pushed, moved: (chain, bead) from 0 -> force from outside, or acceleration whatever the forces, over time.
     """
@@ -59,7 +59,7 @@ def integrated(
     rest = (load[:, 1:-1] / strength) ** (1.0 / exponent)
     there = [np.asarray(wall) > 0.0 for wall in walls]
     left, right = (
-        np.where(on, load[:, end] / np.where(on, wall, 1.0), 0.0) ** (2.0 / 3.0)
+        np.where(on, load[:, end] / np.where(on, wall, 1.0), 0.0) ** (1.0 / exponent)
         for wall, on, end in zip(walls, there, (0, -1), strict=True)
     )
     outside = np.diff(np.pad(load[:, 1:-1], ((0, 0), (1, 1))))
@@ -79,8 +79,8 @@ def integrated(
         if grounded:
             force -= ground * x + ground_cubic * x**3
         if walled:
-            force[:, 0] += walls[0] * np.maximum(left - x[:, 0] - problem.gap, 0.0) ** 1.5
-            force[:, -1] -= walls[1] * np.maximum(right + x[:, -1] - problem.gap, 0.0) ** 1.5
+            force[:, 0] += walls[0] * np.maximum(left - x[:, 0] - problem.gap, 0.0) ** exponent
+            force[:, -1] -= walls[1] * np.maximum(right + x[:, -1] - problem.gap, 0.0) ** exponent
         force[:, 1:] += contact
         force[:, :-1] -= contact
         if problem.chains > 1:
