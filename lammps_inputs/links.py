@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from lammps_inputs import laws
 from lammps_inputs.laws import Law, dashpot
 from lammps_inputs.laws.preloaded import FreeWall, LoadedWall
+from lammps_inputs.laws.wall_dashpot import WallDashpot
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -262,6 +263,18 @@ class Wall(Ground):
 
     def mirrored(self) -> Self:
         """The wall at the other end."""
+        link = super().mirrored()
+        return replace(link, law=link.law.opposite())
+
+
+@dataclass(frozen=True, eq=False)
+class WallDamper(Ground):
+    """The dashpot of a wall."""
+
+    law: WallDashpot  # type: ignore[assignment]  # of damping, as those of all dampers
+
+    def mirrored(self) -> Self:
+        """That of the wall at the other end."""
         link = super().mirrored()
         return replace(link, law=link.law.opposite())
 

@@ -74,44 +74,57 @@ def faces(law: Any, problem: "System") -> list[tuple[float, float]]:
 
 
 def wall_lines(name: str, law: Any, problem: "System") -> Lines:
-    """Walls of the ends of the chains.
+    """Walls of the ends of the chains, with their dashpots.
 
     Only the beads that can reach them are asked, for the others cost as much. All have one radius in LAMMPS, so chains
     whose walls are not equally hard, or equally far along, have walls of their own.
     """
+    loss = problem.wall_loss(law.side)
+    lost, model = ([0.0] * problem.chains, "damping velocity") if loss is None else loss.granular(problem)
     push = _of_spheres if law.exponent == 1.5 else _by_formula
     end = problem.beads if law.side > 0.0 else 1
-    walls = faces(law, problem)
+    walls = [(*face, g) for face, g in zip(faces(law, problem), lost, strict=True)]
     if len(set(walls)) == 1:
-        hard, face = walls[0]
+        hard, face, g = walls[0]
+        strength = f"variable {name} index {text(hard)}   # force over overlap^{text(law.exponent)}"
+        dashpot = f"variable {name}_damping index {text(g)}   # {model}"
+        coefficient = "0" if loss is None else f"${{{name}_damping}}"
         return Lines(
-            variables=(f"variable {name} index {text(hard)}   # force over overlap^{text(law.exponent)}",),
+            variables=(strength,) if loss is None else (strength, dashpot),
             motion=(
                 f"group {name} id {end}:{problem.chains * problem.beads}:{problem.beads}",
-                *push(name, f"v_{name}", face, law, problem),
+                *push(name, f"v_{name}", face, coefficient, model, law, problem),
             ),
         )
     lines = []
-    for number, (hard, face) in enumerate(sorted(set(walls)), 1):
-        own = f"{name}{number}"
-        atoms = " ".join(str(chain * problem.beads + end) for chain, wall in enumerate(walls) if wall == (hard, face))
-        lines += [f"group {own} id {atoms}", *push(own, text(hard), face, law, problem)]
+    for number, wall in enumerate(sorted(set(walls)), 1):
+        own, (hard, face, g) = f"{name}{number}", wall
+        atoms = " ".join(str(chain * problem.beads + end) for chain, other in enumerate(walls) if other == wall)
+        coefficient = "0" if loss is None else text(g)
+        lines += [f"group {own} id {atoms}", *push(own, text(hard), face, coefficient, model, law, problem)]
     return Lines(motion=tuple(lines))
 
 
-def _of_spheres(name: str, hard: str, face: float, law: Any, problem: "System") -> tuple[str, ...]:
+def _of_spheres(name: str, hard: str, face: float, g: str, model: str, law: Any, problem: "System") -> tuple[str, ...]:
     """LAMMPS's force of a flat wall is ``K * sqrt(radius) * overlap**1.5``."""
     root = text(float(np.sqrt(problem.diameter / 2.0)))
-    faces = f"NULL {text(face)}" if law.side > 0.0 else f"{text(face)} NULL"
-    no_loss = f"0 tangential linear_nohistory 0 0 damping velocity xplane {faces}"
-    return (f"fix {name} {name} wall/gran granular hertz $({hard}/{root}:%.17g) {no_loss}",)
+    return (f"fix {name} {name} {_granular(f'hertz $({hard}/{root}:%.17g)', g, model, face, law)}",)
 
 
-def _by_formula(name: str, hard: str, face: float, law: Any, problem: "System") -> tuple[str, ...]:
-    """A force from outside on the beads of a group: LAMMPS's walls of any potential take ten times as long."""
+def _by_formula(name: str, hard: str, face: float, g: str, model: str, law: Any, problem: "System") -> tuple[str, ...]:
+    """A force from outside on the beads of a group: LAMMPS's walls of any potential take ten times as long.
+
+    A dashpot is that of a sphere of no stiffness.
+    """
     touched = text(face - law.side * problem.diameter / 2.0)
     sign, overlap = ("-", f"(x-{touched})*(x>{touched})") if law.side > 0.0 else ("", f"({touched}-x)*(x<{touched})")
-    return (
+    push = (
         f"variable {name}_push atom {sign}{hard}*({overlap})^{text(law.exponent)}",
         f"fix {name} {name} addforce v_{name}_push 0.0 0.0",
     )
+    return push if g == "0" else (*push, f"fix {name}_damping {name} {_granular('hertz 0', g, model, face, law)}")
+
+
+def _granular(normal: str, g: str, model: str, face: float, law: Any) -> str:
+    faces = f"NULL {text(face)}" if law.side > 0.0 else f"{text(face)} NULL"
+    return f"wall/gran granular {normal} {g} tangential linear_nohistory 0 0 {model} xplane {faces}"
