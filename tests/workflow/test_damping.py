@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from independent import integrated
 from plain_scene import goes_on_bit_for_bit
+from stock_lammps import DEBIAN, scene
 from stock_lammps import run as stock_run
-from stock_lammps import scene
 
 from analysis.budget import Account
 from analysis.conservation import Conservation
@@ -22,7 +22,7 @@ from lammps_inputs.force_readout import Forces
 from lammps_inputs.ingredients.contact import Contact
 from lammps_inputs.ingredients.damping import Damping
 from lammps_inputs.ingredients.preload import Gravity, Precompression
-from lammps_inputs.ingredients.walls import Walls
+from lammps_inputs.ingredients.walls import Face, Walls
 from lammps_inputs.laws.dashpot import alpha
 from lammps_inputs.limits import rates
 from lammps_inputs.scene import Output
@@ -321,6 +321,151 @@ def test_damped_chains_under_load_rest_exactly(tmp_path: Path) -> None:
     found = stock_run(still, tmp_path / "run", ranks=2)
     assert not np.any(found.displacement[:, 0])
     assert np.any(found.velocity[-1, 1])
+
+
+# --- walls ------------------------------------------------------------------------------------------------------------
+
+WALL = {"walls": Walls(right=Face(stiffness=5.0)), "beads": 6, "duration": 12.0}
+COLUMN = {**WALL, "contact": Contact(exponent=2.0), "gravity": Gravity(acceleration=0.05)}
+
+AT_WALLS: dict[str, tuple[dict[str, Any], dict[str, Any], dict[str, Any]]] = {
+    "linear": (WALL, {"contact": 0.1}, {"loss": lambda _: 0.1, "wall_loss": lambda _: 0.1}),
+    "linear, cut": (
+        WALL,
+        {"contact": 0.1, "tension": "cut"},
+        {"loss": lambda _: 0.1, "wall_loss": lambda _: 0.1, "tension": False},
+    ),
+    "viscoelastic": (
+        WALL,
+        {"contact": 0.1, "law": "viscoelastic"},
+        {"loss": lambda s: 0.1 * s**0.5, "wall_loss": lambda s: 0.5 * s**0.5},
+    ),
+    "restitution": (
+        WALL,
+        {"contact": 0.7, "law": "restitution"},
+        {"loss": lambda s: alpha(0.7) * 0.5**0.5 * s**0.25, "wall_loss": lambda s: alpha(0.7) * 5.0**0.5 * s**0.25},
+    ),
+    "gap": (
+        {**WALL, "gap": 0.3},
+        {"contact": 0.1, "law": "viscoelastic"},
+        {"loss": lambda s: 0.1 * s**0.5, "wall_loss": lambda s: 0.5 * s**0.5},
+    ),
+    "pressed": (
+        {**WALL, "precompression": PRESSED},
+        {"contact": 0.1},
+        {"loss": lambda _: 0.1, "wall_loss": lambda _: 0.1, "static": 0.3},
+    ),
+    "square column": (
+        COLUMN,
+        {"contact": 0.1, "law": "viscoelastic"},
+        {"loss": lambda s: 0.1 * s**0.5, "wall_loss": lambda s: 0.5 * s**0.5}
+        | {"static": 0.05 * np.arange(7), "exponent": 2.0},
+    ),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", AT_WALLS)
+def test_lammps_has_the_dashpots_of_walls_with_an_error_of_first_order(name: str, tmp_path: Path) -> None:
+    keys, losses, physics = AT_WALLS[name]
+    found = [
+        stock_run(damped(**keys, damping=Damping(**losses), timestep=step, every=0.5), tmp_path / f"{step}")
+        for step in (0.01, 0.0025)
+    ]
+    exact = integrated(found[0].problem, walls=(0.0, 5.0), **physics, max_step=0.02, rtol=1e-9)
+    coarse, fine = (np.max(np.abs(one.velocity - exact)) for one in found)
+    assert coarse < 5e-3
+    assert 3.0 < coarse / fine < 5.0
+
+
+@pytest.fixture(scope="module")
+def at_wall(tmp_path_factory: pytest.TempPathFactory) -> Run:
+    output = Output(forces=Forces(wall=True))
+    return run(damped(**WALL, output=output, timestep=0.005), tmp_path_factory.mktemp("wall") / "run")
+
+
+@pytest.mark.slow
+def test_the_twin_and_the_reference_know_the_dashpots_of_walls(at_wall: Run) -> None:
+    problem, own = at_wall.directory.problem, joined(at_wall.directory.blocks()).velocity
+    twin = engine.run(problem, scheme=VERLET, steps_per_frame=problem.steps_per_frame)
+    np.testing.assert_allclose(twin.velocity, own, rtol=0.0, atol=1e-11)
+    exact = integrated(problem, walls=(0.0, 5.0), **AT_WALLS["linear"][2], max_step=0.02, rtol=1e-10)
+    assert at_wall.check is not None
+    sure = at_wall.check.reference.velocity
+    assert np.max(np.abs(engine.run(problem).velocity - exact)) < sure < 1e-5
+    assert np.max(np.abs(own - exact)) == pytest.approx(at_wall.check.velocity, abs=2.0 * sure)
+
+
+@pytest.mark.slow
+def test_the_budget_tells_what_walls_take_and_closes(at_wall: Run) -> None:
+    assert at_wall.check is not None
+    problem = at_wall.directory.problem
+    missing, account = budget(engine.blocks(problem, steps_per_frame=40))
+    assert missing < 1e-9
+    assert account.lost["right_wall_damping"][-1] > 5e-3
+    assert np.all(np.diff(account.lost["right_wall_damping"]) >= -1e-15)
+    missing, seen = budget(at_wall.directory.blocks(20), Accountant(problem.coarser(20)))
+    assert missing < 2.0 * at_wall.check.velocity
+    for name, lost in account.lost.items():
+        assert seen.lost[name][-1] == pytest.approx(lost[-1], abs=2.0 * at_wall.check.velocity)
+
+
+@pytest.mark.slow
+def test_the_gauge_of_a_wall_reads_its_dashpot_too(at_wall: Run) -> None:
+    directory = at_wall.directory
+    analyse(directory, figures=False)
+    (wall,) = json.loads((directory.path / "analysis.json").read_text())["forces"]
+    momentum = float(joined(directory.blocks()).velocity[-1].sum())
+    assert at_wall.check is not None
+    assert wall["impulse"] == pytest.approx(1.0 - momentum, abs=6.0 * at_wall.check.velocity)
+    assert main(["validate", str(directory.path), "--against", str(directory.path / "forces.csv")]) == 0
+
+
+@pytest.mark.slow
+def test_a_single_bead_loses_in_the_wall_what_its_restitution_says() -> None:
+    keys = {"beads": 2, "gap": 0.97, "kick": (Kick(bead=2, velocity=1.0),), "duration": 4.5, "walls": WALL["walls"]}
+    problem = damped(**keys, damping=Damping(contact=0.7, law="restitution")).problem()
+    missing, account = budget(engine.blocks(problem, steps_per_frame=200))
+    assert missing < 1e-9
+    assert account.lost["right_wall_damping"][-1] == pytest.approx(0.5 * (1.0 - 0.7**2), abs=1e-8)
+    assert account.lost["contact_damping"][-1] == 0.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("factor", "words"), [(0.0, "is missing"), (1.2, "is 1.2 times as strong as the scene says")])
+def test_a_wall_with_another_dashpot_is_named_as_the_cause(factor: float, words: str) -> None:
+    problem = damped(**WALL).problem()
+    contact, wall = problem.dampers
+    other = replace(wall, law=wall.law._replace(steady=factor * wall.law.steady))
+    right, wrong = engine.run(problem), engine.run(replace(problem, dampers=(contact, other)))
+    assert causes(replace(wrong, problem=problem), right) == [f"the right wall damping {words}"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["linear, cut", "square column"])
+def test_a_run_with_damped_walls_goes_on_bit_for_bit_and_on_two_ranks(name: str, tmp_path: Path) -> None:
+    keys, losses, _ = AT_WALLS[name]
+    case = damped(**{**keys, "duration": 8.0}, damping=Damping(**losses), timestep=0.005)
+    goes_on_bit_for_bit(case, tmp_path, after=200)
+    one, two = (stock_run(case, tmp_path / str(ranks), ranks=ranks) for ranks in (1, 2))
+    np.testing.assert_array_equal(one.vx, two.vx)
+
+
+def test_a_damped_column_rests_exactly_on_its_damped_wall(tmp_path: Path) -> None:
+    case = damped(**{**COLUMN, "duration": 2.0}, chains=2, kick=(Kick(chain=2, velocity=1e-3),), timestep=0.01)
+    found = stock_run(case, tmp_path / "run")
+    assert not np.any(found.displacement[:, 0])
+    assert np.any(found.velocity[-1, 1])
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not DEBIAN.exists(), reason="needs Debian's LAMMPS")
+@pytest.mark.parametrize("name", ["linear", "linear, cut", "viscoelastic", "pressed"])
+def test_the_2021_release_has_the_same_dashpots_of_walls(name: str, tmp_path: Path) -> None:
+    keys, losses, _ = AT_WALLS[name]
+    case = damped(**keys, damping=Damping(**losses), timestep=0.01)
+    new, old = stock_run(case, tmp_path / "new"), stock_run(case, tmp_path / "old", executable=DEBIAN)
+    np.testing.assert_allclose(new.vx, old.vx, rtol=0.0, atol=1e-11)
 
 
 # --- overdamped -------------------------------------------------------------------------------------------------------

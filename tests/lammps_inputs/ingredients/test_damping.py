@@ -9,12 +9,14 @@ from independent import integrated
 from pydantic import ValidationError
 from stock_lammps import run, scene
 
-from lammps_inputs import Coupling, Material, Scene
+from lammps_inputs import Coupling, Kick, Material, Scene
 from lammps_inputs.decks import deck
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.contact import Contact
 from lammps_inputs.ingredients.damping import Damping
 from lammps_inputs.ingredients.preload import Precompression
+from lammps_inputs.ingredients.unequal import Kind
+from lammps_inputs.ingredients.walls import Face, Walls
 from lammps_inputs.laws.dashpot import alpha
 from lammps_inputs.limits import rates
 from lammps_inputs.limits.timestep import default_timestep, stability_bound
@@ -111,6 +113,39 @@ def test_two_beads_part_with_their_restitution(share: float, exponent: float, tm
     asked = scene(duration=10.0, contact=contact, damping=losing, timestep=step, every=10.0)
     first, second = run(asked, tmp_path / "run").velocity[-1, 0]
     assert second - first == pytest.approx(share, abs=5e-5)
+
+
+WALLS: dict[str, dict[str, Any]] = {
+    "flat": {"walls": Walls(right="flat")},
+    "left, hard": {"walls": Walls(left=Face(stiffness=20.0))},
+    "heavy bead": {
+        "walls": Walls(right=Face(stiffness=5.0)),
+        "kinds": {"heavy": Kind(mass=3.0)},
+        "pattern": ("heavy",),
+    },
+    "linear": {"walls": Walls(right=Face(stiffness=2.0)), "contact": Contact(exponent=1.0)},
+    "square": {"walls": Walls(right=Face(stiffness=2.0)), "contact": Contact(exponent=2.0)},
+}
+
+
+@pytest.mark.parametrize(
+    ("share", "name"), [(0.9, "flat"), (0.7, "flat"), (0.5, "flat"), *((0.7, name) for name in list(WALLS)[1:])]
+)
+def test_a_bead_comes_back_from_a_wall_with_its_restitution(share: float, name: str, tmp_path: Path) -> None:
+    keys = WALLS[name]
+    left = keys["walls"].left is not None
+    asked = scene(
+        **keys,
+        gap=0.97,
+        kick=(Kick(bead=1, velocity=-1.0) if left else Kick(bead=2, velocity=1.0),),
+        damping=Damping(contact=share, law="restitution"),
+        timestep=0.0002 if name in ("linear", "left, hard") else 0.001,  # where the dashpot's force jumps, or is quick
+        duration=4.5,  # on its way back
+        every=4.5,
+    )
+    first, last = run(asked, tmp_path / "run").velocity[-1, 0]
+    assert (first if left else -last) == pytest.approx(share, abs=5e-5)
+    assert (last if left else first) == 0.0
 
 
 @pytest.mark.parametrize("nothing", [{"contact": 0.0}, {"contact": 1.0, "law": "restitution"}, {"beads": 0.0}])
