@@ -170,10 +170,12 @@ class System:
     @property
     def sinks(self) -> tuple[str | None, ...]:
         """Names of the dashpots along, across, to the ground and of walls; None where there are none."""
-        of_kind: dict[type[Link], list[str]] = {Along: [], Across: [], Ground: [], WallDamper: []}
-        for link in self.dampers:
-            of_kind[type(link)].append(link.name)
-        return tuple(" and ".join(dict.fromkeys(names)) or None for names in of_kind.values())
+
+        def names(kind: type[Link]) -> list[str]:
+            walls = kind is WallDamper
+            return [x.name for x in self.dampers if isinstance(x, kind) and isinstance(x, WallDamper) == walls]
+
+        return tuple(" and ".join(dict.fromkeys(names(kind))) or None for kind in (Along, Across, Ground, WallDamper))
 
     @property
     def contact_loss(self) -> ContactLoss | None:

@@ -96,11 +96,12 @@ def make_dampers(system: System, *, as_lammps: bool) -> Any:
     """The dashpots of a system on a state [bead + 2, chain]; an empty tuple where there are none."""
     if not system.dampers:
         return ()
+    grounded = [link for link in system.dampers if isinstance(link, Ground)]
     laws = (
         tuple(flat(link.law, system, first=2) for link in system.dampers if isinstance(link, Along)),
         tuple(near for link in system.dampers if isinstance(link, Across) for near in neighbours(link, system)),
-        tuple(flat(link.law, system, first=1) for link in system.dampers if type(link) is Ground),
-        tuple(flat(link.law, system, first=1) for link in system.dampers if isinstance(link, WallDamper)),
+        tuple(flat(link.law, system, first=1) for link in grounded if not isinstance(link, WallDamper)),
+        tuple(flat(link.law, system, first=1) for link in grounded if isinstance(link, WallDamper)),
     )
 
     def room(count: int) -> Any:
