@@ -93,11 +93,13 @@ class Damping(Ingredient):
             )
         if self.coupling and not any(isinstance(link, Across) for link in _springs(scene)):
             raise ValueError("damping.coupling: there is no coupling between chains that it could damp")
-        largest = max((float(np.max(link.law.coefficient)) for link in self.dampers(scene)), default=0.0)  # type: ignore[attr-defined]
-        if largest > MOST:
-            raise ValueError(
-                f"damping: {largest:.3g} in dimensionless units, where it is most; at most {MOST:g}, where beads stick"
-            )
+        for link in self.dampers(scene):
+            largest = float(np.max(link.law.coefficient))  # type: ignore[attr-defined]
+            if largest > MOST:
+                where = f" at the {link.name.split('_')[0]} wall" if isinstance(link, WallDamper) else ""
+                raise ValueError(
+                    f"damping: {largest:.3g} in dimensionless units{where}; at most {MOST:g}, where beads stick"
+                )
 
     def refuse_system(self, scene: "BaseScene", system: "System") -> None:  # noqa: ARG002
         """Refuse contacts and masses with which LAMMPS's dashpots are others."""
