@@ -10,8 +10,9 @@ if TYPE_CHECKING:
     from lammps_inputs.errors import InputError
     from lammps_inputs.ingredients.coupling import Coupling
     from lammps_inputs.library import find, load
+    from lammps_inputs.output.output import Output
     from lammps_inputs.problem import Problem, System
-    from lammps_inputs.scene import Kick, Material, Output, Scene
+    from lammps_inputs.scene import Kick, Material, Scene
 
 __all__ = ["Coupling", "InputError", "Kick", "Material", "Output", "Problem", "Scene", "System", "find", "load"]
 
@@ -24,7 +25,7 @@ _PLACES = {
     "System": "problem",
     "Kick": "scene",
     "Material": "scene",
-    "Output": "scene",
+    "Output": "output.output",
     "Scene": "scene",
 }
 """Imported when first asked for: what a scene may be takes a while to load, and not every command needs it."""

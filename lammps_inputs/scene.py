@@ -14,9 +14,8 @@ from pydantic import BeforeValidator, Field, create_model, field_validator, mode
 from lammps_inputs import html, strict_yaml
 from lammps_inputs import scheme as schemes
 from lammps_inputs.facts import Fact
-from lammps_inputs.force_readout import Forces
 from lammps_inputs.ingredients import INGREDIENTS, contacts
-from lammps_inputs.ingredients.base import Ingredient, Part
+from lammps_inputs.ingredients.base import Count, Ingredient, Part, Positive
 from lammps_inputs.ingredients.unequal import (
     Disorder,
     Kinds,
@@ -29,9 +28,9 @@ from lammps_inputs.ingredients.unequal import (
 from lammps_inputs.limits.closing import never_closes
 from lammps_inputs.limits.hertz import WHOLE_BEAD, overlap_bounds, sound_speed
 from lammps_inputs.limits.timestep import default_timestep
+from lammps_inputs.output.output import Output
 from lammps_inputs.problem import Problem, System
 from lammps_inputs.scheme import SchemeName
-from lammps_inputs.spectrum_readout import Spectra
 from lammps_inputs.static_load import LoadError, under_load
 from lammps_inputs.units import PURE, Scale, Unit, hertz_constant, make_scale, sphere_mass
 from lammps_inputs.window import HEADROOM, LEAST_WINDOW, behind, rows_for
@@ -49,9 +48,6 @@ MAX_LENGTH = 1e9
 
 SEVERAL = {"kick", "replace", *(key for key, ingredient in INGREDIENTS.items() if ingredient.several)}
 """Keys that may hold a list of parts."""
-
-Positive = Annotated[float, Field(gt=0, le=1e30)]
-Count = Annotated[int, Field(ge=1, le=2**31 - 1)]
 
 
 class Kick(Part):
@@ -76,36 +72,6 @@ class Material(Part):
     density: Annotated[Positive, Unit("kg/m3")]
     youngs_modulus: Annotated[Positive, Unit("Pa")]
     poisson_ratio: Annotated[float, Field(gt=-1, le=0.5), PURE]
-
-
-class Output(Part):
-    """What is recorded, and how often."""
-
-    every: Annotated[Positive, Unit("s")] | None = None
-    """Time between frames."""
-    beads: Literal["all"] | tuple[Count, ...] = "all"
-    """Recorded beads of every chain."""
-    snapshots: Annotated[Positive, Unit("s")] | None = None
-    """Time between snapshots of all beads, beside the frames of the recorded ones."""
-    peaks: Literal[True] | None = None
-    """Whether the leading pulse is found at every bead while LAMMPS runs, from all beads at every frame's time."""
-    forces: Forces | None = None
-    """Where force is read."""
-    spectra: Spectra | None = None
-    """Beads whose spectra are wanted."""
-
-    _from_list = field_validator("beads", mode="before")(strict_yaml.as_tuple)
-
-    @field_validator("beads")
-    @classmethod
-    def _ascending(cls, value: Any) -> Any:
-        if value == "all":
-            return value
-        if not value:
-            raise ValueError("name at least one bead, or `all`")
-        if len(set(value)) < len(value):
-            raise ValueError("a bead is named twice")
-        return tuple(sorted(value))
 
 
 class BaseScene(Part):
@@ -164,8 +130,6 @@ class BaseScene(Part):
             raise ValueError(f"duration: give either duration or until_bead ({given})")
         if self.until_bead is not None and self.until_bead > self.beads:
             raise ValueError(f"until_bead: {self.until_bead} is outside the array (beads 1 to {self.beads})")
-        if self.output.beads != "all" and self.output.beads[-1] > self.beads:
-            raise ValueError(f"output.beads: {self.output.beads[-1]} is outside the array (beads 1 to {self.beads})")
         if self.timestep is not None and self.accuracy is not None:
             raise ValueError("accuracy: give either accuracy or timestep (both are given)")
         self._check_window()
@@ -177,10 +141,7 @@ class BaseScene(Part):
         for ingredient in self.ingredients:
             ingredient.refuse_system(self, system)
         self._check_motion(system)
-        if self.output.forces is not None:
-            self.output.forces.refuse(self)
-        if self.output.spectra is not None:
-            self.output.spectra.refuse(self)
+        self.output.refuse(self)
         self._check_times()
         return self
 
@@ -260,8 +221,7 @@ class BaseScene(Part):
             raise ValueError(
                 f"timestep: {self.timestep:g} does not divide output.every = {every:g} evenly; try {every / steps:.12g}"
             )
-        if self.output.snapshots is not None:
-            self._check_snapshots(self.output.snapshots / every, every)
+        self.output.refuse_times(every, self.duration)
         if self.duration is not None:
             frames = self.duration / every
             if not frames * steps <= MAX_STEPS:
@@ -281,16 +241,6 @@ class BaseScene(Part):
             raise ValueError(
                 f"kick: beads would pass through each other, with an overlap of at least {overlap:.2g} times the "
                 "radius; slower kicks or a stiffer material are needed"
-            )
-
-    def _check_snapshots(self, frames: float, every: float) -> None:
-        if self.duration is not None and frames * every > self.duration * (1.0 + 1e-9):
-            raise ValueError(f"output.snapshots: {frames * every:g} is longer than the duration of {self.duration:g}")
-        if self.output.beads == "all":
-            raise ValueError("output.snapshots: every frame holds all beads already; name some in output.beads")
-        if round(frames) < 1 or abs(round(frames) / frames - 1.0) > 1e-9:
-            raise ValueError(
-                f"output.snapshots: is {frames:g} times output.every = {every:g}; a whole number of times is needed"
             )
 
     @property

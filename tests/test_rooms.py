@@ -8,7 +8,7 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 STAIRS = {  # the lowest first
-    "lammps_inputs": ("laws", "ingredients", "limits", "decks", "slurm"),
+    "lammps_inputs": ("laws", "ingredients", "limits", "output", "decks", "slurm"),
     "analysis": ("files", "shape", "tracking", "mda", "against", "sharing", "gauges", "sound", "figures"),
     "workflow": ("engines", "cluster", "prepare", "runs", "verdicts", "sweep", "view", "studies", "commands"),
 }

@@ -21,6 +21,14 @@ class Answer(NamedTuple):
     """Plain data, which `--json` prints."""
 
 
+class Table(NamedTuple):
+    """A table as it is printed."""
+
+    title: str
+    head: list[str]
+    rows: list[list[str]]
+
+
 @contextmanager
 def without_bars() -> Iterator[None]:
     """Show neither progress nor hints meanwhile."""
@@ -108,10 +116,10 @@ def _bar(done: str) -> "Progress":
 
 def print_table(title: str, head: list[str], rows: list[list[str]]) -> None:
     """A table on standard output; numbers are right-aligned."""
+    from rich import table as rich
     from rich.console import Console
-    from rich.table import Table
 
-    table = Table(title=title, title_justify="left", box=None, pad_edge=False, header_style="bold")
+    table = rich.Table(title=title, title_justify="left", box=None, pad_edge=False, header_style="bold")
     for name in head:
         table.add_column(name, justify="right")
     for row in rows:

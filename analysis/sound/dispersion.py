@@ -27,6 +27,8 @@ MOST_NUMBERS = 20_000_000
 FAINTEST = 1e-9
 """Share of the largest power that a ridge must have."""
 
+NO_SOUND = "beads bear no load at rest, so that the chain passes on no sound (a sonic vacuum)"
+
 _SAME = 1e-9
 
 _POINTS = 200
@@ -87,7 +89,7 @@ def cell_of(system: System) -> Cell:
         NoDispersionError: there is no sound, or nothing repeats.
     """
     if not system.loaded:
-        raise NoDispersionError("beads bear no load at rest, so that the chain passes on no sound (a sonic vacuum)")
+        raise NoDispersionError(NO_SOUND)
     chains, beads = system.chains, system.beads
     mass = np.broadcast_to(system.mass, (chains, beads))
     along = np.zeros((chains, beads))

@@ -3,11 +3,11 @@
 from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, Field
 
 from lammps_inputs.facts import Fact
 from lammps_inputs.laws import Law, Parameter
@@ -17,6 +17,9 @@ from lammps_inputs.loads import Load, Motion
 if TYPE_CHECKING:
     from lammps_inputs.problem import System
     from lammps_inputs.scene import BaseScene
+
+Positive = Annotated[float, Field(gt=0, le=1e30)]
+Count = Annotated[int, Field(ge=1, le=2**31 - 1)]
 
 
 class Part(BaseModel):
@@ -57,9 +60,9 @@ class Ingredient(Part):
             ValueError: as `refuse`.
         """
 
-    def links(self, scene: "BaseScene") -> tuple[Link, ...]:
+    def links(self, scene: "BaseScene") -> tuple[Link, ...]:  # noqa: ARG002
         """The links that it makes, dimensionless; none where its numbers come to nothing."""
-        raise NotImplementedError
+        return ()
 
     def contact_law(self, strength: Parameter) -> Law | None:  # noqa: ARG002
         """The law of the contacts between beads, where it makes them other than those of spheres.
@@ -104,3 +107,26 @@ class Ingredient(Part):
     def motions(self, scene: "BaseScene") -> tuple[Motion, ...]:  # noqa: ARG002
         """The beads whose motion it gives, dimensionless."""
         return ()
+
+
+class OnBead(Ingredient):
+    """What acts on one bead from outside, as long as it lasts."""
+
+    key: ClassVar[str]
+    several: ClassVar[bool] = True
+    why = MappingProxyType(
+        {
+            Fact.FRONT: "a window would take the bead that it acts on to its head",
+            Fact.REVERSIBLE: "suzuki4 steps back in time within each cycle",
+        }
+    )
+
+    chain: Count = 1
+    bead: Count = 1
+
+    def refuse(self, scene: "BaseScene") -> None:
+        """Refuse a bead outside the array."""
+        if self.chain > scene.chains:
+            raise ValueError(f"{self.key}.chain: {self.chain} is outside the array (chains 1 to {scene.chains})")
+        if self.bead > scene.beads:
+            raise ValueError(f"{self.key}.bead: {self.bead} is outside the array (beads 1 to {scene.beads})")

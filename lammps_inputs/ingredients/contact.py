@@ -12,11 +12,11 @@ from pydantic import Field
 
 from lammps_inputs import laws
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients.base import Ingredient
+from lammps_inputs.ingredients.base import Ingredient, Positive
 from lammps_inputs.laws import Law, Parameter
 from lammps_inputs.laws.hertz import Hertz
 from lammps_inputs.laws.power import Power
-from lammps_inputs.links import Along, Link
+from lammps_inputs.links import Along
 from lammps_inputs.units import PURE, Unit
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ class Contact(Ingredient):
     )
 
     exponent: Annotated[float, Field(ge=1, le=3), PURE]
-    stiffness: Annotated[float, Field(gt=0, le=1e30), Unit("N/m^p")] | None = None
+    stiffness: Annotated[Positive, Unit("N/m^p")] | None = None
     """1 in reduced units; with a material it is that one's own for the exponent 1.5 alone."""
 
     def refuse(self, scene: "BaseScene") -> None:
@@ -57,10 +57,6 @@ class Contact(Ingredient):
                 f"contact.exponent: {self.exponent:g} given; how the contacts of beads of unlike radius or modulus "
                 "differ is known for spheres, which have 1.5; let them differ in mass alone"
             )
-
-    def links(self, scene: "BaseScene") -> tuple[Link, ...]:  # noqa: ARG002
-        """None beside the contacts."""
-        return ()
 
     def contact_law(self, strength: Parameter) -> Law:
         """Hertz's law where it is that."""

@@ -122,10 +122,6 @@ class Damping(Ingredient):
         if self.contact and system.contact_loss is not None and self.tension == "cut" and not system.one_kind:
             raise ValueError("damping.tension: is cut at the force of equal contacts only; leave it out")
 
-    def links(self, scene: "BaseScene") -> tuple[Link, ...]:  # noqa: ARG002
-        """None that stores energy."""
-        return ()
-
     def dampers(self, scene: "BaseScene") -> tuple[Link, ...]:
         """Of contacts, springs and beads."""
         found: list[Link] = []

@@ -1,15 +1,13 @@
 """Harmonic drives: a bead that is moved to and fro, or pushed and pulled, for ever: a shaker, a piezo actuator."""
 
 import math
-from types import MappingProxyType
-from typing import TYPE_CHECKING, Annotated, ClassVar, Self
+from typing import TYPE_CHECKING, Annotated, Self
 
 from pydantic import Field, model_validator
 
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients.base import Ingredient
+from lammps_inputs.ingredients.base import OnBead, Positive
 from lammps_inputs.laws.in_time import Sine
-from lammps_inputs.links import Link
 from lammps_inputs.loads import Load, Motion
 from lammps_inputs.units import Unit
 
@@ -17,24 +15,12 @@ if TYPE_CHECKING:
     from lammps_inputs.problem import System
     from lammps_inputs.scene import BaseScene
 
-Count = Annotated[int, Field(ge=1, le=2**31 - 1)]
-Positive = Annotated[float, Field(gt=0, le=1e30)]
 
-
-class Drive(Ingredient):
+class Drive(OnBead):
     """``displacement * (sin(2 pi frequency t + phase) - sin(phase))``, or a force ``force * sin(...)``, of one bead."""
 
-    why = MappingProxyType(
-        {
-            Fact.FRONT: "a window would take the bead that is driven to its head",
-            Fact.REVERSIBLE: "suzuki4 steps back in time within each cycle",
-        }
-    )
+    key = "drive"
 
-    several: ClassVar[bool] = True
-
-    chain: Count = 1
-    bead: Count = 1
     displacement: Annotated[Positive, Unit("m")] | None = None
     """Amplitude of the bead's motion about its place, which is given whatever pushes it."""
     force: Annotated[Positive, Unit("N")] | None = None
@@ -51,11 +37,8 @@ class Drive(Ingredient):
         return self
 
     def refuse(self, scene: "BaseScene") -> None:
-        """Refuse a bead outside the array, and what does not go with motion for ever."""
-        if self.chain > scene.chains:
-            raise ValueError(f"drive.chain: {self.chain} is outside the array (chains 1 to {scene.chains})")
-        if self.bead > scene.beads:
-            raise ValueError(f"drive.bead: {self.bead} is outside the array (beads 1 to {scene.beads})")
+        """Refuse a bead outside the array, too, and what does not go with motion for ever."""
+        super().refuse(scene)
         if scene.output.peaks:
             raise ValueError("output.peaks: finds the pulse that leads, which a drive makes none of; leave it out")
         if self.displacement is not None and any(
@@ -74,10 +57,6 @@ class Drive(Ingredient):
                 f"drive.displacement: bead {self.bead} of chain {self.chain} is moved or pushed otherwise, too; "
                 "leave one of them out"
             )
-
-    def links(self, scene: "BaseScene") -> tuple[Link, ...]:  # noqa: ARG002
-        """None."""
-        return ()
 
     def lacks(self, scene: "BaseScene") -> frozenset[Fact]:  # noqa: ARG002
         """No pulse leads, and time matters; and what moves a bead takes up any momentum."""

@@ -10,22 +10,19 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, GetJsonSchemaHandler, model_serializer, model_validator
+from pydantic import GetJsonSchemaHandler, model_serializer, model_validator
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
 
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients.base import Ingredient
+from lammps_inputs.ingredients.base import Ingredient, Positive
 from lammps_inputs.laws.wall import faces
 from lammps_inputs.lines import MOST_GROUPS
-from lammps_inputs.links import Link
 from lammps_inputs.units import Unit
 
 if TYPE_CHECKING:
     from lammps_inputs.problem import System
     from lammps_inputs.scene import BaseScene
-
-Positive = Annotated[float, Field(gt=0, le=1e30)]
 
 
 class _Load(Ingredient):
@@ -56,10 +53,6 @@ class _Load(Ingredient):
     def lacks(self, scene: "BaseScene") -> frozenset[Fact]:  # noqa: ARG002
         """There is sound."""
         return frozenset({Fact.SONIC_VACUUM, Fact.FRONT})
-
-    def links(self, scene: "BaseScene") -> tuple[Link, ...]:  # noqa: ARG002
-        """None: it changes those that there are."""
-        return ()
 
 
 class Precompression(_Load):

@@ -3,8 +3,7 @@
 import itertools
 import math
 from pathlib import Path
-from types import MappingProxyType
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,16 +11,14 @@ from pydantic import Field, field_validator, model_validator
 
 from lammps_inputs.errors import InputError
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients.base import Ingredient
+from lammps_inputs.ingredients.base import OnBead, Positive
 from lammps_inputs.laws.in_time import HalfSine, Rectangular, TimeLaw, make_table
-from lammps_inputs.links import Link
 from lammps_inputs.loads import Load
 from lammps_inputs.units import Unit
 
 if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene
 
-Count = Annotated[int, Field(ge=1, le=2**31 - 1)]
 Time = Annotated[float, Field(ge=0, le=1e30), Unit("s")]
 Force = Annotated[float, Field(ge=-1e30, le=1e30), Unit("N")]
 Point = tuple[Time, Force]
@@ -31,23 +28,14 @@ MOST_POINTS = 10_000
 _SHAPES: dict[str, type[HalfSine] | type[Rectangular]] = {"half-sine": HalfSine, "rectangular": Rectangular}
 
 
-class Push(Ingredient):
+class Push(OnBead):
     """A force on one bead, towards higher bead numbers when positive: of a shape, or from a table."""
 
-    why = MappingProxyType(
-        {
-            Fact.FRONT: "a window would take the bead that is pushed to its head",
-            Fact.REVERSIBLE: "suzuki4 steps back in time within each cycle",
-        }
-    )
+    key = "push"
 
-    several: ClassVar[bool] = True
-
-    chain: Count = 1
-    bead: Count = 1
     peak: Force | None = None
     """Largest force."""
-    duration: Annotated[float, Field(gt=0, le=1e30), Unit("s")] | None = None
+    duration: Annotated[Positive, Unit("s")] | None = None
     """Time from the start to the end of the force."""
     shape: Literal["half-sine", "rectangular"] | None = None
     table: tuple[Point, ...] | None = None
@@ -103,17 +91,6 @@ class Push(Ingredient):
         if self.peak is not None and abs(self.peak) < 1e-30:
             raise ValueError(f"peak: a push needs a force (at least 1e-30) ({self.peak:g} given)")
         return self
-
-    def refuse(self, scene: "BaseScene") -> None:
-        """Refuse a bead outside the array."""
-        if self.chain > scene.chains:
-            raise ValueError(f"push.chain: {self.chain} is outside the array (chains 1 to {scene.chains})")
-        if self.bead > scene.beads:
-            raise ValueError(f"push.bead: {self.bead} is outside the array (beads 1 to {scene.beads})")
-
-    def links(self, scene: "BaseScene") -> tuple[Link, ...]:  # noqa: ARG002
-        """None."""
-        return ()
 
     def lacks(self, scene: "BaseScene") -> frozenset[Fact]:  # noqa: ARG002
         """While it lasts, time matters, and the place of the bead."""

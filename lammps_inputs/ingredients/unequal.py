@@ -11,15 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field
 
-from lammps_inputs.ingredients.base import Part
+from lammps_inputs.ingredients.base import Count, Part, Positive
 from lammps_inputs.units import PURE, Unit, sphere_mass
 
 if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene, Material
 
 Floats = NDArray[np.float64]
-Positive = Annotated[float, Field(gt=0, le=1e30)]
-Number = Annotated[int, Field(ge=1, le=2**31 - 1)]
 Spread = Annotated[float, Field(ge=0, le=0.9), PURE]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,31}$")]
 
@@ -81,8 +79,8 @@ class Kind(Part):
 class Replacement(Part):
     """One bead that is of another kind."""
 
-    chain: Number = 1
-    bead: Number
+    chain: Count = 1
+    bead: Count
     kind: Name
 
 
@@ -106,7 +104,7 @@ class Disorder(Part):
 class Striker(Kind):
     """The first bead of a chain, of its own kind, and the velocity with which it strikes the second."""
 
-    chain: Number = 1
+    chain: Count = 1
     velocity: Annotated[Positive, Unit("m/s")]
 
 

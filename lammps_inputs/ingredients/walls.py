@@ -13,10 +13,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
 
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients.base import Ingredient, Part
+from lammps_inputs.ingredients.base import Ingredient, Part, Positive
 from lammps_inputs.ingredients.contact import HERTZ
 from lammps_inputs.ingredients.unequal import with_its_like
 from lammps_inputs.laws.power_wall import PowerWall
@@ -44,7 +43,7 @@ def _of_exponent(scene: Mapping[str, Any]) -> str:
 class Face(Part):
     """A wall of any strength."""
 
-    stiffness: Annotated[float, Field(gt=0, le=1e30), Unit(_of_exponent)]
+    stiffness: Annotated[Positive, Unit(_of_exponent)]
     """Force over ``overlap**p``, p being the exponent of the contacts: 1.5, or that in ``contact``."""
 
 

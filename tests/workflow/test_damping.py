@@ -18,13 +18,13 @@ from analysis.conservation import Conservation
 from analysis.tracking.peaks import PeakFinder
 from analysis.trajectory import Trajectory, joined
 from lammps_inputs import Coupling, InputError, Kick, Scene, laws
-from lammps_inputs.force_readout import Forces
 from lammps_inputs.ingredients.contact import Contact
 from lammps_inputs.ingredients.damping import Damping
 from lammps_inputs.ingredients.preload import Gravity, Precompression
 from lammps_inputs.ingredients.walls import Face, Walls
 from lammps_inputs.laws.dashpot import alpha
 from lammps_inputs.limits import rates
+from lammps_inputs.output.forces import Forces
 from lammps_inputs.scene import Output
 from workflow.cli import main
 from workflow.engines.reference import engine
@@ -91,11 +91,11 @@ def test_the_budget_of_lammps_closes_to_the_error_of_the_run_however_far_apart_i
 @pytest.mark.slow
 def test_the_analysis_says_how_well_the_budget_is_closed(done: Run) -> None:
     found = analyse(done.directory, figures=False)
-    assert found.budget is not None
-    assert found.budget.sentence.startswith(f"budget closed to {found.budget.missing:.1e} of what was put in")
+    budget = found.findings["budget"]
+    assert budget.sentence.startswith(f"budget closed to {budget.missing:.1e} of what was put in")
     told = json.loads((done.directory.path / "analysis.json").read_text())["budget"]
     assert told["closed"] == pytest.approx(max(map(abs, told["missing"])) / 0.5)
-    assert told["between_frames"] == found.budget.unsure < 1e-6
+    assert told["between_frames"] == budget.unsure < 1e-6
     assert done.check is not None
     assert told["stated"] == done.check.velocity
     assert found.conservation.momentum_drift < 1e-12
@@ -131,8 +131,7 @@ def test_the_budget_of_every_law_closes_to_1e_9(keys: dict[str, Any]) -> None:
 @pytest.mark.slow
 def test_a_run_by_the_reference_takes_the_steps_that_close_its_budget(tmp_path: Path) -> None:
     found = analyse(run(damped(), tmp_path / "run", engine="reference").directory, figures=False)
-    assert found.budget is not None
-    assert found.budget.missing < 1e-9
+    assert found.findings["budget"].missing < 1e-9
 
 
 def test_frames_that_are_followed_by_the_reference_have_the_ledger_of_its_own_run() -> None:

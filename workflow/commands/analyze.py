@@ -7,18 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
-from analysis.gauges.readings import Readings
-from analysis.gauges.spectra import Spectra
-from analysis.shape.loaded_wave import sound_speed
-from analysis.sharing.cells import CellEnergy
-from analysis.sharing.energy_flow import Flow
 from analysis.sharing.equipartition import CLEAR
 from analysis.sharing.is_solitary import Character
 from analysis.sharing.survey import Survey
+from analysis.sound.dispersion import NO_SOUND
 from analysis.tracking.leading_waves import ARRIVALS
 from analysis.tracking.pulses import of_one_kind
-from analysis.trajectory import Floats
-from lammps_inputs import InputError, Problem
+from lammps_inputs import InputError
 from lammps_inputs.facts import Fact
 from workflow.engines.lammps.invariants import ENERGY_TOLERANCE
 from workflow.runs.files import REPORT
@@ -26,9 +21,7 @@ from workflow.runs.run_directory import RunDirectory
 from workflow.screen import Answer, one_line, print_table
 from workflow.verdicts.analyse import Analysis, analyse, last_clear_bead
 from workflow.verdicts.analysis_report import train
-
-MOST_CHAINS = 8
-"""Chains that a table shows."""
+from workflow.verdicts.findings.finding import MOST_CHAINS
 
 FEW = 4
 """Chains up to which each has its own line."""
@@ -41,12 +34,6 @@ MOST_PULSES = 6
 
 DOCUMENTED = 1e-4
 """Error of a peak velocity, in V, above which the user is told."""
-
-SMALLEST_LOSS = 1e-8
-"""Share of the energy per cell that is told; what frames and time steps blur is less."""
-
-MOSTLY = 0.9
-"""Share of the beads from which on a chain is one of equal beads but for a few."""
 
 FAR = 1.4
 """Time between frames, in T, from which on small maxima beside larger ones were seen to be missed."""
@@ -87,15 +74,9 @@ def execute(arguments: argparse.Namespace) -> Answer:
         arrival=arguments.arrival,
     )
     _print(found)
-    if isinstance(found.dispersion, str) and (arguments.dispersion or found.problem.loaded):
-        print(f"no dispersion map: {found.dispersion}")
-    more = (
-        ("forces.csv", found.forces is not None),
-        ("spectra.csv", found.spectra is not None),
-        ("dispersion.csv", not isinstance(found.dispersion, str)),
-    )
-    tables = ["waves.csv", *(name for name, there in more if there), REPORT]
-    names = [*tables, *(path.name for path in found.figures)]
+    if arguments.dispersion and not found.problem.loaded:
+        print(f"no dispersion map: {NO_SOUND}")
+    names = [*found.tables, REPORT, *(path.name for path in found.figures)]
     print(f"{one_line(arguments.directory)}: {', '.join(names)}")
     return Answer(0, json.loads((arguments.directory / REPORT).read_text(encoding="utf-8")))
 
@@ -110,28 +91,40 @@ def _beads(text: str | None) -> tuple[int, ...] | None:
 
 
 def _print(found: Analysis) -> None:
-    problem, waves, seen = found.problem, found.waves, found.conservation
-    scale = problem.scale
+    problem, seen = found.problem, found.conservation
     if not found.complete:
         print(
-            f"incomplete: {seen.frames} of {problem.frames + 1} frames, to t = {seen.last_time * scale.time:.6g}; "
-            "what there is was analysed"
+            f"incomplete: {seen.frames} of {problem.frames + 1} frames, to t = "
+            f"{seen.last_time * problem.scale.time:.6g}; what there is was analysed"
         )
     if found.altered:
         print(
             "the frames are not those that the run wrote, by the fingerprint in run.json: a file is damaged or changed"
         )
-    if found.energy is not None:
-        _print_energy(problem, found.energy)
-    shown = [bead for bead in _rows(found) if len(waves.at(bead))] if problem.holds(Fact.PULSE) else []
+    if problem.holds(Fact.PULSE):
+        _print_waves(found)
+        _print_accuracy(found)
+    _print_pulses(found.survey)
+    for finding in found.findings.values():
+        for said in finding.said():
+            if isinstance(said, str):
+                print(said)
+            else:
+                print_table(*said)
+    _print_drifts(found)
+
+
+def _print_waves(found: Analysis) -> None:
+    """The leading pulse at some beads."""
+    waves, scale = found.waves, found.problem.scale
     unit = {name: f" ({scale.symbol(name)})" if scale.si else "" for name in ("time", "velocity", "speed")}
     head = ["bead", "chain", f"arrival{unit['time']}", f"peak velocity{unit['velocity']}", f"speed{unit['speed']}"]
     if scale.si:
         head.append("peak velocity / V")
     rows = []
-    for bead in shown:
+    for bead in _rows(found):
         at = waves.at(bead)
-        for k in range(min(len(at), 8)):
+        for k in range(min(len(at), MOST_CHAINS)):
             row = [
                 str(bead) if k == 0 else "",
                 str(at.chain[k]),
@@ -140,149 +133,22 @@ def _print(found: Analysis) -> None:
                 f"{at.speed[k] / scale.time:.5g}",
             ]
             rows.append([*row, f"{at.peak_velocity[k]:.5f}"] if scale.si else row)
-        if len(at) > 8:
+        if len(at) > MOST_CHAINS:
             rows.append(["", f"of {len(at)}", "", "", ""])
-    if problem.holds(Fact.PULSE):
-        print_table(f"{problem.name}: leading pulse", head, rows)
-        _print_accuracy(found)
-    _print_pulses(found.survey)
-    if problem.loaded:
-        _print_sound(found)
-    if found.cells is not None:
-        _print_cells(problem, found.cells)
-    if found.forces is not None:
-        _print_forces(problem, found.forces, found.given_back)
-    if found.spectra is not None:
-        _print_spectra(problem, found.spectra)
-    if found.left is not None:
-        print(found.left.sentence(waves))
+    print_table(f"{found.problem.name}: leading pulse", head, rows)
+
+
+def _print_drifts(found: Analysis) -> None:
+    """Of energy, unless an account of it has been told, and of momentum; what to think of them if they are large."""
+    problem, seen = found.problem, found.conservation
     drifts = {"energy": seen.energy_drift, "momentum": seen.momentum_drift}
     known = {name: drift for name, drift in drifts.items() if np.isfinite(drift)}
-    if found.budget is not None:
-        print(f"{found.budget.account.sentence(scale)}\n{found.budget.sentence}")
+    told = [f"{name} within {drift:.1e}" for name, drift in known.items() if name != "energy" or not problem.exchanges]
     right = "what was put in" if problem.exchanges else "the kick's"
-    said = [
-        f"{name} within {drift:.1e}" for name, drift in known.items() if name == "momentum" or not problem.exchanges
-    ]
-    if said:
-        print(f"{', '.join(said)} of {right}")
+    if told:
+        print(f"{', '.join(told)} of {right}")
     if max(known.values(), default=0.0) > ENERGY_TOLERANCE:
         print(found.failure or "that is not this scene: was the deck run with another kappa or kick?")
-    if found.contacts is not None:
-        print("\n".join(found.contacts.lines()))
-
-
-def _print_sound(found: Analysis) -> None:
-    """The speed of sound, and the leading pulse on it against the long-wave theory's."""
-    problem, wave = found.problem, found.sound
-    scale = problem.scale
-    speeds = sound_speed(problem) if wave is None else np.array([wave.sound])
-    unit = "beads/s" if scale.si else "beads per unit time"
-    said = [f"{speed / scale.time:.6g}" for speed in dict.fromkeys((float(speeds.min()), float(speeds.max())))]
-    line = f"sound: c0 = {' to '.join(said)} {unit}"
-    if found.bead_length is not None:
-        line += f" ({float(speeds.max()) * found.bead_length / scale.time:.5g} m/s)"
-    if wave is not None:
-        line += (
-            f"; the leading pulse runs at {wave.over_sound:.5f} c0 past beads {wave.first} to {wave.last}, "
-            f"F_m/F_0 = {wave.force_ratio:.4g}"
-        )
-        if math.isfinite(wave.theory):
-            line += f": {wave.over_theory:.5f} of what the long-wave theory says (Nesterenko)"
-    print(line)
-
-
-def _print_cells(problem: Problem, cells: CellEnergy) -> None:
-    """What the pulse of each chain leaves behind, and where the energy is as seen from a replaced bead."""
-    splits = cells.splits()
-    mass = np.asarray(problem.mass)
-    alike = cells.period == 1 and np.mean(mass == np.median(mass)) > MOSTLY
-    cell = "bead" if cells.period == 1 else f"cell of {cells.period} beads"
-    for chain in range(1, min(problem.chains, MOST_CHAINS) + 1):
-        left = cells.left(chain)
-        if left is not None and math.isfinite(left.per_cell):
-            lost = f"{left.per_cell:.1e}" if left.per_cell > SMALLEST_LOSS else f"less than {SMALLEST_LOSS:.0e}"
-            # where single beads differ, nothing is left in cell after cell
-            more = "" if alike else f"; from bead {left.first} on it has left {lost} of it in every {cell}"
-            print(f"chain {chain}: the pulse carries {left.carried:.2%} of the energy at bead {left.last}{more}")
-        final = cells.end(chain)
-        if final is not None:
-            print(f"chain {chain}: its last bead has had up to {final:.2%} of the energy, as motion")
-    for split in splits[:MOST_CHAINS]:
-        print(
-            f"bead {split.bead} of chain {split.chain}: at the end {split.before:.2%} of the energy is before it, "
-            f"{split.at:.2%} in it, {split.beyond:.2%} beyond"
-        )
-        if math.isfinite(split.reflected):
-            print(f"  of {split.incident:.2%} that the pulse brought it has sent {split.reflected:.2%} back")
-
-
-def _print_forces(problem: Problem, readings: Readings, given_back: dict[str, Floats]) -> None:
-    """The largest force, impulse and dwell of every gauge; what walls felt and threw back."""
-    scale = problem.scale
-    names = ("force", "time", "momentum")
-    force, time, momentum = (f" ({scale.symbol(name)})" if scale.si else "" for name in names)
-    rows = []
-    for place, gauge in enumerate(readings.gauges):
-        for chain in range(min(problem.chains, MOST_CHAINS)):
-            numbers = ["0", "-", "0", "-"]
-            if readings.largest[chain, place] > 0.0:
-                numbers = [
-                    f"{readings.largest[chain, place] * scale.force:.6g}",
-                    f"{readings.largest_at[chain, place] * scale.time:.6g}",
-                    f"{readings.impulse[chain, place] * scale.momentum:.6g}",
-                    f"{readings.dwell[chain, place] * scale.time:.4g}",
-                ]
-            rows.append([gauge.name if chain == 0 else "", str(chain + 1), *numbers])
-    head = ["force at", "chain", f"largest{force}", f"at{time}", f"impulse{momentum}", f"dwell{time}"]
-    print_table(f"{problem.name}: forces", head, rows)
-    kinds = [gauge.kind for gauge in readings.gauges]
-    for place, gauge in enumerate(readings.gauges):
-        if gauge.kind != "wall":
-            continue
-        for chain in range(min(problem.chains, MOST_CHAINS)):
-            said = []
-            if "contact" in kinds and (inside := readings.largest[chain, kinds.index("contact")]) > 0.0:
-                other = readings.gauges[kinds.index("contact")].name
-                said.append(f"largest force {readings.largest[chain, place] / inside:.4f} times that at {other}")
-            if math.isfinite(back := given_back[gauge.side][chain]):
-                among = " (and chains have exchanged energy meanwhile)" if problem.coupled else ""
-                said.append(f"the first pulse is thrown back at {back:.4f} of its velocity{among}")
-            if said:
-                print(f"{gauge.name}, chain {chain + 1}: {', '.join(said)}")
-
-
-def _print_spectra(problem: Problem, spectra: Spectra) -> None:
-    """The highest line of every bead, and what it has of the drives."""
-    scale = problem.scale
-    hertz, velocity = (" (Hz)", f" ({scale.symbol('velocity')})") if scale.si else ("", "")
-    head = ["bead", "chain", f"highest line at{hertz}", f"its velocity{velocity}"]
-    head += [f"at {frequency / scale.time:.5g}{hertz}, over bead {spectra.beads[0]}" for frequency in spectra.drive]
-    rows = []
-    for place, bead in enumerate(spectra.beads):
-        for chain in range(min(problem.chains, MOST_CHAINS)):
-            top = int(np.argmax(spectra.amplitude[:, chain, place]))
-            height = float(spectra.amplitude[top, chain, place] * scale.velocity)
-            line = [f"{spectra.frequency[top] / scale.time:.5g}", f"{height:.5g}"]
-            passed_on = [f"{share:.5g}" for share in spectra.transmissibility[:, chain, place]]
-            rows.append([str(bead) if chain == 0 else "", str(chain + 1), *line, *passed_on])
-    print_table(f"{problem.name}: spectra from t = {spectra.after * scale.time:.5g} on", head, rows)
-
-
-def _print_energy(problem: Problem, flow: Flow) -> None:
-    """Where the energy was: how much of it each chain had, and where along the chain, at the least, most and last."""
-    time = problem.scale.time
-    unit = f" ({problem.scale.symbol('time')})" if problem.scale.si else ""
-    rows = []
-    for chain in range(min(problem.chains, MOST_CHAINS)):
-        least, most = flow.extremes(chain)
-        ends = [f"{share:.4f} at {when * time:.5g}" for share, when in (least, most)]
-        place = f"{flow.centre[-1, chain]:.1f} +- {flow.spread[-1, chain]:.1f}"
-        rows.append([str(chain + 1), *ends, f"{flow.share[-1, chain]:.4f}", place])
-    if problem.chains > MOST_CHAINS:
-        rows.append([f"of {problem.chains}", "", "", "", ""])
-    head = ["chain", f"least at time{unit}", f"most at time{unit}", "at the end", "there, around bead"]
-    print_table(f"{problem.name}: share of the energy", head, rows)
 
 
 def _print_accuracy(found: Analysis) -> None:

@@ -11,32 +11,15 @@ import numpy as np
 from analysis.conservation import Conservation
 from analysis.files.binary_dump import CutDumpWarning
 from analysis.files.recording import FARTHEST
-from analysis.gauges.far_end import FarEnd
-from analysis.gauges.forces import ForceMeter
-from analysis.gauges.gauge import gauges
-from analysis.gauges.readings import Readings, to_csv
-from analysis.gauges.restitution import restitution
-from analysis.gauges.spectra import Spectra, SpectrumMeter
-from analysis.gauges.spectra import to_csv as spectra_csv
-from analysis.largest_overlap import LargestOverlap, shown_by_frames
 from analysis.mirror import direction_of
-from analysis.sharing.cells import CellEnergy
-from analysis.sharing.energy_flow import EnergyFlow, Flow
 from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.survey import Survey, survey
-from analysis.sound.dispersion import Dispersion, Map, NoDispersionError
-from analysis.sound.dispersion import to_csv as table_of
-from analysis.sound.loaded_pulse import LoadedPulse, LoadedWave
 from analysis.tracking.leading_waves import Arrival, Waves, usual_arrival
-from analysis.tracking.left_behind import LeftBehind
-from analysis.trajectory import Floats, Trajectory
-from lammps_inputs import InputError, Problem, Scene, html, laws
+from analysis.trajectory import Trajectory
+from lammps_inputs import InputError, Problem, html
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients.unequal import period
-from workflow.engines.reference.accountant import Accountant
 from workflow.formats import figure_files, in_any_format
 from workflow.runs.accounts import accountant
-from workflow.runs.contacts import Contacts, has_contacts, of_overlap
 from workflow.runs.files import ANALYSIS_FIGURES, REPORT
 from workflow.runs.own_files import claim, retire
 from workflow.runs.peaks_table import found_on_the_way
@@ -44,17 +27,8 @@ from workflow.runs.results import Fingerprint, recorded_fingerprint
 from workflow.runs.run_directory import RunDirectory
 from workflow.runs.whole_files import write_figure, write_json, write_text
 from workflow.verdicts.analysis_report import last_clear_bead, report
-from workflow.verdicts.ingredient_reports import (
-    ClosedBudget,
-    budget_report,
-    cells_report,
-    dispersion_report,
-    energy_report,
-    far_end_report,
-    forces_report,
-    sound_report,
-    spectra_report,
-)
+from workflow.verdicts.findings import MEASURES, budget
+from workflow.verdicts.findings.finding import Finding
 from workflow.verdicts.waves_table import waves_csv
 
 if TYPE_CHECKING:
@@ -62,7 +36,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Analysis", "analyse", "default_beads", "last_clear_bead"]
 
-WAVES, FORCES, SPECTRA, DISPERSION = "waves.csv", "forces.csv", "spectra.csv", "dispersion.csv"
+WAVES = "waves.csv"
 
 LARGEST = 1e100
 """Displacement or velocity that no run has, far from where squares overflow; dimensionless."""
@@ -76,41 +50,23 @@ class Analysis:
         survey: the waves, pulses, energies and the verdict, dimensionless.
         conservation: energy, momentum, frames seen.
         complete: whether the dump holds every frame that the scene asks for.
+        tables: CSV files written.
         figures: files drawn.
-        left: what a window has left behind; None without a window.
         failure: why the run failed; empty where it did not.
         altered: whether frames or snapshots are not those that the run wrote, by the fingerprint in ``run.json``.
-        contacts: the hardest contact; None without a material, and of rigid beads.
-        energy: where the energy was over time, where no pulse stays together and every bead was recorded; else None.
-        cells: what the pulse left behind, where beads differ and every one was recorded; else None.
-        forces: what the scene's gauges read; None where it names none.
-        spectra: of the beads that the scene names; None where it names none, and of too few frames.
-        given_back: of the walls among them, by side: velocity of the pulse thrown back over that which came, [chain].
-        sound: the leading pulse above a static load; None without one, and where it did not come far enough.
-        budget: where the energy was over time, and how well that is known; None where none is exchanged, and where not
-            all beads are recorded.
-        bead_length: distance of neighbouring beads at rest, in m; None where there is no one such distance.
-        dispersion: of small waves; why there is none, in words, where there is none.
+        findings: what not every run has, by its key in ``analysis.json``, in the order in which it is told
+            (`workflow.verdicts.findings`).
     """
 
     problem: Problem
     survey: Survey
     conservation: Conservation
     complete: bool
+    tables: tuple[str, ...]
     figures: tuple[Path, ...]
-    left: LeftBehind | None
     failure: str
     altered: bool
-    contacts: Contacts | None
-    energy: Flow | None
-    cells: CellEnergy | None
-    forces: Readings | None
-    spectra: Spectra | None
-    given_back: dict[str, Floats]
-    sound: LoadedWave | None
-    dispersion: Map | str
-    budget: ClosedBudget | None
-    bead_length: float | None
+    findings: dict[str, Finding]
 
     @property
     def waves(self) -> Waves:
@@ -169,25 +125,9 @@ def analyse(
             f"between them; run it with output.every at most {limit:.4g}"
         )
     ledger = accountant(directory, problem)
-    conservation = Conservation(ledger.of)
-    left = LeftBehind() if problem.window is not None else None
-    flow = EnergyFlow(problem) if problem.whole and not problem.holds(Fact.PULSE) else None
-    cells = None
-    if problem.whole and not problem.alike and problem.holds(Fact.PULSE) and problem.holds(Fact.SONIC_VACUUM):
-        scene = directory.scene
-        cells = CellEnergy(problem, period(scene), tuple((one.chain, one.bead) for one in scene.replace or ()))
-    fingerprint = Fingerprint()
-    watchers: list[Any] = [conservation, fingerprint]
-    meter, spectrum = _meter(directory), _spectrum_meter(directory)
-    pulse = LoadedPulse(problem) if problem.loaded and problem.whole and problem.holds(Fact.PULSE) else None
-    sounds = _dispersion(problem)
-    watchers += [watcher for watcher in (left, flow, cells, meter, spectrum, pulse) if watcher is not None]
-    watchers += [sounds] if isinstance(sounds, Dispersion) else []
-    end = FarEnd(problem) if problem.whole and directory.engine != "collisions" else None
-    watchers += [] if end is None else [end]
-    overlap = LargestOverlap() if has_contacts(directory) else None
-    if overlap is not None and shown_by_frames(problem):
-        watchers.append(overlap)
+    conservation, fingerprint = Conservation(ledger.of), Fingerprint()
+    measures = [one for measure in MEASURES if (one := measure(directory)) is not None]
+    watchers: list[Any] = [conservation, fingerprint, *measures]
     spacetime = history = None
     if figures:
         from analysis.figures import BeadHistory, SpaceTime  # matplotlib takes half a second to import
@@ -197,7 +137,7 @@ def analyse(
         watchers += [history] if problem.frames_per_snapshot is not None else [history, spacetime]
 
     found = survey(
-        lambda: _sound(directory, directory.blocks()),
+        lambda: _sane(directory, directory.blocks()),
         problem,
         watchers=watchers,
         tolerances=allowed,
@@ -207,7 +147,7 @@ def analyse(
     if problem.frames_per_snapshot is not None:
         ledger = accountant(directory, problem.snapshots())
         whole = Conservation(ledger.of)
-        for block in _sound(directory, directory.snapshots()):
+        for block in _sane(directory, directory.snapshots()):
             whole.add(block)
             fingerprint.add(block)
             if spacetime is not None:
@@ -215,136 +155,53 @@ def analyse(
         spacetime = spacetime if whole.frames > 1 else None
         conservation.energy_drift, conservation.momentum_drift = whole.energy_drift, whole.momentum_drift
         conservation.budget = whole.budget
-    energy = None if flow is None else flow.result()
-    forces = None if meter is None else meter.result()
-    spectra = None if spectrum is None else spectrum.result()
-    sound = None if pulse is None else pulse.result()
-    dispersion = _mapped(sounds)
-    budget = _budget(directory, conservation, ledger)
-    figures_of = _makers(found, spacetime, history, energy, forces, dispersion) if figures else {}
-    if figures and spectra is not None:
-        from analysis.figures import spectra_figure
-
-        figures_of["spectra"] = lambda: spectra_figure(problem, spectra)
-    if figures and budget is not None and len(budget.account.time) > 1:
-        from analysis.figures import budget_figure
-
-        figures_of["budget"] = lambda: budget_figure(problem, budget.account)
-    there = ((FORCES, forces is not None), (SPECTRA, spectra is not None), (DISPERSION, isinstance(dispersion, Map)))
-    tables = [WAVES, *(name for name, is_there in there if is_there)]
-    files = figure_files(*figures_of)
-    claim(directory.path, (*tables, REPORT, *files))
-    if figures:
-        retire(directory.path, set(in_any_format(*ANALYSIS_FIGURES)).difference(files))
-    drawn = tuple(path for name, make in figures_of.items() for path in write_figure(directory.path, name, make()))
-    write_text(directory.path / WAVES, waves_csv(found))
-    if forces is not None:
-        write_text(directory.path / FORCES, to_csv(forces, problem.scale))
-    if isinstance(dispersion, Map):
-        write_text(directory.path / DISPERSION, table_of(dispersion, problem.scale))
-    if spectra is not None:
-        write_text(directory.path / SPECTRA, spectra_csv(spectra, problem.scale))
-    hardest = None if overlap is None else of_overlap(directory.scene, overlap)
-    found_contacts = {} if hardest is None else {"contacts": hardest.plain()}
-    more: dict[str, Any] = {**found_contacts, **({} if energy is None else {"energy": energy_report(problem, energy)})}
-    sides = {gauge.side for gauge in forces.gauges if gauge.kind == "wall"} if forces is not None else set()
-    given_back = {
-        side: restitution((*found.pulses, *found.crests), problem, right=side == "right") for side in sorted(sides)
-    }
-    if forces is not None:
-        more["forces"] = forces_report(problem, forces, given_back)
-    length = bead_length(directory.scene) if problem.loaded else None
-    if problem.loaded:
-        more["sound"] = sound_report(problem, sound, found.crests, length)
-        more["dispersion"] = dispersion_report(problem, dispersion)
-    if spectra is not None:
-        more["spectra"] = spectra_report(problem, spectra)
-    if end is not None:
-        more["far_end"] = far_end_report(problem, end)
-    if cells is not None:
-        more["cells"] = cells_report(problem, cells)
-    if budget is not None:
-        more["budget"] = budget_report(problem, budget)
-    write_json(directory.path / REPORT, {**report(found, conservation, allowed, left), **more})
-    complete = conservation.frames == problem.frames + 1
-    altered = recorded_fingerprint(directory) not in ("", fingerprint.sha256())
+    findings = [measure.finish(found) for measure in measures]
+    findings.append(budget.closed(directory, conservation, ledger))
+    there = {one.key: one for one in findings if one is not None}
+    tables, drawn = _write(directory, found, conservation, allowed, there, (spacetime, history) if figures else None)
     return Analysis(
         problem=problem,
         survey=found,
         conservation=conservation,
-        complete=complete,
+        complete=conservation.frames == problem.frames + 1,
+        tables=tables,
         figures=drawn,
-        left=left,
         failure=directory.failure,
-        altered=altered,
-        contacts=hardest,
-        energy=energy,
-        cells=cells,
-        forces=forces,
-        given_back=given_back,
-        sound=sound,
-        dispersion=dispersion,
-        budget=budget,
-        bead_length=length,
-        spectra=spectra,
+        altered=recorded_fingerprint(directory) not in ("", fingerprint.sha256()),
+        findings=there,
     )
 
 
-def _budget(directory: RunDirectory, seen: Conservation, ledger: Accountant) -> ClosedBudget | None:
-    if seen.budget is None:
-        return None
-    account = seen.budget.result()
-    try:
-        record = directory.record
-    except InputError:
-        record = {}
-    stated = (record.get("check") or record.get("certificate") or {}).get("velocity")
-    return ClosedBudget(account, seen.energy_drift, ledger.unsure / account.most, stated)
+def _write(
+    directory: RunDirectory,
+    found: Survey,
+    seen: Conservation,
+    allowed: Tolerances,
+    findings: dict[str, Finding],
+    pictures: tuple[Any, Any] | None,
+) -> tuple[tuple[str, ...], tuple[Path, ...]]:
+    """Tables, the report, and figures; returns what tables and figures there are.
+
+    ``pictures`` of velocity in space and time, and of beads; without them nothing is drawn.
+    """
+    tables = {WAVES: waves_csv(found)}
+    makers = {} if pictures is None else _makers(found, *pictures)
+    for one in findings.values():
+        tables |= one.tables()
+        makers |= {} if pictures is None else one.figures()
+    files = figure_files(*makers)
+    claim(directory.path, (*tables, REPORT, *files))
+    if pictures is not None:
+        retire(directory.path, set(in_any_format(*ANALYSIS_FIGURES)).difference(files))
+    drawn = tuple(path for name, make in makers.items() for path in write_figure(directory.path, name, make()))
+    for name, text in tables.items():
+        write_text(directory.path / name, text)
+    more = {key: one.plain() for key, one in findings.items()}
+    write_json(directory.path / REPORT, report(found, seen, allowed) | more)
+    return tuple(tables), drawn
 
 
-def _dispersion(problem: Problem) -> Dispersion | str:
-    """What collects the dispersion of a run, or why nothing does."""
-    try:
-        return Dispersion(problem)
-    except NoDispersionError as why:
-        return str(why)
-
-
-def _mapped(sounds: Dispersion | str) -> Map | str:
-    if isinstance(sounds, str):
-        return sounds
-    try:
-        return sounds.result()
-    except NoDispersionError as why:
-        return str(why)
-
-
-def bead_length(scene: Scene) -> float | None:
-    """Distance of neighbouring beads at rest, in m; None without a material, and where it is not one."""
-    system = scene.system
-    if scene.material is None or not (system.one_kind and system.even):
-        return None
-    return 2.0 * scene.material.radius - float(laws.rest(system.along[0].law)) * scene.scale.length
-
-
-def _meter(directory: RunDirectory) -> ForceMeter | None:
-    """What reads the forces that the scene names; None where it names none, and for rigid beads."""
-    wanted, problem = directory.scene.output.forces, directory.problem
-    if wanted is None or directory.engine == "collisions":
-        return None
-    places = gauges(problem, wall=wanted.wall is True, contacts=wanted.contacts or (), sensors=wanted.sensors or ())
-    return ForceMeter(problem, places)
-
-
-def _spectrum_meter(directory: RunDirectory) -> SpectrumMeter | None:
-    """What collects the spectra that the scene names; None where it names none."""
-    wanted, problem = directory.scene.output.spectra, directory.problem
-    if wanted is None:
-        return None
-    return SpectrumMeter(problem, wanted.beads, None if wanted.after is None else wanted.after / problem.scale.time)
-
-
-def _sound(directory: RunDirectory, blocks: Iterator[Trajectory]) -> Iterator[Trajectory]:
+def _sane(directory: RunDirectory, blocks: Iterator[Trajectory]) -> Iterator[Trajectory]:
     """Blocks of numbers that can be computed with.
 
     Without a warning of a cut frame at their end: that the run is incomplete is said in words.
@@ -378,30 +235,14 @@ def default_beads(problem: Problem) -> tuple[int, ...]:
     return tuple(int(recorded[place]) for place in places)
 
 
-def _makers(
-    found: Survey, spacetime: Any, history: Any, energy: Flow | None, forces: Readings | None, dispersion: Map | str
-) -> "dict[str, Callable[[], Figure]]":
-    """Name -> what draws the figure; those that there is something to show in."""
-    from analysis.figures import (
-        dispersion_figure,
-        distance_figure,
-        energy_figure,
-        force_figure,
-        response_figure,
-        shape_figure,
-        spacetime_figure,
-    )
+def _makers(found: Survey, spacetime: Any, history: Any) -> "dict[str, Callable[[], Figure]]":
+    """Name -> what draws the figure of what every run has; those that there is something to show in."""
+    from analysis.figures import distance_figure, response_figure, shape_figure, spacetime_figure
 
     problem = found.problem
     makers: dict[str, Callable[[], Figure]] = {"response": lambda: response_figure(history)}
     if spacetime is not None and len(spacetime.beads) > 1:
         makers["spacetime"] = lambda: spacetime_figure(spacetime)
-    if energy is not None:
-        makers["energy"] = lambda: energy_figure(problem, energy)
-    if forces is not None:
-        makers["forces"] = lambda: force_figure(problem, forces)
-    if isinstance(dispersion, Map):
-        makers["dispersion"] = lambda: dispersion_figure(problem, dispersion)
     if len(found.shared) > 1 and problem.holds(Fact.PULSE):
         makers["distance"] = lambda: distance_figure(problem, found.shared, found.energies, found.direction)
     whole = np.unique(found.waves.bead[np.isfinite(found.shape.residual)])

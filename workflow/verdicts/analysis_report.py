@@ -10,7 +10,6 @@ from analysis.sharing.equipartition import AGREEMENTS, CLEAR, Estimate
 from analysis.sharing.is_solitary import Character, Tolerances
 from analysis.sharing.survey import Survey
 from analysis.tracking.leading_waves import Waves
-from analysis.tracking.left_behind import LeftBehind
 from analysis.tracking.pulses import Pulse
 from analysis.tracking.train import Train, train_of
 from lammps_inputs import Problem
@@ -18,7 +17,7 @@ from lammps_inputs.facts import Fact
 from lammps_inputs.numbers import known
 
 
-def report(found: Survey, seen: Conservation, tolerances: Tolerances, left: LeftBehind | None = None) -> dict[str, Any]:
+def report(found: Survey, seen: Conservation, tolerances: Tolerances) -> dict[str, Any]:
     """The contents of ``analysis.json``. Quantities are in the scene's units unless said otherwise; null is unknown.
 
     | key             | what                                                                             |
@@ -33,18 +32,13 @@ def report(found: Survey, seen: Conservation, tolerances: Tolerances, left: Left
     | kappa           | dimensionless coupling at V = 1                                                  |
     | arrival         | what an arrival of a wave is: ``maximum`` or ``impulse``                         |
     | noise           | standard deviation of the recorded velocities, in V; 0 for none                  |
-    | window          | rows; largest velocity, in V, of a bead when it was left behind, and which bead; |
-    |                 | the lowest leading wave, in V, which that must not exceed; null without a window |
     | waves           | per chain: beads reached, and at the last whole one its arrival, peak velocity, speed |
     | train           | pulses that followed each other in the chain that was hit; see `train_report`    |
     | equipartition   | see `equipartition`                                                              |
     | tolerances      | relative differences within which a pulse is called solitary                     |
     | pulses          | every pulse, the strongest first; see `pulse_entry`                              |
 
-    `workflow.verdicts.analyse` adds what only some scenes have, see `workflow.verdicts.ingredient_reports`: ``energy``
-    where no pulse stays together, ``cells`` where beads differ, ``forces`` with ``output.forces``, ``sound`` and
-    ``dispersion`` under a static load, ``budget`` where dashpots or forces from outside act and frames hold all beads;
-    with a material ``contacts``, see `workflow.runs.contacts.Contacts`.
+    What only some scenes have has keys of its own, see `workflow.verdicts.findings`.
     """
     problem, scale = found.problem, found.problem.scale
     order = np.argsort([-character.peak_velocity for character in found.characters], kind="stable")
@@ -59,7 +53,6 @@ def report(found: Survey, seen: Conservation, tolerances: Tolerances, left: Left
         "kappa": problem.kappa,
         "arrival": found.arrival,
         "noise": found.noise,
-        "window": None if left is None else _window(left, found),
         "waves": [_chain_summary(found.waves, problem, chain) for chain in range(1, problem.chains + 1)],
         "train": train_report(found),
         "equipartition": equipartition(found),
@@ -109,16 +102,6 @@ def train_report(found: Survey) -> dict[str, Any] | None:
         "peak_velocity": (seen.peak_velocity * scale.velocity).tolist(),
         "ratio": seen.ratio.tolist(),
         "spacing": (seen.spacing * scale.time).tolist(),
-    }
-
-
-def _window(left: LeftBehind, found: Survey) -> dict[str, Any]:
-    return {
-        "rows": found.problem.window,
-        "left_behind": left.velocity,
-        "bead": left.bead,
-        "slowest_wave": known(left.slowest_wave(found.waves)),
-        "sentence": left.sentence(found.waves),
     }
 
 

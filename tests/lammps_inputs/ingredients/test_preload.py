@@ -179,7 +179,7 @@ def test_sound_of_the_steel_beads_at_one_newton_runs_at_369_metres_a_second(tmp_
         timestep=5e-7,
     )
     run(case, tmp_path / "run", check=False)
-    sound = analyse(RunDirectory(tmp_path / "run"), figures=False).sound
+    sound = analyse(RunDirectory(tmp_path / "run"), figures=False).findings["sound"].wave
     assert sound is not None
     report = json.loads((tmp_path / "run" / "analysis.json").read_text())["sound"]
     assert report["metres"][0] == pytest.approx(369.2, abs=0.05)
@@ -277,9 +277,7 @@ def test_validate_names_what_does_not_hold_the_beads(tmp_path, keys, pattern, ne
     [(None, "the static load is missing"), (0.6, "the contacts bear about 2 times the static load of the scene")],
     ids=["none", "twice"],
 )
-@pytest.mark.parametrize(
-    "contact", [None, pytest.param({"exponent": 2.0}, marks=pytest.mark.slow)], ids=["spheres", "squares"]
-)
+@pytest.mark.parametrize("contact", [None, {"exponent": 2.0}], ids=["spheres", "squares"])
 def test_the_cause_is_named_where_contacts_bear_another_load(force, said, contact):
     right, other = (
         engine.run(loaded(output={"every": 0.1}, precompression=given, contact=contact).problem())

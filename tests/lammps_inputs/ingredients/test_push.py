@@ -130,7 +130,7 @@ def test_a_table_that_is_not_there_is_named(tmp_path):
         ("{bead: 21, peak: 1.0, duration: 2.0, shape: half-sine}", "", "push.bead: 21 is outside the array"),
         ("{chain: 2, peak: 1.0, duration: 2.0, shape: half-sine}", "", "push.chain: 2 is outside the array"),
         (HALF_SINE, "scheme: suzuki4", "push: suzuki4 steps back in time"),
-        (HALF_SINE, "window: 64", "push: a window would take the bead that is pushed"),
+        (HALF_SINE, "window: 64", "push: a window would take the bead that it acts on"),
     ],
 )
 def test_what_cannot_be_is_one_line(push, more, complaint):

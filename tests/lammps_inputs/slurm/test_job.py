@@ -131,7 +131,7 @@ def kill_after_a_restart(directory):
 @pytest.mark.parametrize(
     ("lmp", "launcher"), [(WHEEL, f"{MPIEXEC} -n {{ranks}}"), (DEBIAN, DEBIANS_MPI)], ids=["wheel", "2021"]
 )
-@pytest.mark.parametrize("ranks", [pytest.param(1, marks=pytest.mark.slow), 2])  # below, one goes on with either
+@pytest.mark.parametrize("ranks", [1, 2])  # below, one goes on with either
 def test_a_killed_job_goes_on_bit_for_bit_with_either_lammps(lmp, launcher, ranks, tmp_path):
     if not lmp.exists():
         pytest.skip(f"no {lmp}: apt-get install lammps brings the 2021 release")

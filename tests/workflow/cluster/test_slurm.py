@@ -125,11 +125,7 @@ def test_a_job_runs_in_a_directory_whose_name_means_something_to_slurm(cluster, 
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "ingredients",
-    [_UNEQUAL, *(pytest.param(each, marks=pytest.mark.slow) for each in (_PUSHED, _LOADED))],
-    ids=("unequal", "pushed", "loaded"),
-)
+@pytest.mark.parametrize("ingredients", [_UNEQUAL, _PUSHED, _LOADED], ids=("unequal", "pushed", "loaded"))
 def test_a_job_of_a_scene_with_ingredients_ends_bit_for_bit_as_a_run_on_this_machine(ingredients, cluster, tmp_path):
     case = made_of(ingredients)
     directory = written(case, tmp_path / "job", ranks_per_node=1)

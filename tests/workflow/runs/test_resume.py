@@ -175,11 +175,7 @@ def test_other_engines_start_again(engine, tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "name",
-    [
-        *(name for name in SCENES if SCENES[name][1] <= mpi.cores()),
-        pytest.param("lossy", marks=[TWO, pytest.mark.slow]),
-    ],
+    "name", [*(name for name in SCENES if SCENES[name][1] <= mpi.cores()), pytest.param("lossy", marks=TWO)]
 )
 def test_runs_killed_at_random_are_resumed_bit_for_bit(name, tmp_path):
     one, ranks = (SCENES | MORE)[name]

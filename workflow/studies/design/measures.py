@@ -25,7 +25,7 @@ from workflow.runs.files import REPORT
 from workflow.sweep.collect import quantities
 from workflow.sweep.table import QUANTITIES
 from workflow.verdicts.analysis_report import report
-from workflow.verdicts.ingredient_reports import far_end_report
+from workflow.verdicts.findings import far_end
 
 MASS = "mass"
 """Of all beads, in the scene's units: known before anything runs."""
@@ -89,7 +89,7 @@ def of_frames(
         end = FarEnd(problem)
         for block in frames():
             end.add(block)
-        found["far_end"] = far_end_report(problem, end)
+        found["far_end"] = far_end.FarEnd(problem, end.result()).plain()
     if any(name not in (MASS, *_AT_THE_END, *quick) for name in names):
         seen, allowed = Conservation(Accountant(problem).of), Tolerances()
         found |= report(survey(frames, problem, watchers=[seen], tolerances=allowed), seen, allowed)

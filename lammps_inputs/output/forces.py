@@ -1,16 +1,14 @@
 """Forces that a scene wants read, as walls and sensors in a chain read them; computed from the frames, never dumped."""
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
-from pydantic import Field, field_validator
+from pydantic import field_validator
 
 from lammps_inputs import strict_yaml
-from lammps_inputs.ingredients.base import Part
+from lammps_inputs.ingredients.base import Count, Part
 
 if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene
-
-Bead = Annotated[int, Field(ge=1, le=2**31 - 1)]
 
 
 class Forces(Part):
@@ -18,9 +16,9 @@ class Forces(Part):
 
     wall: Literal[True] | None = None
     """On the walls."""
-    contacts: tuple[Bead, ...] | None = None
+    contacts: tuple[Count, ...] | None = None
     """Between bead n and the next; of damped contacts with the force of the dashpot."""
-    sensors: tuple[Bead, ...] | None = None
+    sensors: tuple[Count, ...] | None = None
     """Inside bead n: the mean of its two contacts, as an embedded sensor gives it."""
 
     _from_list = field_validator("contacts", "sensors", mode="before")(strict_yaml.as_tuple)

@@ -1,4 +1,4 @@
-"""What analysis.json says of gauges, the far end, spectra, sound and energy: hand-made numbers in scenes' units."""
+"""What is told of gauges, the far end, spectra, sound and energy: hand-made numbers in scenes' units."""
 
 import csv
 import io
@@ -16,14 +16,8 @@ from analysis.sharing.energy_flow import Flow
 from analysis.sound.dispersion import Cell, Map
 from analysis.sound.loaded_pulse import LoadedWave
 from lammps_inputs import Kick, Material, library
-from workflow.verdicts.ingredient_reports import (
-    dispersion_report,
-    energy_report,
-    far_end_report,
-    forces_report,
-    sound_report,
-    spectra_report,
-)
+from workflow.screen import print_table
+from workflow.verdicts.findings import dispersion, energy, far_end, forces, sound, spectra
 
 STEEL = {"radius": 4.76e-3, "density": 8000.0, "youngs_modulus": 193e9, "poisson_ratio": 0.3}
 
@@ -48,7 +42,7 @@ def readings(problem, static):
 
 @pytest.mark.parametrize("static", [0.0, 5.0])
 def test_each_gauge_and_chain_has_an_entry_of_its_own_numbers(problem, static):
-    scale, entries = problem.scale, forces_report(problem, readings(problem, static), {})
+    scale, entries = problem.scale, forces.Forces(problem, readings(problem, static), {}).plain()
     names = [("contact 2", 2), ("contact 7", 7), ("sensor 5", 5)]
     assert [(one["name"], one["bead"], one["chain"]) for one in entries] == [(*n, c) for n in names for c in (1, 2)]
     for place, one in enumerate(entries):
@@ -83,7 +77,7 @@ def test_each_gauge_and_chain_has_its_column_in_forces_csv(problem, static):
 def test_what_comes_through_is_in_the_scenes_units_and_energy_a_share(problem):
     found = {"wall_force": 2.0, "wall_force_chain": 1.5, "delay": 30.0, "transmitted_energy": 0.25}
     force, time = problem.scale.force, problem.scale.time
-    assert far_end_report(problem, SimpleNamespace(result=lambda: found)) == pytest.approx(
+    assert far_end.FarEnd(problem, found).plain() == pytest.approx(
         {"wall_force": 2.0 * force, "wall_force_chain": 1.5 * force, "delay": 30.0 * time, "transmitted_energy": 0.25}
     )
 
@@ -100,8 +94,8 @@ def test_spectra_say_what_the_last_bead_has_of_the_drive_in_the_chain_that_is_dr
     lines[1, 0], lines[2, 1] = [0.1, 0.2], [0.3, 0.4]
     at_drive = np.array([[[0.5, 0.1], [0.8, 0.2]]])
     here = frequency * scale.time
-    spectra = Spectra((1, 8), 4.0, np.array([0.0, 0.5, 1.0]), lines, np.array([here]), at_drive)
-    found = spectra_report(driven, spectra)
+    seen = Spectra((1, 8), 4.0, np.array([0.0, 0.5, 1.0]), lines, np.array([here]), at_drive)
+    found = spectra.Spectra(driven, seen).plain()
     assert found["transmissibility"] == pytest.approx(0.25)
     assert (found["after"], found["resolution"]) == pytest.approx((4.0 * scale.time, 0.5 / scale.time))
     entries = {(one["chain"], one["bead"]): one for one in found["beads"]}
@@ -120,7 +114,7 @@ def test_sound_is_told_in_beads_and_metres_a_time(si):
     scale = loaded.scale
     wave = LoadedWave(chain=1, first=3, last=9, force_ratio=4.0, speed=1.5, sound=1.2, theory=1.3)
     crests = tuple(SimpleNamespace(peak_velocity=np.array([peak, 0.1])) for peak in (0.2, 0.3))
-    found = sound_report(loaded, wave, crests, 9.52e-3 if si else None)
+    found = sound.Sound(loaded, wave, crests, 9.52e-3 if si else None).plain()
     assert found["crest"] == pytest.approx(0.3 * scale.velocity)
     stiffness = 1.5 * scale.force / scale.length * float(loaded.along[0].law.rest) ** 0.5
     c0 = math.sqrt(stiffness / scale.mass)
@@ -139,7 +133,7 @@ def test_bands_and_their_bin_are_in_the_scenes_units(problem):
     frequency = np.array([0.0, 0.25])
     folded, exact = np.array([0.1, 0.2]), np.zeros((2, 1))
     found = Map(1, folded, frequency, np.zeros((2, 2)), cell, folded, exact, np.array([[np.nan], [0.4]]))
-    told, unit = dispersion_report(problem, found), problem.scale.time
+    told, unit = dispersion.Dispersion(problem, found).plain(), problem.scale.time
     assert np.array(told["bands"]) == pytest.approx(np.array([[0.0, 3.0 / unit]]), abs=1e-6 / unit)
     assert np.array(told["measured"]) == pytest.approx(np.array([[0.4 / unit, 0.4 / unit]]))
     assert told["bin"] == pytest.approx(0.25 / unit)
@@ -148,9 +142,90 @@ def test_bands_and_their_bin_are_in_the_scenes_units(problem):
 def test_energy_over_time_is_told_chain_by_chain(problem):
     part = np.array([[0.75, 0.25]])
     flow = Flow(np.array([3.0]), part, np.array([0.1]), 10.0 * part, np.array([[1.0, np.nan]]))
-    told = energy_report(problem, flow)
+    told = energy.Energy(problem, flow).plain()
     assert told["time"] == [3.0 * problem.scale.time]
     assert told["share"] == [[0.75, 0.25]]
     assert told["centre"] == [[7.5, 2.5]]
     assert told["spread"] == [[1.0, None]]
     assert told["between"] == [0.1]
+
+
+# --- what is printed --------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def printed(capsys):
+    """What the terminal shows of a finding."""
+
+    def shown(finding):
+        for said in finding.said():
+            print_table(*said)
+        return capsys.readouterr().out
+
+    return shown
+
+
+def numbers(words):
+    return [float(word) for word in words]
+
+
+def test_of_a_gauge_force_time_impulse_and_dwell_are_told(problem, printed):
+    scale = problem.scale
+    places = gauges(problem, wall=False, contacts=(2, 7), sensors=())
+    most = np.add.outer(np.arange(1.0, 3.0), np.array([10.0, 20.0]))  # [chain, gauge]
+    force = np.stack([0.0 * most, most])
+    seen = {"impulse": 2.0 * most, "dwell": 3.0 * most, "contacts": np.ones((2, 2), dtype=np.int64)}
+    found = Readings(places, np.array([0.0, 4.0]), force, 0.0 * most, most, 0.1 * most, **seen)
+    out = printed(forces.Forces(problem, found, {}))
+    for name, unit in (("largest", "N"), ("at", "s"), ("impulse", "kg m/s"), ("dwell", "s")):
+        assert (f"{name} ({unit})" in " ".join(out.split())) == scale.si
+    told = [line.split() for line in out.splitlines() if line.strip().startswith(("contact", "1 ", "2 "))]
+    worth = np.array([1.0, 0.1, 2.0, 3.0]) * [scale.force, scale.time, scale.momentum, scale.time]
+    expected = [number * worth for number in (11.0, 12.0, 21.0, 22.0)]
+    for words, right in zip(told, expected, strict=True):
+        np.testing.assert_allclose(numbers(words[-4:]), right, rtol=1e-3)
+
+
+def test_of_the_energy_least_most_and_last_are_told_with_their_times(problem, printed):
+    share, time = np.array([1.0, 0.2, 0.7, 0.4]), np.arange(4.0)
+    both = np.stack([share, 1.0 - share], axis=1)
+    flow = Flow(time, both, 0.0 * time, 10.0 * both, both)
+    told = [line for line in printed(energy.Energy(problem, flow)).splitlines() if "+-" in line]
+    unit = problem.scale.time
+    for line, words in zip(
+        told,
+        (
+            f"1 0.2000 at {1.0 * unit:.5g} 0.7000 at {2.0 * unit:.5g} 0.4000 4.0 +- 0.4",
+            f"2 0.3000 at {2.0 * unit:.5g} 0.8000 at {1.0 * unit:.5g} 0.6000 6.0 +- 0.6",
+        ),
+        strict=True,
+    ):
+        assert line.split() == words.split()
+
+
+@pytest.mark.parametrize("si", [False, True])
+def test_of_spectra_the_highest_line_and_what_is_passed_on_are_told(si, printed):
+    size, frequency = (1e-6, 1000.0) if si else (0.1, 0.05)
+    drive = {"chain": 2, "displacement": size, "frequency": frequency}
+    plain = {"name": "a", "chains": 2, "beads": 10, "drive": drive, "duration": 10.0 / frequency}
+    problem = library.from_plain({**plain, **({"material": STEEL} if si else {})}, "a").problem()
+    scale = problem.scale
+    lines = np.zeros((3, 2, 2))
+    lines[1, 0], lines[2, 1] = [0.1, 0.2], [0.3, 0.4]  # [line, chain, bead]
+    at_drive = np.array([[[0.5, 0.1], [0.8, 0.2]]])
+    seen = Spectra((1, 8), 4.0, np.array([0.0, 0.5, 1.0]), lines, np.array([frequency * scale.time]), at_drive)
+    out = printed(spectra.Spectra(problem, seen))
+    assert f"from t = {4.0 * scale.time:.5g} on" in out
+    assert f"{frequency:.5g}" in out
+    half, whole, velocity = 0.5 / scale.time, 1.0 / scale.time, scale.velocity
+    expected = [
+        [1, 1, half, 0.1 * velocity, 1.0],
+        [2, whole, 0.3 * velocity, 1.0],
+        [8, 1, half, 0.2 * velocity, 0.2],
+        [2, whole, 0.4 * velocity, 0.25],
+    ]
+    told = [line.split() for line in out.splitlines()]
+    told = [numbers(words) for words in told if words and words[0] in ("1", "2", "8")]
+    assert len(told) == 4
+    for found, right in zip(told, expected, strict=True):
+        np.testing.assert_allclose(found, right, rtol=1e-3)

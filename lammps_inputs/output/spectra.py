@@ -5,19 +5,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pydantic import Field, field_validator
 
 from lammps_inputs import strict_yaml
-from lammps_inputs.ingredients.base import Part
+from lammps_inputs.ingredients.base import Count, Part
 from lammps_inputs.units import Unit
 
 if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene
 
-Bead = Annotated[int, Field(ge=1, le=2**31 - 1)]
-
 
 class Spectra(Part):
     """Of the velocity of beads in every chain."""
 
-    beads: tuple[Bead, ...]
+    beads: tuple[Count, ...]
     """The first is that which the others are compared with."""
     after: Annotated[float, Field(ge=0, le=1e30), Unit("s")] | None = None
     """Time from which on the motion counts; half of the duration if left out."""

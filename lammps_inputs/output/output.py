@@ -1,0 +1,75 @@
+"""What is recorded of a run, and how often."""
+
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from pydantic import field_validator
+
+from lammps_inputs import strict_yaml
+from lammps_inputs.ingredients.base import Count, Part, Positive
+from lammps_inputs.output.forces import Forces
+from lammps_inputs.output.spectra import Spectra
+from lammps_inputs.units import Unit
+
+if TYPE_CHECKING:
+    from lammps_inputs.scene import BaseScene
+
+
+class Output(Part):
+    """What is recorded, and how often."""
+
+    every: Annotated[Positive, Unit("s")] | None = None
+    """Time between frames."""
+    beads: Literal["all"] | tuple[Count, ...] = "all"
+    """Recorded beads of every chain."""
+    snapshots: Annotated[Positive, Unit("s")] | None = None
+    """Time between snapshots of all beads, beside the frames of the recorded ones."""
+    peaks: Literal[True] | None = None
+    """Whether the leading pulse is found at every bead while LAMMPS runs, from all beads at every frame's time."""
+    forces: Forces | None = None
+    """Where force is read."""
+    spectra: Spectra | None = None
+    """Beads whose spectra are wanted."""
+
+    _from_list = field_validator("beads", mode="before")(strict_yaml.as_tuple)
+
+    @field_validator("beads")
+    @classmethod
+    def _ascending(cls, value: Any) -> Any:
+        if value == "all":
+            return value
+        if not value:
+            raise ValueError("name at least one bead, or `all`")
+        if len(set(value)) < len(value):
+            raise ValueError("a bead is named twice")
+        return tuple(sorted(value))
+
+    def refuse(self, scene: "BaseScene") -> None:
+        """Refuse what the scene does not have, and what needs more to be recorded.
+
+        Raises:
+            ValueError: naming the key, what was found and what to do.
+        """
+        if self.beads != "all" and self.beads[-1] > scene.beads:
+            raise ValueError(f"output.beads: {self.beads[-1]} is outside the array (beads 1 to {scene.beads})")
+        if self.forces is not None:
+            self.forces.refuse(scene)
+        if self.spectra is not None:
+            self.spectra.refuse(scene)
+
+    def refuse_times(self, every: float, duration: float | None) -> None:
+        """Refuse snapshots that do not fit in with frames so far apart.
+
+        Raises:
+            ValueError: as `refuse`.
+        """
+        if self.snapshots is None:
+            return
+        frames = self.snapshots / every
+        if duration is not None and frames * every > duration * (1.0 + 1e-9):
+            raise ValueError(f"output.snapshots: {frames * every:g} is longer than the duration of {duration:g}")
+        if self.beads == "all":
+            raise ValueError("output.snapshots: every frame holds all beads already; name some in output.beads")
+        if round(frames) < 1 or abs(round(frames) / frames - 1.0) > 1e-9:
+            raise ValueError(
+                f"output.snapshots: is {frames:g} times output.every = {every:g}; a whole number of times is needed"
+            )
