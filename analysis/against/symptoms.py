@@ -149,11 +149,16 @@ def identify_springs(trajectory: Trajectory) -> Springs | None:
     return Springs(linear, cubic if left_by_cubic < 0.1 * left else 0.0, left)
 
 
+_TELLING = 1e-6
+"""Impulse of a kind of link, over the largest of any, from which on it is told; likewise what tells two apart."""
+
+
 def identify_strengths(trajectory: Trajectory) -> dict[str, float] | None:
     """How strong each kind of link was felt to be, name -> factor on the problem's own force; 1 is right.
 
-    Least squares of the change of every bead's momentum between frames on the impulses of the links. None for fewer
-    than ten frames, where not all beads are recorded, and where the impulses of two kinds of link cannot be told apart.
+    Least squares of the change of every bead's momentum between frames on the impulses of the links, without those that
+    as good as nothing has reached, such as a wall. None for fewer than ten frames, where not all beads are recorded,
+    and where the impulses of two kinds of link cannot be told apart.
     """
     problem = trajectory.problem
     if problem.recorded is not None or trajectory.frames < 10:
@@ -161,13 +166,15 @@ def identify_strengths(trajectory: Trajectory) -> dict[str, float] | None:
     change = _but_for_driven(impulses.unexplained(trajectory), problem)
     given = [(link, impulses.of_link(link, trajectory)) for link in problem.links]
     given += [(damper, impulses.of_damper(damper, trajectory)) for damper in problem.dampers]
-    columns = [
-        _but_for_driven(impulses.on_beads(link, impulse, trajectory), problem).reshape(-1) for link, impulse in given
-    ]
-    factors, _, rank, _ = np.linalg.lstsq(np.array(columns).T, change.reshape(-1), rcond=1e-6)
-    if rank < len(columns):
+    columns = np.array(
+        [_but_for_driven(impulses.on_beads(link, impulse, trajectory), problem).reshape(-1) for link, impulse in given]
+    )
+    size = np.linalg.norm(columns, axis=1)
+    felt = np.flatnonzero(size > _TELLING * np.max(size))
+    factors, _, rank, _ = np.linalg.lstsq(columns[felt].T, change.reshape(-1), rcond=_TELLING)
+    if rank < len(felt):
         return None
-    return {link.name: float(factor) for (link, _), factor in zip(given, factors, strict=True)}
+    return {given[place][0].name: float(factor) for place, factor in zip(felt, factors, strict=True)}
 
 
 _EXPLAINED = 0.05

@@ -324,7 +324,7 @@ def test_damped_chains_under_load_rest_exactly(tmp_path: Path) -> None:
 
 # --- walls ------------------------------------------------------------------------------------------------------------
 
-WALL = {"walls": Walls(right=Face(stiffness=5.0)), "beads": 6, "duration": 12.0}
+WALL = {"walls": Walls(right=Face(stiffness=5.0)), "beads": 6, "duration": 10.0}
 COLUMN = {**WALL, "contact": Contact(exponent=2.0), "gravity": Gravity(acceleration=0.05)}
 
 AT_WALLS: dict[str, tuple[dict[str, Any], dict[str, Any], dict[str, Any]]] = {
@@ -333,11 +333,6 @@ AT_WALLS: dict[str, tuple[dict[str, Any], dict[str, Any], dict[str, Any]]] = {
         WALL,
         {"contact": 0.1, "tension": "cut"},
         {"loss": lambda _: 0.1, "wall_loss": lambda _: 0.1, "tension": False},
-    ),
-    "viscoelastic": (
-        WALL,
-        {"contact": 0.1, "law": "viscoelastic"},
-        {"loss": lambda s: 0.1 * s**0.5, "wall_loss": lambda s: 0.5 * s**0.5},
     ),
     "restitution": (
         WALL,
@@ -369,11 +364,11 @@ def test_lammps_has_the_dashpots_of_walls_with_an_error_of_first_order(name: str
     keys, losses, physics = AT_WALLS[name]
     found = [
         stock_run(damped(**keys, damping=Damping(**losses), timestep=step, every=0.5), tmp_path / f"{step}")
-        for step in (0.01, 0.0025)
+        for step in (0.02, 0.005)
     ]
     exact = integrated(found[0].problem, walls=(0.0, 5.0), **physics, max_step=0.02, rtol=1e-9)
     coarse, fine = (np.max(np.abs(one.velocity - exact)) for one in found)
-    assert coarse < 5e-3
+    assert coarse < 1e-2
     assert 3.0 < coarse / fine < 5.0
 
 
@@ -444,7 +439,7 @@ def test_a_wall_with_another_dashpot_is_named_as_the_cause(factor: float, words:
 @pytest.mark.parametrize("name", ["linear, cut", "square column"])
 def test_a_run_with_damped_walls_goes_on_bit_for_bit_and_on_two_ranks(name: str, tmp_path: Path) -> None:
     keys, losses, _ = AT_WALLS[name]
-    case = damped(**{**keys, "duration": 8.0}, damping=Damping(**losses), timestep=0.005)
+    case = damped(**keys, damping=Damping(**losses), timestep=0.01)
     goes_on_bit_for_bit(case, tmp_path, after=200)
     one, two = (stock_run(case, tmp_path / str(ranks), ranks=ranks) for ranks in (1, 2))
     np.testing.assert_array_equal(one.vx, two.vx)
@@ -459,7 +454,7 @@ def test_a_damped_column_rests_exactly_on_its_damped_wall(tmp_path: Path) -> Non
 
 @pytest.mark.slow
 @pytest.mark.skipif(not DEBIAN.exists(), reason="needs Debian's LAMMPS")
-@pytest.mark.parametrize("name", ["linear", "linear, cut", "viscoelastic", "pressed"])
+@pytest.mark.parametrize("name", ["linear, cut", "gap", "pressed"])
 def test_the_2021_release_has_the_same_dashpots_of_walls(name: str, tmp_path: Path) -> None:
     keys, losses, _ = AT_WALLS[name]
     case = damped(**keys, damping=Damping(**losses), timestep=0.01)

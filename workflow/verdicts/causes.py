@@ -235,6 +235,8 @@ def _strengths(own: Trajectory, reference: Trajectory) -> list[str]:
         return []
     found = []
     for link in links:
+        if link.name not in felt or link.name not in right:  # nothing has reached it
+            continue
         factor, doubt = felt[link.name] / right[link.name], 5e-4 + 3.0 * abs(right[link.name] - 1.0)
         if abs(factor) < doubt:
             found.append(f"the {link.name.replace('_', ' ')} is missing")

@@ -129,7 +129,11 @@ WALLS: dict[str, dict[str, Any]] = {
 
 
 @pytest.mark.parametrize(
-    ("share", "name"), [(0.9, "flat"), (0.7, "flat"), (0.5, "flat"), *((0.7, name) for name in list(WALLS)[1:])]
+    ("share", "name"),
+    [
+        *((share, "flat") for share in (0.9, 0.7, 0.5)),
+        *(pytest.param(0.7, name, marks=SLOW) for name in list(WALLS)[1:]),
+    ],
 )
 def test_a_bead_comes_back_from_a_wall_with_its_restitution(share: float, name: str, tmp_path: Path) -> None:
     keys = WALLS[name]

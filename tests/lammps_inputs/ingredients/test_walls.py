@@ -147,32 +147,31 @@ FORCES = {
 
 
 def powered(exponent, **changes):
-    return scene(**{"contact": {"exponent": exponent}, "beads": 6, "duration": 15.0, **changes})
+    return scene(**{"contact": {"exponent": exponent}, "beads": 6, "duration": 10.0, **changes})
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("exponent", "name"), [*((2.0, name) for name in FORCES), (1.0, "walls"), (1.0, "column"), (3.0, "column")]
+    ("exponent", "name"), [(2.0, "walls"), (2.0, "column that is pressed"), (1.0, "column"), (3.0, "gap")]
 )
 def test_lammps_has_walls_of_any_exponent_to_second_order(tmp_path, exponent, name):
     keys, known = FORCES[name]
     exact, errors = None, []
-    for step in (0.01, 0.005):
+    for step in (0.02, 0.01):
         case = powered(exponent, **keys, timestep=step)
         found = run(case, tmp_path / f"{step}", check=False).trajectory.velocity
         exact = integrated(case.problem(), exponent=exponent, **known) if exact is None else exact
         errors.append(np.abs(found - exact).max())
-    assert errors[0] < 5e-4
+    assert errors[0] < 2e-3
     # linear contacts begin with a kink, whose error depends on where it lies in a step
     assert errors[0] / errors[1] == pytest.approx(4.0, abs=2.0 if exponent == 1.0 else 0.1)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("exponent", "name"), [(2.0, "walls"), (2.0, "column")])
-def test_a_run_with_walls_of_another_exponent_states_its_error(tmp_path, exponent, name):
-    keys, known = FORCES[name]
-    found = run(powered(exponent, **keys), tmp_path / "run")
-    error = np.abs(found.trajectory.velocity - integrated(found.directory.problem, exponent=exponent, **known)).max()
+def test_a_column_of_another_exponent_states_its_error(tmp_path):
+    keys, known = FORCES["column"]
+    found = run(powered(2.0, **keys), tmp_path / "run")
+    error = np.abs(found.trajectory.velocity - integrated(found.directory.problem, exponent=2.0, **known)).max()
     assert error < found.check.velocity + found.check.reference.velocity < 2e-4
 
 
@@ -186,7 +185,7 @@ def test_a_column_of_any_exponent_rests_to_the_last_bit(tmp_path, exponent, exec
     if not executable.exists():
         pytest.skip("needs Debian's LAMMPS")
     hit = {"velocity": 1e-3, "chain": 2}
-    case = powered(exponent, **FORCES["column that is pressed"][0], kick=hit, duration=5.0)
+    case = powered(exponent, **FORCES["column that is pressed"][0], kick=hit, duration=2.0, timestep=0.01)
     found = run_stock(case, tmp_path / "run", executable=executable)
     assert not np.any(found.displacement[:, 0])
     assert not np.any(found.velocity[:, 0])
@@ -195,8 +194,8 @@ def test_a_column_of_any_exponent_rests_to_the_last_bit(tmp_path, exponent, exec
 
 @pytest.mark.slow
 def test_walls_of_another_exponent_go_on_bit_for_bit_and_on_two_ranks(tmp_path):
-    case = powered(2.0, **FORCES["walls"][0])
-    goes_on_bit_for_bit(case, tmp_path, after=500)
+    case = powered(2.0, **FORCES["walls"][0], timestep=0.01)
+    goes_on_bit_for_bit(case, tmp_path, after=200)
     one, two = (run_stock(case, tmp_path / str(ranks), ranks=ranks) for ranks in (1, 2))
     np.testing.assert_array_equal(one.vx, two.vx)
 
