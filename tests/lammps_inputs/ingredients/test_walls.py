@@ -168,14 +168,6 @@ def test_lammps_has_walls_of_any_exponent_to_second_order(tmp_path, exponent, na
 
 
 @pytest.mark.slow
-def test_a_column_of_another_exponent_states_its_error(tmp_path):
-    keys, known = FORCES["column"]
-    found = run(powered(2.0, **keys), tmp_path / "run")
-    error = np.abs(found.trajectory.velocity - integrated(found.directory.problem, exponent=2.0, **known)).max()
-    assert error < found.check.velocity + found.check.reference.velocity < 2e-4
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("exponent", "executable"),
     [(1.0, WHEEL), (1.0, DEBIAN), (2.0, WHEEL), (3.0, WHEEL)],
@@ -193,9 +185,8 @@ def test_a_column_of_any_exponent_rests_to_the_last_bit(tmp_path, exponent, exec
 
 
 @pytest.mark.slow
-def test_walls_of_another_exponent_go_on_bit_for_bit_and_on_two_ranks(tmp_path):
-    case = powered(2.0, **FORCES["walls"][0], timestep=0.01)
-    goes_on_bit_for_bit(case, tmp_path, after=200)
+def test_walls_of_another_exponent_compute_the_same_bits_on_two_ranks(tmp_path):
+    case = powered(2.0, **FORCES["walls"][0], timestep=0.02)
     one, two = (run_stock(case, tmp_path / str(ranks), ranks=ranks) for ranks in (1, 2))
     np.testing.assert_array_equal(one.vx, two.vx)
 
@@ -212,24 +203,14 @@ def test_unlike_columns_of_another_exponent_have_walls_of_their_own(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("edit", "said"),
-    [
-        (r"fix right_wall .*\n", "the right wall is missing"),
-        (r"right_wall index 5 ", "the right wall is 1.1 times as strong as the scene says"),
-    ],
-    ids=["missing", "wrong"],
-)
-def test_validate_names_a_wall_of_another_exponent(tmp_path, edit, said):
+def test_validate_names_a_wall_of_another_exponent_though_nothing_has_reached_the_other_wall(tmp_path):
     def changed(path):
-        text, found = re.subn(
-            edit, "" if "fix" in edit else "right_wall index 5.5 ", (path / file_names.DECK).read_text()
-        )
+        text, found = re.subn(r"right_wall index 5 ", "right_wall index 5.5 ", (path / file_names.DECK).read_text())
         assert found == 1
         (path / file_names.DECK).write_text(text)
 
-    case = powered(2.0, **FORCES["walls"][0], output={"every": 0.1})
-    assert said in validate(deck_run(case, tmp_path / "run", changed)).causes
+    found = validate(deck_run(powered(2.0, **FORCES["walls"][0], output={"every": 0.1}), tmp_path / "run", changed))
+    assert "the right wall is 1.1 times as strong as the scene says" in found.causes
 
 
 def test_in_si_units_a_wall_has_the_unit_of_its_exponent():
