@@ -15,7 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis import hermite, motion
+from analysis.tracking.kinks import kinks
 from analysis.trajectory import Floats, Trajectory
+from lammps_inputs import Problem
 from lammps_inputs.loads import Load, Motion
 
 Integers = NDArray[np.int64]
@@ -28,15 +30,8 @@ velocity Verlet's velocities differ from the slope of its displacements by ``tim
 FLOOR = 1e-9
 """Error that rounding and bisection leave, in the wave's own time and in V."""
 
-KINK = 0.4 * 0.012, 0.4 * 0.051
-"""Error of velocity, and of its slope, by a contact that closes or opens between two frames, over what its force then
-does in that time: of the polynomial of degree five on ``max(s - a, 0)**2.5``, the largest for any a.
-"""
-
-FADING = 90.0, 300.0
-"""How fast that falls with the time, over that between frames, by which a contact closes before the first of the two or
-opens after the second: as ``1 / (1 + FADING * time)`` or faster; of polynomials of degree five and of degree six.
-"""
+HARDENING = 2.0
+"""Exponent of contacts above which waves are clearly shorter in time than Hertz's."""
 
 NODES = (0, 1, 2, 3)
 """Frames that fix a maximum where only some beads are recorded."""
@@ -100,10 +95,10 @@ def bracketed(
         return _polynomials(nodes, states[:, : data.shape[1]], spacing, by_equations=by_equations, noisy=noisy)
 
     velocity, lower = fit(data)
-    share = _share_of_doubt(spacing, by_equations=by_equations)
+    share = _share_of_doubt(block.problem, spacing, by_equations=by_equations)
     kink, acted_on = np.zeros((2, len(frame))), np.zeros(len(frame), dtype=bool)
     if by_equations:
-        kink += np.multiply.outer(KINK, _kink(block, start, chain, bead))
+        kink += kinks(block, start, chain, bead)
     outside: tuple[Load | Motion, ...] = (*block.problem.loads, *block.problem.motions)
     for load in outside:
         here = (chain == load.chain - 1) & (block.beads[bead] == load.bead)
@@ -127,33 +122,6 @@ def bracketed(
         kink=kink,
         whole=np.full(len(frame), block.problem.recorded is None),
     )
-
-
-def _kink(block: Trajectory, start: Integers, chain: Integers, bead: Integers) -> Floats:
-    """What contacts that close or open between a frame and the next, or nearly so, can do to a bead's velocity.
-
-    Such a force begins as the power 1.5 of time, which no polynomial follows.
-    """
-    fading = FADING[0] if block.spacing < FAR_APART else FADING[1]
-    problem, spacing, total = block.problem, block.spacing, np.zeros(len(start))
-    for side in (-1, 1):
-        there = (bead + side >= 0) & (bead + side < block.velocity.shape[2])
-        other = np.where(there, bead + side, bead)
-        pressed, rate, beyond = [], [], np.full(len(start), np.inf)
-        for frame, way in ((start, side), (np.minimum(start + 1, block.frames - 1), -side)):
-            x, v = block.displacement, block.velocity
-            overlap = side * (x[frame, chain, bead] - x[frame, chain, other]) - problem.gap
-            overlap = overlap + motion.rest_overlap(problem, chain, block.first - 1 + np.minimum(bead, other))
-            inwards = way * (v[frame, chain, bead] - v[frame, chain, other])
-            pressed.append(overlap > 0.0)
-            rate.append(np.abs(inwards))
-            near = pressed[-1] & (inwards > 0.0)
-            beyond[near] = np.minimum(beyond[near], overlap[near] / (inwards[near] * spacing))
-        beyond[pressed[0] != pressed[1]] = 0.0
-        contact = np.clip(block.first - 1 + np.minimum(bead, bead + side), 0, problem.beads - 2)
-        force = motion.contact_force(problem, np.maximum(*rate) * spacing, chain, contact)
-        total += np.where(there, force * spacing / (1.0 + fading * beyond), 0.0)
-    return np.asarray(total / problem.mass_of(chain, block.first - 1 + bead))
 
 
 def _pushed(
@@ -200,16 +168,19 @@ def _polynomials(
     return _padded(best), _padded(lower)
 
 
-def _share_of_doubt(spacing: float, *, by_equations: bool) -> float:
+def _share_of_doubt(problem: Problem, spacing: float, *, by_equations: bool) -> float:
     """Bound on the error of the better polynomial, in what the other differs, as measured on runs of known peaks.
 
     Measured at couplings from 0.1 to 2 and times between frames from 0.1 to 2, with all beads and with a few; the
     errors are a third of the bound or less where frames are up to 1 T apart. With a few beads nobody knows of contacts
-    that close or open between frames; there the whole of the bound is needed where frames are 0.1 T apart.
+    that close or open between frames; there the whole of the bound is needed where frames are 0.1 T apart, and also
+    farther apart where dashpots jump then. Contacts that harden fast have shorter waves.
     """
     if not by_equations:
-        return 0.3
-    return 0.2 * spacing**2 if spacing < FAR_APART else 0.1
+        return 0.3 if problem.contact_loss is None else 3.0
+    if spacing < FAR_APART:
+        return 0.2 * spacing**2
+    return 0.1 if (problem.exponent or 1.5) <= HARDENING else 0.25
 
 
 def _padded(polynomials: Floats) -> Floats:
