@@ -7,6 +7,7 @@ import pytest
 from small_problems import written_down
 
 from analysis.budget import Account, Budget
+from analysis.conservation import Conservation
 from analysis.figures import budget_figure
 from lammps_inputs import library
 from lammps_inputs.units import make_scale
@@ -73,6 +74,38 @@ def test_the_sentence_is_in_the_scenes_units_and_names_the_largest_part_first(si
     assert account.plain(scale)["time"] == [0.0, 7.0 * scale.time]
     assert account.plain(scale)["lost"] == {"bead_damping": [0.0, 2.5 * scale.energy]}
     assert account.missing.tolist() == [0.0, 0.0]
+
+
+@pytest.mark.parametrize(("left", "shares"), [(0.005, True), (0.003, False)])
+def test_of_what_a_drive_took_back_no_shares_are_told(left, shares):
+    """From a thousandth of the most on that it had put in."""
+    parts, scale = {"kinetic": np.array([4.0, left])}, make_scale(2.0, 3.0, 0.1, si=True)
+    said = Account(np.array([0.0, 7.0]), np.array([4.0, left]), parts, {}).sentence(scale)
+    assert said.endswith("of which 100.00% kinetic" if shares else f", at most {4.0 * scale.energy:.6g} J before")
+
+
+def test_what_is_missing_is_told_in_the_scenes_units():
+    scale = make_scale(2.0, 3.0, 0.1, si=True)
+    account = Account(np.array([0.0, 7.0]), np.array([4.0, 4.0]), {"kinetic": np.array([4.0, 1.0])}, {})
+    assert account.plain(scale)["missing"] == pytest.approx([0.0, 3.0 * scale.energy])
+    assert account.plain(scale)["put_in"] == pytest.approx([4.0 * scale.energy] * 2)
+
+
+def test_a_heavy_bead_is_kicked_with_its_own_energy():
+    heavy = {"kinds": {"heavy": {"mass": 4.0}}, "replace": {"bead": 1, "kind": "heavy"}, "damping": {"beads": 0.2}}
+    account = account_of(library.from_plain({**PLAIN, **heavy}, "test").problem(), lambda t: (0.0 * t, 0.0 * t))
+    assert account.put_in[0] == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize("cuts", [(), (1, 30)])
+def test_the_drift_is_in_shares_of_the_most_that_was_put_in(cuts):
+    problem, seen = library.from_plain(PLAIN, "test").problem(), Conservation()
+    whole = written_down(problem, lambda t: (0.0 * t, 0.5 + 0.0 * t))
+    whole = replace(whole, ledger=whole.time[:, np.newaxis] * LOST)
+    for start, end in zip((0, *cuts), (*cuts, whole.frames), strict=True):
+        seen.add(whole[start:end])
+    missing = 2.0 + 0.5 * whole.time - (0.5 + 0.7 * whole.time)
+    assert seen.energy_drift == pytest.approx(np.max(missing) / (0.5 + 0.7 * 5.0))
 
 
 def test_the_last_frame_counts_though_it_is_none_of_these():

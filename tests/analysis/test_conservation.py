@@ -4,10 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from small_problems import problem, written_down
 from stock_lammps import scene
 
 from analysis.conservation import Conservation
 from lammps_inputs import Kick
+from lammps_inputs.laws.in_time import Rectangular, Sine
+from lammps_inputs.loads import Load
 from workflow.engines.reference.engine import run
 
 KICKS = (Kick(velocity=1.0), Kick(bead=8, velocity=-0.5))
@@ -85,3 +88,34 @@ def test_the_front_is_the_foremost_bead_that_ever_moved_at_a_thousandth_of_the_k
     velocity = np.zeros_like(found.velocity)
     velocity[3, 1, 6], velocity[5, 0, 9] = -1.1e-3, 0.9e-3
     assert seen(replace(found, velocity=velocity)).front == 7
+
+
+def moved_by(loads, momentum, **changes):
+    """The drift where bead 1 of chain 1 has a momentum over time and all else rests."""
+    acted = problem(loads=loads, **changes)
+    here = np.zeros((2, 8))
+    here[0, 0] = 1.0
+    return seen(written_down(acted, lambda t: (0.0 * t, momentum(t) * here))).momentum_drift
+
+
+def test_with_a_push_momentum_is_asked_for_afterwards_in_shares_of_all_blows():
+    push = Load(1, 1, Rectangular(1.0, 2.0))
+
+    def wrong(t):
+        return np.where(t > 2.01, 1.0 + 2.0 + 0.3, 17.0)
+
+    assert moved_by((push,), wrong) == pytest.approx(0.3 / (1.0 + 2.0))
+
+
+def test_with_a_drive_momentum_is_that_of_now_or_as_lammps_has_it():
+    """Half a step of the mean force around may be missing."""
+    drive = Load(1, 1, Sine(0.5, 2.0, 0.4))
+    half = 0.005
+
+    def halfway(t):
+        return 0.5 * (drive.impulse(t - half) + drive.impulse(t + half))
+
+    for right in (drive.impulse, halfway):
+        assert moved_by((drive,), right, kicks=()) == pytest.approx(0.0, abs=1e-14)
+        wrong = moved_by((drive,), lambda t, right=right: right(t) + 0.1 * (t > 5.0), kicks=())
+        assert wrong == pytest.approx(0.1 / 0.5, rel=0.05)  # half a swing gives 0.5

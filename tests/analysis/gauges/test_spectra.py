@@ -51,6 +51,14 @@ def test_spectra_are_of_the_beads_named_from_the_time_named_or_half_the_duration
     assert len(found[None].frequency) == 51 // 2 + 1
 
 
+@pytest.mark.parametrize(("frequency", "seen"), [(4.9, True), (5.1, False)])
+def test_a_drive_with_less_than_two_frames_a_cycle_has_no_amplitude(frequency, seen):
+    driven = problem(motions=(Motion(1, 1, 0.1, 2.0 * np.pi * frequency, 0.0),))
+    meter = SpectrumMeter(driven, (3,), 0.0)
+    meter.add(written_down(driven, lambda t: (0.0 * t, np.sin(2.0 * np.pi * frequency * t))))
+    assert np.isfinite(meter.result().at_drive).all() == seen
+
+
 SWINGS = Spectra(
     beads=(3, 8),
     after=2.0,

@@ -10,7 +10,7 @@ from small_problems import written_down
 
 from analysis.shape.exact_wave import nesterenko
 from analysis.shape.loaded_wave import make_speed, sound_speed, speed_over_sound
-from analysis.sound.dispersion import Cell, Dispersion, Map, NoDispersionError, cell_of, to_csv
+from analysis.sound.dispersion import Cell, Dispersion, Map, NoDispersionError, _ridge, cell_of, to_csv
 from lammps_inputs import library
 from lammps_inputs.units import make_scale
 from workflow.runs.run import run
@@ -51,6 +51,36 @@ def test_springs_across_add_a_branch_for_every_way_in_which_chains_swing():
     bands = cell_of(loaded(chains=2, coupling={"stiffness": 0.1}).system).bands()
     np.testing.assert_allclose(bands[:, 0] ** 2, [0.0, 0.2], atol=1e-9)
     np.testing.assert_allclose(bands[:, 1] ** 2, [6.0, 6.2], rtol=1e-9)
+
+
+def test_in_a_ring_chains_swing_together_or_against_each_other():
+    bands = cell_of(loaded(chains=3, coupling={"stiffness": 0.1, "topology": "ring"}).system).bands()
+    np.testing.assert_allclose(bands[:, 0] ** 2, [0.0, 0.3, 0.3], atol=1e-9)
+
+
+def test_springs_to_the_ground_leave_no_slow_waves():
+    bands = cell_of(loaded(foundation={"stiffness": 0.5}).system).bands()
+    np.testing.assert_allclose(bands**2, [[0.5, 6.5]], rtol=1e-9)
+
+
+def test_a_ridge_is_where_a_parabola_through_its_logarithm_is_highest():
+    frequency = 0.25 * np.arange(20)
+    power = np.exp(-((frequency - 2.57) ** 2))
+    assert _ridge(frequency, power, np.arange(5, 15)) == pytest.approx(2.57, abs=1e-12)
+
+
+def test_the_map_does_not_depend_on_where_blocks_end():
+    problem = loaded(duration=50.0).problem()
+    bead = np.arange(1, 65)
+    whole = written_down(problem, lambda t: (0.0 * t, np.cos(0.8 * bead - 1.25 * t)))
+    found = []
+    for cuts in ((), (3, 100, 333)):
+        one = Dispersion(problem)
+        for start, end in zip((0, *cuts), (*cuts, whole.frames), strict=True):
+            one.add(whole[start:end])
+        found.append(one.result())
+    assert found[0].frequency[-1] < 0.5 * math.pi / problem.every  # not every frame is taken
+    np.testing.assert_array_equal(found[0].power, found[1].power)
 
 
 def test_long_waves_run_at_the_speed_of_sound_of_a_cell():

@@ -107,7 +107,8 @@ def test_a_kicked_chain_has_the_published_amplitude_and_law_of_speed(tmp_path, e
 
 
 def test_linear_contacts_carry_no_pulse(tmp_path):
-    assert not touching(1.0).problem().holds(Fact.PULSE)
+    for exponent, leads in ((1.0, False), (1.04, False), (1.06, True)):
+        assert touching(exponent).problem().holds(Fact.PULSE) == leads
     found = analyse(run(touching(1.0), tmp_path / "run", check=False).directory, figures=False)
     assert "does not apply" in found.survey.verdict.sentence
     assert found.conservation.energy_drift < 1e-4

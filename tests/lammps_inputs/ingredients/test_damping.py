@@ -1,5 +1,7 @@
 """Damping: what a scene may say, and what LAMMPS makes of it against an integrator of its own."""
 
+import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +11,7 @@ from independent import integrated
 from pydantic import ValidationError
 from stock_lammps import run, scene
 
-from lammps_inputs import Coupling, Kick, Material, Scene
+from lammps_inputs import Coupling, Kick, Material, Scene, laws, library
 from lammps_inputs.decks import deck
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.contact import Contact
@@ -105,6 +107,19 @@ def test_lammps_computes_drag_on_beads_with_an_error_of_second_order(tmp_path: P
     assert 12.0 < coarse / fine < 20.0
 
 
+@pytest.mark.parametrize("load", [None, 4.94])
+def test_dashpots_between_chains_reach_as_far_as_their_springs_and_not_to_the_next_row(load: float | None) -> None:
+    """Both beads of one chain are kicked, and the spring is so weak that it may take nearly half of their spacing."""
+    both = (Kick(velocity=1.0), Kick(bead=2, velocity=1.0))
+    pressed = load and Precompression(force=load)
+    tied = scene(chains=2, beads=2, kappa=0.31, kick=both, damping=Damping(coupling=0.1), precompression=pressed)
+    problem = tied.problem()
+    cutoff = float(re.findall(r"dpd/ext/tstat 0 0 (\S+)", deck.render_deck(problem))[0])
+    beside, reach = 2.0 * problem.diameter, float(laws.reach(problem.across[0].law, problem.energy))
+    assert reach > 0.45 * problem.spacing or load is None
+    assert math.hypot(beside, reach) < cutoff < math.hypot(beside, problem.spacing - reach)
+
+
 @pytest.mark.parametrize(("share", "exponent"), [(0.9, 1.5), (0.7, 1.5), (0.5, 1.5), (0.7, 1.0), (0.7, 2.0)])
 def test_two_beads_part_with_their_restitution(share: float, exponent: float, tmp_path: Path) -> None:
     losing = Damping(contact=share, law="restitution")
@@ -152,6 +167,16 @@ def test_a_bead_comes_back_from_a_wall_with_its_restitution(share: float, name: 
     assert (last if left else first) == 0.0
 
 
+def test_a_restitution_is_that_of_the_reduced_mass_and_the_strength_of_each_contact() -> None:
+    kinds = {"light": {"mass": 0.25}, "hard": {"stiffness": 3.0}}
+    several: dict[str, Any] = {"kinds": kinds, "pattern": ["light", "hard", "hard"]}
+    losing = {"contact": 0.7, "law": "restitution"}
+    plain = {"name": "a", "beads": 3, "kick": {"velocity": 1.0}, "duration": 1.0, "damping": losing, **several}
+    (link,) = library.from_plain(plain, "a").system.dampers
+    right = [alpha(0.7) * math.sqrt(0.25 / 1.25 * 1.5), alpha(0.7) * math.sqrt(0.5 * 3.0)]
+    np.testing.assert_allclose(link.law.coefficient, [right], rtol=1e-14)  # type: ignore[attr-defined]
+
+
 @pytest.mark.parametrize("nothing", [{"contact": 0.0}, {"contact": 1.0, "law": "restitution"}, {"beads": 0.0}])
 def test_no_damping_leaves_no_trace(nothing: dict[str, Any]) -> None:
     plain = scene(chains=2, beads=3, kappa=0.5, duration=3.0, every=0.5).problem()
@@ -190,6 +215,10 @@ def test_damping_says_what_it_takes_away() -> None:
             "cuts tension where dashpots pull harder than contacts of spheres push, of exponent 1.5, not 2",
         ),
         (
+            {"damping": Damping(contact=0.1, tension="cut"), "disorder": {"mass": 0.1}, "coupling": None},
+            "cut at the force of equal contacts only",
+        ),
+        (
             {"damping": Damping(contact=0.7, law="restitution"), "contact": Contact(exponent=3.0)},
             "for contacts of exponent 1, 1.5 and 2, not 3",
         ),
@@ -219,6 +248,10 @@ def test_strong_dashpots_shorten_the_stable_and_the_default_step() -> None:
     assert stability_bound(stuck) == pytest.approx(2.0 / rates.drag(stuck), rel=0.01)
     assert default_timestep(stuck) < stability_bound(stuck) / 19.0
     assert default_timestep(free) == 0.01
+    for loss, shorter in ((0.005, 3.0), (1.0, 10.0)):  # by 1 + drag / 0.01, at most 10
+        assert default_timestep(scene(beads=4, damping=Damping(contact=loss)).problem()) == pytest.approx(
+            0.01 / shorter
+        )
     assert stability_bound(scene(beads=4, damping=Damping(beads=100.0)).problem()) == stability_bound(free)
 
 

@@ -73,6 +73,15 @@ def test_numbers_are_those_of_the_scene():
     assert motion.displacement(0.0) == 0.0
 
 
+def test_v_of_a_driving_force_is_what_it_swings_a_free_bead_with():
+    steel = {"radius": 4.76e-3, "density": 8000.0, "youngs_modulus": 193e9, "poisson_ratio": 0.3}
+    one = driven(
+        {"force": 0.4, "frequency": 900.0}, chains=1, coupling=None, material=steel, duration=0.01, output=None
+    )
+    mass = 4.0 / 3.0 * math.pi * 4.76e-3**3 * 8000.0
+    assert one.scale.velocity == pytest.approx(0.4 / (mass * 2.0 * math.pi * 900.0), rel=1e-14)
+
+
 @pytest.mark.parametrize("phase", [0.0, -90.0, 30.0])
 def test_a_phase_is_in_degrees_and_motion_begins_at_the_beads_place(phase):
     keys = {"name": "a", "beads": 4, "duration": 8.0, "drive": {"frequency": 0.25, "phase": phase}}
@@ -236,6 +245,7 @@ def test_validate_names_a_drive_that_is_not_the_scenes(tmp_path):
         ([{**MOVED, "chain": 3}], {}, "drive.chain: 3 is outside the array (chains 1 to 2)"),
         ([{**MOVED, "frequency": 0.0}], {}, "drive.frequency: should be greater than 0"),
         ([MOVED], {"window": 64}, "drive: a window would take"),
+        ([PUSHED], {"output": {"peaks": True, "beads": [1]}}, "output.peaks: finds the pulse that leads"),
         ([MOVED], {"scheme": "suzuki4"}, "drive: suzuki4 steps back"),
         ([MOVED], {"kick": {"velocity": 1.0}}, "drive.displacement: says how the bead moves"),
         ([MOVED, {**PUSHED, "chain": 1, "bead": 1}], {}, "drive.displacement: bead 1 of chain 1 is moved or pushed"),

@@ -210,7 +210,8 @@ def test_contacts_of_two_sizes_are_hertzs():
 
 def test_si_and_reduced_units_say_the_same():
     steel = {"radius": 4.76e-3, "density": 8000.0, "youngs_modulus": 193e9, "poisson_ratio": 0.3}
-    small = {"radius": 0.5 * 4.76e-3, "density": 4000.0, "youngs_modulus": 386e9}
+    twice = {"youngs_modulus": 386e9 * (1.0 - 0.45**2) / (1.0 - 0.3**2), "poisson_ratio": 0.45}
+    small = {"radius": 0.5 * 4.76e-3, "density": 4000.0, **twice}
     si = scene(
         material=steel, kinds={"small": small}, replace={"bead": 2, "kind": "small"}, coupling=None, duration=1e-4,
         output={"every": 1e-6}
@@ -222,11 +223,23 @@ def test_si_and_reduced_units_say_the_same():
     assert strengths(si) == pytest.approx(strengths(reduced), rel=1e-15)
 
 
+def test_a_cell_holds_the_patterns_of_all_chains():
+    several = {"kinds": {"a": {}, "b": {"mass": 2.0}}, "pattern": [["a", "b"], ["a", "a", "b"]]}
+    assert period(scene(**several)) == 6
+
+
 def test_disorder_is_the_same_on_any_machine():
     found = Disorder(mass=0.02, seed=1).factors("mass", (1, 3))
     expected = 1.0 + 0.02 * (2.0 * np.random.Generator(np.random.PCG64([1, 0])).random(3) - 1.0)
     np.testing.assert_array_equal(found[0], expected)
     assert found[0].tolist() == DISORDER_1
+
+
+def test_beads_of_disordered_radius_are_as_heavy_as_their_size_makes_them():
+    disorder = Disorder(radius=0.1, mass=0.05, seed=3)
+    radius, mass = (disorder.factors(name, (1, 12)) for name in ("radius", "mass"))
+    found = scene(disorder=disorder.model_dump(), chains=1, coupling=None).problem().mass
+    np.testing.assert_allclose(found, radius**3 * mass, rtol=1e-14)
 
 
 DISORDER_1 = [1.0004728649880104, 1.0180185478530375, 0.9857663845087854]

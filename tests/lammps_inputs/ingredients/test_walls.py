@@ -312,6 +312,11 @@ def test_units_a_wall_of_steel_is_as_hard_as_the_kinds_say():
         ({"right": {"stifness": 2.0}}, {}, "walls.right.stifness: unknown key (did you mean `stiffness`?)"),
         ({"right": {"stiffness": 1e7}}, {}, "walls.right.stiffness: 1e+07 times that of two beads"),
         ({"rigth": "bead"}, {}, "walls.rigth: unknown key (did you mean `right`?)"),
+        (
+            {"right": "flat"},
+            {"chains": 25, "coupling": None, "disorder": {"radius": 0.1}},
+            "of more than 24 kinds meet it",
+        ),
         ({"right": "bead"}, {"beads": 100, "window": 64, "output": {"every": 0.5}}, "leave the window out"),
     ],
     ids=str,

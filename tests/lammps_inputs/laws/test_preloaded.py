@@ -58,6 +58,13 @@ def test_reach_is_the_strain_that_holds_an_energy(name):
     np.testing.assert_allclose(laws.energy(law, law.reach(0.5, *law)), 0.5, rtol=1e-12)
 
 
+def test_the_overlap_with_a_pressed_wall_is_that_at_rest_and_what_an_energy_adds():
+    law = LAWS["wall"]
+    added = law.overlap(0.5)[2] - law.rest[2]
+    assert law.rest[2] > 0.3
+    assert laws.energy(law, law.side * added)[2] == pytest.approx(0.5, rel=1e-12)
+
+
 def test_loads_are_those_asked_for_but_for_the_rounding_of_places():
     for law in (LAWS["arrays"], LAWS["cubic, arrays"]):
         np.testing.assert_allclose(law.load[1:], LOADS[1:], rtol=1e-6)

@@ -29,7 +29,8 @@ def test_the_largest_displacement_holds_the_whole_energy(energy, strength, side,
     law = wall(np.array([0.0, strength]), side, gap, exponent)
     reach = law.reach(energy, *law)
     assert reach[0] == 0.0
-    overlap = abs(reach[1]) - gap
+    overlap = law.overlap(energy)[1]
+    np.testing.assert_allclose(side * reach[1], gap + overlap, rtol=1e-15)
     rounding = 4e-16 * (1.0 + gap / overlap)
     np.testing.assert_allclose(laws.energy(law, reach)[1], energy, rtol=20.0 * rounding)
     assert np.max(law.overlap(energy)) == overlap

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from small_problems import system
 
-from lammps_inputs import Coupling, Kick, Scene, find, laws
+from lammps_inputs import Coupling, Kick, Scene, find, laws, library
 from lammps_inputs import scheme as schemes
 from lammps_inputs.laws.hertz import Hertz
 from lammps_inputs.limits import rates, timestep
@@ -74,6 +74,17 @@ def test_the_scenes_of_the_paper_step_by_0_01(name):
 def test_the_default_is_a_small_part_of_the_bound(energy, kappa, chains):
     step = timestep.default_timestep(system(energy, kappa, chains))
     assert 0.0 < step <= min(0.01, timestep.stability_bound(system(energy, kappa, chains)) / 50)
+
+
+@pytest.mark.parametrize(
+    "keys",
+    [{"contact": {"exponent": 3.0}}, {"kinds": {"light": {"mass": 1e-3}}, "replace": {"bead": 3, "kind": "light"}}],
+    ids=["harder", "unlike"],
+)
+def test_the_default_is_a_smaller_part_of_the_bound_where_contacts_are_harder_or_beads_differ(keys):
+    plain = {"name": "a", "beads": 5, "kick": {"velocity": 1.0}, "duration": 1.0, **keys}
+    other = library.from_plain(plain, "a").system
+    assert timestep.default_timestep(other) == pytest.approx(timestep.stability_bound(other) / 120.0)
 
 
 @given(st.floats(0.5, 2.0), st.floats(0.0, 1.0), st.integers(1, 100))

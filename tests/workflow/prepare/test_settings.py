@@ -10,12 +10,13 @@ from small_problems import problem as small_problem
 from analysis.against.pairing import on_common_rows
 from lammps_inputs import Coupling, InputError, Kick, Output, Scene, find, strict_yaml
 from lammps_inputs.limits.timestep import stability_bound, timestep_for
+from lammps_inputs.units import make_scale
 from workflow.cli import main
 from workflow.engines.reference import engine
 from workflow.engines.reference.certify import certified
 from workflow.errors import RunError
 from workflow.prepare import step_search, twin
-from workflow.prepare.settings import settle
+from workflow.prepare.settings import Settings, settle
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.analyse import analyse
@@ -176,6 +177,29 @@ def test_every_command_that_needs_a_step_says_what_it_chose(tmp_path, capsys):
     for words in (["show"], ["deck", "-o", tmp_path / "deck"], ["run", "--no-check", "-o", tmp_path / "run"]):
         assert main([str(word) for word in (words[0], path, *words[1:])]) == 0
         assert "accuracy 0.001: timestep 0.0" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({}, "it leaves 2.0e-05 V, measured beforehand in 0.5 s"),
+        (
+            {"measured_error": 8e-5, "measured": 0.25, "limited": True},
+            "it should leave less than 2.0e-05 V, by 8.0e-05 V measured beforehand with another step over 1/4 of the "
+            "time and beads in 0.5 s; beads left far behind may be off by more, for in long runs they amplify any "
+            "error; frames or stability allow no longer one",
+        ),
+        ({"measured": 0.0}, "from a law, for the scene is too large to measure beforehand"),
+    ],
+)
+def test_the_sentence_says_how_the_step_was_chosen(changes, said):
+    found = Settings(1e-4, 0.0125, 8, 0.1, 2e-5, 2e-5, 1.0, limited=False, seconds=0.5)
+    for scale, step in (
+        (make_scale(1.0, 1.0, 1.0, si=False), "0.0125"),
+        (make_scale(2.0, 2.0, 1e5, si=True), "0.00125 s"),
+    ):
+        sentence = replace(found, **changes).sentence(small_problem(scale=scale))
+        assert sentence == f"accuracy 0.0001: timestep {step}; {said}"
 
 
 def test_a_scene_that_asks_for_an_accuracy_has_no_problem_yet():

@@ -18,10 +18,11 @@ from lammps_inputs import Kick, Material, Output, strict_yaml
 from workflow.cli import main
 from workflow.commands.run import _judged
 from workflow.engines.reference import engine
-from workflow.engines.reference.certify import certified
+from workflow.engines.reference.certify import Certifier, certified
 from workflow.prepare import step_search
 from workflow.prepare.accuracy import better_timestep
 from workflow.prepare.settings import Settings
+from workflow.runs import check as checking
 from workflow.runs.check import SPACING, check, stride
 from workflow.runs.peaks_table import found_on_the_way
 from workflow.runs.run import run
@@ -55,17 +56,6 @@ def test_run_json_holds_the_check(finished):
     assert held["where"] == {"chain": made.where.chain, "bead": made.where.bead, "time": made.where.time}
     assert held["reference"]["velocity"] == made.reference.velocity
     assert held["seconds"] == made.seconds > 0.0
-
-
-def test_the_error_is_also_that_of_the_snapshots_which_hold_beads_that_frames_do_not(tmp_path):
-    output = Output(every=0.5, beads=(5, 6), snapshots=10.0)
-    done = run(scene(beads=8, kick=(Kick(bead=3, velocity=1.0),), duration=60.0, output=output), tmp_path / "run")
-    problem = done.directory.problem.snapshots()
-    true = Difference(dict.fromkeys(("velocity", "displacement", "amplitude", "arrival"), math.inf))
-    for pair in paired(done.directory.snapshots(), certified(problem, 1e-9).blocks()):
-        true.add(*pair)
-    found = done.check.velocity + done.check.reference.velocity
-    assert true.deviations()["velocity"].largest <= found
 
 
 def test_without_check_it_is_left_out(tmp_path, capsys):
@@ -228,3 +218,29 @@ def test_its_wave_errors_are_also_those_of_peaks_csv_at_beads_that_are_not_recor
         true = np.nanmax(np.abs(getattr(table, name) - getattr(exact, name))[clear])
         assert found == pytest.approx(true, abs=sure + 1e-9)
         assert true > 1e-5
+
+
+@pytest.mark.parametrize("other", [(0.5, 0.25), (0.0, 0.0)])
+def test_the_worse_of_frames_and_peaks_csv_counts(other, finished, monkeypatch):
+    monkeypatch.setattr(checking, "found_on_the_way", lambda _: ())
+    monkeypatch.setattr(checking, "waves_apart", lambda *_: other)
+    found, own = check(finished.directory), finished.check
+    assert own.amplitude > 0.0
+    assert (found.amplitude, found.arrival) == (max(own.amplitude, other[0]), max(own.arrival, other[1]))
+
+
+@pytest.mark.parametrize("wrong", [0.0, 0.1])
+def test_snapshots_are_checked_as_frames_are(wrong, tmp_path, monkeypatch):
+    output = Output(every=0.2, beads=(8,), snapshots=2.0)
+    directory = run(scene(beads=8, duration=8.0, output=output), tmp_path / "run", check=False).directory
+    snapshots = list(directory.snapshots())
+    moved = (replace(block, velocity=block.velocity + wrong) for block in snapshots)
+    monkeypatch.setattr(RunDirectory, "snapshots", lambda _: moved)
+    found = check(directory)
+    assert found.velocity == pytest.approx(wrong, abs=1e-3)
+    frames, whole = (Certifier(of) for of in (directory.problem, directory.problem.snapshots()))
+    for one in (frames, whole):
+        for _ in one.blocks():
+            pass
+    assert found.reference.velocity == max(one.certificate.velocity for one in (frames, whole))
+    assert frames.certificate.velocity < whole.certificate.velocity

@@ -19,6 +19,7 @@ from workflow.cli import main
 from workflow.runs.run import run
 from workflow.studies.design import file, measures
 from workflow.studies.design.crew import Crew
+from workflow.studies.design.found import Verified
 from workflow.studies.design.manufacture import sensitivity
 from workflow.studies.design.memory import Memory, Record
 from workflow.studies.design.search import search, worth
@@ -303,7 +304,16 @@ def test_quantities_are_those_of_an_analysis(tmp_path):
     """Also where a short cut finds them."""
     plain = {"name": "two", "chains": 2, "beads": 60, "coupling": {"stiffness": 0.3}, "kick": {"velocity": 1}}
     plain |= {"duration": 90}
-    names = ("amplitude", "agree_10", "beat_length", "energy_share", "delay", "transmitted_energy")
+    names = (
+        "amplitude",
+        "agree_10",
+        "agree_1",
+        "in_step_1",
+        "beat_length",
+        "energy_share",
+        "delay",
+        "transmitted_energy",
+    )
     found = measures.by_reference(plain, names, "scene")
     run(library.from_plain(plain, "scene"), tmp_path / "r", engine="reference")
     assert main(["analyze", str(tmp_path / "r"), "--no-figures"]) == 0
@@ -311,6 +321,25 @@ def test_quantities_are_those_of_an_analysis(tmp_path):
     assert found["agree_10"] is not None
     for name in names:
         assert found[name] == pytest.approx(row[name], rel=1e-12), name
+
+
+@pytest.mark.parametrize(
+    ("changes", "plain"),
+    [
+        ({}, True),
+        ({"kick": [{"velocity": 1}, {"velocity": -1, "bead": 12}]}, False),
+        ({"kick": {"velocity": -1, "bead": 12}}, False),
+        ({"push": {"peak": 1.0, "duration": 1.0, "shape": "half-sine"}}, False),
+    ],
+)
+def test_the_short_cut_is_for_one_pulse_from_the_first_bead(changes, plain):
+    assert measures._is_plain(library.from_plain({**SCENE, **changes}, "scene").problem()) == plain
+
+
+def test_lammps_differs_from_the_reference_by_a_share_of_its_number():
+    one = Verified(None, {}, {"delay": 2.0, "wall_force": None}, {"delay": 2.5, "wall_force": 1.0}, 0.0)
+    assert one.difference("delay") == 0.25
+    assert one.difference("wall_force") is None
 
 
 def test_the_example_of_the_readme_is_a_design(tmp_path):

@@ -16,6 +16,8 @@ import wrong_runs
 from processes import HANGS, started, wait_until
 from stock_lammps import scene
 
+from analysis.shape.exact_wave import solitary_wave
+from analysis.tracking.leading_waves import with_speeds
 from lammps_inputs import InputError
 from lammps_inputs.laws.linear import Linear
 from workflow.cli import main
@@ -31,7 +33,7 @@ from workflow.studies.extremes.cells import BASE, Cell, changed, scaled, springs
 from workflow.studies.extremes.figure import COLOURS, extremes_figure
 from workflow.studies.extremes.grid import grid
 from workflow.studies.extremes.outcome import KINDS, Outcome, Told, TrueError, classify
-from workflow.studies.extremes.true_error import judge
+from workflow.studies.extremes.true_error import _apart, judge
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
@@ -90,11 +92,16 @@ def test_a_run_that_ends_by_an_error_is_refused_or_stopped_or_a_crash(error, kin
 
 
 def test_what_keeps_the_judge_from_judging_is_not_taken_for_a_refusal(monkeypatch):
-    def fail(*_, **__):
+    """And the judge is asked to be ten times surer than what the run says of itself."""
+    asked = []
+
+    def fail(directory, tolerance):
+        asked.append(tolerance / directory.record["check"]["velocity"])
         raise InputError("other beads")
 
     monkeypatch.setattr(measure, "judge", fail)
     assert measure.measure(Cell("x", "y", SHORT)).kind == "WRONG"
+    assert asked == [pytest.approx(0.1)]
 
 
 # --- planted errors ---------------------------------------------------------------------------------------------------
@@ -119,6 +126,19 @@ def test_the_leading_pulse_alone_shows_the_wrong_springs(wrong_kappa):
     assert truth.by == "leading pulse"
     assert truth.error <= judge(wrong_kappa, 1e-5).error
     assert classify(measure.PROMISED, None, truth)[0] == "WRONG"
+
+
+@pytest.mark.parametrize("peak", [0.3, 1.0])
+def test_a_late_pulse_is_off_by_as_much_as_its_velocity_may_change_meanwhile(peak):
+    """The largest in the exact wave; bead 9 is the foremost, which may fly off."""
+    wave, late = solitary_wave(), 0.01
+    xi = np.linspace(0.0, 3.0, 3001)
+    slope = wave.speed_at(peak) * peak * np.max(np.abs(np.diff(wave.velocity(xi)) / np.diff(xi)))
+    bead = np.array([7, 8, 9])
+    own, right = (
+        with_speeds(np.ones(3, int), bead, bead + np.array([0.0, t, 5.0]), np.full(3, peak)) for t in (late, 0)
+    )
+    assert 0.99 * slope * late < _apart(own, right) <= slope * late
 
 
 def test_wrong_springs_that_a_run_tells_of_are_told_and_wrong_once_it_is_silent(monkeypatch):

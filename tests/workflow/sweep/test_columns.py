@@ -52,6 +52,33 @@ def test_every_column_holds_what_its_name_says_of_the_chain_that_was_hit_hardest
     assert {name: found[name] for name in EXPECTED} == EXPECTED
 
 
+IN = {
+    "V": ("amplitude", "amplitude_uncertainty", "error_velocity", "error_amplitude"),
+    "T": ("error_arrival",),
+    "s": ("arrival", "delay"),
+    "m/s": ("peak_velocity",),
+    "beads/s": ("speed",),
+    "N": ("wall_force", "wall_force_chain"),
+}
+"""Units of columns of scenes in SI; all others have none."""
+
+
+def test_every_column_has_its_own_unit():
+    of = {name: unit for unit, names in IN.items() for name in names}
+    assert {name: quantity.unit(si=True) for name, quantity in QUANTITIES.items()} == {
+        name: of.get(name, "") for name in QUANTITIES
+    }
+
+
+@pytest.mark.parametrize(("other", "same"), [(2.0005, True), (2.005, False)])
+def test_bands_are_drawn_where_all_cases_have_them(other, same):
+    rows = [{"case": "a"}, {"case": "b"}]
+    bands = {"a": [[0.0, 1.0], [1.5, 2.0]], "b": [[0.0, 1.0], [1.5, other]]}
+    table = Table(["drive.frequency"], rows, False, bands=bands)
+    assert (table.passed("drive.frequency") is not None) == same
+    assert table.passed("gap") is None
+
+
 def test_columns_begin_with_case_fields_and_outcome_and_end_with_the_reason():
     columns = Table(["gap", "beads"], [], False).columns
     assert (columns[:4], columns[4:-1], columns[-1]) == (

@@ -9,6 +9,8 @@ from small_problems import problem
 from analysis.sharing.decay_law import DecayFit
 from analysis.sharing.equipartition import Estimate
 from analysis.sharing.verdict import State, Verdict
+from analysis.tracking.leading_waves import Waves, with_speeds
+from analysis.tracking.pulses import Pulse
 from analysis.tracking.train import Train
 from lammps_inputs.units import make_scale
 from workflow.verdicts import analysis_report
@@ -57,3 +59,44 @@ def test_how_chains_share_the_pulse_is_told_key_by_key():
     assert told["energy_share"] == pytest.approx({"exact": 0.97, "measured": 0.98})
     law = {"v0": 0.6, "n_star": 300.0, "n_star_error": 2.0, "n_star_expected": 270.9, "first": 10, "last": 90}
     assert told["decay_law"] == {**law, "deviation": 0.01}
+
+
+@pytest.mark.parametrize("si", [False, True])
+def test_each_chain_is_told_at_its_last_bead_clear_of_the_end(si):
+    """Of 20 beads that is 15; each number is another, and each column has its own unit."""
+    scale = make_scale(2.0, 3.0, 0.1, si=si)
+    bead = np.array([14, 15, 16])
+    columns = (bead + offset / 10.0 for offset in range(6))
+    waves = Waves(np.full(3, 2), bead, *columns)
+    told = analysis_report._chain_summary(waves, problem(beads=20, scale=scale), 2)
+    assert told == pytest.approx(
+        {
+            "chain": 2,
+            "beads_reached": 3,
+            "bead": 15,
+            "arrival": 15.0 * scale.time,
+            "peak_velocity": 15.1 * scale.velocity,
+            "speed": 15.2 / scale.time,
+            "peak_velocity_reduced": 15.1,
+            "arrival_reduced": 15.0,
+            "arrival_error": 15.4 * scale.time,
+            "peak_velocity_error": 15.5 * scale.velocity,
+        }
+    )
+    assert analysis_report._chain_summary(waves, problem(beads=20), 1) == {"chain": 1, "beads_reached": 0}
+
+
+@pytest.mark.parametrize(("last", "bead"), [(24, 55), (25, 25)])
+def test_a_train_is_told_where_all_pulses_passed_that_ran_a_quarter_of_the_chain(last, bead):
+    """Of 80 beads that is 20; the second pulse begins at bead 5."""
+
+    def pulse(first, last, start):
+        beads = np.arange(first, last + 1)
+        return Pulse(1, 1, beads, start + beads, np.full(len(beads), 0.5), np.ones(len(beads)))
+
+    pulses = (pulse(2, 55, 0.0), pulse(5, last, 9.0))
+    number = np.arange(2, 78)
+    waves = with_speeds(np.ones(76, int), number, 1.0 * number, np.full(76, 0.5))
+    shared, small = SimpleNamespace(kicked=0), problem(chains=1, beads=80)
+    found = SimpleNamespace(shared=shared, problem=small, waves=waves, direction=1, pulses=pulses)
+    assert analysis_report.train(found).bead == bead

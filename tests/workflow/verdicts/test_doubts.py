@@ -1,11 +1,15 @@
 """From which difference on something is named as the cause: measurements made up, each once within and once beyond."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from small_problems import written_down
 
 from analysis.against import beads, symptoms
 from lammps_inputs import library
+from workflow.engines.reference.certify import Certificate
+from workflow.verdicts import validate
 from workflow.verdicts.causes import causes
 
 PLAIN = {"name": "test", "chains": 2, "beads": 8, "kick": {"velocity": 1.0}, "duration": 2.0}
@@ -49,6 +53,16 @@ def push(factor):
     return beads, "given", lambda trajectory, load: factor * load.impulse(trajectory.time)
 
 
+def without_symptoms(keys, monkeypatch):
+    """Two trajectories in which nothing is measured to be wrong."""
+    problem = library.from_plain({**PLAIN, **keys}, "test").problem()
+    for name in ("identify_springs", "identify_strengths", "identify_load", "identify_exponent"):
+        monkeypatch.setattr(symptoms, name, lambda _: None)
+    monkeypatch.setattr(beads, "identify_beads", lambda _: None)
+    monkeypatch.setattr(beads, "given", lambda trajectory, load: load.impulse(trajectory.time))
+    return [written_down(problem, lambda t: (0.0 * t, problem.initial_velocity() + 0.0 * t)) for _ in "ab"]
+
+
 @pytest.mark.parametrize(
     ("keys", "measured", "within", "beyond", "said"),
     [
@@ -63,12 +77,7 @@ def push(factor):
     ids=["springs", "ground", "load", "exponent", "mass", "contact", "push"],
 )
 def test_a_cause_is_named_beyond_its_doubt_and_not_within(keys, measured, within, beyond, said, monkeypatch):
-    problem = library.from_plain({**PLAIN, **keys}, "test").problem()
-    own, reference = (written_down(problem, lambda t: (0.0 * t, problem.initial_velocity() + 0.0 * t)) for _ in "ab")
-    for name in ("identify_springs", "identify_strengths", "identify_load", "identify_exponent"):
-        monkeypatch.setattr(symptoms, name, lambda _: None)
-    monkeypatch.setattr(beads, "identify_beads", lambda _: None)
-    monkeypatch.setattr(beads, "given", lambda trajectory, load: load.impulse(trajectory.time))
+    own, reference = without_symptoms(keys, monkeypatch)
     module, name, _ = measured(1.0)
     for factor in (within, beyond):
         right, wrong = measured(1.0)[2], measured(factor)[2]
@@ -86,3 +95,54 @@ def test_a_cause_is_named_beyond_its_doubt_and_not_within(keys, measured, within
         else:
             (cause,) = found
             assert cause.startswith(said)
+
+
+@pytest.mark.parametrize(
+    ("velocity", "displacement", "said"),
+    [(0.98, 0.98, ["all frames are shown 0.02 earlier than they are"]), (0.96, 0.98, []), (0.98, 0.96, [])],
+)
+def test_a_shift_in_time_is_named_where_it_explains_nearly_all_of_the_difference(
+    velocity, displacement, said, monkeypatch
+):
+    """Of the velocities, which are asked for first, and of the displacements."""
+    own, reference = without_symptoms({}, monkeypatch)
+    explained = iter((velocity, displacement))
+    monkeypatch.setattr(symptoms, "time_shift", lambda *_: symptoms.Shift(0.02, next(explained)))
+    assert causes(own, reference) == said
+
+
+def certificate(velocity, arrival):
+    return Certificate(steps_per_frame=2, velocity=velocity, arrival=arrival, energy=0.0, momentum=0.0, order=None)
+
+
+@pytest.mark.parametrize(("velocity", "arrival", "doubted"), [(5e-4, 2e-3, []), (6e-4, 0.0, ["velocity"])])
+def test_a_reference_is_doubted_that_is_less_sure_than_a_tolerance(velocity, arrival, doubted):
+    for sure, names in ((certificate(velocity, arrival), doubted), (certificate(0.0, 2.1e-3), ["arrival"])):
+        said = validate._doubts(sure, validate.TOLERANCES)
+        assert [line.split(" in ")[1].split(",")[0] for line in said] == names
+
+
+def test_the_reference_takes_more_steps_until_it_is_four_times_surer_than_a_tolerance(monkeypatch):
+    """One whose certificates halve as its steps double, from 1e-3 at ten steps a frame."""
+
+    class Halving:
+        def __init__(self, _, *, steps_per_frame=None):
+            self.steps = steps_per_frame or 10
+
+        def blocks(self):
+            return iter(())
+
+        @property
+        def certificate(self):
+            return replace(certificate(1e-2 / self.steps, 1e-2 / self.steps), steps_per_frame=self.steps)
+
+    monkeypatch.setattr(validate, "Certifier", Halving)
+    for limits, steps in (({"velocity": 4e-3}, 10), ({"velocity": 3.9e-3}, 20), ({"arrival": 1e-3}, 40)):
+        assert validate._sure_enough(None, {"velocity": 1.0, "arrival": 1.0, **limits}).steps == steps
+
+
+def test_where_energy_is_exchanged_it_may_miss_what_velocities_may():
+    for keys, energy in (({}, 1e-4), ({"damping": {"beads": 0.1}}, 5e-4), (PUSH, 5e-4)):
+        problem = library.from_plain({**PLAIN, **keys}, "test").problem()
+        assert validate._limits(problem, None) == {**validate.TOLERANCES, "energy": energy}
+        assert validate._limits(problem, {"energy": 1.0})["energy"] == 1.0

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from bokeh.models import LinearColorMapper, Span
+from bokeh.models import ColorBar, HoverTool, LinearColorMapper, Span
 from bokeh.plotting import figure
 from stock_lammps import scene
 
@@ -87,6 +87,43 @@ def test_the_arrival_after_that_in_the_first_chain_is_positive_where_a_chain_is_
             np.testing.assert_allclose(data[glyph.y], values * worth, atol=1e-12)
 
 
+def test_axes_cursors_and_bars_have_the_unit_of_what_they_show(held):
+    problem, run, _, units = held
+    waves = with_speeds(np.repeat([1, 3], 3), np.tile([2, 3, 4], 2), np.arange(6.0), np.full(6, 0.1))
+    root = run_page.layout(problem, thinned(problem, [run], [0, 2]), SimpleNamespace(waves=waves), [1, 3])
+
+    def unit(name):
+        return f" {units[name].symbol}" if problem.scale.si else ""
+
+    def axis(name):
+        return f"{name} ({units[name].symbol})" if problem.scale.si else name
+
+    assert len({unit(name) for name in units}) == (5 if problem.scale.si else 1)
+    labels = {plot.title.text: (plot.xaxis.axis_label, plot.yaxis.axis_label) for plot in root.select({"type": figure})}
+    assert {title: label for title, label in labels.items() if title} == {
+        "chain 1": ("bead", axis("time")),
+        "chain 3": ("bead", axis("time")),
+        "velocity over time; click a map for more": (axis("time"), axis("velocity")),
+        "peak velocity of the leading pulse": ("bead", axis("velocity")),
+        "arrival after that in chain 1": ("bead", axis("time")),
+        "energy of each chain, without coupling": (axis("time"), axis("energy")),
+    }
+    said = {}
+    for tool in root.select({"type": HoverTool}):
+        for word, value in tool.tooltips:
+            told = tool.formatters.get(value.removesuffix("{custom}"))
+            said[word] = told and told.args.get("unit")
+    assert said == {
+        **dict.fromkeys(("bead", "chain")),
+        "time": unit("time"),
+        **{word: unit("velocity") for word in ("velocity", "peak velocity")},
+        **{word: unit("length") for word in ("displacement", "overlap with the next")},
+        "force on the next": unit("force"),
+    }
+    assert [bar.title for bar in root.select({"type": ColorBar})] == [axis("velocity")]
+    assert root.select_one({"name": "time"}).format.args["unit"] == unit("time")
+
+
 def test_springs_are_drawn_between_chains_that_are_tied(held):
     problem, _, part, units = held
     images = [maps.image_source(part, place) for place in range(2)]
@@ -131,12 +168,16 @@ def test_what_a_window_has_left_does_not_make_frames_fewer():
     assert np.array_equal(part.velocity[0, :, 150:182], run.velocity[:, 0, ::2])
 
 
-def test_a_page_says_how_far_apart_frames_are_that_cannot_follow_a_pulse():
-    problem = scene(chains=2, beads=6, kick=(Kick(velocity=0.5),), kappa=0.1, duration=4.8).problem()
+@pytest.mark.parametrize("material", [None, STEEL], ids=["reduced", "SI"])
+def test_a_page_says_how_far_apart_frames_are_that_cannot_follow_a_pulse(material):
+    kick = (Kick(velocity=0.5),)
+    unit = scene(chains=2, beads=6, kick=kick, material=material).scale
+    problem = scene(chains=2, beads=6, kick=kick, material=material, duration=4.8 * unit.time).problem()
     for stride, said in ((1, False), (3, False), (8, True)):
         part = thinned(problem, [made(problem)], [0, 1], most=-(-(problem.frames + 1) * 12 // stride))
-        told = " ".join(_left_out(problem, part))
-        assert f"{part.frame_stride * problem.every:.3g} T apart, too far" in told or not said
+        told, apart = " ".join(_left_out(problem, part)), part.frame_stride * problem.every
+        distance = f"{apart:.3g} T" if material is None else f"{apart * unit.time * 1e6:.3g} \N{MICRO SIGN}s"
+        assert f"{distance} apart, too far" in told or not said
         assert ("too far" in told) == said
         assert ("largest in size" in told) == (stride > 1)
 

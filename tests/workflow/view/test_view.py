@@ -183,6 +183,12 @@ def test_the_page_of_a_run_says_the_right_numbers_and_moves_the_right_beads(ran,
     assert places == pytest.approx(moved.ravel().tolist(), abs=1e-6)
     assert model(page, "balls", "Array.from(it.data.d)") == pytest.approx(frames.displacement[3].ravel(), abs=1e-7)
     assert model(page, "balls", "it.data.bead[21] + ' ' + it.data.chain[21]") == "2 2"
+    force = motion.contact_force(ran.directory.problem, motion.overlaps(ran.directory.problem, frames.displacement))
+    chain, contact = np.nonzero(force[3] > 0.0)
+    bars = {name: model(page, "pushes", f"Array.from(it.data.{name})") for name in ("x", "y", "h")}
+    assert bars["x"] == (contact + 1.5).tolist()  # between bead n and the next
+    assert bars["h"] == pytest.approx(0.45 * force[3, chain, contact] / force.max(), rel=1e-4, abs=1e-6)
+    assert bars["y"] == pytest.approx(0.3 - chain + 0.5 * np.array(bars["h"]))
 
 
 @pytest.mark.slow

@@ -32,7 +32,7 @@ _STAGE = 20e-9
 _HALVINGS = 4
 _WINDOW = 160
 _CLEAR = 2.0 * THRESHOLD
-_SLOPE = 0.8
+_SLOPE = 0.826
 """Steepest slope of a solitary wave's velocity over its peak to the power 1.2: what is late by a time is off by this
 times it."""
 

@@ -14,6 +14,7 @@ from analysis.mirror import mirrored, mirrored_problem
 from lammps_inputs.laws.in_time import HalfSine, Rectangular, make_table
 from lammps_inputs.loads import Load
 from workflow.engines.reference import engine
+from workflow.engines.reference.accountant import Accountant
 from workflow.engines.reference.passages import passages
 from workflow.engines.reference.verlet import VERLET
 
@@ -106,6 +107,16 @@ def test_a_very_short_push_tends_to_the_kick_in_proportion_to_its_duration():
     assert kicked.at(50).peak_velocity[0] == pytest.approx(0.68163, abs=1e-5)
     assert 0.0 < away[3] < 0.01
     assert np.all(np.diff(np.log2(away)) < -0.9)
+
+
+def test_the_work_on_frames_is_that_on_their_own_motion():
+    """A bead that leaves its chain on a spring: the same push does 2% more on a motion that is 2% larger."""
+    one = pushed(Load(1, 8, HalfSine(0.8, 2.03)), steps_per_frame=50, frames=6)
+    own = engine.run(one)
+    larger = replace(own, displacement=1.02 * own.displacement, velocity=1.02 * own.velocity, ledger=None)
+    found = Accountant(one).of(larger).ledger[:, -1]
+    assert own.ledger[-1, -1] > 0.4
+    np.testing.assert_allclose(found, 1.02 * own.ledger[:, -1], rtol=2e-4, atol=1e-15)
 
 
 def test_nothing_moves_that_the_push_has_not_reached():
