@@ -15,8 +15,8 @@ Floats = NDArray[np.float64]
 BLOCK_BYTES = 1 << 20
 LEAST_FRAMES = 8
 
-LEDGER = ("along", "across", "ground", "put_in")
-"""What dashpots of each kind of link have taken, and what forces from outside and given motions have put in."""
+LEDGER = ("along", "across", "ground", "walls", "put_in")
+"""What dashpots of each kind of link, and of walls, have taken; what forces from outside and given motions put in."""
 
 
 def frames_per_block(problem: Problem) -> int:

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from lammps_inputs import laws
 from lammps_inputs.laws import Law, dashpot
-from lammps_inputs.laws.preloaded import PreloadedWall
-from lammps_inputs.laws.wall import HertzWall
+from lammps_inputs.laws.preloaded import FreeWall, LoadedWall
+from lammps_inputs.laws.wall_dashpot import WallDashpot
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -259,10 +259,22 @@ class Ground(Link):
 class Wall(Ground):
     """The last bead of each chain, or the first, with a wall at rest that only ever pushes: it lets no bead swing."""
 
-    law: HertzWall | PreloadedWall
+    law: FreeWall | LoadedWall
 
     def mirrored(self) -> Self:
         """The wall at the other end."""
+        link = super().mirrored()
+        return replace(link, law=link.law.opposite())
+
+
+@dataclass(frozen=True, eq=False)
+class WallDamper(Ground):
+    """The dashpot of a wall."""
+
+    law: WallDashpot  # type: ignore[assignment]  # of damping, as those of all dampers
+
+    def mirrored(self) -> Self:
+        """That of the wall at the other end."""
         link = super().mirrored()
         return replace(link, law=link.law.opposite())
 

@@ -20,7 +20,8 @@ from lammps_inputs import laws
 from lammps_inputs.facts import Fact
 from lammps_inputs.laws.dashpot import ContactLoss
 from lammps_inputs.laws.linear import Linear
-from lammps_inputs.links import Across, Along, Ground, Link, Wall
+from lammps_inputs.laws.wall_dashpot import WallDashpot
+from lammps_inputs.links import Across, Along, Ground, Link, Wall, WallDamper
 from lammps_inputs.loads import Load, Motion
 from lammps_inputs.numbers import power_of_two_at_least, text
 from lammps_inputs.scheme import SchemeName
@@ -172,16 +173,24 @@ class System:
         return tuple(link for link in self.ground if not isinstance(link, Wall))
 
     @property
-    def sinks(self) -> tuple[str | None, str | None, str | None]:
-        """Names of the dashpots along, across and to the ground; None where there are none."""
-        kinds = ([link.name for link in self.dampers if isinstance(link, kind)] for kind in (Along, Across, Ground))
-        along, across, ground = (" and ".join(dict.fromkeys(names)) or None for names in kinds)
-        return along, across, ground
+    def sinks(self) -> tuple[str | None, ...]:
+        """Names of the dashpots along, across, to the ground and of walls; None where there are none."""
+
+        def names(kind: type[Link]) -> list[str]:
+            walls = kind is WallDamper
+            return [x.name for x in self.dampers if isinstance(x, kind) and isinstance(x, WallDamper) == walls]
+
+        return tuple(" and ".join(dict.fromkeys(names(kind))) or None for kind in (Along, Across, Ground, WallDamper))
 
     @property
     def contact_loss(self) -> ContactLoss | None:
         """The law of damping of the contacts; None where they lose nothing."""
         return next((cast(ContactLoss, link.law) for link in self.dampers if isinstance(link, Along)), None)
+
+    def wall_loss(self, side: float) -> WallDashpot | None:
+        """The law of damping of the walls on a side; None where they lose nothing."""
+        found = (link.law for link in self.dampers if isinstance(link, WallDamper))
+        return next((law for law in found if law.side == side), None)
 
     @property
     def centred(self) -> bool:

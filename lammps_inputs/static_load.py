@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from lammps_inputs import laws
 from lammps_inputs.laws.preloaded import Contact, rest_under, under, wall_under
-from lammps_inputs.links import Along, Link, Wall
+from lammps_inputs.links import Along, Link, Wall, WallDamper
 from lammps_inputs.numbers import power_of_two_at_least
 from lammps_inputs.problem import System
 
@@ -82,7 +82,10 @@ def _loaded(link: Link, force: NDArray[np.float64], grid: float) -> Link:
 
 
 def _damped(link: Link, system: System) -> Link:
-    """Dashpots of contacts, which know the overlap at rest."""
-    if not isinstance(link, Along):
-        return link
-    return replace(link, law=link.law._replace(rest=laws.rest(system.along[0].law)))  # type: ignore[attr-defined]
+    """Dashpots of contacts and walls, which know the overlap at rest."""
+    if isinstance(link, Along):
+        return replace(link, law=link.law._replace(rest=laws.rest(system.along[0].law)))  # type: ignore[attr-defined]
+    if isinstance(link, WallDamper):
+        rest = next(laws.rest(wall.law) for wall in system.walls if wall.law.side == link.law.side)
+        return replace(link, law=link.law._replace(rest=rest))
+    return link

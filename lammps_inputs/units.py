@@ -21,21 +21,22 @@ class Unit:
     """Of a scene's key that holds a number: stands in the key's type, ``Annotated[float, Unit("m/s")]``.
 
     Attributes:
-        si: symbol with a material, or what finds it from the keys beside that one; empty for counts and shares.
+        si: symbol with a material, or what finds it from the scene's keys, over them those beside that one; empty for
+            counts and shares.
         always: whether it is the same without a material.
     """
 
     si: str | Callable[[Mapping[str, Any]], str]
     always: bool = False
 
-    def symbol(self, beside: Mapping[str, Any], *, si: bool) -> str:
+    def symbol(self, keys: Mapping[str, Any], *, si: bool) -> str:
         """As in a table or a plot: ``m/s``, ``reduced``, or nothing.
 
         Args:
-            beside: plain data of the keys around this one.
+            keys: plain data of the scene, over them those of the keys around this one.
             si: whether the scene has a material.
         """
-        found = self.si if isinstance(self.si, str) else self.si(beside)
+        found = self.si if isinstance(self.si, str) else self.si(keys)
         return found if si or self.always or not found else REDUCED
 
 

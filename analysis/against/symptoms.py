@@ -149,6 +149,10 @@ def identify_springs(trajectory: Trajectory) -> Springs | None:
     return Springs(linear, cubic if left_by_cubic < 0.1 * left else 0.0, left)
 
 
+_TELLING = 1e-6
+"""Impulse of a kind of link, over the largest of any, from which on it is told; likewise what tells two apart."""
+
+
 @dataclass(frozen=True)
 class Strengths:
     """How strong the links of a trajectory were felt to be.
@@ -165,8 +169,9 @@ class Strengths:
 def identify_strengths(trajectory: Trajectory) -> Strengths | None:
     """Find how strong each kind of link was felt to be.
 
-    Least squares of the change of every bead's momentum between frames on the impulses of the links. None for fewer
-    than ten frames, where not all beads are recorded, and where the impulses of two kinds of link cannot be told apart.
+    Least squares of the change of every bead's momentum between frames on the impulses of the links, without those that
+    as good as nothing has reached, such as a wall. None for fewer than ten frames, where not all beads are recorded,
+    and where the impulses of two kinds of link cannot be told apart.
     """
     problem = trajectory.problem
     if problem.recorded is not None or trajectory.frames < 10:
@@ -174,15 +179,17 @@ def identify_strengths(trajectory: Trajectory) -> Strengths | None:
     change = _but_for_driven(impulses.unexplained(trajectory), problem)
     given = [(link, impulses.of_link(link, trajectory)) for link in problem.links]
     given += [(damper, impulses.of_damper(damper, trajectory)) for damper in problem.dampers]
-    columns = [
-        _but_for_driven(impulses.on_beads(link, impulse, trajectory), problem).reshape(-1) for link, impulse in given
-    ]
-    matrix, right = np.array(columns).T, change.reshape(-1)
-    factors, _, rank, _ = np.linalg.lstsq(matrix, right, rcond=1e-6)
-    if rank < len(columns):
+    columns = np.array(
+        [_but_for_driven(impulses.on_beads(link, impulse, trajectory), problem).reshape(-1) for link, impulse in given]
+    )
+    size = np.linalg.norm(columns, axis=1)
+    felt = np.flatnonzero(size > _TELLING * np.max(size))
+    matrix, right = columns[felt].T, change.reshape(-1)
+    factors, _, rank, _ = np.linalg.lstsq(matrix, right, rcond=_TELLING)
+    if rank < len(felt):
         return None
-    left, own = (float(np.sum((right - matrix @ fit) ** 2)) for fit in (factors, np.ones(len(columns))))
-    found = {link.name: float(factor) for (link, _), factor in zip(given, factors, strict=True)}
+    left, own = (float(np.sum((right - matrix @ fit) ** 2)) for fit in (factors, np.ones(len(felt))))
+    found = {given[place][0].name: float(factor) for place, factor in zip(felt, factors, strict=True)}
     return Strengths(found, left / own if own > 0.0 else 0.0)
 
 

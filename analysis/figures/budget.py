@@ -11,7 +11,7 @@ from lammps_inputs import Problem
 _HELD = {"kinetic": "#0072B2", "contacts": "#56B4E9", "springs": "#009E73", "ground": "#F0E442"}
 """Okabe and Ito's palette, as for what is lost; a hatch tells that from what is still there."""
 
-_LOST = ("#D55E00", "#E69F00", "#CC79A7")
+_LOST = ("#D55E00", "#E69F00", "#CC79A7", "#999999")
 
 _NOTICED = 1e-3
 """Share of all energy that a layer must once have to be drawn."""
@@ -22,7 +22,7 @@ def budget_figure(problem: Problem, account: Account) -> Figure:
     most = account.most
     time, energy = axis_unit(problem, "time", float(account.time[-1])), axis_unit(problem, "energy", most)
     layers = [(name, account.held[name], colour, "") for name, colour in _HELD.items()]
-    lost = zip(account.losses.items(), _LOST, strict=False)
+    lost = zip(account.losses.items(), _LOST, strict=False)  # there are four at most
     layers += [(name, part, colour, "////") for (name, part), colour in lost]
     with mpl.rc_context({**STYLE, "hatch.linewidth": 0.6}):
         figure = Figure(figsize=(7.0, 4.2), layout="constrained")

@@ -96,9 +96,16 @@ def _at_wall(problem: Problem, link: Wall) -> Probe:
         displacement = strain if right else -strain
         return np.asarray(np.maximum(link.law.side * laws.force(law, displacement) + laws.load(law), 0.0))
 
+    damper = problem.wall_loss(link.law.side)
+
+    def loss(strain: Floats, rate: Floats, chain: Integers) -> Floats:
+        law = laws.at(damper, chain, place)  # type: ignore[arg-type]
+        return np.asarray(link.law.side * dashpot.damping(law, link.law.side * strain, link.law.side * rate))
+
     chain = np.arange(problem.chains)
     static = np.broadcast_to(laws.load(laws.at(link.law, chain, place)), problem.chains)
-    return Probe(problem.beads, 0, force, static) if right else Probe(0, 1, force, static)
+    behind, ahead = (problem.beads, 0) if right else (0, 1)
+    return Probe(behind, ahead, force, static, None if damper is None else loss)
 
 
 def _between(problem: Problem, bead: int) -> Probe:

@@ -26,7 +26,7 @@ from lammps_inputs.decks import at_rest
 from lammps_inputs.laws import dashpot
 from lammps_inputs.limits import rates
 from lammps_inputs.lines import AtomTypes, Lines
-from lammps_inputs.links import Across, Along, words
+from lammps_inputs.links import Across, Along, WallDamper, words
 from lammps_inputs.numbers import text
 from lammps_inputs.problem import Problem
 from lammps_inputs.scene import Scene
@@ -117,7 +117,7 @@ def spelling(problem: Problem) -> list[Lines]:
 @functools.lru_cache(maxsize=1)  # types of atoms that tell contacts apart take a second of many beads
 def _of_links(problem: Problem) -> tuple[Lines, ...]:
     found = []
-    for link in (*problem.links, *(link for link in problem.dampers if not isinstance(link, Along))):
+    for link in (*problem.links, *(link for link in problem.dampers if not isinstance(link, Along | WallDamper))):
         kind = "along" if isinstance(link, Along) else "across" if isinstance(link, Across) else "ground"
         spell = getattr(link.law, kind, None)
         if spell is None:

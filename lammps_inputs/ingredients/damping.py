@@ -10,6 +10,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field
 
 from lammps_inputs.facts import Fact
@@ -17,7 +18,8 @@ from lammps_inputs.ingredients.base import Ingredient
 from lammps_inputs.ingredients.contact import HERTZ
 from lammps_inputs.laws import Parameter
 from lammps_inputs.laws.dashpot import NO_FLOOR, ContactDashpot, ContactLoss, Dashpot, Restitution, Viscoelastic, alpha
-from lammps_inputs.links import Across, Along, Ground, Link
+from lammps_inputs.laws.wall_dashpot import WallDashpot
+from lammps_inputs.links import Across, Along, Ground, Link, Wall, WallDamper
 from lammps_inputs.units import Unit
 
 if TYPE_CHECKING:
@@ -91,9 +93,13 @@ class Damping(Ingredient):
             )
         if self.coupling and not any(isinstance(link, Across) for link in _springs(scene)):
             raise ValueError("damping.coupling: there is no coupling between chains that it could damp")
-        largest = max((float(np.max(link.law.coefficient)) for link in self.dampers(scene)), default=0.0)  # type: ignore[attr-defined]
-        if largest > MOST:
-            raise ValueError(f"damping: {largest:.3g} in dimensionless units; at most {MOST:g}, where beads stick")
+        for link in self.dampers(scene):
+            largest = float(np.max(link.law.coefficient))  # type: ignore[attr-defined]
+            if largest > MOST:
+                where = f" at the {link.name.split('_')[0]} wall" if isinstance(link, WallDamper) else ""
+                raise ValueError(
+                    f"damping: {largest:.3g} in dimensionless units{where}; at most {MOST:g}, where beads stick"
+                )
 
     def refuse_system(self, scene: "BaseScene", system: "System") -> None:  # noqa: ARG002
         """Refuse contacts and masses with which LAMMPS's dashpots are others."""
@@ -122,6 +128,7 @@ class Damping(Ingredient):
         loss = self._loss(scene)
         if loss is not None:
             found.append(Along("contact_damping", loss, gap=scene.gap / scene.scale.length))  # type: ignore[arg-type]
+            found += [WallDamper(f"{wall.name}_damping", self._at_wall(wall, scene)) for wall in _walls(scene)]
         unit = scene.scale.force / scene.scale.velocity
         if self.coupling:
             law = Dashpot(self.coupling / unit)
@@ -160,6 +167,32 @@ class Damping(Ingredient):
         if self.law == "viscoelastic":
             return Viscoelastic(self.contact / unit * scale.length**0.5, floor)
         return ContactDashpot(self.contact / unit, floor)
+
+    def _at_wall(self, wall: Wall, scene: "BaseScene") -> WallDashpot:
+        """That of the contacts, of one bead: as much of the speed is lost, or as much of the force is the dashpot's.
+
+        The dashpot of a viscoelastic contact is in proportion to its stiffness (Brilliantov et al. 1996).
+        """
+        from lammps_inputs.ingredients.unequal import masses_and_strengths
+
+        assert self.contact is not None
+        mass, _ = masses_and_strengths(scene)
+        strength: NDArray[np.float64] = np.asarray(wall.law.strength)
+        exponent, unit = scene.contact_scale[0], scene.scale.force / scene.scale.velocity
+        of: dict[float, Parameter] = {1.0: 0.0, HERTZ: 0.0, 2.0: 0.0}  # as in `RESTITUTIONS`
+        if self.law == "restitution":
+            critical: NDArray[np.float64] = np.sqrt(mass * strength)
+            of[exponent] = alpha(self.contact, exponent) * critical
+        elif self.law == "viscoelastic":
+            of[2.0] = float(self.contact / unit * scene.scale.length**0.5) * strength
+        else:
+            of[1.0] = np.where(strength > 0.0, float(self.contact / unit), 0.0)
+        floor = strength if self.tension == "cut" else NO_FLOOR
+        return WallDashpot(of[1.0], of[2.0], of[HERTZ], floor, wall.law.side, -scene.gap / scene.scale.length)
+
+
+def _walls(scene: "BaseScene") -> tuple[Wall, ...]:
+    return () if scene.walls is None else scene.walls.links(scene)  # type: ignore[attr-defined]
 
 
 def _springs(scene: "BaseScene") -> tuple[Across, ...]:

@@ -2,19 +2,24 @@
 
 How hard a wall is, over a contact of two of the beads (Hertz 1882; Johnson, Contact Mechanics, 1985, 4.2): 1 for a
 bead like the others, held fast; sqrt(2) for the flat face of a block of their material, whose curvature is half as
-large; 2 sqrt(2) if that is also rigid. Where beads differ, all of this is about the bead that meets the wall.
+large; 2 sqrt(2) if that is also rigid. Where beads differ, all of this is about the bead that meets the wall. Of
+contacts of other exponents only the held bead is known.
 """
 
 import math
+from collections.abc import Mapping
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Ingredient, Part, Positive
+from lammps_inputs.ingredients.contact import HERTZ
 from lammps_inputs.ingredients.unequal import with_its_like
+from lammps_inputs.laws.power_wall import PowerWall
+from lammps_inputs.laws.preloaded import FreeWall
 from lammps_inputs.laws.wall import HertzWall
 from lammps_inputs.lines import MOST_GROUPS
 from lammps_inputs.links import Wall
@@ -30,11 +35,16 @@ MOST, LEAST = 1e6, 1e-6
 """Force over that of two beads; beyond them a wall as good as stops beads dead, or is not there."""
 
 
+def _of_exponent(scene: Mapping[str, Any]) -> str:
+    """Unit of force over ``overlap**p``."""
+    return "N/m^1.5" if scene.get("contact") is None else "N/m^p"
+
+
 class Face(Part):
     """A wall of any strength."""
 
-    stiffness: Annotated[Positive, Unit("N/m^1.5")]
-    """Force over ``overlap**1.5``."""
+    stiffness: Annotated[Positive, Unit(_of_exponent)]
+    """Force over ``overlap**p``, p being the exponent of the contacts: 1.5, or that in ``contact``."""
 
 
 Kind = Literal["bead", "flat", "rigid"] | Face
@@ -61,6 +71,11 @@ class Walls(Ingredient):
                 raise ValueError(
                     f"walls.{key}.stiffness: {strength:.3g} times that of two beads; from {LEAST:g} to {MOST:g} times"
                 )
+            if kind in ("flat", "rigid") and (exponent := scene.contact_scale[0]) != HERTZ:
+                raise ValueError(
+                    f"walls.{key}: how hard a {kind} wall is is known for spheres, of exponent {HERTZ:g}, not "
+                    f"{exponent:g}; take bead or {{stiffness: ...}}"
+                )
 
     def links(self, scene: "BaseScene") -> tuple[Wall, ...]:
         """One for each wall."""
@@ -75,8 +90,14 @@ class Walls(Ingredient):
                         f"walls.{key}: beads of more than {MOST_GROUPS} kinds meet it, for which LAMMPS has no room; "
                         "say {stiffness: ...}"
                     )
-                found.append(Wall(f"{key}_wall", HertzWall(strength, side, scene.gap / scene.scale.length)))
+                found.append(Wall(f"{key}_wall", _law(strength, side, scene)))
         return tuple(found)
+
+
+def _law(strength: NDArray[np.float64], side: float, scene: "BaseScene") -> FreeWall:
+    """Hertz's where the contacts' is that."""
+    exponent, gap = scene.contact_scale[0], scene.gap / scene.scale.length
+    return HertzWall(strength, side, gap) if exponent == HERTZ else PowerWall(strength, exponent, side, gap)
 
 
 def _bead(kind: Kind, scene: "BaseScene", bead: int) -> float | NDArray[np.float64]:
@@ -87,5 +108,5 @@ def _bead(kind: Kind, scene: "BaseScene", bead: int) -> float | NDArray[np.float
 def _strength(kind: Kind, scene: "BaseScene") -> float:
     """Dimensionless."""
     if isinstance(kind, Face):
-        return kind.stiffness / float(scene.scale.force / scene.scale.length**1.5)
+        return kind.stiffness / float(scene.scale.force / scene.scale.length ** scene.contact_scale[0])
     return STRENGTHS[kind]

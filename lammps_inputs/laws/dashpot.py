@@ -227,7 +227,7 @@ def resistance(law: Any, strain: Any) -> Any:
 
 def cut(law: Any) -> bool:
     """Whether a law of damping cuts tension, so that its force does not follow from the strain and its rate alone."""
-    return isinstance(law, ContactDashpot | Viscoelastic) and bool(np.min(law.floor) < NO_FLOOR)
+    return bool(np.min(getattr(law, "floor", NO_FLOOR)) < NO_FLOOR)
 
 
 def at_reach(law: Any, elastic: laws.Law, energy: float) -> Any:

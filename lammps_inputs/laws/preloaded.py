@@ -12,6 +12,7 @@ import numpy as np
 from lammps_inputs.laws import Parameter
 from lammps_inputs.laws.hertz import Hertz
 from lammps_inputs.laws.power import Power
+from lammps_inputs.laws.power_wall import PowerWall
 from lammps_inputs.laws.wall import HertzWall, wall_lines
 from lammps_inputs.lines import Lines
 
@@ -139,6 +140,11 @@ class PreloadedWall(NamedTuple):
     load: Parameter
     """F0."""
 
+    @property
+    def exponent(self) -> float:
+        """Of the overlap, in the force."""
+        return 1.5
+
     @staticmethod
     def force(s: Any, strength: Any, side: Any, rest: Any, load: Any) -> Any:
         """Repulsion by the wall above that at rest."""
@@ -173,15 +179,69 @@ class PreloadedWall(NamedTuple):
         return wall_lines(name, self, problem)
 
 
+class PreloadedPowerWall(NamedTuple):
+    """The same as `PreloadedPower` of a bead and a wall."""
+
+    strength: Parameter
+    """A; 0 for beads that have no wall."""
+    exponent: float
+    """p."""
+    side: float
+    """1 for a wall towards higher bead numbers, -1 towards lower ones."""
+    rest: Parameter
+    """d0, the overlap at rest, never quite 0."""
+    load: Parameter
+    """F0."""
+
+    @staticmethod
+    def force(s: Any, strength: Any, exponent: Any, side: Any, rest: Any, load: Any) -> Any:  # noqa: ARG004
+        """Repulsion by the wall above that at rest."""
+        closer = side * s / np.maximum(rest, _LEAST)
+        return side * load * np.expm1(exponent * np.log1p(np.maximum(closer, _OPEN)))
+
+    @staticmethod
+    def energy(s: Any, strength: Any, exponent: Any, side: Any, rest: Any, load: Any) -> Any:
+        """As of `PreloadedPower`."""
+        return PreloadedPower.energy(side * s, strength, exponent, rest, load)
+
+    @staticmethod
+    def stiffness(s: Any, strength: Any, exponent: Any, side: Any, rest: Any, load: Any) -> Any:
+        """As of `PreloadedPower`."""
+        return PreloadedPower.stiffness(side * s, strength, exponent, rest, load)
+
+    @staticmethod
+    def reach(energy: Any, strength: Any, exponent: Any, side: Any, rest: Any, load: Any) -> Any:
+        """Displacement at which one contact holds the whole energy; 0 where there is none."""
+        return side * PreloadedPower.reach(energy, strength, exponent, rest, load)
+
+    def overlap(self, energy: float) -> Any:
+        """The overlap, that at rest included, at which one contact holds the whole energy."""
+        return self.rest + np.abs(self.reach(energy, *self))
+
+    def opposite(self) -> "PreloadedPowerWall":
+        """The same on the other side."""
+        return self._replace(side=-self.side)
+
+    def ground(self, name: str, problem: "System") -> Lines:
+        """A wall that is nearer by the overlap at rest."""
+        return wall_lines(name, self, problem)
+
+
 Contact = Hertz | Power
 """Laws of contacts of which it is known how they bear a load."""
 
+FreeWall = HertzWall | PowerWall
+"""Laws of walls that bear none."""
 
-def rest_under(law: Contact | HertzWall, load: Parameter) -> Parameter:
+LoadedWall = PreloadedWall | PreloadedPowerWall
+"""Those that do."""
+
+
+def rest_under(law: Contact | FreeWall, load: Parameter) -> Parameter:
     """Overlap at which a contact has a force; 0 where there is no contact."""
     there = np.asarray(law.strength) > 0.0
     bare = np.where(there, np.asarray(load) / np.where(there, law.strength, 1.0), 0.0)
-    rest = bare ** (1.0 / law.exponent) if isinstance(law, Power) else np.cbrt(bare) ** 2
+    rest = bare ** (1.0 / law.exponent) if isinstance(law, Power | PowerWall) else np.cbrt(bare) ** 2
     return rest if np.ndim(rest) else float(rest)
 
 
@@ -195,13 +255,15 @@ def under(law: Contact, load: Parameter, grid: float) -> Preloaded | PreloadedPo
     """
     rest = _rounded(rest_under(law, load), grid)
     if isinstance(law, Power):
-        return _power_at(law.strength, law.exponent, rest)
+        return PreloadedPower(law.strength, law.exponent, *_power_at(law, rest))
     return Preloaded(law.strength, rest, _held(law.strength, rest))
 
 
-def wall_under(law: HertzWall, load: Parameter, grid: float) -> PreloadedWall:
+def wall_under(law: FreeWall, load: Parameter, grid: float) -> LoadedWall:
     """The same of a wall."""
     rest = _rounded(rest_under(law, load), grid)
+    if isinstance(law, PowerWall):
+        return PreloadedPowerWall(law.strength, law.exponent, law.side, *_power_at(law, rest))
     return PreloadedWall(law.strength, law.side, rest, _held(law.strength, rest))
 
 
@@ -212,9 +274,10 @@ def pressed(law: Any, factor: float) -> Any:
     return law._replace(rest=rest, load=law.strength * rest**exponent)
 
 
-def _power_at(strength: Parameter, exponent: float, rest: Parameter) -> PreloadedPower:
+def _power_at(law: Power | PreloadedPower | PowerWall, rest: Parameter) -> tuple[Parameter, Parameter]:
+    """Overlap at rest, never quite 0, and the force there."""
     rest = np.maximum(rest, _LEAST) if np.ndim(rest) else max(float(rest), _LEAST)
-    return PreloadedPower(strength, exponent, rest, strength * rest**exponent)
+    return rest, law.strength * rest**law.exponent
 
 
 def _rounded(rest: Parameter, grid: float) -> Parameter:

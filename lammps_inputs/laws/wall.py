@@ -22,6 +22,11 @@ class HertzWall(NamedTuple):
     gap: float
     """Clear distance at rest."""
 
+    @property
+    def exponent(self) -> float:
+        """Of the overlap, in the force."""
+        return 1.5
+
     @staticmethod
     def force(s: Any, strength: Any, side: Any, gap: Any) -> Any:
         """Repulsion by the wall; none where the bead is off it."""
@@ -62,39 +67,64 @@ def faces(law: Any, problem: "System") -> list[tuple[float, float]]:
     """Strength of the wall of every chain, and where it stands in LAMMPS."""
     radius, right = problem.diameter / 2.0, law.side > 0.0
     end = -1 if right else 0
-    away = law.gap if isinstance(law, HertzWall) else -np.broadcast_to(law.rest, law.strength.shape)[:, end]
+    away = law.gap if hasattr(law, "gap") else -np.broadcast_to(law.rest, law.strength.shape)[:, end]
     place = problem.places[:, end]
     face = place + radius + away if right else place - radius - away
     return list(zip(np.max(law.strength, axis=1).tolist(), face.tolist(), strict=True))
 
 
 def wall_lines(name: str, law: Any, problem: "System") -> Lines:
-    """LAMMPS's force of a flat wall is ``K * sqrt(radius) * overlap**1.5``.
+    """Walls of the ends of the chains, with their dashpots.
 
-    Only the beads that can reach it are asked, for the others cost as much. All have one radius in LAMMPS, so chains
+    Only the beads that can reach them are asked, for the others cost as much. All have one radius in LAMMPS, so chains
     whose walls are not equally hard, or equally far along, have walls of their own.
     """
-    right = law.side > 0.0
-    root, end = text(float(np.sqrt(problem.diameter / 2.0))), problem.beads if right else 1
-    walls = faces(law, problem)
-
-    def no_loss(face: float) -> str:
-        faces = f"NULL {text(face)}" if right else f"{text(face)} NULL"
-        return f"0 tangential linear_nohistory 0 0 damping velocity xplane {faces}"
-
+    loss = problem.wall_loss(law.side)
+    lost, model = ([0.0] * problem.chains, "damping velocity") if loss is None else loss.granular(problem)
+    push = _of_spheres if law.exponent == 1.5 else _by_formula
+    end = problem.beads if law.side > 0.0 else 1
+    walls = [(*face, g) for face, g in zip(faces(law, problem), lost, strict=True)]
     if len(set(walls)) == 1:
-        hard, face = walls[0]
+        hard, face, g = walls[0]
+        strength = f"variable {name} index {text(hard)}   # force over overlap^{text(law.exponent)}"
+        dashpot = f"variable {name}_damping index {text(g)}   # {model}"
+        coefficient = "0" if loss is None else f"${{{name}_damping}}"
         return Lines(
-            variables=(f"variable {name} index {text(hard)}   # force over overlap^1.5",),
+            variables=(strength,) if loss is None else (strength, dashpot),
             motion=(
                 f"group {name} id {end}:{problem.chains * problem.beads}:{problem.beads}",
-                f"fix {name} {name} wall/gran granular hertz $(v_{name}/{root}:%.17g) {no_loss(face)}",
+                *push(name, f"v_{name}", face, coefficient, model, law, problem),
             ),
         )
     lines = []
-    for number, (hard, face) in enumerate(sorted(set(walls)), 1):
-        own = f"{name}{number}"
-        atoms = " ".join(str(chain * problem.beads + end) for chain, wall in enumerate(walls) if wall == (hard, face))
-        stiffness = f"$({text(hard)}/{root}:%.17g)"
-        lines += [f"group {own} id {atoms}", f"fix {own} {own} wall/gran granular hertz {stiffness} {no_loss(face)}"]
+    for number, wall in enumerate(sorted(set(walls)), 1):
+        own, (hard, face, g) = f"{name}{number}", wall
+        atoms = " ".join(str(chain * problem.beads + end) for chain, other in enumerate(walls) if other == wall)
+        coefficient = "0" if loss is None else text(g)
+        lines += [f"group {own} id {atoms}", *push(own, text(hard), face, coefficient, model, law, problem)]
     return Lines(motion=tuple(lines))
+
+
+def _of_spheres(name: str, hard: str, face: float, g: str, model: str, law: Any, problem: "System") -> tuple[str, ...]:
+    """LAMMPS's force of a flat wall is ``K * sqrt(radius) * overlap**1.5``."""
+    root = text(float(np.sqrt(problem.diameter / 2.0)))
+    return (f"fix {name} {name} {_granular(f'hertz $({hard}/{root}:%.17g)', g, model, face, law)}",)
+
+
+def _by_formula(name: str, hard: str, face: float, g: str, model: str, law: Any, problem: "System") -> tuple[str, ...]:
+    """A force from outside on the beads of a group: LAMMPS's walls of any potential take ten times as long.
+
+    A dashpot is that of a sphere of no stiffness.
+    """
+    touched = text(face - law.side * problem.diameter / 2.0)
+    sign, overlap = ("-", f"(x-{touched})*(x>{touched})") if law.side > 0.0 else ("", f"({touched}-x)*(x<{touched})")
+    push = (
+        f"variable {name}_push atom {sign}{hard}*({overlap})^{text(law.exponent)}",
+        f"fix {name} {name} addforce v_{name}_push 0.0 0.0",
+    )
+    return push if g == "0" else (*push, f"fix {name}_damping {name} {_granular('hertz 0', g, model, face, law)}")
+
+
+def _granular(normal: str, g: str, model: str, face: float, law: Any) -> str:
+    faces = f"NULL {text(face)}" if law.side > 0.0 else f"{text(face)} NULL"
+    return f"wall/gran granular {normal} {g} tangential linear_nohistory 0 0 {model} xplane {faces}"

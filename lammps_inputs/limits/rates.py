@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from lammps_inputs import laws
 from lammps_inputs.laws import dashpot
 from lammps_inputs.laws.in_time import Sine
-from lammps_inputs.links import Across, Along, largest_eigenvalue
+from lammps_inputs.links import Across, Along, WallDamper, largest_eigenvalue
 from lammps_inputs.problem import System
 
 
@@ -60,6 +60,9 @@ def drag(system: System) -> float:
         if isinstance(link, Along):
             reached = dashpot.at_reach(link.law, system.along[0].law, system.energy)
             contacts = contacts + _on_beads(system, reached)
+        elif isinstance(link, WallDamper):
+            (wall,) = (wall.law for wall in system.walls if wall.law.side == link.law.side)
+            contacts = contacts + dashpot.at_reach(link.law, wall, system.energy)
         else:
             graph = largest_eigenvalue(link, system.chains) if isinstance(link, Across) else 1.0
             others += graph * float(np.max(dashpot.resistance(link.law, 0.0)))

@@ -23,8 +23,8 @@ PLAIN = {
 }
 
 
-LOST = np.array([0.0, 0.2, 0.3, 0.7])
-"""In contacts, springs and drag until t = 1, and what was put in."""
+LOST = np.array([0.0, 0.2, 0.3, 0.0, 0.7])
+"""In contacts, springs, drag and walls until t = 1, and what was put in."""
 
 
 def account_of(problem, motion, cuts=()):

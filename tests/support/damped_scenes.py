@@ -2,9 +2,9 @@
 
 As a script, from the root of the repository: ``python tests/support/damped_scenes.py COUNT [SEED]``, half a second of
 one core a scene, and minutes for the first ones where their laws are not compiled yet. Every law of damping, tension
-cut or not; beads and springs too; pushes and drives; gaps, kicks both ways, frames up to 2 T apart. A budget of the
-reference that misses more than 1e-9 of what was put in, or one of LAMMPS that misses more than the error which the run
-states amounts to, is printed: exit code 1.
+cut or not; beads, springs and walls too; pushes and drives; gaps, kicks both ways, frames up to 2 T apart. A budget of
+the reference that misses more than 1e-9 of what was put in, or one of LAMMPS that misses more than the error which the
+run states amounts to, is printed: exit code 1.
 """
 
 import math
@@ -42,8 +42,14 @@ KINDS: dict[str, dict[str, Any]] = {
     "all, pushed": {"contact": 1.0, "beads": 1.0, "coupling": 1.0},
     "all, cut, moved": {"contact": 1.0, "tension": "cut", "beads": 1.0, "coupling": 1.0},
     "linear, driven": {"contact": 1.0},
+    "linear, walls": {"contact": 1.0},
+    "viscoelastic, walls": {"contact": 1.0, "law": "viscoelastic"},
+    "restitution, walls": {"contact": 1.0, "law": "restitution"},
 }
 """Which coefficients a kind has."""
+
+
+FACES = ("bead", "flat", "rigid")
 
 
 def draw(chance: random.Random, kind: str, number: int) -> Scene:
@@ -72,6 +78,8 @@ def draw(chance: random.Random, kind: str, number: int) -> Scene:
         hit = {(chance.randint(1, chains), chance.randint(1, beads)) for _ in range(chance.randint(1, 3))}
         speeds = [1.0, *(chance.choice([-1.0, 1.0]) * chance.uniform(0.1, 1.0) for _ in hit)]
         plain["kick"] = [{"chain": c, "bead": b, "velocity": v} for (c, b), v in zip(sorted(hit), speeds, strict=False)]
+    if kind.endswith("walls"):
+        plain["walls"] = {"left": chance.choice(FACES), "right": {"stiffness": 10.0 ** chance.uniform(-1.0, 1.5)}}
     plain["gap"] = chance.choice([0.0, 0.0, chance.uniform(0.1, 2.0)])
     plain["output"] = {"every": chance.choice([0.05, 0.1, 0.5, 1.0, 2.0])}
     plain["duration"] = chance.uniform(8.0, 20.0)

@@ -24,6 +24,7 @@ def integrated(
     static: Any = 0.0,
     exponent: float = 1.5,
     loss: Callable[[Floats], Any] | None = None,
+    wall_loss: Callable[[Floats], Any] | None = None,
     tension: bool = True,
     drag: float = 0.0,
     drag_across: float = 0.0,
@@ -42,13 +43,14 @@ def integrated(
         static: forces at rest, [chain, bead + 1] from before the first bead to behind the last, or one number; what
             contacts and walls do not balance of them acts on the beads from outside.
         loss: force of a contact's dashpot over the rate of overlap, from the overlap.
+        wall_loss: the same of walls, from their overlap, [chain].
         tension: whether a contact may pull.
         drag: force on a bead over its velocity.
         drag_across: force between beads of a row in neighbouring chains over their relative velocity.
         max_step: of the integrator, which may not see jumps of the force in longer ones.
-        walls: force over overlap**1.5 of the walls on the left and on the right, a gap away, [chain] or one number.
+        walls: force over overlap**exponent of those on the left and on the right, a gap away, [chain] or one number.
         push: chain and bead, from 1, peak and duration of a half-sine of force.
-        exponent: of the overlap in the contacts' force.
+        exponent: of the overlap in the force of contacts and walls.
         rtol: of the integrator.
         pushed, moved: (chain, bead) from 0 -> force from outside, or acceleration whatever the forces, over time.
     """
@@ -59,13 +61,20 @@ def integrated(
     rest = (load[:, 1:-1] / strength) ** (1.0 / exponent)
     there = [np.asarray(wall) > 0.0 for wall in walls]
     left, right = (
-        np.where(on, load[:, end] / np.where(on, wall, 1.0), 0.0) ** (2.0 / 3.0)
+        np.where(on, load[:, end] / np.where(on, wall, 1.0), 0.0) ** (1.0 / exponent)
         for wall, on, end in zip(walls, there, (0, -1), strict=True)
     )
     outside = np.diff(np.pad(load[:, 1:-1], ((0, 0), (1, 1))))
     outside[:, 0] -= load[:, 0] * there[0]
     outside[:, -1] += load[:, -1] * there[1]
     grounded, walled = np.any(ground) or np.any(ground_cubic), any(np.any(on) for on in there)
+
+    def at_wall(strength: Any, overlap: Floats, closing: Floats) -> Floats:
+        closed = np.maximum(overlap, 0.0)
+        push = strength * closed**exponent
+        if wall_loss is not None:
+            push = push + np.where((closed > 0.0) & (np.asarray(strength) > 0.0), wall_loss(closed) * closing, 0.0)
+        return np.asarray(push if tension else np.maximum(push, 0.0))
 
     def rate(time: float, state: Floats) -> Floats:  # what is not there is left out: it would take most of the time
         x, v = state[:size].reshape(shape), state[size:].reshape(shape)
@@ -79,8 +88,8 @@ def integrated(
         if grounded:
             force -= ground * x + ground_cubic * x**3
         if walled:
-            force[:, 0] += walls[0] * np.maximum(left - x[:, 0] - problem.gap, 0.0) ** 1.5
-            force[:, -1] -= walls[1] * np.maximum(right + x[:, -1] - problem.gap, 0.0) ** 1.5
+            force[:, 0] += at_wall(walls[0], left - x[:, 0] - problem.gap, -v[:, 0])
+            force[:, -1] -= at_wall(walls[1], right + x[:, -1] - problem.gap, v[:, -1])
         force[:, 1:] += contact
         force[:, :-1] -= contact
         if problem.chains > 1:

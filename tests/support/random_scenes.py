@@ -168,8 +168,9 @@ def _draw_lossy(chance: random.Random, number: int | str) -> Scene:
         more["coupling"] = {"stiffness": 10.0 ** chance.uniform(-3.0, 0.3)}
     if chance.random() < 0.3:
         more["foundation"] = {"stiffness": 10.0 ** chance.uniform(-2.0, 0.0)}
-    if exponent == 1.5 and chance.random() < 0.4:
-        more["walls"] = {"left": chance.choice(["bead", None]), "right": chance.choice(["flat", "rigid"])}
+    if chance.random() < 0.4:
+        faces = ["flat", "rigid"] if exponent == 1.5 else ["bead"]
+        more["walls"] = {"left": chance.choice(["bead", None]), "right": chance.choice(faces)}
     if chance.random() < 0.3:  # beads that differ in mass alone, as contacts of any exponent allow
         more["kinds"] = {name: {"mass": chance.uniform(0.3, 3.0), "radius": 1.0} for name in "ab"}
         more["pattern"] = ["a", "b"]

@@ -29,6 +29,7 @@ class Nature:
         walls: force over that of two beads, left and right.
         load: force at rest, from before the first bead to behind the last, [bead + 1].
         loss: force of a contact's dashpot over the rate of overlap: a coefficient, and the exponent of the overlap.
+        wall_loss: the coefficients of those of the walls.
         drag, drag_across: force over the velocity of a bead, and over that of two in neighbouring chains.
         pushes: (chain, bead, peak, duration, whether a half-sine), counted from 0.
         shaken: (chain, bead, amplitude, angular frequency, phase) of forces, counted from 0.
@@ -44,6 +45,7 @@ class Nature:
     strength: Any
     load: Any
     loss: tuple[Any, float]
+    wall_loss: tuple[float, float]
     drag: float
     drag_across: float
     pushes: list[tuple[int, int, float, float, bool]]
@@ -55,10 +57,10 @@ class Nature:
         p, rest = self.exponent, (self.load[1:-1] / self.strength) ** (1.0 / self.exponent)
         outside = np.diff(np.pad(self.load[1:-1], 1))
         held = []
-        for bead, side, wall in ((0, -1.0, self.walls[0]), (-1, 1.0, self.walls[1])):
+        for bead, side, wall, lost in zip((0, -1), (-1.0, 1.0), self.walls, self.wall_loss, strict=True):
             if wall:
                 outside[bead] += side * self.load[bead]
-                held.append((bead, side, wall, (self.load[bead] / wall) ** (1.0 / p)))
+                held.append((bead, side, wall, lost, (self.load[bead] / wall) ** (1.0 / p)))
         coefficient, power = self.loss
         grounded, lossy = any(np.any(part) for part in self.ground), np.any(coefficient)
 
@@ -78,8 +80,11 @@ class Nature:
                 force[other] -= pull
             if grounded:
                 force -= self.ground[0] * x + self.ground[1] * x**3
-            for bead, side, wall, overlap in held:
-                force[:, bead] -= side * wall * np.maximum(overlap + side * x[:, bead] - self.gap, 0.0) ** p
+            for bead, side, wall, lost, overlap in held:
+                closed = np.maximum(overlap + side * x[:, bead] - self.gap, 0.0)
+                force[:, bead] -= side * wall * closed**p
+                if lost:
+                    force[:, bead] -= np.where(closed > 0.0, lost * closed**power * v[:, bead], 0.0)
             for chain, bead, peak, lasts, sine in self.pushes:
                 if time < lasts:
                     force[chain, bead] += peak * (math.sin(math.pi * time / lasts) if sine else 1.0)
@@ -138,15 +143,19 @@ def nature(scene: Scene) -> Nature:
         load += scene.precompression.force / unit.force
     if scene.gravity is not None:
         load[1:] += np.cumsum(mass) * scene.gravity.acceleration * unit.time**2 / unit.length
-    dashpot, loss = unit.force / unit.velocity, (0.0, 0.0)
+    dashpot, loss, wall_loss = unit.force / unit.velocity, (0.0, 0.0), (0.0, 0.0)
     damping = scene.damping
     if damping is not None and damping.contact:
         loss = (damping.contact / dashpot, 0.0)
+        wall_loss = (loss[0], loss[0])
         if damping.law == "viscoelastic":
             loss = (damping.contact / dashpot * unit.length**0.5, 0.5)
+            wall_loss = (loss[0] * walls[0], loss[0] * walls[1])
         elif damping.law == "restitution":  # Antypov & Elliott 2011
             log, reduced = math.log(damping.contact), mass[1:] * mass[:-1] / (mass[1:] + mass[:-1])
-            loss = (-log * math.sqrt(5.0) / math.hypot(log, math.pi) * np.sqrt(reduced * between), 0.25)
+            alpha = -log * math.sqrt(5.0) / math.hypot(log, math.pi)
+            loss = (alpha * np.sqrt(reduced * between), 0.25)
+            wall_loss = (alpha * math.sqrt(mass[0] * walls[0]), alpha * math.sqrt(mass[-1] * walls[1]))
     drives = [
         (one, one.chain - 1, one.bead - 1, 2.0 * math.pi * one.frequency * unit.time, math.radians(one.phase))
         for one in scene.drive or ()
@@ -161,6 +170,7 @@ def nature(scene: Scene) -> Nature:
         strength=between,
         load=load,
         loss=loss,
+        wall_loss=wall_loss,
         drag=(damping.beads or 0.0) / dashpot if damping is not None else 0.0,
         drag_across=(damping.coupling or 0.0) / dashpot if damping is not None else 0.0,
         pushes=[

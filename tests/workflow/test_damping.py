@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from independent import integrated
 from plain_scene import goes_on_bit_for_bit
+from stock_lammps import DEBIAN, scene
 from stock_lammps import run as stock_run
-from stock_lammps import scene
 
 from analysis.budget import Account
 from analysis.conservation import Conservation
@@ -21,7 +21,7 @@ from lammps_inputs import Coupling, InputError, Kick, Scene, laws
 from lammps_inputs.ingredients.contact import Contact
 from lammps_inputs.ingredients.damping import Damping
 from lammps_inputs.ingredients.preload import Gravity, Precompression
-from lammps_inputs.ingredients.walls import Walls
+from lammps_inputs.ingredients.walls import Face, Walls
 from lammps_inputs.laws.dashpot import alpha
 from lammps_inputs.limits import rates
 from lammps_inputs.output.forces import Forces
@@ -374,6 +374,123 @@ def test_damped_contacts_of_another_exponent_go_on_bit_for_bit(tmp_path: Path) -
 def test_damped_chains_under_load_rest_exactly(tmp_path: Path) -> None:
     still = damped(chains=2, precompression=PRESSED, kick=(Kick(chain=2, velocity=1e-3),), duration=2.0)
     found = stock_run(still, tmp_path / "run", ranks=2)
+    assert not np.any(found.displacement[:, 0])
+    assert np.any(found.velocity[-1, 1])
+
+
+# --- walls ------------------------------------------------------------------------------------------------------------
+
+WALL = {"walls": Walls(right=Face(stiffness=5.0)), "beads": 6, "duration": 10.0}
+
+AT_WALLS: dict[str, tuple[dict[str, Any], dict[str, Any], dict[str, Any]]] = {
+    "cut, pressed": (
+        {**WALL, "precompression": PRESSED},
+        {"contact": 0.1, "tension": "cut"},
+        {"loss": lambda _: 0.1, "wall_loss": lambda _: 0.1, "tension": False, "static": 0.3},
+    ),
+    "restitution, gap": (
+        {**WALL, "gap": 0.3},
+        {"contact": 0.7, "law": "restitution"},
+        {"loss": lambda s: alpha(0.7) * 0.5**0.5 * s**0.25, "wall_loss": lambda s: alpha(0.7) * 5.0**0.5 * s**0.25},
+    ),
+    "square column": (
+        {**WALL, "contact": Contact(exponent=2.0), "gravity": Gravity(acceleration=0.05)},
+        {"contact": 0.1, "law": "viscoelastic"},
+        {"loss": lambda s: 0.1 * s**0.5, "wall_loss": lambda s: 0.5 * s**0.5}
+        | {"static": 0.05 * np.arange(7), "exponent": 2.0},
+    ),
+}
+
+
+def at_wall(name: str, **changes: Any) -> Scene:
+    keys, losses, _ = AT_WALLS[name]
+    return damped(**{**keys, "damping": Damping(**losses), **changes})
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", AT_WALLS)
+def test_lammps_has_the_dashpots_of_walls_with_an_error_of_first_order(name: str, tmp_path: Path) -> None:
+    steps = (0.02, 0.005)
+    found = [stock_run(at_wall(name, timestep=step, every=0.5), tmp_path / f"{step}") for step in steps]
+    exact = integrated(found[0].problem, walls=(0.0, 5.0), **AT_WALLS[name][2], max_step=0.02, rtol=1e-9)
+    coarse, fine = (np.max(np.abs(one.velocity - exact)) for one in found)
+    assert coarse < 1e-2
+    assert 3.0 < coarse / fine < 5.0
+
+
+@pytest.fixture(scope="module")
+def column(tmp_path_factory: pytest.TempPathFactory) -> Run:
+    output = Output(forces=Forces(wall=True))
+    return run(at_wall("square column", output=output, timestep=0.005), tmp_path_factory.mktemp("wall") / "run")
+
+
+@pytest.mark.slow
+def test_the_twin_and_the_reference_know_the_dashpots_of_walls(column: Run) -> None:
+    problem, own = column.directory.problem, joined(column.directory.blocks()).velocity
+    twin = engine.run(problem, scheme=VERLET, steps_per_frame=problem.steps_per_frame)
+    np.testing.assert_allclose(twin.velocity, own, rtol=0.0, atol=1e-11)
+    exact = integrated(problem, walls=(0.0, 5.0), **AT_WALLS["square column"][2], max_step=0.02, rtol=1e-11)
+    assert column.check is not None
+    sure = column.check.reference.velocity
+    assert np.max(np.abs(engine.run(problem).velocity - exact)) < sure < 1e-6
+    assert np.max(np.abs(own - exact)) == pytest.approx(column.check.velocity, abs=2.0 * sure)
+
+
+@pytest.mark.slow
+def test_the_budget_tells_what_walls_take_and_closes(column: Run) -> None:
+    assert column.check is not None
+    problem = column.directory.problem
+    missing, account = budget(engine.blocks(problem, steps_per_frame=40))
+    assert missing < 1e-9
+    assert account.lost["right_wall_damping"][-1] > 5e-3
+    assert np.all(np.diff(account.lost["right_wall_damping"]) >= -1e-15)
+    missing, seen = budget(column.directory.blocks(20), Accountant(problem.coarser(20)))
+    assert missing < 2.0 * column.check.velocity
+    for name, lost in account.lost.items():
+        assert seen.lost[name][-1] == pytest.approx(lost[-1], abs=2.0 * column.check.velocity)
+
+
+@pytest.mark.slow
+def test_the_gauge_of_a_wall_reads_its_dashpot_too(column: Run) -> None:
+    """All that the wall gives, above what it bears, is what the momentum has changed by."""
+    directory = column.directory
+    analyse(directory, figures=False)
+    (wall,) = json.loads((directory.path / "analysis.json").read_text())["forces"]
+    momentum = float(joined(directory.blocks()).velocity[-1].sum())
+    assert column.check is not None
+    assert wall["static"] == pytest.approx(0.3, rel=1e-9)
+    assert wall["impulse"] == pytest.approx(1.0 - momentum, abs=6.0 * column.check.velocity)
+    assert main(["validate", str(directory.path), "--against", str(directory.path / "forces.csv")]) == 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("factor", "words"), [(0.0, "is missing"), (1.2, "is 1.2 times as strong as the scene says")])
+def test_a_wall_with_another_dashpot_is_named_as_the_cause(factor: float, words: str, column: Run) -> None:
+    problem = column.directory.problem
+    contact, wall = problem.dampers
+    other = replace(wall, law=wall.law._replace(by_radius=factor * wall.law.by_radius))  # type: ignore[attr-defined]
+    right, wrong = engine.run(problem), engine.run(replace(problem, dampers=(contact, other)))
+    assert causes(replace(wrong, problem=problem), right) == [f"the right wall damping {words}"]
+
+
+@pytest.mark.slow
+def test_a_run_with_damped_walls_goes_on_bit_for_bit(tmp_path: Path) -> None:
+    goes_on_bit_for_bit(at_wall("square column", timestep=0.01), tmp_path, after=200)
+
+
+@pytest.mark.slow
+def test_damped_walls_compute_the_same_bits_on_two_ranks_and_the_same_in_the_2021_release(tmp_path: Path) -> None:
+    case = at_wall("cut, pressed", timestep=0.01)
+    one, two = (stock_run(case, tmp_path / str(ranks), ranks=ranks) for ranks in (1, 2))
+    np.testing.assert_array_equal(one.vx, two.vx)
+    if DEBIAN.exists():
+        old = stock_run(case, tmp_path / "old", executable=DEBIAN)
+        np.testing.assert_allclose(one.vx, old.vx, rtol=0.0, atol=1e-11)
+
+
+def test_a_damped_column_rests_exactly_on_its_damped_wall(tmp_path: Path) -> None:
+    hit = (Kick(chain=2, velocity=1e-3),)
+    found = stock_run(at_wall("square column", chains=2, kick=hit, duration=2.0, timestep=0.01), tmp_path / "run")
     assert not np.any(found.displacement[:, 0])
     assert np.any(found.velocity[-1, 1])
 

@@ -111,9 +111,9 @@ def is_whole(path: Path) -> bool:
 def unit(path: Path, scene: dict[str, Any]) -> str:
     """Symbol of a field's unit in a scene, such as ``m/s`` or ``reduced``; empty for what has none."""
     found = next((part for part in _parts(_field(path)) if isinstance(part, Unit)), None)
-    beside = look_up(scene, path[:-1]) if len(path) > 1 else scene
-    si = "material" in scene
-    return "" if found is None else found.symbol(beside if isinstance(beside, dict) else {}, si=si)
+    beside = look_up(scene, path[:-1]) if len(path) > 1 else {}
+    keys = {**scene, **(beside if isinstance(beside, dict) else {})}
+    return "" if found is None else found.symbol(keys, si="material" in scene)
 
 
 def _field(path: Path) -> FieldInfo | None:

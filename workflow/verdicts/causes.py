@@ -338,9 +338,13 @@ def _laws(own: Trajectory, reference: Trajectory) -> list[str]:
 
 
 def _factor(name: str, felt: symptoms.Strengths, right: symptoms.Strengths) -> tuple[float, float]:
-    """How strong a link was felt to be, and the doubt of that; 1 where the reference itself tells something else."""
-    felt_here, there = felt.factors[name], right.factors[name]
-    return (1.0, 0.0) if abs(there - 1.0) > _METHOD else (felt_here / there, 5e-4 + 3.0 * abs(there - 1.0))
+    """How strong a link was felt to be, and the doubt of that; 1 where nothing has reached it, or the reference itself
+    tells something else.
+    """
+    here, there = (found.factors.get(name, math.nan) for found in (felt, right))
+    if math.isnan(here) or not abs(there - 1.0) <= _METHOD:
+        return 1.0, 0.0
+    return here / there, 5e-4 + 3.0 * abs(there - 1.0)
 
 
 def _off(factor: float, doubt: float) -> float:

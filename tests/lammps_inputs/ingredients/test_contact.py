@@ -170,7 +170,11 @@ def test_in_si_units_lengths_are_those_of_the_exponent():
             {"material": STEEL, "contact": {"exponent": 1.5, "stiffness": 1e9}},
             "contact.stiffness: the material says how stiff",
         ),
-        ({"walls": {"right": "bead"}}, "contact.exponent: 2 given; walls are those of spheres"),
+        (
+            {"walls": {"right": "flat"}},
+            "walls.right: how hard a flat wall is is known for spheres, of exponent 1.5, not 2",
+        ),
+        ({"walls": {"left": "rigid"}}, "walls.left: how hard a rigid wall is is known for spheres"),
         ({"taper": 0.02}, "contact.exponent: 2 given; how the contacts of beads of unlike radius"),
         ({"contact": {"exponent": 1.2}, "scheme": "suzuki4"}, "contact: contacts of an exponent below 1.5 open"),
     ],

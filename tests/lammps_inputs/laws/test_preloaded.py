@@ -6,6 +6,7 @@ import pytest
 from lammps_inputs import laws
 from lammps_inputs.laws.hertz import Hertz
 from lammps_inputs.laws.power import Power
+from lammps_inputs.laws.power_wall import PowerWall
 from lammps_inputs.laws.preloaded import pressed, under, wall_under
 from lammps_inputs.laws.wall import HertzWall
 
@@ -16,6 +17,7 @@ LAWS = {
     "linear": under(Power(1.0, 1.0), 0.37, 2.0**-42),
     "cubic, arrays": under(Power(np.linspace(0.5, 2.0, 40), 3.0), LOADS, 2.0**-42),
     "wall": wall_under(HertzWall(np.array([0.0, 0.0, 2.0]), -1.0, 0.0), np.array([0.0, 0.0, 0.4]), 2.0**-42),
+    "square wall": wall_under(PowerWall(np.array([0.0, 0.0, 2.0]), 2.0, 1.0, 0.0), np.array([0.0, 0.0, 0.4]), 2.0**-42),
 }
 
 

@@ -46,6 +46,10 @@ def test_a_field_is_labelled_with_its_unit(name, unit):
     assert label(name, {}) == f"{words} (reduced)"
 
 
+def test_the_unit_of_a_wall_names_no_exponent_where_the_scene_may_have_others():
+    assert fields.unit(fields.parse("walls.right.stiffness"), SI | {"contact": {"exponent": 2.0}}) == "N/m^p"
+
+
 @pytest.mark.parametrize(
     "name", ["beads", "chains", "kick.bead", "accuracy", "material.poisson_ratio", "contact.exponent", "walls.right"]
 )

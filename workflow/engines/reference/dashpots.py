@@ -24,7 +24,7 @@ from numba.extending import overload
 
 from lammps_inputs import System
 from lammps_inputs.laws import dashpot
-from lammps_inputs.links import Across, Along, Ground
+from lammps_inputs.links import Across, Along, Ground, WallDamper
 from workflow.compiled import inner
 from workflow.engines.reference.forces import (
     Floats,
@@ -46,6 +46,7 @@ class Given(NamedTuple):
     along: tuple[Any, ...]
     across: tuple[tuple[Any, Any], ...]
     ground: tuple[Any, ...]
+    walls: tuple[Any, ...]
     squeeze: Floats
     """Force, or impulse, of the dashpot of every contact with the bead behind."""
     drag: Floats
@@ -54,9 +55,9 @@ class Given(NamedTuple):
     """Velocities."""
     total: Floats
     trial: Floats
-    lost: tuple[Floats, Floats, Floats]
-    """Energy that dashpots along, across and to the ground have taken from every bead; below 0 of one that is dragged
-    along."""
+    lost: tuple[Floats, Floats, Floats, Floats]
+    """Energy that dashpots along, across, to the ground and of walls have taken from every bead; below 0 of one that is
+    dragged along."""
     before: tuple[Floats, Floats, Floats]
     """Positions, velocities and impulses at the start of a drift."""
     after: Floats
@@ -69,13 +70,14 @@ class Flow(NamedTuple):
     along: tuple[Any, ...]
     across: tuple[tuple[Any, Any], ...]
     ground: tuple[Any, ...]
+    walls: tuple[Any, ...]
     squeeze: Floats
     drag: Floats
     steady: Floats
     """Accelerations by forces of positions."""
     total: Floats
     trial: Floats
-    lost: tuple[Floats, Floats, Floats]
+    lost: tuple[Floats, Floats, Floats, Floats]
     """As above."""
 
 
@@ -85,6 +87,7 @@ class HalfStep(NamedTuple):
     along: tuple[Any, ...]
     across: tuple[tuple[Any, Any], ...]
     ground: tuple[Any, ...]
+    walls: tuple[Any, ...]
     squeeze: Floats
     drag: Floats
 
@@ -93,10 +96,12 @@ def make_dampers(system: System, *, as_lammps: bool) -> Any:
     """The dashpots of a system on a state [bead + 2, chain]; an empty tuple where there are none."""
     if not system.dampers:
         return ()
+    grounded = [link for link in system.dampers if isinstance(link, Ground)]
     laws = (
         tuple(flat(link.law, system, first=2) for link in system.dampers if isinstance(link, Along)),
         tuple(near for link in system.dampers if isinstance(link, Across) for near in neighbours(link, system)),
-        tuple(flat(link.law, system, first=1) for link in system.dampers if isinstance(link, Ground)),
+        tuple(flat(link.law, system, first=1) for link in grounded if not isinstance(link, WallDamper)),
+        tuple(flat(link.law, system, first=1) for link in grounded if isinstance(link, WallDamper)),
     )
 
     def room(count: int) -> Any:
@@ -105,8 +110,8 @@ def make_dampers(system: System, *, as_lammps: bool) -> Any:
     if as_lammps:
         return HalfStep._make([*laws, *room(2)])
     if any(dashpot.cut(link.law) for link in system.dampers):
-        return Flow._make([*laws, *room(5), room(3)])
-    return Given._make([*laws, *room(5), room(3), room(3), *room(1)])
+        return Flow._make([*laws, *room(5), room(4)])
+    return Given._make([*laws, *room(5), room(4), room(3), *room(1)])
 
 
 def all_of(laws: Any, k: Any, strain: Any, rate: Any) -> Any:
@@ -164,6 +169,7 @@ def brake(dampers: Any, x: Floats, v: Floats, gap: float, chains: int, first: in
         dampers.squeeze[k] = all_of(dampers.along, k, x[k - row] - x[k] - gap, v[k - row] - v[k])
     for k in range(np.uint64(first * chains), np.uint64((last + 1) * chains)):
         held = hold(dampers.across, x, v, k) + all_of(dampers.ground, k, x[k], v[k])
+        held += all_of(dampers.walls, k, x[k], v[k])
         dampers.drag[k] = dampers.squeeze[k] - dampers.squeeze[k + row] - held
 
 
@@ -178,6 +184,7 @@ def impulses(given_all: Any, x: Floats, gap: float, chains: int, first: int, las
         squeeze[k] = given(given_all.along, k, x[k - row] - x[k] - gap)
     for k in range(np.uint64(first * chains), np.uint64((last + 1) * chains)):
         held = given_by(given_all.across, x, k) + given(given_all.ground, k, x[k])
+        held += given(given_all.walls, k, x[k])
         drag[k] = squeeze[k] - squeeze[k + row] - held
 
 
@@ -247,7 +254,7 @@ def _lose(given_all: Any, x: Floats, chains: int, first: int, last: int) -> None
         given_all.trial,
     )
     place, early, start = given_all.before
-    along, across, ground = given_all.lost
+    along, across, ground, walls = given_all.lost
     for k in range(np.uint64(first * chains), np.uint64((last + 1) * chains)):
         along[k] -= over_the_way(early[k], middle[k], late[k], drag[k] - start[k], after[k] - drag[k])
     if len(given_all.across) > 0:
@@ -263,6 +270,13 @@ def _lose(given_all: Any, x: Floats, chains: int, first: int, last: int) -> None
             since, until = then - given(given_all.ground, k, place[k]), given(given_all.ground, k, x[k]) - then
             taken = over_the_way(early[k], middle[k], late[k], since, until)
             ground[k] += taken
+            along[k] -= taken
+    if len(given_all.walls) > 0:
+        for k in range(np.uint64(first * chains), np.uint64((last + 1) * chains)):
+            then = given(given_all.walls, k, trial[k])
+            since, until = then - given(given_all.walls, k, place[k]), given(given_all.walls, k, x[k]) - then
+            taken = over_the_way(early[k], middle[k], late[k], since, until)
+            walls[k] += taken
             along[k] -= taken
 
 
@@ -300,7 +314,7 @@ def flow(flow: Any, v: Floats, x: Floats, lightness: Any, gap: float, factor: fl
 def _take(flow: Any, x: Floats, v: Floats, duration: float, chains: int, first: int, last: int) -> None:
     """Count what dashpots take in a duration at these velocities, at which `brake` has found their forces."""
     drag = flow.drag
-    along, across, ground = flow.lost
+    along, across, ground, walls = flow.lost
     for k in range(np.uint64(first * chains), np.uint64((last + 1) * chains)):
         along[k] -= duration * v[k] * drag[k]
     if len(flow.across) > 0:
@@ -312,6 +326,11 @@ def _take(flow: Any, x: Floats, v: Floats, duration: float, chains: int, first: 
         for k in range(np.uint64(first * chains), np.uint64((last + 1) * chains)):
             taken = duration * v[k] * all_of(flow.ground, k, x[k], v[k])
             ground[k] += taken
+            along[k] -= taken
+    if len(flow.walls) > 0:
+        for k in range(np.uint64(first * chains), np.uint64((last + 1) * chains)):
+            taken = duration * v[k] * all_of(flow.walls, k, x[k], v[k])
+            walls[k] += taken
             along[k] -= taken
 
 

@@ -181,16 +181,16 @@ def _note(ledger: Any, frame: Any, dampers: Any, forces: Any) -> Any:
     works = isinstance(forces.types[Forces._fields.index("work")], types.Array)
 
     def lost(ledger: Any, frame: Any, dampers: Any, forces: Any) -> None:
-        for kind in range(3):
+        for kind in range(4):
             ledger[frame, kind] = np.sum(dampers.lost[kind])
 
     def put_in(ledger: Any, frame: Any, dampers: Any, forces: Any) -> None:
-        ledger[frame, 3] = forces.work[0]
+        ledger[frame, 4] = forces.work[0]
 
     def both(ledger: Any, frame: Any, dampers: Any, forces: Any) -> None:
-        for kind in range(3):
+        for kind in range(4):
             ledger[frame, kind] = np.sum(dampers.lost[kind])
-        ledger[frame, 3] = forces.work[0] + held_by(forces.moved, dampers)
+        ledger[frame, 4] = forces.work[0] + held_by(forces.moved, dampers)
 
     return both if loses and works else lost if loses else put_in
 
@@ -201,8 +201,8 @@ def _held_by(moved: Any, dampers: Any) -> Any:
         return lambda moved, dampers: 0.0
 
     def held(moved: Any, dampers: Any) -> Any:
-        k, (along, across, ground) = moved[0][0], dampers.lost
-        return along[k] + across[k] + ground[k] + held_by(moved[1:], dampers)
+        k, (along, across, ground, walls) = moved[0][0], dampers.lost
+        return along[k] + across[k] + ground[k] + walls[k] + held_by(moved[1:], dampers)
 
     return held
 

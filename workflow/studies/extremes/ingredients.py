@@ -12,6 +12,7 @@ def loads() -> list[Cell]:
         *(_load(f) for f in (*decades(-9, 3, 3), 1e6, 1e7)),
         *(_gravity(g) for g in (1e-9, 1e-3, 1.0, 1e3)),
         *(_loaded_exponent(p) for p in (1.0, 3.0)),
+        *(_column_of_exponent(p) for p in (1.0, 3.0)),
     ]
 
 
@@ -68,6 +69,11 @@ def _loaded_exponent(exponent: float) -> Cell:
     return Cell("load, exponent", f"{exponent:g}", changed(BASE, **parts, duration=10.0))
 
 
+def _column_of_exponent(exponent: float) -> Cell:
+    parts: Plain = {"gravity": 1.0, "walls": {"right": "bead"}, "contact": {"exponent": exponent}}
+    return Cell("gravity, exponent", f"{exponent:g}", changed(BASE, **parts, duration=10.0))
+
+
 def _lossy(axis: str, coefficient: float, **damping: float | str) -> Cell:
     duration = 10.0 if coefficient <= 10.0 else 1.0
     return Cell(axis, f"{coefficient:g}", changed(BASE, damping=damping, duration=duration))
@@ -85,6 +91,8 @@ def _lossy_corners() -> list[Cell]:
         corner("stuck, accuracy 1e-4", damping={"contact": 10.0}, accuracy=1e-4, duration=1.0),
         corner("drag 100, accuracy 1e-4", damping={"beads": 100.0}, accuracy=1e-4, duration=1.0),
         corner("dashpots, two ranks", damping=dashpots, ranks=2),
+        corner("dashpots, walls", damping=dashpots, walls={"left": "bead", "right": "rigid"}),
+        corner("dashpots, hard wall", damping=dashpots, walls={"left": {"stiffness": 1e4}, "right": "flat"}),
         corner("dashpots, load", damping=dashpots, precompression={"force": 1.0}),
         corner("drag, load", damping={"beads": 0.1}, precompression={"force": 1.0}),
     ]
