@@ -1,11 +1,11 @@
-"""What contacts that close or open near a frame do to a maximum: forces that no polynomial follows.
+"""What contacts and walls that close or open near a frame do to a maximum: forces that no polynomial follows.
 
 A force that begins as a power of time, ``(t - a)**power`` from a on, is fitted between two frames like any other, with
 velocity and its first two derivatives at both. How far that is off depends on the power and on where it begins only.
 """
 
-import functools
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from lammps_inputs import Problem, laws
 from lammps_inputs.laws import dashpot
 
 Integers = NDArray[np.int64]
+Forces = Iterator[tuple[float, Floats]]
 
 FARTHEST = 3.0
 """Frames before the first of the two from which on a beginning is followed."""
@@ -41,39 +42,59 @@ def kinks(block: Trajectory, start: Integers, chain: Integers, bead: Integers) -
         start: the first frame of each.
         chain, bead: positions of the beads in the block, all of which are recorded.
     """
-    problem, spacing = block.problem, block.spacing
-    first = block.first - 1
+    problem, place = block.problem, block.first - 1 + bead
+    at = np.stack([start, np.minimum(start + 1, block.frames - 1)])  # [frame, bead], as what is made with it
+    x, v = (values[at, chain, bead] for values in (block.displacement, block.velocity))
     off = np.zeros((2, len(start)))
     for side in (-1, 1):
         there = (bead + side >= 0) & (bead + side < block.velocity.shape[2])
-        other = np.where(there, bead + side, bead)
-        at = np.stack([start, np.minimum(start + 1, block.frames - 1)])  # [frame, bead], as all below
-        x, v = block.displacement, block.velocity
-        overlap = side * (x[at, chain, bead] - x[at, chain, other]) - problem.gap
-        overlap += motion.rest_overlap(problem, chain, first + np.minimum(bead, other))
-        closing = side * (v[at, chain, bead] - v[at, chain, other])
-        pressed, rate = overlap > 0.0, np.abs(closing)
-        between = pressed[0] != pressed[1]
-        # what has just closed before the first frame, and what will soon open after the second
-        near = pressed & (between | (np.array([[1.0], [-1.0]]) * closing > 0.0)) & (rate > 0.0)
-        away = np.where(near, overlap / np.where(near, rate * spacing, 1.0), np.inf).min(axis=0)
-        contact = np.clip(first + np.minimum(bead, bead + side), 0, problem.beads - 2)
-        for power, force in _forces(problem, rate.max(axis=0), spacing, chain, contact):
-            off += np.where(there, force * spacing * unfollowed(power, away, between), 0.0)
-    return np.asarray(off / problem.mass_of(chain, first + bead))
+        other, contact = np.where(there, bead + side, bead), np.minimum(place, place + side)
+        overlap = side * (x - block.displacement[at, chain, other]) - problem.gap
+        overlap += motion.rest_overlap(problem, chain, contact)
+        closing = side * (v - block.velocity[at, chain, other])
+        forces = partial(_of_contacts, problem, chain, np.clip(contact, 0, problem.beads - 2))
+        off += np.where(there, _by(forces, overlap, closing, block.spacing), 0.0)
+    for wall in problem.walls:
+        law: Any = wall.law
+        there = place == (problem.beads - 1 if law.side > 0.0 else 0)
+        rest = -law.gap if hasattr(law, "gap") else np.broadcast_to(law.rest, law.strength.shape)[chain, place]
+        forces = partial(_of_wall, problem, law, chain, place)
+        off += np.where(there, _by(forces, law.side * x + rest, law.side * v, block.spacing), 0.0)
+    return np.asarray(off / problem.mass_of(chain, place))
 
 
-def _forces(
-    problem: Problem, rate: Floats, spacing: float, chain: Integers, contact: Integers
-) -> Iterator[tuple[float, Floats]]:
+def _by(forces: Callable[[Floats, Floats], Forces], overlap: Floats, closing: Floats, spacing: float) -> Floats:
+    """The same of what pushes beads with these overlaps, and their rates, at both frames, [frame, bead]."""
+    pressed, rate = overlap > 0.0, np.abs(closing)
+    between = pressed[0] != pressed[1]
+    # what has just closed before the first frame, and what will soon open after the second
+    near = pressed & (between | (np.array([[1.0], [-1.0]]) * closing > 0.0)) & (rate > 0.0)
+    away = np.where(near, overlap / np.where(near, rate * spacing, 1.0), np.inf).min(axis=0)
+    most: Floats = rate.max(axis=0)
+    found = (force * unfollowed(power, away, between) for power, force in forces(most * spacing, most))
+    return np.asarray(spacing * sum(found))
+
+
+def _of_contacts(problem: Problem, chain: Integers, contact: Integers, overlap: Floats, rate: Floats) -> Forces:
     """As which power of time the forces of contacts begin, and what they are a frame later."""
-    overlap = rate * spacing
     yield problem.exponent or 1.5, motion.contact_force(problem, overlap, chain, contact)
     loss: Any = problem.contact_loss
     if loss is not None:
-        own = laws.at(loss, chain, contact)._replace(rest=0.0)
-        one, two = (float(np.max(dashpot.resistance(own, np.float64(much)))) for much in (1.0, 2.0))
-        yield float(np.log2(two / one)), dashpot.resistance(own, overlap) * rate
+        yield _of_dashpot(laws.at(loss, chain, contact)._replace(rest=0.0), overlap, rate)
+
+
+def _of_wall(problem: Problem, law: Any, chain: Integers, bead: Integers, overlap: Floats, rate: Floats) -> Forces:
+    """The same of a wall's."""
+    yield law.exponent, law.strength[chain, bead] * overlap**law.exponent
+    loss: Any = problem.wall_loss(law.side)
+    if loss is not None:
+        yield _of_dashpot(laws.at(loss, chain, bead)._replace(rest=0.0, side=1.0), overlap, rate)
+
+
+def _of_dashpot(law: Any, overlap: Floats, rate: Floats) -> tuple[float, Floats]:
+    one, two = (float(np.max(dashpot.resistance(law, np.float64(much)))) for much in (1.0, 2.0))
+    power = float(np.log2(two / one)) if one > 0.0 else 0.0
+    return power, dashpot.resistance(law, overlap) * rate
 
 
 def unfollowed(power: float, away: Floats, between: NDArray[np.bool_]) -> Floats:
@@ -96,7 +117,7 @@ def unfollowed(power: float, away: Floats, between: NDArray[np.bool_]) -> Floats
     return MARGIN * found
 
 
-@functools.lru_cache
+@lru_cache
 def _table(power: float) -> tuple[Floats, Floats, Floats]:
     """Where forces begin, in frames, and the errors."""
     near = np.geomspace(NEAREST, 0.5, 60)

@@ -1,5 +1,7 @@
 """Forces that begin near a frame: a maximum is no less sure than it says."""
 
+import itertools
+
 import numpy as np
 import pytest
 from scipy.interpolate import BPoly
@@ -46,18 +48,18 @@ def test_where_nothing_begins_nothing_is_missed():
         {"damping": {"contact": 0.1, "law": "viscoelastic"}},
         {"contact": {"exponent": 1.0}},
         {"contact": {"exponent": 3.0}},
+        {"damping": {"contact": 0.3}, "walls": {"right": "flat", "left": "bead"}, "gap": 0.3},
     ],
-    ids=["dashpots", "viscoelastic", "linear", "cubic"],
+    ids=["dashpots", "viscoelastic", "linear", "cubic", "walls"],
 )
 def test_maxima_are_as_sure_as_they_say_whatever_the_contacts(keys):
     worst = 0.0
     for beads, bead in ((3, 1), (5, 2), (6, 3), (8, 1), (11, 2)):
         plain = {"name": "a", "beads": beads, "kick": {"bead": bead, "velocity": 1.0}, "duration": 24.0}
         run = engine.run(Scene.model_validate({**plain, "output": {"every": FINE}, **keys}).problem())
-        right = find_peaks([run])
-        for every in (0.1, 0.2, 0.5):
-            found = find_peaks([run[:: round(every / FINE)]])
-            worst = max(worst, *(_off(found, k, right, every) for k in range(len(found))))
+        for every, way in itertools.product((0.1, 0.2, 0.5), (1, -1)):
+            right, found = (find_peaks([part], direction=way) for part in (run, run[:: round(every / FINE)]))
+            worst = max([worst, *(_off(found, k, right, every) for k in range(len(found)))])
     assert 0.05 < worst < 1.0
 
 
