@@ -9,7 +9,8 @@ as the scheme, and its error is far below that (a part of a step times the drag,
 
 LAMMPS instead takes the drag of the velocities that it has when forces are computed, those of half a step before.
 
-An empty tuple in place of one of the classes costs nothing.
+An empty tuple in place of one of the classes costs nothing. The stages are written out one by one: with a function for
+a stage, a step takes 1.5 to 2.7 times as long.
 
 What dashpots take is counted along the way. A kick at fixed positions takes no energy from the motion but by their
 power, which is integrated as the velocities are. A drift at fixed w takes kinetic energy alone, and exactly that.
