@@ -94,6 +94,7 @@ def test_symmetries_hold(changes):
     is_the_same_in_the_mirror_and_with_chains_in_another_order(changes)
 
 
+@pytest.mark.slow
 @FEW
 @given(walled_and_pushed())
 def test_energy_is_kept_once_the_push_is_over(changes):

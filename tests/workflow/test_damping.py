@@ -180,6 +180,7 @@ def test_a_run_with_other_dashpots_fails_by_its_budget_too(done: Run, tmp_path: 
     assert found.causes == ("the contact damping is 1.1 times as strong as the scene says",)
 
 
+@pytest.mark.slow
 def test_frames_that_are_followed_by_the_reference_have_the_ledger_of_its_own_run() -> None:
     problem = damped(every=0.5).problem()
     own = engine.run(problem)

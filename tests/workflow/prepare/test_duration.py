@@ -30,6 +30,7 @@ def test_a_scene_ends_6_t_after_the_last_chain_s_peak_and_with_a_gap_a_period_of
         assert speed[-1, 0] < 1e-5
 
 
+@pytest.mark.slow
 def test_a_pulse_may_begin_late():
     """Such as one from a recorded force; 130 T are what a pulse may take at most to bead 3."""
     late = {"table": [[200.0, 0.0], [201.0, 1.0], [202.0, 0.0]]}
