@@ -25,7 +25,7 @@ class Account:
     Attributes:
         time: in units of T.
         put_in: by kicks, and by forces from outside until then.
-        held: where it is: ``kinetic``, ``contacts``, ``springs`` (between chains), ``ground`` (and walls).
+        held: where it is: ``kinetic``, ``contacts``, ``springs`` (between chains), ``ground``, ``walls``.
         lost: in dashpots until then, by their name.
     """
 
@@ -113,12 +113,12 @@ class Budget:
         )
 
 
-HELD = ("kinetic", "contacts", "springs", "ground")
+HELD = ("kinetic", "contacts", "springs", "ground", "walls")
 """Where energy may be."""
 
 
 def _held(problem: Problem, x: Floats, v: Floats) -> dict[str, Floats]:
     kinetic = motion.kinetic_energy(problem, v).sum(axis=(-2, -1))
-    kinds = (problem.along, problem.across, problem.ground)
+    kinds = (problem.along, problem.across, problem.held, problem.walls)
     stored = [sum((link.energy(x).sum(axis=(-2, -1)) for link in links), np.zeros(len(x))) for links in kinds]
     return dict(zip(HELD, [kinetic, *stored], strict=True))

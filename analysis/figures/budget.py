@@ -8,8 +8,8 @@ from analysis.budget import Account
 from analysis.figures.style import STYLE, axis_unit, title
 from lammps_inputs import Problem
 
-_HELD = {"kinetic": "#0072B2", "contacts": "#56B4E9", "springs": "#009E73", "ground": "#F0E442"}
-"""Okabe and Ito's palette, as for what is lost; a hatch tells that from what is still there."""
+_HELD = {"kinetic": "#0072B2", "contacts": "#56B4E9", "springs": "#009E73", "ground": "#F0E442", "walls": "#332288"}
+"""Okabe and Ito's palette and one of Tol's, as for what is lost; a hatch tells that from what is still there."""
 
 _LOST = ("#D55E00", "#E69F00", "#CC79A7", "#999999")
 

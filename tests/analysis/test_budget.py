@@ -52,7 +52,9 @@ def test_springs_between_chains_and_to_the_ground_are_told_apart():
     account = account_of(problem, lambda t: (ahead + 0.0 * t, 0.0 * t))
     held = {name: part[0] for name, part in account.held.items()}
     energy = 8 * 0.5 * 0.3**2
-    assert held == pytest.approx({"kinetic": 0.0, "contacts": 0.0, "springs": 0.1 * energy, "ground": 0.5 * energy})
+    assert held == pytest.approx(
+        {"kinetic": 0.0, "contacts": 0.0, "springs": 0.1 * energy, "ground": 0.5 * energy, "walls": 0.0}
+    )
 
 
 def test_of_a_long_run_every_so_manieth_frame_counts_wherever_blocks_end():

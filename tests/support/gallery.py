@@ -36,6 +36,7 @@ PICTURES = {
     "gallery/other-exponent": ("other-exponent", "spacetime"),
     "gallery/driven-chain": ("driven-chain", "spectra"),
     "gallery/drive-above-the-cut-off": ("drive-above-the-cut-off", "spectra"),
+    "gallery/column-of-rings": ("column-of-rings", "budget"),
     "gallery/two-chains-gapped": ("two-chains-gapped", "spacetime"),
 }
 """File in ``.github`` -> installed scene, and which of its figures."""

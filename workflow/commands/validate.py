@@ -108,7 +108,7 @@ def _print(found: validation.Validation) -> None:
                 where += f", t = {deviation.where.time * scale.time:.5g}{second}"
         rms = f"{deviation.rms:.1e}" if np.isfinite(deviation.rms) else ""
         verdict = "EXCEEDED" if found.exceeded(name) else "ok"
-        rows.append([name, f"{deviation.largest:.2e}", rms, f"{found.tolerances[name]:.0e}", verdict, where])
+        rows.append([name, f"{deviation.largest:.2e}", rms, f"{found.tolerances[name]:.1e}", verdict, where])
     print_table(
         f"{found.problem.name} against {found.against} at {found.compared} instants; errors dimensionless",
         ["quantity", "largest", "rms", "tolerance", "", "largest at"],

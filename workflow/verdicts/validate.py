@@ -97,7 +97,7 @@ class Validation:
 
     def _repr_html_(self) -> str:
         rows = [
-            (name, f"{found.largest:.2e}", f"{self.tolerances[name]:.0e}", "EXCEEDED" if self.exceeded(name) else "ok")
+            (name, f"{found.largest:.2e}", f"{self.tolerances[name]:.1e}", "EXCEEDED" if self.exceeded(name) else "ok")
             for name, found in self.deviations.items()
         ]
         words = html.text("\n".join((*self.causes, *self.remarks))) if self.causes or self.remarks else ""

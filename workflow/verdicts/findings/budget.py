@@ -50,7 +50,7 @@ class Budget(Finding):
         |-----------|---------------------------------------------------------------------------------------------|
         | time      | of some frames                                                                              |
         | put_in    | until then, by kicks and by forces from outside                                             |
-        | kinetic, contacts, springs, ground | where it is                                                        |
+        | kinetic, contacts, springs, ground, walls | where it is                                                 |
         | lost      | until then, in each kind of dashpots                                                        |
         | missing   | what was put in and is nowhere                                                              |
         | closed    | largest of that in any frame, in the most that was put in                                   |
