@@ -187,6 +187,10 @@ class System:
         """The law of damping of the contacts; None where they lose nothing."""
         return next((cast(ContactLoss, link.law) for link in self.dampers if isinstance(link, Along)), None)
 
+    def wall_at(self, side: float) -> Wall:
+        """The walls on a side."""
+        return next(wall for wall in self.walls if wall.law.side == side)
+
     def wall_loss(self, side: float) -> WallDashpot | None:
         """The law of damping of the walls on a side; None where they lose nothing."""
         found = (link.law for link in self.dampers if isinstance(link, WallDamper))

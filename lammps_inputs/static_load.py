@@ -86,6 +86,5 @@ def _damped(link: Link, system: System) -> Link:
     if isinstance(link, Along):
         return replace(link, law=link.law._replace(rest=laws.rest(system.along[0].law)))  # type: ignore[attr-defined]
     if isinstance(link, WallDamper):
-        rest = next(laws.rest(wall.law) for wall in system.walls if wall.law.side == link.law.side)
-        return replace(link, law=link.law._replace(rest=rest))
+        return replace(link, law=link.law._replace(rest=laws.rest(system.wall_at(link.law.side).law)))
     return link

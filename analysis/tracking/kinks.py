@@ -15,6 +15,7 @@ from analysis import hermite, motion
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem, laws
 from lammps_inputs.laws import dashpot
+from lammps_inputs.laws.wall import clearance
 
 Integers = NDArray[np.int64]
 Forces = Iterator[tuple[float, Floats]]
@@ -57,9 +58,9 @@ def kinks(block: Trajectory, start: Integers, chain: Integers, bead: Integers) -
     for wall in problem.walls:
         law: Any = wall.law
         there = place == (problem.beads - 1 if law.side > 0.0 else 0)
-        rest = -law.gap if hasattr(law, "gap") else np.broadcast_to(law.rest, law.strength.shape)[chain, place]
         forces = partial(_of_wall, problem, law, chain, place)
-        off += np.where(there, _by(forces, law.side * x + rest, law.side * v, block.spacing), 0.0)
+        overlap, closing = law.side * x - clearance(law)[chain, place], law.side * v
+        off += np.where(there, _by(forces, overlap, closing, block.spacing), 0.0)
     return np.asarray(off / problem.mass_of(chain, place))
 
 

@@ -269,12 +269,11 @@ def wall_under(law: FreeWall, load: Parameter, grid: float) -> LoadedWall:
 
 def pressed(law: Any, factor: float) -> Any:
     """The same contact or wall under so many times its load."""
-    exponent = getattr(law, "exponent", 1.5)
-    rest = np.maximum(law.rest * factor ** (1.0 / exponent), _LEAST)
-    return law._replace(rest=rest, load=law.strength * rest**exponent)
+    rest, load = _power_at(law, law.rest * factor ** (1.0 / law.exponent))
+    return law._replace(rest=rest, load=load)
 
 
-def _power_at(law: Power | PreloadedPower | PowerWall, rest: Parameter) -> tuple[Parameter, Parameter]:
+def _power_at(law: Any, rest: Parameter) -> tuple[Parameter, Parameter]:
     """Overlap at rest, never quite 0, and the force there."""
     rest = np.maximum(rest, _LEAST) if np.ndim(rest) else max(float(rest), _LEAST)
     return rest, law.strength * rest**law.exponent

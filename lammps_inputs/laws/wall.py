@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lammps_inputs.laws import Parameter
 from lammps_inputs.lines import Lines
@@ -63,13 +64,17 @@ class HertzWall(NamedTuple):
         return wall_lines(name, self, problem)
 
 
+def clearance(law: Any) -> NDArray[np.float64]:
+    """Clear distance of walls from their beads at rest, [chain, bead]; below 0 an overlap."""
+    return np.broadcast_to(law.gap if hasattr(law, "gap") else -law.rest, law.strength.shape)
+
+
 def faces(law: Any, problem: "System") -> list[tuple[float, float]]:
     """Strength of the wall of every chain, and where it stands in LAMMPS."""
     radius, right = problem.diameter / 2.0, law.side > 0.0
     end = -1 if right else 0
-    away = law.gap if hasattr(law, "gap") else -np.broadcast_to(law.rest, law.strength.shape)[:, end]
-    place = problem.places[:, end]
-    face = place + radius + away if right else place - radius - away
+    place, clear = problem.places[:, end], clearance(law)[:, end]
+    face = place + radius + clear if right else place - radius - clear
     return list(zip(np.max(law.strength, axis=1).tolist(), face.tolist(), strict=True))
 
 

@@ -61,8 +61,7 @@ def drag(system: System) -> float:
             reached = dashpot.at_reach(link.law, system.along[0].law, system.energy)
             contacts = contacts + _on_beads(system, reached)
         elif isinstance(link, WallDamper):
-            (wall,) = (wall.law for wall in system.walls if wall.law.side == link.law.side)
-            contacts = contacts + dashpot.at_reach(link.law, wall, system.energy)
+            contacts = contacts + dashpot.at_reach(link.law, system.wall_at(link.law.side).law, system.energy)
         else:
             graph = largest_eigenvalue(link, system.chains) if isinstance(link, Across) else 1.0
             others += graph * float(np.max(dashpot.resistance(link.law, 0.0)))

@@ -6,6 +6,7 @@ from pydantic import field_validator
 
 from lammps_inputs import strict_yaml
 from lammps_inputs.ingredients.base import Count, Part
+from lammps_inputs.output.beads import each_once
 
 if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene
@@ -26,13 +27,7 @@ class Forces(Part):
     @field_validator("contacts", "sensors")
     @classmethod
     def _ascending(cls, value: Any) -> Any:
-        if value is None:
-            return value
-        if not value:
-            raise ValueError("name at least one bead, or leave it out")
-        if len(set(value)) < len(value):
-            raise ValueError("a bead is named twice")
-        return tuple(sorted(value))
+        return None if value is None else tuple(sorted(each_once(value, ", or leave it out")))
 
     def refuse(self, scene: "BaseScene") -> None:
         """Refuse places that do not exist, or whose beads are not recorded.

@@ -6,6 +6,7 @@ from pydantic import field_validator
 
 from lammps_inputs import strict_yaml
 from lammps_inputs.ingredients.base import Count, Part, Positive
+from lammps_inputs.output.beads import each_once
 from lammps_inputs.output.forces import Forces
 from lammps_inputs.output.spectra import Spectra
 from lammps_inputs.units import Unit
@@ -35,13 +36,7 @@ class Output(Part):
     @field_validator("beads")
     @classmethod
     def _ascending(cls, value: Any) -> Any:
-        if value == "all":
-            return value
-        if not value:
-            raise ValueError("name at least one bead, or `all`")
-        if len(set(value)) < len(value):
-            raise ValueError("a bead is named twice")
-        return tuple(sorted(value))
+        return value if value == "all" else tuple(sorted(each_once(value, ", or `all`")))
 
     def refuse(self, scene: "BaseScene") -> None:
         """Refuse what the scene does not have, and what needs more to be recorded.

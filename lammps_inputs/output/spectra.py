@@ -6,6 +6,7 @@ from pydantic import Field, field_validator
 
 from lammps_inputs import strict_yaml
 from lammps_inputs.ingredients.base import Count, Part
+from lammps_inputs.output.beads import each_once
 from lammps_inputs.units import Unit
 
 if TYPE_CHECKING:
@@ -25,11 +26,7 @@ class Spectra(Part):
     @field_validator("beads")
     @classmethod
     def _named(cls, value: Any) -> Any:
-        if not value:
-            raise ValueError("name at least one bead")
-        if len(set(value)) < len(value):
-            raise ValueError("a bead is named twice")
-        return value
+        return each_once(value)
 
     def refuse(self, scene: "BaseScene") -> None:
         """Refuse beads that do not exist or are not recorded, and times after the end.
