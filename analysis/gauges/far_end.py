@@ -1,4 +1,8 @@
-"""What comes through chains: how hard their far wall is hit, when, and how much energy arrives at the far end."""
+"""What arrives at the far end of the chains: the force on the wall there, the energy, and the delay.
+
+A quantity is undefined, NaN, where nothing has arrived, or the record ends before it has passed: a force or energy must
+exceed the numerical noise, and its largest value must lie before the last frame (or it has stopped rising, `_settled`).
+"""
 
 import numpy as np
 
@@ -11,6 +15,16 @@ from lammps_inputs import Problem
 
 PART = 10
 """The far end is the last row in so many."""
+
+FAINTEST = 1e-9
+"""Force above the static one from which something has arrived, as a share of the static force where that exceeds 1:
+that of an overlap of 1e-6 L, far above rounding."""
+
+FAINTEST_ENERGY = 1e-15
+"""The same of the energy: that of an overlap of 1e-6 L."""
+
+LEVEL = 1e-3
+"""Relative change within which an energy has stopped rising, as where the last beads fly off a free end."""
 
 
 class FarEnd:
@@ -38,34 +52,77 @@ class FarEnd:
                 self._force.append(at_frames(block, self._wall)[..., 0])
 
     def result(self) -> dict[str, float]:
-        """Of the frames so far, dimensionless.
+        """Of the frames so far, dimensionless; NaN where nothing has arrived, or the record ends inside the pulse.
 
-        | key                | what                                                                                |
-        |--------------------|-------------------------------------------------------------------------------------|
-        | wall_force         | largest force on the far wall of all chains together; only where there is a wall    |
-        | wall_force_chain   | largest of any one chain; likewise                                                  |
-        | delay              | when the wall is hit hardest; without one, when most energy is at the far end       |
-        | transmitted_energy | most energy that is at the far end at any time, in that of the blows                |
+        | key                | what                                                                                   |
+        |--------------------|----------------------------------------------------------------------------------------|
+        | wall_force         | largest force on the far wall of all chains together, static load included; only where |
+        |                    | there is a wall                                                                        |
+        | wall_force_chain   | largest of any one chain; likewise                                                     |
+        | delay              | when the force on the wall is largest; without a wall, when the energy at the far end  |
+        |                    | first reaches half of its largest value                                                |
+        | transmitted_energy | largest energy at the far end at any time (of its beads, of the contacts between them  |
+        |                    | and of the wall), in that of the blows                                                 |
         """
         time, energy = np.concatenate(self._time), np.concatenate(self._energy)
-        when, most = _top(time, energy)
-        found = {"delay": when, "transmitted_energy": most / self.problem.energy}
+        half, most = _settled(time, energy)
+        found = {"delay": half, "transmitted_energy": most / self.problem.energy}
         if not self._wall:
             return found
         force = np.concatenate(self._force)
-        when, hardest = _top(time, force.sum(axis=1))
-        of_one = max(_top(time, column)[1] for column in force.T)
+        static = self._wall[0].static
+        when, hardest = _arrived(time, force.sum(axis=1), float(static.sum()))
+        tops = [_arrived(time, column, at_rest) for column, at_rest in zip(force.T, static.tolist(), strict=True)]
+        of_one = max((top for when, top in tops if not np.isnan(when)), default=np.nan)
         return {"wall_force": hardest, "wall_force_chain": of_one, **found, "delay": when}
 
 
+def _arrived(time: Floats, force: Floats, static: float) -> tuple[float, float]:
+    """Where a force is largest, and how large; NaN where it has not risen, or is largest in the last frame."""
+    when, most = _top(time, force)
+    risen = most - static > FAINTEST * max(1.0, static)
+    return (when, most) if risen else (np.nan, np.nan)
+
+
+def _settled(time: Floats, energy: Floats) -> tuple[float, float]:
+    """When an energy has first reached half of its largest value, and that; NaN where none has arrived.
+
+    An energy that is largest in the last frame must have been level for as long as it took from a quarter to half.
+    """
+    largest = float(np.max(energy))
+    if not FAINTEST_ENERGY < largest < np.inf or energy[0] >= 0.5 * largest:  # there from the start
+        return np.nan, np.nan
+    quarter, half, level = (_reached(time, energy, share * largest) for share in (0.25, 0.5, 1.0 - LEVEL))
+    if energy[-1] >= largest and time[-1] - level < half - quarter:
+        return np.nan, np.nan
+    top = _top(time, energy)[1]
+    return half, largest if np.isnan(top) else top
+
+
+def _reached(time: Floats, values: Floats, level: float) -> float:
+    """When values first reach a level that the first of them is below, by a line from frame to frame."""
+    k = int(np.argmax(values >= level))
+    if k == 0:
+        return float(time[0])
+    share = (level - values[k - 1]) / (values[k] - values[k - 1])
+    return float(time[k - 1] + share * (time[k] - time[k - 1]))
+
+
 def _top(time: Floats, values: Floats) -> tuple[float, float]:
-    """Where evenly sampled values are largest, and how large: the top of a parabola through the three around it."""
+    """Where evenly sampled values are largest, and how large: the top of a quartic through the five around it.
+
+    Of a parabola through three, where it is the second or the last but one; NaN where it is the first or the last.
+    """
     k = int(np.argmax(values))
     if not 0 < k < len(values) - 1:
-        return float(time[k]), float(values[k])
-    before, at, after = values[k - 1 : k + 2].tolist()
-    if not np.isfinite(before + at + after):
-        return float(time[k]), float(values[k])
-    bend = before - 2.0 * at + after
-    shift = 0.5 * (before - after) / bend if bend < 0.0 else 0.0
-    return float(time[k] + shift * (time[k + 1] - time[k])), float(at - 0.25 * (before - after) * shift)
+        return np.nan, np.nan
+    reach = 2 if 1 < k < len(values) - 2 else 1
+    around = values[k - reach : k + reach + 1]
+    if not np.all(np.isfinite(around)):
+        return np.nan, np.nan
+    place = np.arange(-reach, reach + 1)
+    curve = np.polynomial.Polynomial.fit(place, around, 2 * reach, domain=[-1, 1])
+    turns = np.real(curve.deriv().roots())
+    tried = np.array([0.0, *turns[np.abs(turns) < 1.0]])
+    best = tried[np.argmax(curve(tried))]
+    return float(time[k] + best * (time[k + 1] - time[k])), float(curve(best))

@@ -63,6 +63,11 @@ def _print(found: Found, arguments: argparse.Namespace) -> None:
         ["", *fields, design.objective, "LAMMPS differs by", "error / V", *design.also],
         rows,
     )
+    if found.undefined:
+        print(
+            f"{found.undefined} designs do not count: {design.objective} or a quantity with a limit is undefined there "
+            "(for one at the far end: its largest value is not reached within the duration)"
+        )
     small = found.sensitivity
     if small.members:
         worst = max(small.members, key=lambda value: design.sign * value)

@@ -19,8 +19,8 @@ from workflow.cli import main
 from workflow.runs.run import run
 from workflow.studies.design import file, measures
 from workflow.studies.design.crew import Crew
-from workflow.studies.design.found import Verified
-from workflow.studies.design.manufacture import sensitivity
+from workflow.studies.design.found import Found, Verified
+from workflow.studies.design.manufacture import Sensitivity, sensitivity
 from workflow.studies.design.memory import Memory, Record
 from workflow.studies.design.search import search, worth
 from workflow.studies.design.variables import Variable
@@ -186,6 +186,20 @@ def test_what_is_wanted_is_small_or_large(wanted, better, tmp_path):
     path.write_text(strict_yaml.dump(plain))
     records = [Record({}, {"delay": delay}, "", 0.0) for delay in (10.0, 11.0)]
     assert min(records, key=lambda one: worth(file.load(path), one)) is records[better]
+
+
+@pytest.mark.parametrize("wanted", [{"maximize": "delay"}, {"minimize": "wall_force"}], ids=str)
+def test_a_design_whose_pulse_does_not_reach_the_far_end_does_not_count(wanted, tmp_path, remembered):
+    """Of one chain to t = 20; the pulse passes bead 16 at 18.6."""
+    scene = {**SCENE, "chains": 1, "coupling": None, "duration": 20}
+    plain = {"scene": {k: v for k, v in scene.items() if v is not None}, "vary": {"beads": {"from": 10, "to": 30}}}
+    (tmp_path / "design.yaml").write_text(strict_yaml.dump({**plain, **wanted}))
+    design = file.load(tmp_path / "design.yaml")
+    records = search(design, Crew(design, remembered(tmp_path / "m.jsonl"), 1))
+    late = [r for r in records if r.values["beads"] > 16]
+    assert all(r.quantities[design.objective] is None and worth(design, r) == np.inf for r in late)
+    assert min(records, key=lambda one: worth(design, one)).values["beads"] <= 16
+    assert Found(design, records, [], None, Sensitivity(0.0, (), {}, ""), 0.0).undefined == len(late)
 
 
 class Linear:

@@ -74,12 +74,19 @@ class Found:
         """By the reference."""
         return min(self.records, key=lambda record: worth(self.design, record))
 
+    @property
+    def undefined(self) -> int:
+        """How many designs do not count because the objective, or a quantity with a limit, is undefined there."""
+        wanted = (self.design.objective, *self.design.where)
+        return sum(any(r.quantities.get(name, 0.0) is None for name in wanted) for r in self.records)
+
     def plain(self) -> dict[str, Any]:
         """For ``design.json``."""
         return {
             "objective": self.design.objective,
             "exhaustive": self.design.exhaustive,
             "asked": len(self.records),
+            "undefined": self.undefined,
             "best": self.best.values,
             "quantities": self.best.quantities,
             "verified": [one.plain() for one in self.verified],

@@ -33,7 +33,8 @@ def page(found: Found) -> str:
     scene = best.directory.scene.name
     summary = (
         f"Of {len(found.records)} designs of {scene} the one with the {wanted}. Numbers are in the scene's units; "
-        "every design was computed by the reference, the best again by LAMMPS."
+        "every design was computed by the reference, the best again by LAMMPS. "
+        f"In {found.undefined} of them the objective or a quantity with a limit is undefined; they do not count."
     )
     return document(f"{scene}: {wanted}", summary, "\n".join(parts))
 
