@@ -44,10 +44,9 @@ class Account:
         total = float(self.put_in[-1])
         parts = {name: float(part[-1]) for name, part in (*self.held.items(), *self.losses.items())}
         named = sorted(((part, name) for name, part in parts.items() if part > 0.0), reverse=True)
-        unit = f" {scale.symbol('energy')}" if scale.si else ""
-        said = f"energy: {total * scale.energy:.6g}{unit} put in until t = {self.time[-1] * scale.time:.6g}"
+        said = f"energy: {scale.written(total, 'energy')} put in until t = {scale.written(self.time[-1], 'time')}"
         if not total > _LITTLE * self.most:  # a drive may have taken back what it gave
-            return f"{said}, at most {self.most * scale.energy:.6g}{unit} before"
+            return f"{said}, at most {scale.written(self.most, 'energy')} before"
         return f"{said}, of which {', '.join(f'{part / total:.2%} {name}' for part, name in named)}"
 
     @property

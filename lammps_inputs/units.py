@@ -82,6 +82,16 @@ class Scale:
         """The unit's symbol for plots and tables: ``m/s`` or ``-``."""
         return SI[quantity] if self.si else "-"
 
+    def written(self, value: float, quantity: str, digits: str = ".6g") -> str:
+        """A dimensionless value in the scene's units, with the symbol of SI units: ``0.000656174 s``, or ``60``.
+
+        Args:
+            value: dimensionless.
+            quantity: one of this class's units, such as ``time``.
+            digits: format of the number.
+        """
+        return f"{value * getattr(self, quantity):{digits}}{f' {SI[quantity]}' if self.si else ''}"
+
     def heading(self, name: str, quantity: str) -> str:
         """A column's name in a table: ``arrival (s)``, and ``arrival`` in reduced units."""
         return f"{name} ({SI[quantity]})" if self.si else name

@@ -68,9 +68,9 @@ def test_the_sentence_is_in_the_scenes_units_and_names_the_largest_part_first(si
     scale = make_scale(2.0, 3.0, 0.1, si=si)
     parts = {"kinetic": np.array([4.0, 1.0]), "contacts": np.array([0.0, 0.0]), "springs": np.array([0.0, 0.5])}
     account = Account(np.array([0.0, 7.0]), np.array([4.0, 4.0]), parts, {"bead_damping": np.array([0.0, 2.5])})
-    joule = " J" if si else ""
+    joule, second = (" J", " s") if si else ("", "")
     assert account.sentence(scale) == (
-        f"energy: {4.0 * scale.energy:.6g}{joule} put in until t = {7.0 * scale.time:.6g}, of which "
+        f"energy: {4.0 * scale.energy:.6g}{joule} put in until t = {7.0 * scale.time:.6g}{second}, of which "
         "62.50% lost in bead damping, 25.00% kinetic, 12.50% springs"
     )
     assert account.plain(scale)["time"] == [0.0, 7.0 * scale.time]

@@ -95,7 +95,7 @@ def _print(found: Analysis) -> None:
     if not found.complete:
         print(
             f"incomplete: {seen.frames} of {problem.frames + 1} frames, to t = "
-            f"{seen.last_time * problem.scale.time:.6g}; what there is was analysed"
+            f"{problem.scale.written(seen.last_time, 'time')}; what there is was analysed"
         )
     if found.altered:
         print(

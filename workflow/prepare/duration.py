@@ -71,6 +71,7 @@ def with_duration(scene: Scene) -> Scene:
                 duration = math.ceil((float(time) + after) * scene.scale.time / every) * every
                 return scene.model_copy(update={"until_bead": None, "duration": duration})
     raise InputError(
-        f"until_bead: bead {scene.until_bead} is not passed in every chain by t = {limit:.4g} "
+        f"until_bead: bead {scene.until_bead} is not passed in every chain by "
+        f"t = {scene.scale.written(limit / scene.scale.time, 'time', '.4g')} "
         "(weakly coupled pulses decay); give a duration"
     )

@@ -119,10 +119,10 @@ def analyse(
         if bead not in problem.recorded_beads:
             raise InputError(f"--beads: bead {bead} is not among the recorded ones")
     if problem.every > FARTHEST * (1.0 + 1e-9):
-        limit = FARTHEST * problem.scale.time
+        every, limit = (problem.scale.written(time, "time", ".4g") for time in (problem.every, FARTHEST))
         raise InputError(
-            f"{directory.path}: its frames are {problem.every * problem.scale.time:.4g} apart, too far to find waves "
-            f"between them; run it with output.every at most {limit:.4g}"
+            f"{directory.path}: its frames are {every} apart, too far to find waves between them; "
+            f"run it with output.every at most {limit}"
         )
     ledger = accountant(directory, problem)
     conservation, fingerprint = Conservation(ledger.of), Fingerprint()
@@ -216,9 +216,10 @@ def _sane(directory: RunDirectory, blocks: Iterator[Trajectory]) -> Iterator[Tra
                 size = max(float(values.max()), -float(values.min()))  # NaN comes through
                 if not size < LARGEST:
                     frame, chain, bead = (int(k[0]) for k in np.nonzero(~(np.abs(values) < LARGEST)))
+                    when = block.problem.scale.written(block.time[frame], "time")
                     raise InputError(
                         f"{directory.path}: the {name} of bead {block.beads[bead]} of chain {chain + 1} is "
-                        f"{values[frame, chain, bead]:.3g} at t = {block.time[frame] * block.problem.scale.time:.6g}; "
+                        f"{values[frame, chain, bead]:.3g} at t = {when}; "
                         f"{directory.failure or 'the frames are damaged, or the run went wrong: run it again'}"
                     )
             yield block

@@ -75,8 +75,8 @@ def _numbers(own: Trajectory) -> list[str]:
     wrong = ~np.all(np.isfinite(own.displacement) & np.isfinite(own.velocity), axis=(1, 2))
     if not wrong.any():
         return []
-    time = own.time[int(np.argmax(wrong))] * own.problem.scale.time
-    return [f"from t = {time:.6g} on, positions or velocities are not finite numbers (a time step too long?)"]
+    time = own.problem.scale.written(own.time[int(np.argmax(wrong))], "time")
+    return [f"from t = {time} on, positions or velocities are not finite numbers (a time step too long?)"]
 
 
 def _times(own: Trajectory, reference: Trajectory) -> list[str]:
@@ -91,7 +91,8 @@ def _times(own: Trajectory, reference: Trajectory) -> list[str]:
         return []
     if displacement.explained > _CLEAR and abs(displacement.time / velocity.time - 1.0) < 0.1:
         word = "earlier" if displacement.time > 0.0 else "later"
-        return [f"all frames are shown {abs(displacement.time) * problem.scale.time:.2g} {word} than they are"]
+        shift = problem.scale.written(abs(displacement.time), "time", ".2g")
+        return [f"all frames are shown {shift} {word} than they are"]
     if abs(displacement.time) < 0.1 * abs(velocity.time):
         steps = velocity.time / problem.timestep
         word = "after" if steps > 0.0 else "before"
@@ -108,9 +109,9 @@ def _start(own: Trajectory) -> list[str]:
     if not np.any(wrong > 1e-6):
         return []
     chain, bead = np.unravel_index(int(np.argmax(wrong)), wrong.shape)
-    unit = problem.scale.velocity
-    found, right = own.velocity[0, chain, bead] * unit, problem.initial_velocity()[chain, bead] * unit
-    return [f"bead {bead + 1} of chain {chain + 1} starts with velocity {found:.6g} instead of {right:.6g}"]
+    both = own.velocity[0, chain, bead], problem.initial_velocity()[chain, bead]
+    found, right = (problem.scale.written(velocity, "velocity") for velocity in both)
+    return [f"bead {bead + 1} of chain {chain + 1} starts with velocity {found} instead of {right}"]
 
 
 def _beads(own: Trajectory, reference: Trajectory) -> list[str]:

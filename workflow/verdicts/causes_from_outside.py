@@ -9,7 +9,7 @@ from analysis.against import beads
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs.laws.in_time import HalfSine, Rectangular, Sine, TimeLaw
 from lammps_inputs.loads import Load, Motion
-from lammps_inputs.units import Scale
+from lammps_inputs.units import SI, Scale
 
 _MOTION_DOUBT = 1e-6
 """Share of the amplitude; the motion is given, to rounding."""
@@ -78,11 +78,12 @@ def _other_sine(
     turned = math.pi if right[0] < 0.0 else 0.0
     late = math.remainder(found[2] + turned - right[2], 2.0 * math.pi)
     second = 2.0 * math.pi * scale.time
+    size_unit, hertz = (f" {SI[what.replace('displacement', 'length')]}", " Hz") if scale.si else ("", "")
     said = [
         f"a {name} of {here:.4g} instead of {there:.4g}{unit}"
         for name, here, there, size, unit in (
-            (what, math.copysign(found[0], right[0]), right[0], abs(right[0]), ""),
-            ("frequency", found[1] / second, right[1] / second, right[1] / second, ""),
+            (what, math.copysign(found[0], right[0]), right[0], abs(right[0]), size_unit),
+            ("frequency", found[1] / second, right[1] / second, right[1] / second, hertz),
             ("phase", math.degrees(right[2] + late), math.degrees(right[2]), math.degrees(1.0), " degrees"),
         )
         if abs(here - there) > doubt * size and f"{here:.4g}" != f"{there:.4g}"
@@ -141,9 +142,10 @@ def _other_push(load: Load, time: Floats, felt: Floats, scale: Scale) -> str:
             durations = best * (durations / durations[50]) ** 0.05
         factor, left = fit(law._replace(duration=best))
         if left < _PUSH_DOUBT**2:
-            said = f"lasts {best * scale.time:.4g} instead of {law.duration * scale.time:.4g}"
+            lasts, given = (scale.written(time, "time", ".4g") for time in (best, law.duration))
+            said = f"lasts {lasts} instead of {given}"
             if abs(factor - 1.0) < _PUSH_DOUBT:
                 return said
-            peak = law.peak * scale.force
-            return f"{said}, and its peak is {factor * peak:.4g} instead of {peak:.4g}"
+            found, peak = (scale.written(force, "force", ".4g") for force in (factor * law.peak, law.peak))
+            return f"{said}, and its peak is {found} instead of {peak}"
     return "has another course over time than the scene says"

@@ -231,7 +231,7 @@ def test_of_spectra_the_highest_line_and_what_is_passed_on_are_told(si, printed)
     at_drive = np.array([[[0.5, 0.1], [0.8, 0.2]]])
     seen = Spectra((1, 8), 4.0, np.array([0.0, 0.5, 1.0]), lines, np.array([frequency * scale.time]), at_drive)
     out = printed(spectra.Spectra(problem, seen))
-    assert f"from t = {4.0 * scale.time:.5g} on" in out
+    assert f"from t = {4.0 * scale.time:.5g}{' s' if si else ''} on" in out
     assert f"{frequency:.5g}" in out
     half, whole, velocity = 0.5 / scale.time, 1.0 / scale.time, scale.velocity
     expected = [

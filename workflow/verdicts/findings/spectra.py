@@ -88,7 +88,8 @@ class Spectra(Finding):
                 line = [f"{spectra.frequency[top] / scale.time:.5g}", f"{height:.5g}"]
                 passed_on = [f"{share:.5g}" for share in spectra.transmissibility[:, chain, place]]
                 rows.append([str(bead) if chain == 0 else "", str(chain + 1), *line, *passed_on])
-        yield Table(f"{self.problem.name}: spectra from t = {spectra.after * scale.time:.5g} on", head, rows)
+        start = scale.written(spectra.after, "time", ".5g")
+        yield Table(f"{self.problem.name}: spectra from t = {start} on", head, rows)
 
     def tables(self) -> dict[str, str]:
         """All lines."""
