@@ -121,16 +121,42 @@ def mistaken(data: dict[str, Any], wanted: str) -> str:
 
 
 def describe(error: ValidationError, model: type[BaseModel]) -> str:
-    """The first of pydantic's complaints as one line: key, what was found, what would be right."""
-    details = error.errors(include_url=False)
-    unknown = [detail for detail in details if detail["type"] == "extra_forbidden"]
-    first = (unknown or details)[0]
-    paths = [_path(detail, model) for detail in details]
-    if not unknown:  # of what may stand there, the one that the value was meant for
-        first = next((d for d, path in zip(details, paths, strict=True) if _within(path, paths[0])), first)
-    others = len({str(path) for path in paths}) - 1
-    more = f" (and {others} more)" if others and first["loc"][:1] not in (("output",), ("window",)) else ""
-    return _line(first, model) + more
+    """Pydantic's complaints as one line: of each key what was found and what would be right, unknown keys first."""
+    details = sorted(error.errors(include_url=False), key=lambda detail: detail["type"] != "extra_forbidden")
+    lines = [_line(detail, model) for detail in _one_a_key(details, model)]
+    text = lines[0]
+    for shown, line in enumerate(lines[1:], 1):
+        if len(ascii(text)) + len(ascii(line)) > _LONGEST:  # as printed: what cannot be is escaped
+            return f"{text} (and {len(lines) - shown} more)"
+        text += f"; {line}"
+    return text
+
+
+_LONGEST = 230
+"""Characters of several mistakes in one line."""
+
+
+def _one_a_key(details: list[ErrorDetails], model: type[BaseModel]) -> list[ErrorDetails]:
+    """Of complaints about the same value, the one about the innermost key; none that another one explains."""
+    chosen: list[tuple[list[int | str], ErrorDetails]] = []
+    for detail in details:
+        path = _path(detail, model)
+        same = next((k for k, (other, _) in enumerate(chosen) if _begins(path, other) or _begins(other, path)), None)
+        if same is None:
+            chosen.append((path, detail))
+        elif _within(path, chosen[same][0]) and chosen[same][1]["type"] != "extra_forbidden":
+            chosen[same] = path, detail
+    meant = [[*path[:-1], _meant(path, model)] for path, detail in chosen if detail["type"] == "extra_forbidden"]
+    return [detail for path, detail in chosen if detail["type"] != "missing" or path not in meant]
+
+
+def _begins(path: list[int | str], above: list[int | str]) -> bool:
+    return path[: len(above)] == above
+
+
+def _meant(path: list[int | str], model: type[BaseModel]) -> str | None:
+    """The key that an unknown one at the end of a path was probably meant for."""
+    return next(iter(difflib.get_close_matches(str(path[-1]), _fields_at(model, path[:-1]), n=1)), None)
 
 
 def _path(detail: ErrorDetails, model: type[BaseModel]) -> list[int | str]:
@@ -179,6 +205,9 @@ def _line(detail: ErrorDetails, model: type[BaseModel]) -> str:
     if kind in _WHOLE and isinstance(value, float) and value.is_integer() and abs(value) < 1e15:
         return f"{key}: {given} given; write it as a whole number without a point or exponent, {int(value)}"
     message = _PLAIN.get(kind, detail["msg"].removeprefix("Input "))
+    example = _example(path, model) if kind in _PAIRS else ""
+    if example:
+        return f"{key}: {message}, such as `{example}`, {given} given"
     return f"{key}: {message}, {given} given"
 
 
@@ -194,6 +223,19 @@ _PLAIN = {
     "model_type": "should hold `key: value` pairs",
     "model_attributes_type": "should hold `key: value` pairs",
 }
+
+_PAIRS = ("model_type", "model_attributes_type")
+
+
+def _example(path: list[int | str], model: type[BaseModel]) -> str:
+    """A valid line for the part at a path; empty where there is none."""
+    found: type[BaseModel] | None = model
+    for part in path:
+        if found is not None and part in found.model_fields:
+            found = model_in(found.model_fields[str(part)].annotation)
+    example = getattr(found, "example", "")
+    words = [part for part in path if isinstance(part, str)]
+    return f"{words[-1]}: {example}" if example and words else ""
 
 
 def _key(path: list[int | str]) -> str:

@@ -6,7 +6,7 @@ No default depends on anything but the scene, and `Scene.resolved` fills every o
 import math
 from collections.abc import Iterator
 from dataclasses import fields
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import BeforeValidator, Field, create_model, field_validator, model_validator
@@ -53,6 +53,8 @@ SEVERAL = {"kick", "replace", *(key for key, ingredient in INGREDIENTS.items() i
 class Kick(Part):
     """An initial velocity of one bead, towards higher bead numbers when positive."""
 
+    example: ClassVar[str] = "{velocity: 1}"
+
     chain: Count = 1
     bead: Count = 1
     velocity: Annotated[float, Field(ge=-1e30, le=1e30), Unit("m/s")]
@@ -67,6 +69,8 @@ class Kick(Part):
 
 class Material(Part):
     """Elastic spheres in SI units; with it every other number of the scene is in SI."""
+
+    example: ClassVar[str] = "{radius: 4.76e-3, density: 8000, youngs_modulus: 193e9, poisson_ratio: 0.3}"
 
     radius: Annotated[Positive, Unit("m")]
     density: Annotated[Positive, Unit("kg/m3")]

@@ -30,6 +30,9 @@ class Part(BaseModel):
     alone: ClassVar[str | None] = None
     """Key of a number that may be written in place of the part."""
 
+    example: ClassVar[str] = ""
+    """A valid value in YAML, shown where something else than keys and values is given."""
+
 
 class Ingredient(Part):
     """A part of a scene that makes links between beads; what is not overridden, it does not do."""

@@ -5,7 +5,7 @@ spheres, cylinders and rubber O-rings: p from 1 to 3 (Nesterenko 2001; Spadoni &
 """
 
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
 from pydantic import Field
@@ -32,6 +32,8 @@ LEAST_OF_PULSES = 1.05
 
 class Contact(Ingredient):
     """A force ``stiffness * overlap**exponent``."""
+
+    example: ClassVar[str] = "{exponent: 2}"
 
     why = MappingProxyType(
         {Fact.REVERSIBLE: "contacts of an exponent below 1.5 open and close so abruptly that suzuki4 gains nothing"}

@@ -1,6 +1,6 @@
 """Springs between the beads of one row in different chains: any graph of chains, all rows or some, linear or cubic."""
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -75,6 +75,8 @@ _Topology = Annotated[Annotated[_Name, Tag("<plain>")] | Annotated[Graph, Tag("<
 
 class Coupling(Ingredient):
     """Springs between chains: a force ``stiffness s + cubic s**3`` for beads of a row that are s apart."""
+
+    example: ClassVar[str] = "{stiffness: 0.1}"
 
     model: Literal["linear"] = "linear"
     stiffness: _Stiffness | None = None

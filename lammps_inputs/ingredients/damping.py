@@ -7,7 +7,7 @@ Seitz (1982) for the restitution of beads in a row.
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,6 +48,8 @@ def _of_law(damping: Mapping[str, Any]) -> str:
 
 class Damping(Ingredient):
     """Forces against velocities, each absent if its coefficient is 0 or not given."""
+
+    example: ClassVar[str] = "{contact: 0.01}"
 
     why = MappingProxyType(
         {

@@ -1,7 +1,7 @@
 """Harmonic drives: a bead that is moved to and fro, or pushed and pulled, for ever: a shaker, a piezo actuator."""
 
 import math
-from typing import TYPE_CHECKING, Annotated, Self
+from typing import TYPE_CHECKING, Annotated, ClassVar, Self
 
 from pydantic import Field, model_validator
 
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 class Drive(OnBead):
     """``displacement * (sin(2 pi frequency t + phase) - sin(phase))``, or a force ``force * sin(...)``, of one bead."""
+
+    example: ClassVar[str] = "{displacement: 0.1, frequency: 0.05}"
 
     key = "drive"
 

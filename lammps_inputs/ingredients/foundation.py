@@ -5,7 +5,7 @@ SIAM J. Appl. Math. 72 (2012); Hasan et al., Granular Matter 15 (2013).
 """
 
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +34,8 @@ MOST = 1e12
 
 class Foundation(Ingredient):
     """Springs from the beads to the ground: a force ``-stiffness x - cubic x**3``."""
+
+    example: ClassVar[str] = "{stiffness: 0.1}"
 
     takes_away = frozenset({Fact.MOMENTUM, Fact.PULSE, Fact.FRONT})
     why = MappingProxyType({Fact.FRONT: "beads that a window leaves behind swing on for ever"})

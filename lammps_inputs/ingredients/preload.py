@@ -58,6 +58,8 @@ class _Load(Ingredient):
 class Precompression(_Load):
     """A constant force that presses the ends of every chain together; where there are walls, they hold it."""
 
+    example: ClassVar[str] = "{force: 1}"
+
     key: ClassVar[str] = "precompression"
 
     force: Annotated[Positive, Unit("N")]

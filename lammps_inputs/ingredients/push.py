@@ -3,7 +3,7 @@
 import itertools
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,8 @@ _SHAPES: dict[str, type[HalfSine] | type[Rectangular]] = {"half-sine": HalfSine,
 
 class Push(OnBead):
     """A force on one bead, towards higher bead numbers when positive: of a shape, or from a table."""
+
+    example: ClassVar[str] = "{peak: 0.5, duration: 3, shape: half-sine}"
 
     key = "push"
 

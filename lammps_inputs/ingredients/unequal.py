@@ -5,7 +5,7 @@ Every bead has a mass, a radius and a plane modulus ``E / (1 - nu**2)``, here in
 as that of two reference beads (Hertz 1882).
 """
 
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,8 @@ MOST = 1e6
 
 class Kind(Part):
     """A bead; what it does not name is the reference bead's."""
+
+    example: ClassVar[str] = "{mass: 0.5}"
 
     mass: Annotated[Positive, Unit("kg")] | None = None
     """By default that of a sphere of this radius and density."""
@@ -79,6 +81,8 @@ class Kind(Part):
 class Replacement(Part):
     """One bead that is of another kind."""
 
+    example: ClassVar[str] = "{bead: 40, kind: heavy}"
+
     chain: Count = 1
     bead: Count
     kind: Name
@@ -86,6 +90,8 @@ class Replacement(Part):
 
 class Disorder(Part):
     """Every bead differs a little: its numbers are spread evenly within these shares of them, up and down."""
+
+    example: ClassVar[str] = "{mass: 0.01}"
 
     mass: Spread = 0.0
     radius: Spread = 0.0
@@ -103,6 +109,8 @@ class Disorder(Part):
 
 class Striker(Kind):
     """The first bead of a chain, of its own kind, and the velocity with which it strikes the second."""
+
+    example: ClassVar[str] = "{mass: 2, velocity: 1}"
 
     chain: Count = 1
     velocity: Annotated[Positive, Unit("m/s")]

@@ -9,7 +9,7 @@ contacts of other exponents only the held bead is known.
 import math
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,6 +52,8 @@ Kind = Literal["bead", "flat", "rigid"] | Face
 
 class Walls(Ingredient):
     """Walls that all chains have in common; with a gap they stand as far away as beads do."""
+
+    example: ClassVar[str] = "{right: rigid}"
 
     takes_away = frozenset({Fact.MOMENTUM, Fact.FRONT})
     why = MappingProxyType({Fact.FRONT: "a window lets go of the rows that pulses come back through"})

@@ -1,6 +1,6 @@
 """Forces that a scene wants read, as walls and sensors in a chain read them; computed from the frames, never dumped."""
 
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from pydantic import field_validator
 
@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 class Forces(Part):
     """Where force is read, in every chain."""
+
+    example: ClassVar[str] = "{contacts: [10]}"
 
     wall: Literal[True] | None = None
     """On the walls."""

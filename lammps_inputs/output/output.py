@@ -1,6 +1,6 @@
 """What is recorded of a run, and how often."""
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import field_validator
 
@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 class Output(Part):
     """What is recorded, and how often."""
+
+    example: ClassVar[str] = "{every: 0.1}"
 
     every: Annotated[Positive, Unit("s")] | None = None
     """Time between frames."""

@@ -1,6 +1,6 @@
 """Beads whose spectra a scene wants; computed from the frames."""
 
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from pydantic import Field, field_validator
 
@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 class Spectra(Part):
     """Of the velocity of beads in every chain."""
+
+    example: ClassVar[str] = "{beads: [1, 20]}"
 
     beads: tuple[Count, ...]
     """The first is that which the others are compared with."""

@@ -28,6 +28,17 @@ def test_the_scene_that_the_mistakes_are_made_in_is_good():
     assert library.from_plain(strict_yaml.parse(scene_text(), "here"), "here").beads == 10
 
 
+def parts(model):
+    """A model of a scene and all that it holds."""
+    inner = (library.model_in(field.annotation) for field in model.model_fields.values())
+    return {model, *(found for part in inner if part is not None for found in parts(part))}
+
+
+@pytest.mark.parametrize("part", sorted(filter(lambda part: part.example, parts(Scene)), key=str))
+def test_the_example_of_a_part_is_valid(part):
+    part.model_validate(strict_yaml.parse(f"example: {part.example}", "here")["example"])
+
+
 def scene_or_one_line(data):
     try:
         scene = library.from_plain(data, "here")

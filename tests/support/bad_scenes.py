@@ -124,6 +124,8 @@ _YAML = [
 ]
 
 _KEYS = [
+    _changed("two mistakes", "beads:", "'ten' given; kick.bead: should", beads="ten", kick="{bead: a, velocity: 1}"),
+    _changed("misspelt key and another mistake", "kick.velocty:", "; beads: should", kick="{velocty: 1}", beads="ten"),
     _changed("unknown key", "colour:", "known here: name", colour="red"),
     _changed("misspelt key", "durration:", "did you mean `duration`?", durration="5", duration=None),
     _changed("misspelt key within", "kick.velocty:", "did you mean `velocity`?", kick="{velocty: 1}"),
@@ -152,7 +154,7 @@ _TYPES = [
     _changed("list for a number", "gap:", "number, [1, 2] given", gap="[1, 2]"),
     _changed("list for a name", "name:", "text, ['a'] given", name="[a]"),
     _changed("number for a name", "name:", "text, 7 given", name="7"),
-    _changed("number for a coupling", "coupling:", "`key: value`", coupling="0.1"),
+    _changed("number for a coupling", "coupling:", "such as `coupling: {stiffness: 0.1}`, 0.1", coupling="0.1"),
     _changed("number for a kick", "kick[1]:", "`key: value`", kick="1.0"),
     _changed("nothing for an output", "output:", "`key: value`", output=""),
     _changed("text in a list of beads", "output.beads:", "`all` or a list", output="{beads: [1, two]}"),
