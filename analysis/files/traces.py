@@ -30,16 +30,18 @@ _PATTERNS = (
     re.compile(rf"(?:force )?(?P<kind>contact|sensor) (?P<bead>\d{{1,9}}){_CHAIN}{_ABOVE}"),
     re.compile(r"(?P<kind>velocity|displacement)(?: chain)? (?P<chain>\d{1,9})(?: bead)? (?P<bead>\d{1,9})"),
 )
-_MEANT = re.compile(r"(left |right )?(force|wall|contact|sensor|velocity|displacement) |(left|right) wall")
+_MEANT = re.compile(r"(left |right )?(force|wall|contact|sensor|velocity|displacement)\b|(left|right) wall")
 _UNIT = re.compile(r"(.*?)\s*[(\[](.*?)[)\]]")
 
 _UNITS = {
-    "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "\N{MICRO SIGN}s": 1e-6, "\N{GREEK SMALL LETTER MU}s": 1e-6},
-    "force": {"n": 1.0, "mn": 1e-3, "kn": 1e3},
+    "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6},
+    "force": {"N": 1.0, "mN": 1e-3, "kN": 1e3},
     "velocity": {"m/s": 1.0, "mm/s": 1e-3, "cm/s": 1e-2},
-    "displacement": {"m": 1.0, "mm": 1e-3, "um": 1e-6, "\N{MICRO SIGN}m": 1e-6},
+    "displacement": {"m": 1.0, "mm": 1e-3, "um": 1e-6},
 }
-"""Unit in lower letters -> worth in SI."""
+"""Unit -> worth in SI."""
+
+_MICRO = str.maketrans("\N{MICRO SIGN}\N{GREEK SMALL LETTER MU}", "uu")
 
 
 @dataclass(frozen=True)
@@ -93,13 +95,22 @@ class Traces:
 
 def are_in(path: Path) -> bool:
     """Whether a file's first line names traces; a table of beads, an npz, or what cannot be read has none."""
+    names = _named(path)
+    return not _BEADS & set(names) and any(_MEANT.match(name) for name in names)
+
+
+_BEADS = {"chain", "bead"}
+"""Columns of a long table of beads, which no table of traces has."""
+
+
+def _named(path: Path) -> list[str]:
+    """Columns in a file's first line; none of what is no text or cannot be read."""
     try:
         with path.open(encoding="utf-8-sig") as file:
             names, _ = table.header(file.readline(100_000))
     except (OSError, UnicodeDecodeError):
-        return False
-    plain = [_split(name)[0] for name in names]
-    return not {"chain", "bead"} & set(plain) and any(_MEANT.match(name) for name in plain)
+        return []
+    return [_split(name)[0] for name in names]
 
 
 def load(path: Path) -> Traces:
@@ -108,7 +119,8 @@ def load(path: Path) -> Traces:
     Raises:
         InputError: the file is missing, of no such kind, names a column wrongly, or holds what is no number.
     """
-    if not are_in(path):
+    names = _named(path)
+    if not names or _BEADS & set(names):
         return _of_beads(path)
     try:
         if path.stat().st_size > table.MAX_BYTES:
@@ -150,27 +162,37 @@ def _chosen(path: Path, names: list[str]) -> dict[_Column, int]:
         channel = None if name == "time" else _channel(name)
         if name != "time" and channel is None:
             if _MEANT.match(name):
-                raise InputError(f"{path}: column {heading!r}: not known; wanted are such as {WANTED}")
+                raise InputError(f"{path}: column {heading!r}: not known, or names no place; such as {WANTED}")
             continue
         if channel in found:
             raise InputError(f"{path}: column {heading!r}: there is another of the same")
         known = _UNITS["time" if channel is None else "force" if channel.quantity == "force" else channel.kind]
-        if unit not in ("", "-", *known):
+        worth = _worth(unit, known)
+        if worth is None:
             raise InputError(f"{path}: column {heading!r}: the unit {unit!r} is not known; {', '.join(known)}")
-        found[channel] = place, known.get(unit, 1.0)
+        found[channel] = place, worth
     if None not in found:
-        raise InputError(f"{path}: has no column 'time'; wanted are such as {WANTED}")
+        raise InputError(f"{path}: has no column 'time'; columns are such as {WANTED}")
     if len(found) == 1:
-        raise InputError(f"{path}: holds no trace; wanted are such as {WANTED}")
+        raise InputError(f"{path}: holds no trace; columns are such as {WANTED}")
     in_order = sorted(found.items(), key=lambda entry: entry[0] is not None)
     return {_Column(channel, worth, names[place]): place for channel, (place, worth) in in_order}
 
 
+def _worth(unit: str, known: dict[str, float]) -> float | None:
+    """Of a unit in SI, 1 where none is given; None if it is not known. Letters of any case, but M is not milli."""
+    if unit in ("", "-"):
+        return 1.0
+    unit = unit.translate(_MICRO)
+    alike = {} if unit.startswith("M") else {name.lower(): worth for name, worth in known.items()}
+    return known.get(unit, alike.get(unit.lower()))
+
+
 def _split(heading: str) -> tuple[str, str]:
-    """Name and unit, both in lower letters; words of the name with one blank between them."""
-    with_unit = _UNIT.fullmatch(heading.strip().lower())
-    name, unit = with_unit.groups() if with_unit else (heading.lower(), "")
-    return " ".join(re.split(r"[\s_]+", name.strip())), unit.strip()
+    """Name in lower letters, its words with one blank between them, and unit."""
+    with_unit = _UNIT.fullmatch(heading.strip())
+    name, unit = with_unit.groups() if with_unit else (heading, "")
+    return " ".join(re.split(r"[\s_]+", name.strip().lower())), unit.strip()
 
 
 def _channel(name: str) -> Channel | None:

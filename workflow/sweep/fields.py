@@ -2,7 +2,11 @@
 ``kinds.light.mass``.
 """
 
+import difflib
+import itertools
 import re
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any
 
 from pydantic import BaseModel
@@ -22,8 +26,12 @@ Path = tuple[tuple[str, int | None], ...]
 """Key by key, each with the number of the list's entry (from 1) where one was given."""
 
 
-def parse(text: str) -> Path:
+def parse(text: str, scene: Mapping[str, Any] = MappingProxyType({})) -> Path:
     """The keys of a dotted path, which a scene can have.
+
+    Args:
+        text: as the user wrote it.
+        scene: plain data of the scene that it is meant for, whose fields are suggested first.
 
     Raises:
         InputError: no scene has such a field; names what it may have been meant for.
@@ -34,13 +42,44 @@ def parse(text: str) -> Path:
     if keys[:1] and keys[0] in _NAMED:
         del keys[1:2]  # the name
     if not matches or not all(matches) or ".".join(keys) not in known:
-        hint = library.suggestion(text[:200], known) or "; `granchain show two-chains` prints one with its fields"
+        meant = [f"`{name}`" for name in _meant(text[:200], known, scene)]
+        hint = f" (did you mean {' or '.join(meant)}?)" if meant else ""
+        hint = hint or "; `granchain show two-chains` prints one with its fields"
         raise InputError(f"a scene has no field {text[:60]!r}{hint}")
     path = tuple((match[1], None if match[2] is None else int(match[2])) for match in matches if match)
     for key, number in path:
         if number is not None and key not in SEVERAL:
             raise InputError(f"`{key}` is not a list of parts, so it takes no [{number}]")
     return path
+
+
+_MOST_MEANT = 3
+"""Fields that are suggested for one that there is not."""
+
+
+def _meant(text: str, known: list[str], scene: Mapping[str, Any]) -> list[str]:
+    """Fields of nearly this path or with this last key; those that the scene has a value for, if it has any."""
+    ends = list(dict.fromkeys(name.rpartition(".")[2] for name in known))
+    end = text.lower() if text.lower() in ends else None
+    close = [] if end else difflib.get_close_matches(text, known, n=1)
+    end = end or next(iter([] if close else difflib.get_close_matches(text, ends, n=1)), None)
+    found = close or [name for name in known if name.rpartition(".")[2] == end]
+    named = list(itertools.chain(*(_with_names(name, scene) for name in found)))
+    held = [name for name in named if look_up(dict(scene), _keys(name)) is not None]
+    return (held or named)[:_MOST_MEANT]
+
+
+def _with_names(field: str, scene: Mapping[str, Any]) -> list[str]:
+    """A field of parts that have names, once with each name in the scene."""
+    key, dot, rest = field.partition(".")
+    if key not in _NAMED or not dot:
+        return [field]
+    names = scene.get(key)
+    return [f"{key}.{name}.{rest}" for name in (names if isinstance(names, dict) and names else ["NAME"])]
+
+
+def _keys(field: str) -> Path:
+    return tuple((key, None) for key in field.split("."))
 
 
 def all_fields(model: type[BaseModel], above: str = "") -> list[str]:

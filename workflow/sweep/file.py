@@ -155,11 +155,12 @@ def from_plain(data: dict[str, Any], path: Path) -> Sweep:
         file = _File.model_validate(data)
     except ValidationError as error:
         raise InputError(f"{path}: {library.mistaken(data, 'sweep') or library.describe(error, _File)}") from None
+    scene = scene_in(file.scene, path)
     names = sorted(file.vary)
     seen: dict[fields.Path, str] = {}
     for name in names:
         try:
-            keys = tuple((key, number or 1) for key, number in fields.parse(name))
+            keys = tuple((key, number or 1) for key, number in fields.parse(name, scene))
         except InputError as error:
             raise InputError(f"{path}: vary: {error}") from None
         if keys in seen:
@@ -172,7 +173,7 @@ def from_plain(data: dict[str, Any], path: Path) -> Sweep:
     _refuse_too_many({name: _count(values) for name, values in given.items()}, file.combine, path)
     return Sweep(
         source=str(path),
-        scene=scene_in(file.scene, path),
+        scene=scene,
         vary={name: values.values() if isinstance(values, Range) else values for name, values in given.items()},
         combine=file.combine,
         engine=file.engine,

@@ -45,7 +45,7 @@ def test_a_channel_is_known_by_its_own_name(kind, tmp_path):
 
 
 def test_units_are_made_si_and_holes_stay_holes(tmp_path):
-    found = traces.load(table(tmp_path, "time (us),contact 3 (mN),velocity_1_2 (mm/s)\n1,500,\n2,nan,3\n"))
+    found = traces.load(table(tmp_path, "time (\N{MICRO SIGN}s),contact 3 (mN),velocity_1_2 (mm/S)\n1,500,\n2,nan,3\n"))
     assert found.time == pytest.approx([1e-6, 2e-6])
     assert found.values == pytest.approx(np.array([[0.5, np.nan], [np.nan, 0.003]]), nan_ok=True)
     assert found.units
@@ -66,7 +66,10 @@ def test_a_table_of_beads_is_a_trace_for_every_bead_that_it_has(tmp_path):
         ("time,force_contakt_3\n0,1\n", "column 'force_contakt_3': not known"),
         ("time,force_contact_3,contact 3 chain 1\n0,1,1\n", "there is another of the same"),
         ("contact 3,x\n0,1\n", "no column 'time'"),
-        ("time,contact 3 (lbf)\n0,1\n", "the unit 'lbf' is not known"),
+        ("time,contact 3 (lbf)\n0,1\n", "the unit 'lbf' is not known; N, mN, kN"),
+        ("time,contact 3 (MN)\n0,1\n", "the unit 'MN' is not known"),
+        ("time,force (N)\n0,1\n", "column 'force (N)': not known, or names no place; such as time, force_wall_right"),
+        ("time,Kraft\n0,1\n", "holds no trace; columns are such as time, force_wall_right"),
         ("time,contact 3\n1,1\n0,1\n", "times are not ascending"),
         ("time,contact 3\n0,1\n,2\n", "times are not ascending"),
         ("time,contact 3\n0,inf\n", "holds inf in row 1"),

@@ -129,6 +129,7 @@ BAD = {
     "misspelt key": ("scene: two-chains\nvarry: {gap: [1]}", "did you mean `vary`?"),
     "misspelt scene": ("scene: two-chain\nvary: {gap: [1]}", "did you mean `two-chains`?"),
     "scene that is no file": ("scene: /dev/zero\nvary: {gap: [1]}", "neither a file nor an installed scene"),
+    "last key of a field": ("scene: two-chains-steel\nvary: {youngs_modulus: [1]}", "`material.youngs_modulus`?"),
     "misspelt field": ("scene: two-chains\nvary: {kick.velocty: [1]}", "did you mean `kick.velocity`?"),
     "unknown field": ("scene: two-chains\nvary: {colour: [1]}", "a scene has no field 'colour'"),
     "number of a field without parts": ('scene: two-chains\nvary: {"beads[2]": [1]}', "`beads` is not a list"),

@@ -42,7 +42,7 @@ def free(names: list[str], scene: dict[str, Any], source: str) -> Free:
     start = []
     for name in names:
         try:
-            path = fields.parse(name)
+            path = fields.parse(name, scene)
         except InputError as error:
             raise InputError(f"--free: {error}") from None
         if names.count(name) > 1:
