@@ -33,6 +33,21 @@ def of_key(name: str) -> str | None:
     return None
 
 
+def of_word(word: str) -> str | None:
+    """The entries that have a word in code, such as a key within a part or one of its values.
+
+    Where there are several, the keys that they stand at; None where there are none.
+    """
+    if not re.fullmatch(r"[a-z][a-z0-9_-]{2,}", word):  # shorter ones are symbols
+        return None
+    whole = re.compile(rf"\b{word}\b")
+    found = [cells for cells in _rows() if any(whole.search(code) for code in re.findall(r"`([^`]*)`", cells[1]))]
+    if len(found) == 1:
+        return _entry(found[0])
+    places = ", ".join(_plain(cells[0]) for cells in found)
+    return f"{word}\n    part of {places}; `granchain help KEY` explains each" if found else None
+
+
 def _section() -> list[str]:
     text = (importlib.resources.files("lammps_inputs") / "README.md").read_text(encoding="utf-8")
     return text.split("\n## Scenes\n", 1)[1].split("\n## ", 1)[0].splitlines()

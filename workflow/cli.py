@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 try:
-    from lammps_inputs import InputError
+    from lammps_inputs import InputError, library
     from workflow import formats, screen
     from workflow.errors import RunError
     from workflow.runs.whole_files import as_json
@@ -123,6 +123,10 @@ def parser(names: Sequence[str]) -> argparse.ArgumentParser:
     whole.add_argument("--version", action=_Version, nargs=0, help="print versions and exit")
     subparsers = whole.add_subparsers(dest="command", required=True, metavar="COMMAND")
     known = [name for name in names if name in COMMANDS]
+    for name in names:
+        if name not in COMMANDS and not name.startswith("-"):
+            hint = library.suggestion(name[:200], COMMANDS)
+            raise InputError(f"{name[:60]!r} is no command{hint}; `granchain --help` lists all")
     for name in known or COMMANDS:
         summary = _summary(name)
         one = subparsers.add_parser(

@@ -13,6 +13,7 @@ from workflow import cli
 from workflow.cli import COMMANDS, main
 from workflow.studies.design import file as design
 from workflow.sweep.file import schema_of_file
+from workflow.sweep.table import QUANTITIES
 
 SCENE = "name: tiny\nbeads: 4\nkick: {velocity: 1}\nduration: 2\n"
 
@@ -85,10 +86,19 @@ def test_json_of_status_is_a_list(capsys):
 def test_help_explains_keys_and_commands(capsys):
     assert "springs between" in said(capsys, "help", "coupling.rows")
     assert "clear distance" in said(capsys, "help", "scene")
+    assert said(capsys, "help", "restitution").startswith("damping\n")
+    assert "part of contact, coupling," in said(capsys, "help", "stiffness")
     assert "COMMAND" in said(capsys, "help")
     with pytest.raises(SystemExit):
         main(["help", "run"])
     assert "usage: granchain run" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("name", QUANTITIES)
+def test_help_says_where_a_quantity_stands(name, capsys):
+    lines = said(capsys, "help", name).splitlines()
+    assert name == lines[0]
+    assert QUANTITIES[name].path[-1] in lines[-1]
 
 
 def test_help_on_a_misspelt_word_says_what_may_be_meant(capsys):

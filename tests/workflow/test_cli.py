@@ -124,7 +124,8 @@ def test_a_pulse_that_does_not_arrive_is_one_line_and_nothing_is_written(tmp_pat
     ("arguments", "says"),
     [
         ([], "COMMAND; `granchain --help` tells more"),
-        (["simulate"], "invalid choice: 'simulate'"),
+        (["simulate"], "'simulate' is no command; `granchain --help` lists all"),
+        (["analyse", "run"], "'analyse' is no command (did you mean `analyze`?)"),
         (["run"], "run: needs a SCENE and -o DIR, or --resume DIR; `granchain run --help` tells more"),
         (["run", "two-chains"], "run: needs a SCENE and -o DIR, or --resume DIR"),
         (["run", "two-chains", "-o"], "expected one argument"),

@@ -7,6 +7,7 @@ import platform
 import re
 import struct
 import time
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -155,9 +156,19 @@ def test_a_deck_whose_last_frame_is_there_is_done(tmp_path):
 def test_a_deck_whose_frames_end_early_is_incomplete_and_how_far_is_told(tmp_path):
     found = status(aged(with_frames(with_deck(tmp_path / "x"), 30)))
     assert (found.state, found.step, found.steps) == ("incomplete", 300, STEPS)
-    assert "starts it anew" in found.why
+    assert "starts it from the beginning" in found.why
     (tmp_path / "x" / file_names.RESTART).write_text("")
     assert "in.continue" in status(tmp_path / "x").why
+
+
+@pytest.mark.skipif(not Path("/proc/self/fd").is_dir(), reason="a system that does not say who has a file open")
+def test_a_deck_whose_frames_are_new_runs_if_a_process_has_them_open(tmp_path):
+    directory = with_frames(with_deck(tmp_path / "x"), 30)
+    with (directory / file_names.DUMP).open("ab"):
+        assert status(directory).state == "running"
+    found = status(directory)
+    assert found.state == "incomplete"
+    assert "no process on this machine writes it" in found.why
 
 
 def test_the_parts_of_a_continued_run_count_together(tmp_path):

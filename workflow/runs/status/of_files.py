@@ -7,7 +7,7 @@ from lammps_inputs import file_names
 from workflow.cluster.queue import Queued
 from workflow.runs.files import parts
 from workflow.runs.made_by import Made
-from workflow.runs.status.signs import GRACE, fresh, last_step_of, locked, steps_of
+from workflow.runs.status.signs import GRACE, fresh, last_step_of, locked, newest_frame, steps_of, written_here
 from workflow.runs.status.state import State, Status
 
 
@@ -48,9 +48,18 @@ def of_files(directory: Path, queued: Queued | None) -> Status:
         return Status(directory, "written", 0, steps, f"{start} starts it")
     if step is not None and steps is not None and step >= steps:
         return Status(directory, "done", step, steps)
-    if locked(directory) or fresh(directory):
-        return Status(directory, "running", step, steps, "or was cut a moment ago: its frames are minutes old")
-    onwards = f"`lmp -in {file_names.DECK}` there starts it anew"
+    onwards = f"`lmp -in {file_names.DECK}` there starts it from the beginning"
     if (directory / file_names.RESTART).is_file():
-        onwards = f"`lmp -in {file_names.CONTINUE}` there goes on"
-    return Status(directory, "incomplete", step, steps, f"cut; {onwards}")
+        onwards = f"`lmp -in {file_names.CONTINUE}` there resumes it"
+    if locked(directory):
+        return Status(directory, "running", step, steps)
+    if not fresh(directory):
+        return Status(directory, "incomplete", step, steps, f"cut; {onwards}")
+    here = written_here(directory)
+    if here:
+        return Status(directory, "running", step, steps)
+    age = f"its last frame is {time.time() - newest_frame(directory):.0f} s old"
+    if here is None:
+        return Status(directory, "running", step, steps, f"{age}; if no lmp runs any more, {onwards}")
+    why = f"{age}, and no process on this machine writes it; unless one on another machine does, {onwards}"
+    return Status(directory, "incomplete", step, steps, why)

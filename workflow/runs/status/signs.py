@@ -5,6 +5,7 @@ Half-written and damaged files are nobody's mistake here: what cannot be read te
 
 import re
 import time
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -65,6 +66,24 @@ def fresh(directory: Path) -> bool:
     if _only_lists(files[-1]):  # which is news of reports, not of the run
         files.pop()
     return any(time.time() - path.stat().st_mtime < GRACE for path in files if path.exists())
+
+
+def newest_frame(directory: Path) -> float:
+    """When a frame was last written; there is one."""
+    return max(path.stat().st_mtime for path in parts(directory))
+
+
+def written_here(directory: Path) -> bool | None:
+    """Whether a process on this machine has frames open; None where the system does not say."""
+    frames = {path.resolve() for path in parts(directory)}
+    processes = list(Path("/proc").glob("[0-9]*/fd"))
+    for opened in processes:
+        with suppress(OSError):  # it has ended, or is another user's
+            for link in opened.iterdir():
+                with suppress(OSError):  # it was closed
+                    if link.readlink() in frames:
+                        return True
+    return False if processes else None
 
 
 def clean(reason: Any) -> str:
