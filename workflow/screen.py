@@ -93,25 +93,34 @@ def count_bar(name: str) -> Iterator[Callable[..., None]]:
 
     On standard error, and only on a terminal.
     """
-    with _bar("{task.completed:.0f}/{task.total:.0f}") as bar:
-        task = bar.add_task(name, total=None)
+    with _bar("{task.fields[count]}") as bar:
+        task = bar.add_task(name, total=None, count="")
 
         def show(done: int, total: int, failed: int | str = 0) -> None:
             said = f"{failed} failed" if isinstance(failed, int) and failed else failed or ""
             label = f"{name}, {said}" if said else name
-            bar.update(task, completed=done, total=total, description=label)
+            bar.update(task, completed=done, total=total, count=f"{done}/{total}", description=label)
 
         yield show
 
 
-def _bar(done: str) -> "Progress":
+@contextmanager
+def _bar(done: str) -> Iterator["Progress"]:
     """A bar that says by a template how much is done, and disappears at its end."""
     from rich.console import Console  # rich takes a tenth of a second to import
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
     console = Console(stderr=True)
     columns = (TextColumn("{task.description}"), BarColumn(), TextColumn(done), TimeRemainingColumn(compact=True))
-    return Progress(*columns, console=console, transient=True, disable=not (_bars.get() and console.is_terminal))
+    shown = _bars.get() and console.is_terminal
+    drawing = None
+    try:
+        with Progress(*columns, console=console, transient=True, disable=not shown) as bar:
+            drawing = bar.live._refresh_thread
+            yield bar
+    finally:
+        if drawing is not None:
+            drawing.join()  # rich only asks it to end
 
 
 def print_table(title: str, head: list[str], rows: list[list[str]]) -> None:
