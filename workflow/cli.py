@@ -11,7 +11,8 @@ import io
 import os
 import signal
 import sys
-from collections.abc import Iterable, Sequence
+import threading
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -80,14 +81,11 @@ class _Version(argparse.Action):
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code."""
     words = list(sys.argv[1:] if argv is None else argv)
-    with contextlib.suppress(ValueError):  # not in the main thread
-        for ending in (signal.SIGTERM, signal.SIGQUIT, signal.SIGHUP):  # batch systems, `timeout`: end as at Ctrl-C
-            if signal.getsignal(ending) is not signal.SIG_IGN:  # nohup
-                signal.signal(ending, signal.default_int_handler)
     try:
-        arguments = parser(words[:1]).parse_args(words)
-        code = _execute(arguments)
-        sys.stdout.flush()
+        with _ended_as_by_ctrl_c():
+            arguments = parser(words[:1]).parse_args(words)
+            code = _execute(arguments)
+            sys.stdout.flush()
     except InputError as error:
         return _say(error, 2)
     except RunError as error:
@@ -100,6 +98,26 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         return _say("interrupted", 130)
     return code
+
+
+@contextlib.contextmanager
+def _ended_as_by_ctrl_c() -> Iterator[None]:
+    """Treat the signals of batch systems and `timeout` as Ctrl-C, and restore the previous handlers at the end.
+
+    A process forked with these handlers would turn the SIGTERM that is to end it into an exception.
+    """
+    before: dict[signal.Signals, Any] = {}
+    try:
+        if threading.current_thread() is threading.main_thread():
+            for ending in (signal.SIGTERM, signal.SIGQUIT, signal.SIGHUP):
+                handler = signal.getsignal(ending)
+                if handler not in (signal.SIG_IGN, None):  # nohup; None: not set from Python, so it cannot be restored
+                    before[ending] = handler
+                    signal.signal(ending, signal.default_int_handler)
+        yield
+    finally:
+        for ending, handler in before.items():
+            signal.signal(ending, handler)
 
 
 def _execute(arguments: argparse.Namespace) -> int:

@@ -193,9 +193,10 @@ def carry_out(
     path, engine = result.path, result.record["engine"]
     refuse_links(path)
     started = time.perf_counter() - spent
-    if check and engine == "lammps":
-        # on another core while LAMMPS computes
-        threading.Thread(target=contextvars.copy_context().run, args=(reference.load,), daemon=True).start()
+    loading = None
+    if check and engine == "lammps":  # on another core while LAMMPS computes
+        loading = threading.Thread(target=contextvars.copy_context().run, args=(reference.load,), daemon=True)
+        loading.start()
     try:
         ending = compute(engine, result, ranks=ranks, settings=settings, progress=progress, start=start)
         if ending["outcome"] == "done":
@@ -211,6 +212,9 @@ def carry_out(
         if isinstance(error, OSError | EndedError):
             reason = f"{reason.rstrip('.')}; `granchain run --resume {path}` goes on from there"
         raise type(error)(reason) if isinstance(error, RunError) else RunError(reason) from None
+    finally:
+        if loading is not None:
+            loading.join()
     if ending["outcome"] != "done":
         return Run(result, ending["outcome"])
     for name in (file_names.RESTART, file_names.RESTART_SUMS):

@@ -6,9 +6,8 @@ front are integrated; every case is run a second time in a window twice as wide,
 
 import json
 import math
-import multiprocessing
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
@@ -23,6 +22,7 @@ from workflow.formats import figure_files
 from workflow.runs.own_files import claim
 from workflow.runs.whole_files import write_figure, write_text
 from workflow.studies.lines import to_csv
+from workflow.studies.spawned import SpawnPool
 
 COUPLINGS = tuple(float(f"{value:.3g}") for value in np.geomspace(1e-3, 2.0, 12))
 CHAINS = (2, 3, 4, 5, 6, 7, 8)
@@ -151,7 +151,7 @@ def make_map(
     done = {key: case for key in wanted if (case := _read(folder, *key, most_beads)) is not None}
     # the longest first, so that no core is left with one long case at the end
     missing = sorted((key for key in wanted if key not in done), key=lambda key: key[1] / key[0])
-    with ProcessPoolExecutor(min(cores(), max(1, len(missing))), multiprocessing.get_context("spawn")) as pool:
+    with SpawnPool(min(cores(), max(1, len(missing)))) as pool:
         futures = {pool.submit(run_case, *key, most_beads): key for key in missing}
         try:
             for future in as_completed(futures):

@@ -321,7 +321,7 @@ def test_the_command_writes_table_and_figure_goes_on_where_it_stopped_and_fails_
 ):
     monkeypatch.setattr(all_cells, "grid", lambda *_: [Cell("beads", "8", SHORT), REFUSED])
     monkeypatch.setattr(report, "_program", lambda: "this one")
-    monkeypatch.setattr(report, "ProcessPoolExecutor", Here)
+    monkeypatch.setattr(report, "SpawnPool", Here)
     command = ["extremes", "-o", str(tmp_path)]
     assert main(command) == 0
     out = capsys.readouterr().out

@@ -125,6 +125,8 @@ def run(
         finally:
             patience.cancel()
             _end(process)
+            if stopped:
+                patience.join()
         errors.seek(0)
         complaint = next((text.strip() for text in errors if text.strip()), "")
     if last.get("end") == "done":

@@ -1,11 +1,10 @@
 """Evaluations on all cores, each remembered as it is done."""
 
 import contextlib
-import multiprocessing
 import os
 import signal
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from typing import Any
 
 from lammps_inputs import InputError, library
@@ -13,6 +12,7 @@ from workflow.studies.design.file import Design
 from workflow.studies.design.measures import MASS, evaluated, mass_of
 from workflow.studies.design.memory import Memory, Record, key_of
 from workflow.studies.design.variables import scene_with
+from workflow.studies.spawned import SpawnPool
 from workflow.sweep.worker import die_with_parent
 
 Tell = Callable[[Record], None]
@@ -36,10 +36,9 @@ class Crew:
 
     def __init__(self, design: Design, memory: Memory, processes: int, tell: Tell | None = None) -> None:
         self.design, self.memory, self.tell = design, memory, tell
-        self._pool: ProcessPoolExecutor | None = None
+        self._pool: SpawnPool | None = None
         if processes > 1:
-            context = multiprocessing.get_context("spawn")
-            self._pool = ProcessPoolExecutor(processes, context, initializer=_begin, initargs=(os.getpid(),))
+            self._pool = SpawnPool(processes, initializer=_begin, initargs=(os.getpid(),))
 
     def all_of(self, designs: Sequence[dict[str, Any]], *, whole: bool = False) -> list[Record]:
         """Records of designs, each field -> value, in their order; each is computed once.
@@ -111,6 +110,7 @@ class Crew:
                 process.terminate()
         for process in processes:
             process.join()
+        self._pool.shutdown()  # its thread has seen them end
 
 
 def _record(values: dict[str, Any], answer: dict[str, Any]) -> Record:

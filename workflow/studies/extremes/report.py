@@ -9,7 +9,7 @@ import re
 import signal
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict
 from pathlib import Path
@@ -24,6 +24,7 @@ from workflow.studies.extremes.cells import Cell
 from workflow.studies.extremes.measure import measure
 from workflow.studies.extremes.outcome import KINDS, Outcome
 from workflow.studies.lines import to_csv
+from workflow.studies.spawned import SpawnPool
 
 Progress = Callable[..., None]
 
@@ -77,8 +78,7 @@ def _measured(wanted: list[tuple[int, Cell]]) -> Iterator[tuple[int, Outcome]]:
     alone, shared = ([(k, cell) for k, cell in wanted if (cell.ranks > 1) == several] for several in (True, False))
     shared.sort(key=lambda one: -cost(one[1]))
     processes = min(cores(), max(1, len(shared)))
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(processes, context, initializer=_Child.begin) as pool:
+    with SpawnPool(processes, initializer=_Child.begin) as pool:
         futures = {pool.submit(_Child.measure, cell): k for k, cell in shared}
         try:
             for future in as_completed(futures):

@@ -4,9 +4,8 @@ What an entry leaves is kept: its runs, which a later start takes, and its secti
 other entries are asked for.
 """
 
-import multiprocessing
 from collections.abc import Callable, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from concurrent.futures import Future, as_completed
 from pathlib import Path
 
 from lammps_inputs import InputError, html
@@ -16,6 +15,7 @@ from workflow.runs.own_files import claim
 from workflow.runs.whole_files import write_text
 from workflow.studies import page
 from workflow.studies.gallery.entries import ENTRIES
+from workflow.studies.spawned import SpawnPool
 
 PAGE = "index.html"
 FOLDER = "entries"
@@ -81,7 +81,7 @@ _SUMMARY = (
 
 def _side_by_side(names: Sequence[str], folder: Path, progress: Progress | None) -> dict[str, page.Section]:
     found: dict[str, page.Section] = {}
-    with ProcessPoolExecutor(min(cores(), len(names)), multiprocessing.get_context("spawn")) as pool:
+    with SpawnPool(min(cores(), len(names))) as pool:
         futures = {pool.submit(run_entry, name, folder): name for name in names}
         try:
             for future in as_completed(futures):
