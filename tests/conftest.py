@@ -21,6 +21,7 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, settings
 from lammps_here import run
+from processes import HANGS
 
 from workflow.engines.lammps import engine
 from workflow.runs.whole_files import write_figure
@@ -50,10 +51,13 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """The longest files first, so that no worker waits long for the last of another."""
+    """The longest files first, so that no worker waits long for the last of another; slow tests may take longer."""
     weight: Counter[Path] = Counter()
     for item in items:
-        weight[item.path] += AS_LONG_AS if item.get_closest_marker("slow") else 1
+        slow = item.get_closest_marker("slow") is not None
+        weight[item.path] += AS_LONG_AS if slow else 1
+        if slow and item.get_closest_marker("timeout") is None:
+            item.add_marker(pytest.mark.timeout(HANGS))
     items.sort(key=lambda item: -weight[item.path])
 
 

@@ -30,6 +30,18 @@ def test_a_suite_started_with_ctrl_c_ignored_tests_ctrl_c_all_the_same():
     assert done.returncode == 0, done.stdout
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("workers", ["0", "1"])
+def test_a_test_that_hangs_fails_by_its_name_and_the_others_run(workers, tmp_path):
+    file = tmp_path / "test_hanging.py"
+    file.write_text("import threading\ndef test_hangs(): threading.Event().wait()\ndef test_more(): pass\n")
+    words = ["-q", "-p", "no:cacheprovider", "-c", HERE.parents[1] / "pyproject.toml", "-n", workers, "-o", "timeout=1"]
+    command = [sys.executable, "-m", "pytest", *map(str, words), str(file)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=HANGS)
+    assert "::test_hangs - Failed: Timeout (>1.0s)" in done.stdout
+    assert "1 failed, 1 passed" in done.stdout
+
+
 def test_a_test_that_fails_leaves_no_process_and_no_pipe():
     with warnings.catch_warnings():
         warnings.simplefilter("error", ResourceWarning)

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-HANGS = 1800.0
+HANGS = 1200.0
 """Seconds after which something hangs, however busy the machine is: no claim is about them."""
 
 

@@ -68,6 +68,7 @@ def test_the_fitted_scene_is_a_scene_that_lammps_has_run_with_its_error(found):
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(240 * int(os.environ.get("GRANCHAIN_SEEDS", "5")))
 def test_intervals_hold_the_truth_as_often_as_they_say(tmp_path, monkeypatch):
     """$GRANCHAIN_SEEDS tables (5) that differ in their noise; for each field a binomial number of them, at 95%."""
     monkeypatch.setattr(study, "_draw", lambda *_: None)
