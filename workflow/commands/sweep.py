@@ -53,6 +53,8 @@ def _run(what: file.Sweep, arguments: argparse.Namespace) -> Answer:
     failed = f", {len(end.failed)} failed" if end.failed else ""
     print(f"{one_line(arguments.output)}: {end.done} of {end.cases} cases done{before}{failed}")
     data = {"cases": end.cases, "done": end.done, "failed": dict(end.failed)}
+    if end.others:
+        print(f"{end.others} more with values that {one_line(arguments.sweep)} no longer names stay, also in the table")
     if end.interrupted:
         print("interrupted: what is done is kept; the same command goes on with the rest")
         return Answer(130, data)

@@ -34,6 +34,7 @@ class Swept:
         done: how many are done.
         failed: name and reason of each that failed.
         interrupted: whether it was stopped before its end.
+        others: cases in the directory with values that the sweep no longer names; they stay.
     """
 
     cases: int
@@ -41,6 +42,7 @@ class Swept:
     done: int
     failed: list[tuple[str, str]]
     interrupted: bool
+    others: int = 0
 
 
 def sweep(
@@ -66,6 +68,7 @@ def sweep(
         InputError: a case is no scene, or its directory holds something else. Nothing has run then.
     """
     cases = plan(what, directory)
+    others = len(_others(directory, cases))
     failed: list[tuple[str, str]] = []
     make(directory)
     with alone(directory):
@@ -90,8 +93,8 @@ def sweep(
                         progress(done + len(failed), len(cases), len(failed))
         except KeyboardInterrupt:
             done = len(cases) - len(_missing(cases, directory, figures=figures))  # some ended while they were stopped
-            return Swept(len(cases), before, done, failed, interrupted=True)
-    return Swept(len(cases), before, done, failed, interrupted=False)
+            return Swept(len(cases), before, done, failed, interrupted=True, others=others)
+    return Swept(len(cases), before, done, failed, interrupted=False, others=others)
 
 
 def plan(what: Sweep, directory: Path) -> list[Case]:
@@ -106,7 +109,32 @@ def plan(what: Sweep, directory: Path) -> list[Case]:
         scene = scene_of(what, case)
         _refuse_what_cannot_run(f"{what.source}: case {case.name}", what.engine, scene)
         directories.refuse_another(directory / case.name, request(what, case, scene), scene)
+    for case in _others(directory, cases):
+        _refuse_of_another_sweep(what, directory, case)
     return cases
+
+
+def _others(directory: Path, cases: list[Case]) -> list[Case]:
+    """Cases in a directory that are none of these: of an earlier version of the sweep's file."""
+    names = {case.name for case in cases}
+    paths = sorted(path for path in directory.iterdir() if path.name not in names) if directory.is_dir() else []
+    found = ((path.name, directories.asked(path)) for path in paths)
+    return [Case(name, asked.swept) for name, asked in found if asked is not None]
+
+
+def _refuse_of_another_sweep(what: Sweep, directory: Path, case: Case) -> None:
+    """Let a directory, and so its table, hold cases of one scene over the same fields.
+
+    Raises:
+        InputError: a case is of other fields, or of another scene or engine.
+    """
+    if case.values.keys() != what.vary.keys():
+        raise InputError(
+            f"{directory}: holds cases over {', '.join(case.values)}, and this sweep varies {', '.join(what.vary)}; "
+            "choose another -o"
+        )
+    scene = scene_of(what, case)
+    directories.refuse_another(directory / case.name, request(what, case, scene), scene)
 
 
 def request(what: Sweep, case: Case, scene: Scene) -> Asked:

@@ -48,9 +48,9 @@ def collect(directory: Path, progress: Callable[[int, int], None] | None = None)
         report, record = read_json(path / REPORT), recorded(path)
         scenes.add(str(request.scene.get("name", "")))
         kinds.add("material" in request.scene or report.get("units") == "SI")
-        swept = {name: request.swept.get(name, fields.look_up(request.scene, paths[name])) for name in names}
-        outcome, reason = _outcome(states[path], report.get("complete") is True, complaints.get(path.name))
         scene = request.scene or _scene(path)
+        swept = {name: request.swept.get(name, fields.look_up(scene, paths[name])) for name in names}
+        outcome, reason = _outcome(states[path], report.get("complete") is True, complaints.get(path.name))
         row = {"case": path.name, **swept, "outcome": outcome, **quantities(report, record, scene)}
         rows.append({**row, "reason": reason})
         spectra = report.get("spectra")

@@ -101,7 +101,9 @@ def test_what_is_missing_failed_or_cut_short_is_computed_again_and_nothing_else(
 def test_added_values_are_computed_and_cases_no_longer_named_stay(tmp_path, capsys):
     assert sweep(sweep_file(tmp_path, beads=[10, 11]), tmp_path / "s") == 0
     assert sweep(sweep_file(tmp_path, beads=[11, 12]), tmp_path / "s") == 0
-    assert "2 of 2 cases done (1 of them before)" in capsys.readouterr().out
+    out = capsys.readouterr().out
+    assert "2 of 2 cases done (1 of them before)" in out
+    assert "1 more with values that" in out
     assert {path.name for path in (tmp_path / "s").iterdir()} == {"beads=10", "beads=11", "beads=12"}
 
 
@@ -114,6 +116,22 @@ def test_the_same_case_of_another_sweep_is_refused_before_anything_runs(change, 
     before = stamps(directory)
     path = sweep_file(tmp_path, {**SMALL, **change}, engine=engine, coupling__stiffness=[0.05, 0.1])
     assert sweep(path, directory) == 2
+    assert says in capsys.readouterr().err
+    assert stamps(directory) == before
+
+
+@pytest.mark.parametrize(
+    ("change", "vary", "says"),
+    [
+        ({}, {"kick__velocity": [0.5, 1.0]}, "cases over coupling.stiffness, and this sweep varies kick.velocity"),
+        ({}, {"coupling__stiffness": [0.1], "gap": [0.1]}, "this sweep varies coupling.stiffness, gap"),
+        ({"duration": 12}, {"coupling__stiffness": [0.3]}, "another scene (duration differs)"),
+    ],
+)
+def test_a_sweep_edited_so_that_one_table_would_hold_two_is_refused(change, vary, says, done, tmp_path, capsys):
+    _, directory = done
+    before = stamps(directory)
+    assert sweep(sweep_file(tmp_path, {**SMALL, **change}, **vary), directory) == 2
     assert says in capsys.readouterr().err
     assert stamps(directory) == before
 
