@@ -26,6 +26,11 @@ def mirrored_bead(problem: Problem, bead: Number) -> Number:
     return problem.beads + 1 - bead
 
 
+def along_the_way(problem: Problem, bead: Number) -> Number:
+    """Number of a bead counted along the leading pulse's way: its own, or that in the mirror."""
+    return bead if direction_of(problem) > 0 else mirrored_bead(problem, bead)
+
+
 def mirrored_problem(problem: Problem) -> Problem:
     """The problem in the mirror; twice is the problem itself."""
     recorded = problem.recorded

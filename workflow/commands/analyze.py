@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from analysis.mirror import along_the_way
 from analysis.sharing.equipartition import CLEAR
 from analysis.sharing.is_solitary import Character
 from analysis.sharing.survey import Survey
@@ -154,10 +155,10 @@ def _print_drifts(found: Analysis) -> None:
 def _print_accuracy(found: Analysis) -> None:
     """What arrivals are, if not the maxima; and how sure the table is, if less than to `DOCUMENTED`."""
     problem, waves = found.problem, found.waves
-    scale = problem.scale
+    scale, clear = problem.scale, problem.beads - CLEAR
     if found.survey.arrival == "impulse":
         print("arrival: centre of the impulse until the bead is fastest")
-    elif free := int(np.count_nonzero(np.isnan(waves.arrival[waves.bead <= problem.beads - CLEAR]))):
+    elif free := int(np.count_nonzero(np.isnan(waves.arrival[along_the_way(problem, waves.bead) <= clear]))):
         where = f"{free} beads that fly" if free > 1 else "a bead that flies"
         print(
             f"arrivals are maxima, which are not defined at {where} freely (empty in waves.csv); --arrival impulse is"
@@ -267,9 +268,10 @@ def _rows(found: Analysis) -> list[int]:
     recorded = np.unique(found.waves.bead)
     alike = recorded[of_one_kind(found.problem)[recorded - 1]]
     recorded = alike if len(alike) else recorded
-    last = int(found.waves.bead[last_clear_bead(found.waves, found.problem)])
+    recorded = along_the_way(found.problem, recorded)
+    last = int(along_the_way(found.problem, found.waves.bead)[last_clear_bead(found.waves, found.problem)])
     few = max(2, min(7, MOST_ROWS // min(found.problem.chains, MOST_CHAINS)))
     wanted = [2, 5, 10, 20, 55, 90, last] if last <= 200 else np.geomspace(5, last, 7).round().astype(int).tolist()
     wanted = [wanted[place] for place in np.linspace(0, len(wanted) - 1, few).round().astype(int)]
     near = {int(recorded[np.argmin(np.abs(recorded - bead))]) for bead in wanted if bead <= last}
-    return sorted(near)
+    return [along_the_way(found.problem, bead) for bead in sorted(near)]

@@ -11,7 +11,8 @@ import numpy as np
 from analysis.conservation import Conservation
 from analysis.files.binary_dump import CutDumpWarning
 from analysis.files.recording import FARTHEST
-from analysis.mirror import direction_of
+from analysis.mirror import along_the_way, direction_of
+from analysis.sharing.equipartition import CLEAR
 from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.survey import Survey, survey
 from analysis.tracking.leading_waves import Arrival, Waves, usual_arrival
@@ -246,9 +247,9 @@ def _makers(found: Survey, spacetime: Any, history: Any) -> "dict[str, Callable[
         makers["spacetime"] = lambda: spacetime_figure(spacetime)
     if len(found.shared) > 1 and problem.holds(Fact.PULSE):
         makers["distance"] = lambda: distance_figure(problem, found.shared, found.energies, found.direction)
-    whole = np.unique(found.waves.bead[np.isfinite(found.shape.residual)])
-    whole = whole[whole <= problem.beads - 5]
+    whole = np.unique(along_the_way(problem, found.waves.bead[np.isfinite(found.shape.residual)]))
+    whole = along_the_way(problem, whole[whole <= problem.beads - CLEAR])
     if len(whole) and problem.holds(Fact.PULSE) and problem.holds(Fact.SONIC_VACUUM) and not problem.gap:
-        early, late = whole[min(len(whole) - 1, int(np.searchsorted(whole, 10)))], whole[-1]
+        early, late = whole[min(len(whole) - 1, int(np.searchsorted(along_the_way(problem, whole), 10)))], whole[-1]
         makers["shape"] = lambda: shape_figure(problem, found.waveforms, sorted({int(early), int(late)}))
     return makers

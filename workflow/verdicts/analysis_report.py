@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from analysis.conservation import Conservation
+from analysis.mirror import along_the_way
 from analysis.shape.wave_of import wave_of
 from analysis.sharing.equipartition import AGREEMENTS, CLEAR, Estimate
 from analysis.sharing.is_solitary import Character, Tolerances
@@ -190,9 +191,13 @@ def pulse_entry(found: Survey, pulse: Pulse, character: Character) -> dict[str, 
 
 
 def last_clear_bead(waves: Waves, problem: Problem) -> int:
-    """Position of the last bead that the pulse passed undisturbed by the free end, five beads before it."""
-    clear = np.flatnonzero(waves.bead <= max(problem.beads - 5, 1))
-    return int(clear[-1]) if len(clear) else 0
+    """Position of the last bead that the pulse passed undisturbed by the end that it runs to, five beads before it.
+
+    That of the first bead passed, where it passed none so far from that end.
+    """
+    way = along_the_way(problem, waves.bead)
+    clear = np.where(way <= max(problem.beads - CLEAR, 1), way, 0)
+    return int(np.argmax(clear)) if clear.any() else int(np.argmin(way))
 
 
 def _chain_summary(waves: Waves, problem: Problem, chain: int) -> dict[str, Any]:

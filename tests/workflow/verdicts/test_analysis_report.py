@@ -86,6 +86,14 @@ def test_each_chain_is_told_at_its_last_bead_clear_of_the_end(si):
     assert analysis_report._chain_summary(waves, problem(beads=20), 1) == {"chain": 1, "beads_reached": 0}
 
 
+@pytest.mark.parametrize(("first", "bead"), [(4, 6), (7, 7), (2, 6)])
+def test_a_wave_towards_bead_1_is_reported_at_the_last_bead_clear_of_that_end(first, bead):
+    number = np.arange(first, 20)
+    waves = with_speeds(np.ones(len(number), int), number, 20.0 - number, np.full(len(number), 0.5), direction=-1)
+    back = problem(chains=1, beads=20, kicks=((1, 20, -1.0),))
+    assert analysis_report._chain_summary(waves, back, 1)["bead"] == bead
+
+
 @pytest.mark.parametrize(("last", "bead"), [(24, 55), (25, 25)])
 def test_a_train_is_told_where_all_pulses_passed_that_ran_a_quarter_of_the_chain(last, bead):
     """Of 80 beads that is 20; the second pulse begins at bead 5."""
