@@ -14,6 +14,25 @@ from lammps_inputs.units import Scale
 
 MOST_INSTANTS = 500
 
+
+def energy_input(block: Trajectory) -> Floats:
+    """[frame] energy put in until each: that of the kicks, and the work of pushes and drives since then.
+
+    NaN where that work is not known: nobody has counted it in the frames' ledger.
+    """
+    problem = block.problem
+    if not problem.acted_on:
+        return np.full(block.frames, problem.energy)
+    if block.ledger is None:
+        return np.full(block.frames, np.nan)
+    return np.asarray(kinetic_energy_at_start(problem) + block.ledger[:, -1])
+
+
+def kinetic_energy_at_start(problem: Problem) -> float:
+    """Of the kicked beads, and of those whose motion is given."""
+    return 0.5 * float(np.sum(problem.mass * problem.initial_velocity() ** 2))
+
+
 _LITTLE = 1e-3
 """Share of the most that was put in, at the end, from which on shares of it are told."""
 
@@ -76,7 +95,7 @@ class Budget:
 
     def __init__(self, problem: Problem) -> None:
         self._problem = problem
-        self._kicked = 0.5 * float(np.sum(problem.mass * problem.initial_velocity() ** 2))
+        self._kicked = kinetic_energy_at_start(problem)
         self._stride = -(-(problem.frames + 1) // MOST_INSTANTS)
         self._seen = 0
         self._found: list[tuple[Floats, ...]] = []

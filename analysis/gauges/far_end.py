@@ -7,6 +7,7 @@ exceed the numerical noise, and its largest value must lie before the last frame
 import numpy as np
 
 from analysis import motion
+from analysis.budget import energy_input
 from analysis.gauges.forces import at_frames
 from analysis.gauges.gauge import gauges
 from analysis.mirror import direction_of
@@ -39,6 +40,7 @@ class FarEnd:
         self._wall = tuple(gauge for gauge in named if gauge.name == ("right wall" if forward else "left wall"))
         self._time: list[Floats] = []
         self._energy: list[Floats] = []
+        self._input: list[Floats] = []
         self._force: list[Floats] = []
 
     def add(self, block: Trajectory) -> None:
@@ -48,6 +50,7 @@ class FarEnd:
         with np.errstate(over="ignore", invalid="ignore"):  # of a run that blew up
             energy = motion.bead_energy(self.problem, x, v, self._rows.start + 1)
             self._energy.append(np.sum(energy, axis=(1, 2)))
+            self._input.append(energy_input(block))
             if self._wall:
                 self._force.append(at_frames(block, self._wall)[..., 0])
 
@@ -61,12 +64,14 @@ class FarEnd:
         | wall_force_chain   | largest of any one chain; likewise                                                     |
         | delay              | when the force on the wall is largest; without a wall, when the energy at the far end  |
         |                    | first reaches half of its largest value                                                |
-        | transmitted_energy | largest energy at the far end at any time (of its beads, of the contacts between them  |
-        |                    | and of the wall), in that of the blows                                                 |
+        | transmitted_energy | largest share at any time of the energy input until then (kicks, and work of pushes    |
+        |                    | and drives) that is at the far end: in its beads, in the contacts between them and in  |
+        |                    | that of the wall; NaN where that work is not known                                     |
         """
         time, energy = np.concatenate(self._time), np.concatenate(self._energy)
-        half, most = _settled(time, energy)
-        found = {"delay": half, "transmitted_energy": most / self.problem.energy}
+        put_in = np.concatenate(self._input)
+        share = np.divide(energy, put_in, out=0.0 * put_in, where=put_in > 0.0)
+        found = {"delay": _settled(time, energy)[0], "transmitted_energy": _settled(time, share)[1]}
         if not self._wall:
             return found
         force = np.concatenate(self._force)

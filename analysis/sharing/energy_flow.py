@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from analysis import motion
+from analysis.budget import energy_input
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem
 
@@ -24,7 +25,8 @@ class Flow:
     Attributes:
         time: [instant], in units of T.
         share: [instant, chain] energy of a chain (kinetic, of its contacts and to the ground), in that of all chains.
-        between: [instant] energy in the springs between chains, in that of the kicks.
+        between: [instant] energy in the springs between chains over the energy input until then: kicks, and the work of
+            pushes and drives; NaN where that work is not known, or not positive.
         centre: [instant, chain] mean number of the bead that has it; NaN where there is none.
         spread: [instant, chain] standard deviation of that number; likewise.
     """
@@ -62,7 +64,9 @@ class EnergyFlow:
         share = (of_chain / np.where(total > 0.0, total, np.inf))[..., 0]  # a drive may begin with none
         between = np.zeros(len(x))
         for link in block.problem.across:
-            between += np.sum(link.energy(x, block.first), axis=(-2, -1)) / block.problem.energy
+            between += np.sum(link.energy(x, block.first), axis=(-2, -1))
+        put_in = energy_input(block)[chosen]
+        between /= np.where(put_in > 0.0, put_in, np.nan)
         with np.errstate(invalid="ignore", divide="ignore"):
             weight = np.where(share > LEAST, 1.0, np.nan)[..., np.newaxis] * energy / of_chain
         centre = np.sum(weight * block.beads, axis=-1)

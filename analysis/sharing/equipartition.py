@@ -57,7 +57,7 @@ class Sharing:
         arrival: [place, chain], in units of T.
             NaN where it is not defined.
         amplitude: [place, chain] peak velocity, in units of V.
-        energy: put in by kicks and forces from outside, in units of m V**2; NaN where that is not known.
+        energy: put in by kicks, pushes and drives, in units of m V**2; NaN where that is not known.
         noise: standard deviation of an amplitude, in units of V; 0 for a record without noise.
         arrival_error, amplitude_error: [place, chain] bounds on what the time between frames leaves; NaN if unknown.
         exact: the exact wave of the contacts.
@@ -126,7 +126,7 @@ class Sharing:
     @cached_property
     def wave_share(self) -> Floats:
         """[place, chain] energy of the exact wave of this amplitude, in that put in; 0 where no wave counts."""
-        return np.nan_to_num(self.exact.energy_at(self.amplitude) / self.energy)
+        return np.nan_to_num(self.exact.energy_at(self.amplitude)) / self.energy
 
     @cached_property
     def beats(self) -> Floats:
@@ -257,7 +257,7 @@ def sharing(waves: Waves, problem: Problem, noise: float = 0.0) -> Sharing:
         beads[clear],
         side_by_side(waves.arrival),
         side_by_side(waves.peak_velocity),
-        problem.energy,
+        math.nan if problem.acted_on else problem.energy,
         noise,
         side_by_side(waves.arrival_error),
         side_by_side(waves.velocity_error),

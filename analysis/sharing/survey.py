@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from analysis import motion
+from analysis.budget import energy_input
 from analysis.mirror import direction_of, mirrored, mirrored_problem
 from analysis.shape.loaded_wave import make_speed
 from analysis.shape.wave_of import wave_of
@@ -112,6 +112,7 @@ def survey(
     tolerances: Tolerances | None = None,
     arrival: Arrival | None = None,
     leading: Waves | None = None,
+    counted: Callable[[Trajectory], Trajectory] | None = None,
 ) -> Survey:
     """Find everything in a run.
 
@@ -123,6 +124,7 @@ def survey(
         arrival: what counts as the arrival of a leading wave; by default
             `analysis.tracking.leading_waves.usual_arrival`.
         leading: the leading waves with that arrival, where they were found at more beads than are recorded.
+        counted: gives frames of all beads their ledger (`analysis.trajectory.LEDGER`) where they have none.
 
     Raises:
         ValueError: there was no frame.
@@ -134,9 +136,9 @@ def survey(
     left = left_by_smoothing(noise, problem.every)
     options: dict[str, Any] = {"threshold": max(THRESHOLD, SURE * left), "noisy": noise > 0.0}
     forward, backward = PeakFinder(direction=1, **options), PeakFinder(direction=-1, **options)
-    most = _Most()
-    watchers = [*watchers, most] if problem.acted_on else watchers
-    last_time = _first_reading(read, problem, noise, watchers, forward, backward)
+    given = _Input()
+    counts = counted if problem.exchanges and problem.whole else None
+    last_time = _first_reading(read, problem, noise, [*watchers, given], forward, backward, counts)
     peaks = {1: forward.result(), -1: backward.result()}
     if noise > 0.0:
         peaks = {way: distinct(found, wave_of(problem)) for way, found in peaks.items()}
@@ -159,8 +161,7 @@ def survey(
         sharp = np.isfinite(waves.arrival) & (arrival == "maximum")  # of others nobody knows when they are fastest
     every_bead = along if leading is None else replace(along, recorded=None)
     shared = sharing(waves if direction > 0 else mirrored_waves(waves, problem), every_bead, left)
-    if problem.acted_on:
-        shared = replace(shared, energy=most.energy)
+    shared = replace(shared, energy=given.energy)
     if noise > 0.0:
         error = peak_error(problem.every, waves.peak_velocity, noise=noise)
         waves = replace(
@@ -202,18 +203,14 @@ def survey(
     )
 
 
-class _Most:
-    """Largest energy of any frame: all that forces from outside have put in; NaN where not all beads are recorded."""
+class _Input:
+    """Energy put in until the last frame."""
 
-    def __init__(self) -> None:
-        self.energy = 0.0
+    energy = float("nan")
 
     def add(self, block: Trajectory) -> None:
         """Take the next frames."""
-        if not block.problem.whole:
-            self.energy = float("nan")
-            return
-        self.energy = max(self.energy, float(np.max(motion.energy(block.problem, block.displacement, block.velocity))))
+        self.energy = float(energy_input(block)[-1])
 
 
 def _first_reading(
@@ -223,10 +220,13 @@ def _first_reading(
     watchers: Sequence[Watcher],
     forward: PeakFinder,
     backward: PeakFinder,
+    counted: Callable[[Trajectory], Trajectory] | None,
 ) -> float:
     """Show the run to all; a noisy one once as recorded and once smoothed. Returns the time of the last frame."""
     last_time = 0.0
     for block in read():
+        if counted is not None and block.ledger is None:
+            block = counted(block)
         for watcher in watchers:
             watcher.add(block)
         if noise == 0.0:

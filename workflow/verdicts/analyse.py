@@ -126,7 +126,7 @@ def analyse(
             f"run it with output.every at most {limit}"
         )
     ledger = accountant(directory, problem)
-    conservation, fingerprint = Conservation(ledger.of), Fingerprint()
+    conservation, fingerprint = Conservation(), Fingerprint()
     measures = [one for measure in MEASURES if (one := measure(directory)) is not None]
     watchers: list[Any] = [conservation, fingerprint, *measures]
     spacetime = history = None
@@ -144,6 +144,7 @@ def analyse(
         tolerances=allowed,
         arrival=arrival,
         leading=found_on_the_way(directory) if arrival in (None, usual_arrival(problem)) else None,
+        counted=ledger.of,
     )
     if problem.frames_per_snapshot is not None:
         ledger = accountant(directory, problem.snapshots())

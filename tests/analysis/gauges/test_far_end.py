@@ -1,11 +1,13 @@
 """What arrives at the far end, against what is known of it."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from small_problems import problem, written_down
 
+from analysis import motion
 from analysis.figures.searched import front
 from analysis.gauges.far_end import FarEnd, _top
 from lammps_inputs import library
@@ -109,3 +111,22 @@ def test_the_force_of_a_wall_that_is_only_relieved_is_undefined():
     end.add(written_down(small, motion))
     found = end.result()
     assert all(math.isnan(found[name]) for name in ("wall_force", "wall_force_chain", "delay"))
+
+
+PUSH = {"push": {"peak": 0.5, "duration": 3.0, "shape": "half-sine"}}
+FORCE = {"drive": {"force": 0.5, "frequency": 0.05}}
+MOVED = {"drive": {"displacement": 0.5, "frequency": 0.05, "phase": -90.0}}
+
+
+@pytest.mark.parametrize("set_in_motion", [PUSH, FORCE, MOVED], ids=["push", "force", "displacement"])
+def test_transmitted_energy_is_a_share_of_the_work_done_until_then(set_in_motion):
+    """Nothing is lost, so that the energy of all beads is that work."""
+    small = library.from_plain({"name": "test", "beads": 30, "duration": 70.0, **set_in_motion}, "test").problem()
+    run = engine.run(small)
+    end, unknown = FarEnd(small), FarEnd(small)
+    end.add(run)
+    unknown.add(replace(run, ledger=None))
+    there = motion.bead_energy(small, run.displacement, run.velocity)[:, 0, 27:].sum(axis=-1)
+    work = motion.energy(small, run.displacement, run.velocity)
+    assert end.result()["transmitted_energy"] == pytest.approx(np.nanmax(there[1:] / work[1:]), rel=1e-4)
+    assert math.isnan(unknown.result()["transmitted_energy"])

@@ -86,13 +86,14 @@ def of_frames(
     found: dict[str, Any] = {}
     quick = _shared(problem, frames) if set(names) & set(_OF_SHARING) and _is_plain(problem) else {}
     if any(name in _AT_THE_END for name in names):
-        end = FarEnd(problem)
+        end, count = FarEnd(problem), Accountant(problem).of
         for block in frames():
-            end.add(block)
+            end.add(count(block) if problem.acted_on and block.ledger is None else block)
         found["far_end"] = far_end.FarEnd(problem, end.result()).plain()
     if any(name not in (MASS, *_AT_THE_END, *quick) for name in names):
-        seen, allowed = Conservation(Accountant(problem).of), Tolerances()
-        found |= report(survey(frames, problem, watchers=[seen], tolerances=allowed), seen, allowed)
+        seen, allowed, count = Conservation(), Tolerances(), Accountant(problem).of
+        surveyed = survey(frames, problem, watchers=[seen], tolerances=allowed, counted=count)
+        found |= report(surveyed, seen, allowed)
     known = {**quantities(found, {}, scene.plain()), **quick, MASS: mass_of(scene)}
     return {name: None if known[name] is None else float(known[name]) for name in names}
 

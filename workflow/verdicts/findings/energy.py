@@ -30,14 +30,15 @@ class Energy(Finding):
         |---------|-----------------------------------------------------------------------------------------------|
         | time    | of some frames                                                                                |
         | share   | energy of each chain, but for springs to others, in that of all chains, [instant][chain]      |
-        | between | energy in the springs between chains, in that of the kicks                                    |
+        | between | energy in the springs between chains, over the energy input until then: kicks, work of pushes |
+        |         | and drives; null where there was none                                                         |
         | centre  | mean number of the bead that has it; null where the chain has none                            |
         | spread  | its standard deviation                                                                        |
         """
         flow = self.flow
         return {
             "time": (flow.time * self.problem.scale.time).tolist(),
-            "between": flow.between.tolist(),
+            "between": [known(value) for value in flow.between.tolist()],
             **{
                 name: [[known(value) for value in row] for row in getattr(flow, name).tolist()]
                 for name in ("share", "centre", "spread")
