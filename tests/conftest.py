@@ -97,9 +97,9 @@ def lammps_here() -> Iterator[None]:
 
 @pytest.fixture(scope="module")
 def pool_here() -> Iterator[None]:
-    """Cases of sweeps are computed in this process, for tests whose claim is not about those of their own."""
-    from pool_here import answers  # only for those who sweep
+    """Tasks of the worker pool are done in this process, for tests whose claim is not about those of their own."""
+    from pool_here import answers  # only for those who need it
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("workflow.sweep.pool.answers", answers)
+        patch.setattr("workflow.workers.pool.Pool.answers", answers)
         yield

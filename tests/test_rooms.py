@@ -10,7 +10,18 @@ ROOT = Path(__file__).parents[1]
 STAIRS = {  # the lowest first
     "lammps_inputs": ("laws", "ingredients", "limits", "output", "decks", "slurm"),
     "analysis": ("files", "shape", "tracking", "mda", "against", "sharing", "gauges", "sound", "figures"),
-    "workflow": ("engines", "cluster", "prepare", "runs", "verdicts", "sweep", "view", "studies", "commands"),
+    "workflow": (
+        "engines",
+        "workers",
+        "cluster",
+        "prepare",
+        "runs",
+        "verdicts",
+        "sweep",
+        "view",
+        "studies",
+        "commands",
+    ),
 }
 ROOMS = [(package, room) for package, stairs in STAIRS.items() for room in stairs]
 

@@ -17,6 +17,7 @@ from lammps_inputs import InputError, Scene, library
 from workflow.errors import RunError
 from workflow.prepare.settings import settle
 from workflow.runs import run as running
+from workflow.runs.engines import engine_called
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import count_bar, progress_bar
 from workflow.sweep import collect as collecting
@@ -112,7 +113,7 @@ def run(
         InputError: the scene or the directory cannot be used.
         RunError: the run failed.
     """
-    whole, settings = settle(load(scene), source="scene", force=engine != "lammps")
+    whole, settings = settle(load(scene), source="scene", force=not engine_called(engine).own_step)
     with progress_bar(whole.name, whole.problem()) as progress:
         done = running.run(
             whole,

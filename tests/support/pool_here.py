@@ -1,23 +1,23 @@
-"""The processes of a sweep in the process of the tests, which saves starting them: for claims not about them."""
+"""The worker pool in the process of the tests, which saves starting processes: for claims not about them."""
 
 import os
-from collections.abc import Generator, Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import Any
 
 from lammps_here import standard_input
 
-from workflow.sweep import worker
-from workflow.sweep.jobs import Job
-from workflow.sweep.pool import Answer
+from workflow.workers import worker
+from workflow.workers.pool import Answer, Pool, Task
 
 
-def answers(jobs: Iterator[tuple[str, Job]], _: int) -> Generator[tuple[str, Answer], None, None]:
-    """As `workflow.sweep.pool.answers`, one job after the other."""
+def answers(_: Pool, tasks: Iterable[tuple[Any, Task]]) -> Iterator[tuple[Any, Answer]]:
+    """As `Pool.answers`, one task after the other."""
     where = Path.cwd()
-    for key, job in jobs:
+    for key, task in tasks:
         try:
             with standard_input():
-                answer = worker._answer(Job.from_line(job.line()))
+                said = worker.do(task.function, task.arguments)
         finally:
             os.chdir(where)
-        yield key, answer
+        yield key, Answer(said.get("value"), said.get("failed", ""))

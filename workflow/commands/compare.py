@@ -8,7 +8,7 @@ from analysis.trajectory import Floats
 from lammps_inputs import library
 from workflow.formats import figure_files
 from workflow.prepare.settings import refuse_unstable
-from workflow.runs.compute import ENGINES
+from workflow.runs.engines import ENGINES
 from workflow.runs.own_files import refuse_to_overwrite
 from workflow.screen import one_line, print_table, progress_bar
 from workflow.studies.compare.answer import arrival

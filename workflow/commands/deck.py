@@ -10,7 +10,7 @@ from workflow.cluster import ranks
 from workflow.cluster.job_arguments import add_job_arguments, job_options, with_ranks
 from workflow.prepare.settings import settle
 from workflow.runs import contacts
-from workflow.runs.files import run_files
+from workflow.runs.files import LAMMPS_FILES
 from workflow.runs.locks import alone
 from workflow.runs.own_files import prepare, refuse_to_overwrite, replacing
 from workflow.runs.whole_files import write_text
@@ -40,7 +40,7 @@ def execute(arguments: argparse.Namespace) -> int:
         options = with_ranks(options, scene.problem())
         files |= job.render_job(options, scene.problem())
     refuse_to_overwrite(arguments.scene, arguments.output)
-    names = (*run_files("lammps"), *(file_names.JOB_FILES if options is not None else ()))
+    names = (*LAMMPS_FILES, *(file_names.JOB_FILES if options is not None else ()))
     prepare(arguments.output, names, overwrite=arguments.overwrite)
     with alone(arguments.output), replacing(arguments.output, names):
         for name, content in files.items():

@@ -53,5 +53,5 @@ def execute(arguments: argparse.Namespace) -> int:
     found = report.counts(outcomes)
     print(f"{len(outcomes)} cells: " + ", ".join(f"{number} {kind}" for kind, number in found.items()))
     if arguments.output is not None:
-        print(f"{one_line(arguments.output)}: {', '.join(('extremes.csv', *figure_files('extremes'), 'cells/'))}")
+        print(f"{one_line(arguments.output)}: {', '.join(('extremes.csv', *figure_files('extremes'), report.CELLS))}")
     return 1 if found["WRONG"] else 0

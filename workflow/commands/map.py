@@ -54,7 +54,7 @@ def execute(arguments: argparse.Namespace) -> int:
         ["N", "kappa", "10% from", "1% from", "amplitude", "mismatch", "beads", "window error"],
         rows,
     )
-    print(f"{one_line(arguments.output)}: {', '.join(('map.csv', *figure_files('map'), 'cases/'))}")
+    print(f"{one_line(arguments.output)}: {', '.join(('map.csv', *figure_files('map'), mapping.CASES))}")
     return 0
 
 

@@ -4,7 +4,6 @@ import argparse
 import math
 import shlex
 from pathlib import Path
-from typing import Any
 
 from lammps_inputs import InputError, Problem, Scene, library
 from workflow.engines.lammps.engine import RESTART_EVERY
@@ -12,8 +11,8 @@ from workflow.prepare.accuracy import better_timestep
 from workflow.prepare.settings import Settings, settle
 from workflow.runs import run as running
 from workflow.runs.check import Check
-from workflow.runs.compute import ENGINES
 from workflow.runs.contacts import Contacts
+from workflow.runs.engines import ENGINES
 from workflow.runs.own_files import refuse_to_overwrite
 from workflow.runs.resume import begun, resume, settings_of
 from workflow.screen import Answer, one_line, progress_bar
@@ -56,7 +55,7 @@ def execute(arguments: argparse.Namespace) -> Answer:
         raise InputError("run: needs a SCENE and -o DIR, or --resume DIR; `granchain run --help` tells more")
     refuse_to_overwrite(arguments.scene, arguments.output)
     engine = arguments.engine or "lammps"
-    force = arguments.force or engine != "lammps"  # only LAMMPS takes the scene's time step
+    force = arguments.force or not ENGINES[engine].own_step
     scene, settings = settle(library.find(arguments.scene), source=arguments.scene, force=force)
     problem = scene.problem()
     if settings is not None:
@@ -112,7 +111,7 @@ def _tell(result: running.Run, settings: Settings | None) -> int:
             f"`granchain run --resume {shlex.quote(path)}` goes on"
         )
         return 130
-    print(f"{path}: {_done(record)}")
+    print(f"{path}: {ENGINES[record['engine']].sentence(record)}")
     hardest = Contacts(**record["contacts"]) if "contacts" in record else None
     if hardest is not None:
         print("\n".join(hardest.lines()))
@@ -125,7 +124,7 @@ def _tell_error(result: running.Run, settings: Settings | None) -> int:
     if result.check is not None:
         print(_checked(result.check, problem))
         return _judged(result.check, result.directory.scene, settings)
-    if settings is not None and record["engine"] == "reference":
+    if settings is not None and "certificate" in record:
         return 0 if record["certificate"]["velocity"] <= settings.accuracy else 1
     return 0
 
@@ -143,26 +142,6 @@ def _judged(check: Check, scene: Scene, settings: Settings | None) -> int:
     else:
         print(f"that is more than {asked:g} V, which a twin of the run did not show; ask for less than you need")
     return 0 if settings is None else 1
-
-
-def _done(record: dict[str, Any]) -> str:
-    if record["engine"] == "reference":
-        certificate = record["certificate"]
-        return (
-            f"reference, {record['engine_seconds']:.2f} s; velocities certified to {certificate['velocity']:.1e} V, "
-            f"arrivals to {certificate['arrival']:.1e} T"
-        )
-    if record["engine"] == "collisions":
-        seconds = f"{record['engine_seconds']:.2g} s"
-        return f"{record['collisions']} collisions of rigid beads in {seconds}; events.csv lists them"
-    ranks = f"{record['ranks']} rank{'s' * (record['ranks'] > 1)}"
-    if "resumed" in record:
-        steps = ", ".join(str(again["from_step"]) for again in record["resumed"])
-        return (
-            f"{record['steps']} steps, gone on with from step {steps}, in {record['wall_seconds']:.2f} s "
-            f"(LAMMPS {record['lammps']}, {ranks})"
-        )
-    return f"{record['steps']} steps in {record['engine_seconds']:.2f} s (LAMMPS {record['lammps']}, {ranks})"
 
 
 def _seconds(text: str) -> float:

@@ -4,6 +4,7 @@ from lammps_inputs import Problem
 from workflow.engines.reference import engine
 from workflow.engines.reference.accountant import Accountant
 from workflow.engines.reference.certify import MOST_HALVINGS
+from workflow.runs.engines import ENGINES
 from workflow.runs.run_directory import RunDirectory
 
 
@@ -14,7 +15,7 @@ def accountant(directory: RunDirectory, problem: Problem) -> Accountant:
         directory: the run.
         problem: of the frames.
     """
-    if directory.engine != "reference":
+    if ENGINES[directory.engine].own_step:
         return Accountant(problem)
     steps = (directory.record.get("certificate") or {}).get("steps_per_frame")
     most = 2**MOST_HALVINGS * engine.default_steps_per_frame(problem)

@@ -9,6 +9,7 @@ from analysis.largest_overlap import LargestOverlap, shown_by_frames
 from lammps_inputs import Scene, laws
 from lammps_inputs.ingredients.unequal import sizes_and_moduli
 from lammps_inputs.limits import hertz
+from workflow.runs.engines import ENGINES
 from workflow.runs.run_directory import RunDirectory
 
 
@@ -96,7 +97,7 @@ def measure(directory: RunDirectory) -> Contacts | None:
 def has_contacts(directory: RunDirectory) -> bool:
     """Whether the run has contacts of spheres, in SI units."""
     spheres = all(hertz.is_of_spheres(link.law) for link in directory.problem.along)
-    return directory.scene.material is not None and spheres and directory.engine != "collisions"
+    return directory.scene.material is not None and spheres and ENGINES[directory.engine].deforms
 
 
 def _contacts(scene: Scene, overlap: Any, *, measured: bool) -> Contacts | None:

@@ -24,6 +24,9 @@ OWN_FILES = (
     *file_names.JOB_FILES,
     file_names.SNAPSHOTS,
 )
+LAMMPS_FILES = tuple(name for name in OWN_FILES if name != EVENTS and name not in file_names.JOB_FILES)
+"""What the deck for LAMMPS, and a run of it, may leave in a directory before it is analysed."""
+
 ANALYSIS_FIGURES = ("spacetime", "response", "distance", "shape", "energy", "forces", "spectra", "dispersion", "budget")
 ANALYSIS_FILES = (
     *("waves.csv", "forces.csv", "spectra.csv", "dispersion.csv"),
@@ -35,13 +38,6 @@ ANALYSIS_FILES = (
 )
 
 _PART = re.compile(r"chains\.(dump|snapshots)(?:\.([1-9][0-9]{0,8}))?\.bin")
-
-
-def run_files(engine: str) -> tuple[str, ...]:
-    """What a run by an engine, or the deck for LAMMPS, may leave in its directory before it is analysed."""
-    if engine != "lammps":
-        return (file_names.SCENE, RECORD, file_names.DUMP, EVENTS)
-    return tuple(name for name in OWN_FILES if name != EVENTS and name not in file_names.JOB_FILES)
 
 
 def parts(directory: Path, kind: str = "dump") -> list[Path]:

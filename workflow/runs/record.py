@@ -83,6 +83,13 @@ class _Results(_Part):
     samples: list[_Sample]
 
 
+class _Study(_Part):
+    command: str
+    done: bool
+    result: str
+    resume: str
+
+
 class _Record(_Part):
     outcome: Literal["running", "done", "interrupted", "failed"] | None = None
     reason: str | None = None
@@ -109,6 +116,7 @@ class _Record(_Part):
     certificate: _Certificate | None = None
     check: _Check | None = None
     results: _Results | None = None
+    study: _Study | None = None
 
 
 def read_record(path: Path) -> dict[str, Any]:

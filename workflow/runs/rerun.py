@@ -11,7 +11,7 @@ import numpy as np
 from analysis.trajectory import Floats
 from lammps_inputs import InputError, Scene, library
 from workflow.engines.lammps import mpi
-from workflow.runs.compute import ENGINES, Progress
+from workflow.runs.engines import Progress, engine_called
 from workflow.runs.files import RECORD, parts
 from workflow.runs.provenance import provenance
 from workflow.runs.record import read_record
@@ -95,8 +95,7 @@ def _refuse_incomplete(path: Path, record: dict[str, Any]) -> None:
     for key, kind in kinds.items():
         if not isinstance(record.get(key), kind):
             raise InputError(f"{path}: holds no {key!r}; it cannot be run again from this file")
-    if record["engine"] not in ENGINES:
-        raise InputError(f"{path}: engine: {record['engine']!r} given; one of {', '.join(ENGINES)}")
+    engine_called(record["engine"], f"{path}: engine")
     try:
         str(record["results"]["sha256"]), _states(record["results"])
     except (KeyError, TypeError, ValueError):

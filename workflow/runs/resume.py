@@ -16,7 +16,7 @@ from lammps_inputs.decks import continuation, deck
 from workflow.engines.lammps import engine as lammps_engine
 from workflow.engines.lammps import live_peaks, restarts
 from workflow.prepare.settings import Settings
-from workflow.runs.compute import ENGINES, Progress
+from workflow.runs.engines import ENGINES, LAMMPS, Progress
 from workflow.runs.files import OWN_FILES, RECORD, all_parts, part_number, parts
 from workflow.runs.locks import alone
 from workflow.runs.own_files import refuse_links, remove_leftovers
@@ -62,15 +62,16 @@ def resume(
         remove_leftovers(path)
         refuse_links(path)
         result, record = _with_its_files(path)
-        settings = settings_of(record)
+        settings, engine = settings_of(record), ENGINES[record["engine"]]
         if record["outcome"] == "done":
-            if "check" in record or not check or record["engine"] != "lammps":
+            if "check" in record or not check or not engine.own_step:
                 return None
             return Run(result, "done", measure_error(result, settings))
         ranks = int(record["ranks"]) if ranks is None else ranks
-        lammps_engine.check_ranks(ranks, result.problem)
+        if refusal := engine.refused_ranks(ranks, result.problem):
+            raise InputError(f"--ranks: {refusal}")
         spent = _spent(path, record)
-        part, step = _next_part(result, record) if record["engine"] == "lammps" else (1, 0)
+        part, step = _next_part(result, record) if engine is LAMMPS else (1, 0)
         if part == 1:
             _remove_frames(path)
         else:
@@ -79,10 +80,8 @@ def resume(
         earlier = record.get("resumed", [])
         resumed = [*earlier, {"at": now, "from_step": step}]
         result.update_record(outcome="running", reason=None, resumed=resumed, wall_seconds=spent)
-        start = functools.partial(lammps, part=part, restart_every=restart_every, lock=lock)
-        return carry_out(
-            result, start=start, ranks=ranks, settings=settings, check=check, progress=progress, spent=spent
-        )
+        start = functools.partial(lammps, ranks=ranks, part=part, restart_every=restart_every, lock=lock)
+        return carry_out(result, start=start, settings=settings, check=check, progress=progress, spent=spent)
 
 
 def settings_of(record: dict[str, Any]) -> Settings | None:
@@ -125,7 +124,8 @@ def _with_its_files(path: Path) -> tuple[RunDirectory, dict[str, Any]]:
     """
     result = begun(path)
     record = result.record
-    expected = [file_names.SCENE, *([file_names.DECK, file_names.DATA] if record["engine"] == "lammps" else [])]
+    deck_files = dict.fromkeys((file_names.SCENE, file_names.DECK, file_names.DATA), "")
+    expected = list(ENGINES[record["engine"]].begins_with(deck_files))
     # what is no text is not what was written either
     files = {name: (path / name).read_text("utf-8", "replace") for name in expected if (path / name).is_file()}
     missing = [name for name in expected if name not in files]

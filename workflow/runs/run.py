@@ -19,8 +19,7 @@ from workflow.errors import EndedError, RunError
 from workflow.prepare.settings import Settings, refuse_too_large, settle
 from workflow.runs import check as checking
 from workflow.runs import contacts
-from workflow.runs.compute import ENGINES, Progress, Start, compute, refuse_what_it_cannot_do
-from workflow.runs.files import run_files
+from workflow.runs.engines import ENGINES, LAMMPS, Progress, Start, Work, engine_called
 from workflow.runs.locks import alone
 from workflow.runs.own_files import prepare, refuse_links, replacing
 from workflow.runs.provenance import fingerprint, provenance
@@ -102,25 +101,19 @@ def run(
         InputError: the directory, engine, number of ranks or time step cannot be used.
         RunError: the run failed; ``run.json`` says why.
     """
-    path = Path(directory)
-    if engine not in ENGINES:
-        raise InputError(f"--engine: {engine!r} given; {', '.join(ENGINES[:-1])} or {ENGINES[-1]}")
-    if engine == "lammps":
+    path, what = Path(directory), engine_called(engine)
+    if what is LAMMPS:
         refuse_too_large(scene, scene.name, LAMMPS_BYTES, "LAMMPS")
-    scene, found_settings = settle(scene, source=scene.name, force=force or engine != "lammps")
+    scene, found_settings = settle(scene, source=scene.name, force=force or not what.own_step)
     settings = found_settings or settings
     problem = scene.problem()
-    refuse_what_it_cannot_do(engine, problem)
-    lammps_engine.check_ranks(ranks, problem)
-    if engine != "lammps" and ranks > 1:
-        raise InputError(f"--ranks: the engine {engine!r} runs on one core")
-    files = deck.render(scene)
-    if engine != "lammps":
-        files = {file_names.SCENE: files[file_names.SCENE]}
-    names = run_files(engine)
-    prepare(path, names, overwrite=overwrite)
+    for option, refusal in (("--engine", what.refusal(scene)), ("--ranks", what.refused_ranks(ranks, problem))):
+        if refusal:
+            raise InputError(f"{option}: {refusal}")
+    files = what.begins_with(deck.render(scene))
+    prepare(path, what.files, overwrite=overwrite)
     with alone(path) as lock:
-        with replacing(path, names):
+        with replacing(path, what.files):
             write_text(path / file_names.SCENE, files[file_names.SCENE])
             result = RunDirectory(path)
             result.update_record(
@@ -136,8 +129,9 @@ def run(
             )
             for name, text in files.items():
                 write_text(path / name, text)
-        start = lammps or functools.partial(lammps_engine.run, restart_every=restart_every, lock=lock)
-        return carry_out(result, start=start, ranks=ranks, settings=settings, check=check, progress=progress)
+        begin = lammps or functools.partial(lammps_engine.run, restart_every=restart_every, lock=lock)
+        start = functools.partial(begin, ranks=ranks)
+        return carry_out(result, start=start, settings=settings, check=check, progress=progress)
 
 
 @contextlib.contextmanager
@@ -169,7 +163,6 @@ def carry_out(
     result: RunDirectory,
     *,
     start: Start,
-    ranks: int,
     settings: Settings | None,
     check: bool,
     progress: Progress | None,
@@ -180,7 +173,6 @@ def carry_out(
     Args:
         result: the directory, with its record.
         start: how LAMMPS is run.
-        ranks: as of `run`.
         settings: as of `run`.
         check: as of `run`.
         progress: as of `run`.
@@ -190,15 +182,15 @@ def carry_out(
         InputError: something in the directory that it would write to is a link.
         RunError: the run failed; ``run.json`` says why, where the disk takes it.
     """
-    path, engine = result.path, result.record["engine"]
+    path, engine = result.path, ENGINES[result.record["engine"]]
     refuse_links(path)
     started = time.perf_counter() - spent
     loading = None
-    if check and engine == "lammps":  # on another core while LAMMPS computes
+    if check and engine.own_step:  # on another core while LAMMPS computes
         loading = threading.Thread(target=contextvars.copy_context().run, args=(reference.load,), daemon=True)
         loading.start()
     try:
-        ending = compute(engine, result, ranks=ranks, settings=settings, progress=progress, start=start)
+        ending = engine.compute(Work(result, settings, progress, start))
         if ending["outcome"] == "done":
             ending["results"] = results(result)
             hardest = contacts.measure(result)
@@ -223,8 +215,8 @@ def carry_out(
 
 
 def measure_error(result: RunDirectory, settings: Settings | None) -> checking.Check | None:
-    """Compare a run that is done with the reference, and record what was found; None if LAMMPS did not run."""
-    if result.record["engine"] != "lammps":
+    """Compare a run that is done with the reference, and record what was found; None where LAMMPS did not run."""
+    if not ENGINES[result.record["engine"]].own_step:
         return None
     found = checking.check(result, settings)
     result.update_record(check=found.plain())

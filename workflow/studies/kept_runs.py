@@ -4,6 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from lammps_inputs import Scene, file_names, strict_yaml
+from workflow.runs.engines import ENGINES
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 
@@ -36,9 +37,9 @@ def errors(directory: RunDirectory) -> tuple[float, float]:
     For LAMMPS the difference from the reference found when it was run, for the reference its certificate.
     """
     record = directory.record
-    if record["engine"] == "lammps":
-        return record["check"]["amplitude"], record["check"]["arrival"]
-    return record["certificate"]["velocity"], record["certificate"]["arrival"]
+    found = ENGINES[record["engine"]].errors(record)
+    assert found is not None
+    return found
 
 
 def _finished(path: Path, scene: Scene, engine: str) -> RunDirectory | None:
@@ -48,7 +49,7 @@ def _finished(path: Path, scene: Scene, engine: str) -> RunDirectory | None:
     directory = RunDirectory(path)
     same = (path / file_names.SCENE).read_text(encoding="utf-8") == strict_yaml.dump(scene.resolved().plain())
     record = directory.record
-    checked = "check" in record or "certificate" in record
+    checked = ENGINES[engine].errors(record) is not None
     return (
         directory if same and checked and record.get("outcome") == "done" and record.get("engine") == engine else None
     )

@@ -1,32 +1,32 @@
 """Equipartition over coupling and number of chains: how far it takes, and what amplitude is left. Reference engine.
 
-Each case is a file, written when it is done, so an interrupted map goes on where it stopped. Only the rows near the
-front are integrated; every case is run a second time in a window twice as wide, and the two must agree.
+Each case is kept when it is done, so an interrupted map is resumed. Only the rows near the front are integrated; every
+case is run a second time in a window twice as wide, and the two must agree.
 """
 
-import json
 import math
 from collections.abc import Callable, Sequence
-from concurrent.futures import as_completed
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from analysis.sharing.equipartition import sharing
 from analysis.tracking.leading_waves import Waves
 from lammps_inputs import Coupling, InputError, Kick, Problem, Scene
-from workflow.engines.lammps.mpi import cores
 from workflow.engines.reference.passages import passages
 from workflow.formats import figure_files
-from workflow.runs.own_files import claim
+from workflow.runs.study_directory import study_directory
 from workflow.runs.whole_files import write_figure, write_text
 from workflow.studies.lines import to_csv
-from workflow.studies.spawned import SpawnPool
+from workflow.workers.pool import Pool, Task
+from workflow.workers.results import Results, key_of
 
 COUPLINGS = tuple(float(f"{value:.3g}") for value in np.geomspace(1e-3, 2.0, 12))
 CHAINS = (2, 3, 4, 5, 6, 7, 8)
 MOST_BEADS = 12_000
+CASES = "cases.jsonl"
 
 _WINDOW = 80
 _WIDEST = 640
@@ -140,45 +140,30 @@ def make_map(
     """
     if min(chains) < 2 or min(couplings) <= 0.0 or not np.all(np.isfinite(couplings)):
         raise InputError("map: couplings are positive, and chains are 2 or more")
-    folder = directory / "cases"
-    try:
-        directory.mkdir(parents=True, exist_ok=True)
-        claim(directory, ("cases", "map.csv", *figure_files("map")))
-        folder.mkdir(exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{directory}: cannot be written to ({error.strerror})") from None
-    wanted = [(number, float(kappa)) for number in chains for kappa in couplings]
-    done = {key: case for key in wanted if (case := _read(folder, *key, most_beads)) is not None}
-    # the longest first, so that no core is left with one long case at the end
-    missing = sorted((key for key in wanted if key not in done), key=lambda key: key[1] / key[0])
-    with SpawnPool(min(cores(), max(1, len(missing)))) as pool:
-        futures = {pool.submit(run_case, *key, most_beads): key for key in missing}
-        try:
-            for future in as_completed(futures):
-                key = futures[future]
-                done[key] = future.result()
-                write_text(_path(folder, *key, most_beads), json.dumps(asdict(done[key])) + "\n")
+    wanted = [
+        {"chains": number, "kappa": float(kappa), "most_beads": most_beads} for number in chains for kappa in couplings
+    ]
+    files = (CASES, "map.csv", *figure_files("map"))
+    with study_directory(directory, "map", files, result="map.csv is the table"), Results(directory / CASES) as found:
+        # the longest first, so that no core is left with one long case at the end
+        missing = sorted(
+            (one for one in wanted if key_of(one) not in found), key=lambda one: one["kappa"] / one["chains"]
+        )
+        tasks = ((key_of(one), Task("workflow.studies.map:computed", one)) for one in missing)
+        with Pool(interrupt=True) as pool:
+            for done, (key, value) in enumerate(pool.values(tasks), len(wanted) - len(missing) + 1):
+                found.keep(key, value)
                 if progress is not None:
-                    progress(len(done), len(wanted))
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
-    cases = [done[key] for key in wanted]
-    write_text(directory / "map.csv", to_csv(Case, cases))
-    _draw(directory, cases)
+                    progress(done, len(wanted))
+        cases = [Case(**found[key_of(one)]) for one in wanted]
+        write_text(directory / "map.csv", to_csv(Case, cases))
+        _draw(directory, cases)
     return cases
 
 
-def _path(folder: Path, chains: int, kappa: float, most_beads: int) -> Path:
-    return folder / f"N{chains}_kappa{kappa!r}_beads{most_beads}.json"
-
-
-def _read(folder: Path, chains: int, kappa: float, most_beads: int) -> Case | None:
-    path = _path(folder, chains, kappa, most_beads)
-    try:
-        return Case(**json.loads(path.read_text(encoding="utf-8")))
-    except (OSError, ValueError, TypeError, RecursionError):
-        return None
+def computed(**request: Any) -> dict[str, Any]:
+    """`run_case` for the worker pool."""
+    return asdict(run_case(**request))
 
 
 def _draw(directory: Path, cases: Sequence[Case]) -> None:

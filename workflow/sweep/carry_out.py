@@ -11,14 +11,16 @@ from workflow.cluster import queue
 from workflow.engines.lammps.mpi import cores
 from workflow.errors import RunError
 from workflow.formats import asked
+from workflow.prepare.settings import refuse_unstable
+from workflow.runs.engines import ENGINES
 from workflow.runs.locks import alone
 from workflow.runs.status import status
 from workflow.sweep import directory as directories
-from workflow.sweep import pool
 from workflow.sweep.cases import Case, all_cases, scene_of
+from workflow.sweep.compute_case import task
 from workflow.sweep.directory import CASE, Asked, Todo
 from workflow.sweep.file import Sweep
-from workflow.sweep.jobs import Job
+from workflow.workers.pool import Pool, Task
 
 Progress = Callable[[int, int, int], None]
 """Called with the cases done, their total, and how many of them failed."""
@@ -78,14 +80,14 @@ def sweep(
         if progress is not None:
             progress(done, len(cases), 0)
         count = min(processes or cores(), len(missing))
-        jobs = _jobs(what, missing, directory.absolute(), check=check, figures=figures)
+        tasks = _tasks(what, missing, directory.absolute(), check=check, figures=figures)
         try:
-            with contextlib.closing(pool.answers(jobs, count)) as answers:
-                for name, answer in answers:
-                    if answer["end"] == "done":
+            with Pool(count) as pool:
+                for name, answer in pool.answers(tasks):
+                    if answer.value == "done":
                         done += 1
                     else:
-                        reason = " ".join(str(answer.get("reason", "was stopped")).split())
+                        reason = " ".join(answer.failed.split()) or "was stopped"
                         failed.append((name, reason))
                         with contextlib.suppress(RunError):  # the disk may be full: it is told at the end all the same
                             directories.note_failure(directory / name, reason)
@@ -163,14 +165,10 @@ def _refuse_what_cannot_run(where: str, engine: str, scene: Scene) -> None:
         raise InputError(
             f"{where}: output.every: waves between frames are missed; at most {limit:.4g} ({every:g} given)"
         )
-    if engine == "lammps" and scene.timestep is not None:
-        from workflow.prepare.settings import refuse_unstable  # numba, below it, takes a third of a second to import
-
+    if refusal := ENGINES[engine].refusal(scene):
+        raise InputError(f"{where}: engine: {refusal}")
+    if ENGINES[engine].own_step:
         refuse_unstable(scene, where)
-    if engine != "lammps" and scene.window is not None:
-        raise InputError(f"{where}: window: only lammps records one, not {engine}")
-    if engine == "collisions" and not scene.gap > 0.0:
-        raise InputError(f"{where}: gap: rigid beads (engine: collisions) need one")
 
 
 def make(directory: Path) -> None:
@@ -201,14 +199,14 @@ def _missing(cases: list[Case], directory: Path, *, figures: bool) -> list[tuple
     return [(case, todo) for case, todo in found if todo is not Todo.NOTHING]
 
 
-def _jobs(
+def _tasks(
     what: Sweep, missing: list[tuple[Case, Todo]], directory: Path, *, check: bool, figures: bool
-) -> Iterator[tuple[str, Job]]:
+) -> Iterator[tuple[str, Task]]:
     """The longest first, so that no core is left with one long case at the end."""
     order = sorted(missing, key=lambda entry: -_work(scene_of(what, entry[0])))
     for case, todo in order:
         wanted = request(what, case, scene_of(what, case)) if todo is Todo.RUN else None
-        yield case.name, Job(str(directory / case.name), wanted, check, asked() if figures else ())
+        yield case.name, task(directory / case.name, wanted, check=check, figures=asked() if figures else ())
 
 
 def _work(scene: Scene) -> float:

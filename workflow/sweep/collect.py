@@ -1,7 +1,6 @@
 """Gather the cases of a sweep into one table, and draw one quantity of it over one or two fields."""
 
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import closing
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -14,10 +13,11 @@ from workflow.engines.lammps.mpi import cores
 from workflow.runs.files import RECORD, REPORT
 from workflow.runs.status import Status, status
 from workflow.runs.whole_files import write_figure
-from workflow.sweep import fields, pool
+from workflow.sweep import fields
+from workflow.sweep.compute_case import task
 from workflow.sweep.directory import Asked, asked, is_analysed, read_json, recorded
-from workflow.sweep.jobs import Job
 from workflow.sweep.table import QUANTITIES, UNCERTAINTIES, UNSETTLED, Table
+from workflow.workers.pool import Pool
 
 
 def collect(directory: Path, progress: Callable[[int, int], None] | None = None) -> Table:
@@ -100,13 +100,11 @@ def _analyse(directories: list[Path], progress: Callable[[int, int], None] | Non
     if not directories:
         return {}
     complaints = {}
-    jobs: Iterator[tuple[str, Job]] = (
-        (path.name, Job(str(path.absolute()), None, check=False, figures=())) for path in directories
-    )
-    with closing(pool.answers(jobs, min(cores(), len(directories)))) as answers:
-        for count, (name, answer) in enumerate(answers, 1):
-            if answer["end"] != "done":
-                complaints[name] = " ".join(str(answer.get("reason")).split())
+    tasks = ((path.name, task(path.absolute(), None, check=False)) for path in directories)
+    with Pool(min(cores(), len(directories))) as pool:
+        for count, (name, answer) in enumerate(pool.answers(tasks), 1):
+            if answer.failed:
+                complaints[name] = " ".join(answer.failed.split())
             if progress is not None:
                 progress(count, len(directories))
     return complaints

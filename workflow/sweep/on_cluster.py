@@ -11,7 +11,8 @@ from lammps_inputs.slurm.site import JobOptions
 from workflow.cluster import queue
 from workflow.cluster.job_arguments import with_ranks
 from workflow.prepare.settings import settle
-from workflow.runs.files import ANALYSIS_FILES, RECORD, run_files
+from workflow.runs.engines import LAMMPS
+from workflow.runs.files import ANALYSIS_FILES, LAMMPS_FILES, RECORD
 from workflow.runs.locks import alone
 from workflow.runs.own_files import claim, listed
 from workflow.runs.status import status
@@ -58,7 +59,7 @@ def write_array(
     Raises:
         InputError: as `workflow.sweep.carry_out.plan`; or the list of cases would change under an array in the queue.
     """
-    if what.engine != "lammps":
+    if what.engine != LAMMPS.name:
         raise InputError(f"{what.source}: engine: a Slurm job runs lammps, not {what.engine}")
     cases = plan(what, directory)
     make(directory)
@@ -133,7 +134,7 @@ def _write_deck(path: Path, what: Sweep, case: Case, scene: Scene) -> None:
     settled, _ = settle(scene, source=f"{what.source}: case {case.name}")
     files = deck.render(settled)
     begin(path, request(what, case, scene), scene)
-    claim(path, run_files("lammps"))
+    claim(path, LAMMPS_FILES)
     for name, text in files.items():
         write_text(path / name, text)
 

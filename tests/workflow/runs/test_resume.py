@@ -284,7 +284,7 @@ def test_the_error_is_measured_where_only_that_is_missing(tmp_path, capsys):
 def test_the_command_says_from_which_step_it_went_on(cut, capsys):
     code, line = said(["run", "--resume", cut.path, "--no-check"], capsys)
     assert code == 0
-    assert f"20000 steps, gone on with from step {cut.record['resumed'][0]['from_step']}, in" in line
+    assert f"20000 steps, resumed from step {cut.record['resumed'][0]['from_step']}, in" in line
 
 
 @pytest.mark.parametrize("left", [[], [".run.json.granchain-abcd1234"], ["scene.yaml"]])

@@ -24,6 +24,7 @@ from workflow.cli import main
 from workflow.cluster.queue import Queue, Queued, parse
 from workflow.runs.files import RECORD
 from workflow.runs.status import MEANING, status, statuses
+from workflow.runs.study_directory import study_directory
 from workflow.runs.whole_files import write_json
 
 CASE = scene(chains=2, beads=8, kappa=0.1, duration=10.0, every=0.1)
@@ -79,40 +80,16 @@ def alps(*jobs):
 
 # --- of other commands than run ---------------------------------------------------------------------------------------
 
-WHOLE = {
-    "compare": (["scene.yaml", "lammps/scene.yaml"], "compare.json"),
-    "reproduce": (["runs/two-chains-lammps/scene.yaml"], "index.html"),
-    "gallery": (["entries/dimers/runs/ratio-0.3428-lammps/scene.yaml"], "index.html"),
-    "map": (["cases/N2_kappa0.1_beads60.json"], "map.csv"),
-    "extremes": (["cells/V_1.json"], "extremes.csv"),
-    "trade": (["trade.csv"], "trade.json"),
-    "fit": (["fitted.yaml"], "fit.json"),
-    "design": (["evaluations.jsonl"], "index.html"),
-}
-"""Command -> files that it writes on the way, and the one that it writes at the end."""
 
-
-def left_by(command, directory, *, whole):
-    begun, ended = WHOLE[command]
-    for name in [*begun, *([ended] if whole else [])]:
-        (directory / name).parent.mkdir(parents=True, exist_ok=True)
-        (directory / name).write_text({"trade.csv": "method,setting\n", "trade.json": '{"whole": true}'}.get(name, ""))
-    return directory
-
-
-@pytest.mark.parametrize("command", WHOLE)
-def test_a_directory_of_another_command_is_done_or_goes_on_and_never_to_be_overwritten(command, tmp_path):
-    whole = status(left_by(command, tmp_path / "whole", whole=True))
-    assert (whole.state, whole.why.startswith(f"of `granchain {command}`; ")) == ("done", True)
-    assert status(left_by(command, tmp_path / "new", whole=False)).state == "running"
-    cut = left_by(command, tmp_path / "cut", whole=False)
-    for path in sorted(cut.rglob("*"), reverse=True):
-        os.utime(path, (0, 0))
-    found = status(cut)
-    assert found.state == "incomplete"
-    onwards = rf"the same command|`granchain {command}( DESIGN.yaml)? -o {re.escape(str(cut))}` goes on"
-    assert re.search(onwards, found.why)
-    assert "overwrite" not in found.why + whole.why
+def test_a_directory_of_a_study_is_running_then_done_or_to_be_resumed_and_never_to_be_overwritten(tmp_path):
+    with study_directory(tmp_path / "map", "map", ["map.csv"], result="map.csv is the table"):
+        assert status(tmp_path / "map").state == "running"
+    done = status(tmp_path / "map")
+    assert (done.state, done.why) == ("done", "of `granchain map`; map.csv is the table")
+    with pytest.raises(KeyboardInterrupt), study_directory(tmp_path / "cut", "map", ["map.csv"], result=""):
+        raise KeyboardInterrupt
+    cut = status(tmp_path / "cut")
+    assert (cut.state, cut.why) == ("incomplete", "of `granchain map`; the same command resumes it")
 
 
 def test_a_finished_comparison_is_told_to_be_done(tmp_path, capsys):

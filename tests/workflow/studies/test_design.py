@@ -18,13 +18,14 @@ from workflow import api
 from workflow.cli import main
 from workflow.runs.run import run
 from workflow.studies.design import file, measures
-from workflow.studies.design.crew import Crew
+from workflow.studies.design.evaluator import Evaluator, Record
 from workflow.studies.design.found import Found, Verified
 from workflow.studies.design.manufacture import Sensitivity, sensitivity
-from workflow.studies.design.memory import Memory, Record
 from workflow.studies.design.search import search, worth
 from workflow.studies.design.variables import Variable
 from workflow.sweep.collect import collect
+from workflow.workers.pool import Pool
+from workflow.workers.results import Results
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
@@ -50,15 +51,15 @@ SMALL = {
 
 
 @pytest.fixture
-def remembered(request):
-    """A memory in a file, closed at the end."""
+def evaluator(request):
+    """A function: evaluates designs in this process, with results in a file that is closed at the end."""
 
-    def memory(path):
-        made = Memory(path)
-        request.addfinalizer(made.close)
-        return made
+    def made(design, path, tell=None):
+        results = Results(path)
+        request.addfinalizer(results.__exit__)
+        return Evaluator(design, results, Pool(1), tell)
 
-    return memory
+    return made
 
 
 def written(directory, **changes):
@@ -127,48 +128,46 @@ def test_small_errors_of_manufacture_change_the_objective_a_little(found):
     assert all(0.0 < abs(value / best - 1.0) < 0.1 for value in members)
 
 
-def test_evolution_finds_what_no_exhaustive_search_betters(found, tmp_path, remembered):
-    """With fewer designs than there are; those that it asks for are remembered from the exhaustive search."""
+def test_evolution_finds_what_no_exhaustive_search_betters(found, tmp_path, evaluator):
+    """With fewer designs than there are; those that it asks for are kept from the exhaustive search."""
     shutil.copy(found / "evaluations.jsonl", tmp_path)
     search_for = {"evaluations": 20, "population": 8, "method": "evolution"}
     design = file.load(written(tmp_path, search=search_for))
-    crew = Crew(design, remembered(tmp_path / "evaluations.jsonl"), 1)
-    best = min(worth(design, record) for record in search(design, crew))
+    one = evaluator(design, tmp_path / "evaluations.jsonl")
+    best = min(worth(design, record) for record in search(design, one))
     everything = file.load(written(tmp_path))
-    assert best == min(worth(everything, record) for record in search(everything, crew))
+    assert best == min(worth(everything, record) for record in search(everything, one))
 
 
-def test_a_search_that_was_stopped_goes_the_same_way_again(tmp_path, remembered):
+def test_a_search_that_was_stopped_goes_the_same_way_again(tmp_path, evaluator):
     """Of what is computed already nothing is computed again, so the course is that of one never stopped."""
     design = file.load(written(tmp_path, search={"evaluations": 20, "population": 8, "method": "evolution"}))
     stopped_at = 7
 
     def stop(_):
-        if len(memory.records) == stopped_at:
+        if len(first.results) == stopped_at:
             raise KeyboardInterrupt
 
-    memory = remembered(tmp_path / "evaluations.jsonl")
+    first = evaluator(design, tmp_path / "evaluations.jsonl", stop)
     with pytest.raises(KeyboardInterrupt):
-        search(design, Crew(design, memory, 1, stop))
-    memory.close()
+        search(design, first)
     with (tmp_path / "evaluations.jsonl").open("a") as cut_short:
         cut_short.write('{"key": "abc", "val')
     computed = []
-    memory = remembered(tmp_path / "evaluations.jsonl")
-    assert len(memory.records) == stopped_at
-    again = search(design, Crew(design, memory, 1, computed.append))
-    whole = search(design, Crew(design, remembered(tmp_path / "other.jsonl"), 1))
+    second = evaluator(design, tmp_path / "evaluations.jsonl", computed.append)
+    assert len(second.results) == stopped_at
+    again = search(design, second)
+    whole = search(design, evaluator(design, tmp_path / "other.jsonl"))
     assert [record.values for record in again] == [record.values for record in whole]
     assert [record.quantities for record in again] == [record.quantities for record in whole]
-    assert len(computed) == len(memory.records) - stopped_at
+    assert len(computed) == len(second.results) - stopped_at
 
 
-def test_limits_come_before_the_objective(tmp_path, remembered):
+def test_limits_come_before_the_objective(tmp_path, evaluator):
     design = file.load(written(tmp_path))
-    memory = remembered(tmp_path / "m.jsonl")
-    crew = Crew(design, memory, 1)
-    light, heavy = crew.all_of([{"coupling.stiffness": 0.1, "beads": 8}, {"coupling.stiffness": 0.1, "beads": 12}])
-    lighter = crew.all_of([{"coupling.stiffness": 0.1, "beads": 6}])[0]
+    one = evaluator(design, tmp_path / "m.jsonl")
+    light, heavy = one.all_of([{"coupling.stiffness": 0.1, "beads": 8}, {"coupling.stiffness": 0.1, "beads": 12}])
+    lighter = one.all_of([{"coupling.stiffness": 0.1, "beads": 6}])[0]
     assert light.seconds == 0.0  # its mass rules it out before anything runs
     assert worth(design, heavy) < worth(design, light) < worth(design, lighter) < np.inf
 
@@ -189,13 +188,13 @@ def test_what_is_wanted_is_small_or_large(wanted, better, tmp_path):
 
 
 @pytest.mark.parametrize("wanted", [{"maximize": "delay"}, {"minimize": "wall_force"}], ids=str)
-def test_a_design_whose_pulse_does_not_reach_the_far_end_does_not_count(wanted, tmp_path, remembered):
+def test_a_design_whose_pulse_does_not_reach_the_far_end_does_not_count(wanted, tmp_path, evaluator):
     """Of one chain to t = 20; the pulse passes bead 16 at 18.6."""
     scene = {**SCENE, "chains": 1, "coupling": None, "duration": 20}
     plain = {"scene": {k: v for k, v in scene.items() if v is not None}, "vary": {"beads": {"from": 10, "to": 30}}}
     (tmp_path / "design.yaml").write_text(strict_yaml.dump({**plain, **wanted}))
     design = file.load(tmp_path / "design.yaml")
-    records = search(design, Crew(design, remembered(tmp_path / "m.jsonl"), 1))
+    records = search(design, evaluator(design, tmp_path / "m.jsonl"))
     late = [r for r in records if r.values["beads"] > 16]
     assert all(r.quantities[design.objective] is None and worth(design, r) == np.inf for r in late)
     assert min(records, key=lambda one: worth(design, one)).values["beads"] <= 16
@@ -203,7 +202,7 @@ def test_a_design_whose_pulse_does_not_reach_the_far_end_does_not_count(wanted, 
 
 
 class Linear:
-    """A crew that takes the objective of a design to be its stiffness."""
+    """An evaluator that takes the objective of a design to be its stiffness."""
 
     def __init__(self):
         self.asked = []
@@ -216,20 +215,19 @@ class Linear:
 def test_manufacture_is_off_to_both_sides_by_the_spread_at_most(tmp_path):
     numbers = {"coupling.stiffness": {"from": 0.1, "to": 1}}
     design = file.load(written(tmp_path, vary=numbers, manufacture={"members": 50, "spread": 0.1}))
-    crew = Linear()
-    found = sensitivity(design, crew, {"coupling.stiffness": 0.5})
+    linear = Linear()
+    found = sensitivity(design, linear, {"coupling.stiffness": 0.5})
     assert found.alone == {"coupling.stiffness": (pytest.approx(0.45), pytest.approx(0.55))}  # smaller, larger
     assert len(found.members) == 50
     assert 0.45 <= min(found.members) < 0.47
     assert 0.53 < max(found.members) <= 0.55
-    beads = [(one["disorder.radius"], one["disorder.stiffness"], one["disorder.seed"]) for one in crew.asked[:50]]
+    beads = [(one["disorder.radius"], one["disorder.stiffness"], one["disorder.seed"]) for one in linear.asked[:50]]
     assert beads == [(0.1, 0.1, member) for member in range(1, 51)]
 
 
-def test_a_design_that_is_no_scene_says_why_and_is_worse_than_any_other(tmp_path, remembered):
+def test_a_design_that_is_no_scene_says_why_and_is_worse_than_any_other(tmp_path, evaluator):
     design = file.load(written(tmp_path))
-    crew = Crew(design, remembered(tmp_path / "m.jsonl"), 1)
-    refused = crew.all_of([{"coupling.rows": [10, 14]}])[0]
+    refused = evaluator(design, tmp_path / "m.jsonl").all_of([{"coupling.rows": [10, 14]}])[0]
     assert "coupling.rows: 10 to 14 given" in refused.refused
     assert worth(design, refused) == np.inf
 
@@ -311,7 +309,7 @@ def test_ctrl_c_keeps_what_was_computed_and_leaves_no_process(tmp_path):
     assert "the same command goes on" in said
     assert children
     assert wait_until(lambda: not any(Path(f"/proc/{child}").exists() for child in children))
-    assert all(json.loads(line)["quantities"] for line in lines.read_text().splitlines())
+    assert all(json.loads(line)["result"]["quantities"] for line in lines.read_text().splitlines())
 
 
 def test_quantities_are_those_of_an_analysis(tmp_path):

@@ -19,9 +19,9 @@ from workflow.errors import RunError
 from workflow.runs.locks import alone
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
-from workflow.sweep import pool
+from workflow.sweep.compute_case import task
 from workflow.sweep.directory import Asked, begin
-from workflow.sweep.jobs import Job
+from workflow.workers.pool import Pool
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
@@ -29,7 +29,7 @@ pytestmark = pytest.mark.usefixtures("lammps_here")
 @pytest.fixture
 def here(monkeypatch):
     """Cases are computed in this process; as by `pool_here`, for one test."""
-    monkeypatch.setattr(pool, "answers", pool_here.answers)
+    monkeypatch.setattr(Pool, "answers", pool_here.answers)
 
 
 @pytest.fixture(scope="module")
@@ -189,30 +189,28 @@ def test_a_pulse_that_does_not_arrive_is_its_cases_failure(tmp_path, capsys):
     assert RunDirectory(tmp_path / "s" / "kick.velocity=-1").record["outcome"] == "failed"
 
 
-def job(directory, **changes):
-    return Job(str(directory), Asked({}, {**SMALL, **changes}, "lammps"), check=False, figures=())
+def case(directory, **changes):
+    return task(directory, Asked({}, {**SMALL, **changes}, "lammps"), check=False)
 
 
 @pytest.mark.slow
 def test_a_process_that_dies_is_one_failed_case_and_the_others_go_on(tmp_path):
-    jobs = iter(
-        [(name, job(tmp_path / name, duration=3e6 if name == "long" else 10)) for name in ("long", "a", "b", "c")]
-    )
+    tasks = [(name, case(tmp_path / name, duration=3e6 if name == "long" else 10)) for name in ("long", "a", "b", "c")]
     found = {}
-    answers = pool.answers(jobs, 2)
-    for name, answer in answers:
-        found[name] = answer
-        if name == "b":  # the other process is in the long case, or comes to it
-            assert wait_until(lambda: in_directory(tmp_path / "long"))
-            (victim,) = in_directory(tmp_path / "long")
-            os.kill(victim, signal.SIGABRT)
-    assert {name: answer["end"] for name, answer in found.items()} == {
-        "long": "failed",
+    with Pool(2) as pool:
+        for name, answer in pool.answers(tasks):
+            found[name] = answer
+            if name == "b":  # the other process is in the long case, or comes to it
+                assert wait_until(lambda: in_directory(tmp_path / "long"))
+                (victim,) = in_directory(tmp_path / "long")
+                os.kill(victim, signal.SIGABRT)
+    assert {name: answer.value for name, answer in found.items()} == {
+        "long": None,
         "a": "done",
         "b": "done",
         "c": "done",
     }
-    assert "was killed by signal SIGABRT" in found["long"]["reason"]
+    assert "was killed by signal SIGABRT" in found["long"].failed
     assert children() == []
 
 
@@ -232,7 +230,7 @@ def in_directory(directory):
 def children():
     """Processes that this one has started and that still are."""
     found = Path(f"/proc/self/task/{os.getpid()}/children").read_text().split()
-    return [int(pid) for pid in found if b"workflow.sweep.worker" in Path(f"/proc/{pid}/cmdline").read_bytes()]
+    return [int(pid) for pid in found if b"workflow.workers.worker" in Path(f"/proc/{pid}/cmdline").read_bytes()]
 
 
 def test_an_error_of_lammps_ends_its_process_and_not_the_sweep(tmp_path, monkeypatch):

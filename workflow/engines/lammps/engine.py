@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from lammps_inputs import InputError, Problem
+from lammps_inputs import Problem
 from workflow.engines.lammps import mpi, restarts
 from workflow.errors import EndedError, RunError
 
@@ -44,20 +44,20 @@ class Outcome:
     version: int
 
 
-def check_ranks(ranks: int, problem: Problem) -> None:
-    """Refuse a number of ranks that this machine or the scene cannot use.
+def refused_ranks(ranks: int, problem: Problem) -> str:
+    """Why this machine or the scene cannot use a number of ranks; empty where it can.
 
-    Raises:
-        InputError: fewer than 1, more than cores (MPI then slows down a thousandfold), more than rows, no launcher.
+    More ranks than cores slow MPI down a thousandfold.
     """
     if ranks < 1:
-        raise InputError(f"--ranks: {ranks} given; at least 1")
+        return f"{ranks} given; at least 1"
     if ranks > mpi.cores():
-        raise InputError(f"--ranks: {ranks} given, but {mpi.cores()} cores are available; more only slow a run down")
+        return f"{ranks} given, but {mpi.cores()} cores are available; more only slow a run down"
     if ranks > problem.beads:
-        raise InputError(f"--ranks: {ranks} given, but ranks divide the {problem.beads} rows of beads")
+        return f"{ranks} given, but ranks divide the {problem.beads} rows of beads"
     if ranks > 1 and mpi.launcher() is None:
-        raise InputError("--ranks: no mpiexec found beside Python or on the PATH; run with one rank")
+        return "no mpiexec found beside Python or on the PATH; run with one rank"
+    return ""
 
 
 def run(

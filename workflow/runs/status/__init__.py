@@ -12,9 +12,8 @@ from typing import Any
 from lammps_inputs import InputError, file_names
 from workflow.cluster.queue import Queue
 from workflow.runs.files import RECORD
-from workflow.runs.made_by import made_by
 from workflow.runs.record import read_record
-from workflow.runs.status.of_files import of_files, of_many
+from workflow.runs.status.of_files import of_files, of_study
 from workflow.runs.status.of_job import of_job, read_state
 from workflow.runs.status.of_record import of_record
 from workflow.runs.status.signs import last_step_of, steps_of
@@ -72,5 +71,5 @@ def _status(directory: Path, queue: Queue | None) -> Status:
         return Status(directory, "failed", last_step_of(directory), steps_of(directory), f"{RECORD} cannot be read")
     if account:
         return of_record(directory, record)
-    made = made_by(directory)
-    return of_files(directory, queued) if made is None else of_many(directory, made)
+    study = record.get("study")
+    return of_files(directory, queued) if study is None else of_study(directory, study)

@@ -2,28 +2,24 @@
 
 import time
 from pathlib import Path
+from typing import Any
 
 from lammps_inputs import file_names
 from workflow.cluster.queue import Queued
 from workflow.runs.files import parts
-from workflow.runs.made_by import Made
-from workflow.runs.status.signs import GRACE, fresh, last_step_of, locked, newest_frame, steps_of, written_here
+from workflow.runs.status.signs import fresh, last_step_of, locked, newest_frame, steps_of, written_here
 from workflow.runs.status.state import State, Status
+from workflow.runs.study_directory import sentence
 
 
-def of_many(directory: Path, made: Made) -> Status:
-    """What another command than ``run`` has made."""
-    if made.whole:
-        return Status(directory, "done", why=made.why)
-    if _newest(directory) > time.time() - GRACE:
-        return Status(directory, "running", why=f"or was cut a moment ago: its files are minutes old; {made.why}")
-    return Status(directory, "incomplete", why=made.why)
-
-
-def _newest(directory: Path) -> float:
-    """When something was last written in a directory, or in those in it."""
-    files = [path for pattern in ("*", "*/*", "*/*/*") for path in directory.glob(pattern)]
-    return max((path.lstat().st_mtime for path in files), default=0.0)
+def of_study(directory: Path, study: dict[str, Any]) -> Status:
+    """What another command than ``run`` has made, by its ``run.json``."""
+    why = sentence(study)
+    if study["done"]:
+        return Status(directory, "done", why=why)
+    if locked(directory):
+        return Status(directory, "running", why=why)
+    return Status(directory, "incomplete", why=why)
 
 
 def of_files(directory: Path, queued: Queued | None) -> Status:

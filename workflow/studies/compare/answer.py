@@ -6,7 +6,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from analysis.sharing.impulses import Impulses, relative_difference
-from workflow.studies.compare.measure import RIGID, Result
+from workflow.runs.engines import RIGID
+from workflow.studies.compare.measure import Result
 
 KEPT = 0.1
 """Relative difference up to which the cheap model is said to keep a quantity."""
@@ -47,8 +48,8 @@ def answer(results: Sequence[Result], last: int) -> tuple[str, ...]:
             f"LAMMPS and the reference agree on first impulses to {impulse:.1e} m V, on their times to {moved:.1e} T."
         )
     hertz = by_name.get("reference") or by_name.get("lammps")
-    if RIGID in by_name and hertz is not None:
-        sentences += _rigid_against(by_name[RIGID], hertz, last)
+    if RIGID.name in by_name and hertz is not None:
+        sentences += _rigid_against(by_name[RIGID.name], hertz, last)
     return tuple(sentences)
 
 

@@ -12,10 +12,9 @@ from analysis.sharing.impulses import ImpulseMeter, Impulses, from_events
 from analysis.tracking.peaks import PeakFinder
 from analysis.trajectory import Floats, Trajectory
 from workflow.errors import RunError
+from workflow.runs.engines import ENGINES
 from workflow.runs.files import EVENTS
 from workflow.runs.run_directory import RunDirectory
-
-RIGID = "collisions"
 
 
 @dataclass(frozen=True)
@@ -47,7 +46,7 @@ class Result:
 def measure(directory: RunDirectory, rows: Sequence[int]) -> Result:
     """What the finished run in a directory found, in one pass over its frames."""
     problem, record = directory.problem, directory.record
-    rigid = record["engine"] == RIGID
+    rigid = not ENGINES[record["engine"]].deforms
     meter, finder = ImpulseMeter(problem), PeakFinder()
     place = [int(np.flatnonzero(problem.recorded_beads == row)[0]) for row in rows]
     times, velocities, last = [], [], None

@@ -16,13 +16,14 @@ from workflow.errors import RunError
 from workflow.formats import figure_files
 from workflow.prepare.settings import settle
 from workflow.runs import run as running
-from workflow.runs.compute import ENGINES, Progress
-from workflow.runs.files import RECORD, run_files
+from workflow.runs.engines import ENGINES, LAMMPS, REFERENCE, RIGID, Progress, engine_called
+from workflow.runs.files import RECORD
 from workflow.runs.locks import alone
 from workflow.runs.own_files import prepare, replacing
+from workflow.runs.study_directory import mark
 from workflow.runs.whole_files import write_json, write_text
 from workflow.studies.compare.answer import answer
-from workflow.studies.compare.measure import RIGID, last_row, measure
+from workflow.studies.compare.measure import last_row, measure
 from workflow.studies.compare.report import FIGURE, REPORT, Comparison, draw, plain
 
 MOST_SHOWN = 7
@@ -36,16 +37,12 @@ def engines_for(scene: Scene, asked: Sequence[str] | None) -> tuple[str, ...]:
     Raises:
         InputError: an engine that does not exist, is named twice, or cannot do what the scene names.
     """
-    simple = scene.system.simply_coupled
     if asked is None:
-        return tuple(name for name in (RIGID, "reference", "lammps") if name != RIGID or (scene.gap > 0.0 and simple))
+        able = [name for name in (RIGID.name, REFERENCE.name, LAMMPS.name) if not ENGINES[name].refusal(scene)]
+        return tuple(able)
     for name in asked:
-        if name not in ENGINES:
-            raise InputError(f"--engines: {name!r} given; of {', '.join(ENGINES)}, with commas between")
-        if name == RIGID and scene.gap == 0.0:
-            raise InputError("--engines: `collisions` needs a gap between the beads; give the scene `gap: ...`")
-        if name == RIGID and not simple:
-            raise InputError("--engines: `collisions` knows only equal linear springs between neighbouring chains")
+        if refusal := engine_called(name, "--engines").refusal(scene):
+            raise InputError(f"--engines: {refusal}")
     if len(set(asked)) < len(asked):
         raise InputError("--engines: one is named twice")
     return tuple(asked)
@@ -64,7 +61,7 @@ def compare(
     Args:
         scene: what to compute; every bead is recorded.
         directory: new or empty, or an earlier comparison's with ``overwrite``.
-        engines: of `workflow.runs.compute.ENGINES`; by default all that can do the scene.
+        engines: of `workflow.runs.engines.ENGINES`; by default all that can do the scene.
         overwrite: whether earlier files may be replaced.
         progress: makes what follows each run.
 
@@ -72,9 +69,9 @@ def compare(
         InputError: the directory or an engine cannot be used.
         RunError: a run failed or was interrupted.
     """
-    names = engines_for(scene, engines)
     if scene.window is not None:
         raise InputError("window: only lammps follows the pulse with one; leave it out to compare engines")
+    names = engines_for(scene, engines)
     whole = {"beads": "all", "snapshots": None, "peaks": None}
     scene = scene.model_copy(update={"output": scene.output.model_copy(update=whole)})
     scene, settings = settle(scene, source=scene.name, force="lammps" not in names)
@@ -84,7 +81,7 @@ def compare(
     prepare(directory, own, overwrite=overwrite)
     for name in names:
         if (directory / name).exists():
-            prepare(directory / name, run_files(name), overwrite=overwrite)
+            prepare(directory / name, ENGINES[name].files, overwrite=overwrite)
     reference.load()  # compiled before any clock runs
     # nothing of an earlier comparison is touched before the whole new one is there
     with tempfile.TemporaryDirectory(prefix=".running-", dir=directory) as work:
@@ -102,6 +99,8 @@ def compare(
         write_json(Path(work) / REPORT, plain(found))
         draw(Path(work), found)
         _put_in_place(Path(work), directory, own, names)
+    result = f"{REPORT} holds what was found, and each engine's run has a directory in it"
+    mark(directory, "compare", done=True, result=result, resume="the same command with --overwrite compares again")
     return found
 
 

@@ -5,9 +5,9 @@ from typing import Any
 
 from lammps_inputs import html
 from workflow.runs.run_directory import RunDirectory
+from workflow.studies.design.evaluator import Record
 from workflow.studies.design.file import Design
 from workflow.studies.design.manufacture import Sensitivity
-from workflow.studies.design.memory import Record
 from workflow.studies.design.search import worth
 
 

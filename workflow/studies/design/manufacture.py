@@ -5,9 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from workflow.studies.design.crew import Crew
+from workflow.studies.design.evaluator import Evaluator, Record
 from workflow.studies.design.file import Design
-from workflow.studies.design.memory import Record
 from workflow.studies.design.variables import Variable
 
 
@@ -29,8 +28,8 @@ class Sensitivity:
     refused: str
 
 
-def sensitivity(design: Design, crew: Crew, best: dict[str, Any]) -> Sensitivity:
-    """Of the design with these values; computed by the crew, so remembered like all others."""
+def sensitivity(design: Design, evaluator: Evaluator, best: dict[str, Any]) -> Sensitivity:
+    """Of the design with these values; kept like all others."""
     spread, members = design.manufacture.spread, design.manufacture.members
     numbers = [v for v in design.variables if not v.steps]
     chance = np.random.default_rng(design.search.seed)
@@ -39,13 +38,13 @@ def sensitivity(design: Design, crew: Crew, best: dict[str, Any]) -> Sensitivity
         off = {v.field: _off(v, best[v.field], spread * (2.0 * chance.random(v.coordinates) - 1.0)) for v in numbers}
         beads = {"disorder.radius": spread, "disorder.stiffness": spread, "disorder.seed": member + 1}
         made.append({**best, **off, **beads})
-    records = crew.all_of(made, whole=True)
+    records = evaluator.all_of(made, whole=True)
     sides = [
         {**best, v.field: _off(v, best[v.field], np.full(v.coordinates, sign * spread))}
         for v in numbers
         for sign in (-1.0, 1.0)
     ]
-    beside = [_objective(design, record) for record in crew.all_of(sides, whole=True)]
+    beside = [_objective(design, record) for record in evaluator.all_of(sides, whole=True)]
     found = [value for record in records if (value := _objective(design, record)) is not None]
     return Sensitivity(
         spread=spread,

@@ -14,9 +14,8 @@ from scipy.optimize import differential_evolution
 from scipy.stats import qmc
 
 from analysis.trajectory import Floats
-from workflow.studies.design.crew import Crew
+from workflow.studies.design.evaluator import Evaluator, Record
 from workflow.studies.design.file import Design
-from workflow.studies.design.memory import Record
 from workflow.studies.design.variables import values_of
 
 RULED_OUT = 1e30
@@ -43,12 +42,12 @@ def worth(design: Design, record: Record) -> float:
     return math.inf if value is None or not math.isfinite(value) else design.sign * value
 
 
-def search(design: Design, crew: Crew) -> list[Record]:
+def search(design: Design, evaluator: Evaluator) -> list[Record]:
     """Records of all designs that were asked for, in that order; each once."""
     asked: dict[int, Record] = {}
 
     def ask(vectors: Sequence[Floats]) -> list[float]:
-        records = crew.all_of([values_of(design.variables, vector.tolist()) for vector in vectors])
+        records = evaluator.all_of([values_of(design.variables, vector.tolist()) for vector in vectors])
         asked.update((id(record), record) for record in records)
         return [worth(design, record) for record in records]
 

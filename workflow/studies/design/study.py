@@ -19,22 +19,21 @@ from pathlib import Path
 from typing import Any
 
 from lammps_inputs import InputError, library, strict_yaml
-from workflow.engines.lammps.mpi import cores
-from workflow.runs.locks import alone
-from workflow.runs.own_files import claim
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
+from workflow.runs.study_directory import study_directory
 from workflow.runs.whole_files import write_json, write_text
-from workflow.studies.design import memory as memories
-from workflow.studies.design.crew import Crew
+from workflow.studies.design.evaluator import Evaluator, Record
 from workflow.studies.design.file import Design
 from workflow.studies.design.found import Found, Verified
 from workflow.studies.design.manufacture import sensitivity
 from workflow.studies.design.measures import by_reference, of_frames, scene_to_run
-from workflow.studies.design.memory import Memory, Record
 from workflow.studies.design.search import RULED_OUT, search, worth
 from workflow.studies.design.variables import scene_with
+from workflow.workers.pool import Pool
+from workflow.workers.results import Results
 
+EVALUATIONS = "evaluations.jsonl"
 REPORT, TABLE, BEST, PAGE, BESIDE = "design.json", "designs.csv", "best.yaml", "index.html", "beside"
 
 Progress = Callable[[int, int, str], None]
@@ -56,24 +55,16 @@ def carry_out(
         InputError: the directory or a scene cannot be used, or nothing fits the limits.
         RunError: LAMMPS failed.
     """
-    try:
-        directory.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{directory}: cannot be written to ({error.strerror})") from None
-    with alone(directory):
-        claim(directory, (memories.FILE, REPORT, TABLE, BEST, PAGE, BESIDE, *_best_names(design)))
-        memory = Memory(directory / memories.FILE)
-        crew = Crew(design, memory, processes or cores(), _teller(design, progress))
-        try:
-            records = search(design, crew)
+    files = (EVALUATIONS, REPORT, TABLE, BEST, PAGE, BESIDE, *_best_names(design))
+    with study_directory(directory, "design", files, result=f"{PAGE} is the report"):
+        with Results(directory / EVALUATIONS) as kept, Pool(processes, interrupt=True) as pool:
+            evaluator = Evaluator(design, kept, pool, _teller(design, progress))
+            records = search(design, evaluator)
             good = sorted((r for r in records if worth(design, r) < RULED_OUT), key=lambda r: worth(design, r))
             write_text(directory / TABLE, _table(design, records))
             if not good:
                 raise InputError(_why_nothing(design, records))
-            small = sensitivity(design, crew, good[0].values)
-        finally:
-            crew.close()
-            memory.close()
+            small = sensitivity(design, evaluator, good[0].values)
         best_scene = library.from_plain(scene_with(design.scene, good[0].values), design.source)
         write_text(directory / BEST, strict_yaml.dump(best_scene.plain()))
         verified = [

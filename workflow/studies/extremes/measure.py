@@ -2,20 +2,20 @@
 
 import tempfile
 import time
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from analysis.against.pairing import paired
 from analysis.conservation import Conservation
-from lammps_inputs import InputError, library
+from lammps_inputs import InputError, Problem, library
 from workflow.engines.lammps import engine, hosted
 from workflow.errors import RunError
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 from workflow.studies.extremes.cells import Cell, scaled
-from workflow.studies.extremes.other_diameter import measure_apart
 from workflow.studies.extremes.outcome import LEAST_ERROR, Outcome, Told, classify
 from workflow.studies.extremes.true_error import judge
 from workflow.verdicts.validate import TOLERANCES
@@ -27,13 +27,28 @@ SHARPER = 10.0
 """The judge is surer by this than what the run was asked for, and than what it says of itself."""
 
 
+def computed(**cell: Any) -> dict[str, Any]:
+    """`measure` for the worker pool."""
+    return asdict(measure(Cell(**cell)))
+
+
 def measure(cell: Cell) -> Outcome:
-    """Run a cell and judge it. Whatever happens, an outcome comes back, unless it is interrupted."""
-    return measure_here(cell) if cell.diameter is None else measure_apart(cell)
+    """Run a cell and judge it. Whatever happens, an outcome comes back, unless it is interrupted.
+
+    LAMMPS runs in this process where the cell names a diameter, so such a cell is for a worker process.
+    """
+    if cell.diameter is None:
+        return _measure(cell)
+    usual = Problem.diameter
+    try:
+        # the motion does not depend on the diameter in LAMMPS, the digits of positions do; no scene can ask for it
+        Problem.diameter = property(lambda _: cell.diameter)  # type: ignore[assignment, method-assign]
+        return _measure(cell)
+    finally:
+        Problem.diameter = usual  # type: ignore[method-assign]
 
 
-def measure_here(cell: Cell) -> Outcome:
-    """As `measure`, whatever the diameter: the problems of this process must have it."""
+def _measure(cell: Cell) -> Outcome:
     started = time.perf_counter()
     outcome = Outcome(cell.axis, cell.value, "WRONG", "", PROMISED)
     with tempfile.TemporaryDirectory(prefix="granchain-extremes-") as folder:

@@ -25,12 +25,14 @@ from workflow.formats import figure_files
 from workflow.runs.check import Check
 from workflow.runs.own_files import claim
 from workflow.runs.run import run
+from workflow.runs.study_directory import mark
 from workflow.runs.whole_files import write_figure, write_json, write_text
 from workflow.studies.fit.estimate import CONFIDENCE, Estimate, estimate
 from workflow.studies.fit.fields import Free, free
 from workflow.studies.fit.model import Model
 
 REPORT, FITTED, FIGURE, LAMMPS = "fit.json", "fitted.yaml", "residuals", "lammps"
+_RESULT = f"{REPORT} holds what was found"
 
 OFFSET = "time offset"
 
@@ -247,6 +249,7 @@ def fit(
     except OSError as error:
         raise InputError(f"{directory}: cannot be written to ({error.strerror})") from None
     claim(directory, (REPORT, FITTED, *figure_files(FIGURE), LAMMPS))
+    mark(directory, "fit", done=False, result=_RESULT, resume="the same command fits again")
     if int(np.isfinite(given.values).sum()) <= len(names) + (offset is None):
         raise InputError(f"{path}: has fewer values than there are unknowns")
     search = _Search(model, what, scene, offset)
@@ -264,6 +267,7 @@ def fit(
     result = _described(search, found, size, check, apart)
     write_json(directory / REPORT, result.plain())
     _draw(directory, search, found)
+    mark(directory, "fit", done=True, result=_RESULT)
     return result
 
 

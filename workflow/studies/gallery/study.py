@@ -5,17 +5,16 @@ other entries are asked for.
 """
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import Future, as_completed
 from pathlib import Path
 
 from lammps_inputs import InputError, html
 from lammps_inputs.library import suggestion
 from workflow.engines.lammps.mpi import cores
-from workflow.runs.own_files import claim
+from workflow.runs.study_directory import study_directory
 from workflow.runs.whole_files import write_text
 from workflow.studies import page
 from workflow.studies.gallery.entries import ENTRIES
-from workflow.studies.spawned import SpawnPool
+from workflow.workers.pool import Pool, Task
 
 PAGE = "index.html"
 FOLDER = "entries"
@@ -57,16 +56,12 @@ def gallery(directory: Path, names: Sequence[str] = (), *, progress: Progress | 
             raise InputError(f"--only: {name!r} is no entry{suggestion(name, ENTRIES)}; there are {', '.join(ENTRIES)}")
     asked = [name for name in ENTRIES if name in names or not names]
     folder = directory / FOLDER
-    try:
-        directory.mkdir(parents=True, exist_ok=True)
-        claim(directory, (FOLDER, PAGE))
+    with study_directory(directory, "gallery", (FOLDER, PAGE), result=f"{PAGE} is the page"):
         folder.mkdir(exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{directory}: cannot be written to ({error.strerror})") from None
-    found = _side_by_side(asked, folder, progress)
-    shown = {name: found.get(name) or page.kept(folder / name) for name in ENTRIES}
-    sections = [section for section in shown.values() if section is not None]
-    write_text(directory / PAGE, page.render(_TITLE, _SUMMARY, sections, said_by="published", contents=True))
+        found = _side_by_side(asked, folder.absolute(), progress)
+        shown = {name: found.get(name) or page.kept(folder / name) for name in ENTRIES}
+        sections = [section for section in shown.values() if section is not None]
+        write_text(directory / PAGE, page.render(_TITLE, _SUMMARY, sections, said_by="published", contents=True))
     return Sections({name: found[name] for name in asked})
 
 
@@ -80,34 +75,20 @@ _SUMMARY = (
 
 
 def _side_by_side(names: Sequence[str], folder: Path, progress: Progress | None) -> dict[str, page.Section]:
+    tasks = ((name, Task(f"{__name__}:run_entry", {"name": name, "folder": str(folder)})) for name in names)
     found: dict[str, page.Section] = {}
-    with SpawnPool(min(cores(), len(names))) as pool:
-        futures = {pool.submit(run_entry, name, folder): name for name in names}
-        try:
-            for future in as_completed(futures):
-                found[futures[future]] = _section(futures[future], future)
-                if progress is not None:
-                    progress(len(found), len(names), sum(1 for section in found.values() if section.failed))
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
+    with Pool(min(cores(), len(names)), interrupt=True) as pool:
+        for name, answer in pool.answers(tasks):
+            section = None if answer.failed else page.kept(folder / name)
+            found[name] = section or page.Section(name, "", (), failed=answer.failed or "its section cannot be read")
+            if progress is not None:
+                progress(len(found), len(names), sum(1 for section in found.values() if section.failed))
     return found
 
 
-def _section(name: str, future: "Future[page.Section]") -> page.Section:
-    """What an entry gave; one that failed, for whatever reason, takes no other with it."""
-    try:
-        return future.result()
-    except Exception as error:
-        reason = " ".join(str(error).split()) or type(error).__name__
-        return page.Section(name, "", (), failed=reason)
-
-
-def run_entry(name: str, folder: Path) -> page.Section:
+def run_entry(name: str, folder: str) -> None:
     """Run one entry in its own folder, and keep its section there."""
-    own = folder / name
+    own = Path(folder) / name
     runs = own / "runs"
     runs.mkdir(parents=True, exist_ok=True)
-    section = ENTRIES[name](runs, lambda _: None)
-    page.keep(section, own)
-    return section
+    page.keep(ENTRIES[name](runs, lambda _: None), own)

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from lammps_inputs import InputError
 from workflow.runs.own_files import claim
+from workflow.runs.study_directory import study_directory
 from workflow.runs.whole_files import write_bytes, write_text
 from workflow.studies import page
 from workflow.studies.kept_runs import Say
@@ -26,22 +26,18 @@ def reproduce(directory: Path, say: Say) -> Path:
         RunError: a run failed.
     """
     runs = directory / "runs"
-    try:
-        directory.mkdir(parents=True, exist_ok=True)
-        claim(directory, (runs.name, PAGE))
+    with study_directory(directory, "reproduce", (runs.name, PAGE), result=f"{PAGE} is the report"):
         runs.mkdir(exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{directory}: cannot be written to ({error.strerror})") from None
-    sections = [build(runs, say) for build in SECTIONS]
-    pictures = [picture for section in sections for picture in section.pictures]
-    claim(directory, (f"{picture.name}.png" for picture in pictures))
-    for picture in pictures:
-        write_bytes(directory / f"{picture.name}.png", picture.image)
-    text = page.render(
-        "Pulse equipartition in coupled granular chains, recomputed",
-        "Every number and figure on this page was computed when it was made: nothing is copied from the paper but its "
-        "statements. Velocities are in units of the kick V, times in units of T.",
-        sections,
-    )
-    write_text(directory / PAGE, text)
+        sections = [build(runs, say) for build in SECTIONS]
+        pictures = [picture for section in sections for picture in section.pictures]
+        claim(directory, (f"{picture.name}.png" for picture in pictures))
+        for picture in pictures:
+            write_bytes(directory / f"{picture.name}.png", picture.image)
+        text = page.render(
+            "Pulse equipartition in coupled granular chains, recomputed",
+            "Every number and figure on this page was computed when it was made: nothing is copied from the paper but "
+            "its statements. Velocities are in units of the kick V, times in units of T.",
+            sections,
+        )
+        write_text(directory / PAGE, text)
     return directory / PAGE

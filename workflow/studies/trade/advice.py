@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from lammps_inputs import Problem
+from workflow.runs.engines import LAMMPS
 from workflow.studies.trade import conclusions, grid
 from workflow.studies.trade.certified import Certified
 from workflow.studies.trade.harness import Point
@@ -71,11 +72,11 @@ def _says(point: Point[Any], problem: Problem) -> str:
     job, scale = point.setting.what, problem.scale
     unit = f" {scale.symbol('time')}" if scale.si else ""
     step = _dividing(job.problem.timestep * scale.time, job.problem.steps_per_frame)
-    if job.engine == "lammps":
+    if job.engine == LAMMPS.name:
         scheme = "" if job.problem.scheme == "verlet" else f"scheme: {job.problem.scheme}, "
         how = f"`{scheme}timestep: {step}`{unit}"
         how += f" on {job.ranks} ranks" if job.ranks > 1 else ""
-    elif job.engine == "reference":
+    elif job.scheme is not None:
         how = f"reference {job.scheme.name} at a step of {step}{unit}"
     else:
         how = grid.RIGID

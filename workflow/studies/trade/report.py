@@ -8,11 +8,12 @@ from typing import Any
 import numpy as np
 
 from workflow.runs.provenance import provenance
+from workflow.runs.study_directory import mark
 from workflow.runs.whole_files import write_figure, write_json
 from workflow.studies.trade import advice, conclusions, grid
 from workflow.studies.trade.certified import QUANTITIES, Certified
 from workflow.studies.trade.harness import Point
-from workflow.studies.trade.study import Study
+from workflow.studies.trade.study import RESULT, Study
 
 REPORT, FIGURE = "trade.json", "trade"
 
@@ -23,6 +24,8 @@ def write(study: Study, directory: Path) -> list[str]:
     names = [REPORT]
     if study.truth is not None and any(point.measured for point in study.engines):
         names += [path.name for path in draw(study, study.truth, directory)]
+    if study.whole:
+        mark(directory, "trade", done=True, result=RESULT)
     return names
 
 

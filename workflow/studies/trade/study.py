@@ -13,11 +13,14 @@ from workflow.engines.lammps import mpi
 from workflow.errors import RunError
 from workflow.prepare.settings import settle
 from workflow.runs.own_files import prepare
+from workflow.runs.study_directory import mark
 from workflow.runs.whole_files import write_text
 from workflow.studies.trade import frames, grid, harness, jobs, sizes, tables
 from workflow.studies.trade.certified import Certified, make_truth
 from workflow.studies.trade.harness import Point
 from workflow.studies.trade.sizes import Size
+
+RESULT = "trade.json holds what was found"
 
 BUDGET = 60.0
 """Seconds that a study should take; what would take much of it alone is left out."""
@@ -113,6 +116,7 @@ def study(
         RunError: the reference or LAMMPS failed altogether.
     """
     prepare(directory)
+    mark(directory, "trade", done=False, result=RESULT, resume="its tables hold what was measured; take another -o")
     found = Study(problem, notes=busy())
     started = time.perf_counter()
     try:

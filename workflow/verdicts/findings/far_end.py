@@ -5,6 +5,7 @@ from typing import Any
 
 from analysis.gauges.far_end import FarEnd as Collected
 from lammps_inputs.numbers import known
+from workflow.runs.engines import ENGINES
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.findings.finding import Finding, Measure
 
@@ -28,7 +29,7 @@ class FarEnd(Finding):
 def measure(directory: RunDirectory) -> Measure | None:
     """Of all beads, if they are elastic."""
     problem = directory.problem
-    if not problem.whole or directory.engine == "collisions":
+    if not problem.whole or not ENGINES[directory.engine].deforms:
         return None
     end = Collected(problem)
     return Measure(lambda _: FarEnd(problem, end.result()), end.add)

@@ -14,6 +14,7 @@ from analysis.gauges.restitution import restitution
 from analysis.sharing.survey import Survey
 from analysis.trajectory import Floats
 from lammps_inputs.numbers import known
+from workflow.runs.engines import ENGINES
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import Table
 from workflow.verdicts.findings.finding import MOST_CHAINS, Finding, Measure
@@ -128,7 +129,7 @@ class Forces(Finding):
 def measure(directory: RunDirectory) -> Measure | None:
     """Of what the scene names; rigid beads feel none."""
     wanted, problem = directory.scene.output.forces, directory.problem
-    if wanted is None or directory.engine == "collisions":
+    if wanted is None or not ENGINES[directory.engine].deforms:
         return None
     places = gauges(problem, wall=wanted.wall is True, contacts=wanted.contacts or (), sensors=wanted.sensors or ())
     meter = ForceMeter(problem, places)

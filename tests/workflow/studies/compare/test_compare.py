@@ -169,7 +169,7 @@ def test_engines_that_cannot_be_used_are_refused(engines, says, tmp_path, capsys
 
 
 def test_rigid_beads_that_touch_are_refused():
-    with pytest.raises(InputError, match="`collisions` needs a gap"):
+    with pytest.raises(InputError, match="`collisions` moves rigid beads, which need a gap"):
         engines_for(find("two-chains"), ("reference", "collisions"))
 
 

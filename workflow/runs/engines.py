@@ -1,0 +1,243 @@
+"""The engines: what each computes in a run directory that was prepared for it, and what it refuses."""
+
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, ClassVar
+
+from analysis.files import events
+from analysis.files.recording import Writer
+from analysis.trajectory import Trajectory
+from lammps_inputs import InputError, Problem, Scene, file_names
+from workflow.engines.lammps import engine as lammps_engine
+from workflow.prepare.settings import Settings
+from workflow.runs.files import EVENTS, LAMMPS_FILES, RECORD
+from workflow.runs.references import certifiers, closing
+from workflow.runs.run_directory import RunDirectory
+from workflow.runs.whole_files import write_text
+
+Progress = Callable[[int, int], None]
+
+Start = Callable[..., lammps_engine.Outcome]
+"""Runs the deck in a directory, given ``progress``."""
+
+
+@dataclass(frozen=True)
+class Work:
+    """What an engine is to compute.
+
+    Attributes:
+        result: a directory that was prepared for it.
+        settings: how its time step was chosen for an accuracy, if one was asked for.
+        progress: called now and then.
+        start: how LAMMPS is run.
+    """
+
+    result: RunDirectory
+    settings: Settings | None
+    progress: Progress | None
+    start: Start
+
+
+class Engine(ABC):
+    """What computes a run.
+
+    Attributes:
+        name: in commands and records.
+        own_step: whether it computes with the time step of the scene, so that its error is measured by the reference.
+        deforms: whether beads have overlaps and forces.
+        files: what it may leave in a run's directory before it is analysed.
+    """
+
+    name: ClassVar[str]
+    own_step: ClassVar[bool] = False
+    deforms: ClassVar[bool] = True
+    files: ClassVar[tuple[str, ...]] = (file_names.SCENE, RECORD, file_names.DUMP, EVENTS)
+
+    def refusal(self, scene: Scene) -> str:
+        """Why it cannot compute a scene; empty where it can."""
+        none = scene.window is None
+        return "" if none else f"only lammps records a window, not {self.name}; leave `window` out of the scene"
+
+    def refused_ranks(self, ranks: int, problem: Problem) -> str:  # noqa: ARG002  of the problem ask those that divide it
+        """Why it cannot run on a number of ranks; empty where it can."""
+        return "" if ranks == 1 else f"the engine {self.name!r} runs on one core; {ranks} given"
+
+    def begins_with(self, files: Mapping[str, str]) -> dict[str, str]:
+        """What it needs of the files of a deck."""
+        return {file_names.SCENE: files[file_names.SCENE]}
+
+    @abstractmethod
+    def compute(self, work: Work) -> dict[str, Any]:
+        """Compute the frames of a run; how it ended, for ``run.json``.
+
+        Raises:
+            RunError: the engine failed.
+            OSError: a file could not be written.
+        """
+
+    @abstractmethod
+    def sentence(self, record: Mapping[str, Any]) -> str:
+        """What was done, by the record of a run that came to its end."""
+
+    @abstractmethod
+    def errors(self, record: Mapping[str, Any]) -> tuple[float, float] | None:
+        """Bounds on the errors of peak velocities (V) and of arrivals (T) by the record; None where it has none."""
+
+
+class _Lammps(Engine):
+    name = "lammps"
+    own_step = True
+    files = LAMMPS_FILES
+
+    def refusal(self, scene: Scene) -> str:  # noqa: ARG002  it computes whatever a scene can say
+        return ""
+
+    def refused_ranks(self, ranks: int, problem: Problem) -> str:
+        return lammps_engine.refused_ranks(ranks, problem)
+
+    def begins_with(self, files: Mapping[str, str]) -> dict[str, str]:
+        return dict(files)
+
+    def compute(self, work: Work) -> dict[str, Any]:
+        end = work.start(work.result.path, progress=work.progress)
+        return {
+            "outcome": "done" if end.end == "done" else "interrupted",
+            "steps_done": end.steps,
+            "lammps": end.version,
+            "engine_seconds": end.seconds + work.result.record.get("engine_seconds", 0.0),
+        }
+
+    def sentence(self, record: Mapping[str, Any]) -> str:
+        ranks = f"{record['ranks']} rank{'s' * (record['ranks'] > 1)}"
+        if "resumed" in record:
+            steps = ", ".join(str(again["from_step"]) for again in record["resumed"])
+            return (
+                f"{record['steps']} steps, resumed from step {steps}, in {record['wall_seconds']:.2f} s "
+                f"(LAMMPS {record['lammps']}, {ranks})"
+            )
+        return f"{record['steps']} steps in {record['engine_seconds']:.2f} s (LAMMPS {record['lammps']}, {ranks})"
+
+    def errors(self, record: Mapping[str, Any]) -> tuple[float, float] | None:
+        check = record.get("check")
+        return None if check is None else (check["amplitude"], check["arrival"])
+
+
+class _Reference(Engine):
+    name = "reference"
+
+    def compute(self, work: Work) -> dict[str, Any]:
+        """To the accuracy if one is asked for; else, where energy is exchanged, until the energy budget is closed."""
+        problem, settings, started = work.result.problem, work.settings, time.perf_counter()
+        for certifier in closing(problem) if settings is None else certifiers(problem, settings):
+            ending = _write_frames(work.result.path / file_names.DUMP, problem, certifier.blocks(), work.progress)
+            if ending["outcome"] != "done":
+                return ending
+            certificate = certifier.certificate
+            if settings is not None and certificate.velocity <= settings.accuracy:
+                break
+        seconds = time.perf_counter() - started
+        return {**ending, "engine_seconds": seconds, "certificate": asdict(certificate)}
+
+    def sentence(self, record: Mapping[str, Any]) -> str:
+        certificate = record["certificate"]
+        return (
+            f"reference, {record['engine_seconds']:.2f} s; uncertainty of velocities {certificate['velocity']:.1e} V, "
+            f"of arrivals {certificate['arrival']:.1e} T"
+        )
+
+    def errors(self, record: Mapping[str, Any]) -> tuple[float, float] | None:
+        certificate = record.get("certificate")
+        return None if certificate is None else (certificate["velocity"], certificate["arrival"])
+
+
+class _Collisions(Engine):
+    name = "collisions"
+    deforms = False
+
+    def refusal(self, scene: Scene) -> str:
+        system, other = scene.system, "use lammps or reference"
+        if common := super().refusal(scene):
+            return common
+        if not isinstance(system.mass, float):
+            return f"`collisions` knows only beads of equal mass; {other}"
+        if system.acted_on:
+            return f"`collisions` knows no push and no drive; {other}"
+        if system.dampers:
+            return f"`collisions` knows no damping; {other}"
+        if not system.simply_coupled:
+            return f"`collisions` knows only equal linear springs between neighbouring chains; {other}"
+        if not system.gap > 0.0:
+            return (
+                f"`collisions` moves rigid beads, which need a gap between them; give the scene `gap: ...`, or {other}"
+            )
+        return ""
+
+    def compute(self, work: Work) -> dict[str, Any]:
+        """Every collision, and the frames of the exact motion between them."""
+        # numba takes a third of a second to import
+        from workflow.engines import collisions
+
+        path, problem = work.result.path, work.result.problem
+        collisions.run(problem, max_events=0)  # loads or compiles
+        started = time.perf_counter()
+        try:
+            found = collisions.run(problem)
+        except KeyboardInterrupt:
+            return {"outcome": "interrupted", "steps_done": 0}
+        seconds = time.perf_counter() - started
+        table = events.Events(found.time, found.chain, found.row, found.striker, found.target)
+        write_text(path / EVENTS, events.to_csv(table, problem.scale))
+        ending = _write_frames(path / file_names.DUMP, problem, collisions.blocks(found), work.progress)
+        if ending["outcome"] != "done":
+            return ending
+        return {**ending, "engine_seconds": seconds, "collisions": len(found)}
+
+    def sentence(self, record: Mapping[str, Any]) -> str:
+        seconds = f"{record['engine_seconds']:.2g} s"
+        return f"{record['collisions']} collisions of rigid beads in {seconds}; events.csv lists them"
+
+    def errors(self, record: Mapping[str, Any]) -> tuple[float, float] | None:  # noqa: ARG002  exact between collisions
+        return None
+
+
+LAMMPS, REFERENCE, RIGID = _Lammps(), _Reference(), _Collisions()
+
+ENGINES: dict[str, Engine] = {engine.name: engine for engine in (LAMMPS, REFERENCE, RIGID)}
+
+
+def engine_called(name: str, where: str = "--engine") -> Engine:
+    """An engine by its name.
+
+    Raises:
+        InputError: there is none.
+    """
+    if name not in ENGINES:
+        *most, last = ENGINES
+        raise InputError(f"{where}: {name!r} given; {', '.join(most)} or {last}")
+    return ENGINES[name]
+
+
+def _write_frames(
+    dump: Path, problem: Problem, blocks: Iterable[Trajectory], progress: Progress | None
+) -> dict[str, Any]:
+    """Write frames as LAMMPS would, to the end or to Ctrl-C; how it ended."""
+    step = 0
+    with Writer(dump, problem) as writer:
+        try:
+            for block in blocks:
+                for displacement, velocity in zip(block.displacement, block.velocity, strict=True):
+                    writer.append(step, displacement, velocity)
+                    step += problem.steps_per_frame
+                if progress is not None:
+                    progress(step - problem.steps_per_frame, _front(block))
+        except KeyboardInterrupt:
+            return {"outcome": "interrupted", "steps_done": max(0, step - problem.steps_per_frame)}
+    return {"outcome": "done", "steps_done": problem.steps}
+
+
+def _front(block: Trajectory) -> int:
+    moving = (abs(block.velocity[-1]) > 1e-3).any(axis=0).nonzero()[0]
+    return int(block.beads[moving[-1]]) if len(moving) else 1

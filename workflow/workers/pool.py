@@ -1,0 +1,227 @@
+"""Worker processes that stay warm: tasks go in, answers come out; a process that dies is one failed task.
+
+A task names a function of this project, whose arguments and value are plain data (JSON):
+``Task("workflow.studies.map:run_case", {"chains": 2, "kappa": 0.1})``.
+"""
+
+import contextlib
+import json
+import os
+import selectors
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterable, Iterator
+from typing import Any, NamedTuple
+
+from workflow import screen
+from workflow.engines.lammps.mpi import cores
+from workflow.errors import RunError
+
+_STOP_SECONDS = 60.0
+"""For a segment of LAMMPS and a restart, however busy the machine is; a second Ctrl-C waits no longer."""
+
+_ONE_THREAD = dict.fromkeys(
+    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "BLIS_NUM_THREADS"), "1"
+)
+
+
+class Task(NamedTuple):
+    """What a worker process calls.
+
+    Attributes:
+        function: ``module:name``.
+        arguments: of the function, by name, as plain data.
+    """
+
+    function: str
+    arguments: dict[str, Any]
+
+    def line(self) -> str:
+        """As the worker reads it."""
+        return json.dumps(self._asdict()) + "\n"
+
+
+class Answer(NamedTuple):
+    """What came of a task: the value of its function, or why there is none."""
+
+    value: Any = None
+    failed: str = ""
+
+
+class Pool:
+    """Worker processes, started when they are first needed.
+
+    Leaves no process behind, whatever happens to this one. Where it ends early, LAMMPS ends at its next segment.
+
+    Args:
+        processes: how many; as many as there are cores by default.
+        interrupt: whether tasks that are under way at an early end get Ctrl-C, too.
+    """
+
+    def __init__(self, processes: int | None = None, *, interrupt: bool = False) -> None:
+        self.processes = processes or cores()
+        self._interrupt = interrupt
+        self._idle: list[_Process] = []
+        self._everyone: set[_Process] = set()  # also those that are neither idle nor busy when Ctrl-C comes
+        self._hints: set[str] = set()
+
+    def __enter__(self) -> "Pool":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for process in self._everyone:
+            process.hang_up()
+            if self._interrupt and process not in self._idle:
+                process.interrupt()
+        until = time.monotonic() + _STOP_SECONDS
+        for process in self._everyone:
+            process.stop(until - time.monotonic())
+        self._everyone.clear()
+        self._idle.clear()
+
+    def answers(self, tasks: Iterable[tuple[Any, Task]]) -> Iterator[tuple[Any, Answer]]:
+        """Do tasks; the key and the answer of each as it is done.
+
+        Args:
+            tasks: key and task, taken one by one as processes become free.
+        """
+        waiting = iter(tasks)
+        busy: dict[_Process, Any] = {}
+        with selectors.DefaultSelector() as selector:
+            while True:
+                while len(busy) < self.processes and (following := next(waiting, None)) is not None:
+                    key, task = following
+                    process = self._given(task)
+                    busy[process] = key
+                    selector.register(process.output, selectors.EVENT_READ, process)
+                if not busy:
+                    return
+                for ready, _ in selector.select():
+                    process = ready.data
+                    for said in process.heard():
+                        if "hint" in said:
+                            self._hint(said["hint"])
+                            continue
+                        selector.unregister(process.output)
+                        if process.alive():
+                            self._idle.append(process)
+                        else:
+                            self._discard(process)
+                        yield busy.pop(process), Answer(said.get("value"), said.get("failed", ""))
+
+    def values(self, tasks: Iterable[tuple[Any, Task]]) -> Iterator[tuple[Any, Any]]:
+        """As `answers`, for tasks none of which may fail: the key and the value of each.
+
+        Raises:
+            RunError: one failed.
+        """
+        for key, answer in self.answers(tasks):
+            if answer.failed:
+                raise RunError(answer.failed)
+            yield key, answer.value
+
+    def _given(self, task: Task) -> "_Process":
+        """A process that has begun a task."""
+        while self._idle:
+            process = self._idle.pop()
+            if process.give(task):
+                return process
+            self._discard(process)  # died while it had nothing to do
+        process = _Process()
+        self._everyone.add(process)
+        process.give(task)
+        return process
+
+    def _discard(self, process: "_Process") -> None:
+        process.stop(0.0)
+        self._everyone.discard(process)
+
+    def _hint(self, text: str) -> None:
+        if text not in self._hints:
+            screen.hint(text)
+        self._hints.add(text)
+
+
+class _Process:
+    """One worker."""
+
+    def __init__(self) -> None:
+        self._errors = tempfile.TemporaryFile("w+")  # noqa: SIM115  closed in `stop`
+        # a session of its own, so that Ctrl-C does not reach it; -P: a directory it works in is no place for modules
+        self._process = subprocess.Popen(
+            [sys.executable, "-P", "-m", "workflow.workers.worker"],
+            env={**os.environ, **_ONE_THREAD},
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=self._errors,
+            text=True,
+            start_new_session=True,
+        )
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        self._input, self.output = self._process.stdin, self._process.stdout
+        self._said, self._begun = 0, b""
+
+    def give(self, task: Task) -> bool:
+        """Start a task; whether the process was there to take it."""
+        self._said = os.fstat(self._errors.fileno()).st_size
+        try:
+            self._input.write(task.line())
+            self._input.flush()
+        except OSError:
+            return False
+        return True
+
+    def heard(self) -> list[dict[str, Any]]:
+        """What it has written since it was last read: hints, and the answer to the task."""
+        more = os.read(self.output.fileno(), 1 << 16)
+        *lines, self._begun = (self._begun + more).split(b"\n")
+        try:
+            found = [json.loads(line) for line in lines]
+        except ValueError:
+            found = [None]
+        if not more or not all(isinstance(each, dict) for each in found):
+            return [self._ended()]
+        if any(each.get("last") for each in found):
+            self.hang_up()
+        return found
+
+    def _ended(self) -> dict[str, Any]:
+        """The answer of a process that gives none."""
+        self.hang_up()
+        code = self._process.wait()
+        how = f"was killed by signal {signal.Signals(-code).name}" if code < 0 else f"ended with exit code {code}"
+        return {"failed": f"the process that computed it {how}. {self._complaint()}".strip()}
+
+    def _complaint(self) -> str:
+        """What it printed last before it died: the first line, of a traceback the last."""
+        self._errors.seek(self._said)
+        lines = [line.strip() for line in self._errors.read(100_000).splitlines() if line.strip()]
+        return "" if not lines else lines[-1] if lines[0].startswith("Traceback") else lines[0]
+
+    def alive(self) -> bool:
+        """Whether it can take another task."""
+        return not self._input.closed and self._process.poll() is None
+
+    def hang_up(self) -> None:
+        """Ask it to end."""
+        with contextlib.suppress(OSError):  # what was not written goes nowhere
+            self._input.close()
+
+    def interrupt(self) -> None:
+        """Ctrl-C, which does not reach it from a terminal."""
+        self._process.send_signal(signal.SIGINT)
+
+    def stop(self, seconds: float) -> None:
+        """End it, by force after some seconds."""
+        self.hang_up()
+        try:
+            self._process.wait(max(0.0, seconds))
+        except (subprocess.TimeoutExpired, KeyboardInterrupt):
+            self._process.kill()
+            self._process.wait()
+        self.output.close()
+        self._errors.close()
