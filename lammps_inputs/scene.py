@@ -25,8 +25,9 @@ from lammps_inputs.ingredients.unequal import (
     Taper,
     masses_and_strengths,
 )
+from lammps_inputs.limits import material as limits_of_material
 from lammps_inputs.limits.closing import never_closes
-from lammps_inputs.limits.hertz import WHOLE_BEAD, overlap_bounds, sound_speed
+from lammps_inputs.limits.hertz import FLATTENED, LARGEST_OVERLAP, overlap_bounds, sound_speed
 from lammps_inputs.limits.timestep import default_timestep
 from lammps_inputs.output.output import Output
 from lammps_inputs.problem import Problem, System
@@ -42,6 +43,9 @@ MAX_STEPS = 10**12
 
 MAX_STEPS_PER_FRAME = 10**9
 """Well within the 32-bit integers of LAMMPS's dump command."""
+
+FAR = 20.0
+"""Gap over the radius from which on it is unlikely."""
 
 MAX_LENGTH = 1e9
 """Dimensionless; positions up to here resolve overlaps of order 1 to 1e-7."""
@@ -138,6 +142,7 @@ class BaseScene(Part):
             raise ValueError("accuracy: give either accuracy or timestep (both are given)")
         self._check_window()
         self._check_numbers()
+        self._check_materials()
         for ingredient in self.ingredients:
             ingredient.refuse(self)
         self._check_wanted()
@@ -203,6 +208,40 @@ class BaseScene(Part):
                 f"at most {MAX_LENGTH / self.beads:.3g} for {self.beads} beads"
             )
 
+    def _check_materials(self) -> None:
+        """Refuse numbers that no solid has, which are mostly those of another unit."""
+        for key, bead in self._solids():
+            wrong = limits_of_material.impossible(*bead)
+            if wrong:
+                raise ValueError(f"{key}.{wrong}")
+
+    def _solids(self) -> Iterator[tuple[str, tuple[float, float, float]]]:
+        """Key of every kind of bead in SI units, and its radius, density and Young's modulus."""
+        ball = self.material
+        if ball is None:
+            return
+        names = ("radius", "density", "youngs_modulus")
+        reference = tuple(float(getattr(ball, name)) for name in names)
+        yield "material", reference  # type: ignore[misc]
+        kinds = {f"kinds.{name}": kind for name, kind in (self.kinds or {}).items()}
+        if self.striker is not None:
+            kinds["striker"] = self.striker
+        for key, kind in kinds.items():
+            own = [getattr(kind, name) for name in names]
+            if kind.mass is None and any(value is not None for value in own):  # else the density is not the material's
+                radius, density, modulus = (a if b is None else b for a, b in zip(reference, own, strict=True))
+                yield key, (radius, density, modulus)
+
+    @property
+    def unlikely(self) -> list[str]:
+        """What is unlikely in a scene in SI units, each with the unit that was probably meant."""
+        found = [f"{key}.{why}" for key, bead in self._solids() for why in limits_of_material.unlikely(*bead)]
+        if self.material is not None and self.gap > FAR * self.material.radius:
+            ratio = self.gap / self.material.radius
+            meant = f"{self.gap:g} mm is {1e-3 * self.gap:g} m"
+            found.append(f"gap in m? {self.gap:g} m is {ratio:.3g} times the radius; {meant}")
+        return found
+
     def _check_motion(self, system: System) -> None:
         """Refuse scenes in which nothing happens, or what no beads of the material would do."""
         if system.simply_coupled and never_closes(self.chains, system.kappa, system.gap, system.kicks, self.beads):
@@ -233,18 +272,20 @@ class BaseScene(Part):
 
     def _check_contacts(self, ball: Material, system: System) -> None:
         """Refuse what no contact of elastic spheres is, though the dimensionless numbers would be sane."""
-        sound = sound_speed(ball.youngs_modulus, ball.density)
+        sound, key = sound_speed(ball.youngs_modulus, ball.density), max(self._speeds(), key=lambda one: one[1])[0]
+        meant = next(iter(self.unlikely), "")
         if self.scale.velocity > sound:
             raise ValueError(
-                f"kick: {self.scale.velocity:g} m/s is faster than sound in this material, "
-                f"sqrt(youngs_modulus / density) = {sound:.4g} m/s; contacts are Hertzian far below it"
+                f"{key}: {self.scale.velocity:g} m/s is faster than sound in this material, "
+                f"sqrt(youngs_modulus / density) = {sound:.4g} m/s; {meant or 'contacts are Hertzian far below it'}"
             )
         least = overlap_bounds(system)[0]
         overlap = least * self.scale.length / ball.radius
-        if overlap >= WHOLE_BEAD:
+        if overlap >= FLATTENED:
+            key = self._loaded_by if system.loaded else key
             raise ValueError(
-                f"kick: beads would pass through each other, with an overlap of at least {overlap:.2g} times the "
-                "radius; slower kicks or a stiffer material are needed"
+                f"{key}: gives an overlap of at least {overlap:.2g} times the radius, where Hertz's law holds below "
+                f"{LARGEST_OVERLAP}; {meant or 'slower kicks, smaller loads or a stiffer material are needed'}"
             )
 
     @property
@@ -272,10 +313,16 @@ class BaseScene(Part):
 
     def _speed(self) -> float:
         """V: of the fastest kick, or of a bead that has been given the impulse of a push."""
+        return max((speed for _, speed in self._speeds()), default=0.0)
+
+    def _speeds(self) -> Iterator[tuple[str, float]]:
+        """Key of all that sets a bead in motion, and the speed that it gives it."""
+        for number, kick in enumerate(self.kicks):
+            yield _kick_key(self, number).partition("[")[0], abs(kick.velocity)
         ball = self.material
         mass = 1.0 if ball is None else sphere_mass(ball.radius, ball.density)
-        given = (ingredient.speed(mass) for ingredient in self.ingredients)
-        return max((*(abs(kick.velocity) for kick in self.kicks), *given), default=0.0)
+        for key, ingredient in self._named:
+            yield key, ingredient.speed(mass)
 
     @property
     def ingredients(self) -> tuple[Ingredient, ...]:
@@ -318,8 +365,13 @@ class BaseScene(Part):
         try:
             return under_load(system, np.broadcast_to(static, (self.chains, self.beads + 1)))
         except LoadError as error:
-            key = next(key for key, ingredient in self._named if np.any(ingredient.static(self, mass)))
-            raise ValueError(f"{key}: {error}") from None
+            raise ValueError(f"{self._loaded_by}: {error}") from None
+
+    @property
+    def _loaded_by(self) -> str:
+        """Key of the first static load."""
+        mass, _ = masses_and_strengths(self)
+        return next(key for key, ingredient in self._named if np.any(ingredient.static(self, mass)))
 
     def _cadence(self) -> tuple[float, int]:
         """Time between frames in the scene's units, and time steps in it."""

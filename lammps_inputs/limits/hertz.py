@@ -19,8 +19,8 @@ from lammps_inputs.problem import System
 LARGEST_OVERLAP = 0.1
 """Over the radius. The contact's radius is then 0.22 of the bead's, and Hertz asks for a small one (Johnson, 4.1)."""
 
-WHOLE_BEAD = 2.0
-"""Overlap over the radius at which one bead's centre has reached the other's."""
+FLATTENED = 1.0
+"""Overlap over the radius from which on a motion is none of elastic spheres: each has lost half of its radius."""
 
 YIELD_PRESSURE = 1.6
 """Peak pressure over the yield strength where a metal (Poisson's ratio 0.3) begins to flow, below the surface at 0.48

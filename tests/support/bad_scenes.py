@@ -5,6 +5,7 @@ For the tests of the library and of the command line. `BadScene.place` makes the
 
 import json
 import os
+import re
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -70,6 +71,13 @@ def _changed(kind: str, key: str, says: str, **lines: str | None) -> BadScene:
 
 _BALL = "{radius: 4.76e-3, density: 8000, youngs_modulus: 193e9, poisson_ratio: 0.3}"
 _STEEL = "radius: 4.76e-3, density: 8000, youngs_modulus: 193e9"
+
+
+def _in(number: str) -> str:
+    """A steel ball with one of its numbers in another unit."""
+    key = number.partition(":")[0]
+    return re.sub(rf"{key}: [^,}}]*", number, _BALL)
+
 
 _FILES = [
     BadScene("missing file", lambda _: None, "", "no such file"),
@@ -211,12 +219,28 @@ _VALUES = [
     _changed("faster than sound", "kick:", "4912 m/s", kick="{velocity: 5000}", material=_BALL),
     _changed("a radius for a speed", "kick:", "faster than sound", kick="{velocity: 1e6}", material=_BALL),
     _changed(
-        "beads that pass through each other",
+        "beads that would be flattened",
         "kick:",
-        "an overlap of at least 2.9 times the radius",
-        kick="[{velocity: 4200}, {bead: 2, velocity: -4200}]",
+        "an overlap of at least 1.7 times the radius",
+        kick="[{velocity: 2100}, {bead: 2, velocity: -2100}]",
         material=_BALL,
     ),
+    _changed(
+        "modulus in GPa", "material.youngs_modulus:", "youngs_modulus in Pa?", material=_in("youngs_modulus: 193")
+    ),
+    _changed("density in g/cm3", "material.density:", "8 g/cm3 is 8000 kg/m3", material=_in("density: 8")),
+    _changed(
+        "modulus of a kind in GPa",
+        "kinds.soft.youngs_modulus:",
+        "103 GPa is 1.03e+11 Pa",
+        material=_BALL,
+        kinds="{soft: {youngs_modulus: 103}}",
+        pattern="[soft]",
+    ),
+    _changed(
+        "push in us", "push:", "faster than sound", material=_BALL, push="{peak: 100, duration: 50, shape: half-sine}"
+    ),
+    _changed("load in kN", "precompression:", "an overlap of at least", material=_BALL, precompression="{force: 1e7}"),
     _changed(
         "spheres without stiffness",
         "kick:",

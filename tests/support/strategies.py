@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 
 from lammps_inputs import Coupling, Kick, Material, Output, Scene
 from lammps_inputs.limits.closing import never_closes
+from lammps_inputs.limits.material import impossible
 
 NAMES = st.from_regex(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}", fullmatch=True)
 
@@ -17,7 +18,7 @@ MATERIALS = st.builds(
     density=st.floats(10.0, 3e4),
     youngs_modulus=st.floats(1e5, 1e12),
     poisson_ratio=st.floats(-0.9, 0.5),
-)
+).filter(lambda ball: not impossible(ball.radius, ball.density, ball.youngs_modulus))
 
 
 CHAINS = st.integers(1, 6)
@@ -31,7 +32,7 @@ def scenes(draw: st.DrawFn, *, chains: st.SearchStrategy[int] = CHAINS, ends: bo
     places = st.tuples(st.integers(1, count), st.integers(1, beads))
     material = draw(st.none() | MATERIALS)
     speed = draw(st.floats(1e-12, 1e12))
-    if material is not None:  # slower than sound, and too slow for beads to pass through each other
+    if material is not None:  # slower than sound, and too slow for overlaps of a radius
         speed = draw(st.floats(1e-12, 0.1)) * math.sqrt(material.youngs_modulus / material.density)
     signs = st.sampled_from([-1.0, -0.37, 0.1, 1.0])
     kicks = tuple(

@@ -45,6 +45,8 @@ def execute(arguments: argparse.Namespace) -> int:
     with alone(arguments.output), replacing(arguments.output, names):
         for name, content in files.items():
             write_text(arguments.output / name, content)
+    for why in scene.unlikely:
+        print(f"warning: {why}")
     if settings is not None:
         print(f"{scene.name}: {settings.sentence(scene.problem())}")
     hardest = contacts.at_most(scene)

@@ -58,6 +58,8 @@ def execute(arguments: argparse.Namespace) -> Answer:
     force = arguments.force or not ENGINES[engine].own_step
     scene, settings = settle(library.find(arguments.scene), source=arguments.scene, force=force)
     problem = scene.problem()
+    for why in scene.unlikely:
+        print(f"warning: {why}", flush=True)
     if settings is not None:
         print(f"{scene.name}: {settings.sentence(problem)}", flush=True)
     with progress_bar(scene.name, problem) as progress:

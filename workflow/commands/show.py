@@ -26,6 +26,8 @@ def execute(arguments: argparse.Namespace) -> Answer:
     problem, scale = scene.problem(), scene.scale
     print(strict_yaml.dump(scene.plain()), end="")
     print(f"# {problem.steps} time steps, {problem.frames + 1} frames, {problem.chains * problem.beads} beads")
+    for why in scene.unlikely:
+        print(f"# warning: {why}")
     if settings is not None:
         print(f"# {settings.sentence(problem)}")
     if scale.velocity != 1.0 or scale.si:

@@ -39,8 +39,8 @@ class Contacts:
 
     @property
     def possible(self) -> bool:
-        """Whether no bead's centre was seen to reach the next one's."""
-        return not (self.measured and self.overlap >= hertz.WHOLE_BEAD)
+        """Whether the overlaps that were seen may be those of elastic spheres."""
+        return not (self.measured and self.overlap >= hertz.FLATTENED)
 
     def lines(self) -> list[str]:
         """What there is to say, and a warning where Hertz's law ends."""
@@ -52,12 +52,15 @@ class Contacts:
             "Mechanics, 1985, 6.1)"
         ]
         if not self.possible:
-            found.append("beads have passed through each other: this is no motion of beads of this material")
+            found.append(
+                "elastic spheres do not overlap so far, so this is no motion of such beads; are all numbers in SI "
+                "units, youngs_modulus in Pa, density in kg/m3, velocities in m/s, forces in N?"
+            )
         elif self.overlap > hertz.LARGEST_OVERLAP:
             word = "is" if self.measured else "may be"
             found.append(
-                f"that {word} beyond Hertz's law, which wants contacts small against the beads: overlaps below about "
-                f"{hertz.LARGEST_OVERLAP} of the radius (Johnson, 4.1)"
+                f"that {word} beyond Hertz's law, which holds for contacts small against the beads: overlaps below "
+                f"about {hertz.LARGEST_OVERLAP} of the radius (Johnson, 4.1)"
             )
         return found
 

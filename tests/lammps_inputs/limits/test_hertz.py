@@ -109,9 +109,14 @@ def test_sound_in_steel_runs_at_4_9_km_a_second():
     assert sound_speed(STEEL.youngs_modulus, STEEL.density) == pytest.approx(4911.7, abs=0.1)
 
 
-def test_a_kick_as_fast_as_sound_is_the_fastest_allowed():
+def test_the_fastest_kick_gives_an_overlap_of_a_radius_or_has_the_speed_of_sound():
+    """An overlap of 1.9125 R (V / c)^0.8, where the bead meets the next one."""
     sound = sound_speed(STEEL.youngs_modulus, STEEL.density)
-    scene(material=STEEL, kick=(Kick(velocity=sound),))
+    fastest = sound * 1.9125**-1.25
+    scene(material=STEEL, kick=(Kick(velocity=0.999 * fastest),))
+    with pytest.raises(ValueError, match="kick: gives an overlap of at least 1 times the radius"):
+        scene(material=STEEL, kick=(Kick(velocity=1.001 * fastest),))
+    scene(material=STEEL, kick=(Kick(velocity=-sound),))  # which meets none
     with pytest.raises(ValueError, match="faster than sound"):
         scene(material=STEEL, kick=(Kick(velocity=-sound * (1.0 + 1e-12)),))
 
