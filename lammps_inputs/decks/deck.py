@@ -133,9 +133,23 @@ def _from_outside(problem: Problem) -> list[Lines]:
 def interactions(problem: Problem) -> list[list[str]]:
     """Contacts, and springs where there are any."""
     said = spelling(problem)
-    found = [list(lines.interactions) for lines in said if lines.interactions]
+    found = [list(lines.interactions) for lines in said if lines.interactions and not lines.bond_style]
+    if bonded := [lines for lines in said if lines.bond_style]:
+        found.append(_bond_lines(bonded))
     beside = [lines.beside for lines in said if lines.beside]
     return found if not beside else [dashpot.overlaid(found[0], beside), *found[1:]]
+
+
+def _bond_lines(bonded: list[Lines]) -> list[str]:
+    """Springs between chains; the types of several links are numbered one after the other."""
+    styles = list(dict.fromkeys(lines.bond_style for lines in bonded))
+    names = [f"{lines.bond_style} " if len(styles) > 1 else "" for lines in bonded]
+    coefficients = [f"{name}{one}" for lines, name in zip(bonded, names, strict=True) for one in lines.bond_coeffs]
+    return [
+        *dict.fromkeys(line for lines in bonded for line in lines.interactions),
+        f"bond_style {'hybrid ' * (len(styles) > 1)}{' '.join(styles)}",
+        *(f"bond_coeff {number} {one}" for number, one in enumerate(coefficients, 1)),
+    ]
 
 
 def motion_lines(problem: Problem, group: str) -> list[str]:
@@ -274,12 +288,14 @@ def number_lines(problem: Problem) -> list[str]:
 
 def _bonds(problem: Problem) -> list[tuple[int, int, NDArray[np.int64]]]:
     """Both chains of every edge, from 0, and the types of its bonds in the rows that exist; 0 where there is none."""
-    return [
-        (one, other, types[: problem.rows])
-        for link, lines in zip(problem.links, spelling(problem), strict=False)  # loads come last
-        if isinstance(link, Across) and lines.bonds is not None
-        for (one, other), types in zip(link.edges, lines.bonds, strict=True)
-    ]
+    found, before = [], 0
+    for link, lines in zip(problem.links, spelling(problem), strict=False):  # loads come last
+        if isinstance(link, Across) and lines.bonds is not None:
+            numbered = np.where(lines.bonds > 0, lines.bonds + before, 0)
+            before += len(lines.bond_coeffs)
+            edges = zip(link.edges, numbered, strict=True)
+            found += [(one, other, types[: problem.rows]) for (one, other), types in edges]
+    return found
 
 
 def _atom(problem: Problem, chain: int, bead: int) -> int:

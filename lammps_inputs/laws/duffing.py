@@ -67,14 +67,14 @@ class Duffing(NamedTuple):
         values, bonds = bonds_by_value((self.spring, self.cubic, np.where(there, apart, 0.0)), shape)
         return Lines(
             bonds=bonds,
+            bond_style="class2",
+            bond_coeffs=tuple(
+                f"0 {text(0.5 * spring - 0.5 * cubic * distance * distance)} 0 "
+                f"{text(0.25 * cubic)}   # k = {text(spring)}, c = {text(cubic)}, d = {text(distance)}"
+                for spring, cubic, distance in values
+            ),
             interactions=(
                 "# springs between chains, k s + c s^3: K4 = c/4, and K2 = k/2 - 2 K4 d^2 at the lateral distance d",
                 *whole_contacts(link),
-                "bond_style class2",
-                *(
-                    f"bond_coeff {number} 0 {text(0.5 * spring - 0.5 * cubic * distance * distance)} 0 "
-                    f"{text(0.25 * cubic)}   # k = {text(spring)}, c = {text(cubic)}, d = {text(distance)}"
-                    for number, (spring, cubic, distance) in enumerate(values, 1)
-                ),
             ),
         )

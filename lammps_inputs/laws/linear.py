@@ -63,15 +63,15 @@ class Linear(NamedTuple):
         relative displacement at any lateral distance. (With r0 = the distance it would be cubic.)
         """
         values, bonds = bonds_by_value(self, (len(link.edges), problem.beads))
-        one = len(values) == 1
+        one = len(values) == 1 and len(problem.across) == 1
         stiffness = ["$(v_kappa/2:%.17g)"] if one else [text(spring / 2.0) for (spring,) in values]
         return Lines(
             bonds=bonds,
+            bond_style="harmonic",
+            bond_coeffs=tuple(f"{k} 0" for k in stiffness),
             variables=(f"variable kappa index {text(values[0][0])}",) if one else (),
             interactions=(
                 "# springs between chains: r0 = 0 makes them linear along the chain at any lateral distance",
                 *whole_contacts(link),
-                "bond_style harmonic",
-                *(f"bond_coeff {number} {k} 0" for number, k in enumerate(stiffness, 1)),
             ),
         )
