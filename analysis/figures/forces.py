@@ -24,10 +24,13 @@ def force_figure(problem: Problem, readings: Readings) -> Figure:
                 draw_chain(
                     axis, position, chain, readings.time * time.worth, readings.force[:, chain, place] * force.worth
                 )
-            axis.set_ylabel(f"force ({force.symbol})")
-            largest = float(np.max(readings.largest[:, place])) * force.worth
+            axis.set_ylabel(f"{'total ' if readings.loaded else ''}force ({force.symbol})")
+            largest = f"largest {float(np.max(readings.largest[:, place])) * force.worth:.4g}"
+            if readings.loaded:
+                dynamic = float(np.fmax.reduce(readings.dynamic[:, place])) * force.worth
+                largest += f", dynamic {dynamic:.4g}" if np.isfinite(dynamic) else ", never above the static force"
             axis.set_title(readings.gauges[place].name, loc="left")
-            axis.set_title(f"largest {largest:.4g}", loc="right", fontsize=8, color="0.3")
+            axis.set_title(largest, loc="right", fontsize=8, color="0.3")
         axes[-1].set_xlabel(f"time $t$ ({time.symbol})")
         left_out = len(readings.gauges) - count
         more = f"; {left_out} more gauges are in forces.csv" if left_out else ""

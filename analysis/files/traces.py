@@ -24,7 +24,7 @@ WANTED = (
 )
 
 _CHAIN = r"(?: chain (?P<chain>\d{1,9}))?"
-_ABOVE = r"(?P<above> dynamic)?"
+_ABOVE = r"(?: total|(?P<above> dynamic))?"
 _PATTERNS = (
     re.compile(rf"(?:force )?(?:wall (?P<side>left|right)|(?P<which>left|right) wall){_CHAIN}{_ABOVE}"),
     re.compile(rf"(?:force )?(?P<kind>contact|sensor) (?P<bead>\d{{1,9}}){_CHAIN}{_ABOVE}"),

@@ -1,4 +1,4 @@
-"""Force of a contact between frames: its integral, where it changes, where it is largest."""
+"""Between frames: the force of a contact, its integral, changes and maximum; the maximum and crossings of samples."""
 
 import itertools
 from collections.abc import Callable
@@ -101,3 +101,49 @@ def maximum(value: Callable[[Floats], Floats], low: Floats, high: Floats) -> Flo
         rising = value(one) < value(two)
         low, high = np.where(rising, one, low), np.where(rising, high, two)
     return 0.5 * (low + high)
+
+
+def top(time: Floats, values: Floats) -> tuple[float, float]:
+    """Where evenly sampled values are largest, and how large: the maximum of a quartic through the five around it.
+
+    Of a parabola through three, where it is the second or the last but one; NaN where it is the first or the last.
+    """
+    k = int(np.argmax(values))
+    if not 0 < k < len(values) - 1:
+        return np.nan, np.nan
+    reach = 2 if 1 < k < len(values) - 2 else 1
+    around = values[k - reach : k + reach + 1]
+    if not np.all(np.isfinite(around)):
+        return np.nan, np.nan
+    curve = np.polynomial.Polynomial.fit(np.arange(-reach, reach + 1), around, 2 * reach, domain=[-1, 1])
+    turns = np.real(curve.deriv().roots())
+    tried = np.array([0.0, *turns[np.abs(turns) < 1.0]])
+    best = tried[np.argmax(curve(tried))]
+    return float(time[k] + best * (time[k + 1] - time[k])), float(curve(best))
+
+
+def crossing(time: Floats, values: Floats, k: int, level: float) -> float:
+    """When evenly sampled values cross a level between samples k - 1 and k: of a cubic through the four around them."""
+    first = min(max(k - 2, 0), max(len(values) - 4, 0))
+    around = values[first : first + 4] - level
+    curve = np.polynomial.Polynomial.fit(np.arange(len(around)), around, len(around) - 1, domain=[-1, 1])
+    roots = curve.roots()
+    within = np.real(roots[(np.abs(np.imag(roots)) < 1e-9) & (np.abs(np.real(roots) - (k - 0.5 - first)) <= 0.5)])
+    before, after = values[k - 1] - level, values[k] - level
+    place = within[0] if len(within) == 1 else k - 1 - first + before / (before - after)
+    return float(time[first] + place * (time[k] - time[k - 1]))
+
+
+def excursion(time: Floats, values: Floats, at: float, level: float) -> tuple[float, float]:
+    """From when to when evenly sampled values exceed a level around a time; infinite where the record has no end of it.
+
+    NaN where none of the samples does.
+    """
+    first = max(int(np.argmin(np.abs(time - at))) - 1, 0)
+    k = first + int(np.argmax(values[first : first + 3]))
+    if not values[k] > level:
+        return np.nan, np.nan
+    before, after = np.flatnonzero(values[:k] <= level), np.flatnonzero(values[k:] <= level)
+    start = crossing(time, values, int(before[-1]) + 1, level) if len(before) else -np.inf
+    end = crossing(time, values, k + int(after[0]), level) if len(after) else np.inf
+    return start, end

@@ -8,8 +8,9 @@ import numpy as np
 
 from analysis import motion
 from analysis.budget import energy_input
+from analysis.gauges.between_frames import crossing, top
 from analysis.gauges.forces import at_frames
-from analysis.gauges.gauge import gauges
+from analysis.gauges.gauge import far_wall
 from analysis.mirror import direction_of
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem
@@ -36,8 +37,8 @@ class FarEnd:
         forward = direction_of(problem) > 0
         rows = max(1, problem.beads // PART)
         self._rows = slice(problem.beads - rows, problem.beads) if forward else slice(0, rows)
-        named = gauges(problem, wall=True, contacts=(), sensors=())
-        self._wall = tuple(gauge for gauge in named if gauge.name == ("right wall" if forward else "left wall"))
+        wall = far_wall(problem)
+        self._wall = () if wall is None else (wall,)
         self._time: list[Floats] = []
         self._energy: list[Floats] = []
         self._input: list[Floats] = []
@@ -77,14 +78,14 @@ class FarEnd:
         force = np.concatenate(self._force)
         static = self._wall[0].static
         when, hardest = _arrived(time, force.sum(axis=1), float(static.sum()))
-        tops = [_arrived(time, column, at_rest) for column, at_rest in zip(force.T, static.tolist(), strict=True)]
-        of_one = max((top for when, top in tops if not np.isnan(when)), default=np.nan)
+        each = [_arrived(time, column, at_rest)[1] for column, at_rest in zip(force.T, static.tolist(), strict=True)]
+        of_one = float(np.fmax.reduce(each))
         return {"wall_force": hardest, "wall_force_chain": of_one, **found, "delay": when}
 
 
 def _arrived(time: Floats, force: Floats, static: float) -> tuple[float, float]:
     """Where a force is largest, and how large; NaN where it has not risen, or is largest in the last frame."""
-    when, most = _top(time, force)
+    when, most = top(time, force)
     risen = most - static > FAINTEST * max(1.0, static)
     return (when, most) if risen else (np.nan, np.nan)
 
@@ -100,34 +101,11 @@ def _settled(time: Floats, energy: Floats) -> tuple[float, float]:
     quarter, half, level = (_reached(time, energy, share * largest) for share in (0.25, 0.5, 1.0 - LEVEL))
     if energy[-1] >= largest and time[-1] - level < half - quarter:
         return np.nan, np.nan
-    top = _top(time, energy)[1]
-    return half, largest if np.isnan(top) else top
+    most = top(time, energy)[1]
+    return half, largest if np.isnan(most) else most
 
 
 def _reached(time: Floats, values: Floats, level: float) -> float:
-    """When values first reach a level that the first of them is below, by a line from frame to frame."""
+    """When values first reach a level."""
     k = int(np.argmax(values >= level))
-    if k == 0:
-        return float(time[0])
-    share = (level - values[k - 1]) / (values[k] - values[k - 1])
-    return float(time[k - 1] + share * (time[k] - time[k - 1]))
-
-
-def _top(time: Floats, values: Floats) -> tuple[float, float]:
-    """Where evenly sampled values are largest, and how large: the top of a quartic through the five around it.
-
-    Of a parabola through three, where it is the second or the last but one; NaN where it is the first or the last.
-    """
-    k = int(np.argmax(values))
-    if not 0 < k < len(values) - 1:
-        return np.nan, np.nan
-    reach = 2 if 1 < k < len(values) - 2 else 1
-    around = values[k - reach : k + reach + 1]
-    if not np.all(np.isfinite(around)):
-        return np.nan, np.nan
-    place = np.arange(-reach, reach + 1)
-    curve = np.polynomial.Polynomial.fit(place, around, 2 * reach, domain=[-1, 1])
-    turns = np.real(curve.deriv().roots())
-    tried = np.array([0.0, *turns[np.abs(turns) < 1.0]])
-    best = tried[np.argmax(curve(tried))]
-    return float(time[k] + best * (time[k + 1] - time[k])), float(curve(best))
+    return crossing(time, values, k, level) if k else float(time[0])

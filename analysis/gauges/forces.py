@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis import hermite, motion
-from analysis.gauges.between_frames import Curve, borders, change, maximum
+from analysis.gauges.between_frames import Curve, borders, change, excursion, maximum
 from analysis.gauges.gauge import Gauge, Integers, Probe
-from analysis.gauges.readings import Readings
+from analysis.gauges.readings import PULSE, Readings
 from analysis.trajectory import Floats, Trajectory, joined
 from lammps_inputs import Problem
 
@@ -24,9 +24,9 @@ CLOSED = 1e-9
 with hardly any force.
 """
 
-NEARLY = 0.99
-"""Share of the largest force that a panel's ends must have for the largest to be looked for in it: forces are round
-enough for a panel to hide 0.2%.
+NEARLY = 0.01
+"""Share of the largest force that a panel's ends may be below it for the largest to be looked for in it: forces are
+round enough for a panel to hide 0.2%.
 """
 
 _JUST = 1e-9
@@ -74,7 +74,7 @@ class ForceMeter:
         self._time: list[Floats] = []
         self._force: list[Floats] = []
         self._static = np.stack([gauge.static for gauge in gauges], axis=-1)
-        self._largest, self._impulse = self._static.copy(), np.zeros(shape)
+        self._largest, self._impulse = np.full(shape, -np.inf), np.zeros(shape)
         self._largest_at = np.full(shape, np.nan)
         self._closed = np.zeros(shape, dtype=bool)
         self._changes: list[list[tuple[Integers, Floats, NDArray[np.bool_]]]] = [[] for _ in gauges]
@@ -87,6 +87,8 @@ class ForceMeter:
         if self._carried is not None:
             block = joined([self._carried, block])
         else:
+            self._largest = self._force[0][0].copy()
+            self._largest_at[:] = block.time[0]
             self._closed = _at_frames(block[:1], self.gauges, dashpots=False)[0] > CLOSED
         step = max(1, MOST_ENTRIES // self.problem.chains)
         for start in range(0, block.frames - 1, step):
@@ -109,19 +111,31 @@ class ForceMeter:
         if not self._time:
             raise ValueError("no frames to read forces from")
         time, force = np.concatenate(self._time), np.concatenate(self._force)
-        dwell, contacts = np.zeros(self._largest.shape), np.zeros(self._largest.shape, dtype=np.int64)
+        largest = self._largest.copy()
+        risen = largest - self._static > CLOSED * np.maximum(1.0, self._static)
+        largest_at = np.where(risen, self._largest_at, np.nan)
+        dwell, ended = np.zeros(largest.shape), np.zeros(largest.shape, dtype=bool)
+        contacts = np.zeros(largest.shape, dtype=np.int64)
         for place, changes in enumerate(self._changes):
             for chain in range(self.problem.chains):
                 starts = [when[(of == chain) & closes] for of, when, closes in changes]
                 ends = [when[(of == chain) & ~closes] for of, when, closes in changes]
                 start = np.sort(np.concatenate([time[:1][self._closed[chain, place : place + 1]], *starts]))
-                end = np.sort(np.concatenate([*ends, time[-1:]]))
+                end = np.sort(np.concatenate([*ends, [np.inf]]))
                 contacts[chain, place] = len(start)
-                hardest = int(np.searchsorted(start, self._largest_at[chain, place])) - 1
-                if 0 <= hardest < len(start):
-                    dwell[chain, place] = end[hardest] - start[hardest]
-        largest = np.copy(self._largest), np.copy(self._largest_at), np.copy(self._impulse)
-        return Readings(self.gauges, time, force, self._static, *largest, dwell, contacts)
+                at, static = largest_at[chain, place], self._static[chain, place]
+                if np.isnan(at) or len(start) == 0:
+                    continue
+                hardest = max(int(np.searchsorted(start, at, side="right")) - 1, 0)
+                span = start[hardest], end[hardest]
+                if static > 0.0:
+                    above = PULSE * (largest[chain, place] - static)
+                    span = excursion(time, force[:, chain, place] - static, float(at), above)
+                ended[chain, place] = span[1] <= time[-1]
+                dwell[chain, place] = min(span[1], time[-1]) - max(span[0], time[0])
+        return Readings(
+            self.gauges, time, force, self._static, largest, largest_at, self._impulse.copy(), dwell, ended, contacts
+        )
 
     def _read(self, block: Trajectory, place: int, gauge: Gauge) -> None:
         """Take in what one gauge reads from the first frame of a block to its last."""
@@ -197,7 +211,8 @@ class ForceMeter:
     ) -> None:
         """Refine what is nearly the largest of the values at borders, [border, interval, chain]."""
         value = forces.max(axis=0)
-        interval, chain = np.nonzero(value > NEARLY * np.maximum(value.max(axis=0), self._largest[:, place]))
+        most = np.maximum(value.max(axis=0), self._largest[:, place])
+        interval, chain = np.nonzero(value > most - NEARLY * np.abs(most))
         top = np.argmax(forces[:, interval, chain], axis=0)
         low, high = border[np.maximum(top - 1, 0)], border[np.minimum(top + 1, len(border) - 1)]
         entry = interval * forces.shape[2] + chain

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from analysis import motion
 from analysis.trajectory import Floats
-from lammps_inputs import Problem, laws
+from lammps_inputs import System, laws
 from lammps_inputs.laws import dashpot
 from lammps_inputs.links import Wall
 
@@ -71,7 +71,7 @@ class Gauge:
         return "left" if self.bead == 1 else "right"
 
 
-def gauges(problem: Problem, *, wall: bool, contacts: tuple[int, ...], sensors: tuple[int, ...]) -> tuple[Gauge, ...]:
+def gauges(problem: System, *, wall: bool, contacts: tuple[int, ...], sensors: tuple[int, ...]) -> tuple[Gauge, ...]:
     """Gauges at walls, between beads n and n + 1, and inside beads; from left to right by kind."""
     found = []
     if wall:
@@ -87,7 +87,13 @@ def gauges(problem: Problem, *, wall: bool, contacts: tuple[int, ...], sensors: 
     return tuple(found)
 
 
-def _at_wall(problem: Problem, link: Wall) -> Probe:
+def far_wall(system: System) -> Gauge | None:
+    """The gauge at the wall that the largest excitation goes towards; None where there is none."""
+    side = "right" if system.hardest_blow[2] > 0.0 else "left"
+    return next((gauge for gauge in gauges(system, wall=True, contacts=(), sensors=()) if gauge.side == side), None)
+
+
+def _at_wall(problem: System, link: Wall) -> Probe:
     right = link.law.side > 0.0
     place = problem.beads - 1 if right else 0
 
@@ -108,7 +114,7 @@ def _at_wall(problem: Problem, link: Wall) -> Probe:
     return Probe(behind, ahead, force, static, None if damper is None else loss)
 
 
-def _between(problem: Problem, bead: int) -> Probe:
+def _between(problem: System, bead: int) -> Probe:
     def force(strain: Floats, chain: Integers) -> Floats:
         contact = np.full(chain.shape, bead - 1)
         overlap = strain - problem.gap + motion.rest_overlap(problem, chain, contact)
@@ -119,7 +125,7 @@ def _between(problem: Problem, bead: int) -> Probe:
     return Probe(bead, bead + 1, force, static, None if problem.contact_loss is None else _loss(problem, bead))
 
 
-def _loss(problem: Problem, bead: int) -> Callable[[Floats, Floats, Integers], Floats]:
+def _loss(problem: System, bead: int) -> Callable[[Floats, Floats, Integers], Floats]:
     def loss(strain: Floats, rate: Floats, chain: Integers) -> Floats:
         law = laws.at(problem.contact_loss, chain, bead - 1)  # type: ignore[arg-type]
         return np.asarray(dashpot.damping(law, strain - problem.gap, rate))

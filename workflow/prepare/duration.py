@@ -4,10 +4,16 @@ import math
 
 import numpy as np
 
-from lammps_inputs import InputError, Scene
+from analysis.gauges.forces import at_frames
+from analysis.gauges.gauge import far_wall
+from analysis.gauges.readings import PULSE
+from lammps_inputs import InputError, Output, Scene
 from lammps_inputs.limits import rates
 from lammps_inputs.limits.closing import slowest_swing
 from workflow.engines.reference import engine
+
+_RISEN = 1e-3
+"""Velocity in units of V, and force in its unit at V = 1, from which a pulse has arrived."""
 
 _AFTER = 6.0
 """Time from the last chain's peak to the end, in units of T: the wave's velocity falls to nothing within it."""
@@ -20,7 +26,7 @@ _WINDOW = 512
 """Rows that are integrated for a scene whose window is still to be found."""
 
 
-def with_duration(scene: Scene) -> Scene:
+def with_duration(scene: Scene, *, wall: bool = False) -> Scene:
     """The same scene with its duration written out.
 
     ``until_bead: n`` ends shortly after the first pulse in every chain that moves has passed bead n: its velocity there
@@ -29,16 +35,26 @@ def with_duration(scene: Scene) -> Scene:
     struck one after another as their springs swing: the run then goes on for a period of the slowest swing, or for as
     long again if that is shorter.
 
+    Where the force on walls is read, it also waits for the pulse at the wall that the largest excitation goes towards:
+    the force there, above the static one, has risen above 1e-3 of its unit and fallen to `PULSE` of its largest value.
+
+    Args:
+        scene: any; one with a duration is returned as it is.
+        wall: whether the force on the far wall is wanted, also where the scene does not name it.
+
     Raises:
         InputError: the pulse does not arrive within ten times the time that an undamped one takes.
     """
     if scene.until_bead is None:
         return scene
-    # the reference integrates with the scene's own cadence, but records the one bead that matters
+    # the reference integrates with the scene's own cadence, but records the few beads that matter
     gap, system = scene.gap / scene.scale.length, scene.system
+    far = far_wall(system) if wall or (scene.output.forces is not None and scene.output.forces.wall) else None
+    last = scene.until_bead if far is None else max(scene.until_bead, system.beads)
     pushed = max((load.end for load in system.loads if not load.endless), default=0.0)
     cadence = 0.1 / rates.pace(system) if system.loaded else 0.1  # sound may be faster
-    limit = (_SLOWEST * (scene.until_bead + 10) * (1.0 + gap) + pushed) * scene.scale.time
+    limit = (_SLOWEST * (last + 10) * (1.0 + gap) + pushed) * scene.scale.time
+    beads = {scene.until_bead} if far is None else {scene.until_bead, far.bead}
     trial = scene.model_copy(
         update={
             "until_bead": None,
@@ -46,23 +62,26 @@ def with_duration(scene: Scene) -> Scene:
             "timestep": None,
             "accuracy": None,
             "window": None,
-            "output": scene.output.model_copy(
-                update={"every": cadence * scene.scale.time, "beads": (scene.until_bead,)}
-            ),
+            "output": Output(every=cadence * scene.scale.time, beads=tuple(sorted(beads))),
         }
     )
     problem = trial.problem()
-    reached = np.ones(problem.chains, dtype=bool)
+    still = np.ones(problem.chains, dtype=bool)
     for chain, _, _ in problem.struck:
-        reached[problem.tied_to(chain - 1)] = False
+        still[problem.tied_to(chain - 1)] = False
+    reached, released = still.copy(), still | (far is None)
     share = 1.0 if scene.until_bead == scene.beads else 0.5
-    largest = np.zeros(problem.chains)
+    largest, hardest = np.zeros(problem.chains), np.zeros(problem.chains)
     rows = None if scene.window is None else min(scene.beads, _WINDOW if scene.window == "auto" else 2 * scene.window)
     for block in engine.blocks(problem, window=rows):
-        for time, velocity in zip(block.time, np.abs(block.velocity[:, :, 0]), strict=True):
-            reached |= (largest > 1e-3) & (velocity <= share * largest)
+        speed = np.abs(block.velocity[:, :, int(np.searchsorted(problem.recorded_beads, scene.until_bead))])
+        force = np.zeros_like(speed) if far is None else at_frames(block, (far,))[..., 0] - far.static
+        for time, velocity, pressing in zip(block.time, speed, force, strict=True):
+            reached |= (largest > _RISEN) & (velocity <= share * largest)
             largest = np.maximum(largest, velocity)
-            if reached.all():
+            released |= (hardest > _RISEN) & (pressing <= PULSE * hardest)
+            hardest = np.maximum(hardest, pressing)
+            if reached.all() and released.all():
                 every = scene.resolved().output.every or 0.0
                 after = _AFTER
                 if gap > 0.0 and problem.coupled:
@@ -70,8 +89,12 @@ def with_duration(scene: Scene) -> Scene:
                     after += min(float(time), 2.0 * math.pi / slowest) if slowest else float(time)
                 duration = math.ceil((float(time) + after) * scene.scale.time / every) * every
                 return scene.model_copy(update={"until_bead": None, "duration": duration})
+    until = f"in every chain by t = {scene.scale.written(limit / scene.scale.time, 'time', '.4g')}"
+    if not reached.all():
+        raise InputError(
+            f"until_bead: bead {scene.until_bead} is not passed {until} (weakly coupled pulses decay); give a duration"
+        )
+    name = far.name if far else "wall"
     raise InputError(
-        f"until_bead: bead {scene.until_bead} is not passed in every chain by "
-        f"t = {scene.scale.written(limit / scene.scale.time, 'time', '.4g')} "
-        "(weakly coupled pulses decay); give a duration"
+        f"until_bead: the pulse at the {name}, whose force is read, has not ended {until}; give a duration"
     )

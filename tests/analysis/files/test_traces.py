@@ -20,6 +20,7 @@ def table(directory, text):
         ("force_wall_right", Channel("wall", 1, right=True)),
         ("force_wall_left_chain_2", Channel("wall", 2)),
         ("right wall chain 3 (N)", Channel("wall", 3, right=True)),
+        ("right wall chain 3 total (N)", Channel("wall", 3, right=True)),
         ("force_contact_10", Channel("contact", 1, 10)),
         ("contact 10 chain 2", Channel("contact", 2, 10)),
         ("force_sensor_20_chain_4", Channel("sensor", 4, 20)),

@@ -307,10 +307,10 @@ def test_forces_are_read_as_totals_and_above_rest(tmp_path):
     assert contact["largest"] == pytest.approx(contact["static"] + contact["dynamic"])
     assert 0.2 < contact["dynamic"] < 1.0
     table = np.genfromtxt(directory.path / "forces.csv", delimiter=",", names=True)
-    total, dynamic = table["contact_10_chain_1"], table["contact_10_chain_1_dynamic"]
+    total, dynamic = table["contact_10_chain_1_total"], table["contact_10_chain_1_dynamic"]
     np.testing.assert_allclose(total - dynamic, 0.3, rtol=1e-9)
     assert total[0] == pytest.approx(0.3, rel=1e-12)
-    assert table["left_wall_chain_1"].min() == 0.0
+    assert table["left_wall_chain_1_total"].min() == 0.0
 
 
 def test_the_impulse_of_a_gauge_is_that_above_rest():

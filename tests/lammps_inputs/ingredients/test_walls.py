@@ -367,9 +367,11 @@ def test_the_installed_scene_shows_the_known_numbers_through_lammps(tmp_path, dr
     error = 4.0 * found.check.amplitude
     assert wall["largest"] / contact["largest"] == pytest.approx(1.75040, abs=error + 5e-6)
     assert contact["largest"] == pytest.approx(0.63955, abs=error + 5e-6)
-    assert wall["restitution"] == pytest.approx(0.9998, abs=error + 5e-5)
+    reflected = wall["reflected"]
+    assert reflected["ratio"] == pytest.approx(0.99977, abs=reflected["uncertainty"] + 1e-5)
+    assert reflected["uncertainty"] < 10.0 * error
     assert (wall["kind"], contact["kind"], sensor["kind"]) == ("wall", "contact", "sensor")
-    assert "restitution" not in contact
+    assert "reflected" not in contact
 
 
 @pytest.mark.parametrize(("kind", "ratio"), [("flat", 1.94390), ({"stiffness": 100.0}, 1.86245)], ids=str)

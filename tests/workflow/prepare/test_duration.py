@@ -6,7 +6,10 @@ import numpy as np
 import pytest
 from stock_lammps import scene
 
-from lammps_inputs import library
+from analysis.gauges.forces import ForceMeter
+from analysis.gauges.gauge import far_wall
+from analysis.gauges.readings import PULSE
+from lammps_inputs import InputError, library
 from workflow.engines.reference import engine
 from workflow.prepare.duration import with_duration
 
@@ -36,3 +39,36 @@ def test_a_pulse_may_begin_late():
     late = {"table": [[200.0, 0.0], [201.0, 1.0], [202.0, 0.0]]}
     plain = {"name": "late", "beads": 5, "push": late, "until_bead": 3}
     assert with_duration(library.from_plain(plain, "late")).duration == pytest.approx(200.0 + 11.5, abs=2.0)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"until_bead": 5},
+        {"walls": {"right": {"stiffness": 0.01}}},
+        {"precompression": {"force": 0.5}},
+        {"chains": 2, "coupling": {"stiffness": 0.1}},
+        {"kick": {"bead": 20, "velocity": -1.0}, "walls": {"left": "bead", "right": "bead"}, "until_bead": 1},
+    ],
+    ids=str,
+)
+def test_where_the_force_on_walls_is_read_the_end_waits_for_the_pulse_at_the_far_wall(changes):
+    plain = {"name": "a", "chains": 1, "beads": 20, "walls": {"right": "bead"}, "kick": {"velocity": 1.0}}
+    plain |= {"until_bead": 20, "output": {"forces": {"wall": True}}, **changes}
+    problem = with_duration(library.from_plain(plain, "a")).problem()
+    meter = ForceMeter(problem, (far_wall(problem),))
+    run = engine.run(problem)
+    meter.add(run)
+    found = meter.result()
+    for chain in range(problem.chains):
+        above = found.force[:, chain, 0] - found.static[chain, 0]
+        released = (found.time > found.largest_at[chain, 0]) & (above <= PULSE * found.dynamic[chain, 0])
+        assert found.time[released].min() < problem.duration - AFTER + 0.2
+
+
+def test_a_wall_that_is_not_hit_in_time_is_one_line_that_names_it():
+    plain = {"name": "a", "beads": 5, "walls": {"right": "bead"}, "kick": {"velocity": 1.0}, "until_bead": 2}
+    plain |= {"damping": {"beads": 1.0}, "output": {"forces": {"wall": True}}}
+    with pytest.raises(InputError, match=r"^until_bead: .*give a duration$"):
+        with_duration(library.from_plain(plain, "a"))

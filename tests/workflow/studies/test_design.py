@@ -201,6 +201,13 @@ def test_a_design_whose_pulse_does_not_reach_the_far_end_does_not_count(wanted, 
     assert Found(design, records, [], None, Sensitivity(0.0, (), {}, ""), 0.0).undefined == len(late)
 
 
+def test_a_design_that_ends_at_a_bead_waits_for_what_is_wanted_at_the_wall():
+    plain = {"name": "a", "beads": 30, "walls": {"right": {"stiffness": 0.1}}, "kick": {"velocity": 1.0}}
+    names = ("wall_force", "delay", "transmitted_energy")
+    found = measures.by_reference({**plain, "until_bead": 10}, names, "scene")
+    assert found == pytest.approx(measures.by_reference({**plain, "duration": 90.0}, names, "scene"), rel=1e-6)
+
+
 class Linear:
     """An evaluator that takes the objective of a design to be its stiffness."""
 

@@ -3,6 +3,7 @@
 import csv
 import io
 import math
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -36,7 +37,8 @@ def readings(problem, static):
     number = np.add.outer(np.arange(1.0, 3.0), 10.0 * np.arange(1.0, 4.0))  # [chain, gauge]
     rest = np.full((2, 3), static)
     force = np.stack([rest, rest + number])
-    seen = {"impulse": 2.0 * number, "dwell": 3.0 * number, "contacts": np.ones((2, 3), dtype=np.int64)}
+    ended = number < 12.0  # chain 1's first
+    seen = {"impulse": 2.0 * number, "dwell": 3.0 * number, "ended": ended, "contacts": np.ones((2, 3), dtype=np.int64)}
     return Readings(places, np.array([0.0, 4.0]), force, rest, rest + number, 0.1 * number, **seen)
 
 
@@ -52,6 +54,8 @@ def test_each_gauge_and_chain_has_an_entry_of_its_own_numbers(problem, static):
             "at": 0.1 * number * scale.time,
             "impulse": 2.0 * number * scale.momentum,
             "dwell": 3.0 * number * scale.time,
+            "dwell_ended": number < 12.0,
+            "last": 1.0,
             **({"static": static * scale.force, "dynamic": number * scale.force} if static else {}),
         }
         found = {key: one[key] for key in one if key not in ("kind", "name", "chain", "bead", "contacts")}
@@ -64,14 +68,14 @@ def test_each_gauge_and_chain_has_its_column_in_forces_csv(problem, static):
     rest, line = csv.DictReader(io.StringIO(to_csv(readings(problem, static), scale)))
     second, newton = (" (s)", " (N)") if scale.si else ("", "")
     assert float(line.pop(f"time{second}")) == pytest.approx(4.0 * scale.time)
-    expected = {}
+    expected, total = {}, " total" if static else ""
     for gauge, name in enumerate(("contact 2", "contact 7", "sensor 5"), 1):
         for chain in (1, 2):
-            expected[f"{name} chain {chain}{newton}"] = (static + 10.0 * gauge + chain) * scale.force
+            expected[f"{name} chain {chain}{total}{newton}"] = (static + 10.0 * gauge + chain) * scale.force
             if static:
                 expected[f"{name} chain {chain} dynamic{newton}"] = (10.0 * gauge + chain) * scale.force
     assert {name: float(value) for name, value in line.items()} == pytest.approx(expected)
-    assert float(rest[f"sensor 5 chain 2{newton}"]) == pytest.approx(static * scale.force)
+    assert float(rest[f"sensor 5 chain 2{total}{newton}"]) == pytest.approx(static * scale.force)
 
 
 def test_what_comes_through_is_in_the_scenes_units_and_energy_a_share(problem):
@@ -175,7 +179,7 @@ def printed(capsys):
 
     def shown(finding):
         for said in finding.said():
-            print_table(*said)
+            print(said) if isinstance(said, str) else print_table(*said)
         return capsys.readouterr().out
 
     return shown
@@ -190,7 +194,8 @@ def test_of_a_gauge_force_time_impulse_and_dwell_are_told(problem, printed):
     places = gauges(problem, wall=False, contacts=(2, 7), sensors=())
     most = np.add.outer(np.arange(1.0, 3.0), np.array([10.0, 20.0]))  # [chain, gauge]
     force = np.stack([0.0 * most, most])
-    seen = {"impulse": 2.0 * most, "dwell": 3.0 * most, "contacts": np.ones((2, 2), dtype=np.int64)}
+    there = np.ones((2, 2), dtype=np.int64)
+    seen = {"impulse": 2.0 * most, "dwell": 3.0 * most, "ended": there > 0, "contacts": there}
     found = Readings(places, np.array([0.0, 4.0]), force, 0.0 * most, most, 0.1 * most, **seen)
     out = printed(forces.Forces(problem, found, {}))
     for name, unit in (("largest", "N"), ("at", "s"), ("impulse", "kg m/s"), ("dwell", "s")):
@@ -200,6 +205,27 @@ def test_of_a_gauge_force_time_impulse_and_dwell_are_told(problem, printed):
     expected = [number * worth for number in (11.0, 12.0, 21.0, 22.0)]
     for words, right in zip(told, expected, strict=True):
         np.testing.assert_allclose(numbers(words[-4:]), right, rtol=1e-3)
+
+
+def test_under_a_static_load_the_table_names_total_and_dynamic_and_what_is_so_far(problem, printed):
+    out = printed(forces.Forces(problem, readings(problem, 5.0), {}))
+    words = " ".join(out.split())
+    for name in ("static", "largest total", "largest dynamic", "at", "dynamic impulse", "dwell above static"):
+        assert name in words
+    rows = [line for line in out.splitlines() if line.split()[:1] in (["contact"], ["sensor"], ["2"])]
+    assert ["so far" in row for row in rows] == [False, True, True, True, True, True]
+    assert "inside a pulse: the force still differs from the static force" in words
+
+
+def test_what_never_exceeds_the_static_load_has_no_dynamic_force(problem, printed):
+    seen = readings(problem, 5.0)
+    nothing, force = np.full(seen.static.shape, np.nan), np.stack([seen.static, seen.static - 1.0])
+    seen = replace(seen, force=force, largest=seen.static, largest_at=nothing, dwell=nothing)
+    found = forces.Forces(problem, seen, {})
+    for entry in found.plain():
+        assert [entry[key] for key in ("at", "dynamic", "dwell_ended", "last")] == [None] * 4
+        assert entry["largest"] == entry["static"]
+    assert "inside a pulse" not in printed(found)
 
 
 def test_of_the_energy_least_most_and_last_are_told_with_their_times(problem, printed):

@@ -55,13 +55,14 @@ def mass_of(scene: Scene) -> float:
     return float(np.sum(np.broadcast_to(system.mass, (system.chains, system.beads)))) * scale.mass
 
 
-def scene_to_run(plain: dict[str, Any], source: str) -> Scene:
-    """A scene with its end, all of whose beads are recorded.
+def scene_to_run(plain: dict[str, Any], names: tuple[str, ...], source: str) -> Scene:
+    """A scene with its end, all of whose beads are recorded; one that ends at a bead waits for what is wanted.
 
     Raises:
         InputError: it is none, or its end is not reached.
     """
-    scene = with_duration(library.from_plain({**plain, "output": {}}, source))
+    at_the_end = any(name in _AT_THE_END for name in names)
+    scene = with_duration(library.from_plain({**plain, "output": {}}, source), wall=at_the_end)
     if scene.window is not None:
         raise InputError(f"{source}: window: what is left behind counts here; leave it out")
     return scene
@@ -73,7 +74,7 @@ def by_reference(plain: dict[str, Any], names: tuple[str, ...], source: str) -> 
     Raises:
         InputError: as `scene_to_run`.
     """
-    scene = scene_to_run(plain, source)
+    scene = scene_to_run(plain, names, source)
     problem = scene.model_copy(update={"accuracy": None}).problem()
     trajectory = engine.run(problem)
     return of_frames(problem, lambda: blocks(trajectory), scene, names)

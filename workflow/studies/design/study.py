@@ -118,7 +118,7 @@ def _verified(
     design: Design, plain: dict[str, Any], values: dict[str, Any], path: Path, known: dict[str, float | None]
 ) -> Verified:
     """A scene run in LAMMPS, or taken from an earlier start."""
-    scene = scene_to_run(plain, design.source)
+    scene = scene_to_run(plain, design.names, design.source)
     directory = _finished(path, strict_yaml.dump(scene.resolved().plain()))
     if directory is None:
         directory = run(scene, path, overwrite=path.exists()).directory

@@ -1,4 +1,4 @@
-"""A wave is thrown back by a wall."""
+"""A wave is reflected by a wall."""
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -72,14 +72,15 @@ def statements(results: Results) -> list[Statement]:
             min(delay["soft"].values()) > max(delay["rigid"].values()),
         ),
         number(
-            "A rigid flat wall is the mirror of a collision of equal waves in a contact: what comes back has 0.99852 "
-            "of the velocity.",
+            "A rigid flat wall is the mirror of a collision of equal waves in a contact: the reflected wave has "
+            f"0.99852 of the peak velocity of the incident one at bead {SEEN}.",
             0.99852,
             back["rigid"],
             within=1e-4,
         ),
         number(
-            "A held bead is the mirror of a collision on a bead: what comes back has 0.99978 of the velocity.",
+            "A held bead is the mirror of a collision on a bead: the reflected wave has 0.99978 of the peak velocity "
+            f"of the incident one at bead {SEEN}.",
             0.99978,
             back["bead"],
             within=1e-4,

@@ -1,0 +1,138 @@
+"""What a wall reflects: peak velocity of the reflected pulse over that of the incident one, both at the wall.
+
+Next to a wall the two overlap, and the reflected pulse takes some ten beads to form. So either is read at `BEADS`
+recorded beads in a row, where its peak velocity changes least, and extrapolated to the wall by a line through its
+logarithm.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from analysis.tracking.pulses import Pulse
+from analysis.trajectory import Floats
+from lammps_inputs import Problem
+from lammps_inputs.facts import Fact
+
+NEAR = 15
+"""Beads from the wall within which an incident pulse must have been seen, and a reflected one first seen."""
+
+FORMED_INCIDENT, FORMED_REFLECTED = 5, 12
+"""Beads from the wall from which on either is read."""
+
+FARTHEST = 50
+"""Beads from the wall up to which they are read."""
+
+BEADS = 10
+"""Recorded beads in a row at which either is read."""
+
+CLEARLY = 0.5
+"""Of the fastest that came: what is slower, ahead of it, is a ripple of another chain's pulse, not the one meant."""
+
+UNCERTAIN = 0.5
+"""Share of the decay between the wall and the nearest bead read that counts as uncertainty: a reflected pulse runs
+through the motion behind the incident one, and decays otherwise.
+"""
+
+LARGEST_UNCERTAINTY = 0.05
+"""Uncertainty beyond which a ratio is not given."""
+
+
+@dataclass(frozen=True)
+class Reflection:
+    """Of the first pulse that meets a wall.
+
+    Attributes:
+        ratio: reflected over incident peak velocity, both extrapolated to the wall.
+        uncertainty: of it: deviation from the lines, their curvature, `UNCERTAIN` of the correction for the way, and
+            the error of the peak velocities.
+        incident, reflected: first and last bead at which either was read, in the order in which it met them.
+    """
+
+    ratio: float
+    uncertainty: float
+    incident: tuple[int, int]
+    reflected: tuple[int, int]
+
+
+def reflections(
+    pulses: tuple[Pulse, ...], problem: Problem, *, right: bool, error: float = 0.0
+) -> list[Reflection | None]:
+    """Of the first pulse that meets a wall, chain by chain; ``error`` is that of peak velocities, in units of V.
+
+    None where no such ratio is defined (under a static load, on a foundation, and between beads that differ no pulse
+    keeps its velocity), or it is not known to `LARGEST_UNCERTAINTY`: a pulse or its reflection was not seen at enough
+    beads before the reflected one met the next incident one, decays too fast, or changes as chains exchange energy.
+    """
+    plain = problem.alike and not problem.loaded and problem.holds(Fact.PULSE)
+    found = [
+        _of_chain(pulses, problem, chain, right, error) if plain else None for chain in range(1, problem.chains + 1)
+    ]
+    return [one if one is not None and one.uncertainty <= LARGEST_UNCERTAINTY else None for one in found]
+
+
+def _of_chain(pulses: tuple[Pulse, ...], problem: Problem, chain: int, right: bool, error: float) -> Reflection | None:
+    towards = 1 if right else -1
+    own = [pulse for pulse in pulses if pulse.chain == chain]
+    close = [pulse for pulse in own if _distance(pulse, problem, right).min() <= NEAR]
+    came = _clear([pulse for pulse in close if pulse.direction == towards])
+    if not came:
+        return None
+    incident, *later = sorted(came, key=lambda pulse: float(pulse.arrival[-1]))
+    after, before = incident.arrival[-1], min((pulse.arrival[-1] for pulse in later), default=np.inf)
+    back = [pulse for pulse in close if pulse.direction == -towards and _distance(pulse, problem, right)[0] <= NEAR]
+    went = _clear([pulse for pulse in back if pulse.arrival[-1] > after and pulse.arrival[0] < before])
+    if not went:
+        return None
+    reflected = min(went, key=lambda pulse: pulse.arrival[0])
+    following = [pulse for pulse in own if pulse.direction == towards and pulse.arrival[-1] > after]
+    first = _at_wall(incident, _distance(incident, problem, right), FORMED_INCIDENT)
+    distance = np.where(_unmet(reflected, following), _distance(reflected, problem, right), -1)
+    second = _at_wall(reflected, distance, FORMED_REFLECTED)
+    if first is None or second is None:
+        return None
+    ratio = float(np.exp(second[0] - first[0]))
+    errors = [error / float(np.median(pulse.peak_velocity)) for pulse in (incident, reflected)]
+    return Reflection(ratio, ratio * float(np.linalg.norm([first[1], second[1], *errors])), first[2], second[2])
+
+
+def _distance(pulse: Pulse, problem: Problem, right: bool) -> "np.ndarray[tuple[int], np.dtype[np.int64]]":
+    return problem.beads - pulse.bead if right else pulse.bead - 1
+
+
+def _clear(pulses: list[Pulse]) -> list[Pulse]:
+    """Those that are not mere ripples beside the fastest."""
+    most = max((pulse.peak_velocity.max() for pulse in pulses), default=0.0)
+    return [pulse for pulse in pulses if pulse.peak_velocity.max() >= CLEARLY * most]
+
+
+def _unmet(reflected: Pulse, following: list[Pulse]) -> "np.ndarray[tuple[int], np.dtype[np.bool_]]":
+    """[passage] whether a reflected pulse has not yet met any of those that follow the incident one."""
+    met = np.zeros(len(reflected), dtype=bool)
+    for pulse in following:
+        order = np.argsort(pulse.bead)
+        there = np.interp(reflected.bead, pulse.bead[order], pulse.arrival[order], left=np.inf, right=np.inf)
+        met |= there < reflected.arrival
+    return ~met
+
+
+def _at_wall(
+    pulse: Pulse, distance: "np.ndarray[tuple[int], np.dtype[np.int64]]", nearest: int
+) -> tuple[float, float, tuple[int, int]] | None:
+    """Logarithm of a peak velocity at the wall, its uncertainty, and the beads it is from; None of too few beads."""
+    usable = np.flatnonzero((distance >= nearest) & (distance <= FARTHEST))
+    best = None
+    for start in range(len(usable) - BEADS + 1):
+        place = usable[start : start + BEADS]
+        value, uncertainty = _extrapolated(distance[place].astype(np.float64), np.log(pulse.peak_velocity[place]))
+        if best is None or uncertainty < best[1]:
+            best = value, uncertainty, (int(pulse.bead[place[0]]), int(pulse.bead[place[-1]]))
+    return best
+
+
+def _extrapolated(distance: Floats, value: Floats) -> tuple[float, float]:
+    """A line through values at distance 0, and its uncertainty."""
+    line, curve = (np.linalg.lstsq(np.vander(distance, n), value, rcond=None)[0] for n in (2, 3))
+    lever = np.hypot(1.0, distance.mean() / distance.std())
+    apart = float(np.max(np.abs(value - np.polyval(line, distance)))) * lever
+    return float(line[-1]), float(abs(curve[-1] - line[-1]) + apart + UNCERTAIN * abs(line[0]) * distance.min())

@@ -1,0 +1,93 @@
+"""What a wall reflects, from pulses made by hand."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from small_problems import problem
+
+from analysis.gauges.reflection import UNCERTAIN, reflections
+from analysis.tracking.pulses import Pulse
+from lammps_inputs import library
+from lammps_inputs.facts import Fact
+
+BEADS = 60
+PLAIN = problem(beads=BEADS)
+
+
+def pulse(chain, direction, beads, start, peak):
+    """At these beads in this order, a bead a time."""
+    beads = np.array(beads)
+    velocity = np.array([peak(bead) for bead in beads])
+    return Pulse(chain, direction, beads, start + np.arange(len(beads)), velocity, np.ones(len(beads)))
+
+
+def there_and_back(incident, reflected, right=True):
+    """A pulse in chain 1 to the wall and back from 30 beads away, its velocities given by the distance from it."""
+    towards, far = (1, lambda bead: BEADS - bead) if right else (-1, lambda bead: bead - 1)
+    way = [BEADS - d if right else 1 + d for d in range(30, -1, -1)]
+    there = pulse(1, towards, way, 0.0, lambda bead: incident(far(bead)))
+    return there, pulse(1, -towards, way[::-1], 31.0, lambda bead: reflected(far(bead)))
+
+
+@pytest.mark.parametrize("right", [True, False])
+def test_velocities_that_decay_on_the_way_are_compared_at_the_wall(right):
+    rate = 1e-3
+    pulses = there_and_back(lambda d: 2.0 * math.exp(rate * d), lambda d: 1.8 * math.exp(-rate * d), right)
+    found, none = reflections(pulses, PLAIN, right=right)
+    assert none is None
+    assert found.ratio == pytest.approx(0.9, rel=1e-12)
+    assert found.uncertainty == pytest.approx(0.9 * UNCERTAIN * rate * math.hypot(5.0, 12.0), rel=1e-9)
+    assert (found.incident, found.reflected) == (((46, 55), (48, 39)) if right else ((15, 6), (13, 22)))
+
+
+def test_the_uncertainty_holds_the_error_of_the_velocities():
+    found = reflections(there_and_back(lambda _: 1.0, lambda _: 0.5), PLAIN, right=True, error=1e-3)[0]
+    assert found.uncertainty == pytest.approx(0.5 * math.hypot(1e-3, 2e-3), rel=1e-6)
+
+
+LOADED = {
+    "name": "a",
+    "chains": 2,
+    "beads": BEADS,
+    "precompression": {"force": 0.1},
+    "duration": 1.0,
+    "kick": {"velocity": 1.0},
+}
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"lacks": frozenset({Fact.PULSE})},
+        {"mass": np.tile([1.0, 2.0], (2, BEADS // 2))},
+        {"links": library.from_plain(LOADED, "a").problem().links},
+    ],
+    ids=["no pulse stays together", "beads that differ", "static load"],
+)
+def test_no_ratio_is_given_where_a_pulse_does_not_keep_its_velocity(changes):
+    pulses = there_and_back(lambda _: 1.0, lambda _: 0.9)
+    assert reflections(pulses, PLAIN, right=True)[0] is not None
+    assert reflections(pulses, replace(PLAIN, **changes), right=True)[0] is None
+
+
+@pytest.mark.parametrize(("meet", "known"), [(24.0, True), (10.0, False)])
+def test_a_reflected_pulse_is_read_before_it_meets_the_next_incident_one(meet, known):
+    """It loses a fifth where they meet, so many beads from the wall."""
+    there, back = there_and_back(lambda _: 1.0, lambda d: 0.9 if d < meet else 0.72)
+    second = pulse(1, 1, there.bead, there.arrival[0] + 2.0 * meet, lambda _: 0.5)
+    found = reflections((there, back, second), PLAIN, right=True)[0]
+    assert (found is not None) == known
+    if found is not None:
+        assert found.ratio == pytest.approx(0.9)
+
+
+def test_a_ripple_that_runs_ahead_of_the_pulse_is_not_what_the_wall_reflects():
+    pulses = (
+        pulse(1, 1, range(26, 48), 0.0, lambda _: 0.03),
+        pulse(1, 1, range(10, 58), 5.0, lambda _: 0.4),
+        pulse(1, -1, range(57, 20, -1), 54.0, lambda _: 0.02),
+        pulse(1, -1, range(57, 10, -1), 60.0, lambda _: 0.3),
+    )
+    assert reflections(pulses, PLAIN, right=True)[0].ratio == pytest.approx(0.75)
