@@ -25,7 +25,7 @@ def frames_per_block(problem: Problem) -> int:
 
 
 class Measured(NamedTuple):
-    """Frames in the units of a scene: SI, or reduced ones."""
+    """Frames in the units of a scene: SI, or reduced ones. MDAnalysis has one frame in each: a number, and [atom]."""
 
     time: Floats
     """[frame]"""
@@ -35,7 +35,8 @@ class Measured(NamedTuple):
     """[frame, chain, bead]"""
 
     def __repr__(self) -> str:
-        return f"<{_size(self.velocity)}: time, displacement, velocity in the scene's units>"
+        size = _size(self.velocity) if self.velocity.ndim == 3 else f"one frame of {len(self.velocity)} beads"
+        return f"<{size}: time, displacement, velocity in the scene's units>"
 
 
 def _size(frames: Floats) -> str:

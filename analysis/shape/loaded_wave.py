@@ -59,7 +59,7 @@ def _table(exponent: float) -> tuple[Floats, Floats]:
 
 def repeats(columns: Floats) -> int | None:
     """After how many beads all rows of an array [what, bead] repeat; None where they do not, or are too short."""
-    scale = np.maximum(np.max(np.abs(columns), axis=1, keepdims=True), 1e-300)
+    scale = np.maximum(np.max(np.abs(columns), axis=1, keepdims=True, initial=0.0), 1e-300)
     for period in range(1, min(LONGEST_CELL, columns.shape[1] // 3) + 1):
         if np.all(np.abs(columns[:, period:] - columns[:, :-period]) <= _SAME * scale):
             return period

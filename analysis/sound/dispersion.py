@@ -106,7 +106,7 @@ def cell_of(system: System) -> Cell:
     columns = np.concatenate([mass, along, row.reshape(beads, -1).T])[:, 1:-1]
     period = repeats(columns)
     if period is None:
-        raise NoDispersionError("beads or the loads that they bear differ along the chains and do not repeat")
+        raise NoDispersionError("beads and their loads do not repeat along the chains in three unit cells or more")
     if period * chains > MOST_BRANCHES:
         raise NoDispersionError(f"the chains have {period * chains} branches; at most {MOST_BRANCHES}")
     return Cell(mass[:, 1 : period + 1], along[:, 1 : period + 1], row[1 : period + 1])

@@ -116,7 +116,8 @@ def test_a_run_its_error_its_validation_and_its_scene_show_themselves(ran):
 
 
 def test_what_holds_many_numbers_says_how_many_in_a_line(ran):
-    for shown in (ran.si, ran.trajectory, api.analyse(ran, figures=False).waves):
+    frame = api.universe(ran).trajectory[2].data["si"]
+    for shown in (ran.si, ran.trajectory, api.analyse(ran, figures=False).waves, frame):
         assert len(repr(shown)) < 200
         assert repr(shown).startswith("<")
 

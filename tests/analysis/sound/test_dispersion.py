@@ -134,6 +134,8 @@ def test_the_table_has_a_line_for_each_branch_in_the_scenes_units(si):
     [
         ({"precompression": None}, "beads bear no load at rest"),
         ({"precompression": None, "gravity": 0.1, "walls": {"right": "flat"}}, "do not repeat"),
+        ({"beads": 2}, "do not repeat"),
+        ({"beads": 4}, "three unit cells"),
         ({"output": {"beads": [1, 2, 3]}}, "velocities of all beads"),
         ({"output": {"every": 2.0}}, "frames are farther apart"),
     ],
