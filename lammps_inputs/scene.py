@@ -13,8 +13,9 @@ from pydantic import BeforeValidator, Field, create_model, field_validator, mode
 
 from lammps_inputs import html, strict_yaml
 from lammps_inputs import scheme as schemes
+from lammps_inputs.errors import InputError
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients import INGREDIENTS, contacts
+from lammps_inputs.ingredients import INGREDIENTS, OWN_INGREDIENTS, contacts
 from lammps_inputs.ingredients.base import Count, Ingredient, Part, Positive
 from lammps_inputs.ingredients.unequal import (
     Disorder,
@@ -460,6 +461,8 @@ if TYPE_CHECKING:
 
         def __init__(self, **parts: Any) -> None: ...
 else:
+    for _key in BaseScene.model_fields.keys() & INGREDIENTS:
+        raise InputError(f"{OWN_INGREDIENTS}: {_key!r} is a key of every scene; give the ingredient another")
     Scene = create_model(
         "Scene",
         __base__=BaseScene,

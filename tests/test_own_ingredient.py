@@ -176,11 +176,33 @@ def test_the_reference_agrees_with_an_independent_integrator(found):
     np.testing.assert_allclose(found[1]["velocity"], exact, atol=2e-5)
 
 
-def test_without_the_module_the_key_is_unknown(found):
-    command = [sys.executable, "-m", "workflow.cli", "show", "bed.yaml"]
-    outside = {**os.environ, "PYTHONPATH": str(TESTS.parent)}
-    done = subprocess.run(
-        command, cwd=found[0], env=outside, capture_output=True, text=True, timeout=HANGS, check=False
+def granchain(*words, cwd, **environment):
+    """How a command ended, beside the scene; no path but that of the package unless another is given."""
+    return subprocess.run(
+        [sys.executable, "-m", "workflow.cli", *words],
+        cwd=cwd,
+        env={**os.environ, "PYTHONPATH": str(TESTS.parent), **environment},
+        capture_output=True,
+        text=True,
+        timeout=HANGS,
+        check=False,
     )
+
+
+def test_without_the_module_the_key_is_unknown(found):
+    done = granchain("show", "bed.yaml", cwd=found[0])
     assert done.returncode == 2
     assert "bed: unknown key" in done.stderr
+
+
+def test_a_module_that_is_not_there_is_one_line(found):
+    done = granchain("show", "bed.yaml", cwd=found[0], GRANCHAIN_INGREDIENTS="nonsense")
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
+    assert done.stderr.startswith("granchain: GRANCHAIN_INGREDIENTS: 'nonsense'")
+
+
+def test_lammps_finds_the_module_on_a_relative_path(found):
+    path = os.pathsep.join([".", str(TESTS.parent)])
+    words = ("run", "bed.yaml", "-o", "relative", "--no-check")
+    done = granchain(*words, cwd=found[0], GRANCHAIN_INGREDIENTS="bed", PYTHONPATH=path)
+    assert (done.returncode, done.stderr) == (0, "")

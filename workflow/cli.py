@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 try:
-    from lammps_inputs import InputError, library
+    from lammps_inputs import InputError
     from workflow import formats, screen
     from workflow.errors import RunError
     from workflow.runs.whole_files import as_json
@@ -143,6 +143,8 @@ def parser(names: Sequence[str]) -> argparse.ArgumentParser:
     known = [name for name in names if name in COMMANDS]
     for name in names:
         if name not in COMMANDS and not name.startswith("-"):
+            from lammps_inputs import library  # what a scene may be takes a while to load
+
             hint = library.suggestion(name[:200], COMMANDS)
             raise InputError(f"{name[:60]!r} is no command{hint}; `granchain --help` lists all")
     for name in known or COMMANDS:

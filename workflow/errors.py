@@ -1,5 +1,7 @@
 """Failures that are nobody's typing mistake."""
 
+from collections.abc import Iterable
+
 
 class RunError(RuntimeError):
     """A run that could not be finished or a result that is not right; its text is one line (exit code 1)."""
@@ -11,3 +13,9 @@ class RunError(RuntimeError):
 
 class EndedError(RunError):
     """A run that was ended from outside, by a signal or a full disk, and may go on."""
+
+
+def complaint(lines: Iterable[str]) -> str:
+    """What a process printed before it died, in one line: its first, of a traceback the last."""
+    said = [line.strip() for line in lines if line.strip()]
+    return "" if not said else said[-1] if said[0].startswith("Traceback") else said[0]

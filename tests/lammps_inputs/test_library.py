@@ -1,10 +1,12 @@
+import sys
+
 import pytest
 from bad_scenes import BAD_SCENES, assert_one_line, scene_text
 from hypothesis import given
 from hypothesis import strategies as st
 from strategies import VALUES, YAML_LIKE
 
-from lammps_inputs import InputError, Scene, find, library, load, shipped, strict_yaml
+from lammps_inputs import InputError, Scene, find, ingredients, library, load, shipped, strict_yaml
 
 PAPER = ["one-chain", "three-chains", "two-chains", "two-chains-steel", "two-chains-strong"]
 
@@ -141,3 +143,25 @@ def test_one_kick_and_a_list_of_one_kick_are_the_same():
         for kick in ("{velocity: 1}", "[{velocity: 1}]")
     )
     assert one == several
+
+
+@pytest.mark.parametrize(
+    ("source", "says"),
+    [
+        (None, "ModuleNotFoundError"),
+        ("raise SystemExit(3)", "SystemExit: 3"),
+        ("def f(:", "SyntaxError"),
+        ("x = 1", "no attribute 'INGREDIENTS'"),
+        ("INGREDIENTS = [1]", "should hold keys of a scene"),
+        ("INGREDIENTS = {'bed': 3}", "should hold keys of a scene"),
+    ],
+)
+def test_own_ingredients_that_are_none_are_refused_by_the_name_of_their_module(source, says, tmp_path, monkeypatch):
+    if source is not None:
+        (tmp_path / "bed_of_mine.py").write_text(source)
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, "bed_of_mine", raising=False)
+    with pytest.raises(InputError, match="GRANCHAIN_INGREDIENTS: ") as caught:
+        ingredients._own("bed_of_mine")
+    assert says in str(caught.value)
+    assert "'bed_of_mine'" in str(caught.value)

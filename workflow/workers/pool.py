@@ -16,9 +16,10 @@ import time
 from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
+from lammps_inputs.ingredients import environment_of_children
 from workflow import screen
 from workflow.engines.lammps.mpi import cores
-from workflow.errors import RunError
+from workflow.errors import RunError, complaint
 
 _STOP_SECONDS = 60.0
 """For a segment of LAMMPS and a restart, however busy the machine is; a second Ctrl-C waits no longer."""
@@ -153,7 +154,7 @@ class _Process:
         # a session of its own, so that Ctrl-C does not reach it; -P: a directory it works in is no place for modules
         self._process = subprocess.Popen(
             [sys.executable, "-P", "-m", "workflow.workers.worker"],
-            env={**os.environ, **_ONE_THREAD},
+            env={**os.environ, **_ONE_THREAD, **environment_of_children()},
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=self._errors,
@@ -197,10 +198,8 @@ class _Process:
         return {"failed": f"the process that computed it {how}. {self._complaint()}".strip()}
 
     def _complaint(self) -> str:
-        """What it printed last before it died: the first line, of a traceback the last."""
         self._errors.seek(self._said)
-        lines = [line.strip() for line in self._errors.read(100_000).splitlines() if line.strip()]
-        return "" if not lines else lines[-1] if lines[0].startswith("Traceback") else lines[0]
+        return complaint(self._errors.read(100_000).splitlines())
 
     def alive(self) -> bool:
         """Whether it can take another task."""

@@ -13,8 +13,9 @@ from pathlib import Path
 from typing import Any
 
 from lammps_inputs import Problem
+from lammps_inputs.ingredients import environment_of_children
 from workflow.engines.lammps import mpi, restarts
-from workflow.errors import EndedError, RunError
+from workflow.errors import EndedError, RunError, complaint
 
 RESTART_EVERY = restarts.EVERY
 
@@ -95,7 +96,7 @@ def run(
         process = subprocess.Popen(
             command,
             cwd=directory,
-            env={**os.environ, "OMP_NUM_THREADS": "1"},
+            env={**os.environ, "OMP_NUM_THREADS": "1", **environment_of_children()},
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=errors,
@@ -128,7 +129,7 @@ def run(
             if stopped:
                 patience.join()
         errors.seek(0)
-        complaint = next((text.strip() for text in errors if text.strip()), "")
+        said = complaint(errors)
     if last.get("end") == "done":
         return Outcome("done", last["step"], last["seconds"], last["lammps"])
     if last.get("end") == "failed" and last.get("disk"):
@@ -137,7 +138,7 @@ def run(
         return Outcome("stopped", int(last.get("step", 0)), last.get("seconds", 0.0), last.get("lammps", 0))
     if last.get("end") == "failed":
         raise RunError(last["reason"])
-    raise EndedError(f"LAMMPS {_cause_of_death(process.returncode)} after step {last.get('step', 0)}. {complaint}")
+    raise EndedError(f"LAMMPS {_cause_of_death(process.returncode)} after step {last.get('step', 0)}. {said}")
 
 
 def _message(line: str) -> dict[str, Any] | None:
