@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from analysis import motion
 from analysis.mirror import direction_of, mirrored, mirrored_bead
-from analysis.sharing.equipartition import CLEAR
+from analysis.tracking.undisturbed import CLEAR
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem
 

@@ -18,6 +18,7 @@ from analysis.shape.loaded_wave import LoadedSpeed, make_speed
 from analysis.shape.wave_of import wave_of
 from analysis.tracking.leading_waves import Waves
 from analysis.tracking.pulses import of_one_kind
+from analysis.tracking.undisturbed import CLEAR
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
 
@@ -25,9 +26,6 @@ Integers = NDArray[np.int64]
 
 AGREEMENTS = (0.1, 0.01, 0.001)
 """Tolerances for which the bead of agreement is stated."""
-
-CLEAR = 5
-"""Beads before the free end from which on a pulse feels it."""
 
 SMALLEST_BEAT = 1e-5
 """Relative deviation below which a change of sign is no beat."""

@@ -4,17 +4,15 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analysis.mirror import mirrored_bead
 from analysis.shape.wave_of import has_wave, wave_of
 from analysis.shape.waveforms import REACH, Passages
-from analysis.sharing.equipartition import CLEAR
-from analysis.tracking.pulses import Pulse
+from analysis.tracking.pulses import CONSTANT_OVER, Pulse
+from analysis.tracking.undisturbed import CLEAR
 from analysis.trajectory import Floats
 from lammps_inputs import Problem, laws
-
-CONSTANT_OVER = 10
-"""Beads over which the amplitude must be constant."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +32,7 @@ class Tolerances:
 
 @dataclass(frozen=True)
 class Character:
-    """What a pulse is at one of its beads, the last at which all of it was seen clear of the chain's end.
+    """What a pulse is at one of its beads, the last at which all of it was seen clear of the chain's ends.
 
     Attributes:
         bead: where, counted from 1.
@@ -64,14 +62,25 @@ class Character:
         return not self.fails
 
 
-def measured_at(pulse: Pulse, problem: Problem, last_time: float) -> int:
-    """Position in a pulse of the last passage clear of the chain's end and recorded whole; the last, if none is."""
+def measured_at(pulse: Pulse, problem: Problem, last_time: float, clear: NDArray[np.bool_] | None = None) -> int:
+    """Position in a pulse of the last passage that was recorded whole and that no end of the chain had disturbed.
+
+    Where there is none, of the last recorded whole before the end that it runs to; else the last.
+
+    Args:
+        pulse: which.
+        problem: what was run.
+        last_time: of the frames.
+        clear: [passage] where it is clear of the ends (`analysis.tracking.undisturbed`); by default everywhere.
+    """
     way = pulse.bead if pulse.direction > 0 else mirrored_bead(problem, pulse.bead)
     with np.errstate(divide="ignore", invalid="ignore"):
         watched = np.ceil(REACH / wave_of(problem).speed_at(pulse.peak_velocity) / problem.every) + 1.0
         over = pulse.arrival + watched * problem.every
-    good = np.flatnonzero((way <= problem.beads - CLEAR) & (over < last_time))
-    return int(good[-1]) if len(good) else len(pulse) - 1
+    good = (way <= problem.beads - CLEAR) & (over < last_time)
+    if clear is not None and np.any(good & clear):
+        good &= clear
+    return int(np.flatnonzero(good)[-1]) if np.any(good) else len(pulse) - 1
 
 
 def passages_of(pulses: tuple[Pulse, ...], at: list[int]) -> Passages:
@@ -108,14 +117,14 @@ def characterise(
     allowed = tolerances or Tolerances()
     peak, speed = float(pulse.peak_velocity[at]), float(pulse.speed[at])
     excess = speed / float(wave_of(problem).speed_at(peak)) - 1.0
-    near = np.abs(pulse.bead[: at + 1] - pulse.bead[at]) <= CONSTANT_OVER
+    near = pulse.recent(at)
     exact = _as_reference_beads(problem, pulse.chain - 1, int(pulse.bead[at]) - 1)
     if not exact:
-        mass = problem.mass_of(pulse.chain - 1, pulse.bead[: at + 1] - 1)
-        near &= mass == problem.mass_of(pulse.chain - 1, pulse.bead[at] - 1)
+        mass = problem.mass_of(pulse.chain - 1, pulse.bead[near] - 1)
+        near = near[np.broadcast_to(mass == problem.mass_of(pulse.chain - 1, pulse.bead[at] - 1), near.shape)]
         shape, excess = {**shape, "residual": np.nan}, np.nan
-    recent = pulse.peak_velocity[: at + 1][near]
-    way = np.abs(pulse.bead[: at + 1][near][0] - pulse.bead[at])
+    recent = pulse.peak_velocity[near]
+    way = np.abs(pulse.bead[near[0]] - pulse.bead[at])
     variation = float(np.ptp(recent) / np.mean(recent)) if len(recent) > 1 and way > 0.5 * CONSTANT_OVER else np.nan
     differences = {"shape": shape["residual"], "speed": abs(excess)} if exact else {"amplitude": variation}
     if np.isfinite(variation):  # too few beads recorded to tell otherwise

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analysis.budget import energy_input
 from analysis.mirror import direction_of, mirrored, mirrored_problem
@@ -24,6 +25,7 @@ from analysis.tracking.leading_waves import Arrival, Waves, leading_waves, mirro
 from analysis.tracking.noise import distinct, left_by_smoothing, noise_at_start, smoothed
 from analysis.tracking.peaks import THRESHOLD, PeakFinder
 from analysis.tracking.pulses import SMALLEST, Pulse, ahead_of_sound, track_pulses
+from analysis.tracking.undisturbed import clear_of_ends, once_each, returns
 from analysis.tracking.which_leads import beyond_kicks, of_pulses, opposed
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem
@@ -59,7 +61,8 @@ class Survey:
         pulses: every pulse that was found, either way; under a static load the leading waves and what runs ahead of
             sound (`analysis.tracking.pulses.ahead_of_sound`).
         crests: of sound, under a static load; one may be taken for another on its way.
-        characters: of each pulse, where it was last seen whole.
+        clear: of each pulse, [passage] where the ends of its chain had not disturbed it.
+        characters: of each pulse, at the last such passage that was recorded whole.
         shared, energies, decay, verdict: how the chains share the leading pulse.
     """
 
@@ -72,6 +75,7 @@ class Survey:
     shape: Shape
     pulses: tuple[Pulse, ...]
     crests: tuple[Pulse, ...]
+    clear: tuple[NDArray[np.bool_], ...]
     characters: tuple[Character, ...]
     shared: Sharing
     energies: EnergyShares
@@ -146,8 +150,9 @@ def survey(
     direction = direction_of(problem)
     along = problem if direction > 0 else mirrored_problem(problem)
     smallest = max(SMALLEST, 2.0 * SURE * left)
-    tracks = tuple(
-        pulse for way in (1, -1) for pulse in track_pulses(peaks[way], problem, smallest=smallest, noise=left)
+    tracks = once_each(
+        tuple(pulse for way in (1, -1) for pulse in track_pulses(peaks[way], problem, smallest=smallest, noise=left)),
+        wave_of(problem),
     )
     arrival = usual_arrival(problem) if arrival is None else arrival
     if leading is None:
@@ -170,7 +175,9 @@ def survey(
             velocity_error=waves.velocity_error + error.peak_velocity,
         )
     pulses, crests = _told_from_sound(tracks, waves, direction, problem)
-    at = [measured_at(pulse, problem, last_time) for pulse in pulses]
+    back = {direction: returns(waves, problem, direction), -direction: np.full((problem.chains, problem.beads), np.inf)}
+    clear = tuple(clear_of_ends(pulse, problem, back[pulse.direction]) for pulse in pulses)
+    at = [measured_at(pulse, problem, last_time, mask) for pulse, mask in zip(pulses, clear, strict=True)]
 
     seen = np.isfinite(waves.time) & np.isin(waves.bead, problem.recorded_beads)
     chosen = np.flatnonzero(seen & (waves.bead % max(1, -(-int(seen.sum()) // MAX_PASSAGES)) == 0))
@@ -195,6 +202,7 @@ def survey(
         shape=shapes.spread_out(chosen, len(waves)).where(sharp),
         pulses=pulses,
         crests=crests,
+        clear=clear,
         characters=characters,
         shared=shared,
         energies=energies,

@@ -47,6 +47,9 @@ UNSTEADIEST = 0.7
 SCATTER = 30.0
 """Allowed change of a delay by noise, in T for noise as large as the amplitude; an arrival scatters by 5 to 10."""
 
+CONSTANT_OVER = 10
+"""Beads over which an amplitude is compared with itself."""
+
 FAINTEST = 0.35
 """Bound on the ratio of amplitudes of two passages that follow each other."""
 
@@ -81,6 +84,17 @@ class Pulse:
 
     def __len__(self) -> int:
         return len(self.bead)
+
+    def recent(self, at: int) -> Integers:
+        """Positions of the passages of the last `CONSTANT_OVER` beads up to one, and that itself."""
+        return np.flatnonzero(np.abs(self.bead[: at + 1] - self.bead[at]) <= CONSTANT_OVER)
+
+    def variation(self, at: int) -> float:
+        """Largest difference of recent amplitudes from that at a passage; NaN where they span half the beads or less."""
+        recent = self.recent(at)
+        if 2 * abs(self.bead[at] - self.bead[recent[0]]) <= CONSTANT_OVER:
+            return np.nan
+        return float(np.max(np.abs(self.peak_velocity[recent] - self.peak_velocity[at])))
 
 
 def track_pulses(

@@ -19,15 +19,21 @@ class Train:
         chain, bead: counted from 1.
         arrival: [pulse], in units of T.
         peak_velocity: [pulse] along their way, in units of V.
+        uncertainty: [pulse] largest difference from that over the ten beads before; NaN where it passed none of them.
     """
 
     chain: int
     bead: int
     arrival: Floats
     peak_velocity: Floats
+    uncertainty: Floats
 
     def __len__(self) -> int:
         return len(self.arrival)
+
+    def until(self, count: int) -> "Train":
+        """The first pulses of it."""
+        return Train(self.chain, self.bead, self.arrival[:count], self.peak_velocity[:count], self.uncertainty[:count])
 
     @property
     def ratio(self) -> Floats:
@@ -48,17 +54,17 @@ def train_of(
     Of those that are nearer to each other than the exact wave passes at half its height, as light and heavy beads see
     one and the same, the highest counts.
     """
-    found: list[tuple[float, float]] = []
+    found: list[tuple[float, float, float]] = []
     for pulse in pulses:
         at: NDArray[np.int64] = np.flatnonzero(pulse.bead == bead)
         if (pulse.chain, pulse.direction) == (chain, direction) and len(at):
-            found.append((float(pulse.arrival[at[0]]), float(pulse.peak_velocity[at[0]])))
+            arrival, peak = float(pulse.arrival[at[0]]), float(pulse.peak_velocity[at[0]])
+            found.append((arrival, peak, pulse.variation(int(at[0]))))
     exact = exact or solitary_wave()
-    apart: list[tuple[float, float]] = []
+    apart: list[tuple[float, float, float]] = []
     for pulse_at in sorted(found):
         if apart and pulse_at[0] - apart[-1][0] < float(exact.width / exact.speed_at(pulse_at[1])):
             apart[-1] = max(apart[-1], pulse_at, key=lambda one: one[1])
         else:
             apart.append(pulse_at)
-    arrival, peak = np.array(apart).reshape(-1, 2).T
-    return Train(chain, bead, arrival, peak)
+    return Train(chain, bead, *np.array(apart).reshape(-1, 3).T)

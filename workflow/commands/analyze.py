@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 
 from analysis.mirror import along_the_way
-from analysis.sharing.equipartition import CLEAR
 from analysis.sharing.is_solitary import Character
 from analysis.sharing.survey import Survey
 from analysis.sound.dispersion import NO_SOUND
 from analysis.tracking.leading_waves import ARRIVALS
 from analysis.tracking.pulses import of_one_kind
+from analysis.tracking.undisturbed import CLEAR
 from lammps_inputs import InputError
 from lammps_inputs.facts import Fact
 from workflow.engines.lammps.invariants import ENERGY_TOLERANCE
@@ -32,6 +32,9 @@ MOST_ROWS = 32
 
 MOST_PULSES = 6
 """Of a train, that are told."""
+
+SMALLEST = 1e-6
+"""Uncertainty of an amplitude, in V, below which none is told: time steps leave as much."""
 
 DOCUMENTED = 1e-4
 """Error of a peak velocity, in V, above which the user is told."""
@@ -187,7 +190,7 @@ def _print_pulses(found: Survey) -> None:
         exact = found.problem.alike and found.problem.holds(Fact.SONIC_VACUUM)
         known = np.isfinite(energy) and not found.problem.gap and exact
         share = f"; {energy:.1%} of its energy in the leading waves" if known else ""
-        uncertainty = max(final.uncertainty, 1e-6)
+        uncertainty = max(final.uncertainty, SMALLEST)
         than = "the kick" if found.problem.kicks else "what the push would give a free bead"
         far = f"{abs(1.0 - final.value):.1%} {'above' if final.value > 1.0 else 'below'} {than}"
         print(f"amplitude {final.value:.5f} +- {uncertainty:.1g} V, {far}{share}")
@@ -237,12 +240,16 @@ def _print_train(found: Survey) -> None:
     seen = train(found)
     if seen is None or len(seen) < 2 or np.any(np.diff(seen.peak_velocity) > 0.0):  # the faster ones are the higher
         return
-    time = found.problem.scale.time
-    each = ", ".join(f"{peak:.4f}" for peak in seen.peak_velocity[:MOST_PULSES])
-    apart = ", ".join(f"{spacing * time:.4g}" for spacing in seen.spacing[: MOST_PULSES - 1])
+    scale = found.problem.scale
+    pairs = zip(seen.peak_velocity[:MOST_PULSES], seen.uncertainty, strict=False)
+    each = ", ".join(
+        f"{peak:.4f}" + (f" +- {max(varies, SMALLEST):.1g}" if math.isfinite(varies) else "") for peak, varies in pairs
+    )
+    apart = ", ".join(f"{spacing * scale.time:.4g}" for spacing in seen.spacing[: MOST_PULSES - 1])
     more = ", ..." if len(seen) > MOST_PULSES else ""
+    unit = scale.symbol("time") if scale.si else "T"
     place = f"bead {seen.bead} of chain {seen.chain}"
-    print(f"a train of {len(seen)} pulses passed {place}: {each}{more} V, {apart}{more} apart")
+    print(f"train of {len(seen)} pulses at {place}: {each}{more} V; intervals {apart}{more} {unit}")
 
 
 def _words(character: Character) -> str:

@@ -12,10 +12,10 @@ from analysis.conservation import Conservation
 from analysis.files.binary_dump import CutDumpWarning
 from analysis.files.recording import FARTHEST
 from analysis.mirror import along_the_way, direction_of
-from analysis.sharing.equipartition import CLEAR
 from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.survey import Survey, survey
 from analysis.tracking.leading_waves import Arrival, Waves, usual_arrival
+from analysis.tracking.undisturbed import CLEAR
 from analysis.trajectory import Trajectory
 from lammps_inputs import InputError, Problem, html
 from lammps_inputs.facts import Fact

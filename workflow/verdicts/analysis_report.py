@@ -1,5 +1,6 @@
 """What an analysis writes of every scene: the keys of ``analysis.json``."""
 
+from itertools import accumulate
 from typing import Any
 
 import numpy as np
@@ -7,15 +8,19 @@ import numpy as np
 from analysis.conservation import Conservation
 from analysis.mirror import along_the_way
 from analysis.shape.wave_of import wave_of
-from analysis.sharing.equipartition import AGREEMENTS, CLEAR, Estimate
+from analysis.sharing.equipartition import AGREEMENTS, Estimate
 from analysis.sharing.is_solitary import Character, Tolerances
 from analysis.sharing.survey import Survey
 from analysis.tracking.leading_waves import Waves
 from analysis.tracking.pulses import Pulse
 from analysis.tracking.train import Train, train_of
+from analysis.tracking.undisturbed import CLEAR, clear_of_others
 from lammps_inputs import Problem
 from lammps_inputs.facts import Fact
 from lammps_inputs.numbers import known
+
+STEADY = 0.01
+"""Relative change of its amplitude over ten beads up to which a pulse of a train is steady."""
 
 
 def report(found: Survey, seen: Conservation, tolerances: Tolerances) -> dict[str, Any]:
@@ -63,21 +68,30 @@ def report(found: Survey, seen: Conservation, tolerances: Tolerances) -> dict[st
 
 
 def train(found: Survey) -> Train | None:
-    """The pulses of the chain that was hit, at the farthest bead that all which ran far have passed; None without any.
+    """The first pulses of the kicked chain, as many as are steady somewhere; there, at the last such bead.
 
-    To have run far is a quarter of the chain, and clear of its ends.
+    Each is clear of the ends of the chain and of all other pulses, and its amplitude is constant to `STEADY` over the
+    ten beads before. Only pulses count that ran over a quarter of the chain. None where not even the first is steady.
     """
-    chain, beads = found.shared.kicked + 1, found.problem.beads
-    own = found.waves.of_chain(chain)
-    clear = own.bead[(own.bead > CLEAR) & (own.bead <= beads - CLEAR)]
-    if len(clear) == 0:
+    chain, ahead = found.shared.kicked + 1, found.direction
+    steady: dict[int, list[tuple[float, bool]]] = {}
+    far: list[Pulse] = []
+    for pulse, clear in zip(found.pulses, found.clear, strict=True):
+        if (pulse.chain, pulse.direction) != (chain, ahead) or 4 * np.ptp(pulse.bead) < found.problem.beads:
+            continue
+        far.append(pulse)
+        for at, good in enumerate(clear & clear_of_others(pulse, found.pulses)):
+            varies = pulse.variation(at)  # not known where few beads are recorded
+            unknown = np.isnan(varies) and found.problem.recorded is not None
+            constant = unknown or varies <= STEADY * pulse.peak_velocity[at]
+            steady.setdefault(int(pulse.bead[at]), []).append((float(pulse.arrival[at]), bool(good) and constant))
+    first = {bead: sum(accumulate((good for _, good in sorted(seen)), min)) for bead, seen in steady.items()}
+    most = max(first.values(), default=0)
+    if most == 0:
         return None
-    ahead = found.direction
-    reached = [ahead * int(clear.max() if ahead > 0 else clear.min())]
-    for pulse in found.pulses:
-        if (pulse.chain, pulse.direction) == (chain, ahead) and 4 * abs(int(np.ptp(pulse.bead))) >= beads:
-            reached.append(ahead * int(pulse.bead[-1]))
-    return train_of(found.pulses, chain, ahead, abs(min(reached)), wave_of(found.problem))
+    best = [bead for bead, count in first.items() if count == most]
+    seen = train_of(far, chain, ahead, max(best) if ahead > 0 else min(best), wave_of(found.problem))
+    return seen.until(most)
 
 
 def train_report(found: Survey) -> dict[str, Any] | None:
@@ -86,9 +100,13 @@ def train_report(found: Survey) -> dict[str, Any] | None:
     | key            | what                                                            |
     |----------------|-----------------------------------------------------------------|
     | chain, bead    | where                                                           |
-    | pulses         | number of pulses that passed it                                 |
+    | pulses         | number of pulses, from the first on, that are steady there:     |
+    |                | clear of the ends of the chain and of other pulses, and of an   |
+    |                | amplitude that is constant to 1% over the ten beads before      |
     | arrival        | of each                                                         |
     | peak_velocity  | of each, positive along its way                                 |
+    | uncertainty    | of each of these: largest difference from it over the ten beads |
+    |                | before; null where none of them was recorded                    |
     | ratio          | that over the first one's                                       |
     | spacing        | time from each to the next                                      |
     """
@@ -101,6 +119,7 @@ def train_report(found: Survey) -> dict[str, Any] | None:
         "pulses": len(seen),
         "arrival": (seen.arrival * scale.time).tolist(),
         "peak_velocity": (seen.peak_velocity * scale.velocity).tolist(),
+        "uncertainty": [known(one * scale.velocity) for one in seen.uncertainty.tolist()],
         "ratio": seen.ratio.tolist(),
         "spacing": (seen.spacing * scale.time).tolist(),
     }

@@ -8,22 +8,26 @@ from small_problems import problem
 
 from analysis.sharing.decay_law import DecayFit
 from analysis.sharing.equipartition import Estimate
+from analysis.sharing.survey import survey
 from analysis.sharing.verdict import State, Verdict
 from analysis.tracking.leading_waves import Waves, with_speeds
 from analysis.tracking.pulses import Pulse
 from analysis.tracking.train import Train
+from analysis.trajectory import blocks
 from lammps_inputs.units import make_scale
+from workflow.engines.reference import engine
 from workflow.verdicts import analysis_report
 
 
 def test_a_train_is_told_in_the_scenes_units(monkeypatch):
     scale = make_scale(2.0, 3.0, 0.1, si=True)
-    seen = Train(2, 30, np.array([10.0, 14.0, 15.0]), np.array([0.8, 0.6, 0.2]))
+    seen = Train(2, 30, np.array([10.0, 14.0, 15.0]), np.array([0.8, 0.6, 0.2]), np.array([0.1, 0.2, np.nan]))
     monkeypatch.setattr(analysis_report, "train", lambda _: seen)
     told = analysis_report.train_report(SimpleNamespace(problem=SimpleNamespace(scale=scale)))
     assert (told["chain"], told["bead"], told["pulses"]) == (2, 30, 3)
     assert told["arrival"] == pytest.approx([10.0 * scale.time, 14.0 * scale.time, 15.0 * scale.time])
     assert told["peak_velocity"] == pytest.approx([0.08, 0.06, 0.02])
+    assert told["uncertainty"] == [pytest.approx(0.01), pytest.approx(0.02), None]
     assert told["ratio"] == pytest.approx([1.0, 0.75, 0.25])
     assert told["spacing"] == pytest.approx([4.0 * scale.time, 1.0 * scale.time])
 
@@ -94,17 +98,43 @@ def test_a_wave_towards_bead_1_is_reported_at_the_last_bead_clear_of_that_end(fi
     assert analysis_report._chain_summary(waves, back, 1)["bead"] == bead
 
 
-@pytest.mark.parametrize(("last", "bead"), [(24, 55), (25, 25)])
-def test_a_train_is_told_where_all_pulses_passed_that_ran_a_quarter_of_the_chain(last, bead):
-    """Of 80 beads that is 20; the second pulse begins at bead 5."""
+@pytest.fixture(scope="module")
+def three():
+    """What is found of a chain of 90 beads, three of which were kicked at once."""
+    kicks = ((1, 1, 1.0), (1, 2, 1.0), (1, 3, 1.0))
+    one = problem(chains=1, beads=90, kicks=kicks, timestep=0.1, steps_per_frame=1, frames=1400)
+    run = engine.run(one)
+    return survey(lambda: blocks(run), one)
 
-    def pulse(first, last, start):
-        beads = np.arange(first, last + 1)
-        return Pulse(1, 1, beads, start + beads, np.full(len(beads), 0.5), np.ones(len(beads)))
 
-    pulses = (pulse(2, 55, 0.0), pulse(5, last, 9.0))
-    number = np.arange(2, 78)
-    waves = with_speeds(np.ones(76, int), number, 1.0 * number, np.full(76, 0.5))
-    shared, small = SimpleNamespace(kicked=0), problem(chains=1, beads=80)
-    found = SimpleNamespace(shared=shared, problem=small, waves=waves, direction=1, pulses=pulses)
-    assert analysis_report.train(found).bead == bead
+def test_amplitudes_of_a_train_are_those_that_its_pulses_have_far_from_the_ends(three):
+    """Those of 330 beads; the last pulse has 0.41 five beads before the end, from which the first has come back."""
+    seen = analysis_report.train(three)
+    assert seen.peak_velocity == pytest.approx([0.92391, 0.65773, 0.32287], abs=1e-5)
+    assert np.all(seen.uncertainty < 1e-5)
+
+
+def test_pulses_of_a_train_are_solitary_where_they_are_measured(three):
+    assert [character.solitary for character in three.characters] == [True] * 3
+    told = analysis_report.train_report(three)
+    solitary = sorted(character.peak_velocity for character in three.characters)
+    assert sorted(told["peak_velocity"]) == pytest.approx(solitary, abs=1e-5)
+
+
+@pytest.mark.parametrize(("amplitude", "count"), [((0.5, 0.5), 2), ((0.5, 0.6), 1), ((0.6, 0.5), 0)])
+def test_a_train_ends_before_the_first_pulse_that_is_not_steady(amplitude, count):
+    """Ten beads apart; an amplitude grows from 0.5 to what is given over 80 beads."""
+    bead = np.arange(2, 81)
+
+    def pulse(late, last):
+        return Pulse(1, 1, bead, bead + late, 0.5 + (last - 0.5) * bead / 80.0, np.ones(len(bead)))
+
+    found = SimpleNamespace(
+        problem=problem(chains=1, beads=80),
+        shared=SimpleNamespace(kicked=0),
+        direction=1,
+        pulses=tuple(pulse(10.0 * k, last) for k, last in enumerate(amplitude)),
+        clear=(np.ones(len(bead), dtype=bool),) * 2,
+    )
+    seen = analysis_report.train(found)
+    assert (0 if seen is None else len(seen)) == count

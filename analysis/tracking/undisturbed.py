@@ -1,0 +1,92 @@
+"""Which passages of a pulse are undisturbed: clear of both ends of the chain, and of other pulses.
+
+What the leading pulse does to the end of a chain comes back to a bead no sooner than that pulse took from there to the
+end, for no other is faster.
+"""
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis.mirror import mirrored_bead
+from analysis.shape.exact_wave import SolitaryWave
+from analysis.tracking.leading_waves import Waves
+from analysis.tracking.pulses import Pulse
+from analysis.trajectory import Floats
+from lammps_inputs import Problem
+
+CLEAR = 5
+"""Beads before the end of a chain from which on a pulse feels it."""
+
+APART = 4.0
+"""Beads between two pulses from which on neither has any of the other at its peak: the exact wave's velocity has fallen
+to 1e-10 there."""
+
+
+def returns(waves: Waves, problem: Problem, direction: int) -> Floats:
+    """When what leading waves did to the end that they run to may be back at a bead, in units of T, [chain, bead].
+
+    Infinite where none has reached that end. Chains that are tied to each other count as one.
+
+    Args:
+        waves: leading waves of all chains.
+        problem: what was run.
+        direction: in which they run.
+    """
+    back = np.full((problem.chains, problem.beads), np.inf)
+    numbers = np.arange(1, problem.beads + 1)
+    for group in problem.groups:
+        own = waves.where(np.isin(waves.chain - 1, sorted(group)) & np.isfinite(waves.time))
+        way = own.bead if direction > 0 else mirrored_bead(problem, own.bead)
+        bead, place = np.unique(way, return_inverse=True)
+        first = np.full(len(bead), np.inf)
+        np.minimum.at(first, place, own.time)
+        if len(bead) == 0 or (bead[-1] < problem.beads and problem.recorded is None):
+            continue
+        end = first[-1]
+        if bead[-1] < problem.beads:
+            at_last = own.where((way == bead[-1]) & (own.time == end))
+            end += (problem.beads - bead[-1]) / at_last.speed[0]
+        passed = 2.0 * end - np.interp(numbers, bead, first)
+        back[sorted(group)] = passed if direction > 0 else passed[::-1]
+    return back
+
+
+def clear_of_ends(pulse: Pulse, problem: Problem, back: Floats) -> NDArray[np.bool_]:
+    """[passage] whether neither end of the chain has disturbed a pulse; ``back`` is what `returns` says."""
+    inside = (pulse.bead > CLEAR) & (pulse.bead <= problem.beads - CLEAR)
+    return np.asarray(inside & (pulse.arrival < back[pulse.chain - 1, pulse.bead - 1]))
+
+
+def clear_of_others(pulse: Pulse, pulses: Iterable[Pulse]) -> NDArray[np.bool_]:
+    """[passage] whether all other pulses of the chain, of either direction, were at least `APART` away."""
+    clear = np.ones(len(pulse), dtype=bool)
+    for other in pulses:
+        if other is not pulse and other.chain == pulse.chain:
+            order = np.argsort(other.arrival, kind="stable")
+            place = np.interp(pulse.arrival, other.arrival[order], other.bead[order], left=np.nan, right=np.nan)
+            clear &= ~(np.abs(place - pulse.bead) < APART)
+    return clear
+
+
+def once_each(pulses: tuple[Pulse, ...], exact: SolitaryWave) -> tuple[Pulse, ...]:
+    """Pulses without second maxima of one and the same passage, such as heavy and light beads have.
+
+    Two are the same where most of the passages of one are nearer in time to the other's, at the same bead, than the
+    exact wave takes to pass at half its height; the one seen at more beads stays.
+    """
+    kept: list[Pulse] = []
+    for pulse in sorted(pulses, key=len, reverse=True):
+        near = exact.width / exact.speed_at(pulse.peak_velocity)
+        if not any(_same(pulse, other, near) for other in kept):
+            kept.append(pulse)
+    return tuple(pulse for pulse in pulses if any(pulse is one for one in kept))
+
+
+def _same(pulse: Pulse, other: Pulse, near: Floats) -> bool:
+    if (pulse.chain, pulse.direction) != (other.chain, other.direction):
+        return False
+    _, here, there = np.intersect1d(pulse.bead, other.bead, return_indices=True)
+    apart = np.abs(pulse.arrival[here] - other.arrival[there])
+    return bool(2 * np.count_nonzero(apart < near[here]) > len(pulse))
