@@ -90,7 +90,7 @@ class Pulse:
         return np.flatnonzero(np.abs(self.bead[: at + 1] - self.bead[at]) <= CONSTANT_OVER)
 
     def variation(self, at: int) -> float:
-        """Largest difference of recent amplitudes from that at a passage; NaN where they span half the beads or less."""
+        """Largest difference of recent amplitudes from that at a passage; NaN where they span too few beads."""
         recent = self.recent(at)
         if 2 * abs(self.bead[at] - self.bead[recent[0]]) <= CONSTANT_OVER:
             return np.nan
