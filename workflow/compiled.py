@@ -1,19 +1,26 @@
 """The one way in which functions are compiled, and where the machine code is kept between processes.
 
+Programs that are written for the laws of a system (`module`) are kept there, too.
+
 numba's cache on disk notices a change of the file that holds a function, not of the functions that it inlines from
 others. So the code is kept in a directory that is named after a hash of all sources that are ever compiled, and of the
 versions: whatever changes, nothing old is found.
 """
 
+import contextlib
 import functools
 import hashlib
 import importlib.metadata
 import inspect
 import os
 import stat
+import sys
 import tempfile
 from collections.abc import Callable, Iterable
+from importlib.abc import SourceLoader
+from importlib.util import module_from_spec, spec_from_file_location, spec_from_loader
 from pathlib import Path
+from types import FunctionType, ModuleType
 from typing import Any, TypeVar, cast
 
 import numba
@@ -37,7 +44,8 @@ def compiled(function: F | None = None, **options: Any) -> Any:
     before = _config.CACHE_DIR
     try:
         _config.CACHE_DIR = str(place)
-        return cast(F, numba.njit(cache=place is not None, **options)(function))
+        cache = place is not None and Path(function.__code__.co_filename).is_file()
+        return cast(F, numba.njit(cache=cache, **options)(function))
     finally:
         _config.CACHE_DIR = before
 
@@ -45,6 +53,76 @@ def compiled(function: F | None = None, **options: Any) -> Any:
 def inner(function: F) -> F:
     """The same for a function that compiled ones alone call: what Python needs to call it takes long to compile."""
     return cast(F, compiled(function, no_cpython_wrapper=True))
+
+
+def inlined(function: F) -> F:
+    """The same for scalar functions, such as those of laws, in loops that are to become vector instructions."""
+    options: Any = {"forceinline": True, "no_cpython_wrapper": True}
+    return cast(F, numba.njit(**options)(function))
+
+
+@functools.cache
+def module(text: str) -> ModuleType:
+    """A module of a text: that of a file in the cache directory, or of none where there is no place for one."""
+    name = f"{_WRITTEN}{hashlib.sha256(text.encode()).hexdigest()[:16]}"
+    place = cache_directory()
+    spec = spec_from_loader(name, _Text(text))
+    if place is not None:
+        with contextlib.suppress(OSError):
+            spec = spec_from_file_location(name, _written(place / f"{name}.py", text))
+    assert spec is not None
+    assert spec.loader is not None
+    found = sys.modules[name] = module_from_spec(spec)
+    spec.loader.exec_module(found)
+    return found
+
+
+def _written(path: Path, text: str) -> Path:
+    """A file with a text, which appears at once; of one time, for numba takes code of a file of another for stale."""
+    if not path.is_file() or path.read_text(encoding="utf-8") != text:
+        with tempfile.NamedTemporaryFile("w", encoding="utf-8", dir=path.parent, delete=False) as file:
+            file.write(text)
+        os.utime(file.name, (0, 0))
+        Path(file.name).replace(path)
+    return path
+
+
+class _Text(SourceLoader):
+    """Loads a module from a text that is in no file."""
+
+    def __init__(self, text: str) -> None:
+        self._text = text
+
+    def get_filename(self, fullname: str) -> str:
+        """Of nothing on the disk."""
+        return f"<{fullname}>"
+
+    def get_data(self, path: str | bytes) -> bytes:  # noqa: ARG002
+        """The text."""
+        return self._text.encode()
+
+
+def digest(functions: Iterable[Any]) -> str:
+    """Hash of the modules of functions, and of what these take from others: functions, modules and numbers."""
+    found: dict[str, bytes] = {}
+    waiting, done = list(functions), set()
+    while waiting:
+        value = waiting.pop()
+        value = getattr(value, "py_func", value)
+        if not isinstance(value, FunctionType | ModuleType) or value in done:
+            continue
+        done.add(value)
+        name = value.__name__ if isinstance(value, ModuleType) else value.__module__
+        file = getattr(sys.modules.get(name), "__file__", None)
+        if file is not None:
+            found[name] = Path(file).read_bytes()
+        if isinstance(value, FunctionType):
+            taken = {other: value.__globals__.get(other) for other in value.__code__.co_names}
+            found |= {
+                f"{name}.{other}": repr(it).encode() for other, it in taken.items() if isinstance(it, int | float)
+            }
+            waiting += taken.values()
+    return fingerprint(sorted(found.items()))
 
 
 class _Hint(event.Listener):
@@ -61,13 +139,16 @@ class _Hint(event.Listener):
             return
         self._said.add(name)
         often = "once for this kind of scene" if cache_directory() else "anew each time: no directory can keep it"
-        screen.hint(f"compiling {name}, which takes some ten seconds; {often}")
+        screen.hint(f"compiling {name}, which takes a few seconds; {often}")
 
     def on_end(self, event: Any) -> None:
         """Say nothing."""
 
 
-_ENGINES = {"workflow.engines.reference": "the reference", "workflow.engines.collisions": "the engine of rigid beads"}
+_WRITTEN = "granchain_program_"
+"""What names of modules of texts begin with."""
+
+_ENGINES = {_WRITTEN: "the reference", "workflow.engines.collisions": "the engine of rigid beads"}
 
 _events: Any = event
 _events.register("numba:compile", _Hint())

@@ -1,9 +1,11 @@
 """Machine code is kept between processes, and never that of other sources."""
 
+import importlib
 import os
 import shutil
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -17,15 +19,16 @@ FLOORS = ("lammps_inputs", "analysis", "workflow")
 
 PROGRAM = """
 import lammps_inputs
-from workflow.engines.reference import engine, kernel
-print(engine.run(lammps_inputs.find("one-chain").problem().coarser(400)).velocity[-1].max())
-print(sum(kernel.advance.stats.cache_hits.values()))
+from workflow.engines.reference import engine
+problem = lammps_inputs.find("one-chain").problem().coarser(400)
+print(engine.run(problem).velocity[-1].max())
+print(sum(engine.make_state(problem, None).kernel.program.advance.stats.cache_hits.values()))
 """
 
 
-def run(tree, cache):
+def run(tree, cache, **environment):
     """Largest velocity at the end of a run with the sources of a tree, and whether the kernel came from the disk."""
-    own = {"PYTHONPATH": str(tree), "NUMBA_CACHE_DIR": str(cache)}
+    own = {"PYTHONPATH": str(tree), "NUMBA_CACHE_DIR": str(cache), **environment}
     done = subprocess.run(
         [sys.executable, "-c", PROGRAM],
         env={**os.environ, **own},
@@ -58,6 +61,53 @@ def test_a_changed_law_is_computed_with_though_the_old_one_is_on_the_disk(tmp_pa
     assert other != first
 
 
+@pytest.mark.slow
+def test_processes_that_compile_at_once_agree_and_leave_whole_files(tmp_path):
+    with ThreadPoolExecutor(3) as pool:
+        values = {value for value, _ in pool.map(lambda _: run(ROOT, tmp_path / "cache"), range(3))}
+    assert run(ROOT, tmp_path / "cache") == (values.pop(), True)
+    assert not values
+    (place,) = (tmp_path / "cache/granchain").iterdir()
+    assert len([path for path in place.glob("*") if path.is_file()]) == 1
+
+
+@pytest.mark.slow
+def test_a_cache_that_cannot_be_written_to_changes_no_number(tmp_path):
+    (tmp_path / "file").write_text("no directory")
+    own = {"HOME": f"{tmp_path}/file", "XDG_CACHE_HOME": f"{tmp_path}/file", "TMPDIR": "/proc"}
+    assert run(ROOT, tmp_path / "file", **own) == (run(ROOT, tmp_path / "cache")[0], False)
+
+
+HELPER = "def twice(s):\n    return 2.0 * s\n"
+
+
+def test_a_change_of_what_a_law_calls_changes_its_digest(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(tmp_path)
+    (tmp_path / "law_of_mine.py").write_text("from helper_of_mine import twice\n\ndef force(s):\n    return twice(s)\n")
+    (tmp_path / "helper_of_mine.py").write_text(HELPER)
+    law = importlib.import_module("law_of_mine")
+    before = compiled.digest([law.force])
+    (tmp_path / "helper_of_mine.py").write_text(HELPER.replace("2.0", "3.0"))
+    assert compiled.digest([law.force]) != before
+
+
+def test_a_program_is_a_file_that_can_be_read_and_one_that_is_damaged_is_written_again(place, tmp_path):
+    where = place(tmp_path / "home", tmp_path)
+    file = Path(compiled.module("answer = 42\n").__file__)
+    assert file.parent == where
+    file.write_text("answer =")
+    compiled.module.cache_clear()
+    assert compiled.module("answer = 42\n").answer == 42
+    assert file.read_text() == "answer = 42\n"
+
+
+def test_without_a_place_a_program_is_in_no_file(place, tmp_path):
+    (tmp_path / "file").write_text("no directory")
+    assert place(tmp_path / "file", tmp_path / "file") is None
+    found = compiled.module("from workflow.compiled import compiled\n\n@compiled\ndef more(x):\n    return x + 1.0\n")
+    assert found.more(1.0) == 2.0
+
+
 def test_any_source_or_its_name_changes_the_place():
     plain = [("a.py", b"x = 1\n"), ("b.py", b"y = 2\n")]
     changed = [[("a.py", b"x = 2\n"), plain[1]], [("c.py", b"x = 1\n"), plain[1]], plain[:1], plain[::-1]]
@@ -80,10 +130,12 @@ def place(monkeypatch):
         monkeypatch.setenv("HOME", str(home))
         monkeypatch.setattr(compiled.tempfile, "gettempdir", lambda: str(temporary))
         compiled.cache_directory.cache_clear()
+        compiled.module.cache_clear()
         return compiled.cache_directory()
 
     yield asked
     compiled.cache_directory.cache_clear()
+    compiled.module.cache_clear()
 
 
 def test_code_is_kept_in_the_users_cache(place, tmp_path):
@@ -111,7 +163,7 @@ def test_with_no_place_at_all_functions_are_compiled_all_the_same(place, tmp_pat
     assert compiled.compiled(lambda x: x + 1.0)(1.0) == 2.0
 
 
-def start(module="workflow.engines.reference.kernel"):
+def start(module=f"{compiled._WRITTEN}0123"):
     """What numba says when it compiles a function."""
     function = SimpleNamespace(py_func=SimpleNamespace(__module__=module))
     hint = compiled._Hint()
@@ -125,7 +177,7 @@ def test_commands_say_once_that_and_what_is_compiled(capsys):
         start("a.users.own")
     out, err = capsys.readouterr()
     assert out == ""
-    assert err == "compiling the reference, which takes some ten seconds; once for this kind of scene\n"
+    assert err == "compiling the reference, which takes a few seconds; once for this kind of scene\n"
 
 
 def test_scripts_and_quiet_commands_say_nothing_of_it(capsys):

@@ -220,7 +220,7 @@ def test_whoever_waits_for_a_sweep_is_told_once_what_is_compiled_for_it(tmp_path
     path = sweep_file(tmp_path, engine="reference", beads=[8, 9])
     assert main(["sweep", str(path), "-o", str(tmp_path / "s"), "--jobs", "2"]) == 0
     said = capsys.readouterr().err.splitlines()
-    assert said == ["compiling the reference, which takes some ten seconds; once for this kind of scene"]
+    assert said == ["compiling the reference, which takes a few seconds; once for this kind of scene"]
 
 
 def in_directory(directory):

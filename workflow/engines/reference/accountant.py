@@ -66,25 +66,20 @@ class _Follower:
     def along(self, block: Trajectory) -> Floats:
         """Ledger of frames of which the first was the last one before, or the start."""
         # numba takes a third of a second to import
-        from workflow.engines.reference.kernel import advance
+        from workflow.engines.reference.kernel import Frames
 
         problem, state = self._problem, self._state
         chains, moving = problem.chains, block.moving
         found = np.repeat(self._until, block.frames, axis=0)
         x, w = block.displacement, _velocity_of_state(block)
-        kicks, drifts = np.array(BLANES_MOAN.kicks), np.array(BLANES_MOAN.drifts)
         pushed = np.array(sorted({load.bead for load in problem.loads}), dtype=np.int64)
         end_x, end_v = np.zeros((1, chains, len(pushed))), np.zeros((1, chains, len(pushed)))
         for frame in range(1, block.frames):
             if block.time[frame - 1] < self._over:
-                state.x[1:-1], state.v[1:-1] = x[frame - 1].T, w[frame - 1].T
-                state.span[:] = moving.start + 1, min(moving.stop, problem.beads)
-                number = round(float(block.time[frame - 1]) / problem.every)
-                advance(
-                    state.x.reshape(-1), state.v.reshape(-1), np.zeros(state.x.size), True, state.span, state.window,
-                    kicks, drifts, problem.every / self._steps, number * self._steps, self._steps, state.forces,
-                    pushed, end_x, end_v, found[frame : frame + 1],
-                )  # fmt: skip
+                state.restart(x[frame - 1], w[frame - 1], moving.start + 1, min(moving.stop, problem.beads))
+                number = round(float(block.time[frame - 1]) / problem.every) * self._steps
+                frames = Frames(end_x, end_v, found[frame : frame + 1])
+                state.advance(BLANES_MOAN, problem.every / self._steps, number, self._steps, pushed, frames)
                 self._more += self._on_the_way(block, frame, block.velocity[frame][:, pushed - 1] - end_v[0], pushed)
                 found[frame, -1] += self._more
             else:

@@ -19,7 +19,8 @@ from workflow.engines.reference.scheme import Scheme
 from workflow.engines.reference.verlet import VERLET
 
 if TYPE_CHECKING:
-    from workflow.engines.reference.forces import Forces
+    from workflow.engines.reference.kernel import Frames, Kernel
+    from workflow.engines.reference.kernel import State as Compiled
 
 STEPS_PER_BOUND = 15.0
 """Steps of the default scheme in the stability bound of velocity Verlet; 0.05 for the paper's scenes."""
@@ -87,21 +88,20 @@ def blocks(
         ValueError: a window that is too narrow, or not for this problem.
     """
     # numba takes a third of a second to import, which no command that computes nothing should pay for
-    from workflow.engines.reference.kernel import advance
+    from workflow.engines.reference.kernel import Frames
 
     steps = default_steps_per_frame(problem) if steps_per_frame is None else steps_per_frame
     if window is None and problem.window is not None:
         window = WIDER * problem.window
     step = problem.every / steps
     state = make_state(problem, window, as_lammps=scheme is VERLET, step=step)
-    push, stale = np.zeros(state.x.size), True
     x, v = state.x, state.v
     chains = problem.chains
     recorded = _recorded(problem, state, 0.0)
     start = x[recorded].T[np.newaxis].copy(), v[recorded].T[np.newaxis].copy()
     counts = scheme is not VERLET and problem.exchanges
-    ledger = np.zeros((1, len(LEDGER))) if counts else None
-    yield Trajectory(problem, np.zeros(1), *start, _first(problem, recorded), ledger)
+    none = np.zeros((1, len(LEDGER))) if counts else None
+    yield Trajectory(problem, np.zeros(1), *start, _first(problem, recorded), none)
     size = frames_per_block(problem)
     if problem.window is not None:
         size = max(1, min(size, math.floor(_ADVANCE / (rates.pace(problem) * problem.every))))
@@ -109,30 +109,12 @@ def blocks(
         frame = np.arange(first, min(first + size, problem.frames + 1))
         recorded = _recorded(problem, state, len(frame) * problem.every)
         shape = (len(frame), chains, len(recorded))
-        frames_x, frames_v = np.empty(shape), np.empty(shape)
+        ledger = np.zeros((len(frame), len(LEDGER)))
+        frames = Frames(np.empty(shape), np.empty(shape), ledger)
         time = np.asarray(frame * problem.every, dtype=np.float64)
-        ledger = np.zeros((len(frame), len(LEDGER))) if counts else None
-        stale = advance(
-            x.reshape(-1),
-            v.reshape(-1),
-            push,
-            stale,
-            state.span,
-            state.window,
-            np.array(scheme.kicks),
-            np.array(scheme.drifts),
-            step,
-            (first - 1) * steps,
-            steps,
-            state.forces,
-            recorded,
-            frames_x,
-            frames_v,
-            () if ledger is None else ledger,
-        )
-        if ledger is not None:
-            ledger[:, -1] += brought_up(problem, time)
-        yield Trajectory(problem, time, frames_x, frames_v, _first(problem, recorded), ledger)
+        state.advance(scheme, step, (first - 1) * steps, steps, recorded, frames)
+        ledger[:, -1] += brought_up(problem, time)
+        yield Trajectory(problem, time, frames.x, frames.v, _first(problem, recorded), ledger if counts else None)
 
 
 def brought_up(problem: Problem, time: Floats) -> Floats:
@@ -166,23 +148,38 @@ def _first(problem: Problem, recorded: NDArray[np.int64]) -> int:
 
 @dataclass(frozen=True)
 class State:
-    """What the kernel works on; row i is bead i of every chain, rows 0 and beads + 1 stay at rest.
+    """A problem at an instant, and what advances it; row i is bead i of every chain, rows 0 and beads + 1 stay at rest.
 
     Attributes:
         x, v: [bead + 2, chain], advanced in place.
-        forces: on them.
-        span: first and last row that may move.
-        window: number of rows that are integrated at most.
+        span: first and last row that may move, and so on (`kernel.State`).
+        kernel: of the problem.
+        compiled: the same as the kernel takes it.
     """
 
     x: Floats
     v: Floats
-    forces: "Forces"
     span: NDArray[np.int64]
-    window: int
+    kernel: "Kernel"
+    compiled: "Compiled"
+
+    def restart(self, x: Floats, v: Floats, first: int, last: int) -> None:
+        """Go on from displacements and velocities [chain, bead] of which only those of some rows may be in motion."""
+        self.x[1:-1], self.v[1:-1] = x.T, v.T
+        self.span[:2], self.span[3] = (first, last), 1
+        self.compiled.push[:] = 0.0
+
+    def advance(
+        self, scheme: Scheme, h: float, first_step: int, steps: int, recorded: NDArray[np.int64], frames: "Frames"
+    ) -> None:
+        """Fill frames of the recorded beads, so many steps each, after ``first_step`` earlier ones."""
+        from workflow.engines.reference.kernel import Steps
+
+        kernel, pace = self.kernel, Steps(np.array(scheme.kicks), np.array(scheme.drifts), h)
+        kernel.program.advance(self.compiled, kernel.parameters, pace, first_step, steps, recorded, frames)
 
 
-def make_state(problem: Problem, window: int | None, *, as_lammps: bool = False, step: float = 0.0) -> "State":
+def make_state(problem: Problem, window: int | None, *, as_lammps: bool = False, step: float = 0.0) -> State:
     """The start of a problem.
 
     Args:
@@ -195,16 +192,15 @@ def make_state(problem: Problem, window: int | None, *, as_lammps: bool = False,
         ValueError: a window too narrow for the rows that are kicked and a pulse ahead of them.
     """
     # numba takes a third of a second to import
-    from workflow.engines.reference.dashpots import make_dampers
-    from workflow.engines.reference.forces import make_forces
+    from workflow.engines.reference import kernel
 
-    shape = (problem.beads + 2, problem.chains)
-    x, v = np.zeros(shape), np.zeros(shape)
-    v[1:-1] = problem.initial_velocity().T
     kicked = [bead for _, bead, _ in problem.struck]
-    span = np.array([max(1, min(kicked) - 1), min(problem.beads, max(kicked) + 1)])
-    least = int(span[1] - span[0]) + 30
+    first, last = max(1, min(kicked) - 1), min(problem.beads, max(kicked) + 1)
+    least = last - first + 30
     if window is not None and window < least:
         raise ValueError(f"a window of {window} rows is too narrow; at least {least}")
-    forces = make_forces(problem, make_dampers(problem, as_lammps=as_lammps), as_lammps=as_lammps, step=step)
-    return State(x, v, forces, span, problem.beads if window is None else window)
+    x, v = np.zeros((2, problem.beads + 2, problem.chains))
+    v[1:-1] = problem.initial_velocity().T
+    span = np.array([first, last, problem.beads if window is None else window, 1])
+    made = kernel.make_kernel(problem, as_lammps=as_lammps, step=step)
+    return State(x, v, span, made, kernel.make_state(x, v, span, made.room))

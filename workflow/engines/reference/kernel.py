@@ -1,305 +1,405 @@
-"""The compiled loop of the reference integrator: kicks and drifts of the rows that can move.
+"""The compiled step of the reference integrator: the template's places filled with the laws of a system.
 
-| paper                       | here                  | shape                         |
-|-----------------------------|-----------------------|-------------------------------|
-| x_i^(j)                     | ``x[i, j - 1]``       | [bead + 2, chain]             |
-| its first derivative        | ``v[i, j - 1]``       | [bead + 2, chain]             |
-| (x_{i-1} - x_i - D)+^1.5    | ``push[i, j - 1]``    | [bead + 2, chain]             |
-| everything else             | ``forces``            | see `forces`                  |
+The text depends on which laws there are, not on their numbers, so that one program does for many systems. It is kept as
+a module beside its machine code (`workflow.compiled`), where it can be read, printed and profiled.
 
-All dimensionless. Row i holds bead i of every chain; rows 0 and beads + 1 stay at zero. So any range of rows is one
-piece of memory, and each loop runs over it without branches and becomes vector instructions.
+A dashpot's force is the rate of a function of the strain (`lammps_inputs.laws.dashpot`, ``impulse``). So where no
+tension is cut, velocities are replaced by ``w = v - impulses / masses`` (as Lienard did): w changes by the forces of
+positions alone, by kicks that are exact, and ``x' = w + impulses(x) / masses`` is the drift at fixed w. Forces that
+jump where contacts open become mere kinks that way. Where tension is cut, a kick is the solution of
+``masses * v' = forces(x) + drag(x, v)`` at fixed x. Either is one step of the classical Runge-Kutta method: of order 4,
+as the scheme, and its error is far below that (a part of a step times the drag, to the fifth power, over 120).
+LAMMPS instead takes the drag of the velocities that it has when forces are computed, those of half a step before.
+
+Energy that dashpots dissipate is counted along the way. A kick at fixed positions takes no energy from the motion but
+by their power, which is integrated as the velocities are. A drift at fixed w takes kinetic energy alone, and exactly
+that.
 """
 
-# ruff: noqa: ARG001, ARG005  numba wants the arguments of what is overloaded, used or not
-from typing import Any
+import functools
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from types import ModuleType
+from typing import Any, NamedTuple
 
 import numpy as np
-from numba import types
-from numba.extending import overload
 from numpy.typing import NDArray
 
-from workflow.compiled import compiled, inner
-from workflow.engines.reference.dashpots import Flow, Given, HalfStep, brake, flow, impulses, slide
-from workflow.engines.reference.forces import (
-    Forces,
-    give_on,
-    hold_on,
-    kick_on,
-    over_mass,
-    pull,
-    sum_of,
-    travel_on,
-)
+from lammps_inputs import System
+from workflow import compiled
+from workflow.engines.reference import template
+from workflow.engines.reference.terms import Term, Terms, make_terms
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 
-@inner
-def press(x: Floats, push: Floats, forces: Forces, chains: int, first: int, last: int) -> None:
-    """Contact force on each bead of rows first + 1 to last from the bead behind it."""
-    row, gap = np.uint64(chains), forces.gap
-    for k in range(np.uint64((first + 1) * chains), np.uint64((last + 1) * chains)):
-        push[k] = sum_of(forces.along, k, x[k - row] - x[k] - gap)
+class State(NamedTuple):
+    """What the compiled step advances in place; a law with a memory would have it here, as one more array."""
 
+    x: Floats
+    """Displacements, [bead + 2, chain] flat, as all that follows."""
+    v: Floats
+    """Velocities; with dashpots whose tension is not cut, less what these have given."""
+    push: Floats
+    """Contact force on each bead from the bead behind it."""
+    span: Integers
+    """First and last row that may move; rows that are integrated at most; 1 if ``push`` is not that of ``x``, else 0.
 
-@inner
-def kick(v: Floats, push: Floats, x: Floats, forces: Forces, factor: float, chains: int, first: int, last: int) -> None:
-    """``v += factor * forces / masses`` in rows first to last, which nothing outside touches."""
-    row = np.uint64(chains)
-    for k in range(np.uint64(first * chains), np.uint64((last + 1) * chains)):
-        force = push[k] - push[k + row] - pull(forces.across, x, k) - sum_of(forces.ground, k, x[k])
-        v[k] += factor * over_mass(force, forces.lightness, k)
-
-
-@inner
-def _drift(x: Floats, v: Floats, factor: float, chains: int, first: int, last: int) -> None:
-    """``x += factor * v`` in rows first to last."""
-    for k in range(np.uint64(first * chains), np.uint64((last + 1) * chains)):
-        x[k] += factor * v[k]
-
-
-@inner
-def _displaced(x: Floats, chains: int, row: int) -> bool:
-    for k in range(row * chains, (row + 1) * chains):  # noqa: SIM110  numba compiles loops, not any()
-        if x[k] != 0.0:
-            return True
-    return False
-
-
-def keep_drag(dampers: Any, x: Any, v: Any, gap: Any, chains: Any, first: Any, last: Any) -> Any:
-    """Note the forces of dashpots at these positions, where they are kept."""
-    raise NotImplementedError
-
-
-def kick_all(dampers: Any, v: Any, push: Any, x: Any, forces: Any, factor: Any, chains: Any, first: Any, last: Any
-) -> Any:  # fmt: skip
-    """A kick by all forces."""
-    raise NotImplementedError
-
-
-def drift_all(dampers: Any, x: Any, v: Any, forces: Any, time: Any, factor: Any, chains: Any, first: Any, last: Any
-) -> Any:  # fmt: skip
-    """A drift from a time on, under forces from outside, and with dashpots that are known by what they have given."""
-    raise NotImplementedError
-
-
-def velocities(dampers: Any, x: Any, v: Any, forces: Any, chains: Any, first: Any, last: Any) -> Any:
-    """Velocities of a state; the array of the state where it holds them."""
-    raise NotImplementedError
-
-
-def _is(dampers: Any, kind: type) -> bool:
-    return isinstance(dampers, types.NamedTuple) and dampers.instance_class is kind
-
-
-@overload(keep_drag, strict=False)
-def _keep_drag(dampers: Any, x: Any, v: Any, gap: Any, chains: Any, first: Any, last: Any) -> Any:
-    if _is(dampers, HalfStep):
-        return lambda dampers, x, v, gap, chains, first, last: brake(dampers, x, v, gap, chains, first, last)
-    return lambda dampers, x, v, gap, chains, first, last: None
-
-
-@overload(drift_all, strict=False)
-def _drift_all(
-    dampers: Any, x: Any, v: Any, forces: Any, time: Any, factor: Any, chains: Any, first: Any, last: Any
-) -> Any:
-    def plain(
-        dampers: Any, x: Any, v: Any, forces: Any, time: Any, factor: Any, chains: Any, first: Any, last: Any
-    ) -> None:
-        _drift(x, v, factor, chains, first, last)
-        low, high = first * chains, (last + 1) * chains
-        travel_on(forces.drifted, forces.lightness, x, time, factor, low, high)
-        travel_on(forces.moved, (), x, time, factor, low, high)
-        give_on(forces.drifted, forces.lightness, forces.work, v, time, factor, low, high)
-        give_on(forces.moved, (), (), v, time, factor, low, high)
-
-    def sliding(
-        dampers: Any, x: Any, v: Any, forces: Any, time: Any, factor: Any, chains: Any, first: Any, last: Any
-    ) -> None:
-        slide(dampers, x, v, forces, time, factor, chains, first, last)
-
-    return sliding if _is(dampers, Given) else plain
-
-
-@overload(velocities, strict=False)
-def _velocities(dampers: Any, x: Any, v: Any, forces: Any, chains: Any, first: Any, last: Any) -> Any:
-    if not _is(dampers, Given):
-        return lambda dampers, x, v, forces, chains, first, last: v
-
-    def with_impulses(dampers: Any, x: Any, v: Any, forces: Any, chains: Any, first: Any, last: Any) -> Any:
-        impulses(dampers, x, forces.gap, chains, first, last)
-        for k in range(np.uint64(first * chains), np.uint64((last + 1) * chains)):
-            dampers.actual[k] = v[k] + over_mass(dampers.drag[k], forces.lightness, k)
-        return dampers.actual
-
-    return with_impulses
-
-
-@overload(kick_all, strict=False)
-def _kick_all(
-    dampers: Any, v: Any, push: Any, x: Any, forces: Any, factor: Any, chains: Any, first: Any, last: Any
-) -> Any:
-    def plain(
-        dampers: Any, v: Any, push: Any, x: Any, forces: Any, factor: Any, chains: Any, first: Any, last: Any
-    ) -> None:
-        kick(v, push, x, forces, factor, chains, first, last)
-
-    def half_step(
-        dampers: Any, v: Any, push: Any, x: Any, forces: Any, factor: Any, chains: Any, first: Any, last: Any
-    ) -> None:
-        kick(v, push, x, forces, factor, chains, first, last)
-        for k in range(np.uint64(first * chains), np.uint64((last + 1) * chains)):
-            v[k] += factor * over_mass(dampers.drag[k], forces.lightness, k)
-
-    def solved(
-        dampers: Any, v: Any, push: Any, x: Any, forces: Any, factor: Any, chains: Any, first: Any, last: Any
-    ) -> None:
-        dampers.steady[first * chains : (last + 1) * chains] = 0.0
-        kick(dampers.steady, push, x, forces, 1.0, chains, first, last)
-        flow(dampers, v, x, forces.lightness, forces.gap, factor, chains, first, last)
-
-    return half_step if _is(dampers, HalfStep) else solved if _is(dampers, Flow) else plain
-
-
-def note(ledger: Any, frame: Any, dampers: Any, forces: Any) -> Any:
-    """Write down what was counted until a frame."""
-    raise NotImplementedError
-
-
-def held_by(moved: Any, dampers: Any) -> Any:
-    """What dashpots have taken from beads that are moved, and so from what moves them."""
-    raise NotImplementedError
-
-
-@overload(note, strict=False)
-def _note(ledger: Any, frame: Any, dampers: Any, forces: Any) -> Any:
-    if not isinstance(ledger, types.Array):
-        return lambda ledger, frame, dampers, forces: None
-    loses = _is(dampers, Given) or _is(dampers, Flow)
-    works = isinstance(forces.types[Forces._fields.index("work")], types.Array)
-
-    def lost(ledger: Any, frame: Any, dampers: Any, forces: Any) -> None:
-        for kind in range(4):
-            ledger[frame, kind] = np.sum(dampers.lost[kind])
-
-    def put_in(ledger: Any, frame: Any, dampers: Any, forces: Any) -> None:
-        ledger[frame, 4] = forces.work[0]
-
-    def both(ledger: Any, frame: Any, dampers: Any, forces: Any) -> None:
-        for kind in range(4):
-            ledger[frame, kind] = np.sum(dampers.lost[kind])
-        ledger[frame, 4] = forces.work[0] + held_by(forces.moved, dampers)
-
-    return both if loses and works else lost if loses else put_in
-
-
-@overload(held_by, strict=False)
-def _held_by(moved: Any, dampers: Any) -> Any:
-    if len(moved) == 0:
-        return lambda moved, dampers: 0.0
-
-    def held(moved: Any, dampers: Any) -> Any:
-        k, (along, across, ground, walls) = moved[0][0], dampers.lost
-        return along[k] + across[k] + ground[k] + walls[k] + held_by(moved[1:], dampers)
-
-    return held
-
-
-@inner
-def step(
-    x: Floats,
-    v: Floats,
-    push: Floats,
-    stale: bool,
-    span: Integers,
-    window: int,
-    kicks: Floats,
-    drifts: Floats,
-    time: float,
-    h: float,
-    forces: Forces,
-    chains: int,
-) -> bool:
-    """One time step from a time on of the rows that can move; arguments as for `advance`.
-
-    ``push`` holds the contact forces of the present positions unless ``stale``; returns whether they are so after it.
+    Beyond the rows of the span nothing has moved: a row at rest feels no force until the row beside it is displaced,
+    and the span always holds one such row at each end, so the result is bit for bit that of all rows. Rows that are
+    too far behind the last are let go and keep their last state.
     """
-    beads = x.shape[0] // chains - 2
-    for stage in range(kicks.shape[0]):
-        first, last = span[0], span[1]
-        if kicks[stage] != 0.0:
-            if stale:
-                press(x, push, forces, chains, first, last)
-                keep_drag(forces.dampers, x, v, forces.gap, chains, first, last)
-                stale = False
-            kick_all(forces.dampers, v, push, x, forces, kicks[stage] * h, chains, first, last)
-            low, high = first * chains, (last + 1) * chains
-            kick_on(forces.kicked, forces.lightness, v, time, h, kicks[stage] * h, low, high)
-            hold_on(forces, forces.moved, push, x, v, kicks[stage] * h, chains)
-        if stage < drifts.shape[0]:
-            drift_all(forces.dampers, x, v, forces, time, drifts[stage] * h, chains, first, last)
-            time += drifts[stage] * h
-            stale = True
-            if last < beads and _displaced(x, chains, last):
-                last += 1
-                if last - first >= window:
-                    first = last - window + 1
-                    push[first * chains : (first + 1) * chains] = 0.0
-            if first > 1 and last - first + 1 < window and _displaced(x, chains, first):
-                first -= 1
-            span[0], span[1] = first, last
-    return stale
+    chains: int
+    room: tuple[Floats, ...]
+    """For the solution with dashpots."""
+    lost: Floats
+    """[4, place]: energy that dashpots along, across, to the ground and of walls have taken from every bead; below 0
+    of one that is dragged along."""
+    work: Floats
+    """[1]: work of loads, and of beads whose motion is given against forces."""
 
 
-@compiled
-def advance(
-    x: Floats,
-    v: Floats,
-    push: Floats,
-    stale: bool,
-    span: Integers,
-    window: int,
-    kicks: Floats,
-    drifts: Floats,
-    h: float,
-    first_step: int,
-    steps_per_frame: int,
-    forces: Forces,
-    recorded: Integers,
-    frames_x: Floats,
-    frames_v: Floats,
-    ledger: Any,
-) -> bool:
-    """Advance a state by ``len(frames_x)`` frames and record the chosen beads at each.
+class Steps(NamedTuple):
+    """A scheme and its step."""
 
-    Only rows ``span[0]`` to ``span[1]`` are integrated. Beyond them nothing has moved: a row at rest feels no force
-    until the row beside it is displaced, and the span always holds one such row at each end, so the result is bit for
-    bit that of all rows. Rows more than ``window`` behind the last are let go and keep their last state.
+    kicks: Floats
+    drifts: Floats
+    h: float
+
+
+class Frames(NamedTuple):
+    """Frames to fill: [frame, chain, bead], and [frame, entry] (`analysis.trajectory.Trajectory`)."""
+
+    x: Floats
+    v: Floats
+    ledger: Floats
+
+
+class Passing(NamedTuple):
+    """First maxima of the velocity, NaN where none was, and room; flat as the state."""
+
+    arrival: Floats
+    peak: Floats
+    a: Floats
+    a_before: Floats
+    v_before: Floats
+
+
+def make_state(x: Floats, v: Floats, span: Integers, room: int) -> State:
+    """A state with displacements and velocities [bead + 2, chain], which are advanced in place.
 
     Args:
-        x, v: state, flat; advanced in place.
-        push, stale: as for `step`, which returns the latter.
-        span: first and last row that may move; advanced in place.
-        window: number of rows that are integrated at most.
-        kicks, drifts, h: the scheme and its step.
-        first_step: steps done before.
-        steps_per_frame: steps between two frames.
-        forces: of the problem.
-        recorded: beads to record, counted from 1.
-        frames_x, frames_v: filled, [frame, chain, bead].
-        ledger: filled, [frame, entry] (`analysis.trajectory.Trajectory`), or an empty tuple.
+        x, v, span: see `State`.
+        room: arrays that the kernel must have room for.
     """
-    chains = frames_x.shape[1]
-    for frame in range(frames_x.shape[0]):
-        for number in range(frame * steps_per_frame, (frame + 1) * steps_per_frame):
-            time = (first_step + number) * h
-            stale = step(x, v, push, stale, span, window, kicks, drifts, time, h, forces, chains)
-        shown = velocities(forces.dampers, x, v, forces, chains, span[0], span[1])
-        for j in range(chains):
-            for k in range(recorded.shape[0]):
-                frames_x[frame, j, k] = x[recorded[k] * chains + j]
-                frames_v[frame, j, k] = shown[recorded[k] * chains + j]
-        note(ledger, frame, forces.dampers, forces)
-    return stale
+    size = x.size
+    spare = tuple(np.zeros(size) for _ in range(room))
+    return State(
+        x.reshape(-1), v.reshape(-1), np.zeros(size), span, x.shape[1], spare, np.zeros((4, size)), np.zeros(1)
+    )
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """The program of a system and the numbers that it takes.
+
+    Attributes:
+        program: module with ``advance(state, parameters, scheme, first_step, steps, recorded, frames)``, which fills
+            frames of the recorded beads (counted from 1), so many steps each, after ``first_step`` earlier ones, and
+            ``follow(state, parameters, scheme, first_step, steps, threshold, passing)``.
+        parameters: of the laws.
+        room: arrays that the state must have room for.
+    """
+
+    program: Any
+    parameters: tuple[Any, ...]
+    room: int
+
+
+def make_kernel(system: System, *, as_lammps: bool = False, step: float = 0.0) -> Kernel:
+    """The kernel of a system.
+
+    Args:
+        system: what is integrated.
+        as_lammps: whether forces from outside, and those against velocities, act as LAMMPS has them.
+        step: of LAMMPS, where masses depend on it.
+    """
+    terms, parameters = make_terms(system, as_lammps=as_lammps, step=step)
+    return Kernel(_program(terms), parameters, len(_ROOM[terms.dashpots].split(", ")) if terms.dampers else 0)
+
+
+_ROOM = {
+    "none": "",
+    "half step": "squeeze, drag",
+    "kick": "squeeze, drag, steady, total, trial",
+    "drift": "squeeze, drag, actual, total, trial, place, early, start, after",
+}
+"""Arrays that a step needs for dashpots."""
+
+
+@functools.cache
+def _program(terms: Terms) -> ModuleType:
+    return compiled.module(_Writer(terms).text())
+
+
+class _Writer:
+    """Writes the program of some terms."""
+
+    def __init__(self, terms: Terms) -> None:
+        self._terms = terms
+        self._laws: dict[Any, str] = {}
+        self._functions: dict[str, str] = {}
+        self._used: list[Any] = []
+
+    def _call(self, term: Term, function: str, *arguments: str) -> str:
+        """Source of a call of a law's function, which goes to the head of the program."""
+        law = term.law
+        if law not in self._laws:
+            name, used = law.__name__, [other.__name__ for other in self._laws].count(law.__name__)
+            self._laws[law] = name + str(used + 1) * (used > 0)
+        called = f"{self._laws[law].lower()}_{function}"
+        if called not in self._functions:
+            self._used.append(getattr(law, function))
+        self._functions[called] = f"{called} = inlined({self._laws[law]}.{function})"
+        return f"{called}({', '.join([*arguments, *term.parameters])})"
+
+    def _sum(
+        self, terms: Sequence[Term], function: str, *, rate: bool = False, number: int = 0
+    ) -> tuple[list[str], str]:
+        """Loops to run before, and the sum of a function of laws at k, the last two added first; empty for none."""
+        loops: list[str] = []
+        found = []
+        for term in terms:
+            call = self._call(term, function, term.strain, *([term.rate] * rate))
+            if term.over:
+                total = f"{term.sums}[{number}, k]"
+                loops += self._lines(template.SUM, total=total, over=term.over, call=call)
+                call = total
+            found.append(call)
+        return loops, " + (".join(found) + ")" * (len(found) - 1)
+
+    # --- the text -----------------------------------------------------------------------------------------------------
+
+    def text(self) -> str:
+        """The whole program."""
+        places = self._parts_of_a_step()
+        sections = [*self._functions_of_loads(), *self._functions_of_dashpots()]
+        sections += [self._filled(section, **places) for section in (template.ADVANCE, template.FOLLOW)]
+        for law in self._laws:
+            if "<locals>" in law.__qualname__:
+                raise TypeError(f"law {law.__qualname__}: must be a class of a module, not of a function")
+        names = {law: law.__name__ + f" as {name}" * (law.__name__ != name) for law, name in self._laws.items()}
+        head = _filled(
+            template.HEAD,
+            digest=compiled.digest(self._used),
+            imports=sorted(f"from {law.__module__} import {name}" for law, name in names.items()),
+            laws=list(self._functions.values()),
+        )
+        return "\n\n".join([head, *sections]).lstrip("\n")
+
+    def _filled(self, section: str, **places: str | list[str]) -> str:
+        """A section with its places filled, and the parameters that each of its functions uses unpacked in it."""
+        functions = []
+        for function in "\n".join(self._lines(section, **places)).split("\n\n\n"):
+            used = [n for n, name in enumerate(self._terms.names) if re.search(rf"\b{name}\b", function)]
+            unpacked = ", ".join(self._terms.names[n] for n in used), ", ".join(f"p[{n}]" for n in used)
+            functions.append(_filled(function, parameters=[" = ".join(unpacked)] if used else []))
+        return "\n\n\n".join(functions) + "\n"
+
+    def _lines(self, section: str, **places: str | list[str]) -> list[str]:
+        """Lines of a section with its places filled."""
+        terms = self._terms
+        asked: dict[str, bool] = {
+            "pushed": terms.pushed_in_drifts,
+            "damped": terms.dashpots != "none",
+            "half_step": terms.dashpots == "half step",
+            "counts_lost": terms.counts_lost,
+            "counts_work": terms.counts_work,
+            "moved_with_loss": terms.moved_with_loss,
+        }
+        known = {"per_mass": terms.per_mass, "row": terms.row, "rooms": _ROOM[terms.dashpots]}
+        return _filled(section, **asked, **known, **places).strip("\n").split("\n")
+
+    def _parts_of_a_step(self) -> dict[str, str | list[str]]:
+        """Places of the functions that take steps."""
+        kind = self._terms.dashpots
+        press = self._lines(template.PRESS, contact=self._sum(self._terms.contacts, "force")[1])
+        kick, drift = self._kick("v", "factor"), template.DRIFT
+        if kind == "half step":
+            kick += self._lines(template.DRAG_AS_LAMMPS)
+        elif kind == "kick":
+            steady = self._kick("steady", "1.0")
+            kick = self._lines(template.KICK_WITH_DRAG, kick=steady, taken=self._taken_in_kicks())
+        elif kind == "drift":
+            drift = template.DRIFT_WITH_IMPULSES
+        step = self._lines(
+            template.STEP,
+            press=press,
+            kick=kick,
+            kick_by_means=self._kicks_by_means() if self._terms.as_lammps else [],
+            hold=self._held_motions() if self._terms.counts_work else [],
+            drift=self._lines(drift, **self._counts_in_drifts() if kind == "drift" else {}),
+        )
+        return {
+            "unpacked": self._lines(template.UNPACKED),
+            "press": press,
+            "step": step,
+            "velocities": self._lines(template.VELOCITIES) if kind == "drift" else [],
+            "actual": "actual" if kind == "drift" else "v",
+            "held_by_dashpots": self._held_by_dashpots() if self._terms.moved_with_loss else [],
+            "kick": self._kick("a", "1.0"),
+        }
+
+    def _kick(self, target: str, factor: str) -> list[str]:
+        loops, others = self._other_forces()
+        return self._lines(template.KICK, loops=loops, others=others, target=target, factor=factor)
+
+    def _other_forces(self) -> tuple[list[str], str]:
+        """Forces that drive beads back, across and to the ground."""
+        lines, across = self._sum(self._terms.across, "force")
+        more, ground = self._sum(self._terms.ground, "force")
+        return lines + more, "".join(f" - ({total})" for total in (across, ground) if total)
+
+    # --- loads and motions --------------------------------------------------------------------------------------------
+
+    def _functions_of_loads(self) -> list[str]:
+        terms = self._terms
+        if not terms.pushed_in_drifts:
+            return []
+        travels, gifts, at = [], [], []
+        counted = terms.counts_work and terms.dashpots != "drift"
+        acting = [] if terms.as_lammps else [(load, terms.per_mass, counted) for load in terms.loads]
+        for term, by_mass, counts in [*acting, *((motion, "", False) for motion in terms.motions)]:
+            now, later = (
+                [self._call(term, name, time) for name in ("travel", "impulse")] for time in ("time", "time + duration")
+            )
+            gone = f"gone = {later[0]} - {now[0]} - {now[1]} * duration"
+            travels += _over(term, gone, f"x[k] += gone{by_mass}")
+            count = ["work[0] += given * 0.5 * (early + v[k])"] * counts
+            gifts += _over(term, f"given, early = {later[1]} - {now[1]}, v[k]", f"v[k] += given{by_mass}", *count)
+            at += _over(term, f"a[k] += {self._call(term, 'force', 'time')}{by_mass}")
+        return [self._filled(template.LOADS, travels=travels, gifts=gifts, loads=at)]
+
+    def _kicks_by_means(self) -> list[str]:
+        """What the means of loads over a step around a time give beads; at the start over half a step."""
+        found = []
+        for term in self._terms.loads:
+            after, before = (self._call(term, "impulse", f"time {sign} 0.5 * h") for sign in "+-")
+            change = f"v[k] += given / h * factor * (2.0 if time == 0.0 else 1.0){self._terms.per_mass}"
+            found += _over(term, f"given = {after} - {before}", change)
+        return found
+
+    def _held_motions(self) -> list[str]:
+        """Work of beads whose motion is given against forces of positions in a kick."""
+        _, others = self._other_forces()
+        work = f"work[0] -= factor * (push[k] - push[k + {self._terms.row}]{others}) * v[k]"
+        return [line for term in self._terms.motions for line in _over(term, work, everywhere=True)]
+
+    def _held_by_dashpots(self) -> list[str]:
+        """What dashpots take from beads whose motion is given, and so from what moves them."""
+        held = "held = lost[0, k] + lost[1, k] + lost[2, k] + lost[3, k] + held"
+        found = ["held = 0.0"]
+        for term in self._terms.motions[::-1]:
+            found += _over(term, held, everywhere=True, backwards=True)
+        return found
+
+    # --- dashpots -----------------------------------------------------------------------------------------------------
+
+    def _functions_of_dashpots(self) -> list[str]:
+        if self._terms.dashpots == "none":
+            return []
+        brake = self._drag("brake", "x, v", "Force", "damping", rate=True)
+        if self._terms.dashpots != "drift":
+            return [brake]
+        impulses = self._drag("impulses", "x", "Impulse", "impulse", rate=False)
+        return [template.OVER_THE_WAY.strip("\n") + "\n", brake, impulses]
+
+    def _drag(self, name: str, arguments: str, what: str, function: str, *, rate: bool) -> str:
+        _, contact = self._sum(self._terms.dampers[0], function, rate=rate)
+        loops, held = [], []
+        for terms in self._terms.dampers[1:]:
+            more, total = self._sum(terms, function, rate=rate)
+            loops += more
+            held += [f"({total})"] if total else []
+        drag = f"squeeze[k] - squeeze[k + {self._terms.row}]" if contact else "0.0"
+        return self._filled(
+            template.DRAG,
+            name=name,
+            arguments=arguments,
+            what=what,
+            contacts=self._lines(template.CONTACT_DRAG, contact=contact) if contact else [],
+            loops=loops,
+            drag=f"{drag} - ({' + '.join(held)})" if held else drag,
+        )
+
+    def _taken_in_kicks(self) -> list[str]:
+        found = []
+        for kind, terms in list(enumerate(self._terms.dampers))[1:]:
+            loops, held = self._sum([_of(term, v="trial") for term in terms], "damping", rate=True)
+            if held:
+                found += loops + _counted(kind, f"taken = count * trial[k] * ({held})")
+        return found
+
+    def _counts_in_drifts(self) -> dict[str, list[str]]:
+        """Work of loads, and what dashpots have taken, from impulses at the start, in the middle and at the end."""
+        counted, taken = [], []
+        for term in self._terms.loads:
+            at = [self._call(term, "impulse", f"time{later}") for later in ("", " + 0.5 * duration", " + duration")]
+            counted += _over(term, f"since, half, until = {', '.join(at)}", f"work[0] += {_OVER_THE_WAY}")
+        for kind, terms in list(enumerate(self._terms.dampers))[1:]:
+            lines = []
+            for number, (name, x) in enumerate((("since", "place"), ("half", "trial"), ("until", "x"))):
+                loops, given = self._sum([_of(term, x=x) for term in terms], "impulse", number=number)
+                taken += loops
+                lines.append(f"{name} = {given}")
+            if terms:
+                taken += _counted(kind, *lines, f"taken = {_OVER_THE_WAY}")
+        return {"counted": counted, "taken": taken}
+
+
+_OVER_THE_WAY = "over_the_way(early[k], total[k], actual[k], half - since, until - half)"
+
+
+def _filled(text: str, **places: str | list[str] | bool) -> str:
+    """A text with some of its places filled; one alone in its line becomes lines as far in as it.
+
+    A line that begins with ``?name`` is there only if the place of that name is true.
+    """
+    done = []
+    for line in text.split("\n"):
+        asked = re.fullmatch(r"( *)\?(\w+) (.*)", line)
+        if asked and asked[2] in places:
+            if not places[asked[2]]:
+                continue
+            line = asked[1] + asked[3]
+        alone = re.fullmatch(r"( *)\{(\w+)\}", line)
+        lines = places.get(alone[2]) if alone else None
+        if alone and isinstance(lines, list):
+            done += [alone[1] + more for more in lines]
+            continue
+        done.append(re.sub(r"\{(\w+)\}", lambda match: str(places.get(match[1], match[0])), line))
+    return "\n".join(done)
+
+
+def _over(term: Term, *lines: str, everywhere: bool = False, backwards: bool = False) -> list[str]:
+    """A loop over the places of laws in time: lines for each, by default of those in the rows that can move."""
+    count = f"{term.over}.shape[0]"
+    order = f"{count} - 1, -1, -1" if backwards else count
+    begin = [f"for n in range({order}):", f"    k = {term.over}[n]"]
+    if everywhere:
+        return [*begin, *(f"    {line}" for line in lines)]
+    return [*begin, "    if low <= k < high:", *(f"        {line}" for line in lines)]
+
+
+def _counted(kind: int, *lines: str) -> list[str]:
+    """A loop that counts what dashpots of a kind have taken, of all of which the first kind has the rest."""
+    taken = [f"lost[{kind}, k] += taken", "lost[0, k] -= taken"]
+    return ["for k in range(low, high):", *(f"    {line}" for line in (*lines, *taken))]
+
+
+def _of(term: Term, x: str = "x", v: str = "v") -> Term:
+    """The same with other arrays as displacements and velocities."""
+    strain, rate = (re.sub(r"\bx\[", f"{x}[", re.sub(r"\bv\[", f"{v}[", text)) for text in (term.strain, term.rate))
+    return replace(term, strain=strain, rate=rate)

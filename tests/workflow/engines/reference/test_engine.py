@@ -11,11 +11,12 @@ from stock_lammps import scene
 from analysis import motion
 from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import find_peaks
+from analysis.trajectory import LEDGER
 from lammps_inputs import Kick, Output, find
 from workflow.engines.reference.blanes_moan import BLANES_MOAN
 from workflow.engines.reference.certify import Certifier
 from workflow.engines.reference.engine import blocks, make_state, run
-from workflow.engines.reference.kernel import advance
+from workflow.engines.reference.kernel import Frames
 from workflow.engines.reference.scheme import Scheme
 from workflow.engines.reference.verlet import VERLET
 from workflow.runs.run_directory import RunDirectory
@@ -36,32 +37,16 @@ def problem(**changes):
 def integrated(state, like, scheme, h, steps):
     """One frame, ``steps`` steps of h after a state of the kernel."""
     shape = (1, like.chains, like.beads)
-    x, v = np.empty(shape), np.empty(shape)
-    advance(
-        state.x.reshape(-1),
-        state.v.reshape(-1),
-        np.zeros(state.x.size),
-        True,
-        state.span,
-        state.window,
-        np.array(scheme.kicks),
-        np.array(scheme.drifts),
-        h,
-        0,
-        steps,
-        state.forces,
-        np.arange(1, like.beads + 1),
-        x,
-        v,
-        (),
-    )
-    return x[0], v[0]
+    frames = Frames(np.empty(shape), np.empty(shape), np.zeros((1, len(LEDGER))))
+    state.span[3] = 1
+    state.advance(scheme, h, 0, steps, np.arange(1, like.beads + 1), frames)
+    return frames.x[0], frames.v[0]
 
 
 def all_rows(like):
     """The start of a problem with every row active."""
     state = make_state(like, None)
-    state.span[:] = 1, like.beads
+    state.span[:2] = 1, like.beads
     return state
 
 

@@ -1,0 +1,306 @@
+"""The text of the reference integrator's compiled step, with places for the laws of a system.
+
+| paper                       | here                   | shape                  |
+|-----------------------------|------------------------|------------------------|
+| x_i^(j)                     | ``x[k]``               | [bead + 2, chain] flat |
+| its first derivative        | ``v[k]``               | [bead + 2, chain] flat |
+| (x_{i-1} - x_i - D)+^1.5    | ``push[k]``            | [bead + 2, chain] flat |
+| others                      | places in braces       |                        |
+
+All dimensionless. Row i holds bead i of every chain; rows 0 and beads + 1 stay at zero. So any range of rows is one
+piece of memory, and each loop runs over it without branches and becomes vector instructions. Positions in memory are
+unsigned, which spares the loops a test for negative ones.
+
+A place is a name in braces. One that is alone in its line stands for any number of lines, none included. A line that
+begins with a question mark and a name is there only if that is true. What a system does not have is not in its text.
+"""
+
+HEAD = '''
+"""Compiled step of the reference integrator for one set of laws; written by workflow.engines.reference.kernel."""
+
+# sources of the laws: {digest}
+from numpy import isnan, uint64
+
+from workflow.compiled import compiled, inlined, inner
+{imports}
+
+{laws}
+
+
+@inner
+def displaced(x, first, last):
+    """Whether any bead from one place in memory to before another has left its own."""
+    for k in range(first, last):
+        if x[k] != 0.0:
+            return True
+    return False
+'''
+
+PRESS = """
+for k in range(low + {row}, high):
+    push[k] = {contact}
+"""
+
+KICK = """
+{loops}
+for k in range(low, high):
+    {target}[k] += {factor} * ((push[k] - push[k + {row}]{others}){per_mass})
+"""
+
+SUM = """
+for k in range(low, high):
+    {total} = 0.0
+for m in range({over}.shape[0]):
+    apart = {over}[m]
+    for k in range(low, high):
+        {total} += {call}
+"""
+
+STEP = """
+for stage in range(kicks.shape[0]):
+    low, high = uint64(span[0] * chains), uint64((span[1] + 1) * chains)
+    if kicks[stage] != 0.0:
+        factor = kicks[stage] * h
+        if span[3]:
+            {press}
+            ?half_step brake(x, v, p, squeeze, drag, low, high)
+            span[3] = 0
+        {kick}
+        {kick_by_means}
+        {hold}
+    if stage < drifts.shape[0]:
+        duration = drifts[stage] * h
+        {drift}
+        time += duration
+        span[3] = 1
+        first, last = span[0], span[1]
+        if (last + 2) * chains < x.shape[0] and displaced(x, last * chains, (last + 1) * chains):
+            last += 1
+            if last - first >= span[2]:
+                first = last - span[2] + 1
+                push[first * chains : (first + 1) * chains] = 0.0
+        if first > 1 and last - first + 1 < span[2] and displaced(x, first * chains, (first + 1) * chains):
+            first -= 1
+        span[0], span[1] = first, last
+"""
+
+ADVANCE = '''
+@compiled
+def advance(state, p, scheme, first_step, steps, recorded, frames):
+    """Advance a state by as many frames as are to be filled, so many steps each; see `kernel.Kernel`."""
+    {parameters}
+    {unpacked}
+    for frame in range(frames.x.shape[0]):
+        for number in range(frame * steps, (frame + 1) * steps):
+            time = (first_step + number) * h
+            {step}
+        {velocities}
+        for j in range(chains):
+            for k in range(recorded.shape[0]):
+                frames.x[frame, j, k] = x[recorded[k] * chains + j]
+                frames.v[frame, j, k] = {actual}[recorded[k] * chains + j]
+        ?counts_lost for kind in range(4):
+        ?counts_lost     frames.ledger[frame, kind] = 0.0
+        ?counts_lost     for k in range(lost.shape[1]):
+        ?counts_lost         frames.ledger[frame, kind] += lost[kind, k]
+        {held_by_dashpots}
+        ?counts_work frames.ledger[frame, 4] = work[0]
+        ?moved_with_loss frames.ledger[frame, 4] += held
+'''
+
+UNPACKED = """
+x, v, push, span, chains, room, lost, work = state
+?damped {rooms} = room
+kicks, drifts, h = scheme
+"""
+
+FOLLOW = '''
+@inner
+def maximum(early, late, rise, fall):
+    """The maximum within a step of the cubic polynomial with these values, and slopes above and below 0, at its ends.
+
+    As part of the step, and its value.
+    """
+    square, cube = 3.0 * (late - early) - 2.0 * rise - fall, 2.0 * (early - late) + rise + fall
+    low, high = 0.0, 1.0
+    for _ in range(50):
+        part = 0.5 * (low + high)
+        if rise + part * (2.0 * square + part * 3.0 * cube) > 0.0:
+            low = part
+        else:
+            high = part
+    return part, early + part * (rise + part * (square + part * cube))
+
+
+@compiled
+def follow(state, p, scheme, first_step, steps, threshold, passing):
+    """Take some steps and note the first maximum of every bead; the largest |velocity| of a row that was let go."""
+    {parameters}
+    {unpacked}
+    arrival, peak, a, a_before, v_before = passing
+    let_go = 0.0
+    {velocities}
+    for number in range(first_step, first_step + steps):
+        tail, time = span[0], number * h
+        for k in range(uint64(tail * chains), uint64((span[1] + 1) * chains)):
+            v_before[k] = {actual}[k]
+            a_before[k] = a[k]
+        span[3] = 1
+        {step}
+        {velocities}
+        for k in range(tail * chains, span[0] * chains):
+            let_go = max(let_go, abs({actual}[k]))
+        time = (number + 1) * h
+        low, high = uint64(span[0] * chains), uint64((span[1] + 1) * chains)
+        {press}
+        for k in range(low, high):
+            a[k] = 0.0
+        {kick}
+        ?damped brake(x, {actual}, p, squeeze, drag, low, high)
+        ?damped for k in range(low, high):
+        ?damped     a[k] += drag[k]{per_mass}
+        ?pushed load(a, p, time, low, high)
+        for k in range(low, high):
+            if isnan(arrival[k]) and a_before[k] > 0.0 and a[k] <= 0.0:
+                part, top = maximum(v_before[k], {actual}[k], a_before[k] * h, a[k] * h)
+                if top > threshold:
+                    arrival[k] = time - h + part * h
+                    peak[k] = top
+    return let_go
+'''
+
+DRIFT = """
+for k in range(low, high):
+    x[k] += duration * v[k]
+?pushed travel(x, p, time, duration, low, high)
+?pushed give(v, work, p, time, duration, low, high)
+"""
+
+LOADS = '''
+@inner
+def travel(x, p, time, duration, low, high):
+    """How much farther free beads drift under loads in a duration."""
+    {parameters}
+    {travels}
+
+
+@inner
+def give(v, work, p, time, duration, low, high):
+    """How much faster they get."""
+    {parameters}
+    {gifts}
+
+
+@inner
+def load(a, p, time, low, high):
+    """Add loads at a time to accelerations."""
+    {parameters}
+    {loads}
+'''
+
+DRAG = '''
+@inner
+def {name}({arguments}, p, squeeze, drag, low, high):
+    """{what} of all dashpots on the beads of rows that can move, into ``drag``; beads beside them are at rest."""
+    {parameters}
+    {contacts}
+    {loops}
+    for k in range(low, high):
+        drag[k] = {drag}
+'''
+
+CONTACT_DRAG = """
+for k in range(low, low + {row}):
+    squeeze[k] = 0.0
+for k in range(low + {row}, high):
+    squeeze[k] = {contact}
+for k in range(high, high + {row}):
+    squeeze[k] = 0.0
+"""
+
+DRAG_AS_LAMMPS = """
+for k in range(low, high):
+    v[k] += factor * (drag[k]{per_mass})
+"""
+
+KICK_WITH_DRAG = """
+# classical Runge-Kutta method for v' = (forces + drag(v)) / masses
+for k in range(low, high):
+    steady[k] = 0.0
+    total[k] = 0.0
+    trial[k] = v[k]
+{kick}
+for part in range(4):
+    brake(x, trial, p, squeeze, drag, low, high)
+    count = factor / (3.0 if 0 < part < 3 else 6.0)
+    for k in range(low, high):
+        lost[0, k] -= count * trial[k] * drag[k]
+    {taken}
+    if part < 3:
+        weight, ahead = 2.0 if part > 0 else 1.0, factor if part == 2 else 0.5 * factor
+        for k in range(low, high):
+            slope = steady[k] + drag[k]{per_mass}
+            total[k] += weight * slope
+            trial[k] = v[k] + ahead * slope
+for k in range(low, high):
+    v[k] += factor / 6.0 * (total[k] + steady[k] + drag[k]{per_mass})
+"""
+
+DRIFT_WITH_IMPULSES = """
+# v stands for v - impulses / masses; classical Runge-Kutta method for x' = v + impulses(x) / masses
+for k in range(low, high):
+    place[k] = x[k]
+    trial[k] = x[k]
+    total[k] = 0.0
+for part in range(4):
+    impulses(trial, p, squeeze, drag, low, high)
+    if part == 0:
+        for k in range(low, high):
+            early[k] = v[k] + drag[k]{per_mass}
+            start[k] = drag[k]
+    if part < 3:
+        weight, ahead = 2.0 if part > 0 else 1.0, duration if part == 2 else 0.5 * duration
+        for k in range(low, high):
+            slope = v[k] + drag[k]{per_mass}
+            total[k] += weight * slope
+            trial[k] = place[k] + ahead * slope
+        ?pushed travel(trial, p, time, ahead, low, high)
+for k in range(low, high):
+    x[k] += duration / 6.0 * (total[k] + v[k] + drag[k]{per_mass})
+?pushed travel(x, p, time, duration, low, high)
+?pushed give(v, work, p, time, duration, low, high)
+# energy that dashpots have taken, from the impulses at the start, in the middle and at the end
+for part in range(2):
+    impulses(x if part == 0 else trial, p, squeeze, drag, low, high)
+    if part == 0:
+        for k in range(low, high):
+            after[k] = drag[k]
+            actual[k] = v[k] + drag[k]{per_mass}
+            trial[k] = 0.5 * (place[k] + x[k]) + 0.125 * duration * (early[k] - actual[k])
+for k in range(low, high):
+    total[k] = v[k] + drag[k]{per_mass}
+?pushed give(total, work, p, time + duration, -0.5 * duration, low, high)
+{counted}
+for k in range(low, high):
+    lost[0, k] -= over_the_way(early[k], total[k], actual[k], drag[k] - start[k], after[k] - drag[k])
+{taken}
+"""
+
+VELOCITIES = """
+low, high = uint64(span[0] * chains), uint64((span[1] + 1) * chains)
+impulses(x, p, squeeze, drag, low, high)
+for k in range(low, high):
+    actual[k] = v[k] + drag[k]{per_mass}
+"""
+
+OVER_THE_WAY = '''
+@inner
+def over_the_way(early, middle, late, first, second):
+    """Integral of a velocity over an impulse: ``first`` in one half of a time, ``second`` in the other.
+
+    By the trapezoidal rule for the halves and for the whole, extrapolated to fourth order. Summed over all impulses on
+    a bead, each rule has the change of its kinetic energy exactly, however the impulses came about.
+    """
+    halves = 0.5 * (early + middle) * first + 0.5 * (middle + late) * second
+    return (4.0 * halves - 0.5 * (early + late) * (first + second)) / 3.0
+'''

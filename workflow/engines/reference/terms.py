@@ -1,0 +1,226 @@
+"""The terms of a system's equations of motion, as the compiled step reads them, and the numbers that they take.
+
+Terms depend on which laws there are and on which of their parameters differ from link to link, not on any number: many
+systems have the same.
+"""
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lammps_inputs import System, laws
+from lammps_inputs.laws import dashpot
+from lammps_inputs.links import Across, Along, Ground, Link, WallDamper
+from lammps_inputs.loads import Load, Motion
+
+Floats = NDArray[np.float64]
+
+UNROLLED = 2
+"""Distances to neighbours that the loop is written out for, which an open row has."""
+
+
+@dataclass(frozen=True)
+class Term:
+    """A law in a loop over places k in memory.
+
+    Attributes:
+        law: its class.
+        strain, rate: source of both at k; empty of a law in time.
+        parameters: source of each at k.
+        over: array that the term is a loop over: distances to other beads, or the places of a law in time.
+        sums: room for three sums over distances, [sum, place].
+    """
+
+    law: Any
+    strain: str
+    rate: str
+    parameters: tuple[str, ...]
+    over: str = ""
+    sums: str = ""
+
+
+@dataclass(frozen=True)
+class Terms:
+    """All terms of a system; `names` are those of the parameters, in order, of which ``row`` is the length of a row.
+
+    Attributes:
+        contacts, across, ground: laws of force.
+        dampers: laws of damping along, across, to the ground and of walls.
+        loads, motions: laws in time, of forces on beads and of the acceleration of beads whose motion is given.
+        per_mass: source of what makes a force at k an acceleration; empty where all masses are 1.
+        dashpots: how they act: as in LAMMPS with those of half a step before, in the kicks, or in the drifts.
+        as_lammps: whether loads act as LAMMPS has them.
+        counts_work: whether the work of loads and motions is counted.
+    """
+
+    names: tuple[str, ...]
+    row: str
+    contacts: tuple[Term, ...]
+    across: tuple[Term, ...]
+    ground: tuple[Term, ...]
+    dampers: tuple[tuple[Term, ...], ...]
+    loads: tuple[Term, ...]
+    motions: tuple[Term, ...]
+    per_mass: str
+    dashpots: Literal["none", "half step", "kick", "drift"]
+    as_lammps: bool
+    counts_work: bool
+
+    @property
+    def counts_lost(self) -> bool:
+        """Whether what dashpots take is counted."""
+        return self.dashpots in ("kick", "drift")
+
+    @property
+    def moved_with_loss(self) -> bool:
+        """Whether dashpots act on beads whose motion is given, which is counted."""
+        return self.counts_lost and self.counts_work and bool(self.motions)
+
+    @property
+    def pushed_in_drifts(self) -> bool:
+        """Whether loads or motions act while beads drift."""
+        return bool(self.motions or (self.loads and not self.as_lammps))
+
+
+def make_terms(system: System, *, as_lammps: bool, step: float) -> tuple[Terms, tuple[Any, ...]]:
+    """The terms of a system and their parameters; arguments as for `kernel.make_kernel`."""
+    taken = _Parameters(system)
+    row, gap = taken.add("row", np.uint64(system.chains)), taken.add("gap", system.gap)
+    between = f"x[k - {row}] - x[k] - {gap}", f"v[k - {row}] - v[k]"
+    ends = {kind: [link for link in system.dampers if isinstance(link, kind)] for kind in (Along, Across, Ground)}
+    walls = [link for link in ends[Ground] if isinstance(link, WallDamper)]
+    beads = [link for link in ends[Ground] if not isinstance(link, WallDamper)]
+    cut = any(dashpot.cut(link.law) for link in system.dampers)
+    inverse = _inverse_mass(system, step if as_lammps and system.centred else 0.0)
+    terms = Terms(
+        contacts=tuple(taken.term(link.law, *between, first=2) for link in system.along),
+        across=taken.terms(system.across),
+        ground=taken.terms(system.ground),
+        dampers=(
+            tuple(taken.term(link.law, *between, first=2) for link in ends[Along]),
+            *(taken.terms(links) for links in (ends[Across], beads, walls)),
+        ),
+        loads=taken.acting(system.loads),
+        motions=taken.acting(system.motions),
+        per_mass="" if inverse is None else f" * {taken.add('inverse_mass', inverse)}[k]",
+        dashpots="none" if not system.dampers else "half step" if as_lammps else "kick" if cut else "drift",
+        as_lammps=as_lammps,
+        counts_work=system.acted_on and not as_lammps,
+        row=row,
+        names=tuple(taken.names),
+    )
+    return terms, tuple(taken.values)
+
+
+class _Parameters:
+    """Collects the parameters of laws; gives terms that read them."""
+
+    def __init__(self, system: System) -> None:
+        self.names: list[str] = []
+        self.values: list[Any] = []
+        self._system = system
+
+    def add(self, label: str, value: Any) -> str:
+        """The name of a parameter."""
+        self.names.append(f"{label}_{len(self.names)}")
+        self.values.append(value)
+        return self.names[-1]
+
+    def term(self, law: Any, strain: str, rate: str, *, first: int) -> Term:
+        """A law on links of which that of the first bead is in row ``first``."""
+        found = []
+        for label, value in zip(law._fields, law, strict=True):
+            differs = np.ndim(value) > 0
+            name = self.add(label, self._laid(value, first) if differs else float(value))
+            found.append(f"{name}[k]" if differs else name)
+        return Term(type(law), strain, rate, tuple(found))
+
+    def terms(self, links: Sequence[Link]) -> tuple[Term, ...]:
+        """Of links to the ground, or across."""
+        found: list[Term] = []
+        for link in links:
+            if isinstance(link, Across):
+                found += self._across(link)
+            else:
+                found.append(self.term(link.law, "x[k]", "v[k]", first=1))
+        return tuple(found)
+
+    def acting(self, loads: Sequence[Load | Motion]) -> tuple[Term, ...]:
+        """Laws in time; one term for those that follow each other and are of one kind."""
+        found = []
+        for _, group in itertools.groupby(loads, _shape):
+            alike = list(group)
+            places = [load.bead * self._system.chains + load.chain - 1 for load in alike]
+            at = self.add("at", np.array(places, dtype=np.uint64))
+            law: Any = alike[0].law
+            values = zip(law._fields, zip(*(load.law for load in alike), strict=True), strict=True)
+            parameters = tuple(f"{self.add(label, np.array(value))}[n]" for label, value in values)
+            found.append(Term(type(law), "", "", parameters, at))
+        return tuple(found)
+
+    def _across(self, link: Across) -> list[Term]:
+        law: Any = link.law
+        distances, values = neighbours(link, self._system)
+        if len(distances) > UNROLLED:
+            apart = self.add("apart", distances)
+            names = [self.add(label, value) for label, value in zip(law._fields, values, strict=True)]
+            sums = self.add("sums", np.zeros((3, values[0].shape[1])))
+            return [Term(type(law), *_relative("apart"), tuple(f"{name}[m, k]" for name in names), apart, sums)]
+        found = []
+        for number, distance in enumerate(distances):
+            apart = self.add("apart", distance)
+            of_one = (self.add(label, value[number]) for label, value in zip(law._fields, values, strict=True))
+            found.append(Term(type(law), *_relative(apart), tuple(f"{name}[k]" for name in of_one)))
+        return found
+
+    def _laid(self, parameter: Floats, first: int) -> Floats:
+        """A parameter that differs, laid out as the state is, that of the first link in row ``first``."""
+        rows = np.zeros((self._system.beads + 2, self._system.chains))
+        rows[first : first + parameter.shape[1]] = parameter.T
+        return rows.reshape(-1)
+
+
+def _relative(apart: str) -> tuple[str, str]:
+    """Strain and its rate of a spring to the bead at a distance in memory."""
+    return f"x[k] - x[k + {apart}]", f"v[k] - v[k + {apart}]"
+
+
+def _shape(load: Load | Motion) -> tuple[Any, ...]:
+    """What loads must share to be one term: the law, and how many numbers each of its parameters has."""
+    return type(load.law), tuple(map(np.shape, load.law))  # type: ignore[arg-type]
+
+
+def _inverse_mass(system: System, step: float) -> Floats | None:
+    """One over the masses, 0 of beads whose motion is given; None where all are 1. With a step, as in LAMMPS."""
+    mass = system.mass
+    if step:
+        more = sum(float(np.max(dashpot.resistance(link.law, 0.0))) for link in system.dampers)
+        mass = np.broadcast_to(mass + 0.5 * step * more, (system.chains, system.beads))
+    if isinstance(mass, float) and not system.motions:
+        return None
+    rows = np.ones((system.beads + 2, system.chains))
+    rows[1:-1] /= np.transpose(mass)
+    for motion in system.motions:
+        rows[motion.bead, motion.chain - 1] = 0.0
+    return rows.reshape(-1)
+
+
+def neighbours(link: Across, system: System) -> tuple[NDArray[np.uint64], list[Floats]]:
+    """Distances in memory to other beads of a row, those of lower chains first, and parameters, [distance, place].
+
+    Where a chain has no other at that distance, the law's parameters are 0, which makes no force.
+    """
+    found: dict[int, list[Floats]] = {}
+    for edge, (lower, higher) in enumerate(link.edges):
+        values = [np.broadcast_to(value, system.beads) for value in laws.at(link.law, edge)]
+        for here, there in ((higher, lower), (lower, higher)):
+            empty = [np.zeros((system.beads + 2, system.chains)) for _ in values]
+            for array, value in zip(found.setdefault(there - here, empty), values, strict=True):
+                array[1:-1, here] += value
+    distances = np.array([distance % 2**64 for distance in sorted(found)], dtype=np.uint64)
+    flat = ([array.reshape(-1) for array in found[distance]] for distance in sorted(found))
+    return distances, [np.stack(arrays) for arrays in zip(*flat, strict=True)]
