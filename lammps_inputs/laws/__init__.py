@@ -7,7 +7,8 @@ in which the law has them, as scalars or arrays:
 - ``force(s, ...)``: what drives the link's first bead back and its second forward;
 - ``energy(s, ...)``: stored by it, whose slope the force is;
 - ``stiffness(s, ...)``: slope of the force;
-- ``reach(energy, ...)``: largest strain to which an energy can bring it.
+- ``reach(energy, ...)``: largest strain to which an energy can bring it;
+- ``stiffest(energy, ...)``, only where `stiffest_of_each` would not find it: largest stiffness at such an energy.
 
 They are written without branches, so that NumPy takes them as they are and the reference's kernel compiles them into
 vector instructions. Methods ``along``, ``across`` and ``ground``, where a law has them, spell it in LAMMPS on that kind
@@ -15,6 +16,7 @@ of link (`lammps_inputs.links`). They take the link's name, ``across`` the link 
 the system. Nothing here knows of scenes or problems.
 """
 
+import functools
 from collections.abc import Callable, Iterator
 from typing import Any, Protocol
 
@@ -69,13 +71,23 @@ def reach(law: Law, total_energy: float) -> float:
 
 
 def stiffest(law: Law, total_energy: float) -> float:
-    """Largest stiffness that an energy can bring any of the links to; it grows, or stays, with the strain."""
-    return float(np.max(at_reach(law, total_energy)))
+    """Largest stiffness that an energy can bring any of the links to."""
+    return float(np.max(stiffest_of_each(law, total_energy)))
 
 
-def at_reach(law: Law, total_energy: float) -> Any:
-    """Stiffness of each of the links where it alone holds an energy: a number, or an array where the law differs."""
-    return law.stiffness(law.reach(total_energy, *law), *law)
+def stiffest_of_each(law: Law, total_energy: float) -> Any:
+    """Largest stiffness that an energy can bring each of the links to: a number, or an array where the law differs.
+
+    That of the law's own ``stiffest``, or the largest at strains of some parts of that at which the link alone holds
+    the energy: exact for laws that stiffen or soften all the way.
+    """
+    if hasattr(law, "stiffest"):
+        return law.stiffest(total_energy, *law)
+    farthest = law.reach(total_energy, *law)
+    return functools.reduce(np.fmax, (law.stiffness(part * farthest, *law) for part in _PARTS))
+
+
+_PARTS = (1.0, 0.75, 0.5, 0.25, 0.0, -0.25, -0.5, -0.75, -1.0)
 
 
 def rest(law: Law) -> Any:

@@ -74,9 +74,9 @@ def _contacts(system: System) -> float:
         contacts = sum(4.0 * laws.stiffest(link.law, system.energy) for link in system.along)
         # a bead at the end has one contact, and a wall
         return max(contacts, 0.5 * contacts + wall) if system.walls else contacts
-    total = sum(_on_beads(system, laws.at_reach(link.law, system.energy)) for link in system.along)
+    total = sum(_on_beads(system, laws.stiffest_of_each(link.law, system.energy)) for link in system.along)
     for held in system.walls:
-        total += laws.at_reach(held.law, system.energy)
+        total += laws.stiffest_of_each(held.law, system.energy)
     return float(np.max(total / system.mass))
 
 
@@ -98,4 +98,4 @@ def _row(system: System, link: Across) -> float:
     """Largest eigenvalue of a row of beads on links across, each as stiff as energy can make it anywhere."""
     if not laws.differs(link.law):
         return laws.stiffest(link.law, system.energy) * largest_eigenvalue(link, system.chains)
-    return largest_eigenvalue(link, system.chains, link.of_edges(laws.at_reach(link.law, system.energy)))
+    return largest_eigenvalue(link, system.chains, link.of_edges(laws.stiffest_of_each(link.law, system.energy)))

@@ -1,6 +1,7 @@
 """The stability bound of velocity Verlet."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -55,6 +56,33 @@ def test_no_overlaps_of_this_energy_vibrate_faster_than_the_bound(shares, chains
     hessian += kappa * np.kron(across.T @ across, np.eye(len(slopes) + 1))
     fastest = math.sqrt(max(np.linalg.eigvalsh(hessian)[-1], 0.0))
     assert fastest * timestep.stability_bound(system(total, kappa, chains)) <= 2.0 + 1e-12
+
+
+class Softening(NamedTuple):
+    """``k tanh(s)``."""
+
+    spring: float
+
+    @staticmethod
+    def stiffness(s, spring):
+        return spring / np.cosh(s) ** 2
+
+    @staticmethod
+    def reach(energy, spring):
+        return np.arccosh(np.exp(energy / spring))
+
+
+class Peaked(Softening):
+    """One that knows that it is stiffer in between."""
+
+    @staticmethod
+    def stiffest(energy, spring):
+        return 3.0 * spring + 0.0 * energy
+
+
+def test_a_law_that_softens_is_bounded_by_its_stiffness_at_rest_or_by_its_own_bound():
+    assert laws.stiffest(Softening(2.0), 0.5) == 2.0
+    assert laws.stiffest(Peaked(2.0), 0.5) == 6.0
 
 
 def test_the_bound_is_that_of_the_notes():
