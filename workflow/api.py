@@ -222,7 +222,9 @@ def fit(
     offset: float | None = None,
     lammps: bool = True,
 ) -> "Fit":
-    """Find fields of a scene from measured traces, and how sure they are; writes the same files as ``granchain fit``.
+    """Find fields of a scene from measured traces, with confidence intervals where a test of fit is passed.
+
+    Writes the same files as ``granchain fit``.
 
     Args:
         scene: whose fields are where the search starts.

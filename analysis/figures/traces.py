@@ -1,4 +1,4 @@
-"""Measured traces beside those of a run, and what is left of them."""
+"""Measured traces beside those of a run, and their residuals."""
 
 import matplotlib as mpl
 import numpy as np
@@ -15,7 +15,9 @@ MOST_POINTS = 4000
 """Of a trace; of longer ones every second, every third, ..."""
 
 
-def residual_figure(problem: Problem, given: Traces, found: Floats, size: Floats, unit: str = "noise") -> Figure:
+def residual_figure(
+    problem: Problem, given: Traces, found: Floats, size: Floats, unit: str = "sigma", mark: str = ""
+) -> Figure:
     """For each channel (the first six) a panel with data and run, and one with their difference, data minus run.
 
     Args:
@@ -24,6 +26,7 @@ def residual_figure(problem: Problem, given: Traces, found: Floats, size: Floats
         found: the run's traces, [row, channel], in the scene's units.
         size: [channel] what differences are drawn in units of.
         unit: what that is called.
+        mark: what the title ends in.
     """
     count = min(len(given.channels), MOST_CHANNELS)
     thin = slice(None, None, max(1, len(given.time) // MOST_POINTS))
@@ -42,9 +45,9 @@ def residual_figure(problem: Problem, given: Traces, found: Floats, size: Floats
             traces.set_ylabel(f"{channel.name.replace('_', ' ')}\n({axis.symbol})", fontsize=8)
             left.plot(at, ((given.values - found)[:, place] / size[place])[thin], ".", color="0.3", markersize=2)
             left.axhline(0.0, color=CHAIN_COLOURS[0], linewidth=0.8)
-            left.set_ylabel(f"left\n/ {unit}", fontsize=8)
+            left.set_ylabel(f"residual\n/ {unit}", fontsize=8)
         axes[-1].set_xlabel(f"time ({time.symbol})")
         axes[0].legend(loc="upper right")
         more = f"; {len(given.channels) - count} more channels" if len(given.channels) > count else ""
-        figure.suptitle(f"{problem.name}: data and run{more}")
+        figure.suptitle(f"{problem.name}: data and run{more}{mark}")
     return figure

@@ -4,6 +4,7 @@ nothing of the product is used. What a laboratory would measure, with noise.
 
 import functools
 import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -82,10 +83,18 @@ def traces(last: float = 6e-4) -> tuple[Floats, Floats]:
     return late + LATE, np.pad(np.stack(columns, axis=1), ((before, 0), (0, 0)))
 
 
-def table(path: Path, noise: float = 0.02, seed: int = 1, names: tuple[str, ...] = NAMES) -> Path:
-    """Write a table of traces, with normal noise of a share of each one's largest value."""
+def table(
+    path: Path,
+    noise: float = 0.02,
+    seed: int = 1,
+    names: tuple[str, ...] = NAMES,
+    change: Callable[[Floats], Floats] = np.copy,
+) -> Path:
+    """Write a table of traces, with normal noise of a share of each one's largest value, changed by a function."""
     time, force = traces()
     chosen = force[:, [NAMES.index(name) for name in names]]
     noisy = chosen + noise * chosen.max(axis=0) * np.random.default_rng(seed).standard_normal(chosen.shape)
-    np.savetxt(path, np.column_stack([time, noisy]), delimiter=",", header=",".join(("time", *names)), comments="")
+    np.savetxt(
+        path, np.column_stack([time, change(noisy)]), delimiter=",", header=",".join(("time", *names)), comments=""
+    )
     return path

@@ -56,11 +56,12 @@ def _print(found: Found, arguments: argparse.Namespace) -> None:
     rows = [_row(str(place), one, design) for place, one in enumerate(found.verified, 1)]
     if found.beside is not None:
         rows.append(_row("beside", found.beside, design))
-    fields = [variable.field for variable in design.variables]
+    fields = [design.heading(variable.field) for variable in design.variables]
+    objective, also = design.heading(design.objective), map(design.heading, design.also)
     how = "all there are" if design.exhaustive else "by evolution"
     print_table(
         f"{one_line(arguments.design)}: {len(found.records)} designs, {how}",
-        ["", *fields, design.objective, "LAMMPS differs by", "error / V", *design.also],
+        ["", *fields, objective, "LAMMPS / reference - 1", "error / V", *also],
         rows,
     )
     if found.undefined:
@@ -68,16 +69,9 @@ def _print(found: Found, arguments: argparse.Namespace) -> None:
             f"{found.undefined} designs do not count: {design.objective} or a quantity with a limit is undefined there "
             "(for one at the far end: its largest value is not reached within the duration)"
         )
-    small = found.sensitivity
-    if small.members:
-        worst = max(small.members, key=lambda value: design.sign * value)
-        mean = sum(small.members) / len(small.members)
-        print(
-            f"made to {small.spread:.2g} of every number: {design.objective} {mean:.4g} on average, "
-            f"{worst:.4g} at worst of {len(small.members)}"
-        )
-    else:
-        print(f"no ensemble of such beads: {small.refused}")
+    for warning in found.warnings:
+        print(f"warning: {one_line(warning)}")
+    print(found.tolerance)
     print(f"{found.seconds * 1e3:.3g} ms of processor time a design")
     print(f"{one_line(arguments.output)}: {study.PAGE}, {study.BEST}, {study.TABLE}")
 

@@ -1,10 +1,10 @@
-"""Find unknown fields of a scene from measured forces or velocities, with how sure they are."""
+"""Find unknown fields of a scene from measured forces or velocities, with confidence intervals where the model fits."""
 
 import argparse
+import math
 from pathlib import Path
 
 from lammps_inputs import file_names, library, shipped
-from lammps_inputs.numbers import text
 from workflow.cluster.job_arguments import add_job_arguments, job_options
 from workflow.formats import figure_files
 from workflow.screen import Answer, one_line, print_table
@@ -46,7 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def execute(arguments: argparse.Namespace) -> Answer:
-    """Print what was found; exit code 1 when the search did not come to its end."""
+    """Print what was found; exit code 1 when the search did not converge or the test of fit rejects the model."""
     options = job_options(arguments)
     if options is not None:
         write_job(arguments.output, options, _words(arguments), cores=1, jobs=1)
@@ -62,7 +62,7 @@ def execute(arguments: argparse.Namespace) -> Answer:
         lammps=not arguments.no_lammps,
     )
     _print(found, arguments)
-    return Answer(0 if found.found.converged else 1, found.plain())
+    return Answer(0 if found.found.converged and found.fits is not False else 1, found.plain())
 
 
 def _words(arguments: argparse.Namespace) -> list[str]:
@@ -82,32 +82,50 @@ def _plain(name: str) -> dict[str, object]:
 
 
 def _print(found: study.Fit, arguments: argparse.Namespace) -> None:
-    rows = []
-    for name, start, value, low, high in zip(found.names, found.start, found.value, found.low, found.high, strict=True):
-        ends = ["-", "-"] if low is None or high is None else [f"{low:.6g}", f"{high:.6g}"]
-        rows.append([name, f"{start:.6g}", f"{value:.6g}", *ends])
+    print(found.verdict)
+    for note in found.notes():
+        print(note)
     print_table(
         f"{one_line(arguments.scene)} fitted to {one_line(arguments.against)}: {found.found.rows} values",
-        ["free", "start", "found", "95% from", "to"],
-        rows,
+        list(found.HEAD),
+        [list(row) for row in found.rows()],
     )
     if len(found.names) > 1:
         lines = [
-            [name, *(f"{value:.3f}" for value in row[: place + 1])]
+            [name, *(_cell(value, ".3f") for value in row[: place + 1])]
             for place, (name, row) in enumerate(zip(found.names, found.found.correlation, strict=True))
         ]
         print_table(
             "correlation", ["", *map(str, range(1, len(lines) + 1))], [_padded(row, len(lines)) for row in lines]
         )
-    for channel, noise, share in zip(found.channels, found.found.noise, found.share, strict=True):
-        print(f"{channel.name}: noise {text(float(f'{noise:.3g}'))} ({share:.2%} of its largest value)")
+    test = found.goodness
+    columns = zip(
+        found.channels,
+        found.channel_units,
+        found.found.noise,
+        found.share,
+        test.chi_square,
+        test.autocorrelation,
+        test.runs,
+        strict=True,
+    )
+    print_table(
+        "residuals",
+        ["channel", "unit", "sigma", "of largest", "chi2 / dof", "autocorrelation", "runs / expected"],
+        [
+            [channel.name, unit, f"{sigma:.3g}", f"{100.0 * share:.3g}%", *(_cell(value, ".3g") for value in tests)]
+            for channel, unit, sigma, share, *tests in columns
+        ],
+    )
     if found.lammps is not None:
         error = "" if found.check is None else f"error of velocities {found.check.velocity:.1e} V; "
-        print(f"in LAMMPS: {error}traces within {found.lammps:.2g} of the noise from the fitted ones")
-    for warning in found.warnings:
-        print(f"warning: {warning}")
+        print(f"in LAMMPS: {error}traces differ from the fitted ones by {found.lammps:.2g} sigma at most")
     out = arguments.output
     print(f"{one_line(out)}: {', '.join((study.FITTED, study.REPORT, *figure_files(study.FIGURE)))}")
+
+
+def _cell(value: float, form: str) -> str:
+    return format(value, form) if math.isfinite(value) else "-"
 
 
 def _padded(row: list[str], count: int) -> list[str]:

@@ -5,6 +5,7 @@ import json
 import shutil
 import signal
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import jsonschema
@@ -45,7 +46,7 @@ SMALL = {
     "where": {"mass": {"from": 20}},
     "also": ["delay"],
     "beside": {**SCENE, "chains": 1, "beads": 24, "duration": 50},
-    "manufacture": {"members": 2},
+    "manufacture": {"members": 8},
     "verify": 1,
 }
 
@@ -124,7 +125,7 @@ def test_small_errors_of_manufacture_change_the_objective_a_little(found):
     report = json.loads((found / "design.json").read_text())
     best = report["quantities"]["wall_force"]
     members = report["manufacture"]["members"]
-    assert len(members) == 2
+    assert len(members) == 8
     assert all(0.0 < abs(value / best - 1.0) < 0.1 for value in members)
 
 
@@ -198,7 +199,7 @@ def test_a_design_whose_pulse_does_not_reach_the_far_end_does_not_count(wanted, 
     late = [r for r in records if r.values["beads"] > 16]
     assert all(r.quantities[design.objective] is None and worth(design, r) == np.inf for r in late)
     assert min(records, key=lambda one: worth(design, one)).values["beads"] <= 16
-    assert Found(design, records, [], None, Sensitivity(0.0, (), {}, ""), 0.0).undefined == len(late)
+    assert Found(design, records, [], None, Sensitivity(0.0, 0, (), 0, "", 0, {}, {}), 0.0).undefined == len(late)
 
 
 def test_a_design_that_ends_at_a_bead_waits_for_what_is_wanted_at_the_wall():
@@ -228,8 +229,43 @@ def test_manufacture_is_off_to_both_sides_by_the_spread_at_most(tmp_path):
     assert len(found.members) == 50
     assert 0.45 <= min(found.members) < 0.47
     assert 0.53 < max(found.members) <= 0.55
+    assert (found.asked, found.refused, found.undefined, found.broken) == (50, 0, 0, {})
     beads = [(one["disorder.radius"], one["disorder.stiffness"], one["disorder.seed"]) for one in linear.asked[:50]]
     assert beads == [(0.1, 0.1, member) for member in range(1, 51)]
+
+
+class Failing(Linear):
+    """Every third of its designs is no scene, every other third has no objective, and all are too light."""
+
+    def all_of(self, wanted, **_):
+        kinds = [("no scene", {}), ("", {"wall_force": None, "mass": 3.0}), ("", {"wall_force": 1.5, "mass": 3.0})]
+        return [Record(values, kinds[k % 3][1], kinds[k % 3][0], 0.0) for k, values in enumerate(wanted)]
+
+
+def test_members_of_the_ensemble_that_fail_or_do_not_keep_a_limit_are_counted_and_few_have_no_statistics(tmp_path):
+    numbers = {"coupling.stiffness": {"from": 0.1, "to": 1}}
+    design = file.load(written(tmp_path, vary=numbers, manufacture={"members": 30}))
+    small = sensitivity(design, Failing(), {"coupling.stiffness": 1.0})
+    best = Record({"coupling.stiffness": 1.0}, {"wall_force": 1.0, "mass": 20.0}, "", 0.0)
+    found = Found(design, [best], [], None, small, 0.0)
+    assert found.warnings == [
+        "the best is at a bound of the search (coupling.stiffness: to 1); a better design may lie beyond it",
+        "20 of 30 members of the tolerance ensemble do not keep the limit of mass",
+        "10 of 30 members of the tolerance ensemble are no valid scene; the first: no scene",
+        "10 of 30 members of the tolerance ensemble have no wall_force",
+    ]
+    assert "wall_force of 10 of 30 members: 1.5, 1.5" in found.tolerance
+    assert "mean" not in found.tolerance
+    assert "mean" in Found(design, [best], [], None, replace(small, asked=20), 0.0).tolerance
+    assert found.plain()["manufacture"]["refused"] == found.plain()["manufacture"]["undefined"] == 10
+
+
+def test_tables_of_designs_name_units_in_si(tmp_path):
+    steel = {"radius": 0.005, "density": 8000.0, "youngs_modulus": 2e11, "poisson_ratio": 0.3}
+    design = file.load(written(tmp_path, scene={**SCENE, "material": steel}, beside=None, also=["agree_10", "mass"]))
+    headings = [design.heading(name) for name in ("coupling.stiffness", "beads", *design.names)]
+    assert headings == ["coupling.stiffness (N/m)", "beads", "wall_force (N)", "mass (kg)", "agree_10"]
+    assert file.load(written(tmp_path)).heading("mass") == "mass"
 
 
 def test_a_design_that_is_no_scene_says_why_and_is_worse_than_any_other(tmp_path, evaluator):
@@ -251,6 +287,7 @@ def test_a_design_that_is_no_scene_says_why_and_is_worse_than_any_other(tmp_path
         ({"vary": {"pattern": {"of": ["a", "b"]}}}, "{of: [a, b], places: 4}"),
         ({"vary": {"coupling.rows": {"from": 1, "to": 4, "places": 0}}}, "places: '0' given"),
         ({"where": {"mass": {}}}, "where.mass: give from, to or both"),
+        ({"where": {"mass": {"from": 160, "to": 152}}}, "where.mass: goes from 160 to 152; the smaller first"),
         ({"where": {"weight": {"to": 1}}}, "where: 'weight' is no quantity"),
         ({"scene": "two-chain"}, "did you mean `two-chains`?"),
         ({"vary": {"gap": {"from": 0.1, "to": 1}}, "search": {"method": "exhaustive"}}, "without end"),
@@ -298,6 +335,21 @@ def test_where_nothing_fits_the_reason_is_said(tmp_path, capsys):
 )
 def test_coordinates_stand_for_values(variable, coordinates, value):
     assert variable.value(coordinates) == value
+
+
+@pytest.mark.parametrize(
+    ("variable", "value", "bound"),
+    [
+        (Variable("a", low=0.01, high=1.0, log=True), 1.0, "to"),
+        (Variable("a", low=0.01, high=1.0, log=True), 0.1, ""),
+        (Variable("a", low=1.0, high=2.0), 1.002, "from"),
+        (Variable("a", low=1.0, high=9.0, whole=True, places=2), [3, 9], "to"),
+        (Variable("a", low=1.0, high=900.0, whole=True), 899, ""),
+        (Variable("a", choices=("x", "y")), "x", ""),
+    ],
+)
+def test_a_number_at_the_end_of_its_range_is_at_a_bound(variable, value, bound):
+    assert variable.bound(value) == bound
 
 
 @pytest.mark.slow

@@ -19,6 +19,7 @@
     verify: 3                                # of the best, so many in LAMMPS
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -26,10 +27,12 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from lammps_inputs import InputError, library, schema, strict_yaml
-from workflow.studies.design.measures import KNOWN
+from lammps_inputs.units import REDUCED, SI
+from workflow.studies.design.measures import KNOWN, MASS
 from workflow.studies.design.variables import Variable
 from workflow.sweep import fields
 from workflow.sweep.file import Range, number, scene_in, scene_of_file
+from workflow.sweep.table import QUANTITIES
 
 MOST_PLACES = 64
 MOST_EXHAUSTED = 100_000
@@ -71,6 +74,8 @@ class Limit(_Part):
         for bound in (self.low, self.high):
             if bound is not None:
                 number(bound)
+        if self.low is not None and self.high is not None and self.high < self.low:
+            raise ValueError(f"goes from {self.low} to {self.high}; the smaller first")
         return self
 
     def violation(self, value: float | None) -> float:
@@ -127,6 +132,21 @@ class Design:
     def names(self) -> tuple[str, ...]:
         """All quantities that matter."""
         return tuple(dict.fromkeys((self.objective, *self.where, *self.also)))
+
+    def heading(self, name: str) -> str:
+        """A varied field or a quantity with its unit, for tables."""
+        si = "material" in self.scene
+        if name == MASS:
+            unit = SI["mass"] if si else REDUCED
+        elif name in QUANTITIES:
+            unit = QUANTITIES[name].unit(si=si)
+        else:
+            unit = fields.unit(fields.parse(name), self.scene)
+        return name if unit in ("", REDUCED) else f"{name} ({unit})"
+
+    def broken(self, found: Mapping[str, float | None]) -> list[str]:
+        """Quantities that are outside their limits or undefined, of those that were computed."""
+        return [name for name, limit in self.where.items() if name in found and limit.violation(found[name]) > 0.0]
 
     @property
     def count(self) -> int | None:

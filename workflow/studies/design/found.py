@@ -1,13 +1,14 @@
 """What a design study found."""
 
-from dataclasses import dataclass
+import statistics
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from lammps_inputs import html
 from workflow.runs.run_directory import RunDirectory
 from workflow.studies.design.evaluator import Record
 from workflow.studies.design.file import Design
-from workflow.studies.design.manufacture import Sensitivity
+from workflow.studies.design.manufacture import FEWEST, Sensitivity
 from workflow.studies.design.search import worth
 
 
@@ -66,8 +67,10 @@ class Found:
         )
 
     def _repr_html_(self) -> str:
-        rows = [*self.best.values.items(), *self.best.quantities.items()]
-        return html.table(repr(self)[1:-1], ("the best has", ""), rows)
+        found = [*self.best.values.items(), *self.best.quantities.items()]
+        rows = [(self.design.heading(name), value) for name, value in found]
+        notes = "".join(html.text(f"warning: {warning}") for warning in self.warnings)
+        return html.table(repr(self)[1:-1], ("best", ""), rows) + notes
 
     @property
     def best(self) -> Record:
@@ -80,6 +83,46 @@ class Found:
         wanted = (self.design.objective, *self.design.where)
         return sum(any(r.quantities.get(name, 0.0) is None for name in wanted) for r in self.records)
 
+    @property
+    def warnings(self) -> list[str]:
+        """What restricts the answer: the best at a bound, and members of the ensemble that fail or break a limit."""
+        design, small, best = self.design, self.sensitivity, self.best
+        said = []
+        for variable in design.variables:
+            bound = variable.bound(best.values[variable.field])
+            if bound:
+                end = variable.low if bound == "from" else variable.high
+                said.append(
+                    f"the best is at a bound of the search ({variable.field}: {bound} {end:g}); a better design may "
+                    "lie beyond it"
+                )
+        for name, count in small.broken.items():
+            said.append(f"{count} of {small.asked} members of the tolerance ensemble do not keep the limit of {name}")
+        if small.refused:
+            said.append(
+                f"{small.refused} of {small.asked} members of the tolerance ensemble are no valid scene; the first: "
+                f"{small.reason}"
+            )
+        if small.undefined:
+            said.append(
+                f"{small.undefined} of {small.asked} members of the tolerance ensemble have no {design.objective}"
+            )
+        return said
+
+    @property
+    def tolerance(self) -> str:
+        """The objective within the manufacturing tolerance, in words."""
+        small, name = self.sensitivity, self.design.heading(self.design.objective)
+        said = f"manufacturing tolerance {small.spread:.2g}: {name} of {len(small.members)} of {small.asked} members"
+        if not small.enough:
+            values = ", ".join(f"{value:.5g}" for value in small.members)
+            return f"{said}: {values or 'none'}; no statistics of fewer than {FEWEST}, or of less than half"
+        worst = max(small.members, key=lambda value: self.design.sign * value)
+        return (
+            f"{said}: mean {statistics.fmean(small.members):.5g}, standard deviation "
+            f"{statistics.stdev(small.members):.2g}, worst {worst:.5g}"
+        )
+
     def plain(self) -> dict[str, Any]:
         """For ``design.json``."""
         return {
@@ -91,11 +134,7 @@ class Found:
             "quantities": self.best.quantities,
             "verified": [one.plain() for one in self.verified],
             "beside": None if self.beside is None else self.beside.plain(),
-            "manufacture": {
-                "spread": self.sensitivity.spread,
-                "members": list(self.sensitivity.members),
-                "alone": {field: list(pair) for field, pair in self.sensitivity.alone.items()},
-                "refused": self.sensitivity.refused,
-            },
+            "manufacture": asdict(self.sensitivity),
+            "warnings": self.warnings,
             "seconds_a_design": self.seconds,
         }

@@ -1,5 +1,6 @@
 """What small errors of manufacture do to a design: an ensemble, and each number of it alone."""
 
+from collections import Counter
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,6 +10,9 @@ from workflow.studies.design.evaluator import Evaluator, Record
 from workflow.studies.design.file import Design
 from workflow.studies.design.variables import Variable
 
+FEWEST = 8
+"""Members with an objective that statistics of an ensemble are given of."""
+
 
 @dataclass(frozen=True)
 class Sensitivity:
@@ -16,16 +20,29 @@ class Sensitivity:
 
     Attributes:
         spread: by how much numbers are off, at most, as a share of them.
-        members: objective of each member of the ensemble, whose beads (sizes and stiffnesses) and varied numbers are
-            all off by chance; those that are no scene, or have no objective, are left out.
+        asked: members of the ensemble: designs whose beads (sizes and stiffnesses) and varied numbers are all off by
+            chance.
+        members: objective of those that have one.
+        refused: how many are no valid scene.
+        reason: of the first of these.
+        undefined: how many are, but the objective is undefined.
+        broken: quantity -> how many do not keep its limit.
         alone: field -> objective where this one is smaller, and larger, by the spread; None where it has none.
-        refused: why there is no ensemble; empty if there is.
     """
 
     spread: float
+    asked: int
     members: tuple[float, ...]
+    refused: int
+    reason: str
+    undefined: int
+    broken: dict[str, int]
     alone: dict[str, tuple[float | None, float | None]]
-    refused: str
+
+    @property
+    def enough(self) -> bool:
+        """Whether there are members enough for statistics."""
+        return len(self.members) >= max(FEWEST, 0.5 * self.asked)
 
 
 def sensitivity(design: Design, evaluator: Evaluator, best: dict[str, Any]) -> Sensitivity:
@@ -46,11 +63,17 @@ def sensitivity(design: Design, evaluator: Evaluator, best: dict[str, Any]) -> S
     ]
     beside = [_objective(design, record) for record in evaluator.all_of(sides, whole=True)]
     found = [value for record in records if (value := _objective(design, record)) is not None]
+    refused = [record.refused for record in records if record.refused]
+    broken = Counter(name for record in records for name in design.broken(record.quantities))
     return Sensitivity(
         spread=spread,
+        asked=members,
         members=tuple(found),
+        refused=len(refused),
+        reason=refused[0] if refused else "",
+        undefined=members - len(refused) - len(found),
+        broken=dict(broken),
         alone={v.field: (beside[2 * k], beside[2 * k + 1]) for k, v in enumerate(numbers)},
-        refused="" if found else next((record.refused for record in records if record.refused), "no objective"),
     )
 
 

@@ -25,10 +25,11 @@ def page(found: Found) -> str:
     """The report in HTML, pictures and all."""
     design, best = found.design, found.verified[0]
     wanted = ("least" if design.sign > 0.0 else "largest") + f" {design.objective}"
+    words = _warnings(found) + _table(found) + _words(found)
     parts = [
-        f"<section><h2>The best</h2>{_table(found)}{_words(found)}{_shown(_of_best(found))}</section>",
+        f"<section><h2>The best</h2>{words}{_shown(_of_best(found))}</section>",
         f"<section><h2>The search</h2>{_search_words(found)}{_shown(_of_search(found))}</section>",
-        f"<section><h2>Made by {found.sensitivity.spread:.2%} wrong</h2>{_made(found)}</section>",
+        f"<section><h2>Manufacturing tolerance of {found.sensitivity.spread:.2%}</h2>{_made(found)}</section>",
     ]
     scene = best.directory.scene.name
     summary = (
@@ -54,10 +55,12 @@ def _table(found: Found) -> str:
         columns.append(("set against", found.beside))
     rows = [_row(["", *(name for name, _ in columns)], "th")]
     for variable in found.design.variables:
-        rows.append(_row([variable.field, *(_text(one.values.get(variable.field)) for _, one in columns)]))
+        rows.append(
+            _row([found.design.heading(variable.field), *(_text(one.values.get(variable.field)) for _, one in columns)])
+        )
     for name in found.design.names:
-        rows.append(_row([name, *(_text(one.reference[name]) for _, one in columns)]))
-        rows.append(_row([f"{name}: LAMMPS differs by", *(_share(one, name) for _, one in columns)]))
+        rows.append(_row([found.design.heading(name), *(_text(one.reference[name]) for _, one in columns)]))
+        rows.append(_row([f"{name}: LAMMPS / reference - 1", *(_share(one, name) for _, one in columns)]))
     rows.append(_row(["error of LAMMPS's velocities / V", *(f"{one.error:.1e}" for _, one in columns)]))
     note = ""
     if any(one.error > LARGE for _, one in columns):
@@ -66,6 +69,10 @@ def _table(found: Found) -> str:
             "than what is asked for: see the rows of differences.</p>"
         )
     return f"<table>{''.join(rows)}</table>{note}"
+
+
+def _warnings(found: Found) -> str:
+    return "".join(f"<p><b>Warning:</b> {html.escape(warning)}.</p>" for warning in found.warnings)
 
 
 LARGE = 1e-3
@@ -125,7 +132,7 @@ def _objective(found: Found) -> Objective:
 
 def _label(found: Found, name: str) -> str:
     if name not in QUANTITIES:
-        return name
+        return found.design.heading(name)
     unit = QUANTITIES[name].unit(si=found.verified[0].directory.problem.scale.si)
     return f"{QUANTITIES[name].words} ({unit})" if unit else QUANTITIES[name].words
 
@@ -136,7 +143,7 @@ def _of_search(found: Found) -> list[Picture]:
     if found.design.also:
         name = found.design.also[0]
         figure = front_figure(what, values, _label(found, name), _values(found, name))
-        pictures.append(drawn("front", figure, f"What is to be had of {found.design.objective} at any {name}."))
+        pictures.append(drawn("front", figure, f"Pareto front of {found.design.objective} and {name}."))
     return pictures
 
 
@@ -173,19 +180,16 @@ def _wall(directory: RunDirectory) -> tuple[Floats, Floats] | None:
 
 def _made(found: Found) -> str:
     small, name = found.sensitivity, found.design.objective
-    if not small.members:
-        return f"<p>There is no ensemble: {html.escape(small.refused)}</p>"
     best = found.best.quantities[name] or 0.0
-    values = np.array(small.members)
-    worst = float(np.max(found.design.sign * values) * found.design.sign)
     words = (
-        f"<p>{len(values)} designs whose beads differ in size and stiffness, and whose numbers are off, all evenly "
-        f"spread within {small.spread:.2%}: {html.escape(name)} {values.mean():.5g} on average (as designed "
-        f"{best:.5g}), standard deviation {values.std():.2g}, at worst {worst:.5g}.</p>"
+        f"<p>{small.asked} designs whose beads differ in size and stiffness, and whose numbers are off, all uniformly "
+        f"distributed within {small.spread:.2%}; {html.escape(found.tolerance)}; as designed {best:.5g}.</p>"
     )
-    rows = [_row(["number", f"{small.spread:.2%} less", f"{small.spread:.2%} more"], "th")]
+    rows = [_row([f"{name}, relative change, where", f"{small.spread:.2%} less", f"{small.spread:.2%} more"], "th")]
     rows += [_row([field, *(_change(value, best) for value in pair)]) for field, pair in small.alone.items()]
     table = f"<table>{''.join(rows)}</table>" if small.alone else ""
+    if not small.enough:
+        return words + table
     figure: Figure = members_figure(_objective(found), best, small.members)
     return words + _shown([drawn("members", figure, "The ensemble.")]) + table
 

@@ -140,7 +140,7 @@ def _table(design: Design, records: list[Record]) -> str:
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     fields = [variable.field for variable in design.variables]
-    writer.writerow([*fields, *design.names, "fits", "refused"])
+    writer.writerow([*map(design.heading, [*fields, *design.names]), "fits", "refused"])
     for record in sorted(records, key=lambda record: worth(design, record)):
         values = [record.values[field] for field in fields]
         quantities = ["" if (value := record.quantities.get(name)) is None else repr(value) for name in design.names]

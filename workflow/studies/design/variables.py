@@ -11,6 +11,10 @@ DIGITS = 6
 """Significant digits of what is not whole, so that two that are as good as the same are computed once."""
 
 
+EDGE = 0.003
+"""Part of a range from its end that counts as the end: the last stride of the search."""
+
+
 @dataclass(frozen=True)
 class Variable:
     """A field and what may stand there.
@@ -72,6 +76,16 @@ class Variable:
             return round(coordinate)
         value = math.exp(coordinate) if self.log else float(coordinate)
         return min(max(float(f"{value:.{DIGITS}g}"), self.low), self.high)
+
+    def bound(self, value: Any) -> str:
+        """``from`` or ``to`` where a number, or one of a list, is at the end of its range; else empty."""
+        if self.choices:
+            return ""
+        low, high = self.bounds
+        edge = 0.0 if self.whole else EDGE * (high - low)
+        found = value if isinstance(value, list) else [value]
+        at = [math.log(one) if self.log else one for one in found]
+        return "from" if min(at) <= low + edge else "to" if max(at) >= high - edge else ""
 
 
 def values_of(variables: Sequence[Variable], vector: Sequence[float]) -> dict[str, Any]:

@@ -1,8 +1,6 @@
-"""Least squares: the best parameters, how sure they are, and what the data cannot tell apart. Knows no physics.
+"""Least squares: the best parameters, their uncertainty, and which the data do not distinguish. Knows no physics.
 
-The noise is taken to be normal, of one size in each channel, found from the residuals. Of residuals that are alike from
-row to row (noise that is not white, or a model that is not the truth) fewer count: with a correlation r of neighbours
-``(1 - r) / (1 + r)`` of them, as of a process of first order (Bartlett, J. R. Stat. Soc. Suppl. 8, 1946).
+The noise is taken to be normal, white and of one size in each channel, found from the residuals; `goodness` tests that.
 """
 
 from collections.abc import Callable
@@ -42,9 +40,6 @@ UNSEEN = 1e-6
 SHARE = 0.3
 """Part that a parameter must have in such a direction to be named."""
 
-_EXTRA = 3.0
-"""Standard errors of the correlation of white residuals that are let pass as white."""
-
 
 @dataclass(frozen=True)
 class Estimate:
@@ -56,8 +51,6 @@ class Estimate:
         half_width: of each one's confidence interval.
         correlation: [parameter, parameter]; NaN where the data tell nothing.
         noise: [channel] standard deviation of the residuals, in the channel's unit.
-        alike: [channel] correlation of neighbouring residuals.
-        widened: how many times wider intervals are than of white noise.
         rows: number of values that were fitted.
         weak: groups of parameters, by number, that the data hardly tell apart, and whether not at all.
         converged: whether the search came to its end.
@@ -68,8 +61,6 @@ class Estimate:
     half_width: Floats
     correlation: Floats
     noise: Floats
-    alike: Floats
-    widened: float
     rows: int
     weak: tuple[tuple[tuple[int, ...], bool], ...]
     converged: bool
@@ -99,17 +90,13 @@ def estimate(residuals: Residuals, slopes: Slopes, start: Floats, size: Floats) 
         noise = _noise(residuals(parameters), len(parameters), size)
     left = residuals(parameters)
     jacobian = -(slopes(parameters) / noise[:, np.newaxis])[np.isfinite(left)]
-    alike = _alike(left)
     rows = len(jacobian)
-    white = np.abs(alike) < _EXTRA / np.sqrt(np.maximum(1, np.isfinite(left).sum(axis=0)))
-    r = float(np.max(np.where(white, 0.0, alike), initial=0.0))
-    widened = float(np.sqrt((1.0 + r) / (1.0 - min(r, 0.999))))
     covariance, weak = _covariance(jacobian)
-    error = np.sqrt(np.diag(covariance)) * widened
+    error = np.sqrt(np.diag(covariance))
     factor = float(student.ppf(0.5 + 0.5 * CONFIDENCE, max(1, rows - len(parameters))))
     with np.errstate(invalid="ignore", divide="ignore"):
         correlation = covariance / np.sqrt(np.outer(np.diag(covariance), np.diag(covariance)))
-    return Estimate(parameters, error, factor * error, correlation, noise, alike, widened, rows, weak, converged)
+    return Estimate(parameters, error, factor * error, correlation, noise, rows, weak, converged)
 
 
 def _noise(left: Floats, parameters: int, size: Floats) -> Floats:
@@ -117,16 +104,6 @@ def _noise(left: Floats, parameters: int, size: Floats) -> Floats:
     count = np.isfinite(left).sum(axis=0)
     freedom = np.maximum(1.0, count * (1.0 - parameters / max(parameters + 1, int(count.sum()))))
     return np.asarray(np.maximum(np.sqrt(np.nansum(left**2, axis=0) / freedom), 1e-9 * size))
-
-
-def _alike(left: Floats) -> Floats:
-    """Correlation of neighbouring residuals, [channel]."""
-    found = np.zeros(left.shape[1])
-    for channel, column in enumerate(left.T):
-        values = column[np.isfinite(column)]
-        total = float(np.sum(values**2))
-        found[channel] = float(np.sum(values[1:] * values[:-1])) / total if total > 0.0 else 0.0
-    return found
 
 
 def _covariance(jacobian: Floats) -> tuple[Floats, tuple[tuple[tuple[int, ...], bool], ...]]:
