@@ -113,7 +113,9 @@ def run(
         InputError: the scene or the directory cannot be used.
         RunError: the run failed.
     """
-    whole, settings = settle(load(scene), source="scene", force=not engine_called(engine).own_step)
+    given, what = load(scene), engine_called(engine)
+    running.refuse(given, Path(directory), engine=engine, ranks=ranks, overwrite=overwrite)
+    whole, settings = settle(given, source="scene", own_step=what.own_step)
     with progress_bar(whole.name, whole.problem()) as progress:
         done = running.run(
             whole,

@@ -64,6 +64,11 @@ class LeadingWaves(AnalysisBase):  # type: ignore[misc]  # MDAnalysis has no typ
 
     def _single_frame(self) -> None:
         data = self._ts.data
+        if data["step"] % self._problem.steps_per_frame:
+            raise ValueError(
+                f"there is a frame of step {data['step']}, but the problem's are {self._problem.steps_per_frame} steps "
+                "apart; give that of the scene.yaml of the run"
+            )
         self._pending.append((data["step"] * self._problem.timestep, np.array([data[name] for name in self._columns])))
         if len(self._pending) == _BLOCK or self._frame_index == self.n_frames - 1:
             time, values = (np.array(column) for column in zip(*self._pending, strict=True))

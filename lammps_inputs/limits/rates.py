@@ -22,6 +22,11 @@ def fastest(system: System) -> float:
     return max((own, *endless, *(motion.omega for motion in system.motions)))
 
 
+def of_contacts(system: System) -> float:
+    """Angular frequency, at most, of beads on their contacts, springs left out."""
+    return float(np.sqrt(_contacts(system)))
+
+
 def swing(system: System) -> float:
     """Angular frequency, at most, of a bead on its springs, those across and those to the ground, and of sound."""
     return float(np.sqrt(_springs(system) + sound_frequency(system) ** 2))

@@ -228,6 +228,7 @@ def judge(scene: Scene, directory: Path, *, ranks: int = 1, cut: bool = False) -
     if isinstance(result, str):
         return "WRONG", result
     assert result.check is not None
+    scene = result.directory.scene  # with its time step
     sure = result.check.reference
     late = [number for number in (result.check.arrival, sure.arrival) if np.isfinite(number)]
     peak = np.fmax(result.check.velocity, result.check.amplitude)
@@ -248,7 +249,7 @@ def _run(scene: Scene, directory: Path, ranks: int, *, cut: bool) -> Run | str:
     result = run(scene, directory, lammps=lammps_here.interrupted_after(0))
     if result.outcome == "done":
         # the first report comes after 200 steps, and the run is cut at the next, after 600
-        return result if scene.problem().steps < 700 else "a run that was to be cut was not"
+        return result if result.directory.problem.steps < 700 else "a run that was to be cut was not"
     again = resume(directory, ranks=ranks, lammps=lammps_here.run)
     if again is None or not result.directory.record["resumed"][-1]["from_step"] > 0:
         return "a run that was cut did not go on from where it was"

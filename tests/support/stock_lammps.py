@@ -1,5 +1,6 @@
 """Decks run by the executable that a user would call, without anything of ours between the files and the numbers."""
 
+import math
 import re
 import subprocess
 import sysconfig
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 from processes import HANGS
 
 from analysis.files.binary_dump import BinaryDump
-from lammps_inputs import Coupling, Kick, Output, Problem, Scene, file_names
+from lammps_inputs import Coupling, Kick, Output, Problem, Scene, file_names, scheme
 from lammps_inputs.decks import deck
 
 SCRIPTS = Path(sysconfig.get_path("scripts"))
@@ -21,8 +22,15 @@ MPIEXEC = SCRIPTS / "mpiexec"
 DEBIAN = Path("/usr/bin/lmp")
 
 
+PLAIN = {"name", "chains", "beads", "gap", "kick", "material", "duration", "until_bead", "scheme", "window", "output"}
+"""Keys of scenes for which 0.01 T is a short time step, with springs up to 1."""
+
+
 def scene(**changes: Any) -> Scene:
-    """A small scene: one chain of two beads, hit with V = 1; ``kappa`` and ``every`` for short."""
+    """A small scene: one chain of two beads, hit with V = 1; ``kappa`` and ``every`` for short.
+
+    Where nothing in it needs shorter ones, its steps are of 0.01 T or just below, so that tests need no pilot run.
+    """
     kappa, every, recorded = changes.pop("kappa", None), changes.pop("every", None), changes.pop("recorded", "all")
     options: dict[str, Any] = {
         "name": "test",
@@ -32,7 +40,12 @@ def scene(**changes: Any) -> Scene:
         "output": Output(every=every, beads=recorded),
         "coupling": None if kappa is None else Coupling(stiffness=kappa),
     }
-    return Scene(**{**options, **changes})
+    made = Scene(**{**options, **changes})
+    if changes.keys() - PLAIN or (kappa or 0.0) > made.scale.stiffness:
+        return made
+    every, cycle = made.resolved().output.every or 0.0, scheme.cycle(made.scheme or "verlet")
+    steps = cycle * math.ceil(every / (0.01 * made.scale.time * cycle) * (1.0 - 1e-9))
+    return made.model_copy(update={"timestep": every / steps})
 
 
 @dataclass(frozen=True)

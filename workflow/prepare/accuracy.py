@@ -1,4 +1,4 @@
-"""The time step of a scene that asks for an accuracy: searched for, and put into the scene."""
+"""The time step of a scene that names none: found by a pilot run for an accuracy, and written into the scene."""
 
 import math
 import time
@@ -6,31 +6,37 @@ import time
 from pydantic import ValidationError
 
 from lammps_inputs import InputError, Scene, library, scheme
+from lammps_inputs.scene import DEFAULT_ACCURACY
 from workflow.prepare import step_search
 from workflow.prepare.settings import Settings
 from workflow.prepare.twin import UnreachableError
 
 
-def with_timestep(scene: Scene, accuracy: float, source: str = "") -> tuple[Scene, Settings]:
-    """The scene with a time step that keeps an accuracy, and how it was chosen.
+def with_timestep(scene: Scene, source: str = "") -> tuple[Scene, Settings]:
+    """The scene with a time step that keeps its accuracy, or the default, and how it was chosen.
+
+    Where no step keeps the default accuracy, the step is that of the rule.
 
     Args:
         scene: with its duration.
-        accuracy: largest error of any recorded velocity, in units of V.
         source: what the user calls the scene, for messages.
 
     Raises:
-        InputError: no step keeps it.
+        InputError: no step keeps the accuracy that the scene asks for.
     """
     started = time.perf_counter()
-    problem = scene.model_copy(update={"accuracy": None}).problem()
-    where = f"{source}: accuracy" if source else "accuracy"
+    asked, accuracy = scene.accuracy is not None, scene.accuracy or DEFAULT_ACCURACY
+    problem = scene.model_copy(update={"timestep": None, "accuracy": None}).problem()
+    where, unreached = f"{source}: accuracy" if source else "accuracy", ""
     try:
         found = step_search.search(problem, accuracy)
     except UnreachableError as error:
-        raise InputError(
-            f"{where}: {accuracy:g} is not reached with any time step, since {error}; ask for less, or give a timestep"
-        ) from None
+        if asked:
+            raise InputError(
+                f"{where}: {accuracy:g} is not reached with any time step, since {error}; "
+                "take a larger one, or give a timestep"
+            ) from None
+        found, unreached = step_search.by_rule(problem, accuracy), str(error)
     cycle = scheme.cycle(problem.scheme)
     steps = cycle * math.ceil(problem.every / (cycle * found.timestep) * (1.0 - 1e-9))
     every = problem.every * scene.scale.time if scene.output.every is None else scene.output.every
@@ -50,15 +56,17 @@ def with_timestep(scene: Scene, accuracy: float, source: str = "") -> tuple[Scen
         measured=found.measured,
         limited=found.limited,
         seconds=time.perf_counter() - started,
+        asked=asked,
+        unreached=unreached,
+        reference=found.reference,
     )
 
 
-def better_timestep(scene: Scene, accuracy: float) -> str:
-    """What to put into a scene whose run was off by more than an accuracy, in words; measured, or said not to be."""
-    try:
-        better, settings = with_timestep(scene, accuracy)
-    except InputError as error:
-        return str(error)
+def better_timestep(scene: Scene) -> str:
+    """What to change in a scene whose time step left too large an error, in words."""
+    better, settings = with_timestep(scene.model_copy(update={"timestep": None}))
+    if settings.unreached:
+        return f"no time step is known to leave less, since {settings.unreached}"
     if settings.measured < 1.0:
-        return f"`accuracy: {accuracy:g}` in place of `timestep` finds a shorter one"
-    return f"`timestep: {better.timestep:.12g}` leaves {settings.expected_error:.1e} V, measured on a twin of the run"
+        return "leave `timestep` out, and a pilot run chooses a shorter one"
+    return f"`timestep: {better.timestep:.12g}` leaves {settings.expected_error:.1e} V, measured by a pilot run"

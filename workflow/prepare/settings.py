@@ -1,27 +1,34 @@
 """The duration and the time step of a scene, found and judged before anything is written or run."""
 
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass, field, fields
+from typing import TYPE_CHECKING, Any
 
 from lammps_inputs import InputError, Problem, Scene
 from lammps_inputs.limits.timestep import stability_bound
 from lammps_inputs.numbers import memory
+from lammps_inputs.scene import DEFAULT_ACCURACY
+
+if TYPE_CHECKING:
+    from workflow.prepare.twin import Kept
 
 
 @dataclass(frozen=True)
 class Settings:
-    """How the time step of a scene that asks for an accuracy was chosen, dimensionless.
+    """How the time step of a scene that names none was chosen, dimensionless.
 
     Attributes:
-        accuracy: asked for: largest error of any recorded velocity, in units of V.
+        accuracy: largest error of any recorded velocity, in units of V: of the scene, or the default.
         timestep: chosen.
         steps_per_frame: the same.
-        reference_timestep: of a reference that is surer than the accuracy.
+        reference_timestep: of a reference whose uncertainty is a fraction of the accuracy.
         expected_error: what the error is expected to be, in units of V.
-        measured_error: what was measured beforehand: the same, or a larger one from which it was carried over.
-        measured: share of the run's time over which that was measured; 0 where a law told it.
-        limited: whether a longer step would have done, but for ``output.every`` or the stability bound.
+        measured_error: of the pilot run: the same, or a larger one from which it was carried over.
+        measured: share of the run's time over which that was measured; 0 where the rule gave the step.
+        limited: whether a longer step would have done, but for ``output.every``, the energy or the stability bound.
         seconds: what the choice cost.
+        asked: whether the scene names the accuracy.
+        unreached: why no step keeps the default accuracy, where none does.
+        reference: the pilot run's, for the check of the run; not recorded.
     """
 
     accuracy: float
@@ -33,29 +40,36 @@ class Settings:
     measured: float
     limited: bool
     seconds: float
+    asked: bool = True
+    unreached: str = ""
+    reference: "Kept | None" = field(default=None, repr=False, compare=False)
 
     def plain(self) -> dict[str, Any]:
         """For ``run.json``."""
-        return asdict(self)
+        return {part.name: getattr(self, part.name) for part in fields(self) if part.name != "reference"}
 
     def sentence(self, problem: Problem) -> str:
         """What was chosen and why, in one line."""
         step = f"{self.timestep * problem.scale.time:.3g}"
         unit = f" {problem.scale.symbol('time')}" if problem.scale.si else ""
-        if self.measured == 0.0:
-            how = "from a law, for the scene is too large to measure beforehand"
+        pilot = f"pilot run of {self.seconds:.1f} s"
+        if self.unreached:
+            how = f"by a rule, not measured, since {self.unreached}"
+        elif self.measured == 0.0:
+            how = "by a rule, not measured: the scene is too large for a pilot run"
         elif self.expected_error == self.measured_error:
-            how = f"it leaves {self.expected_error:.1e} V, measured beforehand in {self.seconds:.1f} s"
+            how = f"error {self.expected_error:.1e} V in a {pilot}"
         else:
             part = "" if self.measured == 1.0 else f" over 1/{1.0 / self.measured:.0f} of the time and beads"
             how = (
-                f"it should leave less than {self.expected_error:.1e} V, by {self.measured_error:.1e} V measured "
-                f"beforehand with another step{part} in {self.seconds:.1f} s"
+                f"error expected below {self.expected_error:.1e} V, from {self.measured_error:.1e} V with another "
+                f"step{part} in a {pilot}"
             )
             if self.measured < 1.0 and problem.window is None and (problem.coupled or problem.gap > 0.0):
-                how += "; beads left far behind may be off by more, for in long runs they amplify any error"
-        longer = "; frames or stability allow no longer one" if self.limited else ""
-        return f"accuracy {self.accuracy:g}: timestep {step}{unit}; {how}{longer}"
+                how += "; larger behind the front in a long run, where repeated contacts amplify errors"
+        longer = "; frames, energy or stability allow no longer step" if self.limited else ""
+        default = "" if self.asked else " (default)"
+        return f"accuracy {self.accuracy:g} V{default}: timestep {step}{unit}, {how}{longer}"
 
 
 _DECK_BYTES = 250
@@ -77,19 +91,29 @@ def refuse_too_large(scene: Scene, source: str, bytes_a_bead: float, what: str =
         )
 
 
-def settle(scene: Scene, *, source: str = "", force: bool = False) -> tuple[Scene, Settings | None]:
-    """The scene with duration, window and time step written out, and how the step was chosen for an accuracy.
+def found_beforehand(scene: Scene) -> set[str]:
+    """Keys that `settle` writes, so that the ``scene.yaml`` of a run has others than the scene that was given."""
+    found = set() if scene.until_bead is None else {"until_bead", "duration"}
+    found |= set() if scene.timestep is not None else {"accuracy", "timestep"}
+    return found | ({"window"} if scene.window == "auto" else set())
+
+
+def settle(
+    scene: Scene, *, source: str = "", force: bool = False, own_step: bool = True
+) -> tuple[Scene, Settings | None]:
+    """The scene with duration, window and time step written out, and how the step was chosen where none is named.
 
     Args:
         scene: as the user gave it.
         source: what the user calls the scene, for messages.
         force: whether a time step above the stability bound may pass.
+        own_step: whether the engine that is to run takes the scene's time step.
 
     Raises:
         InputError: the end is not reached, the time step is unstable, or no step keeps the accuracy.
     """
     refuse_too_large(scene, source, _DECK_BYTES)
-    if not force:
+    if own_step and not force:
         refuse_unstable(scene, source)
     # what only some scenes ask for is loaded for those: numba alone takes a third of a second
     if scene.until_bead is not None:
@@ -100,11 +124,11 @@ def settle(scene: Scene, *, source: str = "", force: bool = False) -> tuple[Scen
         from workflow.prepare.window import with_window
 
         scene = with_window(scene)
-    if scene.accuracy is None:
+    if scene.timestep is not None or (scene.accuracy is None and not own_step):
         return scene, None
     from workflow.prepare.accuracy import with_timestep
 
-    return with_timestep(scene, scene.accuracy, source)
+    return with_timestep(scene, source)
 
 
 def refuse_unstable(scene: Scene, source: str = "") -> None:
@@ -122,6 +146,6 @@ def refuse_unstable(scene: Scene, source: str = "") -> None:
         unit = f" {scale.symbol('time')}" if scale.si else ""
         raise InputError(
             f"{f'{source}: ' if source else ''}timestep: {scene.timestep:g}{unit} is unstable, above the bound of "
-            f"{bound * scale.time:.3g}{unit}; take a tenth of that, or `accuracy: 1e-4` instead; "
+            f"{bound * scale.time:.3g}{unit}; leave it out for an accuracy of {DEFAULT_ACCURACY:g} V; "
             "--force of run and deck allows it, for study"
         )

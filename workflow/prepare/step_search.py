@@ -1,4 +1,4 @@
-"""The time step that LAMMPS needs for an accuracy: measured on a twin of the run, or of what stands for it.
+"""The time step that LAMMPS needs for an accuracy: measured by a pilot run of the scene, or of what stands for it.
 
 What costs too much to measure is measured at a larger error, or on a shorter problem, and carried over: errors fall as
 the step to the order of the scheme, and grow in proportion to time.
@@ -14,12 +14,16 @@ from numpy.typing import NDArray
 
 from lammps_inputs import Problem
 from lammps_inputs.facts import Fact
+from workflow import screen
 from workflow.engines.reference import engine
 from workflow.prepare import twin
 from workflow.prepare.twin import UnreachableError
 
 MOST_WORK = 3e9
-"""Forces on beads that one measurement may take: some five seconds."""
+"""Forces on beads that one measurement may take, some five seconds; each that fails leaves the next half as many."""
+
+_LONG = 1e9
+"""Such work is announced."""
 
 _MARGIN = 2.0
 """Error that is reckoned with, over what is carried over. Over a shorter problem's in proportion to time, the true one
@@ -54,8 +58,9 @@ class Found:
         reference_timestep: step of a reference that is surer than the accuracy.
         error: largest error of any velocity that is to be expected.
         measured_error: error that was measured: the same, or a larger one from which it was carried over.
-        measured: share of the run's time over which it was measured; 0 where a law told it.
-        limited: whether the step could not be longer for the frames or the stability bound.
+        measured: share of the run's time over which it was measured; 0 where the rule gave it.
+        limited: whether the step could not be longer for the frames, the energy or the stability bound.
+        reference: of the pilot run, where that was the run itself.
     """
 
     timestep: float
@@ -64,6 +69,7 @@ class Found:
     measured_error: float
     measured: float
     limited: bool
+    reference: twin.Kept | None = None
 
 
 def search(problem: Problem, accuracy: float, *, most_work: float = MOST_WORK) -> Found:
@@ -84,26 +90,34 @@ def search(problem: Problem, accuracy: float, *, most_work: float = MOST_WORK) -
 
 
 def _found(problem: Problem, accuracy: float, most_work: float) -> Found:
-    limit = most_work
+    limit = budget = most_work
     for share, asked in _ways(accuracy, problem.duration):
         trial = _shorter(problem, share)
         expected = _TRIALS * _work(trial, asked)
         if expected > limit:
             continue
-        measured = twin.measure(trial, asked, most_work)
+        if expected > _LONG:
+            seconds = 5.0 * expected / MOST_WORK
+            screen.hint(f"choosing the time step by a pilot run: about {seconds:.0f} s; a `timestep` avoids it")
+        measured = twin.measure(trial, asked, budget)
         if measured is None:
-            limit = expected / 4.0  # what is hardly cheaper would not do either
+            limit, budget = expected / 4.0, budget / 2.0  # what is hardly cheaper would not do either
         elif (share, asked) == (1.0, accuracy):
             step, reference = measured.timestep, measured.reference_timestep
-            return Found(step, reference, measured.error, measured.error, 1.0, measured.limited)
+            return Found(step, reference, measured.error, measured.error, 1.0, measured.limited, measured.reference)
         elif share < 1.0:
             _refuse_chaos(problem, trial, share, accuracy, most_work)
             return _carried_over(measured, problem, share, asked, accuracy)
         elif _may_be_sure(problem, accuracy, most_work):
             return _carried_over(measured, problem, share, asked, accuracy)
+    return by_rule(problem, accuracy)
+
+
+def by_rule(problem: Problem, accuracy: float) -> Found:
+    """The step for an accuracy where nothing is measured."""
     step = twin.guessed_step(problem, accuracy)
     reference = problem.every / twin.guessed_reference_steps(problem, accuracy)
-    return Found(step, reference, accuracy, accuracy, 0.0, limited=step == twin.largest_step(problem))
+    return Found(step, reference, accuracy, accuracy, 0.0, limited=step == twin.largest_step(problem, accuracy))
 
 
 def _ways(accuracy: float, duration: float) -> Iterator[tuple[float, float]]:
@@ -149,7 +163,7 @@ def _carried_over(measured: twin.Measured, problem: Problem, share: float, asked
     """From a cheaper measurement to the run itself."""
     ratio = accuracy * share / _MARGIN / asked
     order = _LEAST_ORDER if problem.scheme != "verlet" else 2.0 if problem.holds(Fact.SECOND_ORDER) else 1.0
-    largest = twin.largest_step(problem)
+    largest = twin.largest_step(problem, accuracy)
     step = min(largest, measured.timestep * ratio ** (1.0 / order))
     return Found(
         timestep=step,

@@ -1,10 +1,11 @@
-"""A twin of a LAMMPS run: the reference's kernel with LAMMPS's table of coefficients, step for step the same.
+"""The pilot run: the reference's kernel with LAMMPS's table of coefficients, step for step what LAMMPS computes.
 
-It costs a tenth of LAMMPS. So the error of a run can be measured before the run, beside the certified reference.
+It costs a tenth of LAMMPS. So the error of a run is measured before the run, beside the certified reference.
 """
 
 import math
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from lammps_inputs.facts import Fact
 from lammps_inputs.limits import rates, timestep
 from workflow.engines.reference import engine
 from workflow.engines.reference.blanes_moan import BLANES_MOAN
-from workflow.engines.reference.certify import Certifier
+from workflow.engines.reference.certify import Certificate, Certifier
 from workflow.engines.reference.suzuki import SUZUKI4
 from workflow.engines.reference.verlet import VERLET
 from workflow.prepare.instants import stride
@@ -39,9 +40,35 @@ _LEAST_ORDER = 2.5
 
 
 CHAOS = (
-    "in so long a run beads that were left behind meet again and again, which amplifies any error; "
+    "in so long a run beads behind the front collide again and again, which amplifies any error; "
     "record beads near the front only, or follow them with `window: auto`"
 )
+
+
+KEPT_BYTES = 1 << 27
+"""Of frames of the reference that are kept in memory, for the next trial and for the check of the run."""
+
+
+@dataclass(frozen=True)
+class Kept:
+    """A certified reference run in memory."""
+
+    frames: tuple[Trajectory, ...]
+    certificate: Certificate
+
+    def is_of(self, problem: Problem) -> bool:
+        """Whether these are the frames of a problem: the same beads at the same times."""
+        own = self.frames[0].problem
+        same = (own.frames, own.recorded, own.window) == (problem.frames, problem.recorded, problem.window)
+        return same and math.isclose(own.every, problem.every, rel_tol=1e-9)
+
+    def blocks(self) -> Iterator[Trajectory]:
+        """As `Certifier.blocks`."""
+        return iter(self.frames)
+
+    def of(self, problem: Problem) -> "Kept":
+        """The same frames, of a problem with another time step."""
+        return replace(self, frames=tuple(replace(block, problem=problem) for block in self.frames))
 
 
 @dataclass(frozen=True)
@@ -52,13 +79,15 @@ class Measured:
         timestep: mean Verlet step of LAMMPS.
         reference_timestep: step of the reference, which is sure to `SURE` of the accuracy.
         error: largest error of any velocity.
-        limited: whether the step could not be longer for the frames or the stability bound.
+        limited: whether the step could not be longer for the frames, the energy or the stability bound.
+        reference: the run with the reference's step, where it fits into memory.
     """
 
     timestep: float
     reference_timestep: float
     error: float
     limited: bool
+    reference: Kept | None = None
 
 
 class UnreachableError(Exception):
@@ -83,21 +112,27 @@ def measure(problem: Problem, accuracy: float, most_work: float) -> Measured | N
     cycle = scheme.cycle(problem.scheme)
     fewest, cycles = (
         max(1, math.ceil(problem.every / (cycle * step) * (1.0 - 1e-9)))
-        for step in (largest_step(problem), guessed_step(problem, accuracy))
+        for step in (largest_step(problem, accuracy), guessed_step(problem, accuracy))
     )
     steps = guessed_reference_steps(problem, accuracy)
     errors: dict[int, float] = {}
     certificates: dict[int, float] = {}
     good: dict[int, Measured] = {}
+    kept: dict[int, Kept] = {}
     spent = 0.0
     for _ in range(_MOST_TRIALS):
-        spent += work(problem, cycles * cycle, steps)
+        spent += work(problem, cycles * cycle, 0 if steps in kept else steps)
         if spent > most_work:
             return None
-        error, certificates[steps] = _trial(problem, cycles, steps)
+        if steps not in kept and _bytes(problem) <= KEPT_BYTES:
+            kept = {steps: _kept(problem, steps)}
+        reference = kept[steps] if steps in kept else Certifier(problem, steps_per_frame=steps)
+        error, certificates[steps] = _trial(problem, cycles, reference)
         sure = certificates[steps] <= SURE * accuracy
         if sure and error <= _HIGHEST * accuracy:
-            good[cycles] = Measured(problem.every / (cycles * cycle), problem.every / steps, error, cycles == fewest)
+            limited = cycles == fewest
+            step, own = problem.every / (cycles * cycle), problem.every / steps
+            good[cycles] = Measured(step, own, error, limited, kept.get(steps))
             if error >= _LOWEST * accuracy or cycles == fewest:
                 break
         if error > 2.0 * certificates[steps] or sure:
@@ -118,7 +153,7 @@ def _coarse(problem: Problem) -> Problem:
 
 
 def work(problem: Problem, verlet_steps: int, reference_steps: int) -> float:
-    """Forces on beads with so many steps a frame: of the twin, and of the reference at two steps."""
+    """Forces on beads with so many steps a frame: of the pilot run, and of the reference at two steps."""
     forces = verlet_steps + 1.5 * BLANES_MOAN.forces_per_step * reference_steps
     return problem.chains * _rows_by_time(problem) / problem.every * forces
 
@@ -134,9 +169,8 @@ def _rows_by_time(problem: Problem) -> float:
 
 
 def guessed_step(problem: Problem, accuracy: float) -> float:
-    """By the law of the scheme."""
-    step = timestep.timestep_for(0.7 * accuracy, problem.duration, problem, problem.scheme)
-    return min(step, largest_step(problem))
+    """By the rule."""
+    return timestep.timestep_for(accuracy, problem.duration, problem, problem.scheme)
 
 
 def guessed_reference_steps(problem: Problem, accuracy: float) -> int:
@@ -146,20 +180,30 @@ def guessed_reference_steps(problem: Problem, accuracy: float) -> int:
     return 2 * math.ceil(0.5 * usual * max(1.0, math.pow(contacts, 1.0 / _LEAST_ORDER), math.pow(swings, 0.25)))
 
 
-def largest_step(problem: Problem) -> float:
+def largest_step(problem: Problem, accuracy: float) -> float:
     """No step above this is tried."""
-    return timestep.largest_timestep(problem, problem.scheme)
+    return timestep.largest_timestep(accuracy, problem, problem.scheme)
 
 
-def _trial(problem: Problem, cycles: int, steps: int) -> tuple[float, float]:
-    """Largest difference of any velocity of the twin from the reference, and the reference's certificate."""
+def _bytes(problem: Problem) -> float:
+    """Of the reference's frames."""
+    wider = 1 if problem.window is None else engine.WIDER
+    return 16.0 * problem.frames * problem.chains * problem.rows_a_frame * wider
+
+
+def _kept(problem: Problem, steps: int) -> Kept:
     certifier = Certifier(problem, steps_per_frame=steps)
+    return Kept(tuple(certifier.blocks()), certifier.certificate)
+
+
+def _trial(problem: Problem, cycles: int, reference: Certifier | Kept) -> tuple[float, float]:
+    """Largest difference of any velocity of the pilot run from the reference, and the reference's certificate."""
     runs = engine.blocks(problem, scheme=TABLES[problem.scheme], steps_per_frame=cycles)
     largest = 0.0
     with np.errstate(over="ignore", invalid="ignore"):
-        for own, right in zip(runs, certifier.blocks(), strict=True):
+        for own, right in zip(runs, reference.blocks(), strict=True):
             largest = max(largest, _difference(*on_common_rows(own, right)))
-    return largest, certifier.certificate.velocity
+    return largest, reference.certificate.velocity
 
 
 def _difference(own: Trajectory, right: Trajectory) -> float:

@@ -2,7 +2,7 @@
 
 import math
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict, dataclass, replace
 
 import numpy as np
@@ -14,10 +14,10 @@ from analysis.tracking.which_leads import leading_finder, leading_passages
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem, html
 from workflow.engines.reference import engine
-from workflow.engines.reference.certify import Certificate
+from workflow.engines.reference.certify import Certificate, Certifier
 from workflow.prepare.instants import SPACING, stride
 from workflow.prepare.settings import Settings
-from workflow.prepare.twin import CADENCE
+from workflow.prepare.twin import CADENCE, Kept
 from workflow.runs.peaks_table import found_on_the_way
 from workflow.runs.references import certifiers
 from workflow.runs.run_directory import RunDirectory
@@ -68,8 +68,8 @@ def check(directory: RunDirectory, settings: Settings | None = None) -> Check:
 
     Args:
         directory: the run.
-        settings: the accuracy that was asked for, if one was: the reference is then surer than that by far, and the
-            frames are compared as closely spaced as when the time step was chosen.
+        settings: how the time step was chosen, if for an accuracy: the uncertainty of the reference is then a fraction
+            of that, and the frames are compared as closely spaced as by the pilot run, whose reference serves again.
 
     Raises:
         InputError: the run has no frames.
@@ -110,11 +110,17 @@ def _compared(
     problem: Problem, frames: Callable[[], Iterator[Trajectory]], settings: Settings | None
 ) -> tuple[dict[str, Deviation], Certificate]:
     """Frames against the reference, quantity by quantity, and how sure that is of itself."""
-    for certifier in certifiers(problem, settings):
+    for certifier in _references(problem, settings):
         difference = Difference(dict.fromkeys(("velocity", "displacement", "amplitude", "arrival"), math.inf))
         for block, reference in paired(frames(), certifier.blocks()):
             difference.add(block, reference)
     return difference.deviations(), certifier.certificate
+
+
+def _references(problem: Problem, settings: Settings | None) -> Iterable[Certifier | Kept]:
+    """The pilot run's reference where it has the same frames, else new ones."""
+    kept = None if settings is None else settings.reference
+    return (kept.of(problem),) if kept is not None and kept.is_of(problem) else certifiers(problem, settings)
 
 
 def _leading(problem: Problem, settings: Settings | None) -> tuple[Waves, Certificate]:

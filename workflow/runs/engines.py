@@ -61,8 +61,8 @@ class Engine(ABC):
         none = scene.window is None
         return "" if none else f"only lammps records a window, not {self.name}; leave `window` out of the scene"
 
-    def refused_ranks(self, ranks: int, problem: Problem) -> str:  # noqa: ARG002  of the problem ask those that divide it
-        """Why it cannot run on a number of ranks; empty where it can."""
+    def refused_ranks(self, ranks: int, beads: int) -> str:  # noqa: ARG002  of the beads ask those that divide them
+        """Why it cannot run chains of so many beads on a number of ranks; empty where it can."""
         return "" if ranks == 1 else f"the engine {self.name!r} runs on one core; {ranks} given"
 
     def begins_with(self, files: Mapping[str, str]) -> dict[str, str]:
@@ -95,8 +95,8 @@ class _Lammps(Engine):
     def refusal(self, scene: Scene) -> str:  # noqa: ARG002  it computes whatever a scene can say
         return ""
 
-    def refused_ranks(self, ranks: int, problem: Problem) -> str:
-        return lammps_engine.refused_ranks(ranks, problem)
+    def refused_ranks(self, ranks: int, beads: int) -> str:
+        return lammps_engine.refused_ranks(ranks, beads)
 
     def begins_with(self, files: Mapping[str, str]) -> dict[str, str]:
         return dict(files)

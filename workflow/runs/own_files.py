@@ -5,6 +5,7 @@ is put aside until the new one has all that it begins with, and put back where t
 a kill.
 """
 
+import contextlib
 import os
 import re
 import shutil
@@ -109,6 +110,23 @@ def prepare(directory: Path, names: Iterable[str] = (), *, overwrite: bool = Fal
             pass
     except OSError as error:
         raise InputError(f"{directory}: cannot be written to ({error.strerror})") from None
+
+
+def refuse_unusable(directory: Path, names: Iterable[str] = (), *, overwrite: bool = False) -> None:
+    """As `prepare`, before something that takes long; the directory is not made.
+
+    Raises:
+        InputError: as `prepare`.
+    """
+    made: list[Path] = []
+    with contextlib.suppress(OSError):  # which `prepare` explains
+        made = [path for path in (directory, *directory.parents) if not path.exists()]
+    try:
+        prepare(directory, names, overwrite=overwrite)
+    finally:
+        for path in made:
+            with contextlib.suppress(OSError):
+                path.rmdir()
 
 
 def refuse_to_overwrite(source: str, directory: Path) -> None:

@@ -54,6 +54,8 @@ class _Settings(_Part):
     measured: Number
     limited: bool
     seconds: Seconds
+    asked: bool = True
+    unreached: str = ""
     model_config = ConfigDict(extra="forbid")
 
 

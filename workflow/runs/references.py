@@ -1,4 +1,4 @@
-"""The references that a run is compared with, or is: with ever more steps until they are as sure as was asked for."""
+"""The references that a run is compared with, or is: with ever more steps until their uncertainty is as asked for."""
 
 import math
 from collections.abc import Iterator
@@ -22,9 +22,10 @@ _MOST_STEPS = 256
 def certifiers(problem: Problem, settings: Settings | None) -> Iterator[Certifier]:
     """References of a problem, of which the last counts; each is asked how sure it is when its blocks were taken.
 
-    Without an accuracy the usual one; else with ever more steps, until it is sure enough or gets hardly surer.
+    With an accuracy in ever more steps, until the uncertainty is small enough or falls hardly more. Without one, or
+    where nothing could be measured for the default, the usual reference.
     """
-    if settings is None:
+    if settings is None or (settings.measured == 0.0 and not settings.asked):
         yield Certifier(problem)
         return
     steps = 2 * math.ceil(0.5 * problem.every / settings.reference_timestep * (1.0 - 1e-9))

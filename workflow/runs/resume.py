@@ -68,7 +68,7 @@ def resume(
                 return None
             return Run(result, "done", measure_error(result, settings))
         ranks = int(record["ranks"]) if ranks is None else ranks
-        if refusal := engine.refused_ranks(ranks, result.problem):
+        if refusal := engine.refused_ranks(ranks, result.problem.beads):
             raise InputError(f"--ranks: {refusal}")
         spent = _spent(path, record)
         part, step = _next_part(result, record) if engine is LAMMPS else (1, 0)

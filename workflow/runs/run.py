@@ -21,7 +21,7 @@ from workflow.runs import check as checking
 from workflow.runs import contacts
 from workflow.runs.engines import ENGINES, LAMMPS, Progress, Start, Work, engine_called
 from workflow.runs.locks import alone
-from workflow.runs.own_files import prepare, refuse_links, replacing
+from workflow.runs.own_files import prepare, refuse_links, refuse_unusable, replacing
 from workflow.runs.provenance import fingerprint, provenance
 from workflow.runs.results import results
 from workflow.runs.run_directory import RunDirectory
@@ -102,14 +102,14 @@ def run(
         RunError: the run failed; ``run.json`` says why.
     """
     path, what = Path(directory), engine_called(engine)
+    refuse(scene, path, engine=engine, ranks=ranks, overwrite=overwrite)
     if what is LAMMPS:
         refuse_too_large(scene, scene.name, LAMMPS_BYTES, "LAMMPS")
-    scene, found_settings = settle(scene, source=scene.name, force=force or not what.own_step)
+    scene, found_settings = settle(scene, source=scene.name, force=force, own_step=what.own_step)
     settings = found_settings or settings
+    if settings is not None and not what.own_step and not settings.asked:
+        settings = None
     problem = scene.problem()
-    for option, refusal in (("--engine", what.refusal(scene)), ("--ranks", what.refused_ranks(ranks, problem))):
-        if refusal:
-            raise InputError(f"{option}: {refusal}")
     files = what.begins_with(deck.render(scene))
     prepare(path, what.files, overwrite=overwrite)
     with alone(path) as lock:
@@ -132,6 +132,19 @@ def run(
         begin = lammps or functools.partial(lammps_engine.run, restart_every=restart_every, lock=lock)
         start = functools.partial(begin, ranks=ranks)
         return carry_out(result, start=start, settings=settings, check=check, progress=progress)
+
+
+def refuse(scene: Scene, path: Path, *, engine: str, ranks: int, overwrite: bool) -> None:
+    """See that a run can begin, as far as that is known at once; arguments as of `run`. Nothing is made.
+
+    Raises:
+        InputError: the directory, engine or number of ranks cannot be used.
+    """
+    what = engine_called(engine)
+    for option, refusal in (("--engine", what.refusal(scene)), ("--ranks", what.refused_ranks(ranks, scene.beads))):
+        if refusal:
+            raise InputError(f"{option}: {refusal}")
+    refuse_unusable(path, what.files, overwrite=overwrite)
 
 
 @contextlib.contextmanager

@@ -3,7 +3,8 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from lammps_inputs import Scene, file_names, strict_yaml
+from lammps_inputs import InputError, Scene, file_names
+from lammps_inputs.scene import DEFAULT_ACCURACY
 from workflow.runs.engines import ENGINES
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
@@ -24,7 +25,7 @@ def kept_run(scene: Scene, engine: str, folder: Path, say: Say) -> RunDirectory:
         RunError: the run failed.
     """
     path = folder / f"{scene.name}-{engine}"
-    directory = _finished(path, scene, engine)
+    directory = finished(path, scene, engine)
     if directory is None:
         say(f"{scene.name}: {engine}")
         directory = run(scene, path, engine=engine, overwrite=True).directory
@@ -42,14 +43,26 @@ def errors(directory: RunDirectory) -> tuple[float, float]:
     return found
 
 
-def _finished(path: Path, scene: Scene, engine: str) -> RunDirectory | None:
+def finished(path: Path, scene: Scene, engine: str) -> RunDirectory | None:
     """An earlier run of just this scene that came to its end."""
     if not (path / file_names.SCENE).is_file():
         return None
     directory = RunDirectory(path)
-    same = (path / file_names.SCENE).read_text(encoding="utf-8") == strict_yaml.dump(scene.resolved().plain())
     record = directory.record
     checked = ENGINES[engine].errors(record) is not None
-    return (
-        directory if same and checked and record.get("outcome") == "done" and record.get("engine") == engine else None
-    )
+    done = checked and record.get("outcome") == "done" and record.get("engine") == engine
+    return directory if done and _is_of(directory, scene) else None
+
+
+def _is_of(directory: RunDirectory, scene: Scene) -> bool:
+    """Whether a run is of this scene, with a time step for the same accuracy where the scene names none."""
+    record, found = directory.record, set()
+    if scene.timestep is None and ENGINES[record["engine"]].own_step:
+        if record.get("settings", {}).get("accuracy") != (scene.accuracy or DEFAULT_ACCURACY):
+            return False
+        found = {"accuracy", "timestep"}
+    try:
+        own, asked = (one.resolved().plain() for one in (directory.scene, scene))
+    except InputError:  # damaged
+        return False
+    return all(own.get(key) == asked.get(key) for key in {*own, *asked} - found)

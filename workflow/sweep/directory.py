@@ -16,6 +16,7 @@ from pydantic_core import from_json
 
 from lammps_inputs import InputError, Scene, file_names, library, strict_yaml
 from workflow.formats import figure_files
+from workflow.prepare.settings import found_beforehand
 from workflow.runs.files import RECORD, REPORT
 from workflow.runs.own_files import claim, listed, others, remove_leftovers
 from workflow.runs.record import read_record
@@ -110,7 +111,7 @@ def refuse_another(path: Path, wanted: Asked, scene: Scene) -> None:
         except InputError:  # damaged: it is written anew
             return
         resolved = scene.resolved().plain()
-        key = _first_difference(*(_without(data, _found_later(scene)) for data in (written, resolved)))
+        key = _first_difference(*(_without(data, found_beforehand(scene)) for data in (written, resolved)))
     if key is not None:
         raise InputError(f"{path}: holds this case of another scene ({key} differs); {advice}")
 
@@ -120,13 +121,6 @@ def _listed(path: Path) -> set[str]:
         return listed(path)
     except InputError:
         return set()
-
-
-def _found_later(scene: Scene) -> set[str]:
-    """Keys that ``scene.yaml`` holds otherwise than the scene as asked, since they are found before the run."""
-    later = set() if scene.until_bead is None else {"until_bead", "duration"}
-    later |= set() if scene.accuracy is None else {"accuracy", "timestep"}
-    return later | ({"window"} if scene.window == "auto" else set())
 
 
 def _without(data: dict[str, Any], keys: set[str]) -> dict[str, Any]:

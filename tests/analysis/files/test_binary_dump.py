@@ -27,6 +27,7 @@ TWO = Scene(
     coupling=Coupling(stiffness=0.1),
     kick=(Kick(velocity=1.0),),
     duration=4.0,
+    timestep=0.01,
     output=Output(every=0.1),
 )
 SOME = TWO.model_copy(update={"output": Output(every=0.1, beads=(2, 5, 12))})

@@ -30,6 +30,7 @@ THREE = Scene(
     coupling=Coupling(stiffness=0.1),
     kick=(Kick(velocity=1.0),),
     duration=6.0,
+    timestep=0.01,
     output=Output(every=0.1),
 )
 SOME = THREE.model_copy(update={"output": Output(every=0.1, beads=(2, 7, 9))})

@@ -18,7 +18,13 @@ from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 
 SCENE = Scene(
-    name="small", chains=2, beads=30, coupling=Coupling(stiffness=0.1), kick=(Kick(velocity=1.0),), duration=40.0
+    name="small",
+    chains=2,
+    beads=30,
+    coupling=Coupling(stiffness=0.1),
+    kick=(Kick(velocity=1.0),),
+    duration=40.0,
+    timestep=0.01,
 )
 COLUMNS = ("chain", "bead", "arrival", "peak_velocity", "speed")
 
@@ -53,6 +59,14 @@ def test_results_are_those_of_the_arrays(ran: mda.Universe, runs: tuple[RunDirec
     np.testing.assert_allclose(found.peak_velocity, wanted.peak_velocity, rtol=1e-12)
     inner = wanted.bead < 29
     np.testing.assert_allclose(found.arrival[inner], wanted.arrival[inner], rtol=1e-9)
+
+
+def test_the_problem_of_another_time_step_is_refused(ran: mda.Universe) -> None:
+    other = SCENE.model_copy(update={"timestep": 0.0125}).problem()
+    with pytest.raises(
+        ValueError, match=r"step 10, but the problem's are 8 steps apart; .* the scene\.yaml of the run"
+    ):
+        LeadingWaves(ran, other).run()
 
 
 def test_every_second_frame_from_the_tenth_on_can_be_chosen_or_saved_first(

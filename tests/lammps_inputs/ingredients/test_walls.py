@@ -19,7 +19,7 @@ from analysis.sharing.survey import survey
 from analysis.trajectory import joined
 from lammps_inputs import InputError, file_names, find
 from lammps_inputs.decks import deck
-from lammps_inputs.limits.timestep import default_timestep
+from lammps_inputs.limits.timestep import stability_bound
 from lammps_inputs.slurm import job
 from lammps_inputs.slurm.site import JobOptions
 from workflow.cli import main
@@ -221,7 +221,7 @@ def test_in_si_units_a_wall_has_the_unit_of_its_exponent():
 
 def test_the_energy_of_a_wall_of_another_exponent_bounds_the_step_as_that_of_spheres_does():
     plain, bead, hard = (
-        default_timestep(powered(2.0, walls=walls).system)
+        stability_bound(powered(2.0, walls=walls).system)
         for walls in (None, {"right": "bead"}, {"right": {"stiffness": 100.0}})
     )
     assert plain == bead > hard
@@ -245,7 +245,7 @@ def test_no_walls_leave_no_trace():
 
 def test_a_wall_like_a_bead_needs_no_shorter_steps_and_one_of_a_hundred_does():
     plain, bead, hard = (
-        default_timestep(walled(walls).system) for walls in (None, {"right": "bead"}, {"right": {"stiffness": 100.0}})
+        stability_bound(walled(walls).system) for walls in (None, {"right": "bead"}, {"right": {"stiffness": 100.0}})
     )
     assert plain == bead > hard
 

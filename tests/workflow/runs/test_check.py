@@ -63,7 +63,7 @@ def test_without_check_it_is_left_out(tmp_path, capsys):
     path.write_text("name: quick\nbeads: 4\nkick: {velocity: 1}\nduration: 2\n")
     assert main(["run", str(path), "-o", str(tmp_path / "out"), "--no-check"]) == 0
     assert "check" not in json.loads((tmp_path / "out" / "run.json").read_text())
-    assert "error" not in capsys.readouterr().out
+    assert "error:" not in capsys.readouterr().out
 
 
 def test_the_last_line_says_the_error_where_it_is_and_how_sure_that_is(tmp_path, capsys):
@@ -177,16 +177,17 @@ def test_the_time_step_that_is_named_divides_the_output_and_keeps_what_is_said_o
 def test_no_time_step_is_named_where_none_keeps_it_or_a_shorter_run_stood_for_this_one(monkeypatch):
     rough = scene(chains=2, beads=40, kappa=0.1, duration=40.0)
     monkeypatch.setattr(step_search.search, "__kwdefaults__", {"most_work": 1e3})
-    assert better_timestep(rough, 1e-3) == "`accuracy: 0.001` in place of `timestep` finds a shorter one"
-    assert "is not reached with any time step" in better_timestep(rough, 1e-18)
+    assert better_timestep(rough) == "leave `timestep` out, and a pilot run chooses a shorter one"
+    far = scene(beads=2, gap=4e8, duration=1e5, every=1e3)
+    assert "no time step is known to leave less, since rounding" in better_timestep(far)
 
 
 @pytest.mark.parametrize(
     ("velocity", "sure", "says"),
     [
         (4e-4, 1e-5, ""),
-        (4e-4, 6e-4, "cannot tell whether that is within 0.0005 V; `granchain validate` takes a surer one"),
-        (6e-4, 2e-4, "cannot tell"),
+        (4e-4, 6e-4, "too large to compare with 0.0005 V; `granchain validate` takes a finer one"),
+        (6e-4, 2e-4, "inconclusive"),
         (9e-4, 2e-4, "that is more than 0.0005 V"),
     ],
 )
@@ -202,13 +203,15 @@ def test_what_the_reference_is_not_sure_of_is_not_said(velocity, sure, says, fin
     ("velocity", "sure", "code", "says"),
     [
         (9e-5, 9e-5, 0, ""),
-        (2e-4, 1e-5, 1, "that is more than 0.0001 V, which a twin of the run did not show"),
-        (9e-5, 2e-4, 1, "cannot tell whether that is within 0.0001 V, for errors grow"),
+        (2e-4, 1e-5, 1, "that is more than 0.0001 V, although the pilot run had less"),
+        (9e-5, 2e-4, 1, "too large to compare with 0.0001 V; errors grow"),
     ],
 )
 def test_an_accuracy_that_was_asked_for_and_not_kept_is_a_failure(velocity, sure, code, says, finished, capsys):
     told = replace(finished.check, velocity=velocity, reference=replace(finished.check.reference, velocity=sure))
     asked = Settings(1e-4, 0.01, 10, 0.1, 5e-5, 5e-5, 1.0, limited=False, seconds=0.1)
+    assert _judged(told, finished.directory.scene, replace(asked, asked=False)) == 0
+    capsys.readouterr()
     assert _judged(told, finished.directory.scene, asked) == code
     printed = capsys.readouterr().out
     assert says in printed

@@ -12,6 +12,7 @@ from stock_lammps import scene
 from analysis.motion import overlaps
 from lammps_inputs import InputError, Kick, Material, find
 from workflow.engines.lammps import mpi
+from workflow.prepare.settings import settle
 from workflow.runs.provenance import fingerprint
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
@@ -150,7 +151,7 @@ def test_waves_are_reported_in_the_units_of_the_scene(tmp_path):
 def test_run_json_says_what_was_computed_with_what_and_how_it_ended(paper):
     record = RunDirectory(paper("two-chains")).record
     assert record["outcome"] == "done"
-    assert record["steps_done"] == record["steps"] == 19200
+    assert record["steps_done"] == record["steps"] == 1920 * record["settings"]["steps_per_frame"]
     assert record["ranks"] == 1
     assert record["command"] == sys.argv
     assert record["python"] == ".".join(map(str, sys.version_info[:3]))
@@ -174,7 +175,7 @@ def test_run_json_has_the_fingerprint_of_the_files_that_lammps_was_given(paper):
 
 
 def test_a_run_directory_holds_its_scene(paper):
-    assert RunDirectory(paper("two-chains")).scene == find("two-chains").resolved()
+    assert RunDirectory(paper("two-chains")).scene == settle(find("two-chains"))[0].resolved()
 
 
 def test_a_run_has_every_frame_it_was_asked_for(tmp_path):

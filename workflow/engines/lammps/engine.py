@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from lammps_inputs import Problem
 from lammps_inputs.ingredients import environment_of_children
 from workflow.engines.lammps import mpi, restarts
 from workflow.errors import EndedError, RunError, complaint
@@ -45,8 +44,8 @@ class Outcome:
     version: int
 
 
-def refused_ranks(ranks: int, problem: Problem) -> str:
-    """Why this machine or the scene cannot use a number of ranks; empty where it can.
+def refused_ranks(ranks: int, beads: int) -> str:
+    """Why this machine, or chains of so many beads, cannot use a number of ranks; empty where they can.
 
     More ranks than cores slow MPI down a thousandfold.
     """
@@ -54,8 +53,8 @@ def refused_ranks(ranks: int, problem: Problem) -> str:
         return f"{ranks} given; at least 1"
     if ranks > mpi.cores():
         return f"{ranks} given, but {mpi.cores()} cores are available; more only slow a run down"
-    if ranks > problem.beads:
-        return f"{ranks} given, but ranks divide the {problem.beads} rows of beads"
+    if ranks > beads:
+        return f"{ranks} given, but ranks divide the {beads} rows of beads"
     if ranks > 1 and mpi.launcher() is None:
         return "no mpiexec found beside Python or on the PATH; run with one rank"
     return ""

@@ -74,7 +74,7 @@ def compare(
     names = engines_for(scene, engines)
     whole = {"beads": "all", "snapshots": None, "peaks": None}
     scene = scene.model_copy(update={"output": scene.output.model_copy(update=whole)})
-    scene, settings = settle(scene, source=scene.name, force="lammps" not in names)
+    scene, settings = settle(scene, source=scene.name, own_step=LAMMPS.name in names)
     problem = scene.problem()
     rows = shown_rows(problem)
     own = (file_names.SCENE, RECORD, REPORT, *figure_files(FIGURE))

@@ -20,7 +20,6 @@ from typing import Any
 
 from lammps_inputs import InputError, library, strict_yaml
 from workflow.runs.run import run
-from workflow.runs.run_directory import RunDirectory
 from workflow.runs.study_directory import study_directory
 from workflow.runs.whole_files import write_json, write_text
 from workflow.studies.design.evaluator import Evaluator, Record
@@ -30,6 +29,7 @@ from workflow.studies.design.manufacture import sensitivity
 from workflow.studies.design.measures import by_reference, of_frames, scene_to_run
 from workflow.studies.design.search import RULED_OUT, search, worth
 from workflow.studies.design.variables import scene_with
+from workflow.studies.kept_runs import finished
 from workflow.workers.pool import Pool
 from workflow.workers.results import Results
 
@@ -119,20 +119,12 @@ def _verified(
 ) -> Verified:
     """A scene run in LAMMPS, or taken from an earlier start."""
     scene = scene_to_run(plain, design.names, design.source)
-    directory = _finished(path, strict_yaml.dump(scene.resolved().plain()))
+    directory = finished(path, scene, "lammps")
     if directory is None:
         directory = run(scene, path, overwrite=path.exists()).directory
     check = directory.record.get("check", {})
     lammps = of_frames(directory.problem, directory.blocks, scene, design.names)
     return Verified(directory, values, known, lammps, float(check.get("velocity", math.nan)))
-
-
-def _finished(path: Path, scene: str) -> RunDirectory | None:
-    """An earlier run of just this scene that came to its end."""
-    if not (path / "scene.yaml").is_file() or (path / "scene.yaml").read_text(encoding="utf-8") != scene:
-        return None
-    directory = RunDirectory(path)
-    return directory if directory.record.get("outcome") == "done" and "check" in directory.record else None
 
 
 def _table(design: Design, records: list[Record]) -> str:
