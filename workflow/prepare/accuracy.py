@@ -7,7 +7,7 @@ from pydantic import ValidationError
 
 from lammps_inputs import InputError, Scene, library, scheme
 from lammps_inputs.scene import DEFAULT_ACCURACY
-from workflow.prepare import step_search
+from workflow.prepare import step_search, twin
 from workflow.prepare.settings import Settings
 from workflow.prepare.twin import UnreachableError
 
@@ -24,10 +24,11 @@ def with_timestep(scene: Scene, source: str = "") -> tuple[Scene, Settings]:
     Raises:
         InputError: no step keeps the accuracy that the scene asks for.
     """
-    started = time.perf_counter()
     asked, accuracy = scene.accuracy is not None, scene.accuracy or DEFAULT_ACCURACY
     problem = scene.model_copy(update={"timestep": None, "accuracy": None}).problem()
     where, unreached = f"{source}: accuracy" if source else "accuracy", ""
+    twin.load(problem)
+    started = time.perf_counter()
     try:
         found = step_search.search(problem, accuracy)
     except UnreachableError as error:

@@ -25,7 +25,7 @@ class Settings:
         measured_error: of the pilot run: the same, or a larger one from which it was carried over.
         measured: share of the run's time over which that was measured; 0 where the rule gave the step.
         limited: whether a longer step would have done, but for ``output.every``, the energy or the stability bound.
-        seconds: what the choice cost.
+        seconds: what the choice cost, the compiler apart.
         asked: whether the scene names the accuracy.
         unreached: why no step keeps the default accuracy, where none does.
         reference: the pilot run's, for the check of the run; not recorded.

@@ -94,6 +94,12 @@ class UnreachableError(Exception):
     """No step keeps the accuracy; says why."""
 
 
+def load(problem: Problem) -> None:
+    """Compile what a pilot run of a problem needs, or find it compiled."""
+    for table in (TABLES[problem.scheme], BLANES_MOAN):
+        engine.run(replace(problem, frames=1), scheme=table, steps_per_frame=2)
+
+
 def measure(problem: Problem, accuracy: float, most_work: float) -> Measured | None:
     """Measure the error at a first guess of the step, carry that to the accuracy by the order, measure again.
 

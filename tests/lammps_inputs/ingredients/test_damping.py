@@ -46,7 +46,7 @@ LOSSES: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
 
 
 def damped(**keys: Any) -> Scene:
-    return scene(chains=2, beads=3, kappa=0.5, duration=3.0, every=0.5, damping=Damping(**keys))
+    return scene(chains=2, beads=3, kappa=0.5, duration=3.0, every=0.5, timestep=0.002, damping=Damping(**keys))
 
 
 def errors(
@@ -179,7 +179,7 @@ def test_a_restitution_is_that_of_the_reduced_mass_and_the_strength_of_each_cont
 
 @pytest.mark.parametrize("nothing", [{"contact": 0.0}, {"contact": 1.0, "law": "restitution"}, {"beads": 0.0}])
 def test_no_damping_leaves_no_trace(nothing: dict[str, Any]) -> None:
-    plain = scene(chains=2, beads=3, kappa=0.5, duration=3.0, every=0.5).problem()
+    plain = scene(chains=2, beads=3, kappa=0.5, duration=3.0, every=0.5, timestep=0.002).problem()
     neutral = damped(**nothing).problem()
     assert neutral == plain
     assert (deck.render_deck(neutral), deck.render_data(neutral)) == (deck.render_deck(plain), deck.render_data(plain))
