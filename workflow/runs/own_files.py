@@ -129,6 +129,23 @@ def refuse_unusable(directory: Path, names: Iterable[str] = (), *, overwrite: bo
                 path.rmdir()
 
 
+def refuse_unwritable(directory: Path, files: Iterable[Path]) -> None:
+    """See that a directory, and those files in it that are continued, can be written to.
+
+    Raises:
+        InputError: one of them cannot.
+    """
+    place = directory
+    try:
+        with tempfile.TemporaryFile(dir=directory):
+            pass
+        for place in files:
+            with place.open("ab"):
+                pass
+    except OSError as error:
+        raise InputError(f"{place}: cannot be written to ({error.strerror})") from None
+
+
 def refuse_to_overwrite(source: str, directory: Path) -> None:
     """See that a scene's own file is not the one that its run would write.
 

@@ -19,7 +19,7 @@ from workflow.prepare.settings import Settings
 from workflow.runs.engines import ENGINES, LAMMPS, Progress
 from workflow.runs.files import OWN_FILES, RECORD, all_parts, part_number, parts
 from workflow.runs.locks import alone
-from workflow.runs.own_files import refuse_links, remove_leftovers
+from workflow.runs.own_files import refuse_links, refuse_unwritable, remove_leftovers
 from workflow.runs.provenance import fingerprint
 from workflow.runs.run import Run, carry_out, measure_error
 from workflow.runs.run_directory import RunDirectory
@@ -70,6 +70,7 @@ def resume(
         ranks = int(record["ranks"]) if ranks is None else ranks
         if refusal := engine.refused_ranks(ranks, result.problem.beads):
             raise InputError(f"--ranks: {refusal}")
+        refuse_unwritable(path, all_parts(path))
         spent = _spent(path, record)
         part, step = _next_part(result, record) if engine is LAMMPS else (1, 0)
         if part == 1:

@@ -2,7 +2,6 @@
 
 import json
 import os
-import signal
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +10,7 @@ import pytest
 from lammps_inputs import InputError, Kick, Scene, file_names, strict_yaml
 from workflow.cli import main
 from workflow.runs.files import RECORD
-from workflow.runs.own_files import claim, prepare, remove_leftovers, replacing
+from workflow.runs.own_files import claim, prepare, refuse_unwritable, remove_leftovers, replacing
 from workflow.runs.record import read_record
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
@@ -198,11 +197,6 @@ def test_frames_with_the_largest_numbers_end_in_a_line(tmp_path: Path, capsys: p
     assert capsys.readouterr().err.count("\n") == 1
 
 
-def test_the_signal_of_a_terminal_ends_a_command_as_ctrl_c_does(tmp_path: Path) -> None:
-    assert main(["status", str(tmp_path)]) == 1
-    assert signal.getsignal(signal.SIGQUIT) is signal.default_int_handler
-
-
 def test_a_report_that_is_listed_is_no_news_of_the_run(tmp_path: Path) -> None:
     """What `status` says by the age of run.json stays."""
     path = tmp_path / RECORD
@@ -211,3 +205,12 @@ def test_a_report_that_is_listed_is_no_news_of_the_run(tmp_path: Path) -> None:
     claim(tmp_path, ["waves.csv"])
     assert read_record(path)["files"] == ["run.json", "waves.csv"]
     assert path.stat().st_mtime == 1e9
+
+
+def test_a_directory_or_file_that_cannot_be_written_to_is_named(tmp_path: Path) -> None:
+    """Whoever runs this, the kernel's own directory takes no files, and a directory is none."""
+    refuse_unwritable(tmp_path, ())
+    with pytest.raises(InputError, match=r"^/proc: cannot be written to "):
+        refuse_unwritable(Path("/proc"), ())
+    with pytest.raises(InputError, match=rf"^{tmp_path}: cannot be written to "):
+        refuse_unwritable(tmp_path, (tmp_path,))
