@@ -7,6 +7,6 @@ here, ours = Path.cwd(), Path(__file__).parents[1]
 if here != ours:
     sys.path[:] = [entry for entry in sys.path if Path(entry) != here]
 
-from workflow.cli import main  # noqa: E402  what lies in the current directory must not be imported
+from workflow.cli import command  # noqa: E402  what lies in the current directory must not be imported
 
-sys.exit(main())
+sys.exit(command())

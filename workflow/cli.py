@@ -21,7 +21,7 @@ try:
     from workflow import formats, screen
     from workflow.errors import RunError
     from workflow.runs.whole_files import as_json
-    from workflow.screen import Answer
+    from workflow.screen import Answer, Output
 except (ImportError, SyntaxError):
     from importlib.metadata import distributions
 
@@ -61,6 +61,9 @@ COMMANDS = (
     "completion",
 )
 
+PRINTED = ("scenes", "show", "help", "status", "bench", "schema", "completion")
+"""Commands that make nothing but what they print."""
+
 
 class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
@@ -78,26 +81,50 @@ class _Version(argparse.Action):
         parser.exit()
 
 
-def main(argv: Sequence[str] | None = None) -> int:
-    """Run one command and return its exit code."""
-    words = list(sys.argv[1:] if argv is None else argv)
+def command() -> int:
+    """The program: `main`, whatever its standard streams are."""
+    while True:  # no file that is opened later is taken for one of them
+        number = os.open(os.devnull, os.O_RDWR)
+        if number > 2:
+            os.close(number)
+            break
     try:
-        with _ended_as_by_ctrl_c():
-            arguments = parser(words[:1]).parse_args(words)
-            code = _execute(arguments)
-            sys.stdout.flush()
-    except InputError as error:
-        return _say(error, 2)
-    except RunError as error:
-        return _say(error, 1)
-    except BrokenPipeError:  # whoever read the output has seen enough; what Python flushes at its end must go somewhere
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 1
-    except OSError as error:
-        return _say(error, 1)
-    except KeyboardInterrupt:
-        return _say("interrupted", 130)
-    return code
+        return main()
+    finally:
+        for stream in (sys.stdout, sys.stderr):
+            try:
+                if stream is not None:
+                    stream.flush()
+            except OSError:  # which has been reported; Python would do so again, and end with exit code 120
+                os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit code; its own also where standard output takes less than it prints."""
+    words = list(sys.argv[1:] if argv is None else argv)
+    output: Any = Output(sys.stdout, "standard output", needed=True)
+    complaints: Any = Output(sys.stderr, "standard error", needed=False)
+    with contextlib.redirect_stdout(output), contextlib.redirect_stderr(complaints):
+        try:
+            with _ended_as_by_ctrl_c():
+                try:
+                    arguments = parser(words[:1]).parse_args(words)
+                finally:  # --help and --version end here
+                    output.flush()
+                output.needed = arguments.command in PRINTED
+                code = _execute(arguments)
+                output.flush()
+        except InputError as error:
+            return _say(error, 2)
+        except RunError as error:
+            return _say(error, 1)
+        except BrokenPipeError:
+            return 1
+        except OSError as error:
+            return _say(error, 1)
+        except KeyboardInterrupt:
+            return _say("interrupted", 130)
+        return _say(f"{output.failure}; the results are in the files", code) if output.failure else code
 
 
 @contextlib.contextmanager
@@ -192,4 +219,4 @@ def _say(error: object, code: int) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(command())

@@ -1,9 +1,13 @@
 """What the terminal shows: a progress bar, tables. Nothing is computed here."""
 
+import errno
+import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TextIO
+
+from workflow.errors import RunError
 
 if TYPE_CHECKING:
     from rich.progress import Progress
@@ -11,6 +15,48 @@ if TYPE_CHECKING:
     from lammps_inputs import Problem
 
 _bars: ContextVar[bool] = ContextVar("bars", default=True)
+
+
+class Output:
+    """A standard stream that may be closed, full or a pipe that nobody reads.
+
+    Args:
+        stream: where text goes; None if it is closed.
+        name: of it.
+        needed: whether to raise where text cannot be written; else the first failure is kept in ``failure``, for what a
+            command computes is more than what it prints.
+    """
+
+    def __init__(self, stream: TextIO | None, name: str, *, needed: bool) -> None:
+        self.needed = needed
+        self.failure = ""
+        self._stream, self._name = stream, name
+
+    def write(self, text: str) -> int:
+        """Write text, if that is possible."""
+        self._tried("write", text)
+        return len(text)
+
+    def flush(self) -> None:
+        """Write what was kept in memory."""
+        if self._stream is not None:
+            self._tried("flush")
+
+    def _tried(self, method: str, *arguments: str) -> None:
+        try:
+            if self._stream is None:
+                raise OSError(errno.EBADF, os.strerror(errno.EBADF))
+            getattr(self._stream, method)(*arguments)
+        except BrokenPipeError:  # whoever read it has seen enough
+            if self.needed:
+                raise
+        except OSError as error:
+            self.failure = f"{self._name}: cannot be written ({error.strerror})"
+            if self.needed:
+                raise RunError(self.failure) from None
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
 
 
 class Answer(NamedTuple):

@@ -1,5 +1,6 @@
 """The command line: what is wrong is one line on standard error, exit code 2, and nothing written."""
 
+import contextlib
 import importlib
 import json
 import os
@@ -306,6 +307,54 @@ def test_a_run_is_analysed_whatever_run_json_holds(record, a_run, capsys):
     assert main(["analyze", str(a_run), "--no-figures"]) == 0
     assert capsys.readouterr().err == ""
     assert (a_run / "waves.csv").exists()
+
+
+# --- where to print ---------------------------------------------------------------------------------------------------
+
+
+@contextlib.contextmanager
+def no_output(why):
+    """Standard output that takes nothing."""
+    with pytest.MonkeyPatch.context() as patch, contextlib.suppress(OSError):  # at its end
+        if why == "Bad file descriptor":
+            patch.setattr(sys, "stdout", None)
+            yield
+            return
+        with Path("/dev/full").open("w") as full:
+            patch.setattr(sys, "stdout", full)
+            yield
+
+
+REASONS = pytest.mark.parametrize("why", ["Bad file descriptor", "No space left on device"])
+
+
+@REASONS
+def test_a_command_whose_output_is_lost_writes_its_files_and_says_so_in_one_line(why, a_run, capsys):
+    with no_output(why):
+        assert main(["analyze", str(a_run), "--no-figures"]) == 0
+    said = f"granchain: standard output: cannot be written ({why}); the results are in the files\n"
+    assert capsys.readouterr().err == said
+    assert (a_run / "waves.csv").exists()
+    with no_output(why):
+        assert main(["analyze", str(a_run), "--no-figures", "--quiet"]) == 0
+    assert capsys.readouterr().err == ""
+
+
+@REASONS
+@pytest.mark.parametrize("words", [["scenes"], ["show", "two-chains"], ["schema"]])
+def test_a_command_that_only_prints_fails_where_it_cannot(words, why, capsys):
+    with no_output(why):
+        assert main(words) == 1
+    assert capsys.readouterr().err == f"granchain: standard output: cannot be written ({why})\n"
+
+
+@pytest.mark.parametrize("streams", [">&-", "<&- >&- 2>&-", ">/dev/full 2>/dev/full"])
+def test_a_program_without_standard_streams_ends_with_its_own_code_and_no_traceback(streams, tmp_path):
+    words = ["sh", "-c", f'"$@" {streams}', "sh", sys.executable, "-m", "workflow", "new", tmp_path / "scene.yaml"]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=HANGS, check=False)
+    assert done.returncode == 0
+    assert done.stdout == ""
+    assert done.stderr.count("\n") == (0 if "2>" in streams else 1)
 
 
 # --- scenes and show --------------------------------------------------------------------------------------------------
