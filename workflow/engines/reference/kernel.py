@@ -226,21 +226,23 @@ class _Writer:
         """Places of the functions that take steps."""
         kind = self._terms.dashpots
         press = self._lines(template.PRESS, contact=self._sum(self._terms.contacts, "force")[1])
-        kick, drift = self._kick("v", "factor"), template.DRIFT
+        kick = self._kick("v", "factor")
         if kind == "half step":
             kick += self._lines(template.DRAG_AS_LAMMPS)
         elif kind == "kick":
             steady = self._kick("steady", "1.0")
             kick = self._lines(template.KICK_WITH_DRAG, kick=steady, taken=self._taken_in_kicks())
-        elif kind == "drift":
-            drift = template.DRIFT_WITH_IMPULSES
+        if kind == "drift":
+            drift = self._lines(template.DRIFT_WITH_IMPULSES, **self._counts_in_drifts())
+        else:
+            drift = self._lines(template.DRIFT, loads=self._loads_in_drifts())
         step = self._lines(
             template.STEP,
             press=press,
             kick=kick,
             kick_by_means=self._kicks_by_means() if self._terms.as_lammps else [],
             hold=self._held_motions() if self._terms.counts_work else [],
-            drift=self._lines(drift, **self._counts_in_drifts() if kind == "drift" else {}),
+            drift=drift,
         )
         return {
             "unpacked": self._lines(template.UNPACKED),
@@ -264,23 +266,37 @@ class _Writer:
 
     # --- loads and motions --------------------------------------------------------------------------------------------
 
-    def _functions_of_loads(self) -> list[str]:
+    def _acting_in_drifts(self) -> list[tuple[Term, str, bool]]:
+        """Loads and motions, what makes each an acceleration, and whether it is a load whose work is counted."""
         terms = self._terms
-        if not terms.pushed_in_drifts:
-            return []
+        loads = [] if terms.as_lammps else [(load, terms.per_mass, terms.counts_work) for load in terms.loads]
+        return [*loads, *((motion, "", False) for motion in terms.motions)]
+
+    def _impulse_and_way(self, term: Term) -> tuple[str, str]:
+        """Source of what a load gives a free bead in a duration, and of how much farther it gets."""
+        now, later = (
+            [self._call(term, name, time) for name in ("impulse", "travel")] for time in ("time", "time + duration")
+        )
+        return f"{later[0]} - {now[0]}", f"{later[1]} - {now[1]} - {now[0]} * duration"
+
+    def _loads_in_drifts(self) -> list[str]:
+        """What loads do to beads in a drift; in one loop, in which what is computed twice is found to be the same."""
+        found = []
+        for term, by_mass, counts in self._acting_in_drifts():
+            given, gone = self._impulse_and_way(term)
+            lines = [f"gone, given, early = {gone}, {given}, v[k]", f"x[k] += gone{by_mass}", f"v[k] += given{by_mass}"]
+            found += _over(term, *lines, *["work[0] += given * 0.5 * (early + v[k])"] * counts)
+        return found
+
+    def _functions_of_loads(self) -> list[str]:
         travels, gifts, at = [], [], []
-        counted = terms.counts_work and terms.dashpots != "drift"
-        acting = [] if terms.as_lammps else [(load, terms.per_mass, counted) for load in terms.loads]
-        for term, by_mass, counts in [*acting, *((motion, "", False) for motion in terms.motions)]:
-            now, later = (
-                [self._call(term, name, time) for name in ("travel", "impulse")] for time in ("time", "time + duration")
-            )
-            gone = f"gone = {later[0]} - {now[0]} - {now[1]} * duration"
-            travels += _over(term, gone, f"x[k] += gone{by_mass}")
-            count = ["work[0] += given * 0.5 * (early + v[k])"] * counts
-            gifts += _over(term, f"given, early = {later[1]} - {now[1]}, v[k]", f"v[k] += given{by_mass}", *count)
+        for term, by_mass, _ in self._acting_in_drifts():
+            given, gone = self._impulse_and_way(term)
+            travels += _over(term, f"gone = {gone}", f"x[k] += gone{by_mass}")
+            gifts += _over(term, f"given = {given}", f"v[k] += given{by_mass}")
             at += _over(term, f"a[k] += {self._call(term, 'force', 'time')}{by_mass}")
-        return [self._filled(template.LOADS, travels=travels, gifts=gifts, loads=at)]
+        found = [self._filled(template.TRAVEL, travels=travels, gifts=gifts)] * (self._terms.dashpots == "drift")
+        return [*found, self._filled(template.LOAD, loads=at)] if at else []
 
     def _kicks_by_means(self) -> list[str]:
         """What the means of loads over a step around a time give beads; at the start over half a step."""

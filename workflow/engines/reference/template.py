@@ -172,11 +172,10 @@ def follow(state, p, scheme, first_step, steps, threshold, passing):
 DRIFT = """
 for k in range(low, high):
     x[k] += duration * v[k]
-?pushed travel(x, p, time, duration, low, high)
-?pushed give(v, work, p, time, duration, low, high)
+{loads}
 """
 
-LOADS = '''
+TRAVEL = '''
 @inner
 def travel(x, p, time, duration, low, high):
     """How much farther free beads drift under loads in a duration."""
@@ -185,12 +184,13 @@ def travel(x, p, time, duration, low, high):
 
 
 @inner
-def give(v, work, p, time, duration, low, high):
+def give(v, p, time, duration, low, high):
     """How much faster they get."""
     {parameters}
     {gifts}
+'''
 
-
+LOAD = '''
 @inner
 def load(a, p, time, low, high):
     """Add loads at a time to accelerations."""
@@ -268,7 +268,7 @@ for part in range(4):
 for k in range(low, high):
     x[k] += duration / 6.0 * (total[k] + v[k] + drag[k]{per_mass})
 ?pushed travel(x, p, time, duration, low, high)
-?pushed give(v, work, p, time, duration, low, high)
+?pushed give(v, p, time, duration, low, high)
 # energy that dashpots have taken, from the impulses at the start, in the middle and at the end
 for part in range(2):
     impulses(x if part == 0 else trial, p, squeeze, drag, low, high)
@@ -279,7 +279,7 @@ for part in range(2):
             trial[k] = 0.5 * (place[k] + x[k]) + 0.125 * duration * (early[k] - actual[k])
 for k in range(low, high):
     total[k] = v[k] + drag[k]{per_mass}
-?pushed give(total, work, p, time + duration, -0.5 * duration, low, high)
+?pushed give(total, p, time + duration, -0.5 * duration, low, high)
 {counted}
 for k in range(low, high):
     lost[0, k] -= over_the_way(early[k], total[k], actual[k], drag[k] - start[k], after[k] - drag[k])
