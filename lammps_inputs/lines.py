@@ -36,8 +36,8 @@ class Lines:
         motion: fixes that act beside the integration, once the beads are read and at rest.
         moved: fixes that move beads by the time, for which the length of a step must be known.
         bonds: type of the bond that is each link across, [edge, row], counted from 1; 0 for none.
-        bond_style: of these bonds.
-        bond_coeffs: coefficients of every type, in the order of the types.
+        style: of these bonds.
+        coefficients: of every type of them, in the order of the types.
         types: of the atoms, where contacts differ; else recorded beads are of type 2 and others of type 1.
         beside: a second pair style with its arguments, and the lines that give its coefficients.
         heavier: variable of what masses are larger by, over half a time step.
@@ -48,8 +48,8 @@ class Lines:
     motion: tuple[str, ...] = ()
     moved: tuple[str, ...] = ()
     bonds: NDArray[np.int64] | None = None
-    bond_style: str = ""
-    bond_coeffs: tuple[str, ...] = ()
+    style: str = ""
+    coefficients: tuple[str, ...] = ()
     types: AtomTypes | None = None
     heavier: str | None = None
     beside: tuple[str, ...] = ()

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from lammps_inputs import file_names, laws, loads, scheme, strict_yaml, window
 from lammps_inputs.decks import at_rest
-from lammps_inputs.laws import dashpot
+from lammps_inputs.laws import dashpot, linear
 from lammps_inputs.limits import rates
 from lammps_inputs.lines import AtomTypes, Lines
 from lammps_inputs.links import Across, Along, WallDamper, words
@@ -133,23 +133,11 @@ def _from_outside(problem: Problem) -> list[Lines]:
 def interactions(problem: Problem) -> list[list[str]]:
     """Contacts, and springs where there are any."""
     said = spelling(problem)
-    found = [list(lines.interactions) for lines in said if lines.interactions and not lines.bond_style]
-    if bonded := [lines for lines in said if lines.bond_style]:
-        found.append(_bond_lines(bonded))
+    found = [list(lines.interactions) for lines in said if lines.interactions and not lines.style]
+    if bonded := [lines for lines in said if lines.style]:
+        found.append(linear.tied(bonded))
     beside = [lines.beside for lines in said if lines.beside]
     return found if not beside else [dashpot.overlaid(found[0], beside), *found[1:]]
-
-
-def _bond_lines(bonded: list[Lines]) -> list[str]:
-    """Springs between chains; the types of several links are numbered one after the other."""
-    styles = list(dict.fromkeys(lines.bond_style for lines in bonded))
-    names = [f"{lines.bond_style} " if len(styles) > 1 else "" for lines in bonded]
-    coefficients = [f"{name}{one}" for lines, name in zip(bonded, names, strict=True) for one in lines.bond_coeffs]
-    return [
-        *dict.fromkeys(line for lines in bonded for line in lines.interactions),
-        f"bond_style {'hybrid ' * (len(styles) > 1)}{' '.join(styles)}",
-        *(f"bond_coeff {number} {one}" for number, one in enumerate(coefficients, 1)),
-    ]
 
 
 def motion_lines(problem: Problem, group: str) -> list[str]:
@@ -292,7 +280,7 @@ def _bonds(problem: Problem) -> list[tuple[int, int, NDArray[np.int64]]]:
     for link, lines in zip(problem.links, spelling(problem), strict=False):  # loads come last
         if isinstance(link, Across) and lines.bonds is not None:
             numbered = np.where(lines.bonds > 0, lines.bonds + before, 0)
-            before += len(lines.bond_coeffs)
+            before += len(lines.coefficients)
             edges = zip(link.edges, numbered, strict=True)
             found += [(one, other, types[: problem.rows]) for (one, other), types in edges]
     return found

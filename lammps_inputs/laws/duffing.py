@@ -67,8 +67,8 @@ class Duffing(NamedTuple):
         values, bonds = bonds_by_value((self.spring, self.cubic, np.where(there, apart, 0.0)), shape)
         return Lines(
             bonds=bonds,
-            bond_style="class2",
-            bond_coeffs=tuple(
+            style="class2",
+            coefficients=tuple(
                 f"0 {text(0.5 * spring - 0.5 * cubic * distance * distance)} 0 "
                 f"{text(0.25 * cubic)}   # k = {text(spring)}, c = {text(cubic)}, d = {text(distance)}"
                 for spring, cubic, distance in values

@@ -67,11 +67,23 @@ class Linear(NamedTuple):
         stiffness = ["$(v_kappa/2:%.17g)"] if one else [text(spring / 2.0) for (spring,) in values]
         return Lines(
             bonds=bonds,
-            bond_style="harmonic",
-            bond_coeffs=tuple(f"{k} 0" for k in stiffness),
+            style="harmonic",
+            coefficients=tuple(f"{k} 0" for k in stiffness),
             variables=(f"variable kappa index {text(values[0][0])}",) if one else (),
             interactions=(
                 "# springs between chains: r0 = 0 makes them linear along the chain at any lateral distance",
                 *whole_contacts(link),
             ),
         )
+
+
+def tied(bonded: list[Lines]) -> list[str]:
+    """Springs between chains; the types of several links are numbered one after the other."""
+    styles = list(dict.fromkeys(lines.style for lines in bonded))
+    names = [f"{lines.style} " if len(styles) > 1 else "" for lines in bonded]
+    coefficients = [f"{name}{one}" for lines, name in zip(bonded, names, strict=True) for one in lines.coefficients]
+    return [
+        *dict.fromkeys(line for lines in bonded for line in lines.interactions),
+        f"bond_style {'hybrid ' * (len(styles) > 1)}{' '.join(styles)}",
+        *(f"bond_coeff {number} {one}" for number, one in enumerate(coefficients, 1)),
+    ]

@@ -23,10 +23,10 @@ def test_the_largest_strain_holds_the_whole_energy(energy, spring):
 
 
 def test_the_bond_has_no_rest_length():
-    _, style, coefficients = Linear(0.1).across(PAIR, system(0.5, 0.1, 2)).interactions
-    assert style == "bond_style harmonic"
-    assert coefficients.split()[-1] == "0"
+    bonds = Linear(0.1).across(PAIR, system(0.5, 0.1, 2))
+    assert bonds.style == "harmonic"
+    assert bonds.coefficients[0].split()[-1] == "0"
 
 
 def test_the_bond_has_half_the_stiffness_with_17_digits():
-    assert Linear(0.1).across(PAIR, system(0.5, 0.1, 2)).interactions[2] == "bond_coeff 1 $(v_kappa/2:%.17g) 0"
+    assert Linear(0.1).across(PAIR, system(0.5, 0.1, 2)).coefficients == ("$(v_kappa/2:%.17g) 0",)

@@ -145,7 +145,7 @@ def test_wrong_springs_that_a_run_tells_of_are_told_and_wrong_once_it_is_silent(
 
     def wrong(*arguments):
         lines = right(*arguments)
-        return replace(lines, interactions=tuple(line.replace("kappa/2", "kappa*0.51") for line in lines.interactions))
+        return replace(lines, coefficients=tuple(k.replace("kappa/2", "kappa*0.51") for k in lines.coefficients))
 
     monkeypatch.setattr(Linear, "across", wrong)
     honest = measure.measure(Cell("x", "y", BASE))
