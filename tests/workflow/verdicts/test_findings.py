@@ -148,6 +148,12 @@ def test_the_cutoff_is_the_edge_of_the_highest_band_and_springs_to_the_ground_le
     assert line.endswith("hold the beads; small ones have frequencies from 0.707107 to 2.54951 rad per unit time")
 
 
+def test_where_nothing_repeats_the_cutoff_bounds_motion_on_springs_too():
+    plain = {"name": "a", "beads": 20, "precompression": {"force": 1.0}, "kick": {"velocity": 0.1}, "duration": 20.0}
+    plain |= {"taper": 0.02, "foundation": {"stiffness": 100.0}}
+    assert sound.Sound(library.from_plain(plain, "a").problem(), None, (), 1.0).plain()["cutoff"] > 10.0
+
+
 def test_bands_and_their_bin_are_in_the_scenes_units(problem):
     cell = Cell(np.ones((1, 1)), np.full((1, 1), 2.25), np.zeros((1, 1, 1)))  # omega = 3 |sin(q / 2)|
     frequency = np.array([0.0, 0.25])

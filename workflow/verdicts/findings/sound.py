@@ -47,8 +47,8 @@ class Sound(Finding):
         | speed     | of sound of long waves, beads per unit time, least and largest along the chains; null where |
         |           | springs to the ground hold beads, which long waves then do not move                         |
         | metres    | the same in m/s where all beads are of one material and size; else null                     |
-        | cutoff    | highest angular frequency of small motions; where beads or loads do not repeat along the    |
-        |           | chains it is at most this, but for springs                                                  |
+        | cutoff    | highest angular frequency of small motions; where beads, springs or loads do not repeat     |
+        |           | along the chains, an upper bound of it                                                      |
         | crest     | largest velocity of crests of sound, which are no pulses (analysis/README.md); null without |
         | pulse     | the leading pulse of the chain that was hit hardest, between the contacts ``first`` and     |
         |           | ``last``: ``force_ratio`` f of the largest force to that at rest, ``speed``, ``over_sound``,|
@@ -64,7 +64,7 @@ class Sound(Finding):
             "overlap": [float(find(rest) * scale.length) for find in ends],
             "speed": speed,
             "metres": None if metres is None or speed is None else [one * metres for one in speed],
-            "cutoff": (rates.sound_frequency(problem) if bands is None else float(bands.max())) / scale.time,
+            "cutoff": (rates.swing(problem) if bands is None else float(bands.max())) / scale.time,
             "crest": max((float(one.peak_velocity.max()) * scale.velocity for one in self.crests), default=None),
             "pulse": None
             if wave is None
