@@ -539,8 +539,8 @@ def _of_misfit(search: _Search, fit: Fit, size: Floats) -> list[str]:
     said = []
     if filtered > 1:
         said.append(
-            "residuals are autocorrelated before the first arrival, too: where the noise is filtered, fit to every "
-            f"{filtered}th row of the table"
+            "residuals are autocorrelated before the first arrival, too: where the noise is filtered, fit to one row "
+            f"in {filtered} of the table"
         )
     return [*said, "the scene lacks something that acts on the chain, or a fixed field is wrong: see the figure"]
 
