@@ -4,12 +4,14 @@ Each passage is watched for `REACH` beads of travel either side of the peak in a
 depends on the number of passages only, not on how finely a run was recorded.
 """
 
+import math
 from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis import hermite, motion
+from analysis.shape.pattern import length_of
 from analysis.shape.wave_of import wave_of
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem
@@ -48,14 +50,15 @@ class Passages:
 
 @dataclass(frozen=True)
 class Shape:
-    """What the waveforms of passages say, one entry per passage; NaN where the run does not show it whole.
+    """What the waveforms of passages say, one entry per passage; NaN where the run does not show it whole, but energy.
 
     Attributes:
         width: full width at half maximum of the velocity, in beads: its duration times the local speed. How well, says
             `analysis.tracking.accuracy.width_error`: on coarse grids far worse than the rest.
-        momentum: in units of m V.
-        energy: kinetic and of the contacts, in units of m V**2; where only some beads are recorded, from the
-            kinetic energy as in the exact wave (9/5 of it for spheres).
+        momentum: in units of m V; NaN where beads differ.
+        energy: kinetic and of the contacts, within `reach` beads of the one that is passed, in units of m V**2; where
+            only some beads are recorded, from the kinetic energy as in the exact wave (9/5 of it for spheres), and NaN
+            where beads differ.
         residual: largest difference from the exact wave of the same peak velocity, in units of that.
     """
 
@@ -80,6 +83,11 @@ class Shape:
         return Shape(**columns)
 
 
+def reach(problem: Problem) -> int:
+    """Beads on either side of a pulse's peak that hold its energy: three, and more where pulses are longer."""
+    return math.ceil(COMPARED * length_of(problem) - 1e-6)
+
+
 class Waveforms:
     """Collects the waveforms of passages from a run that is given piece by piece. Frames are evenly spaced.
 
@@ -87,8 +95,8 @@ class Waveforms:
         passages: what is watched.
         time: [passage, sample], in units of T; regularly spaced, also where there is no frame.
         velocity: [passage, sample] along the pulse's direction, in units of V; NaN where there is no frame.
-        contact_energy: [passage, sample] energy of the contact with the bead of the next higher number, in units of
-            m V**2; NaN likewise, and where not all beads are recorded.
+        energy: [passage] within `reach` beads of the one that is passed, at the frame nearest to the arrival, in units
+            of m V**2; NaN where not all of them are recorded.
     """
 
     def __init__(self, problem: Problem, passages: Passages) -> None:
@@ -107,7 +115,8 @@ class Waveforms:
         self._first, self._last = centre - half * stride, centre + half * stride
         self.time = (centre[:, np.newaxis] + offset * stride[:, np.newaxis]) * every
         self.velocity = np.full(self._frame.shape, np.nan)
-        self.contact_energy = np.full(self._frame.shape, np.nan)
+        self.energy = np.full(len(passages), np.nan)
+        self._centre, self._reach = centre, reach(problem)
         self._column = np.searchsorted(problem.recorded_beads, passages.bead)
         self._seen = 0
 
@@ -126,12 +135,22 @@ class Waveforms:
         bead = self._column[row] - (block.first - 1)
         self.velocity[row, sample] = self.passages.direction[row] * block.velocity[frame, chain, bead]
         if self.problem.recorded is None:
-            x = block.displacement
-            ahead = np.minimum(bead + 1, x.shape[2] - 1)
-            overlap = x[frame, chain, bead] - x[frame, chain, ahead] - self.problem.gap
-            contact = chain, block.first - 1 + np.minimum(bead, x.shape[2] - 2)
-            energy = motion.stored_in_contact(self.problem, np.where(ahead > bead, overlap, 0.0), *contact)
-            self.contact_energy[row, sample] = energy
+            now = passing[(self._centre[passing] >= start) & (self._centre[passing] < end)]
+            self.energy[now] = self._inside(block, now, self._centre[now] - start)
+
+    def _inside(self, block: Trajectory, row: Integers, frame: Integers) -> Floats:
+        """Energy near the beads of some passages, each in a frame of a block."""
+        problem, beads = self.problem, block.velocity.shape[2]
+        place = (self.passages.bead[row] - block.first)[:, np.newaxis] + np.arange(-self._reach, self._reach + 1)
+        there, near = (place >= 0) & (place < beads), np.clip(place, 0, beads - 1)
+        chain, bead = (self.passages.chain[row] - 1)[:, np.newaxis], block.first - 1 + near
+        x, v = (values[frame[:, np.newaxis], chain, near] for values in (block.displacement, block.velocity))
+        kinetic = np.where(there, 0.5 * problem.mass_of(chain, bead) * v * v, 0.0)
+        overlap = x[:, :-1] - x[:, 1:] - problem.gap
+        contact = chain, np.minimum(bead[:, :-1], problem.beads - 2)
+        stored = np.where(there[:, :-1] & there[:, 1:], motion.stored_in_contact(problem, overlap, *contact), 0.0)
+        left_out = (place[:, 0] < 0) & (block.first > 1)  # by a window
+        return np.where(left_out, np.nan, kinetic.sum(axis=1) + stored.sum(axis=1))
 
     def shape(self) -> Shape:
         """What the waveforms say."""
@@ -151,13 +170,14 @@ class Waveforms:
         mass = np.reshape(self.problem.mass_of(passages.chain - 1, passages.bead - 1), (-1, 1))
         kinetic_share = (exact.exponent + 1.0) / (exact.exponent + 3.0)
         kinetic = travelled(0.5 * mass * self.velocity**2)
-        energy = kinetic + travelled(self.contact_energy) if self.problem.recorded is None else kinetic / kinetic_share
+        alone = kinetic / kinetic_share if self.problem.alike else np.nan * kinetic
+        energy = self.energy if self.problem.recorded is None else alone
         xi = exact.speed_at(peak) * late
         difference = np.abs(self.velocity / peak - exact.velocity(xi))
         difference[~(watched & (np.abs(xi) <= COMPARED))] = 0.0
         return Shape(
             width=self._duration() * finite * sign,
-            momentum=travelled(mass * self.velocity),
+            momentum=travelled(mass * self.velocity) if self.problem.alike else np.nan * kinetic,
             energy=energy,
             residual=np.max(difference, axis=1, initial=0.0) * sign,
         )

@@ -1,7 +1,6 @@
-"""What chains of unequal beads do to a pulse: the energy that it carries on, leaves behind in every cell, and splits.
+"""What chains of unlike beads do to a pulse: the energy that it carries, loses from cell to cell, and splits at a bead.
 
-The leading pulse is where the largest contact force of a chain is, which is defined whatever the beads' masses. It
-carries the energy of the beads from a few behind it on; of that, what it loses from cell to cell is left behind. A cell
+The energy of a pulse is that of the beads near its peak (`analysis.shape.waveforms.reach`), as it passes a bead. A cell
 is the least piece of a pattern that repeats, one bead without one.
 """
 
@@ -12,26 +11,32 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis import motion
-from analysis.mirror import direction_of, mirrored, mirrored_bead
+from analysis.mirror import along_the_way, direction_of
+from analysis.shape.pattern import repeats_between
+from analysis.shape.waveforms import reach
+from analysis.sharing.equipartition import dissipates
+from analysis.sharing.survey import Survey
+from analysis.tracking.pulses import Pulse
 from analysis.tracking.undisturbed import CLEAR
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem
 
-BEHIND = 4
-"""Cells (of two beads at least) behind the largest force that count as the pulse's."""
+AT_REST = 0.01
+"""Share of the incident energy up to which a bead has let go of a pulse."""
 
 
 @dataclass(frozen=True)
 class Left:
-    """What one chain's pulse left behind, in shares of the energy that was put in.
+    """What one chain's leading pulse carries, and loses, in shares of the energy input.
 
     Attributes:
         first, last: beads, as numbered in the scene, at which the pulse was compared; whole cells apart.
-        carried: energy that it carried at the last of them.
-        per_cell: lost from one cell to the next between them; NaN where it did not run a cell.
-        rate: share of its own energy that it loses in a cell, of the exponential law fitted between them; NaN for
-            fewer than three cells.
-        deviation: largest relative difference of the energy that it carries from that law.
+        carried: energy of the pulse at the last of them.
+        per_cell: residual energy: lost from one cell to the next between them. NaN where cells there are not all alike,
+            where the energy also goes to other chains or is dissipated, and where the pulse did not run a cell.
+        rate: share of its own energy that it loses in a cell, of the exponential law fitted between them; NaN likewise,
+            and for fewer than three cells.
+        deviation: largest relative difference of the energy from that law.
     """
 
     first: int
@@ -44,14 +49,15 @@ class Left:
 
 @dataclass(frozen=True)
 class Split:
-    """Where the energy of a chain is at the end, seen from one of its beads, in shares of the energy that was put in.
+    """Where the energy of a chain is at the end, seen from one of its beads, in shares of the energy input.
 
     Attributes:
         chain, bead: counted from 1.
         before, at, beyond: in beads of lower numbers, in this one, in those of higher numbers; the energy of a contact
             is half each bead's.
-        incident: energy of the pulse as it came near.
-        reflected: of that, what is on its side at the end; without what it had left behind there before.
+        incident: energy of the leading pulse before the bead.
+        reflected: of that, what is on its side at the end. NaN where chains are coupled or lose energy, where anything
+            but that pulse has crossed the bead or is about to, and where the bead still has part of it.
     """
 
     chain: int
@@ -63,89 +69,97 @@ class Split:
     reflected: float
 
 
-class CellEnergy:
-    """Collects both from a run of all beads that is given block by block.
+def left(found: Survey, chain: int, period: int) -> Left | None:
+    """What the leading pulse of a chain, from 1, lost on the second half of its way; None if it ran nowhere."""
+    problem = found.problem
+    way, share = _along(found, chain)
+    clear = way <= problem.beads - CLEAR
+    way, share = way[clear], share[clear]
+    if len(way) == 0:
+        return None
+    last = int(way[-1])
+    like = (last - way) % period == 0
+    way, share = way[like], share[like]
+    start = int(np.argmin(np.abs(way - last / 2.0)))
+    way, share = way[start:], share[start:]
+    cells = (last - int(way[0])) // period
+    ends = along_the_way(problem, int(way[0])), along_the_way(problem, last)
+    low, high = min(ends) - reach(problem), max(ends) + reach(problem)
+    alone = len(problem.tied_to(chain - 1)) == 1 and not dissipates(problem)
+    if not (cells and alone and repeats_between(problem, chain - 1, low, high, period)):
+        return Left(*ends, float(share[-1]), math.nan, math.nan, math.nan)
+    return Left(*ends, float(share[-1]), float(share[0] - share[-1]) / cells, *_law((way - way[0]) / period, share))
 
-    Args:
-        problem: what was run.
-        period: beads of a cell.
-        places: (chain, bead) from which the energy at the end is looked at.
+
+def _along(found: Survey, chain: int) -> tuple[NDArray[np.int64], Floats]:
+    """Beads ahead of the kick, counted along the way, and the share of the energy that the leading pulse has there."""
+    problem = found.problem
+    own = found.waves.chain == chain
+    way, share = along_the_way(problem, found.waves.bead[own]), found.shape.energy[own] / found.shared.energy
+    order = np.argsort(way)
+    way, share = way[order], share[order]
+    struck = [along_the_way(problem, bead) for _, bead, blow in problem.struck if blow * found.direction > 0.0]
+    known = np.isfinite(share) & (way > max(struck))
+    return way[known], share[known]
+
+
+def _law(cell: Floats, share: Floats) -> tuple[float, float]:
+    """Rate of the exponential that the energy follows at beads that are whole cells apart, and how closely."""
+    if len(cell) < 3 or not np.all(share > 0.0):
+        return math.nan, math.nan
+    slope, start = np.polyfit(cell, np.log(share), 1)
+    return float(-np.expm1(slope)), float(np.max(np.abs(share / np.exp(start + slope * cell) - 1.0)))
+
+
+class FinalEnergy:
+    """Energy of the beads in the last frame, and the largest kinetic energy of those at the far end.
+
+    Of a run of all beads that is given block by block.
     """
 
-    def __init__(self, problem: Problem, period: int, places: tuple[tuple[int, int], ...] = ()) -> None:
-        self.period = period
-        self._problem = problem
-        self._places = places
-        self._carried, self._behind = np.full((2, problem.chains, problem.beads), np.nan)
-        self._put_in = 0.0 if problem.loads else problem.energy
-        self._front = np.zeros(problem.chains, dtype=np.int64)
-        self._final: Floats | None = None
+    def __init__(self, problem: Problem) -> None:
+        self._last = -1 if direction_of(problem) > 0 else 0
+        self.beads: Floats | None = None
         self._end = np.zeros(problem.chains)
 
     def add(self, block: Trajectory) -> None:
         """Take the next frames, from the first of the run on."""
-        if direction_of(self._problem) < 0:
-            block = mirrored(block)
-        energy = motion.bead_energy(block.problem, block.displacement, block.velocity)
-        self._final = energy[-1]
-        mass = block.problem.mass_of(slice(None), -1)
-        self._end = np.maximum(self._end, np.max(0.5 * mass * block.velocity[..., -1] ** 2, axis=0))
-        if self._problem.loads:
-            total = motion.energy(block.problem, block.displacement, block.velocity)
-            self._put_in = max(self._put_in, float(np.max(total)))
-        ahead = np.cumsum(energy[..., ::-1], axis=-1)[..., ::-1]
-        force = motion.contact_force(block.problem, motion.overlaps(block.problem, block.displacement))
-        place = np.where(force.max(axis=-1) > 0.0, np.argmax(force, axis=-1), 0)
-        reached = np.maximum.accumulate(np.vstack([self._front[np.newaxis], place]), axis=0)[1:]
-        tail = np.maximum(reached - BEHIND * max(2, self.period), 0)
-        carried = np.take_along_axis(ahead, tail[..., np.newaxis], axis=-1)[..., 0]
-        frame, chain = np.nonzero(place == reached)
-        # the last frame of each counts
-        self._carried[chain, place[frame, chain]] = carried[frame, chain]
-        self._behind[chain, place[frame, chain]] = (ahead[..., 0] - carried)[frame, chain]
-        self._front = reached[-1]
+        self.beads = motion.bead_energy(block.problem, block.displacement[-1:], block.velocity[-1:])[0]
+        mass = block.problem.mass_of(slice(None), self._last)
+        self._end = np.maximum(self._end, np.max(0.5 * mass * block.velocity[..., self._last] ** 2, axis=0))
 
-    def left(self, chain: int) -> Left | None:
-        """What the pulse of a chain, from 1, left behind on the second half of its way; None if it ran nowhere."""
-        row = self._carried[chain - 1] / self._put_in
-        seen = np.flatnonzero(np.isfinite(row[: self._problem.beads - CLEAR]))
-        if len(seen) == 0 or seen[-1] == 0:
-            return None
-        last = int(seen[-1])
-        like = seen[(last - seen) % self.period == 0]
-        first = int(like[np.argmin(np.abs(like - last / 2.0))])
-        cells = (last - first) // self.period
-        per_cell = (row[first] - row[last]) / cells if cells else math.nan
-        ends = (self._bead(first + 1), self._bead(last + 1))
-        return Left(*ends, float(row[last]), float(per_cell), *self._law(row, like[like >= first]))
+    def end(self, found: Survey, chain: int) -> float | None:
+        """Of the last bead on the pulse's way, in that of the energy input; None if no pulse came there."""
+        way = along_the_way(found.problem, found.waves.bead[found.waves.chain == chain])
+        came = found.problem.beads in way and found.shared.energy > 0.0
+        return float(self._end[chain - 1] / found.shared.energy) if came else None
 
-    def _law(self, row: Floats, like: NDArray[np.int64]) -> tuple[float, float]:
-        """Rate of the exponential that the energy follows at beads that are whole cells apart, and how closely."""
-        if len(like) < 3 or not np.all(row[like] > 0.0):
-            return math.nan, math.nan
-        cell = (like - like[0]) / self.period
-        slope, start = np.polyfit(cell, np.log(row[like]), 1)
-        return float(-np.expm1(slope)), float(np.max(np.abs(row[like] / np.exp(start + slope * cell) - 1.0)))
+    def split(self, found: Survey, chain: int, bead: int) -> Split:
+        """Where the energy is at the end, seen from a bead."""
+        assert self.beads is not None
+        share = self.beads[chain - 1] / found.shared.energy
+        before, at, beyond = float(share[: bead - 1].sum()), float(share[bead - 1]), float(share[bead:].sum())
+        here, (way, carried) = along_the_way(found.problem, bead), _along(found, chain)
+        come = np.flatnonzero(way < here - reach(found.problem))
+        incident = float(carried[come[-1]]) if len(come) else math.nan
+        gone = beyond if found.direction > 0 else before
+        reflected = incident - at - gone if _only_once(found, chain, bead) and at < AT_REST * incident else math.nan
+        return Split(chain, bead, before, at, beyond, incident, reflected)
 
-    def end(self, chain: int) -> float | None:
-        """Largest kinetic energy that the last bead on the pulse's way has had; None if no pulse came there."""
-        return float(self._end[chain - 1] / self._put_in) if self._front[chain - 1] >= self._problem.beads - 2 else None
 
-    def splits(self) -> tuple[Split, ...]:
-        """Where the energy is at the end of the frames so far, seen from each of the places."""
-        if self._final is None:
-            return ()
-        return tuple(self._split(self._final / self._put_in, chain, bead) for chain, bead in self._places)
+def _only_once(found: Survey, chain: int, bead: int) -> bool:
+    """Whether the leading pulse, and nothing else, has come to a bead and passed on, and no energy is lost."""
+    problem, here = found.problem, along_the_way(found.problem, bead)
+    alone = len(problem.tied_to(chain - 1)) == 1 and not dissipates(problem)
+    struck = all(along_the_way(problem, hit) < here for at, hit, _ in problem.struck if at == chain)
+    way, _ = _along(found, chain)
+    passed = bool(np.any(way > here + CLEAR))
+    others = [pulse for pulse in found.pulses if pulse.chain == chain and not found.leads(pulse)]
+    return alone and struck and passed and not any(_crosses(pulse, problem, here) for pulse in others)
 
-    def _split(self, share: Floats, chain: int, bead: int) -> Split:
-        """From shares along the pulse's way, [chain, bead]."""
-        here = self._bead(bead)
-        sides = float(share[chain - 1, : here - 1].sum()), float(share[chain - 1, here:].sum())
-        near = max(here - 1 - BEHIND * max(2, self.period), 0)
-        incident, behind = (float(each[chain - 1, near] / self._put_in) for each in (self._carried, self._behind))
-        forward = direction_of(self._problem) > 0
-        at = float(share[chain - 1, here - 1])
-        return Split(chain, bead, sides[not forward], at, sides[forward], incident, sides[0] - behind)
 
-    def _bead(self, along: int) -> int:
-        return along if direction_of(self._problem) > 0 else int(mirrored_bead(self._problem, along))
+def _crosses(pulse: Pulse, problem: Problem, here: int) -> bool:
+    """Whether a pulse runs past a bead, or is about to; numbers along the leading pulse's way."""
+    first, last = (along_the_way(problem, int(bead)) for bead in pulse.bead[[0, -1]])
+    ahead = CLEAR if last > first else -CLEAR
+    return min(first, last + ahead) < here - 2 and max(first, last + ahead) > here + 2

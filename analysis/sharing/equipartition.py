@@ -264,6 +264,12 @@ def sharing(waves: Waves, problem: Problem, noise: float = 0.0) -> Sharing:
     )
 
 
+def dissipates(problem: Problem) -> bool:
+    """Whether contacts or beads lose energy, so that every pulse decays as long as it runs."""
+    along, _, ground, _ = problem.sinks
+    return along is not None or ground is not None
+
+
 def _extrapolated(tops: Floats, tolerance: float) -> float | None:
     """Bead at which an exponential through (bead, mismatch) rows reaches a tolerance; None if it does not fall."""
     slope, intercept = np.polyfit(tops[:, 0], np.log(tops[:, 1]), 1)

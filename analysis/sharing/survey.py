@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.budget import energy_input
-from analysis.mirror import direction_of, mirrored, mirrored_problem
+from analysis.mirror import direction_of, mirrored, mirrored_bead, mirrored_problem
 from analysis.shape.loaded_wave import make_speed
 from analysis.shape.wave_of import wave_of
-from analysis.shape.waveforms import Passages, Shape, Waveforms
+from analysis.shape.waveforms import Passages, Shape, Waveforms, reach
 from analysis.sharing.decay_law import DecayFit, fit_decay
 from analysis.sharing.energy_shares import EnergyShares
 from analysis.sharing.equipartition import Sharing, sharing
@@ -25,13 +25,16 @@ from analysis.tracking.leading_waves import Arrival, Waves, leading_waves, mirro
 from analysis.tracking.noise import distinct, left_by_smoothing, noise_at_start, smoothed
 from analysis.tracking.peaks import THRESHOLD, PeakFinder
 from analysis.tracking.pulses import SMALLEST, Pulse, ahead_of_sound, track_pulses
-from analysis.tracking.undisturbed import clear_of_ends, once_each, returns
+from analysis.tracking.undisturbed import clear_of_ends, clear_of_others, once_each, returns
 from analysis.tracking.which_leads import beyond_kicks, of_pulses, opposed
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem
 
 MAX_PASSAGES = 4000
 """Leading passages whose waveform is kept; beyond, every second bead, every third, ..."""
+
+HALF = 2.0
+"""Beads from its peak within which the exact wave has all but 1e-5 of its energy."""
 
 SURE = 5.0
 """Standard deviations of the noise that a peak must exceed."""
@@ -186,7 +189,8 @@ def survey(
     for block in _frames(read, problem, noise):
         waveforms.add(block)
         energies.add(block if direction > 0 else mirrored(block))
-    shapes = waveforms.shape()
+    shapes = _of_one_pulse(waveforms.shape(), waveforms.passages, pulses, problem)
+    energies.forget(_of_others(shared.bead[energies.place], waves, pulses, problem, direction))
     characters = tuple(
         characterise(pulse, place, shapes.entry(len(chosen) + number), tolerances, problem=problem)
         for number, (pulse, place) in enumerate(zip(pulses, at, strict=True))
@@ -199,7 +203,7 @@ def survey(
         noise=noise,
         waves=waves,
         waveforms=waveforms,
-        shape=shapes.spread_out(chosen, len(waves)).where(sharp),
+        shape=_sharp(shapes.spread_out(chosen, len(waves)), sharp),
         pulses=pulses,
         crests=crests,
         clear=clear,
@@ -209,6 +213,37 @@ def survey(
         decay=decay,
         verdict=judge(shared, along, decay),
     )
+
+
+def _sharp(shape: Shape, sharp: NDArray[np.bool_]) -> Shape:
+    """Shapes of waves, of which only the energy is known where their time is not."""
+    return replace(shape.where(sharp), energy=shape.energy)
+
+
+def _of_one_pulse(shapes: Shape, passages: Passages, pulses: tuple[Pulse, ...], problem: Problem) -> Shape:
+    """Shapes whose energy is not known where another pulse has part of what is near the peak."""
+    energy = shapes.energy.copy()
+    for chain in range(1, problem.chains + 1):
+        own = passages.chain == chain
+        bead, time = passages.bead[own], passages.arrival[own]
+        clear = clear_of_others(chain, bead, time, pulses, problem.every, reach(problem) + HALF)
+        energy[own] = np.where(clear, energy[own], np.nan)
+    return replace(shapes, energy=energy)
+
+
+def _of_others(
+    bead: NDArray[np.int64], waves: Waves, pulses: tuple[Pulse, ...], problem: Problem, direction: int
+) -> NDArray[np.bool_]:
+    """[bead, chain] where the same holds of leading waves at beads counted along their way."""
+    bead = bead if direction > 0 else mirrored_bead(problem, bead)
+    time = np.full((problem.beads + 1, problem.chains), np.nan)
+    time[waves.bead, waves.chain - 1] = waves.time
+    apart = reach(problem) + HALF
+    near = [
+        ~clear_of_others(chain + 1, bead, time[bead, chain], pulses, problem.every, apart)
+        for chain in range(problem.chains)
+    ]
+    return np.stack(near, axis=1)
 
 
 class _Input:

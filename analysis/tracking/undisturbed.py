@@ -59,14 +59,26 @@ def clear_of_ends(pulse: Pulse, problem: Problem, back: Floats) -> NDArray[np.bo
     return np.asarray(inside & (pulse.arrival < back[pulse.chain - 1, pulse.bead - 1]))
 
 
-def clear_of_others(pulse: Pulse, pulses: Iterable[Pulse]) -> NDArray[np.bool_]:
-    """[passage] whether all other pulses of the chain, of either direction, were at least `APART` away."""
-    clear = np.ones(len(pulse), dtype=bool)
+def clear_of_others(
+    chain: int, bead: NDArray[np.int64], time: Floats, pulses: Iterable[Pulse], every: float, apart: float = APART
+) -> NDArray[np.bool_]:
+    """[passage] whether all other pulses of a chain, of either direction, were so many beads away.
+
+    Args:
+        chain, bead, time: of the passages; NaN is near none.
+        pulses: all that were found; one that passes the same bead at the same time is the same.
+        every: time between frames.
+        apart: beads.
+    """
+    clear = np.ones(len(bead), dtype=bool)
     for other in pulses:
-        if other is not pulse and other.chain == pulse.chain:
+        if other.chain == chain:
             order = np.argsort(other.arrival, kind="stable")
-            place = np.interp(pulse.arrival, other.arrival[order], other.bead[order], left=np.nan, right=np.nan)
-            clear &= ~(np.abs(place - pulse.bead) < APART)
+            place = np.interp(time, other.arrival[order], other.bead[order], left=np.nan, right=np.nan)
+            order = np.argsort(other.bead, kind="stable")
+            here = order[np.minimum(np.searchsorted(other.bead[order], bead), len(other) - 1)]
+            same = (other.bead[here] == bead) & (np.abs(other.arrival[here] - time) < 0.5 * every)
+            clear &= same | ~(np.abs(place - bead) < apart)
     return clear
 
 

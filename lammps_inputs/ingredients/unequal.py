@@ -143,11 +143,6 @@ Taper = Annotated[float, Field(ge=0, lt=1), PURE]
 """Share by which each bead's radius is smaller than that of the one before; masses follow as the cube."""
 
 
-def period(scene: "BaseScene") -> int:
-    """Beads after which every chain's pattern repeats."""
-    return int(np.lcm.reduce([len(row) for row in _rows(scene)])) if scene.pattern else 1
-
-
 def masses_and_strengths(scene: "BaseScene") -> tuple[float | Floats, float | Floats]:
     """Masses of the beads, [chain, bead], and strengths of the contacts, [chain, contact], in the reference bead's.
 

@@ -80,7 +80,8 @@ def train(found: Survey) -> Train | None:
         if (pulse.chain, pulse.direction) != (chain, ahead) or 4 * np.ptp(pulse.bead) < found.problem.beads:
             continue
         far.append(pulse)
-        for at, good in enumerate(clear & clear_of_others(pulse, found.pulses)):
+        alone = clear_of_others(chain, pulse.bead, pulse.arrival, found.pulses, found.problem.every)
+        for at, good in enumerate(clear & alone):
             varies = pulse.variation(at)  # not known where few beads are recorded
             unknown = np.isnan(varies) and found.problem.recorded is not None
             constant = unknown or varies <= STEADY * pulse.peak_velocity[at]

@@ -68,7 +68,7 @@ def test_distance_figure_shows_amplitudes_energies_and_lags(found):
     amplitude, waves, chains, lag = distance_figure(found.problem, found.shared, found.energies).axes
     for k, name in enumerate(("chain 1", "chain 2")):
         assert np.array_equal(curves(amplitude)[name].get_ydata(), found.shared.amplitude[:, k])
-        assert np.array_equal(curves(waves)[name].get_ydata(), found.energies.wave[:, k])
+        assert np.array_equal(curves(waves)[name].get_ydata(), found.energies.wave[:, k], equal_nan=True)
         assert np.array_equal(curves(chains)[name].get_ydata(), found.energies.chain[:, k])
         assert np.array_equal(curves(lag)[name].get_ydata(), found.shared.lag[:, k])
     assert lag.get_ylabel() == "lag behind chain 1 (reduced)"

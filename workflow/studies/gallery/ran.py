@@ -9,8 +9,9 @@ import numpy as np
 from analysis.gauges.forces import ForceMeter
 from analysis.gauges.gauge import gauges
 from analysis.gauges.readings import Readings
-from analysis.sharing.cells import CellEnergy
+from analysis.sharing.cells import left
 from analysis.sharing.energy_flow import EnergyFlow, Flow
+from analysis.sharing.survey import survey
 from analysis.tracking.leading_waves import Waves, leading_waves
 from analysis.tracking.peaks import PeakFinder, Peaks
 from analysis.tracking.pulses import Pulse, track_pulses
@@ -92,11 +93,8 @@ class Ran:
 
     def left_behind(self, period: int) -> float:
         """Share of the energy that chain 1's pulse loses from one cell to the next; NaN where it ran none."""
-        cells = CellEnergy(self.problem, period)
-        for block in self.directory.blocks():
-            cells.add(block)
-        left = cells.left(1)
-        return float("nan") if left is None else left.per_cell
+        found = left(survey(self.directory.blocks, self.problem), 1, period)
+        return float("nan") if found is None else found.per_cell
 
     @cached_property
     def flow(self) -> Flow:

@@ -1,0 +1,48 @@
+"""Cells that repeat along chains, and how long pulses are in them."""
+
+import math
+
+import pytest
+
+from analysis.shape.pattern import length_of, period_of, repeats_between
+from lammps_inputs import library
+
+KINDS = {"kinds": {"a": {"mass": 1.0}, "b": {"mass": 0.3428}, "c": {"mass": 4.0}}}
+
+
+def problem(**more):
+    plain = {"name": "a", "beads": 40, "kick": {"velocity": 1.0}, "duration": 10.0}
+    return library.from_plain({**plain, **more}, "test").problem()
+
+
+CASES = {
+    "alike": ({}, 1),
+    "one bead": ({**KINDS, "replace": {"bead": 20, "kind": "c"}}, 1),
+    "dimer": ({**KINDS, "pattern": ["a", "b"]}, 2),
+    "dimer and one bead": ({**KINDS, "pattern": ["a", "b"], "replace": {"bead": 20, "kind": "c"}}, 2),
+    "four": ({**KINDS, "pattern": ["a", "b", "b", "a"]}, 4),
+    "of two chains": ({**KINDS, "chains": 2, "pattern": [["a", "b"], ["a", "a", "b"]]}, 6),
+    "taper": ({"taper": 0.01}, 1),
+    "disorder": ({"disorder": {"mass": 0.1, "seed": 1}}, 1),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_cell_is_what_repeats_but_for_single_beads(name):
+    more, beads = CASES[name]
+    assert period_of(problem(**more)) == beads
+
+
+@pytest.mark.parametrize(("first", "last", "alike"), [(2, 18, True), (2, 19, False), (21, 40, True), (10, 30, False)])
+def test_beads_repeat_up_to_the_contact_of_one_of_another_kind(first, last, alike):
+    """The contacts of bead 20, of another radius, differ too: that with bead 19 counts as the latter's."""
+    odd = problem(kinds={"odd": {"radius": 2.0}}, replace={"bead": 20, "kind": "odd"})
+    assert repeats_between(odd, 0, first, last, 1) == alike
+
+
+@pytest.mark.parametrize("mass", [0.1548, 0.3428, 3.0])
+def test_pulses_of_dimers_are_longer_by_the_dispersion_of_long_waves(mass):
+    """beta = (1 - 3 mu) / 3 in beads, with mu = m1 m2 / (m1 + m2)**2."""
+    dimer = problem(kinds={"a": {"mass": 1.0}, "b": {"mass": mass}}, pattern=["a", "b"])
+    assert length_of(dimer) == pytest.approx(2.0 * math.sqrt(1.0 - 3.0 * mass / (1.0 + mass) ** 2), rel=1e-3)
+    assert length_of(problem()) == 1.0
