@@ -118,6 +118,50 @@ def test_under_a_load_walls_and_contacts_read_it_at_rest():
     np.testing.assert_allclose(readings.impulse, 0.0, atol=1e-15)
 
 
+def pressed_by(size, until=20.0):
+    """A loaded wall's reading where the force above the static one is size * sin(pi (t - 3) / 6)**2 from t = 3 to 9."""
+    loaded = walled(beads=8, precompression={"force": 0.5}, duration=until)
+    law = loaded.walls[0].law
+
+    def motion(t):
+        phase, inside = np.pi * (t - 3.0) / 6.0, (t > 3.0) & (t < 9.0)
+        above = np.where(inside, size * np.sin(phase) ** 2, 0.0)
+        rate = np.where(inside, size * np.pi / 6.0 * np.sin(2.0 * phase), 0.0)
+        strength = np.max(law.strength)
+        overlap = ((0.5 + above) / strength) ** (2.0 / 3.0)
+        last = np.arange(8) == 7
+        return last * (overlap - (0.5 / strength) ** (2.0 / 3.0)), last * (2.0 / 3.0 * rate / strength * overlap**-0.5)
+
+    return read(written_down(loaded, motion))
+
+
+@pytest.mark.parametrize("size", [0.2, 20.0])
+def test_under_a_load_the_dwell_is_that_above_it(size):
+    readings = pressed_by(size)
+    assert readings.largest[0, 0] == pytest.approx(0.5 + size, rel=1e-4)
+    assert readings.dynamic[0, 0] == pytest.approx(size, rel=2e-4)
+    assert readings.largest_at[0, 0] == pytest.approx(6.0, abs=0.01)
+    assert readings.dwell[0, 0] == pytest.approx(6.0 - 12.0 / np.pi * math.asin(0.1), abs=1e-3)
+    assert readings.impulse[0, 0] == pytest.approx(3.0 * size, rel=1e-3)
+    assert readings.ended[0, 0]
+    assert readings.last[0, 0] == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize(("until", "last"), [(7.0, 0.75), (4.0, 1.0)])
+def test_a_dwell_is_so_far_where_the_record_ends_inside_the_pulse(until, last):
+    readings = pressed_by(0.2, until)
+    assert not readings.ended[0, 0]
+    assert readings.dwell[0, 0] == pytest.approx(until - readings.time[0] - 3.0, abs=0.3)
+    assert readings.last[0, 0] == pytest.approx(last, abs=0.01)
+
+
+def test_a_force_that_never_exceeds_the_static_one_has_no_largest_dynamic_value():
+    readings = pressed_by(-0.2)
+    assert readings.largest[0, 0] == pytest.approx(0.5, rel=1e-9)
+    assert np.isnan([readings.largest_at[0, 0], readings.dynamic[0, 0], readings.last[0, 0]]).all()
+    assert readings.impulse[0, 0] == pytest.approx(-0.6, rel=1e-3)
+
+
 def test_the_dwell_is_that_of_the_hardest_contact():
     """Beads 1 and 2 overlap by 0.1 at most from t = 1 to 2, by 0.5 from 4 to 7, by 0.2 from 8 to 9."""
     small = problem(chains=1, recorded=(1, 2))
