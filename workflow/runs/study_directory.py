@@ -46,10 +46,10 @@ def study_directory(
 def mark(directory: Path, command: str, *, done: bool, result: str, resume: str = RESUMES) -> None:
     """Note in ``run.json`` which command made a directory, and whether it came to its end."""
     path = directory / RECORD
-    claim(directory, ())
     with changing(path):
+        record = read_record(path) if path.is_file() else {"files": [RECORD]}
         study = {"command": command, "done": done, "result": result, "resume": resume}
-        write_json(path, {**read_record(path), "study": study})
+        write_json(path, {**record, "study": study})
 
 
 def sentence(study: dict[str, Any]) -> str:

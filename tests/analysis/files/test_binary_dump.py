@@ -472,7 +472,7 @@ import sys
 from pathlib import Path
 from analysis.files.recording import blocks
 from lammps_inputs import Kick, Scene
-scene = Scene(name="long", chains=2, beads=120, kick=(Kick(velocity=1.0),), duration=1.0)
+scene = Scene(name="long", chains=2, beads=120, kick=(Kick(velocity=1.0),), duration=1.0, timestep=0.01)
 print(sum(block.frames for block in blocks([Path(sys.argv[1])], scene.problem())))
 status = dict(line.split(":", 1) for line in Path("/proc/self/status").read_text().splitlines())
 print(status["VmHWM"].split()[0])

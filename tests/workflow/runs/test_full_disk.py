@@ -181,7 +181,7 @@ def test_an_analysis_that_does_not_fit_leaves_the_earlier_one(disk, capsys):
 @pytest.mark.slow
 def test_a_run_that_does_not_even_begin_can_be_begun_later(disk, capsys):
     disk.fill(but=4096)
-    line = complaint(["run", "two-chains", "-o", disk.path / "run", "--no-check"], capsys)
+    line = complaint(["run", "two-chains", "-o", disk.path / "run", "--no-check", "--quiet"], capsys)
     assert "cannot be written (No space left on device)" in line
     (disk.path / "filler").unlink()
     disk.grow()

@@ -22,6 +22,7 @@ chains: 2
 beads: 12
 coupling: {stiffness: 0.1}
 duration: 40
+timestep: 0.01
 output: {every: 0.5}
 push:
   - {peak: 0.6, duration: 20.3, shape: half-sine}

@@ -31,6 +31,7 @@ def _scene(chains: int, beads: int, duration: float) -> Scene:
         coupling=Coupling(stiffness=0.1),
         kick=(Kick(velocity=1.0),),
         duration=duration,
+        timestep=0.01,
         output=Output(every=0.1),
     )
 
