@@ -29,6 +29,7 @@ SCENE = {
     "coupling": {"stiffness": 0.1},
     "kick": {"velocity": 1.0},
     "duration": 12.0,
+    "timestep": 0.01,
     "output": {"every": 0.1},
 }
 
@@ -155,7 +156,7 @@ def test_what_is_advised_is_within_the_accuracy_and_nothing_cheaper_is(found):
 
 def test_the_figure_and_the_tables_are_all_that_is_left(found):
     assert {path.name for path in found[3].iterdir()} == {
-        "trade.csv", "frames.csv", "trade.json", "trade.png"
+        "trade.csv", "frames.csv", "trade.json", "trade.png", "run.json"
     }  # fmt: skip
     assert (found[3] / "trade.png").stat().st_size > 10_000
 
