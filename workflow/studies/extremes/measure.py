@@ -11,6 +11,7 @@ import numpy as np
 from analysis.against.pairing import paired
 from analysis.conservation import Conservation
 from lammps_inputs import InputError, Problem, library
+from lammps_inputs.scene import DEFAULT_ACCURACY
 from workflow.engines.lammps import engine, hosted
 from workflow.errors import RunError
 from workflow.runs.run import run
@@ -21,7 +22,7 @@ from workflow.studies.extremes.true_error import judge
 from workflow.verdicts.validate import TOLERANCES
 
 PROMISED = TOLERANCES["velocity"]
-"""Largest error that a run without `accuracy` lets pass without a word, in units of V."""
+"""Largest error, in units of V, that a run with a `timestep` of its own has without a remark."""
 
 SHARPER = 10.0
 """The judge is surer by this than what the run was asked for, and than what it says of itself."""
@@ -63,7 +64,8 @@ def _run_and_judge(cell: Cell, folder: Path, outcome: Outcome) -> Outcome:
     path = folder / "run"
     try:
         scene = library.from_plain(cell.scene, "scene")
-        outcome = replace(outcome, asked=scene.accuracy or PROMISED)
+        promised = DEFAULT_ACCURACY if scene.timestep is None else PROMISED
+        outcome = replace(outcome, asked=scene.accuracy or promised)
         # LAMMPS in this process has the diameter of this process
         lammps = engine.run if cell.diameter is None else hosted.run
         done = run(scene, path, ranks=cell.ranks, force=cell.force, lammps=lammps)
