@@ -11,8 +11,7 @@ from workflow.cluster.job_arguments import add_job_arguments, job_options, with_
 from workflow.prepare.settings import settle
 from workflow.runs import contacts
 from workflow.runs.files import LAMMPS_FILES
-from workflow.runs.locks import alone
-from workflow.runs.own_files import prepare, refuse_to_overwrite, replacing
+from workflow.runs.own_files import prepared, refuse_to_overwrite, replacing
 from workflow.runs.whole_files import write_text
 from workflow.screen import one_line
 
@@ -41,8 +40,7 @@ def execute(arguments: argparse.Namespace) -> int:
         files |= job.render_job(options, scene.problem())
     refuse_to_overwrite(arguments.scene, arguments.output)
     names = (*LAMMPS_FILES, *(file_names.JOB_FILES if options is not None else ()))
-    prepare(arguments.output, names, overwrite=arguments.overwrite)
-    with alone(arguments.output), replacing(arguments.output, names):
+    with prepared(arguments.output, names, overwrite=arguments.overwrite), replacing(arguments.output, names):
         for name, content in files.items():
             write_text(arguments.output / name, content)
     for why in scene.unlikely:

@@ -3,6 +3,7 @@
 Locks are the kernel's: a killed process leaves none. Where a file system has none, all goes on without.
 """
 
+import errno
 import fcntl
 import os
 import time
@@ -25,6 +26,7 @@ def alone(directory: Path) -> Iterator[int]:
 
     Raises:
         InputError: something runs there.
+        FileNotFoundError: it was removed, or another has taken its place.
     """
     handle = os.open(directory, os.O_RDONLY | os.O_DIRECTORY)
     try:
@@ -39,9 +41,22 @@ def alone(directory: Path) -> Iterator[int]:
                 time.sleep(0.05)
             except OSError:  # a file system without locks
                 break
+        if not os.path.samestat(os.fstat(handle), directory.stat()):
+            raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(directory))
         yield handle
     finally:
         os.close(handle)
+
+
+def remove_empty(directory: Path) -> None:
+    """Remove a directory that is empty, unless a run begins in it."""
+    with suppress(OSError):
+        handle = os.open(directory, os.O_RDONLY | os.O_DIRECTORY)
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            directory.rmdir()
+        finally:
+            os.close(handle)
 
 
 @contextmanager

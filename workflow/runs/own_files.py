@@ -17,7 +17,7 @@ from pathlib import Path
 
 from lammps_inputs import InputError, file_names
 from workflow.runs.files import ANALYSIS_FILES, OWN_FILES, RECORD, all_parts, part_number
-from workflow.runs.locks import changing
+from workflow.runs.locks import alone, changing, remove_empty
 from workflow.runs.record import read_record
 from workflow.runs.whole_files import TEMPORARY, write_json
 
@@ -125,8 +125,25 @@ def refuse_unusable(directory: Path, names: Iterable[str] = (), *, overwrite: bo
         prepare(directory, names, overwrite=overwrite)
     finally:
         for path in made:
-            with contextlib.suppress(OSError):
-                path.rmdir()
+            remove_empty(path)
+
+
+@contextmanager
+def prepared(directory: Path, names: Iterable[str] = (), *, overwrite: bool = False) -> Iterator[int]:
+    """Prepare a directory and keep other runs out of it; what it yields is that of `workflow.runs.locks.alone`.
+
+    Raises:
+        InputError: as `prepare`, or something runs there.
+    """
+    names = tuple(names)
+    with contextlib.ExitStack() as stack:
+        lock = None
+        while lock is None:
+            prepare(directory, names, overwrite=overwrite)
+            with contextlib.suppress(FileNotFoundError):  # one that was refused has removed what it had made
+                lock = stack.enter_context(alone(directory))
+        prepare(directory, names, overwrite=overwrite)  # others may have found it empty at the same time
+        yield lock
 
 
 def refuse_unwritable(directory: Path, files: Iterable[Path]) -> None:

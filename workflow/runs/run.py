@@ -20,8 +20,7 @@ from workflow.prepare.settings import Settings, refuse_too_large, settle
 from workflow.runs import check as checking
 from workflow.runs import contacts
 from workflow.runs.engines import ENGINES, LAMMPS, Progress, Start, Work, engine_called
-from workflow.runs.locks import alone
-from workflow.runs.own_files import prepare, refuse_links, refuse_unusable, replacing
+from workflow.runs.own_files import prepared, refuse_links, refuse_unusable, replacing
 from workflow.runs.provenance import fingerprint, provenance
 from workflow.runs.results import results
 from workflow.runs.run_directory import RunDirectory
@@ -111,8 +110,7 @@ def run(
         settings = None
     problem = scene.problem()
     files = what.begins_with(deck.render(scene))
-    prepare(path, what.files, overwrite=overwrite)
-    with alone(path) as lock:
+    with prepared(path, what.files, overwrite=overwrite) as lock:
         with replacing(path, what.files):
             write_text(path / file_names.SCENE, files[file_names.SCENE])
             result = RunDirectory(path)

@@ -69,11 +69,9 @@ def sweep(
     Raises:
         InputError: a case is no scene, or its directory holds something else. Nothing has run then.
     """
-    cases = plan(what, directory)
-    others = len(_others(directory, cases))
     failed: list[tuple[str, str]] = []
-    make(directory)
-    with alone(directory):
+    with planned(what, directory) as cases:
+        others = len(_others(directory, cases))
         _refuse_if_queued(directory, cases)
         missing = _missing(cases, directory, figures=figures)
         before = done = len(cases) - len(missing)
@@ -97,6 +95,28 @@ def sweep(
             done = len(cases) - len(_missing(cases, directory, figures=figures))  # some ended while they were stopped
             return Swept(len(cases), before, done, failed, interrupted=True, others=others)
     return Swept(len(cases), before, done, failed, interrupted=False, others=others)
+
+
+@contextlib.contextmanager
+def planned(what: Sweep, directory: Path) -> Iterator[list[Case]]:
+    """The cases of `plan`, with the directory made and other runs kept out of it.
+
+    Raises:
+        InputError: as `sweep`.
+    """
+    seen = _names(directory)
+    cases = plan(what, directory)
+    make(directory)
+    with alone(directory):
+        if _names(directory) != seen:  # another sweep may have begun there at the same time
+            plan(what, directory)
+        yield cases
+
+
+def _names(directory: Path) -> set[str]:
+    with contextlib.suppress(OSError):  # which `plan` explains, unless it is not there yet
+        return {path.name for path in directory.iterdir()}
+    return set()
 
 
 def plan(what: Sweep, directory: Path) -> list[Case]:

@@ -13,11 +13,10 @@ from workflow.cluster.job_arguments import with_ranks
 from workflow.prepare.settings import settle
 from workflow.runs.engines import LAMMPS
 from workflow.runs.files import ANALYSIS_FILES, LAMMPS_FILES, RECORD
-from workflow.runs.locks import alone
 from workflow.runs.own_files import claim, listed
 from workflow.runs.status import status
 from workflow.runs.whole_files import write_json, write_text
-from workflow.sweep.carry_out import make, plan, request
+from workflow.sweep.carry_out import planned, request
 from workflow.sweep.cases import Case, scene_of
 from workflow.sweep.directory import begin
 from workflow.sweep.file import Sweep
@@ -61,9 +60,7 @@ def write_array(
     """
     if what.engine != LAMMPS.name:
         raise InputError(f"{what.source}: engine: a Slurm job runs lammps, not {what.engine}")
-    cases = plan(what, directory)
-    make(directory)
-    with alone(directory):
+    with planned(what, directory) as cases:
         known = queue.ask()
         states = {case.name: status(directory / case.name, known).state for case in cases}
         under_way = [name for name, state in states.items() if state in ("waiting", "running")]

@@ -2,15 +2,20 @@
 
 import json
 import os
+import threading
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import AbstractContextManager
 from pathlib import Path
 
 import numpy as np
 import pytest
+from processes import HANGS
 
 from lammps_inputs import InputError, Kick, Scene, file_names, strict_yaml
 from workflow.cli import main
+from workflow.runs import locks
 from workflow.runs.files import RECORD
-from workflow.runs.own_files import claim, prepare, refuse_unwritable, remove_leftovers, replacing
+from workflow.runs.own_files import claim, prepare, prepared, refuse_unwritable, remove_leftovers, replacing
 from workflow.runs.record import read_record
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
@@ -50,6 +55,28 @@ def test_a_scene_of_an_earlier_run_is_not_overwritten_by_its_own_run(tmp_path: P
     words = ["run", str(tmp_path / "scene.yaml"), "-o", str(tmp_path), "--overwrite", "--engine", "reference"]
     assert main(words) == 2
     assert (tmp_path / "scene.yaml").read_bytes() == before
+
+
+def test_of_two_that_find_a_new_directory_empty_at_once_one_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    both_found_it_empty = threading.Barrier(2, timeout=HANGS)
+
+    def alone(directory: Path) -> AbstractContextManager[int]:
+        both_found_it_empty.wait()
+        return locks.alone(directory)
+
+    def write(name: str) -> None:
+        with prepared(tmp_path / "run"):
+            (tmp_path / "run" / name).touch()
+
+    monkeypatch.setattr("workflow.runs.own_files.alone", alone)
+    with ThreadPoolExecutor(2) as pool:
+        failures = [one.exception() for one in [pool.submit(write, name) for name in ("one", "other")]]
+    (refused,) = filter(None, failures)
+    assert isinstance(refused, InputError)
+    assert "exists and is not empty" in str(refused)
+    assert len(contents(tmp_path / "run")) == 1
 
 
 def test_overwriting_removes_what_is_listed_and_nothing_else(tmp_path: Path) -> None:

@@ -19,7 +19,7 @@ from workflow.runs import run as running
 from workflow.runs.engines import ENGINES, LAMMPS, REFERENCE, RIGID, Progress, engine_called
 from workflow.runs.files import RECORD
 from workflow.runs.locks import alone
-from workflow.runs.own_files import prepare, replacing
+from workflow.runs.own_files import prepare, prepared, replacing
 from workflow.runs.study_directory import mark
 from workflow.runs.whole_files import write_json, write_text
 from workflow.studies.compare.answer import answer
@@ -84,7 +84,10 @@ def compare(
             prepare(directory / name, ENGINES[name].files, overwrite=overwrite)
     reference.load()  # compiled before any clock runs
     # nothing of an earlier comparison is touched before the whole new one is there
-    with tempfile.TemporaryDirectory(prefix=".running-", dir=directory) as work:
+    with (
+        prepared(directory, own, overwrite=overwrite),
+        tempfile.TemporaryDirectory(prefix=".running-", dir=directory) as work,
+    ):
         results = []
         for name in names:
             path = Path(work) / name
@@ -105,14 +108,14 @@ def compare(
 
 
 def _put_in_place(work: Path, directory: Path, own: tuple[str, ...], names: Sequence[str]) -> None:
-    """Take all or nothing to where it belongs."""
+    """Take all or nothing to where it belongs, in a directory that others are kept out of."""
     with ExitStack() as all_of_them:
         places = [(work, directory, [name for name in own if name != RECORD])]
         for name in names:
             (directory / name).mkdir(exist_ok=True)
+            all_of_them.enter_context(alone(directory / name))
             places.append((work / name, directory / name, sorted(path.name for path in (work / name).iterdir())))
         for _, place, files in places:
-            all_of_them.enter_context(alone(place))
             all_of_them.enter_context(replacing(place, files))
         for source, place, files in places:
             for file in files:

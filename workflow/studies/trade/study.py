@@ -12,7 +12,7 @@ from lammps_inputs import Problem, Scene
 from workflow.engines.lammps import mpi
 from workflow.errors import RunError
 from workflow.prepare.settings import settle
-from workflow.runs.own_files import prepare
+from workflow.runs.own_files import prepared
 from workflow.runs.study_directory import mark
 from workflow.runs.whole_files import write_text
 from workflow.studies.trade import frames, grid, harness, jobs, sizes, tables
@@ -115,16 +115,16 @@ def study(
         InputError: the directory holds something.
         RunError: the reference or LAMMPS failed altogether.
     """
-    prepare(directory)
-    mark(directory, "trade", done=False, result=RESULT, resume="its tables hold what was measured; take another -o")
-    found = Study(problem, notes=busy())
-    started = time.perf_counter()
-    try:
-        with tempfile.TemporaryDirectory(prefix=".running-", dir=directory) as name:
-            _measure(found, directory, Path(name), budget, repeats, follow)
-        found.whole = True
-    except KeyboardInterrupt:
-        found.notes.append("Interrupted: not all settings were measured.")
+    with prepared(directory):
+        mark(directory, "trade", done=False, result=RESULT, resume="its tables hold what was measured; take another -o")
+        found = Study(problem, notes=busy())
+        started = time.perf_counter()
+        try:
+            with tempfile.TemporaryDirectory(prefix=".running-", dir=directory) as name:
+                _measure(found, directory, Path(name), budget, repeats, follow)
+            found.whole = True
+        except KeyboardInterrupt:
+            found.notes.append("Interrupted: not all settings were measured.")
     found.seconds = time.perf_counter() - started
     return found
 
