@@ -26,3 +26,33 @@ def memory() -> int:
         return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
     except (ValueError, OSError):
         return 1 << 62
+
+
+_TIMES = (
+    (2 * 86400.0, 86400.0, "days"),
+    (7200.0, 3600.0, "h"),
+    (120.0, 60.0, "min"),
+    (1.0, 1.0, "s"),
+    (1e-3, 1e-3, "ms"),
+)
+"""The least time that is told in a unit, and the unit in seconds."""
+
+
+def time_text(seconds: float) -> str:
+    """A time in the unit that people read it in: ``67 min``."""
+    for least, size, unit in _TIMES:
+        if seconds >= least:
+            return _rounded(seconds / size, unit)
+    return _rounded(seconds * 1e6, "us")
+
+
+def size_text(count: float) -> str:
+    """A number of bytes: ``3.3 GB``."""
+    for size, unit in ((1e12, "TB"), (1e9, "GB"), (1e6, "MB"), (1e3, "kB")):
+        if count >= size:
+            return _rounded(count / size, unit)
+    return _rounded(count, "bytes")
+
+
+def _rounded(value: float, unit: str) -> str:
+    return f"{value:.2g} {unit}" if value < 99.5 else f"{value:.0f} {unit}"

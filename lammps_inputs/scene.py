@@ -30,6 +30,7 @@ from lammps_inputs.limits import material as limits_of_material
 from lammps_inputs.limits.closing import never_closes
 from lammps_inputs.limits.hertz import FLATTENED, LARGEST_OVERLAP, overlap_bounds, sound_speed
 from lammps_inputs.limits.timestep import timestep_for
+from lammps_inputs.output.limits import Limits
 from lammps_inputs.output.output import Output
 from lammps_inputs.problem import Problem, System
 from lammps_inputs.scheme import SchemeName
@@ -52,6 +53,9 @@ MAX_STEPS_PER_FRAME = 10**9
 
 FAR = 20.0
 """Gap over the radius from which on it is unlikely."""
+
+FAR_FRAMES, LONG = 10.0, 1e5
+"""Time between frames, and duration, in units of T, that are unlikely in SI units."""
 
 MAX_LENGTH = 1e9
 """Dimensionless; positions up to here resolve overlaps of order 1 to 1e-7."""
@@ -117,6 +121,7 @@ class BaseScene(Part):
     """Velocity Verlet if none is named; the time step is the mean Verlet step of a cycle."""
     window: Literal["auto"] | Annotated[int, Field(ge=LEAST_WINDOW, le=10**8)] | None = None
     """Rows that exist, near the front; all if none are named."""
+    limits: Limits | None = None
     output: Output = Output()
 
     @field_validator("kick", mode="before")
@@ -238,15 +243,38 @@ class BaseScene(Part):
                 radius, density, modulus = (a if b is None else b for a, b in zip(reference, own, strict=True))
                 yield key, (radius, density, modulus)
 
+    def _unlikely_solids(self) -> Iterator[str]:
+        return (f"{key}.{why}" for key, bead in self._solids() for why in limits_of_material.unlikely(*bead))
+
     @property
     def unlikely(self) -> list[str]:
-        """What is unlikely in a scene in SI units, each with the unit that was probably meant."""
-        found = [f"{key}.{why}" for key, bead in self._solids() for why in limits_of_material.unlikely(*bead)]
+        """What is unlikely, each with the unit that was probably meant."""
+        found = list(self._unlikely_solids())
         if self.material is not None and self.gap > FAR * self.material.radius:
             ratio = self.gap / self.material.radius
             meant = f"{self.gap:g} mm is {1e-3 * self.gap:g} m"
             found.append(f"gap in m? {self.gap:g} m is {ratio:.3g} times the radius; {meant}")
+        every, unit = self._cadence()[0], self.scale.time
+        if self.material is not None and every > FAR_FRAMES * unit:
+            found.append(
+                f"output.every in s? {every:g} s is {every / unit:.3g} T, the unit of time T being {unit:.4g} s"
+            )
+        if self.duration is not None and every > self.duration * (1.0 + 1e-9):
+            found.append(
+                f"output.every: {every:g} is longer than the duration of {self.duration:g}, and the run as long"
+            )
         return found
+
+    @property
+    def in_units_of_time(self) -> str:
+        """What a long duration of a scene in SI units is in T, in case it was meant so; empty where it is not long."""
+        unit = self.scale.time
+        if self.material is None or self.duration is None or not self.duration > LONG * unit:
+            return ""
+        return (
+            f"{self.duration:g} s is {self.duration / unit:.3g} T, the unit of time T being {unit:.4g} s "
+            f"({self.duration:g} T = {self.duration * unit:.4g} s)"
+        )
 
     def _check_motion(self, system: System) -> None:
         """Refuse scenes in which nothing happens, or what no beads of the material would do."""
@@ -263,7 +291,8 @@ class BaseScene(Part):
         every, steps = self._cadence()
         frames = 0.0 if self.duration is None else self.duration / every
         if not frames * steps <= MAX_STEPS:
-            raise ValueError(f"duration: needs {frames * steps:.3g} time steps; at most {MAX_STEPS:.0e}")
+            needed = f"needs {frames * steps:.3g} time steps; at most {MAX_STEPS:.0e}"
+            raise ValueError(f"duration: {'; '.join(filter(None, [needed, self.in_units_of_time]))}")
         if steps > MAX_STEPS_PER_FRAME:
             raise ValueError(
                 f"output.every: {every:g} is more than {MAX_STEPS_PER_FRAME:.0e} time steps; "
@@ -280,7 +309,7 @@ class BaseScene(Part):
     def _check_contacts(self, ball: Material, system: System) -> None:
         """Refuse what no contact of elastic spheres is, though the dimensionless numbers would be sane."""
         sound, key = sound_speed(ball.youngs_modulus, ball.density), max(self._speeds(), key=lambda one: one[1])[0]
-        meant = next(iter(self.unlikely), "")
+        meant = next(self._unlikely_solids(), "")
         if self.scale.velocity > sound:
             raise ValueError(
                 f"{key}: {self.scale.velocity:g} m/s is faster than sound in this material, "

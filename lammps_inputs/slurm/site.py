@@ -15,6 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_valida
 from lammps_inputs import strict_yaml
 from lammps_inputs.errors import InputError
 from lammps_inputs.library import describe
+from lammps_inputs.output.limits import Limits
 
 VARIABLE = "GRANCHAIN_SITE"
 DEFAULT_FILE = Path(".config/granchain/site.yaml")
@@ -56,6 +57,8 @@ class JobOptions(BaseModel):
     qos: str | None = None
     constraint: str | None = None
     modules: tuple[str, ...] = ()
+    limits: Limits | None = None
+    """Of runs on this machine, where a scene names none; of no meaning for a job."""
     launcher: str = "srun"
     """What starts the ranks, such as ``srun --mpi=pmi2`` or ``mpirun -np {ranks}``."""
     lmp: str = "lmp"
@@ -174,6 +177,17 @@ def load(path: Path) -> dict[str, Any]:
     except ValidationError as error:
         raise InputError(f"{path}: {describe(error, JobOptions)}") from None
     return data
+
+
+def limits() -> Limits:
+    """Of runs on this machine, by the site's file; nothing is named where there is none.
+
+    Raises:
+        InputError: as `load`.
+    """
+    path = find_site()
+    named = None if path is None else JobOptions.model_validate(load(path)).limits
+    return named or Limits()
 
 
 def options(given: dict[str, Any], site: Path | None = None) -> JobOptions:

@@ -14,6 +14,8 @@ import math
 from dataclasses import dataclass
 
 from lammps_inputs import Problem
+from lammps_inputs.laws.in_time import Table
+from lammps_inputs.numbers import size_text, time_text
 
 LONE_BEAD = 10e-9
 """Seconds a bead and step without springs, of a million beads; 8 ns where they fit into the cache."""
@@ -35,6 +37,23 @@ PROCESS = 40_000_000
 
 LONE_RESTART, COUPLED_RESTART = 144, 190
 """Bytes a bead in a restart."""
+
+FRAME, HEADER = 15e-6, 154
+"""Seconds a frame beside its bytes, and bytes of its header."""
+
+FORMULA, POINT, MOTION = 20e-6, 6e-6, 6e-6
+"""Seconds a step for a force from outside that is a formula of time, for each point of one that is a table, and for a
+bead whose motion is given.
+"""
+
+LEPTON = 100e-6
+"""Seconds a step where contacts have an exponent other than 1 and 1.5, whose formula LAMMPS reads anew in each."""
+
+LOADED, DAMPED = 40e-9, 20e-9
+"""Seconds a bead and step that a static load and dashpots of contacts add."""
+
+REFERENCE_FORCE = 1e-9
+"""Seconds of the reference integrator for the forces on a bead; measured: 0.7e-9 to 3e-9."""
 
 FILE = 5e8
 """Bytes a second into one file: assumed."""
@@ -77,15 +96,25 @@ class Cost:
         """All of it in one line."""
         ranks = f"{self.ranks} rank{'s' * (self.ranks > 1)} of {math.ceil(self.beads / self.ranks)} beads"
         return (
-            f"{ranks}: about {_duration(self.seconds)} ({_duration(self.step)} a step), "
-            f"{_bytes(self.memory)} of memory, "
-            f"{_bytes(self.frames)} of frames ({_bytes(self.frame)} each), {_bytes(self.restart)} a restart"
+            f"{ranks}: about {time_text(self.seconds)} ({time_text(self.step)} a step), "
+            f"{size_text(self.memory)} of memory, "
+            f"{size_text(self.frames)} of frames ({size_text(self.frame)} each), {size_text(self.restart)} a restart"
         )
 
 
 def bead_seconds(problem: Problem) -> float:
     """Seconds a bead and step."""
     return COUPLED_BEAD if problem.coupled else LONE_BEAD
+
+
+def _more(problem: Problem, beads: int) -> float:
+    """Seconds a step that ingredients add on a rank with so many beads."""
+    tables = [load.law for load in problem.loads if isinstance(load.law, Table)]
+    seconds = FORMULA * (len(problem.loads) - len(tables)) + POINT * sum(len(law.time) for law in tables)
+    seconds += MOTION * len(problem.motions)
+    if problem.exponent not in (None, 1.0, 1.5):
+        seconds += LEPTON
+    return seconds + beads * (LOADED * problem.loaded + DAMPED * (problem.contact_loss is not None))
 
 
 def least_beads(problem: Problem) -> int:
@@ -103,18 +132,17 @@ def cost(problem: Problem, ranks: int) -> Cost:
     """What a run takes on some ranks, by the model."""
     beads = problem.chains * problem.rows
     columns = 3 if problem.window is None else 4
-    frame = 8.0 * columns * problem.chains * problem.rows_a_frame
+    frame = HEADER + 8.0 * columns * problem.chains * problem.rows_a_frame
     frames = frame * (problem.frames + 1)
-    step = (
-        STEP
-        + bead_seconds(problem) * math.ceil(problem.rows / ranks) * problem.chains
-        + (MESSAGES if ranks > 1 else 0.0)
-    )
+    if problem.frames_per_snapshot is not None:
+        frames += (HEADER + 24.0 * beads) * (1 + problem.frames // problem.frames_per_snapshot)
+    own = math.ceil(problem.rows / ranks) * problem.chains
+    step = STEP + bead_seconds(problem) * own + _more(problem, own) + (MESSAGES if ranks > 1 else 0.0)
     return Cost(
         ranks=ranks,
         beads=beads,
         step=step,
-        seconds=step * problem.steps + frames / FILE,
+        seconds=step * problem.steps + FRAME * problem.frames + frames / FILE,
         memory=float(MEMORY * beads + PROCESS * ranks),
         frame=frame,
         frames=frames,
@@ -127,32 +155,4 @@ def too_many(problem: Problem, ranks: int) -> str:
     alone = cost(problem, 1)
     if alone.step >= cost(problem, ranks).step:
         return ""
-    return f"one rank would be faster: about {_duration(alone.seconds)} with --nodes 1 --ranks-per-node 1"
-
-
-_TIMES = (
-    (2 * 86400.0, 86400.0, "days"),
-    (7200.0, 3600.0, "h"),
-    (120.0, 60.0, "min"),
-    (1.0, 1.0, "s"),
-    (1e-3, 1e-3, "ms"),
-)
-"""The least time that is told in a unit, and the unit in seconds."""
-
-
-def _duration(seconds: float) -> str:
-    for least, size, unit in _TIMES:
-        if seconds >= least:
-            return _rounded(seconds / size, unit)
-    return _rounded(seconds * 1e6, "us")
-
-
-def _bytes(count: float) -> str:
-    for size, unit in ((1e12, "TB"), (1e9, "GB"), (1e6, "MB"), (1e3, "kB")):
-        if count >= size:
-            return _rounded(count / size, unit)
-    return _rounded(count, "bytes")
-
-
-def _rounded(value: float, unit: str) -> str:
-    return f"{value:.2g} {unit}" if value < 99.5 else f"{value:.0f} {unit}"
+    return f"one rank would be faster: about {time_text(alone.seconds)} with --nodes 1 --ranks-per-node 1"

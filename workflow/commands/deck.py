@@ -12,6 +12,7 @@ from workflow.prepare.settings import settle
 from workflow.runs import contacts
 from workflow.runs.files import LAMMPS_FILES
 from workflow.runs.own_files import prepared, refuse_to_overwrite, replacing
+from workflow.runs.size import size_of, too_large
 from workflow.runs.whole_files import write_text
 from workflow.screen import one_line
 
@@ -43,7 +44,8 @@ def execute(arguments: argparse.Namespace) -> int:
     with prepared(arguments.output, names, overwrite=arguments.overwrite), replacing(arguments.output, names):
         for name, content in files.items():
             write_text(arguments.output / name, content)
-    for why in scene.unlikely:
+    size = size_of(scene.problem())
+    for why in filter(None, [*scene.unlikely, too_large(scene, size)]):
         print(f"warning: {why}")
     if settings is not None:
         print(f"{scene.name}: {settings.sentence(scene.problem())}")
@@ -58,6 +60,7 @@ def execute(arguments: argparse.Namespace) -> int:
             print(slower)
         print(f"on the cluster, there: sbatch {file_names.JOB}    then: granchain status {one_line(arguments.output)}")
         return 0
+    print(f"{size.sentence()} on one core")
     if scene.output.peaks:
         print("output.peaks: found by `granchain run` only; lmp alone leaves no peaks.csv")
     print(f"run it there with: lmp -in {file_names.DECK}    then: granchain analyze {one_line(arguments.output)}")

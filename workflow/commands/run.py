@@ -15,6 +15,7 @@ from workflow.runs.contacts import Contacts
 from workflow.runs.engines import ENGINES
 from workflow.runs.own_files import refuse_to_overwrite
 from workflow.runs.resume import begun, resume, settings_of
+from workflow.runs.size import refuse_beforehand, refuse_too_long, size_of
 from workflow.screen import Answer, one_line, progress_bar
 from workflow.verdicts.validate import TOLERANCES
 
@@ -58,13 +59,16 @@ def execute(arguments: argparse.Namespace) -> Answer:
     ranks = 1 if arguments.ranks is None else arguments.ranks
     scene = library.find(arguments.scene)
     running.refuse(scene, arguments.output, engine=engine, ranks=ranks, overwrite=arguments.overwrite)
+    refuse_beforehand(scene, arguments.scene, ENGINES[engine], ranks)
     own_step = ENGINES[engine].own_step
     scene, settings = settle(scene, source=arguments.scene, force=arguments.force, own_step=own_step)
     problem = scene.problem()
-    for why in scene.unlikely:
-        print(f"warning: {why}", flush=True)
     if settings is not None:
         print(f"{scene.name}: {settings.sentence(problem)}", flush=True)
+    refuse_too_long(scene, arguments.scene, ENGINES[engine], ranks)
+    for why in scene.unlikely:
+        print(f"warning: {why}")
+    print(f"{scene.name}: {size_of(problem, ENGINES[engine], ranks).sentence()}", flush=True)
     with progress_bar(scene.name, problem) as progress:
         result = running.run(
             scene,

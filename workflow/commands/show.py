@@ -5,6 +5,7 @@ import argparse
 from lammps_inputs import library, strict_yaml
 from lammps_inputs.numbers import text
 from workflow.prepare.settings import settle
+from workflow.runs.size import size_of, too_large
 from workflow.screen import Answer
 
 ANSWERS = "the scene"
@@ -25,7 +26,10 @@ def execute(arguments: argparse.Namespace) -> Answer:
     scene = scene.resolved()
     problem, scale = scene.problem(), scene.scale
     print(strict_yaml.dump(scene.plain()), end="")
-    print(f"# {problem.steps} time steps, {problem.frames + 1} frames, {problem.chains * problem.beads} beads")
+    size = size_of(problem)
+    print(f"# {problem.chains * problem.beads} beads; {size.sentence()} in LAMMPS on one core")
+    if above := too_large(scene, size):
+        print(f"# warning: `granchain run` refuses {above}")
     for why in scene.unlikely:
         print(f"# warning: {why}")
     if settings is not None:

@@ -35,6 +35,9 @@ _AIM, _HIGHEST, _LOWEST = 0.6, 0.75, 0.3
 
 _MOST_TRIALS = 12
 
+RUNS = 1.5
+"""Work of the reference at two steps over that at the shorter one."""
+
 _LEAST_ORDER = 2.5
 """Of every scheme of higher order than 2, at small steps, for contacts open and close."""
 
@@ -160,7 +163,7 @@ def _coarse(problem: Problem) -> Problem:
 
 def work(problem: Problem, verlet_steps: int, reference_steps: int) -> float:
     """Forces on beads with so many steps a frame: of the pilot run, and of the reference at two steps."""
-    forces = verlet_steps + 1.5 * BLANES_MOAN.forces_per_step * reference_steps
+    forces = verlet_steps + RUNS * BLANES_MOAN.forces_per_step * reference_steps
     return problem.chains * _rows_by_time(problem) / problem.every * forces
 
 

@@ -11,6 +11,7 @@ from analysis.files import events
 from analysis.files.recording import Writer
 from analysis.trajectory import Trajectory
 from lammps_inputs import InputError, Problem, Scene, file_names
+from workflow.cluster import ranks as model
 from workflow.engines.lammps import engine as lammps_engine
 from workflow.prepare.settings import Settings
 from workflow.runs.files import EVENTS, LAMMPS_FILES, RECORD
@@ -69,6 +70,10 @@ class Engine(ABC):
         """What it needs of the files of a deck."""
         return {file_names.SCENE: files[file_names.SCENE]}
 
+    def seconds(self, problem: Problem, ranks: int) -> float | None:  # noqa: ARG002  those that have an estimate use both
+        """Estimated time of a run; None where there is no estimate."""
+        return None
+
     @abstractmethod
     def compute(self, work: Work) -> dict[str, Any]:
         """Compute the frames of a run; how it ended, for ``run.json``.
@@ -101,6 +106,9 @@ class _Lammps(Engine):
     def begins_with(self, files: Mapping[str, str]) -> dict[str, str]:
         return dict(files)
 
+    def seconds(self, problem: Problem, ranks: int) -> float | None:
+        return model.cost(problem, ranks).seconds
+
     def compute(self, work: Work) -> dict[str, Any]:
         end = work.start(work.result.path, progress=work.progress)
         return {
@@ -127,6 +135,12 @@ class _Lammps(Engine):
 
 class _Reference(Engine):
     name = "reference"
+
+    def seconds(self, problem: Problem, ranks: int) -> float | None:  # noqa: ARG002  it runs on one core
+        from workflow.engines.reference import engine  # numba takes a third of a second to import
+        from workflow.prepare import twin
+
+        return model.REFERENCE_FORCE * twin.work(problem, 0, engine.default_steps_per_frame(problem))
 
     def compute(self, work: Work) -> dict[str, Any]:
         """To the accuracy if one is asked for; else, where energy is exchanged, until the energy budget is closed."""

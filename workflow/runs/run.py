@@ -24,6 +24,7 @@ from workflow.runs.own_files import prepared, refuse_links, refuse_unusable, rep
 from workflow.runs.provenance import fingerprint, provenance
 from workflow.runs.results import results
 from workflow.runs.run_directory import RunDirectory
+from workflow.runs.size import refuse_beforehand, refuse_too_long
 from workflow.runs.whole_files import write_text
 
 LAMMPS_BYTES = 1000
@@ -102,6 +103,7 @@ def run(
     """
     path, what = Path(directory), engine_called(engine)
     refuse(scene, path, engine=engine, ranks=ranks, overwrite=overwrite)
+    refuse_beforehand(scene, scene.name, what, ranks)
     if what is LAMMPS:
         refuse_too_large(scene, scene.name, LAMMPS_BYTES, "LAMMPS")
     scene, found_settings = settle(scene, source=scene.name, force=force, own_step=what.own_step)
@@ -109,6 +111,7 @@ def run(
     if settings is not None and not what.own_step and not settings.asked:
         settings = None
     problem = scene.problem()
+    refuse_too_long(scene, scene.name, what, ranks)
     files = what.begins_with(deck.render(scene))
     with prepared(path, what.files, overwrite=overwrite) as lock:
         with replacing(path, what.files):

@@ -14,6 +14,7 @@ from workflow.formats import asked
 from workflow.prepare.settings import refuse_unstable
 from workflow.runs.engines import ENGINES
 from workflow.runs.locks import alone
+from workflow.runs.size import refuse_beforehand
 from workflow.runs.status import status
 from workflow.sweep import directory as directories
 from workflow.sweep.cases import Case, all_cases, scene_of
@@ -189,6 +190,7 @@ def _refuse_what_cannot_run(where: str, engine: str, scene: Scene) -> None:
         raise InputError(f"{where}: engine: {refusal}")
     if ENGINES[engine].own_step:
         refuse_unstable(scene, where)
+    refuse_beforehand(scene, where, ENGINES[engine])
 
 
 def make(directory: Path) -> None:

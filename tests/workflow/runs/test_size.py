@@ -1,0 +1,108 @@
+"""The size of a run is printed before it, and one that is too large is refused before anything is written."""
+
+import pytest
+from bad_scenes import scene_text
+
+from lammps_inputs import file_names, library
+from lammps_inputs.slurm import site
+from workflow import screen
+from workflow.cli import main
+from workflow.prepare import duration
+from workflow.runs.run import run
+from workflow.runs.size import size_of
+
+STEEL = "{radius: 4.76e-3, density: 8000, youngs_modulus: 193e9, poisson_ratio: 0.3}"
+
+WRONG = {"material": STEEL, "duration": "192", "output": "{every: 1.0e-6}", "timestep": "1.0e-7"}
+"""A duration in units of T, in a scene that is in SI units."""
+
+
+@pytest.fixture(autouse=True)
+def nobodys_site(tmp_path, monkeypatch):
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.delenv(site.VARIABLE, raising=False)
+
+
+@pytest.fixture
+def written(tmp_path):
+    def write(**lines):
+        path = tmp_path / "scene.yaml"
+        path.write_text(scene_text(**lines))
+        return str(path)
+
+    return write
+
+
+@pytest.mark.usefixtures("lammps_here")
+def test_steps_frames_and_bytes_are_those_of_the_run(tmp_path):
+    plain = {"name": "a", "beads": 40, "kick": {"velocity": 1.0}, "duration": 20.0}
+    scene = library.from_plain({**plain, "output": {"beads": [3, 7], "every": 0.1, "snapshots": 2.0}}, "a")
+    found, size = run(scene, tmp_path / "a", check=False).directory, size_of(scene.problem())
+    assert size.steps == found.record["steps"]
+    assert size.frames == len(found.trajectory.time)
+    dumped = sum((found.path / name).stat().st_size for name in (file_names.DUMP, file_names.SNAPSHOTS))
+    assert size.bytes == pytest.approx(dumped, rel=0.01)
+
+
+def test_a_run_that_is_too_large_is_refused_in_one_line_that_says_how_large_and_what_to_do(written, tmp_path, capsys):
+    assert main(["run", written(**WRONG), "-o", str(tmp_path / "out")]) == 2
+    assert not (tmp_path / "out").exists()
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert len(err.splitlines()) == 1
+    assert "duration: 1,920,000,000 steps, 192,000,001 frames (76 GB), estimated time" in err
+    assert "more than the limit of 20 GB of frames" in err
+    assert "192 s is 1.57e+07 T, the unit of time T being 1.224e-05 s (192 T = 0.00235 s)" in err
+    assert "`limits: {gigabytes: 76}` in the scene or in ~/.config/granchain/site.yaml" in err
+
+
+def test_where_the_step_is_still_to_be_found_frames_alone_are_enough_to_refuse(written, tmp_path, capsys):
+    assert main(["run", written(**{**WRONG, "timestep": None}), "-o", str(tmp_path / "out")]) == 2
+    assert " steps, 192,000,001 frames (76 GB): more than the limit of 20 GB of frames" in capsys.readouterr().err
+
+
+def test_a_run_of_few_frames_that_takes_days_is_refused(written, tmp_path, capsys):
+    scene = written(duration="1e9", output="{every: 1e6}", timestep="0.1", chains="100", beads="1000")
+    assert main(["run", scene, "-o", str(tmp_path / "out")]) == 2
+    assert "more than the limit of 24 h; " in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("where", ["scene", "site"])
+@pytest.mark.parametrize(("gigabytes", "code"), [("1e-4", 0), ("2e-5", 2)])
+@pytest.mark.usefixtures("lammps_here")
+def test_scene_and_site_set_the_limit(where, gigabytes, code, written, tmp_path, monkeypatch):
+    (tmp_path / "site.yaml").write_text(f"limits: {{gigabytes: {gigabytes if where == 'site' else '1e-9'}}}\n")
+    monkeypatch.setenv(site.VARIABLE, str(tmp_path / "site.yaml"))
+    monkeypatch.setattr("workflow.runs.size.MOST", site.Limits(gigabytes=1e-9, hours=1.0))
+    scene = written(limits=f"{{gigabytes: {gigabytes}}}" if where == "scene" else None)
+    assert main(["run", scene, "-o", str(tmp_path / "out"), "--no-check"]) == code
+
+
+def test_show_and_deck_warn_and_go_on(written, tmp_path, capsys):
+    scene = written(**WRONG)
+    assert main(["show", scene]) == 0
+    assert "# warning: `granchain run` refuses 1,920,000,000 steps" in capsys.readouterr().out
+    assert main(["deck", scene, "-o", str(tmp_path / "out")]) == 0
+    assert "warning: 1,920,000,000 steps" in capsys.readouterr().out
+
+
+def test_what_ends_at_a_bead_is_refused_before_its_duration_is_searched_for(written, tmp_path, capsys):
+    scene = written(chains="1000", beads="100000", until_bead="99000", duration=None)
+    assert main(["run", scene, "-o", str(tmp_path / "out")]) == 2
+    assert "until_bead: at least 989,991 frames (2376 TB)" in capsys.readouterr().err
+
+
+def test_a_long_search_for_a_duration_is_announced(monkeypatch):
+    monkeypatch.setattr(duration, "_LONG", 0.0)
+    said = []
+    plain = {"name": "a", "beads": 20, "kick": {"velocity": 1.0}, "until_bead": 10}
+    with screen.with_hints(said.append):
+        duration.with_duration(library.from_plain(plain, "a"))
+    assert any(text.startswith("until_bead: 10: a reference run to that bead") for text in said)
+
+
+def test_frames_farther_apart_than_the_run_is_long_are_warned_of(written, capsys):
+    main(["show", written(material=STEEL, duration="2e-3", output="{every: 0.1}", timestep="1.0e-7")])
+    out = capsys.readouterr().out
+    assert "# warning: output.every in s? 0.1 s is 8.17e+03 T" in out
+    assert "# warning: output.every: 0.1 is longer than the duration of 0.002" in out

@@ -1,0 +1,137 @@
+"""How large a run will be, in steps, frames, bytes and time, and whether that is more than its limits.
+
+By the model of `workflow.cluster.ranks`, whose times were measured on one machine: LAMMPS took 0.7 to 2 times as long.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+from lammps_inputs import InputError, Problem, Scene
+from lammps_inputs.limits import rates
+from lammps_inputs.numbers import size_text, time_text
+from lammps_inputs.output.limits import Limits
+from lammps_inputs.slurm import site
+from lammps_inputs.window import LEAST_WINDOW
+from workflow.cluster import ranks as model
+from workflow.runs.engines import LAMMPS, Engine
+
+MOST = Limits(gigabytes=20.0, hours=24.0)
+"""Where neither the scene nor the site's file names other limits."""
+
+
+_UNITS = {"gigabytes": "GB of frames", "hours": "h"}
+
+
+@dataclass(frozen=True)
+class Size:
+    """Of a run.
+
+    Attributes:
+        steps: of LAMMPS; None for other engines, which choose their own.
+        frames: with that at the start.
+        bytes: of all frames and snapshots.
+        seconds: estimated; None where there is no estimate.
+        rough: whether the steps are those of a rule, as before a pilot run.
+    """
+
+    steps: int | None
+    frames: int
+    bytes: float
+    seconds: float | None
+    rough: bool = False
+
+    def sentence(self) -> str:
+        """All of it in one line."""
+        number = "" if self.steps is None else f"about {self.steps:.2g}" if self.rough else f"{self.steps:,}"
+        steps = f"{number} steps, " if number else ""
+        time = "" if self.seconds is None else f", estimated time {time_text(self.seconds)}"
+        return f"{steps}{self.frames:,} frames ({size_text(self.bytes)}){time}"
+
+
+def size_of(problem: Problem, engine: Engine = LAMMPS, ranks: int = 1) -> Size:
+    """Size of the run of a problem."""
+    return Size(
+        steps=problem.steps if engine.own_step else None,
+        frames=problem.frames + 1,
+        bytes=model.cost(problem, 1).frames,
+        seconds=engine.seconds(problem, ranks),
+    )
+
+
+def too_large(scene: Scene, size: Size) -> str:
+    """By how much a run exceeds its limits and how they are raised, in one line; empty where it does not.
+
+    Args:
+        scene: with its limits.
+        size: of its run.
+
+    Raises:
+        InputError: the site's file cannot be used.
+    """
+    own = scene.limits or Limits()
+    found = {"gigabytes": size.bytes / 1e9, "hours": (size.seconds or 0.0) / 3600.0}
+    most = {key: getattr(own, key) or getattr(MOST, key) for key in found}
+    if all(found[key] <= most[key] for key in found):
+        return ""
+    by_site = site.limits()
+    most = {key: getattr(own, key) or getattr(by_site, key) or getattr(MOST, key) for key in found}
+    above = {key: value for key, value in found.items() if value > most[key]}
+    if not above:
+        return ""
+    beyond = " and ".join(f"{most[key]:g} {_UNITS[key]}" for key in above)
+    needed = ", ".join(f"{key}: {_rounded_up(value)}" for key, value in above.items())
+    units = f"; {scene.in_units_of_time}" if scene.in_units_of_time else ""
+    return (
+        f"{size.sentence()}: more than the limit of {beyond}{units}; shorten the "
+        "duration, record less (output.every, output.beads), or raise the limit with "
+        f"`limits: {{{needed}}}` in the scene or in ~/{site.DEFAULT_FILE}"
+    )
+
+
+def refuse_too_long(scene: Scene, source: str, engine: Engine = LAMMPS, ranks: int = 1) -> None:
+    """Refuse a run that is larger than its limits, before anything is written.
+
+    Args:
+        scene: with its duration, window and time step.
+        source: what the user calls the scene.
+        engine: what computes.
+        ranks: of LAMMPS.
+
+    Raises:
+        InputError: it is.
+    """
+    above = too_large(scene, size_of(scene.problem(), engine, ranks))
+    if above:
+        raise InputError(f"{source}: duration: {above}")
+
+
+def refuse_beforehand(scene: Scene, source: str, engine: Engine = LAMMPS, ranks: int = 1) -> None:
+    """The same of a scene as the user gave it: by the least of its frames where something is still to be found."""
+    searched = scene.until_bead is not None or scene.window == "auto"
+    if not searched and (scene.timestep is not None or not engine.own_step):
+        return refuse_too_long(scene, source, engine, ranks)
+    size = replace(size_of(_at_least(scene)), seconds=None, rough=True)
+    above = too_large(scene, replace(size, steps=None) if searched else size)
+    if above:
+        key = "duration" if scene.until_bead is None else "until_bead"
+        raise InputError(f"{source}: {key}: {'at least ' if searched else ''}{above}")
+    return None
+
+
+def _at_least(scene: Scene) -> Problem:
+    """A problem with no more frames and rows than the scene has once its duration and window are found."""
+    changes: dict[str, Any] = {"accuracy": None}
+    if scene.until_bead is not None:
+        system = scene.system
+        way = min(abs(scene.until_bead - bead) for _, bead, _ in system.struck)
+        changes |= {"until_bead": None, "duration": max(1, way) / rates.pace(system) * scene.scale.time}
+    if scene.window == "auto":
+        changes["window"] = LEAST_WINDOW
+    return scene.model_copy(update=changes).problem()
+
+
+def _rounded_up(value: float) -> str:
+    """To two digits, so that it is enough."""
+    unit = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return f"{float(f'{math.ceil(value / unit) * unit:.2g}'):.15g}"
