@@ -68,7 +68,9 @@ def execute(arguments: argparse.Namespace) -> Answer:
     refuse_too_long(scene, arguments.scene, ENGINES[engine], ranks)
     for why in scene.unlikely:
         print(f"warning: {why}")
-    print(f"{scene.name}: {size_of(problem, ENGINES[engine], ranks).sentence()}", flush=True)
+    size = size_of(problem, ENGINES[engine], ranks)
+    if size.large:
+        print(f"{scene.name}: {size.sentence()}", flush=True)
     with progress_bar(scene.name, problem) as progress:
         result = running.run(
             scene,

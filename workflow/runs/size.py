@@ -20,6 +20,9 @@ MOST = Limits(gigabytes=20.0, hours=24.0)
 """Where neither the scene nor the site's file names other limits."""
 
 
+LARGE_BYTES, LARGE_SECONDS = 1e9, 10.0
+"""From which on a run prints its size before it begins."""
+
 _UNITS = {"gigabytes": "GB of frames", "hours": "h"}
 
 
@@ -40,6 +43,11 @@ class Size:
     bytes: float
     seconds: float | None
     rough: bool = False
+
+    @property
+    def large(self) -> bool:
+        """Whether it takes long enough, or enough of the disk, to be said before it begins."""
+        return self.bytes > LARGE_BYTES or (self.seconds or 0.0) > LARGE_SECONDS
 
     def sentence(self) -> str:
         """All of it in one line."""

@@ -173,7 +173,9 @@ def test_ctrl_c_ends_a_run_with_one_line_and_its_frames(size, ranks, start, whol
     code, out, err = command.end(signal.SIGINT)
     record = RunDirectory(command.run).record
     assert (code, err) == (130, "")
-    assert out == (
+    size, said = out.splitlines(keepends=True)
+    assert "10,000,000 steps, 100,001 frames (591 MB), estimated time" in size
+    assert said == (
         f"{command.run}: interrupted at step {record['steps_done']} of 10000000; frames are kept, and "
         f"`granchain run --resume {command.run}` goes on\n"
     )

@@ -210,7 +210,11 @@ def test_more_beads_than_memory_holds_are_refused_beforehand(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "s.yaml"
-    path.write_text(strict_yaml.dump(scene().plain() | {"chains": 20, "beads": 100_000_000}))
+    path.write_text(
+        strict_yaml.dump(
+            scene().plain() | {"chains": 20, "beads": 100_000_000, "limits": {"gigabytes": 1e9, "hours": 1e9}}
+        )
+    )
     assert main(["run", str(path), "-o", str(tmp_path / "run")]) == 2
     assert "need 500 GB of memory" in capsys.readouterr().err
 
