@@ -28,6 +28,10 @@ MOST_POINTS = 10_000
 _SHAPES: dict[str, type[HalfSine] | type[Rectangular]] = {"half-sine": HalfSine, "rectangular": Rectangular}
 
 
+MOST_BYTES = 16 << 20
+"""Of a table in a file; `MOST_POINTS` take a fraction of that."""
+
+
 class Push(OnBead):
     """A force on one bead, towards higher bead numbers when positive: of a shape, or from a table."""
 
@@ -120,10 +124,14 @@ class Push(OnBead):
 def _read(path: Path) -> list[list[float]]:
     """Points in a CSV file: two numbers a line; a first line of names is passed over."""
     try:
-        rows = path.read_text(encoding="utf-8-sig").splitlines()
+        with path.open("rb") as file:
+            raw = file.read(MOST_BYTES + 1)
+        rows = raw.decode("utf-8-sig").splitlines()
     except (OSError, ValueError) as error:
         why = getattr(error, "strerror", None) or "it is not a text file"
         raise InputError(f"{path}: the table of a push cannot be read: {why}") from None
+    if len(raw) > MOST_BYTES:
+        raise InputError(f"{path}: the table of a push cannot be read: it is larger than {MOST_BYTES >> 20} MiB")
     points = []
     for number, row in enumerate(rows, 1):
         words = [word.strip() for word in row.replace(";", ",").split(",")]

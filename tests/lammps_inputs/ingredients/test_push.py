@@ -75,6 +75,12 @@ def test_a_table_that_is_none_is_one_line(content, complaint, tmp_path):
     assert "\n" not in str(caught.value)
 
 
+def test_a_table_without_end_is_one_line(tmp_path):
+    (tmp_path / "a.yaml").write_text("name: a\nbeads: 20\nduration: 10\npush: {table: /dev/zero}\n")
+    with pytest.raises(InputError, match=r"/dev/zero: the table of a push cannot be read: it is larger than 16 MiB"):
+        library.find(str(tmp_path / "a.yaml"))
+
+
 def test_a_table_that_is_not_there_is_named(tmp_path):
     (tmp_path / "a.yaml").write_text("name: a\nbeads: 20\nduration: 10\npush: {table: none.csv}\n")
     with pytest.raises(InputError, match=r"none\.csv: the table of a push cannot be read: No such file"):
