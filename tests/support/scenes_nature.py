@@ -1,212 +1,269 @@
-"""The motion of any scene, straight from what its keys say, by scipy's DOP853: no code is shared with the product.
+"""The forces and energies of any scene, straight from what its keys say: no code is shared with the product.
 
-But for the scene itself, and its units, whose exact scaling has tests of its own.
+But for the scene itself, parsed. Everything is dimensionless at V = 1; arrays are [..., chain, bead], contacts
+[..., chain, bead - 1], and leading axes such as frames broadcast.
 """
 
-import math
-from collections.abc import Callable
-from dataclasses import dataclass
-from itertools import pairwise
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import OdeSolution, solve_ivp
-
-from lammps_inputs import Scene
 
 Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
+class Units:
+    """What one dimensionless unit is worth in the scene's."""
+
+    mass: float
+    length: float
+    velocity: float
+    si: bool
+
+    @property
+    def time(self) -> float:
+        return self.length / self.velocity
+
+    @property
+    def force(self) -> float:
+        return self.mass * self.velocity / self.time
+
+    @property
+    def stiffness(self) -> float:
+        return self.mass / self.time**2
+
+    @property
+    def momentum(self) -> float:
+        return self.mass * self.velocity
+
+    @property
+    def energy(self) -> float:
+        return self.mass * self.velocity**2
+
+
+@dataclass(frozen=True)
+class Wall:
+    """On one side: force over overlap**exponent, overlap at rest, and the dashpot's coefficient, each [chain]."""
+
+    bead: int
+    side: float
+    strength: Floats
+    rest: Floats
+    loss: Floats
+
+
+@dataclass(frozen=True)
+class Push:
+    """A force on a bead (from 0) until ``ends``; of a drive, for ever."""
+
+    chain: int
+    bead: int
+    ends: float
+    of_time: Any
+    """Force at a time."""
+    kinks: tuple[float, ...]
+    """Times at which it, or its slope, jumps."""
+
+    def force(self, time: Any) -> Any:
+        """0 after its end."""
+        return np.where(np.asarray(time) < self.ends, self.of_time(time), 0.0)
+
+
+@dataclass(frozen=True)
+class Moved:
+    """A bead (from 0) that moves by ``size * (sin(omega t + phase) - sin(phase))``."""
+
+    chain: int
+    bead: int
+    size: float
+    omega: float
+    phase: float
+
+    def velocity(self, time: Any) -> Any:
+        return self.size * self.omega * np.cos(self.omega * time + self.phase)
+
+    def acceleration(self, time: Any) -> Any:
+        return -self.size * self.omega**2 * np.sin(self.omega * time + self.phase)
+
+
+@dataclass(frozen=True)
 class Nature:
-    """The forces of a scene as its keys say them, dimensionless: arrays are [chain, bead] or broadcast to it.
+    """All forces of a scene.
 
     Attributes:
         exponent: of the overlap in the contacts' force.
+        mass: [chain, bead].
+        strength, rest, load: of contacts, [chain, bead - 1]: force over overlap**exponent, overlap and force at rest.
+        hold: force from outside at rest, [chain, bead].
         springs: (chain, other chain, stiffness of each row, cubic stiffness), chains from 0.
-        ground: stiffness and cubic stiffness of the springs to the ground.
-        walls: force over that of two beads, left and right.
-        load: force at rest, from before the first bead to behind the last, [bead + 1].
+        ground: stiffness and cubic stiffness of the springs to the ground, [chain, bead].
+        walls: those that there are.
         loss: force of a contact's dashpot over the rate of overlap: a coefficient, and the exponent of the overlap.
-        wall_loss: the coefficients of those of the walls.
+        cut: whether a contact never pulls.
         drag, drag_across: force over the velocity of a bead, and over that of two in neighbouring chains.
-        pushes: (chain, bead, peak, duration, whether a half-sine), counted from 0.
-        shaken: (chain, bead, amplitude, angular frequency, phase) of forces, counted from 0.
-        moved: the same of displacements.
+        pushes, moved: what acts from outside.
+        start: velocities at the start.
     """
 
+    unit: Units
     exponent: float
     gap: float
-    springs: list[tuple[int, int, Any, float]]
-    ground: tuple[Any, Any]
-    walls: tuple[float, float]
-    mass: Any
-    strength: Any
-    load: Any
+    mass: Floats
+    strength: Floats
+    rest: Floats
+    load: Floats
+    hold: Floats
+    springs: list[tuple[int, int, Any, Any]]
+    ground: tuple[Floats, Floats]
+    walls: list[Wall]
     loss: tuple[Any, float]
-    wall_loss: tuple[float, float]
+    cut: bool
     drag: float
     drag_across: float
-    pushes: list[tuple[int, int, float, float, bool]]
-    shaken: list[tuple[int, int, float, float, float]]
-    moved: list[tuple[int, int, float, float, float]]
+    pushes: list[Push]
+    moved: list[Moved]
+    start: Floats
 
-    def acceleration(self) -> Callable[[float, Floats, Floats], Floats]:
-        """From a time, displacements and velocities, [chain, bead]."""
-        p, rest = self.exponent, (self.load[1:-1] / self.strength) ** (1.0 / self.exponent)
-        outside = np.diff(np.pad(self.load[1:-1], 1))
-        held = []
-        for bead, side, wall, lost in zip((0, -1), (-1.0, 1.0), self.walls, self.wall_loss, strict=True):
-            if wall:
-                outside[bead] += side * self.load[bead]
-                held.append((bead, side, wall, lost, (self.load[bead] / wall) ** (1.0 / p)))
+    @property
+    def lossy(self) -> bool:
+        return bool(np.any(self.loss[0]) or self.drag or self.drag_across)
+
+    @property
+    def loaded(self) -> bool:
+        return bool(np.any(self.load))
+
+    @property
+    def kick_energy(self) -> float:
+        return float(0.5 * np.sum(self.mass * self.start**2))
+
+    @cached_property
+    def _has(self) -> dict[str, bool]:
+        """What there is at all: asked at every step."""
+        cubic = any(np.any(c) for *_, c in self.springs)
+        return {"loss": bool(np.any(self.loss[0])), "ground": bool(np.any(self.ground)), "cubic": cubic}
+
+    def overlap(self, x: Floats) -> Floats:
+        """Of contacts, negative where beads are apart."""
+        return np.asarray(x[..., :-1] - x[..., 1:] - self.gap + self.rest)
+
+    def elastic(self, x: Floats) -> Floats:
+        """Force of contacts, that at rest included, without the dashpots'."""
+        return np.asarray(self.strength * _power(np.maximum(self.overlap(x), 0.0), self.exponent))
+
+    def contacts(self, x: Floats, v: Floats) -> Floats:
+        """Force of contacts, that at rest and the dashpots' included."""
+        closed = np.maximum(self.overlap(x), 0.0)
+        push = self.strength * _power(closed, self.exponent)
         coefficient, power = self.loss
-        grounded, lossy = any(np.any(part) for part in self.ground), np.any(coefficient)
+        if self._has["loss"]:
+            push = push + np.where(closed > 0.0, coefficient * closed**power * (v[..., :-1] - v[..., 1:]), 0.0)
+        return np.asarray(np.maximum(push, 0.0) if self.cut else push)
 
-        def at(time: float, x: Floats, v: Floats) -> Floats:
-            closed = np.maximum(x[:, :-1] - x[:, 1:] - self.gap + rest, 0.0)
-            push = self.strength * closed**p
-            if lossy:
-                push += np.where(closed > 0.0, coefficient * closed**power * (v[:, :-1] - v[:, 1:]), 0.0)
-            force = outside - self.drag * v
-            force[:, 1:] += push
-            force[:, :-1] -= push
-            for one, other, stiffness, cubic in self.springs:
-                apart = x[other] - x[one]
-                pull = stiffness * apart + (cubic * apart**3 if cubic else 0.0)
-                pull += self.drag_across * (v[other] - v[one])
-                force[one] += pull
-                force[other] -= pull
-            if grounded:
-                force -= self.ground[0] * x + self.ground[1] * x**3
-            for bead, side, wall, lost, overlap in held:
-                closed = np.maximum(overlap + side * x[:, bead] - self.gap, 0.0)
-                force[:, bead] -= side * wall * closed**p
-                if lost:
-                    force[:, bead] -= np.where(closed > 0.0, lost * closed**power * v[:, bead], 0.0)
-            for chain, bead, peak, lasts, sine in self.pushes:
-                if time < lasts:
-                    force[chain, bead] += peak * (math.sin(math.pi * time / lasts) if sine else 1.0)
-            for chain, bead, size, omega, phase in self.shaken:
-                force[chain, bead] += size * math.sin(omega * time + phase)
-            force /= self.mass
-            for chain, bead, size, omega, phase in self.moved:
-                force[chain, bead] = -size * omega**2 * math.sin(omega * time + phase)
-            return force
+    def at_wall(self, wall: Wall, x: Floats, v: Floats | None = None) -> Floats:
+        """Force of a wall, [..., chain], that at rest included; without the dashpots' if there are no velocities."""
+        closed = np.maximum(wall.rest + wall.side * x[..., wall.bead] - self.gap, 0.0)
+        push = wall.strength * _power(closed, self.exponent)
+        if v is not None and self._has["loss"]:
+            push = (
+                push + np.where(closed > 0.0, wall.loss * closed ** self.loss[1], 0.0) * wall.side * v[..., wall.bead]
+            )
+            push = np.maximum(push, 0.0) if self.cut else push
+        return np.asarray(push)
 
-        return at
+    def acceleration(self, time: float, x: Floats, v: Floats) -> Floats:
+        force = self.hold - self.drag * v
+        along = self.contacts(x, v)
+        force[..., 1:] += along
+        force[..., :-1] -= along
+        for one, other, stiffness, cubic in self.springs:
+            apart = x[..., other, :] - x[..., one, :]
+            pull = stiffness * apart + (cubic * apart**3 if self._has["cubic"] else 0.0)
+            if self.drag_across:
+                pull = pull + self.drag_across * (v[..., other, :] - v[..., one, :])
+            force[..., one, :] += pull
+            force[..., other, :] -= pull
+        if self._has["ground"]:
+            force -= self.ground[0] * x + self.ground[1] * x**3
+        for wall in self.walls:
+            force[..., wall.bead] -= wall.side * self.at_wall(wall, x, v)
+        for push in self.pushes:
+            force[..., push.chain, push.bead] += push.force(time)
+        force /= self.mass
+        for moved in self.moved:
+            force[..., moved.chain, moved.bead] = moved.acceleration(time)
+        return force
 
-    def start(self, scene: Scene) -> Floats:
-        """Displacements and velocities, [2, chain, bead]."""
-        found = np.zeros((2, scene.chains, scene.beads))
-        for kick in scene.kick:
-            found[1, kick.chain - 1, kick.bead - 1] = kick.velocity / scene.scale.velocity
-        for chain, bead, size, omega, phase in self.moved:
-            found[1, chain, bead] = size * omega * math.cos(phase)
-        return found
+    def power(self, time: Any, x: Floats, v: Floats) -> dict[str, Any]:
+        """Taken by each kind of dashpots, and ``put_in`` from outside, [...]."""
+        rate, (_coefficient, _power) = v[..., :-1] - v[..., 1:], self.loss
+        lost: dict[str, Any] = {}
+        if self._has["loss"]:
+            lost["contact_damping"] = ((self.contacts(x, v) - self.elastic(x)) * rate).sum(axis=(-2, -1))
+            for wall in self.walls:
+                own = (self.at_wall(wall, x, v) - self.at_wall(wall, x)) * wall.side * v[..., wall.bead]
+                lost[f"{'left' if wall.side < 0.0 else 'right'}_wall_damping"] = own.sum(axis=-1)
+        if self.drag_across:
+            across = [((v[..., other, :] - v[..., one, :]) ** 2).sum(axis=-1) for one, other, *_ in self.springs]
+            lost["coupling_damping"] = self.drag_across * sum(across)
+        if self.drag:
+            lost["bead_damping"] = self.drag * (v**2).sum(axis=(-2, -1))
+        put_in = sum((p.force(time) * v[..., p.chain, p.bead] for p in self.pushes), np.zeros(np.shape(time)))
+        if self.moved:  # what moves a bead bears all forces on it
+            forces = replace(self, moved=[]).acceleration(time, x, v) * self.mass
+            for one in self.moved:
+                needed = one.acceleration(time) * self.mass[one.chain, one.bead] - forces[..., one.chain, one.bead]
+                put_in = put_in + needed * v[..., one.chain, one.bead]
+        return {"put_in": put_in, **lost}
 
+    # --- energies -----------------------------------------------------------------------------------------------------
 
-def nature(scene: Scene) -> Nature:
-    """Of a scene that `random_scenes.draw` makes."""
-    unit, beads = scene.scale, scene.beads
-    rows = np.arange(1, beads + 1)
+    def kinetic(self, v: Floats) -> Floats:
+        return np.asarray(0.5 * self.mass * v**2)
 
-    def within(ends: Any) -> Floats:
-        return np.ones(beads) if ends is None else ((rows >= ends[0]) & (rows <= ends[1])) * 1.0
+    def in_contacts(self, x: Floats) -> Floats:
+        """Above that at rest: the work against the force above that at rest."""
+        return self._stored(self.overlap(x), self.strength, self.rest, self.load)
 
-    exponent = 1.5 if scene.contact is None else scene.contact.exponent
-    springs, ground, walls = [], (0.0, 0.0), (0.0, 0.0)
-    tied = scene.coupling
-    if tied is not None:
-        pairs = [(chain, chain + 1) for chain in range(scene.chains - 1)]
-        pairs += [(0, scene.chains - 1)] if tied.topology == "ring" else []
-        cubic = (tied.cubic or 0.0) * unit.length**2 / unit.stiffness
-        springs = [(a, b, tied.stiffness / unit.stiffness * within(tied.rows), cubic) for a, b in pairs]
-    if scene.foundation is not None:
-        soft = scene.foundation
-        hard = soft.cubic * unit.length**2 / unit.stiffness
-        ground = (soft.stiffness / unit.stiffness * within(soft.rows), hard * within(soft.rows))
-    if scene.walls is not None:
-        strength = {None: 0.0, "bead": 1.0, "flat": 2.0**0.5, "rigid": 2.0**1.5}
-        walls = (strength[scene.walls.left], strength[scene.walls.right])
-    radius, mass = np.ones(beads), np.ones(beads)
-    if scene.pattern is not None:
-        kinds = [scene.kinds[scene.pattern[k % len(scene.pattern)]] for k in range(beads)]
-        radius, mass = np.array([kind.radius or 1.0 for kind in kinds]), np.array([kind.mass for kind in kinds])
-    if scene.taper is not None:
-        shrink = (1.0 - scene.taper) ** np.arange(beads)
-        radius, mass = radius * shrink, mass * shrink**3
-    between = np.sqrt(2.0 * radius[1:] * radius[:-1] / (radius[1:] + radius[:-1]))
-    load = np.zeros(beads + 1)
-    if scene.precompression is not None:
-        load += scene.precompression.force / unit.force
-    if scene.gravity is not None:
-        load[1:] += np.cumsum(mass) * scene.gravity.acceleration * unit.time**2 / unit.length
-    dashpot, loss, wall_loss = unit.force / unit.velocity, (0.0, 0.0), (0.0, 0.0)
-    damping = scene.damping
-    if damping is not None and damping.contact:
-        loss = (damping.contact / dashpot, 0.0)
-        wall_loss = (loss[0], loss[0])
-        if damping.law == "viscoelastic":
-            loss = (damping.contact / dashpot * unit.length**0.5, 0.5)
-            wall_loss = (loss[0] * walls[0], loss[0] * walls[1])
-        elif damping.law == "restitution":  # Antypov & Elliott 2011
-            log, reduced = math.log(damping.contact), mass[1:] * mass[:-1] / (mass[1:] + mass[:-1])
-            alpha = -log * math.sqrt(5.0) / math.hypot(log, math.pi)
-            loss = (alpha * np.sqrt(reduced * between), 0.25)
-            wall_loss = (alpha * math.sqrt(mass[0] * walls[0]), alpha * math.sqrt(mass[-1] * walls[1]))
-    drives = [
-        (one, one.chain - 1, one.bead - 1, 2.0 * math.pi * one.frequency * unit.time, math.radians(one.phase))
-        for one in scene.drive or ()
-    ]
-    return Nature(
-        exponent=exponent,
-        gap=scene.gap / unit.length,
-        springs=springs,
-        ground=ground,
-        walls=walls,
-        mass=mass,
-        strength=between,
-        load=load,
-        loss=loss,
-        wall_loss=wall_loss,
-        drag=(damping.beads or 0.0) / dashpot if damping is not None else 0.0,
-        drag_across=(damping.coupling or 0.0) / dashpot if damping is not None else 0.0,
-        pushes=[
-            (p.chain - 1, p.bead - 1, p.peak / unit.force, p.duration / unit.time, p.shape != "rectangular")
-            for p in scene.push or ()
-        ],
-        shaken=[(c, b, one.force / unit.force, *how) for one, c, b, *how in drives if one.force is not None],
-        moved=[(c, b, one.displacement / unit.length, *how) for one, c, b, *how in drives if one.force is None],
-    )
+    def in_wall(self, wall: Wall, x: Floats) -> Floats:
+        overlap = wall.rest + wall.side * x[..., wall.bead] - self.gap
+        return self._stored(overlap, wall.strength, wall.rest, wall.strength * wall.rest**self.exponent)
+
+    def _stored(self, overlap: Floats, strength: Floats, rest: Floats, load: Floats) -> Floats:
+        p = self.exponent + 1.0
+        whole = strength / p * np.maximum(overlap, 0.0) ** p
+        return np.asarray(whole - strength / p * rest**p - load * (overlap - rest) if np.any(rest) else whole)
+
+    def in_springs(self, x: Floats) -> list[Floats]:
+        """Of each pair of chains, [..., bead]."""
+        apart = [(x[..., other, :] - x[..., one, :], k, c) for one, other, k, c in self.springs]
+        return [0.5 * k * s**2 + 0.25 * c * s**4 for s, k, c in apart]
+
+    def in_ground(self, x: Floats) -> Floats:
+        return np.asarray(0.5 * self.ground[0] * x**2 + 0.25 * self.ground[1] * x**4)
+
+    def held(self, x: Floats, v: Floats) -> dict[str, Floats]:
+        """Energy by where it is, [...]."""
+        none = np.zeros(x.shape[:-2])
+        return {
+            "kinetic": self.kinetic(v).sum(axis=(-2, -1)),
+            "contacts": self.in_contacts(x).sum(axis=(-2, -1)),
+            "springs": sum((part.sum(axis=-1) for part in self.in_springs(x)), none),
+            "ground": self.in_ground(x).sum(axis=(-2, -1)),
+            "walls": sum((self.in_wall(wall, x).sum(axis=-1) for wall in self.walls), none),
+        }
+
+    def of_beads(self, x: Floats, v: Floats) -> Floats:
+        """Of each bead in its chain, with half of each of its contacts and all that walls and ground hold."""
+        found, contact = self.kinetic(v) + self.in_ground(x), self.in_contacts(x)
+        found[..., :-1] += 0.5 * contact
+        found[..., 1:] += 0.5 * contact
+        for wall in self.walls:
+            found[..., wall.bead] += self.in_wall(wall, x)
+        return np.asarray(found)
 
 
-def solution(scene: Scene, rtol: float) -> Any:
-    """Displacements and velocities of a scene at any time until its end, by DOP853, from push to push."""
-    what, (chains, beads) = nature(scene), (scene.chains, scene.beads)
-    end, accelerate = scene.problem().duration, what.acceleration()
-
-    def rates(time: float, state: Floats) -> Floats:
-        x, v = state.reshape(2, chains, beads)
-        return np.concatenate([v, accelerate(time, x, v)], axis=None)
-
-    state, edges, pieces = what.start(scene).ravel(), [0.0, end], []
-    edges[1:1] = sorted({lasts for *_, lasts, _ in what.pushes if lasts < end})
-    for since, until in pairwise(edges):
-        # no stage of a step is at its end, where the push is over
-        found = solve_ivp(
-            rates, (since, np.nextafter(until, 0.0) if until < end else until), state, "DOP853",
-            rtol=rtol, atol=1e-2 * rtol, max_step=0.4, dense_output=True,
-        )  # fmt: skip
-        state = found.y[:, -1]
-        pieces.append(found.sol)
-    whole = OdeSolution(
-        np.concatenate([pieces[0].ts[:1], *(piece.ts[1:] for piece in pieces)]),
-        [step for piece in pieces for step in piece.interpolants],
-    )
-    return lambda time: (
-        np.moveaxis(whole(time).reshape(2, chains, beads, *np.shape(time)), -1, 0)
-        if np.ndim(time)
-        else whole(time).reshape(2, chains, beads)
-    )
+def _power(closed: Floats, exponent: float) -> Floats:
+    return closed * np.sqrt(closed) if exponent == 1.5 else closed**exponent

@@ -1,0 +1,284 @@
+"""From the keys of a scene to its forces (`scenes_nature.Nature`), sharing no code with the product."""
+
+import math
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from scenes_nature import Floats, Moved, Nature, Push, Units, Wall
+
+from lammps_inputs import Scene
+
+FACES = {"bead": 1.0, "flat": 2.0**0.5, "rigid": 2.0**1.5}
+
+
+def units(scene: Scene) -> Units:
+    """V is the fastest of kicks, of free beads that were given a push's impulse, and of drives."""
+    ball, p = scene.material, exponent(scene)
+    mass, constant = 1.0, 1.0
+    if ball is not None:
+        mass = 4.0 / 3.0 * math.pi * ball.radius**3 * ball.density
+        constant = ball.youngs_modulus * math.sqrt(2.0 * ball.radius) / (3.0 * (1.0 - ball.poisson_ratio**2))
+    if scene.contact is not None and scene.contact.stiffness is not None:
+        constant = scene.contact.stiffness
+    speeds = [abs(velocity) for *_, velocity in kicks(scene)]
+    speeds += [_impulse(push, absolute=True) / mass for push in scene.push or ()]
+    for drive in scene.drive or ():
+        omega = 2.0 * math.pi * drive.frequency
+        speeds.append(drive.force / (mass * omega) if drive.force else drive.displacement * omega)
+    velocity = max(speeds)
+    return Units(mass, (mass * velocity**2 / constant) ** (1.0 / (p + 1.0)), velocity, ball is not None)
+
+
+def exponent(scene: Scene) -> float:
+    return 1.5 if scene.contact is None else float(scene.contact.exponent)
+
+
+def kicks(scene: Scene) -> list[tuple[int, int, float]]:
+    """(chain, bead, velocity) from 1, in the scene's units; the striker's first."""
+    first = [] if scene.striker is None else [(scene.striker.chain, 1, scene.striker.velocity)]
+    return first + [(kick.chain, kick.bead, kick.velocity) for kick in scene.kick]
+
+
+def blows(scene: Scene) -> list[tuple[int, int, float]]:
+    """(chain, bead, dimensionless impulse or velocity) from 1 of all that sets beads in motion, kicks first."""
+    unit = units(scene)
+    found = [(chain, bead, velocity / unit.velocity) for chain, bead, velocity in kicks(scene)]
+    momentum, moved = unit.momentum, []
+    for push in scene.push or ():
+        found.append((push.chain, push.bead, _impulse(push, absolute=False) / momentum))
+    for drive in scene.drive or ():
+        omega = 2.0 * math.pi * drive.frequency
+        if drive.force:
+            found.append((drive.chain, drive.bead, 2.0 * drive.force / omega / momentum))
+        else:
+            moved.append((drive.chain, drive.bead, drive.displacement * omega / unit.velocity))
+    return found + moved
+
+
+def hardest(scene: Scene) -> tuple[int, int, float]:
+    """The first of those that are largest."""
+    return max(blows(scene), key=lambda blow: abs(blow[2]))
+
+
+def _impulse(push: Any, *, absolute: bool) -> float:
+    """Of the force, or of its size; in the scene's units."""
+    if push.table is None:
+        size = push.peak * push.duration * (2.0 / math.pi if push.shape == "half-sine" else 1.0)
+        return abs(size) if absolute else size
+    total = 0.0
+    for (t0, f0), (t1, f1) in zip(push.table[:-1], push.table[1:], strict=True):
+        if absolute and f0 * f1 < 0.0:
+            total += 0.5 * (t1 - t0) * (f0**2 + f1**2) / (abs(f0) + abs(f1))
+        else:
+            area = 0.5 * (t1 - t0) * (f0 + f1)
+            total += abs(area) if absolute else area
+    return total
+
+
+def _relative(kind: Any, ball: Any) -> tuple[float, float, float]:
+    """Mass, radius and plane modulus in those of the reference bead."""
+    if ball is None:
+        radius = kind.radius or 1.0
+        return kind.mass or radius**3, radius, kind.stiffness or 1.0
+    radius, density = kind.radius or ball.radius, kind.density or ball.density
+    mass = kind.mass or 4.0 / 3.0 * math.pi * radius**3 * density
+    ratio = ball.poisson_ratio if kind.poisson_ratio is None else kind.poisson_ratio
+    modulus = (kind.youngs_modulus or ball.youngs_modulus) / (1.0 - ratio**2)
+    own = ball.youngs_modulus / (1.0 - ball.poisson_ratio**2)
+    return mass / (4.0 / 3.0 * math.pi * ball.radius**3 * ball.density), radius / ball.radius, modulus / own
+
+
+def beads_of(scene: Scene) -> tuple[Floats, Floats, Floats]:
+    """Mass, radius and plane modulus of every bead, [chain, bead], in those of the reference bead."""
+    found = np.ones((3, scene.chains, scene.beads))
+    patterns = list(scene.pattern or ())
+    for chain in range(scene.chains):
+        row = patterns[chain] if patterns and isinstance(patterns[0], tuple) else patterns
+        for bead in range(scene.beads if row else 0):
+            found[:, chain, bead] = _relative(scene.kinds[row[bead % len(row)]], scene.material)
+    for change in scene.replace or ():
+        found[:, change.chain - 1, change.bead - 1] = _relative(scene.kinds[change.kind], scene.material)
+    if scene.taper:
+        size = (1.0 - scene.taper) ** np.arange(scene.beads)
+        found[0] *= size**3
+        found[1] *= size
+    if (mess := scene.disorder) is not None:
+        mass, radius, modulus = (
+            1.0 + getattr(mess, name) * (2.0 * _random(mess.seed, number, scene) - 1.0)
+            for number, name in enumerate(("mass", "radius", "stiffness"))
+        )
+        found *= np.stack([mass * radius**3, radius, modulus])
+    if scene.striker is not None:
+        found[:, scene.striker.chain - 1, 0] = _relative(scene.striker, scene.material)
+    return found[0], found[1], found[2]
+
+
+def _random(seed: int, number: int, scene: Scene) -> Floats:
+    bits = np.random.PCG64(np.random.SeedSequence([seed, number])).random_raw(scene.chains * scene.beads)
+    return ((bits >> np.uint64(11)) * 2.0**-53).reshape(scene.chains, scene.beads)
+
+
+def edges(scene: Scene) -> list[tuple[int, int, float | None]]:
+    """Tied chains, from 0, and a stiffness of their own, in the scene's units."""
+    tied, chains = scene.coupling.topology, scene.chains
+    if tied in (None, "open", "ring"):
+        return [(k, k + 1, None) for k in range(chains - 1)] + [(0, chains - 1, None)] * (tied == "ring" and chains > 2)
+    if tied.edges:
+        return sorted((min(e[:2]) - 1, max(e[:2]) - 1, e[2] if len(e) > 2 else None) for e in tied.edges)
+    _rows, columns = tied.lattice
+    found = [(k, k + 1, None) for k in range(chains) if (k + 1) % columns]
+    return sorted(found + [(k, k + columns, None) for k in range(chains - columns)])
+
+
+def springs(scene: Scene) -> list[tuple[int, int, Floats, Floats]]:
+    """(chain, other, stiffness and cubic stiffness of each row), dimensionless."""
+    unit, tied, rows = units(scene), scene.coupling, np.arange(1, scene.beads + 1)
+    if tied is None:
+        return []
+    there = _within(tied.rows, scene)
+    shared: Any = tied.stiffness or 0.0
+    if not isinstance(shared, float | int):
+        shared = np.interp(rows, shared.rows, [getattr(shared, "from"), shared.to])
+    cubic = (tied.cubic or 0.0) * unit.length**2 / unit.stiffness * there
+    found = [(a, b, (shared if own is None else own) / unit.stiffness * there, cubic) for a, b, own in edges(scene)]
+    return [one for one in found if np.any(one[2]) or np.any(one[3])]
+
+
+def _within(ends: Any, scene: Scene) -> Floats:
+    rows = np.arange(1, scene.beads + 1)
+    return np.ones(scene.beads) if ends is None else ((rows >= ends[0]) & (rows <= ends[1])) * 1.0
+
+
+def loads(scene: Scene, mass: Floats) -> Floats:
+    """Force at rest, from before the first bead to behind the last, [chain, bead + 1]."""
+    unit, found = units(scene), np.zeros((scene.chains, scene.beads + 1))
+    if scene.precompression is not None:
+        found += scene.precompression.force / unit.force
+    if scene.gravity is not None:
+        found[:, 1:] += np.cumsum(mass, axis=1) * scene.gravity.acceleration * unit.time**2 / unit.length
+    return found
+
+
+def _losses(scene: Scene, mass: Floats, strength: Floats) -> tuple[Any, float]:
+    """Coefficient, and the exponent of the overlap."""
+    unit, damping, p = units(scene), scene.damping, exponent(scene)
+    if damping is None or not damping.contact:
+        return 0.0, 0.0
+    if damping.law == "viscoelastic":
+        return damping.contact / (unit.force / unit.velocity) * unit.length**0.5, 0.5
+    if damping.law == "restitution":
+        reduced = 1.0 / (1.0 / mass[:, 1:] + 1.0 / mass[:, :-1])
+        return _alpha(damping.contact, p) * np.sqrt(reduced * strength), 0.5 * (p - 1.0)
+    return damping.contact / (unit.force / unit.velocity), 0.0
+
+
+def _alpha(restitution: float, p: float) -> float:
+    """Antypov & Elliott 2011; for other exponents as theirs follows from that of a linear spring."""
+    log = math.log(restitution)
+    return -log * math.sqrt(2.0 * (p + 1.0)) / math.hypot(log, math.pi)
+
+
+def _walls(scene: Scene, mass: Floats, load: Floats, loss: tuple[Any, float]) -> list[Wall]:
+    unit, p, (_, radius, modulus) = units(scene), exponent(scene), beads_of(scene)
+    found = []
+    for bead, side, name in ((0, -1.0, "left"), (scene.beads - 1, 1.0, "right")):
+        face = getattr(scene.walls, name) if scene.walls is not None else None
+        if face is None:
+            continue
+        if isinstance(face, str):
+            strength = FACES[face] * modulus[:, bead] * np.sqrt(radius[:, bead])
+        else:
+            strength = np.full(scene.chains, face.stiffness / (unit.force / unit.length**p))
+        rest = (load[:, bead + (side > 0.0)] / strength) ** (1.0 / p)
+        lost = np.zeros(scene.chains)
+        if np.any(loss[0]):
+            law = scene.damping.law
+            lost = lost + (loss[0] if law in (None, "linear") else 0.0)
+            lost = lost + (loss[0] * strength if law == "viscoelastic" else 0.0)
+            if law == "restitution":
+                lost = _alpha(scene.damping.contact, p) * np.sqrt(mass[:, bead] * strength)
+        found.append(Wall(bead, side, strength, rest, lost))
+    return found
+
+
+def _pushes(scene: Scene, unit: Units) -> list[Push]:
+    found = []
+    for push in scene.push or ():
+        if push.table is not None:
+            points = np.array(push.table) / [unit.time, unit.force]
+            of_time = lambda t, p=points: np.interp(t, *p.T, left=0.0, right=0.0)  # noqa: E731
+            found.append(Push(push.chain - 1, push.bead - 1, points[-1, 0], of_time, tuple(points[:, 0].tolist())))
+            continue
+        peak, lasts = push.peak / unit.force, push.duration / unit.time
+        shapes = {
+            "half-sine": lambda t, a=peak, b=lasts: a * np.sin(math.pi * t / b),
+            "rectangular": lambda t, a=peak: a + 0.0 * np.asarray(t),
+        }
+        found.append(Push(push.chain - 1, push.bead - 1, lasts, shapes[push.shape], (lasts,)))
+    for drive in scene.drive or ():
+        if drive.force is not None:
+            size, omega, phase = drive.force / unit.force, *_turn(drive, unit)
+            wave = lambda t, a=size, w=omega, p=phase: a * np.sin(w * np.asarray(t) + p)  # noqa: E731
+            found.append(Push(drive.chain - 1, drive.bead - 1, math.inf, wave, ()))
+    return found
+
+
+def _turn(drive: Any, unit: Units) -> tuple[float, float]:
+    return 2.0 * math.pi * drive.frequency * unit.time, math.radians(drive.phase)
+
+
+@lru_cache(maxsize=4)
+def _nature(text: str) -> Nature:
+    scene = Scene.model_validate_json(text)
+    unit, p = units(scene), exponent(scene)
+    mass, radius, modulus = beads_of(scene)
+    size = 2.0 * radius[:, 1:] * radius[:, :-1] / (radius[:, 1:] + radius[:, :-1])
+    strength = 2.0 / (1.0 / modulus[:, 1:] + 1.0 / modulus[:, :-1]) * np.sqrt(size)
+    load = loads(scene, mass)
+    loss = _losses(scene, mass, strength)
+    walls = _walls(scene, mass, load, loss)
+    hold = np.diff(np.pad(load[:, 1:-1], ((0, 0), (1, 1))), axis=1)
+    for wall in walls:
+        hold[:, wall.bead] += wall.side * load[:, wall.bead + (wall.side > 0.0)]
+    moved = [
+        Moved(one.chain - 1, one.bead - 1, one.displacement / unit.length, *_turn(one, unit))
+        for one in scene.drive or ()
+        if one.force is None
+    ]
+    start = np.zeros((scene.chains, scene.beads))
+    for chain, bead, velocity in kicks(scene):
+        start[chain - 1, bead - 1] = velocity / unit.velocity
+    for one in moved:
+        start[one.chain, one.bead] = one.velocity(0.0)
+    ground, soft = (np.zeros_like(mass), np.zeros_like(mass)), scene.foundation
+    if soft is not None:
+        k, c = (np.reshape(np.broadcast_to(value, scene.chains), (-1, 1)) for value in (soft.stiffness, soft.cubic))
+        there = _within(soft.rows, scene)
+        ground = (k / unit.stiffness * there, c * unit.length**2 / unit.stiffness * there)
+    damping, dashpot = scene.damping, unit.force / unit.velocity
+    return Nature(
+        unit=unit,
+        exponent=p,
+        gap=scene.gap / unit.length,
+        mass=mass,
+        strength=strength,
+        rest=(load[:, 1:-1] / strength) ** (1.0 / p),
+        load=load[:, 1:-1],
+        hold=hold,
+        springs=springs(scene),
+        ground=ground,
+        walls=walls,
+        loss=loss,
+        cut=damping is not None and damping.tension == "cut",
+        drag=(damping.beads or 0.0) / dashpot if damping is not None else 0.0,
+        drag_across=(damping.coupling or 0.0) / dashpot if damping is not None else 0.0,
+        pushes=_pushes(scene, unit),
+        moved=moved,
+        start=start,
+    )
+
+
+def nature(scene: Scene) -> Nature:
+    """Of any scene with a duration."""
+    return _nature(scene.model_dump_json(exclude_none=True))
