@@ -117,7 +117,8 @@ def refuse_too_long(scene: Scene, source: str, engine: Engine = LAMMPS, ranks: i
 def refuse_beforehand(scene: Scene, source: str, engine: Engine = LAMMPS, ranks: int = 1) -> None:
     """The same of a scene as the user gave it: by the least of its frames where something is still to be found."""
     searched = scene.until_bead is not None or scene.window == "auto"
-    if not searched and (scene.timestep is not None or not engine.own_step):
+    open_step = scene.accuracy is not None or (engine.own_step and scene.timestep is None)
+    if not searched and not open_step:
         return refuse_too_long(scene, source, engine, ranks)
     size = replace(size_of(_at_least(scene)), seconds=None, rough=True)
     above = too_large(scene, replace(size, steps=None) if searched else size)
