@@ -18,7 +18,9 @@ ROOT = Path(__file__).parents[2]
 FLOORS = ("lammps_inputs", "analysis", "workflow")
 
 PROGRAM = """
+import os, tempfile
 import lammps_inputs
+tempfile.tempdir = os.environ.get("TEMPORARY")
 from workflow.engines.reference import engine
 problem = lammps_inputs.find("one-chain").problem().coarser(400)
 print(engine.run(problem).velocity[-1].max())
@@ -74,7 +76,7 @@ def test_processes_that_compile_at_once_agree_and_leave_whole_files(tmp_path):
 @pytest.mark.slow
 def test_a_cache_that_cannot_be_written_to_changes_no_number(tmp_path):
     (tmp_path / "file").write_text("no directory")
-    own = {"HOME": f"{tmp_path}/file", "XDG_CACHE_HOME": f"{tmp_path}/file", "TMPDIR": "/proc"}
+    own = {"HOME": f"{tmp_path}/file", "XDG_CACHE_HOME": f"{tmp_path}/file", "TEMPORARY": f"{tmp_path}/file"}
     assert run(ROOT, tmp_path / "file", **own) == (run(ROOT, tmp_path / "cache")[0], False)
 
 
