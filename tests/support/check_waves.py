@@ -386,14 +386,14 @@ def _energies(case: Case, shared: Shared, known: Any, frame: int, chain: int) ->
         arrivals = np.maximum.accumulate(shared.arrival[known, chain])
         peak = np.interp(case.frames.time[frame], arrivals, shared.count[known])
         beads = np.arange(1, case.scene.beads + 1)
-        far = np.abs((beads if case.way > 0 else case.scene.beads + 1 - beads) - peak)
-        near = [far <= reach(case) + hair for hair in (-1e-6, 1e-6)]
+        along = beads if case.way > 0 else case.scene.beads + 1 - beads
+        near = [np.abs(along - bead) <= reach(case) for bead in {round(peak - 1e-6), round(peak + 1e-6)}]
         inside = tuple(float(np.nansum(kinetic[n]) + np.nansum(contacts[n[1:] & n[:-1]])) for n in near)
     missing = case.windowed
     return {
         "chain_energy": None if missing else About(total * energy, 1e-11 * energy),
         # null where another pulse is as near
-        "wave_energy": Either((None, *(About(value * energy, 1e-11 * energy) for value in inside))),
+        "wave_energy": Either((*(About(value * energy, 1e-11 * energy) for value in inside), None)),
     }
 
 
