@@ -4,7 +4,6 @@ import argparse
 from pathlib import Path
 
 from lammps_inputs import InputError, library
-from workflow.formats import figure_files
 from workflow.screen import count_bar, one_line, print_table
 from workflow.studies.extremes import grid, report
 
@@ -53,5 +52,5 @@ def execute(arguments: argparse.Namespace) -> int:
     found = report.counts(outcomes)
     print(f"{len(outcomes)} cells: " + ", ".join(f"{number} {kind}" for kind, number in found.items()))
     if arguments.output is not None:
-        print(f"{one_line(arguments.output)}: {', '.join(('extremes.csv', *figure_files('extremes'), report.CELLS))}")
+        print(f"{one_line(arguments.output)}: {', '.join(report.STUDY.files)}")
     return 1 if found["WRONG"] else 0

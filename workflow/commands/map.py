@@ -4,7 +4,6 @@ import argparse
 from pathlib import Path
 
 from lammps_inputs import InputError
-from workflow.formats import figure_files
 from workflow.screen import count_bar, one_line, print_table
 from workflow.studies import map as mapping
 
@@ -54,7 +53,7 @@ def execute(arguments: argparse.Namespace) -> int:
         ["N", "kappa", "10% from", "1% from", "amplitude", "mismatch", "beads", "window error"],
         rows,
     )
-    print(f"{one_line(arguments.output)}: {', '.join(('map.csv', *figure_files('map'), mapping.CASES))}")
+    print(f"{one_line(arguments.output)}: {', '.join(mapping.STUDY.files)}")
     return 0
 
 

@@ -5,7 +5,7 @@ case is run a second time in a window twice as wide, and the two must agree.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -16,17 +16,14 @@ from analysis.sharing.equipartition import sharing
 from analysis.tracking.leading_waves import Waves
 from lammps_inputs import Coupling, InputError, Kick, Problem, Scene
 from workflow.engines.reference.passages import passages
-from workflow.formats import figure_files
-from workflow.runs.study_directory import study_directory
-from workflow.runs.whole_files import write_figure, write_text
-from workflow.studies.lines import to_csv
-from workflow.workers.pool import Pool, Task
-from workflow.workers.results import Results, key_of
+from workflow.studies.study import Study, to_csv
+from workflow.workers import evaluate
 
 COUPLINGS = tuple(float(f"{value:.3g}") for value in np.geomspace(1e-3, 2.0, 12))
 CHAINS = (2, 3, 4, 5, 6, 7, 8)
 MOST_BEADS = 12_000
-CASES = "cases.jsonl"
+TABLE = "map.csv"
+STUDY = Study("map", f"{TABLE} is the table", tables=(TABLE,), figures=("map",), cache="cases.jsonl")
 
 _WINDOW = 80
 _WIDEST = 640
@@ -118,13 +115,32 @@ def _difference(first: Waves, second: Waves) -> float:
     return float(np.max(np.abs(first.peak_velocity - second.peak_velocity), initial=0.0))
 
 
+def plan(couplings: Sequence[float], chains: Sequence[int], most_beads: int) -> list[evaluate.Case]:
+    """A case for each number of chains and coupling; the weaker the coupling, the longer the chains.
+
+    Raises:
+        InputError: a coupling or number of chains that makes no case.
+    """
+    if min(chains) < 2 or min(couplings) <= 0.0 or not np.all(np.isfinite(couplings)):
+        raise InputError("map: couplings are positive, and chains are 2 or more")
+    return [
+        evaluate.case(
+            f"{__name__}:computed",
+            {"chains": number, "kappa": float(kappa), "most_beads": most_beads},
+            cost=-float(kappa) / number,
+        )
+        for number in chains
+        for kappa in couplings
+    ]
+
+
 def make_map(
     directory: Path,
     couplings: Sequence[float] = COUPLINGS,
     chains: Sequence[int] = CHAINS,
     *,
     most_beads: int = MOST_BEADS,
-    progress: Callable[[int, int], None] | None = None,
+    progress: evaluate.Progress | None = None,
 ) -> list[Case]:
     """Run all cases that a directory does not hold yet, on all cores; write ``map.csv`` and the figure.
 
@@ -136,41 +152,20 @@ def make_map(
         progress: called with the cases done and their total.
 
     Raises:
-        InputError: a coupling or number of chains that makes no case, or the directory cannot be written.
+        InputError: as `plan`; or the directory cannot be written.
     """
-    if min(chains) < 2 or min(couplings) <= 0.0 or not np.all(np.isfinite(couplings)):
-        raise InputError("map: couplings are positive, and chains are 2 or more")
-    wanted = [
-        {"chains": number, "kappa": float(kappa), "most_beads": most_beads} for number in chains for kappa in couplings
-    ]
-    files = (CASES, "map.csv", *figure_files("map"))
-    with study_directory(directory, "map", files, result="map.csv is the table"), Results(directory / CASES) as found:
-        # the longest first, so that no core is left with one long case at the end
-        missing = sorted(
-            (one for one in wanted if key_of(one) not in found), key=lambda one: one["kappa"] / one["chains"]
-        )
-        tasks = ((key_of(one), Task("workflow.studies.map:computed", one)) for one in missing)
-        with Pool(interrupt=True) as pool:
-            for done, (key, value) in enumerate(pool.values(tasks), len(wanted) - len(missing) + 1):
-                found.keep(key, value)
-                if progress is not None:
-                    progress(done, len(wanted))
-        cases = [Case(**found[key_of(one)]) for one in wanted]
-        write_text(directory / "map.csv", to_csv(Case, cases))
-        _draw(directory, cases)
+    planned = plan(couplings, chains, most_beads)
+    with STUDY.opened(directory) as cache:
+        cases = [Case(**value) for value in evaluate.values(planned, cache, progress=progress)]
+        from analysis.figures.map import map_figure  # matplotlib takes half a second to import
+
+        columns = {
+            field.name: np.array([getattr(case, field.name) for case in cases], dtype=float) for field in fields(Case)
+        }
+        STUDY.write(directory, {TABLE: to_csv(Case, cases)}, {"map": map_figure(columns)})
     return cases
 
 
 def computed(**request: Any) -> dict[str, Any]:
     """`run_case` for the worker pool."""
     return asdict(run_case(**request))
-
-
-def _draw(directory: Path, cases: Sequence[Case]) -> None:
-    from analysis.figures.map import map_figure
-
-    columns = {
-        field.name: np.array([getattr(case, field.name) for case in cases], dtype=float) for field in fields(Case)
-    }
-    figure = map_figure(columns)
-    write_figure(directory, "map", figure)

@@ -25,6 +25,7 @@ from workflow.errors import RunError
 from workflow.prepare.instants import stride
 from workflow.runs import check as checking
 from workflow.runs.run import run
+from workflow.studies import study
 from workflow.studies.extremes import grid as all_cells
 from workflow.studies.extremes import measure, report
 from workflow.studies.extremes.cells import BASE, Cell, changed, scaled, springs
@@ -317,7 +318,7 @@ def test_the_command_writes_table_and_figure_goes_on_where_it_stopped_and_fails_
         rows = list(csv.DictReader(file))
     assert [row["kind"] for row in rows] == ["RIGHT", "REFUSED"]
     assert (tmp_path / "extremes.png").stat().st_size > 10_000
-    monkeypatch.setattr(report, "write_figure", lambda *_: ())  # once is enough
+    monkeypatch.setattr(study, "write_figure", lambda *_: ())  # once is enough
     kept = tmp_path / "cells.jsonl"
     kept.write_text(kept.read_text().replace('"kind": "RIGHT", "why": ""', '"kind": "WRONG", "why": "planted"'))
     assert main(command) == 1  # taken from the file

@@ -3,30 +3,27 @@
 import hashlib
 import math
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 
 from lammps_inputs import InputError, library
-from workflow.formats import figure_files
-from workflow.runs.study_directory import study_directory
-from workflow.runs.whole_files import write_figure, write_text
 from workflow.studies.extremes.cells import Cell
 from workflow.studies.extremes.outcome import KINDS, Outcome
-from workflow.studies.lines import to_csv
-from workflow.workers.pool import Pool, Task
-from workflow.workers.results import Results, key_of
+from workflow.studies.study import Study, to_csv
+from workflow.workers import evaluate
+from workflow.workers.pool import Answer, Task
+from workflow.workers.results import key_of
 
-CELLS = "cells.jsonl"
-
-Progress = Callable[..., None]
+TABLE = "extremes.csv"
+STUDY = Study("extremes", f"{TABLE} is the table", tables=(TABLE,), figures=("extremes",), cache="cells.jsonl")
 
 QUICK = 1e7
 """Largest cost of a cell of the quick report: about a second, most of it for starting and judging; see `cost`."""
 
 
 def make_report(
-    cells: Sequence[Cell], directory: Path | None = None, *, progress: Progress | None = None
+    cells: Sequence[Cell], directory: Path | None = None, *, progress: evaluate.Progress | None = None
 ) -> list[Outcome]:
     """Measure what is missing; the outcomes of all cells, in their order.
 
@@ -39,38 +36,32 @@ def make_report(
         InputError: the directory cannot be written to.
         RunError: a process died.
     """
-    if directory is None:
-        return _measured(cells, Results(None), progress)
-    files = (CELLS, "extremes.csv", *figure_files("extremes"))
-    with (
-        study_directory(directory, "extremes", files, result="extremes.csv is the table"),
-        Results(directory / CELLS) as kept,
-    ):
-        outcomes = _measured(cells, kept, progress)
-        from workflow.studies.extremes.figure import extremes_figure  # matplotlib takes a while to import
+    with STUDY.opened(directory) as cache:
+        found = evaluate.values(plan(cells), cache, progress=progress, failed=_is_wrong)
+        outcomes = [Outcome(**value) for value in found]
+        if directory is not None:
+            from workflow.studies.extremes.figure import extremes_figure  # matplotlib takes a while to import
 
-        write_text(directory / "extremes.csv", to_csv(Outcome, outcomes))
-        write_figure(directory, "extremes", extremes_figure(outcomes))
+            STUDY.write(directory, {TABLE: to_csv(Outcome, outcomes)}, {"extremes": extremes_figure(outcomes)})
     return outcomes
 
 
-def _measured(cells: Sequence[Cell], kept: Results, progress: Progress | None) -> list[Outcome]:
-    """Outcomes of all cells. Those with several ranks have the cores to themselves, when the others are done."""
+def plan(cells: Sequence[Cell]) -> list[evaluate.Case]:
+    """Their cases, which are computed again when the program changes. Those of several ranks use all cores."""
     program = _program()
-    keys = [key_of([program, asdict(cell)]) for cell in cells]
-    missing = {key: cell for key, cell in zip(keys, cells, strict=True) if key not in kept}
-    done = len(cells) - len(missing)
-    for alone in (False, True):
-        # the longest first, so that no core is left with one long cell at the end
-        some = sorted((one for one in missing.items() if (one[1].ranks > 1) == alone), key=lambda one: -cost(one[1]))
-        tasks = ((key, Task("workflow.studies.extremes.measure:computed", asdict(cell))) for key, cell in some)
-        with Pool(1 if alone else None, interrupt=True) as pool:
-            for key, outcome in pool.values(tasks):
-                kept.keep(key, outcome)
-                done += 1
-                if progress is not None:
-                    progress(done, len(cells), sum(kept[key]["kind"] == "WRONG" for key in keys if key in kept))
-    return [Outcome(**kept[key]) for key in keys]
+    return [
+        evaluate.Case(
+            key_of([program, asdict(cell)]),
+            Task("workflow.studies.extremes.measure:computed", asdict(cell)),
+            cost(cell),
+            alone=cell.ranks > 1,
+        )
+        for cell in cells
+    ]
+
+
+def _is_wrong(answer: Answer) -> bool:
+    return bool(answer.failed) or answer.value["kind"] == "WRONG"
 
 
 def cost(cell: Cell) -> float:

@@ -4,22 +4,20 @@ What an entry leaves is kept: its runs, which a later start takes, and its secti
 other entries are asked for.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from lammps_inputs import InputError, html
 from lammps_inputs.library import suggestion
-from workflow.engines.lammps.mpi import cores
-from workflow.runs.study_directory import study_directory
-from workflow.runs.whole_files import write_text
 from workflow.studies import page
 from workflow.studies.gallery.entries import ENTRIES
-from workflow.workers.pool import Pool, Task
+from workflow.studies.study import Study
+from workflow.workers import evaluate
+from workflow.workers.pool import Task
 
 PAGE = "index.html"
 FOLDER = "entries"
-
-Progress = Callable[[int, int, int], None]
+STUDY = Study("gallery", f"{PAGE} is the page", tables=(PAGE,), others=(FOLDER,))
 
 
 class Sections(dict[str, page.Section]):
@@ -37,7 +35,7 @@ class Sections(dict[str, page.Section]):
         return html.table("what was published", ("entry", *words, "failed"), rows)
 
 
-def gallery(directory: Path, names: Sequence[str] = (), *, progress: Progress | None = None) -> Sections:
+def gallery(directory: Path, names: Sequence[str] = (), *, progress: evaluate.Progress | None = None) -> Sections:
     """Run entries, and write the page of these and of those that earlier starts have left.
 
     Args:
@@ -56,12 +54,13 @@ def gallery(directory: Path, names: Sequence[str] = (), *, progress: Progress | 
             raise InputError(f"--only: {name!r} is no entry{suggestion(name, ENTRIES)}; there are {', '.join(ENTRIES)}")
     asked = [name for name in ENTRIES if name in names or not names]
     folder = directory / FOLDER
-    with study_directory(directory, "gallery", (FOLDER, PAGE), result=f"{PAGE} is the page"):
+    with STUDY.opened(directory):
         folder.mkdir(exist_ok=True)
         found = _side_by_side(asked, folder.absolute(), progress)
         shown = {name: found.get(name) or page.kept(folder / name) for name in ENTRIES}
         sections = [section for section in shown.values() if section is not None]
-        write_text(directory / PAGE, page.render(_TITLE, _SUMMARY, sections, said_by="published", contents=True))
+        text = page.render(_TITLE, _SUMMARY, sections, said_by="published", contents=True)
+        STUDY.write(directory, {PAGE: text})
     return Sections({name: found[name] for name in asked})
 
 
@@ -74,15 +73,15 @@ _SUMMARY = (
 )
 
 
-def _side_by_side(names: Sequence[str], folder: Path, progress: Progress | None) -> dict[str, page.Section]:
-    tasks = ((name, Task(f"{__name__}:run_entry", {"name": name, "folder": str(folder)})) for name in names)
-    found: dict[str, page.Section] = {}
-    with Pool(min(cores(), len(names)), interrupt=True) as pool:
-        for name, answer in pool.answers(tasks):
-            section = None if answer.failed else page.kept(folder / name)
-            found[name] = section or page.Section(name, "", (), failed=answer.failed or "its section cannot be read")
-            if progress is not None:
-                progress(len(found), len(names), sum(1 for section in found.values() if section.failed))
+def _side_by_side(names: Sequence[str], folder: Path, progress: evaluate.Progress | None) -> dict[str, page.Section]:
+    """The section of each entry; runs of an earlier start are used again by the entry itself."""
+    cases = [
+        evaluate.Case(name, Task(f"{__name__}:run_entry", {"name": name, "folder": str(folder)})) for name in names
+    ]
+    found = {}
+    for name, answer in evaluate.evaluate(cases, progress=progress).items():
+        section = None if answer.failed else page.kept(folder / name)
+        found[name] = section or page.Section(name, "", (), failed=answer.failed or "its section cannot be read")
     return found
 
 

@@ -1,0 +1,82 @@
+"""The contract of all studies: cases are evaluated once and cached, and a directory is one study's own."""
+
+import json
+
+import pytest
+
+from lammps_inputs import InputError
+from workflow.errors import RunError
+from workflow.runs.status import status
+from workflow.studies.extremes.report import STUDY as EXTREMES
+from workflow.studies.gallery.study import STUDY as GALLERY
+from workflow.studies.map import STUDY as MAP
+from workflow.workers.evaluate import case, evaluate, values
+from workflow.workers.pool import Answer, Pool
+from workflow.workers.results import Results
+
+STUDIES = pytest.mark.parametrize("study", [MAP, EXTREMES, GALLERY], ids=lambda study: study.command)
+
+
+def parsed(text, **options):
+    """A case whose value is what a JSON text holds; it fails where the text is none."""
+    return case("json:loads", {"s": text}, **options)
+
+
+def test_values_come_in_the_order_of_the_cases_and_those_in_the_cache_are_not_computed(tmp_path):
+    path = tmp_path / "cases.jsonl"
+    with Results(path) as cache, Pool(1) as pool:
+        assert values([parsed("1"), parsed("2", cost=9.0), parsed("1")], cache, pool=pool) == [1, 2, 1]
+    lines = path.read_text().splitlines()
+    assert [json.loads(line)["result"] for line in lines] == [2, 1]  # the largest first, and each once
+    path.write_text(lines[0].replace('"result": 2', '"result": 5') + "\n" + lines[1][:-3])
+    with Results(path) as cache:
+        assert values([parsed("2"), parsed("1")], cache) == [5, 1]
+    assert len(path.read_text().splitlines()) == 2
+
+
+def test_a_case_that_fails_is_an_answer_and_is_not_cached():
+    cache, seen = Results(None), []
+    good, bad = parsed("1"), parsed("{")
+    found = evaluate([good, bad], cache, progress=lambda *counts: seen.append(counts))
+    assert found[good.key] == Answer(1)
+    assert "JSONDecodeError" in found[bad.key].failed
+    assert list(cache) == [good.key]
+    assert (seen[0], seen[-1]) == ((0, 2, 0), (2, 2, 1))
+    with pytest.raises(RunError, match="JSONDecodeError"):
+        values([bad])
+
+
+def test_cases_that_use_all_cores_come_last():
+    seen = []
+    cases = [parsed("1", cost=3.0)._replace(alone=True), parsed("2"), parsed("3", cost=2.0)]
+    evaluate(cases, tell=lambda _, answer: seen.append(answer.value))
+    assert (set(seen[:2]), seen[2]) == ({2, 3}, 1)
+
+
+@STUDIES
+def test_status_says_what_a_directory_is_before_and_after_its_end(study, tmp_path):
+    with pytest.raises(KeyboardInterrupt), study.opened(tmp_path / "one"):
+        raise KeyboardInterrupt
+    assert f"granchain {study.command}`; the same command resumes it" in status(tmp_path / "one").why
+    with study.opened(tmp_path / "one"):
+        pass
+    assert f"granchain {study.command}`; {study.result}" in status(tmp_path / "one").why
+
+
+@STUDIES
+def test_a_directory_in_use_or_with_a_file_of_somebody_elses_is_refused(study, tmp_path):
+    with (
+        study.opened(tmp_path / "busy"),
+        pytest.raises(InputError, match="is under way"),
+        study.opened(tmp_path / "busy"),
+    ):
+        pass
+    (tmp_path / "foreign").mkdir()
+    mine = tmp_path / "foreign" / study.tables[0]
+    mine.write_text("mine")
+    with pytest.raises(InputError, match=study.tables[0]), study.opened(tmp_path / "foreign"):
+        pass
+    assert mine.read_text() == "mine"
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="cannot be written"), study.opened(tmp_path / "file" / "x"):
+        pass

@@ -1,0 +1,108 @@
+"""What a study is: a plan of cases, their evaluation, and a report, in one directory.
+
+::
+
+    STUDY = Study("map", tables=("map.csv",), figures=("map",), cache="cases.jsonl", result="map.csv is the table")
+
+    def make_map(directory, couplings, chains, progress=None):
+        cases = [case(f"{__name__}:computed", {...}, cost=...) for ...]               # plan
+        with STUDY.opened(directory) as cache:
+            points = [Point(**value) for value in values(cases, cache, progress=progress)]   # evaluate
+            STUDY.write(directory, {"map.csv": to_csv(Point, points)}, {"map": map_figure(points)})  # report
+
+- **Plan**: pure functions that return `workflow.workers.evaluate.Case`, which name a function and plain data.
+- **Evaluate**: `workflow.workers.evaluate` computes them in one pool of processes, with the cache that `opened`
+  supplies. A search evaluates as often as it plans, in one open directory.
+- **Report**: `write` writes tables, pages and figures; `workflow.studies.page` makes a page of statements.
+
+`opened` creates or resumes the directory, refuses files of others, keeps other commands out of it, and records for
+``granchain status`` whether the study came to its end. A command adds arguments and prints.
+"""
+
+import contextlib
+import csv
+import io
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from workflow.formats import figure_files
+from workflow.runs.study_directory import RESUMES, mark, study_directory
+from workflow.runs.whole_files import write_figure, write_text
+from workflow.workers.results import Results
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True)
+class Study:
+    """The directory of one kind of study.
+
+    Attributes:
+        command: that makes it.
+        result: what to look at once it is finished, for ``granchain status``.
+        tables: names of the files of text that it writes: CSV, JSON, HTML.
+        figures: names of its figures, without suffix.
+        cache: name of the file that holds the values of cases; empty for none.
+        others: names of further files and folders that it makes.
+        resume: what to do where it is not finished, for ``granchain status``.
+    """
+
+    command: str
+    result: str
+    tables: Sequence[str] = ()
+    figures: Sequence[str] = ()
+    cache: str = ""
+    others: Sequence[str] = ()
+    resume: str = RESUMES
+
+    @property
+    def files(self) -> tuple[str, ...]:
+        """Names of all that it makes in the directory."""
+        cache = (self.cache,) if self.cache else ()
+        return (*self.tables, *figure_files(*self.figures), *cache, *self.others)
+
+    @contextlib.contextmanager
+    def opened(self, directory: Path | None) -> Iterator[Results]:
+        """Create or resume a directory for the time of a block; the values of cases that are in it.
+
+        Args:
+            directory: finished where the block ends without an exception; None writes nothing.
+
+        Raises:
+            InputError: it cannot be written, is in use, or holds such a file of somebody else's.
+        """
+        if directory is None:
+            yield Results(None)
+            return
+        with (
+            study_directory(directory, self.command, self.files, result=self.result, resume=self.resume),
+            Results(directory / self.cache if self.cache else None) as cache,
+        ):
+            yield cache
+
+    def write(self, directory: Path, tables: Mapping[str, str], figures: "Mapping[str, Figure] | None" = None) -> None:
+        """Write tables by name, and figures by name without suffix, whole or not at all."""
+        for name, text in tables.items():
+            write_text(directory / name, text)
+        for name, figure in (figures or {}).items():
+            write_figure(directory, name, figure)
+
+    def mark(self, directory: Path, *, done: bool) -> None:
+        """Record whether the study is finished, in a directory that was not `opened`."""
+        mark(directory, self.command, done=done, result=self.result, resume=self.resume)
+
+
+def to_csv(kind: "type[DataclassInstance]", records: "Iterable[DataclassInstance]") -> str:
+    """One line a record, columns as the fields of their kind; empty where there is no number."""
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    names = [field.name for field in fields(kind)]
+    writer.writerow(names)
+    for record in records:
+        values = (getattr(record, name) for name in names)
+        writer.writerow(["" if value is None else value for value in values])
+    return out.getvalue()

@@ -1,0 +1,116 @@
+"""Evaluate the cases of a study: each once, side by side, with what an earlier start has found taken from a cache.
+
+A case is a function's name and its arguments as plain data (`Task`), under the key that its value is kept by. A study
+that plans its cases beforehand calls `evaluate` or `values` once; a search calls it for each generation, with one pool.
+"""
+
+import contextlib
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+from workflow.errors import RunError
+from workflow.workers.pool import Answer, Pool, Task
+from workflow.workers.results import Results, key_of
+
+Progress = Callable[[int, int, int], None]
+"""Called with the cases done, their total, and how many of them failed."""
+
+Tell = Callable[[str, Answer], None]
+"""Called with the key and the answer of each case that was computed, as it is done."""
+
+
+Failed = Callable[[Answer], bool]
+"""Whether progress counts an answer as failed."""
+
+
+def _has_failed(answer: Answer) -> bool:
+    return bool(answer.failed)
+
+
+class Case(NamedTuple):
+    """One computation of a study.
+
+    Attributes:
+        key: the same for the same computation.
+        task: what computes it.
+        cost: work in proportion to that of the other cases; the largest begin first, so that no core ends up with one
+            long case alone.
+        alone: whether it uses all cores itself, and so waits until the others are done.
+    """
+
+    key: str
+    task: Task
+    cost: float = 0.0
+    alone: bool = False
+
+
+def case(function: str, arguments: dict[str, Any], *, cost: float = 0.0) -> Case:
+    """A case whose key follows from the arguments of its function, ``module:name``."""
+    return Case(key_of(arguments), Task(function, arguments), cost)
+
+
+def evaluate(
+    cases: Sequence[Case],
+    cache: Results | None = None,
+    *,
+    pool: Pool | None = None,
+    progress: Progress | None = None,
+    tell: Tell | None = None,
+    failed: Failed = _has_failed,
+) -> dict[str, Answer]:
+    """The answer to each case by its key; values are added to the cache at once, so that an interruption loses none.
+
+    Args:
+        cases: of which those of one key are computed once.
+        cache: values of earlier starts; without it, nothing is kept.
+        pool: worker processes that stay open; by default as many as there are cores, ended with the last case.
+        progress: called before the first case and after each.
+        tell: called after each case that was computed; an exception that it raises ends the evaluation.
+        failed: which answers progress counts as failed; by default those without a value.
+    """
+    wanted = {one.key: one for one in cases}
+    kept = Results(None) if cache is None else cache
+    found = {key: Answer(kept[key]) for key in wanted if key in kept}
+    missing = sorted((one for key, one in wanted.items() if key not in found), key=lambda one: -one.cost)
+    bad = sum(failed(answer) for answer in found.values())
+    if progress is not None:
+        progress(len(found), len(wanted), bad)
+    for alone in (False, True):
+        some = [(one.key, one.task) for one in missing if one.alone == alone]
+        if not some:
+            continue
+        with contextlib.ExitStack() as stack:
+            processes = 1 if alone else None
+            workers = pool if pool and not alone else stack.enter_context(Pool(processes, interrupt=True))
+            for key, answer in workers.answers(some):
+                found[key] = answer
+                if not answer.failed:
+                    kept.keep(key, answer.value)
+                if tell is not None:
+                    tell(key, answer)
+                bad += failed(answer)
+                if progress is not None:
+                    progress(len(found), len(wanted), bad)
+    return found
+
+
+def values(
+    cases: Sequence[Case],
+    cache: Results | None = None,
+    *,
+    pool: Pool | None = None,
+    progress: Progress | None = None,
+    failed: Failed = _has_failed,
+) -> list[Any]:
+    """As `evaluate`, for cases none of which may fail: their values, in their order.
+
+    Raises:
+        RunError: one failed; the others are ended.
+    """
+    found = evaluate(cases, cache, pool=pool, progress=progress, tell=_refuse_failure, failed=failed)
+    return [found[one.key].value for one in cases]
+
+
+def _refuse_failure(_: str, answer: Answer) -> None:
+    if answer.failed:
+        raise RunError(answer.failed)
