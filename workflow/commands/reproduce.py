@@ -1,11 +1,11 @@
 """Compute the paper's figures and statements from scratch, as one HTML page."""
 
 import argparse
-import sys
 from pathlib import Path
 
-from workflow.screen import one_line
-from workflow.studies.reproduce.report import reproduce
+from workflow.errors import RunError
+from workflow.screen import count_bar, one_line
+from workflow.studies.gallery.study import PAGE, PAPER, gallery
 
 EXAMPLES = (
     "reproduce -o paper        # then open paper/index.html",
@@ -20,6 +20,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """Run what is missing, write the page and its figures."""
-    path = reproduce(arguments.output, lambda line: print(line, file=sys.stderr, flush=True))
-    print(one_line(path))
+    with count_bar("reproduce") as progress:
+        found = gallery(arguments.output, collection=PAPER, progress=progress)
+    print(one_line(arguments.output / PAGE))
+    for name, section in found.items():
+        if section.failed:
+            raise RunError(f"{name}: {section.failed}")
     return 0

@@ -1,6 +1,5 @@
 """The runs that a page needs, each in a directory of its own, kept from an earlier start if it came to its end."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 from lammps_inputs import InputError, Scene, file_names
@@ -9,17 +8,14 @@ from workflow.runs.engines import ENGINES
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 
-Say = Callable[[str], None]
 
-
-def kept_run(scene: Scene, engine: str, folder: Path, say: Say) -> RunDirectory:
+def kept_run(scene: Scene, engine: str, folder: Path) -> RunDirectory:
     """Run a scene, or take the run that an earlier start finished.
 
     Args:
         scene: what to run.
         engine: "lammps" or "reference".
         folder: where run directories are kept.
-        say: told what is going on.
 
     Raises:
         RunError: the run failed.
@@ -27,7 +23,6 @@ def kept_run(scene: Scene, engine: str, folder: Path, say: Say) -> RunDirectory:
     path = folder / f"{scene.name}-{engine}"
     directory = finished(path, scene, engine)
     if directory is None:
-        say(f"{scene.name}: {engine}")
         directory = run(scene, path, engine=engine, overwrite=True).directory
     return directory
 

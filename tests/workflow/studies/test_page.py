@@ -30,3 +30,8 @@ def test_the_contents_link_to_each_section_and_count_its_verdicts():
     listed = text[text.index("<ol") : text.index("</ol>")]
     assert re.findall(r"<strong>(.*?)</strong>", listed) == ["1 holds", "1 does not hold", "failed"]
     assert "no &lt;disk&gt;" in text
+
+
+def test_text_from_outside_cannot_become_markup():
+    section = Section("<script>", "a & b", [Statement("<b>", ["<i>"], HOLDS)])
+    assert "<script>" not in render("t", "s", [section])

@@ -8,13 +8,13 @@ from lammps_inputs import InputError
 from workflow.errors import RunError
 from workflow.runs.status import status
 from workflow.studies.extremes.report import STUDY as EXTREMES
-from workflow.studies.gallery.study import STUDY as GALLERY
+from workflow.studies.gallery.study import GALLERY, PAPER
 from workflow.studies.map import STUDY as MAP
 from workflow.workers.evaluate import case, evaluate, values
 from workflow.workers.pool import Answer, Pool
 from workflow.workers.results import Results
 
-STUDIES = pytest.mark.parametrize("study", [MAP, EXTREMES, GALLERY], ids=lambda study: study.command)
+STUDIES = pytest.mark.parametrize("study", [MAP, EXTREMES, GALLERY.study, PAPER.study], ids=lambda study: study.command)
 
 
 def parsed(text, **options):

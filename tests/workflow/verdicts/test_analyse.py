@@ -19,7 +19,7 @@ from workflow.cli import main
 from workflow.engines.collisions.first_row import THETA_OF_EQ_5
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
-from workflow.studies.rigid_rows import hertz_impulses, problem_at, relative_mode
+from workflow.studies.gallery.rigid_rows import hertz_impulses, problem_at, relative_mode
 from workflow.verdicts.analyse import analyse
 from workflow.verdicts.waves_table import waves_csv
 

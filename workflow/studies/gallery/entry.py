@@ -1,24 +1,246 @@
-"""What an entry of the gallery is: scenes, what was published of them, and what is found in their runs."""
+"""What an entry of the gallery is: scenes, what was published of them, what is found in their runs, and a figure.
 
-from collections.abc import Callable, Mapping, Sequence
+An entry is written with what this module has: `Ran` has what can be asked of a run; `number` and `claim` set what was
+published beside it, with a verdict.
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol, TypeVar
 
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lammps_inputs import library
-from workflow.studies.gallery.ran import Ran
-from workflow.studies.kept_runs import Say, kept_run
-from workflow.studies.page import Section, Statement, drawn
+from analysis.figures.style import CHAIN_COLOURS as COLOURS
+from analysis.figures.style import STYLE
+from analysis.gauges.forces import ForceMeter
+from analysis.gauges.gauge import gauges
+from analysis.gauges.readings import Readings
+from analysis.sharing.cells import left
+from analysis.sharing.energy_flow import EnergyFlow, Flow
+from analysis.sharing.survey import survey
+from analysis.tracking.leading_waves import Waves, leading_waves
+from analysis.tracking.peaks import PeakFinder, Peaks
+from analysis.tracking.pulses import Pulse, track_pulses
+from analysis.tracking.train import Train, train_of
+from analysis.trajectory import Floats, Trajectory
+from lammps_inputs import Problem, library
+from workflow.runs.run_directory import RunDirectory
+from workflow.studies.kept_runs import errors, kept_run
+from workflow.studies.page import CORRECTED, FAILS, HOLDS, Picture, Section, Statement, drawn
+
+__all__ = [
+    "COLOURS",
+    "NAMES",
+    "PUBLISHED",
+    "Entry",
+    "Ran",
+    "Results",
+    "Runs",
+    "Statement",
+    "claim",
+    "each",
+    "engines",
+    "number",
+]
 
 ENGINES = ("lammps", "reference")
+
+# --- runs -------------------------------------------------------------------------------------------------------------
+
+
+class _Meter(Protocol):
+    def add(self, block: Trajectory, /) -> None: ...
+
+
+Meter = TypeVar("Meter", bound=_Meter)
+
+
+@dataclass(frozen=True)
+class Ran:
+    """A run of one scene by one engine."""
+
+    directory: RunDirectory
+
+    @property
+    def problem(self) -> Problem:
+        """What was run."""
+        return self.directory.problem
+
+    @property
+    def errors(self) -> tuple[float, float]:
+        """Bounds on the errors of peak velocities (V) and of arrivals (T)."""
+        return errors(self.directory)
+
+    def read(self, meter: Meter) -> Meter:
+        """Something that adds block by block, after all frames."""
+        for block in self.directory.blocks():
+            meter.add(block)
+        return meter
+
+    @cached_property
+    def trajectory(self) -> Trajectory:
+        """All frames."""
+        return self.directory.trajectory
+
+    @cached_property
+    def _forwards(self) -> Peaks:
+        return self.read(PeakFinder(direction=1)).result()
+
+    @cached_property
+    def _backwards(self) -> Peaks:
+        return self.read(PeakFinder(direction=-1)).result()
+
+    @cached_property
+    def waves(self) -> Waves:
+        """Leading pulse at every bead."""
+        return leading_waves(self._forwards)
+
+    def peak(self, bead: int, chain: int = 1) -> float:
+        """Velocity of the leading pulse at a bead."""
+        return float(self.waves.of_chain(chain).at(bead).peak_velocity[0])
+
+    def passages(self, bead: int) -> Floats:
+        """Times of all maxima of the velocity of a bead of chain 1."""
+        peaks = self._forwards
+        return np.asarray(peaks.time[(peaks.bead == bead) & (peaks.chain == 1)])
+
+    def speed(self, first: int, last: int) -> float:
+        """Beads per unit time of the leading pulse of chain 1 between two beads."""
+        arrival = [float(self.waves.of_chain(1).at(bead).arrival[0]) for bead in (first, last)]
+        return (last - first) / (arrival[1] - arrival[0])
+
+    def pulses(self, direction: int = 1, smallest: float = 0.01) -> tuple[Pulse, ...]:
+        """Every pulse that runs one way and reaches a velocity."""
+        return track_pulses(self._forwards if direction > 0 else self._backwards, self.problem, smallest=smallest)
+
+    def train(self, bead: int, smallest: float = 0.01) -> Train:
+        """Pulses that pass a bead of chain 1 one behind the other."""
+        return train_of(self.pulses(1, smallest), 1, 1, bead)
+
+    def forces(self, *, contacts: Iterable[int] = (), wall: bool = False) -> Readings:
+        """What gauges at walls and in contacts (between bead n and the next) read."""
+        places = gauges(self.problem, wall=wall, contacts=tuple(contacts), sensors=())
+        return self.read(ForceMeter(self.problem, places)).result()
+
+    def left_behind(self, period: int) -> float:
+        """Share of the energy that chain 1's pulse loses from one cell to the next; NaN where it ran none."""
+        found = left(survey(self.directory.blocks, self.problem), 1, period)
+        return float("nan") if found is None else found.per_cell
+
+    @cached_property
+    def flow(self) -> Flow:
+        """Energy of the chains over time."""
+        return self.read(EnergyFlow(self.problem)).result()
+
+    def width(self, bead: int) -> float:
+        """Full width at half maximum of the leading pulse at a bead of chain 1, in beads: time there times speed."""
+        run = self.trajectory
+        place = int(np.flatnonzero(run.beads == bead)[0])
+        velocity, time = run.velocity[:, 0, place], run.time
+        half = 0.5 * self.peak(bead)
+        above = np.flatnonzero(velocity > half)
+        first = int(above[0])
+        last = first + int(np.argmin(velocity[first:] > half)) - 1
+        rise = np.interp(half, velocity[first - 1 : first + 1], time[first - 1 : first + 1])
+        fall = np.interp(-half, -velocity[last : last + 2], time[last : last + 2])
+        return float(fall - rise) * self.speed(bead - 5, bead + 5)
+
 
 Runs = Mapping[str, Ran]
 """One scene's run by engine."""
 
 Results = Mapping[str, Runs]
 """All of an entry, by the names of its scenes."""
+
+# --- statements -------------------------------------------------------------------------------------------------------
+
+NAMES = {"lammps": "LAMMPS", "reference": "reference"}
+
+
+def each(runs: Runs, measure: Callable[[Ran], float]) -> dict[str, float]:
+    """A quantity by engine."""
+    return {engine: measure(run) for engine, run in runs.items()}
+
+
+def number(
+    says: str,
+    published: float,
+    found: Mapping[str, float],
+    *,
+    within: float,
+    roughly: float = 0.0,
+    correction: str = "",
+    unit: str = "",
+    digits: int = 5,
+) -> Statement:
+    """A number that was published.
+
+    Args:
+        says: the published statement.
+        published: its number.
+        found: the same by engine.
+        within: how far the number may be off, as it was rounded or claimed.
+        roughly: how far a number that holds with a correction may be off.
+        correction: what to say where it is farther off than ``within``; by default the number found.
+        unit: of the numbers.
+        digits: after the point.
+    """
+    best = found["reference"]
+    holds = (
+        HOLDS if _all_near(found, published, within) else CORRECTED if _all_near(found, published, roughly) else FAILS
+    )
+    unit = f" {unit}" if unit else ""
+    lines = engines(found, unit, digits)
+    lines.append(f"{best - published:+.1e}{unit} from what was published ({best / published - 1.0:+.2%})")
+    return Statement(says, lines, holds, "" if holds == HOLDS else correction or f"It is {best:.{digits}f}{unit}.")
+
+
+def _all_near(found: Mapping[str, float], published: float, within: float) -> bool:
+    """Whether every engine's number is as near as that; one that is not defined is not."""
+    return all(abs(value - published) <= within for value in found.values())
+
+
+def engines(found: Mapping[str, float], unit: str = "", digits: int = 5, label: str = "") -> list[str]:
+    """A line with a quantity as each engine has it, and how far they are apart."""
+    values = ", ".join(f"{NAMES[engine]} {value:.{digits}f}{unit}" for engine, value in found.items())
+    apart = max(found.values()) - min(found.values())
+    return [f"{label}{values}" + (f"; {apart:.0e} apart" if len(found) > 1 else "")]
+
+
+def claim(says: str, lines: list[str], holds: bool, correction: str = "", *, partly: bool = False) -> Statement:
+    """A statement without a number of its own; partly: whether what is not true of it is but a correction."""
+    return Statement(says, lines, HOLDS if holds else CORRECTED if partly else FAILS, "" if holds else correction)
+
+
+# --- figures ----------------------------------------------------------------------------------------------------------
+
+PUBLISHED: dict[str, Any] = {"color": "0.45", "linewidth": 1.0, "linestyle": (0, (4, 2))}
+"""How what was published is drawn."""
+
+
+Draw = Callable[[Axes, Results], None]
+"""Fills one panel."""
+
+
+def _panel(labels: tuple[str, str], draw: Draw, results: Results) -> Figure:
+    """A figure of one panel with labelled axes and a legend."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(6.4, 3.4), layout="constrained")
+        axis = figure.subplots()
+        draw(axis, results)
+        axis.set_xlabel(labels[0])
+        axis.set_ylabel(labels[1])
+        if axis.get_legend_handles_labels()[1]:
+            axis.legend()
+    return figure
+
+
+# --- entries ----------------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -27,29 +249,31 @@ class Entry:
 
     Attributes:
         title, introduction: what it is about.
-        sources: where it was published, and what of it could be read.
-        scenes: name -> scene without its name, run by LAMMPS and by the reference.
+        scenes: name -> scene without its name, or the name of an installed one; run by LAMMPS and by the reference.
         statements: the published ones beside what the runs say.
-        picture: one figure of the runs.
-        caption: of it.
+        axes, draw, caption: labels, contents and caption of a figure of one panel.
+        pictures: figures in its place.
         swept: likewise name -> scene, run by the reference only.
+        sources: where it was published, and what of it could be read; without any, the errors of the runs stand in the
+            statements.
     """
 
     title: str
     introduction: str
-    sources: Sequence[str]
-    scenes: Mapping[str, Mapping[str, Any]]
+    scenes: Mapping[str, Mapping[str, Any] | str]
     statements: Callable[[Results], Sequence[Statement]]
-    picture: Callable[[Results], Figure]
-    caption: str
+    axes: tuple[str, str] = ("", "")
+    draw: Draw | None = None
+    caption: str = ""
+    pictures: Callable[[Results], Sequence[Picture]] = lambda _: ()
     swept: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    sources: Sequence[str] = ()
 
-    def build(self, folder: Path, say: Say) -> Section:
+    def build(self, folder: Path) -> Section:
         """Run what an earlier start has not run, and measure it.
 
         Args:
             folder: where run directories are kept.
-            say: told what is going on.
 
         Raises:
             RunError: a run failed.
@@ -60,15 +284,13 @@ class Entry:
         }
         results: dict[str, Runs] = {}
         for name, (plain, engines) in wanted.items():
-            scene = library.from_plain({"name": name, **plain}, name)
-            results[name] = {engine: Ran(kept_run(scene, engine, folder, say)) for engine in engines}
-        return Section(
-            self.title,
-            self.introduction,
-            list(self.statements(results)),
-            [drawn("figure", self.picture(results), self.caption)],
-            [*self.sources, _own_errors(results)],
-        )
+            scene = library.find(plain) if isinstance(plain, str) else library.from_plain({"name": name, **plain}, name)
+            results[name] = {engine: Ran(kept_run(scene, engine, folder)) for engine in engines}
+        notes = [*self.sources, _own_errors(results)] if self.sources else []
+        pictures = [*self.pictures(results)]
+        if self.draw is not None:
+            pictures.append(drawn("figure", _panel(self.axes, self.draw, results), self.caption))
+        return Section(self.title, self.introduction, list(self.statements(results)), pictures, notes)
 
 
 def _own_errors(results: Results) -> str:

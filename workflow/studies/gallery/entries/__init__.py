@@ -1,49 +1,30 @@
-"""The entries, in the order of the page: a name and what builds its section. A new one is a file and a line here."""
+"""The entries, in the order of the page. A new one is a file with an `ENTRY`, and its name here."""
 
-from collections.abc import Callable
-from pathlib import Path
+from importlib import import_module
 
-from workflow.studies.gallery.entries import (
-    band_gap,
-    beats,
-    collision,
-    decorated,
-    dimer_resonance,
-    dimers,
-    exact_wave,
-    gravity,
-    impurity,
-    kicked_chain,
-    kuwabara_kono,
-    nesterenko,
-    precompressed,
-    rosas,
-    striker_trains,
-    tapered,
-    wall,
+from workflow.studies.gallery.entry import Entry
+
+PAPER = ("paper-touching", "paper-gapped")
+
+NAMES = (
+    *PAPER,
+    "kicked-chain",
+    "nesterenko",
+    "exact-wave",
+    "collision",
+    "striker-trains",
+    "dimers",
+    "dimer-resonance",
+    "tapered",
+    "decorated",
+    "impurity",
+    "wall",
+    "beats",
+    "rosas",
+    "kuwabara-kono",
+    "precompressed",
+    "band-gap",
+    "gravity",
 )
-from workflow.studies.kept_runs import Say
-from workflow.studies.page import Section
-from workflow.studies.reproduce import section2, section3
 
-ENTRIES: dict[str, Callable[[Path, Say], Section]] = {
-    "paper-touching": section2.build,
-    "paper-gapped": section3.build,
-    "kicked-chain": kicked_chain.ENTRY.build,
-    "nesterenko": nesterenko.ENTRY.build,
-    "exact-wave": exact_wave.ENTRY.build,
-    "collision": collision.ENTRY.build,
-    "striker-trains": striker_trains.ENTRY.build,
-    "dimers": dimers.ENTRY.build,
-    "dimer-resonance": dimer_resonance.ENTRY.build,
-    "tapered": tapered.ENTRY.build,
-    "decorated": decorated.ENTRY.build,
-    "impurity": impurity.ENTRY.build,
-    "wall": wall.ENTRY.build,
-    "beats": beats.ENTRY.build,
-    "rosas": rosas.ENTRY.build,
-    "kuwabara-kono": kuwabara_kono.ENTRY.build,
-    "precompressed": precompressed.ENTRY.build,
-    "band-gap": band_gap.ENTRY.build,
-    "gravity": gravity.ENTRY.build,
-}
+ENTRIES: dict[str, Entry] = {name: import_module(f"{__name__}.{name.replace('-', '_')}").ENTRY for name in NAMES}

@@ -3,14 +3,9 @@
 import math
 
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from analysis.sound.dispersion import Dispersion, Map
-from workflow.studies.gallery.compare import number
-from workflow.studies.gallery.draw import COLOURS, PUBLISHED, panel
-from workflow.studies.gallery.entry import Entry, Results
-from workflow.studies.gallery.ran import Ran
-from workflow.studies.page import Statement
+from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statement, number
 
 LIGHT, LOAD = 0.5, 1.0
 STIFFNESS = 1.5 * LOAD ** (1.0 / 3.0)
@@ -23,10 +18,7 @@ PLACES = ((0, 1), (1, 0), (1, 1))
 
 
 def _map(run: Ran) -> Map:
-    found = Dispersion(run.problem)
-    for block in run.directory.blocks():
-        found.add(block)
-    return found.result()
+    return run.read(Dispersion(run.problem)).result()
 
 
 def statements(results: Results) -> list[Statement]:
@@ -48,18 +40,14 @@ def statements(results: Results) -> list[Statement]:
     ]
 
 
-def picture(results: Results) -> Figure:
+def draw(axis: Axes, results: Results) -> None:
     """Branches."""
-
-    def draw(axis: Axes) -> None:
-        run = results["diatomic"]["lammps"]
-        found, second = _map(run), run.problem.scale.time
-        for branch in range(2):
-            axis.plot(found.folded, found.measured[:, branch] / second, "o", ms=4, color=COLOURS[branch])
-        for edge in EDGES.values():
-            axis.axhline(edge, **PUBLISHED)
-
-    return panel("wavenumber (radians a bead)", "angular frequency", draw)
+    run = results["diatomic"]["lammps"]
+    found, second = _map(run), run.problem.scale.time
+    for branch in range(2):
+        axis.plot(found.folded, found.measured[:, branch] / second, "o", ms=4, color=COLOURS[branch])
+    for edge in EDGES.values():
+        axis.axhline(edge, **PUBLISHED)
 
 
 ENTRY = Entry(
@@ -84,6 +72,7 @@ ENTRY = Entry(
         }
     },
     statements=statements,
-    picture=picture,
+    axes=("wavenumber (radians a bead)", "angular frequency"),
+    draw=draw,
     caption="Frequencies over wavenumber as the LAMMPS run shows them; lines: the published edges.",
 )

@@ -3,13 +3,19 @@
 import math
 
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from analysis.trajectory import Floats
-from workflow.studies.gallery.compare import claim, each, engines, number
-from workflow.studies.gallery.draw import COLOURS, PUBLISHED, panel
-from workflow.studies.gallery.entry import Entry, Results
-from workflow.studies.page import Statement
+from workflow.studies.gallery.entry import (
+    COLOURS,
+    PUBLISHED,
+    Entry,
+    Results,
+    Statement,
+    claim,
+    each,
+    engines,
+    number,
+)
 
 GROUND, COUPLING = 1.0, 0.1
 SCENE = {
@@ -56,16 +62,12 @@ def _return(share: Floats) -> float:
     return float(share[int(share.argmax()) :].min())
 
 
-def picture(results: Results) -> Figure:
+def draw(axis: Axes, results: Results) -> None:
     """Share of the second chain over time."""
-
-    def draw(axis: Axes) -> None:
-        for place, (engine, run) in enumerate(results["beats"].items()):
-            time = run.flow.time * run.problem.scale.time
-            axis.plot(time, run.flow.share[:, 1], "--" if place else "-", color=COLOURS[place], label=engine)
-        axis.axvline(OSCILLATORS, **PUBLISHED)
-
-    return panel("time", "share of the energy in chain 2", draw)
+    for place, (engine, run) in enumerate(results["beats"].items()):
+        time = run.flow.time * run.problem.scale.time
+        axis.plot(time, run.flow.share[:, 1], "--" if place else "-", color=COLOURS[place], label=engine)
+    axis.axvline(OSCILLATORS, **PUBLISHED)
 
 
 ENTRY = Entry(
@@ -78,6 +80,7 @@ ENTRY = Entry(
     ),
     scenes={"beats": SCENE},
     statements=statements,
-    picture=picture,
+    axes=("time", "share of the energy in chain 2"),
+    draw=draw,
     caption="Share of the energy in the chain that was not hit; the line is half a beat of two oscillators.",
 )

@@ -1,13 +1,8 @@
 """Two equal waves meet head-on."""
 
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
-from workflow.studies.gallery.compare import claim, each, engines
-from workflow.studies.gallery.draw import COLOURS, panel
-from workflow.studies.gallery.entry import Entry, Results
-from workflow.studies.gallery.ran import Ran
-from workflow.studies.page import Statement
+from workflow.studies.gallery.entry import COLOURS, Entry, Ran, Results, Statement, claim, each, engines
 
 ALONE = {"beads": 100, "kick": {"velocity": 1.0}, "duration": 108, "timestep": 0.005, "output": {"every": 0.1}}
 SEEN = 80
@@ -71,17 +66,13 @@ def statements(results: Results) -> list[Statement]:
     ]
 
 
-def picture(results: Results) -> Figure:
+def draw(axis: Axes, results: Results) -> None:
     """A bead behind the middle over time."""
-
-    def draw(axis: Axes) -> None:
-        for place, name in enumerate(("even", "odd")):
-            run = results[name]["lammps"].trajectory
-            axis.plot(run.time, run.velocity[:, 0, 61], color=COLOURS[place], label=f"{name} number of beads")
-        axis.set_ylim(-0.06, 0.06)
-        axis.set_xlim(60.0, 105.0)
-
-    return panel("time (T)", "velocity of bead 62 (V), enlarged", draw)
+    for place, name in enumerate(("even", "odd")):
+        run = results[name]["lammps"].trajectory
+        axis.plot(run.time, run.velocity[:, 0, 61], color=COLOURS[place], label=f"{name} number of beads")
+    axis.set_ylim(-0.06, 0.06)
+    axis.set_xlim(60.0, 105.0)
 
 
 ENTRY = Entry(
@@ -94,6 +85,7 @@ ENTRY = Entry(
     ),
     scenes={"even": _both_ends(100), "odd": _both_ends(101), "alone": ALONE},
     statements=statements,
-    picture=picture,
+    axes=("time (T)", "velocity of bead 62 (V), enlarged"),
+    draw=draw,
     caption="After the wave has passed, a secondary wave follows: a bead twelve beads behind the middle.",
 )

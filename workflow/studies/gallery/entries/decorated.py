@@ -4,13 +4,9 @@ import math
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from analysis.shape.exact_wave import solitary_wave
-from workflow.studies.gallery.compare import each, number
-from workflow.studies.gallery.draw import COLOURS, PUBLISHED, panel
-from workflow.studies.gallery.entry import Entry, Results
-from workflow.studies.page import Statement
+from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Results, Statement, each, number
 
 RADII = (0.2, 0.3, 0.4)
 
@@ -61,16 +57,12 @@ def statements(results: Results) -> list[Statement]:
     return found
 
 
-def picture(results: Results) -> Figure:
+def draw(axis: Axes, results: Results) -> None:
     """Speed over the radius of the small beads."""
-
-    def draw(axis: Axes) -> None:
-        every = np.linspace(0.15, 0.45, 50)
-        axis.plot(every, [_speed(one, 0.68163) for one in every], label="effective chain", **PUBLISHED)
-        found = [0.5 * results[f"radius-{radius:g}"]["lammps"].speed(61, 101) for radius in RADII]
-        axis.plot(RADII, found, "o", color=COLOURS[0], label="LAMMPS")
-
-    return panel("radius of the small beads", "speed (cells per unit time)", draw)
+    every = np.linspace(0.15, 0.45, 50)
+    axis.plot(every, [_speed(one, 0.68163) for one in every], label="effective chain", **PUBLISHED)
+    found = [0.5 * results[f"radius-{radius:g}"]["lammps"].speed(61, 101) for radius in RADII]
+    axis.plot(RADII, found, "o", color=COLOURS[0], label="LAMMPS")
 
 
 ENTRY = Entry(
@@ -94,6 +86,7 @@ ENTRY = Entry(
         for radius in RADII
     },
     statements=statements,
-    picture=picture,
+    axes=("radius of the small beads", "speed (cells per unit time)"),
+    draw=draw,
     caption="Speed of the pulse over the radius of the small beads; the line is the effective chain's.",
 )

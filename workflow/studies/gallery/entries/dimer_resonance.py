@@ -2,14 +2,20 @@
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from analysis.trajectory import Floats
-from workflow.studies.gallery.compare import claim, each, engines, number
-from workflow.studies.gallery.draw import COLOURS, PUBLISHED, panel
 from workflow.studies.gallery.entries.dimers import dimer
-from workflow.studies.gallery.entry import Entry, Results
-from workflow.studies.page import Statement
+from workflow.studies.gallery.entry import (
+    COLOURS,
+    PUBLISHED,
+    Entry,
+    Results,
+    Statement,
+    claim,
+    each,
+    engines,
+    number,
+)
 
 RESONANCE = 0.59
 BEADS, CELLS = 150, (10, 60)
@@ -65,15 +71,11 @@ def statements(results: Results) -> list[Statement]:
     ]
 
 
-def picture(results: Results) -> Figure:
+def draw(axis: Axes, results: Results) -> None:
     """Velocity after some cells over the mass ratio."""
-
-    def draw(axis: Axes) -> None:
-        for place, cell in enumerate(CELLS):
-            axis.plot(*_curve(results, cell), "o-", ms=4, color=COLOURS[place], label=f"cell {cell}")
-        axis.axvline(RESONANCE, **PUBLISHED)
-
-    return panel("mass of the light beads", "velocity of the heavy bead (V)", draw)
+    for place, cell in enumerate(CELLS):
+        axis.plot(*_curve(results, cell), "o-", ms=4, color=COLOURS[place], label=f"cell {cell}")
+    axis.axvline(RESONANCE, **PUBLISHED)
 
 
 ENTRY = Entry(
@@ -87,6 +89,7 @@ ENTRY = Entry(
     scenes={_name(ratio): dimer(ratio, BEADS) for ratio in (RESONANCE, 0.3428)},
     swept={_name(ratio): dimer(ratio, BEADS) for ratio in SWEPT if ratio != 0.3428},
     statements=statements,
-    picture=picture,
+    axes=("mass of the light beads", "velocity of the heavy bead (V)"),
+    draw=draw,
     caption="Velocity of a heavy bead near and far over the mass of the light ones (reference); the line is 0.59.",
 )

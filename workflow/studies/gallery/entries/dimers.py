@@ -2,12 +2,18 @@
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
-from workflow.studies.gallery.compare import claim, each, engines, number
-from workflow.studies.gallery.draw import COLOURS, PUBLISHED, panel
-from workflow.studies.gallery.entry import Entry, Results
-from workflow.studies.page import Statement
+from workflow.studies.gallery.entry import (
+    COLOURS,
+    PUBLISHED,
+    Entry,
+    Results,
+    Statement,
+    claim,
+    each,
+    engines,
+    number,
+)
 
 PUBLISHED_RATIOS = (0.3428, 0.1548, 0.0901)
 AROUND = (0.98, 0.99, 1.01, 1.02)
@@ -64,17 +70,13 @@ def statements(results: Results) -> list[Statement]:
     return found
 
 
-def picture(results: Results) -> Figure:
+def draw(axis: Axes, results: Results) -> None:
     """What is left behind, over the ratio."""
-
-    def draw(axis: Axes) -> None:
-        for place, ratio in enumerate(PUBLISHED_RATIOS):
-            cases = sorted((*AROUND, 1.0))
-            left = [results[_name(ratio * factor)]["reference"].left_behind(2) for factor in cases]
-            axis.semilogy(cases, left, "o-", ms=4, color=COLOURS[place], label=f"near {ratio}")
-        axis.axvline(1.0, **PUBLISHED)
-
-    return panel("mass ratio over the published one", "energy left in a cell (share)", draw)
+    for place, ratio in enumerate(PUBLISHED_RATIOS):
+        cases = sorted((*AROUND, 1.0))
+        left = [results[_name(ratio * factor)]["reference"].left_behind(2) for factor in cases]
+        axis.semilogy(cases, left, "o-", ms=4, color=COLOURS[place], label=f"near {ratio}")
+    axis.axvline(1.0, **PUBLISHED)
 
 
 ENTRY = Entry(
@@ -88,6 +90,7 @@ ENTRY = Entry(
     scenes={_name(ratio): dimer(ratio) for ratio in PUBLISHED_RATIOS},
     swept={_name(ratio * factor): dimer(ratio * factor) for ratio in PUBLISHED_RATIOS for factor in AROUND},
     statements=statements,
-    picture=picture,
+    axes=("mass ratio over the published one", "energy left in a cell (share)"),
+    draw=draw,
     caption="Energy left behind in a cell around the published mass ratios (reference).",
 )

@@ -2,15 +2,22 @@
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from analysis.shape.exact_wave import solitary_wave
 from analysis.trajectory import Floats
-from workflow.studies.gallery.compare import NAMES, claim, each, engines, number
-from workflow.studies.gallery.draw import COLOURS, PUBLISHED, panel
-from workflow.studies.gallery.entry import Entry, Results
-from workflow.studies.gallery.ran import Ran
-from workflow.studies.page import Statement
+from workflow.studies.gallery.entry import (
+    COLOURS,
+    NAMES,
+    PUBLISHED,
+    Entry,
+    Ran,
+    Results,
+    Statement,
+    claim,
+    each,
+    engines,
+    number,
+)
 
 SCENE = {"beads": 100, "kick": {"velocity": 1.0}, "duration": 125, "timestep": 0.005, "output": {"every": 0.1}}
 BEAD = 80
@@ -73,15 +80,11 @@ def statements(results: Results) -> list[Statement]:
     ]
 
 
-def picture(results: Results) -> Figure:
+def draw(axis: Axes, results: Results) -> None:
     """The difference of the series."""
-
-    def draw(axis: Axes) -> None:
-        xi, moved = _moved(results["chain"]["lammps"])
-        axis.plot(xi, _series(xi) - moved, color=COLOURS[0], label="series minus LAMMPS")
-        axis.axhline(0.0, **PUBLISHED)
-
-    return panel("distance ahead of the wave (beads)", "displacement (its shift)", draw)
+    xi, moved = _moved(results["chain"]["lammps"])
+    axis.plot(xi, _series(xi) - moved, color=COLOURS[0], label="series minus LAMMPS")
+    axis.axhline(0.0, **PUBLISHED)
 
 
 ENTRY = Entry(
@@ -97,6 +100,7 @@ ENTRY = Entry(
     ),
     scenes={"chain": SCENE},
     statements=statements,
-    picture=picture,
+    axes=("distance ahead of the wave (beads)", "displacement (its shift)"),
+    draw=draw,
     caption="What the series is off by, in the displacement that the wave leaves behind.",
 )

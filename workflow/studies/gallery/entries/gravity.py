@@ -4,13 +4,8 @@ from itertools import pairwise
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
-from workflow.studies.gallery.compare import each, number
-from workflow.studies.gallery.draw import COLOURS, PUBLISHED, panel
-from workflow.studies.gallery.entry import Entry, Results
-from workflow.studies.gallery.ran import Ran
-from workflow.studies.page import Statement
+from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statement, each, number
 
 DEPTHS = np.arange(60, 241, 20)
 
@@ -50,15 +45,11 @@ def statements(results: Results) -> list[Statement]:
     ]
 
 
-def picture(results: Results) -> Figure:
+def draw(axis: Axes, results: Results) -> None:
     """Velocity over depth."""
-
-    def draw(axis: Axes) -> None:
-        peaks = _peaks(results["column"]["lammps"])
-        axis.loglog(DEPTHS, peaks, "o", color=COLOURS[0], label="LAMMPS")
-        axis.loglog(DEPTHS, peaks[0] * (DEPTHS / DEPTHS[0]) ** -0.25, label="depth^(-1/4)", **PUBLISHED)
-
-    return panel("depth (beads)", "velocity of the leading peak (V)", draw)
+    peaks = _peaks(results["column"]["lammps"])
+    axis.loglog(DEPTHS, peaks, "o", color=COLOURS[0], label="LAMMPS")
+    axis.loglog(DEPTHS, peaks[0] * (DEPTHS / DEPTHS[0]) ** -0.25, label="depth^(-1/4)", **PUBLISHED)
 
 
 ENTRY = Entry(
@@ -81,6 +72,7 @@ ENTRY = Entry(
         }
     },
     statements=statements,
-    picture=picture,
+    axes=("depth (beads)", "velocity of the leading peak (V)"),
+    draw=draw,
     caption="Velocity of the leading peak over depth.",
 )

@@ -2,14 +2,20 @@
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from analysis.shape.exact_wave import solitary_wave
-from workflow.studies.gallery.compare import NAMES, claim, each, engines, number
-from workflow.studies.gallery.draw import COLOURS, panel
-from workflow.studies.gallery.entry import Entry, Results
-from workflow.studies.gallery.ran import Ran
-from workflow.studies.page import Statement
+from workflow.studies.gallery.entry import (
+    COLOURS,
+    NAMES,
+    Entry,
+    Ran,
+    Results,
+    Statement,
+    claim,
+    each,
+    engines,
+    number,
+)
 
 LIGHT, HEAVY = (0.05, 0.1, 0.2), (2.0, 8.0)
 PLACE = 40
@@ -79,16 +85,12 @@ def statements(results: Results) -> list[Statement]:
     ]
 
 
-def picture(results: Results) -> Figure:
+def draw(axis: Axes, results: Results) -> None:
     """The impurities over time."""
-
-    def draw(axis: Axes) -> None:
-        for place, mass in enumerate((*LIGHT[1:2], *HEAVY)):
-            run = results[_name(mass)]["lammps"].trajectory
-            axis.plot(run.time, run.velocity[:, 0, PLACE - 1], color=COLOURS[place], label=f"mass {mass:g}")
-        axis.set_xlim(42.0, 65.0)
-
-    return panel("time (T)", "velocity of the impurity (V)", draw)
+    for place, mass in enumerate((*LIGHT[1:2], *HEAVY)):
+        run = results[_name(mass)]["lammps"].trajectory
+        axis.plot(run.time, run.velocity[:, 0, PLACE - 1], color=COLOURS[place], label=f"mass {mass:g}")
+    axis.set_xlim(42.0, 65.0)
 
 
 ENTRY = Entry(
@@ -101,6 +103,7 @@ ENTRY = Entry(
     ),
     scenes={_name(mass): _scene(mass) for mass in (*LIGHT, *HEAVY)},
     statements=statements,
-    picture=picture,
+    axes=("time (T)", "velocity of the impurity (V)"),
+    draw=draw,
     caption="A light impurity swings several times while the wave passes; heavy ones are slow (LAMMPS).",
 )

@@ -1,12 +1,8 @@
 """The first bead of an uncompressed chain is hit: what runs off, what stays behind, what flies off at the end."""
 
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
-from workflow.studies.gallery.compare import each, number
-from workflow.studies.gallery.draw import COLOURS, PUBLISHED, panel
-from workflow.studies.gallery.entry import Entry, Results
-from workflow.studies.page import Statement
+from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Results, Statement, each, number
 
 SCENE = {"beads": 100, "kick": {"velocity": 1.0}, "duration": 150, "timestep": 0.005, "output": {"every": 0.1}}
 BEAD = 80
@@ -40,16 +36,12 @@ def statements(results: Results) -> list[Statement]:
     ]
 
 
-def picture(results: Results) -> Figure:
+def draw(axis: Axes, results: Results) -> None:
     """The leading pulse over distance."""
-
-    def draw(axis: Axes) -> None:
-        for place, (engine, run) in enumerate(results["kicked"].items()):
-            marks = "-" if place else "o"
-            axis.plot(run.waves.bead, run.waves.peak_velocity, marks, ms=3, color=COLOURS[place], label=engine)
-        axis.axhline(0.682, **PUBLISHED)
-
-    return panel("bead", "velocity of the leading pulse (V)", draw)
+    for place, (engine, run) in enumerate(results["kicked"].items()):
+        marks = "-" if place else "o"
+        axis.plot(run.waves.bead, run.waves.peak_velocity, marks, ms=3, color=COLOURS[place], label=engine)
+    axis.axhline(0.682, **PUBLISHED)
 
 
 ENTRY = Entry(
@@ -61,6 +53,7 @@ ENTRY = Entry(
     ),
     scenes={"kicked": SCENE},
     statements=statements,
-    picture=picture,
+    axes=("bead", "velocity of the leading pulse (V)"),
+    draw=draw,
     caption="Velocity of the leading pulse along the chain; the line is 0.682 V.",
 )

@@ -2,13 +2,8 @@
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
-from workflow.studies.gallery.compare import each, number
-from workflow.studies.gallery.draw import COLOURS, panel
-from workflow.studies.gallery.entry import Entry, Results
-from workflow.studies.gallery.ran import Ran
-from workflow.studies.page import Statement
+from workflow.studies.gallery.entry import COLOURS, Entry, Ran, Results, Statement, each, number
 
 COEFFICIENTS = (0.01, 0.002)
 BEADS = np.arange(40, 101)
@@ -38,16 +33,10 @@ def statements(results: Results) -> list[Statement]:
     ]
 
 
-def picture(results: Results) -> Figure:
+def draw(axis: Axes, results: Results) -> None:
     """The same over distance."""
-
-    def draw(axis: Axes) -> None:
-        for place, one in enumerate(COEFFICIENTS):
-            axis.plot(
-                BEADS, _inverse(results[_name(one)]["lammps"]), color=COLOURS[place], label=f"coefficient {one:g}"
-            )
-
-    return panel("bead", "peak velocity to the power -1/5", draw)
+    for place, one in enumerate(COEFFICIENTS):
+        axis.plot(BEADS, _inverse(results[_name(one)]["lammps"]), color=COLOURS[place], label=f"coefficient {one:g}")
 
 
 ENTRY = Entry(
@@ -70,6 +59,7 @@ ENTRY = Entry(
         for one in COEFFICIENTS
     },
     statements=statements,
-    picture=picture,
+    axes=("bead", "peak velocity to the power -1/5"),
+    draw=draw,
     caption="What rises evenly along the chain (LAMMPS).",
 )

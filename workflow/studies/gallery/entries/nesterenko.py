@@ -4,15 +4,10 @@ import math
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from analysis.shape.exact_wave import nesterenko, solitary_wave
 from analysis.trajectory import Floats
-from workflow.studies.gallery.compare import each, number
-from workflow.studies.gallery.draw import COLOURS, PUBLISHED, panel
-from workflow.studies.gallery.entry import Entry, Results
-from workflow.studies.gallery.ran import Ran
-from workflow.studies.page import Statement
+from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statement, each, number
 
 STRIKER = {
     "beads": 200,
@@ -86,16 +81,12 @@ def _train(run: Ran) -> tuple[Floats, Floats, Floats]:
     return at.peak_velocity[:count], speed, np.array(force)
 
 
-def picture(results: Results) -> Figure:
+def draw(axis: Axes, results: Results) -> None:
     """Speed over force."""
-
-    def draw(axis: Axes) -> None:
-        _, speed, force = _train(results["striker-4"]["lammps"])
-        axis.loglog(force, speed, "o", color=COLOURS[0], label="pulses of a train (LAMMPS)")
-        every = np.geomspace(force.min(), force.max(), 50)
-        axis.loglog(every, speed[0] * (every / force[0]) ** (1.0 / 6.0), label="sixth root", **PUBLISHED)
-
-    return panel("largest force", "speed (beads per unit time)", draw)
+    _, speed, force = _train(results["striker-4"]["lammps"])
+    axis.loglog(force, speed, "o", color=COLOURS[0], label="pulses of a train (LAMMPS)")
+    every = np.geomspace(force.min(), force.max(), 50)
+    axis.loglog(every, speed[0] * (every / force[0]) ** (1.0 / 6.0), label="sixth root", **PUBLISHED)
 
 
 ENTRY = Entry(
@@ -111,6 +102,7 @@ ENTRY = Entry(
     ),
     scenes={"single": SINGLE, "striker-4": STRIKER},
     statements=statements,
-    picture=picture,
+    axes=("largest force", "speed (beads per unit time)"),
+    draw=draw,
     caption="Speed of the pulses of one train over their force.",
 )

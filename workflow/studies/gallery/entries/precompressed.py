@@ -4,15 +4,10 @@ import math
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from analysis.shape.loaded_wave import speed_over_sound
 from analysis.sound.loaded_pulse import LoadedPulse, LoadedWave
-from workflow.studies.gallery.compare import number
-from workflow.studies.gallery.draw import COLOURS, PUBLISHED, panel
-from workflow.studies.gallery.entry import Entry, Results
-from workflow.studies.gallery.ran import Ran
-from workflow.studies.page import Statement
+from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statement, number
 
 LOADS = (0.1, 0.01, 0.003)
 
@@ -22,10 +17,7 @@ def _name(load: float) -> str:
 
 
 def _wave(run: Ran) -> LoadedWave:
-    pulse = LoadedPulse(run.problem)
-    for block in run.directory.blocks():
-        pulse.add(block)
-    found = pulse.result()
+    found = run.read(LoadedPulse(run.problem)).result()
     assert found is not None
     return found
 
@@ -52,18 +44,12 @@ def statements(results: Results) -> list[Statement]:
     return found
 
 
-def picture(results: Results) -> Figure:
+def draw(axis: Axes, results: Results) -> None:
     """Speed over sound, over the force ratio."""
-
-    def draw(axis: Axes) -> None:
-        every = np.geomspace(1.05, 300.0, 100)
-        axis.semilogx(every, speed_over_sound(every), label="Nesterenko", **PUBLISHED)
-        waves = [_wave(results[_name(load)]["lammps"]) for load in LOADS]
-        axis.semilogx(
-            [w.force_ratio for w in waves], [w.over_sound for w in waves], "o", color=COLOURS[0], label="LAMMPS"
-        )
-
-    return panel("largest force over that at rest", "speed over that of sound", draw)
+    every = np.geomspace(1.05, 300.0, 100)
+    axis.semilogx(every, speed_over_sound(every), label="Nesterenko", **PUBLISHED)
+    waves = [_wave(results[_name(load)]["lammps"]) for load in LOADS]
+    axis.semilogx([w.force_ratio for w in waves], [w.over_sound for w in waves], "o", color=COLOURS[0], label="LAMMPS")
 
 
 ENTRY = Entry(
@@ -87,6 +73,7 @@ ENTRY = Entry(
         for load in LOADS
     },
     statements=statements,
-    picture=picture,
+    axes=("largest force over that at rest", "speed over that of sound"),
+    draw=draw,
     caption="Speed of the pulse over that of sound; the line is the long-wave theory.",
 )

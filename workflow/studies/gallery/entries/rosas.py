@@ -2,13 +2,8 @@
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
-from workflow.studies.gallery.compare import claim, each, number
-from workflow.studies.gallery.draw import COLOURS, panel
-from workflow.studies.gallery.entry import Entry, Results
-from workflow.studies.gallery.ran import Ran
-from workflow.studies.page import Statement
+from workflow.studies.gallery.entry import COLOURS, Entry, Ran, Results, Statement, claim, each, number
 
 WEAK, TWO_WAVES, STRONG = 0.002, 0.02, 1.0
 WHEN = 120.0
@@ -65,18 +60,14 @@ def statements(results: Results) -> list[Statement]:
     ]
 
 
-def picture(results: Results) -> Figure:
+def draw(axis: Axes, results: Results) -> None:
     """Velocity over distance."""
-
-    def draw(axis: Axes) -> None:
-        for place, damping in enumerate((TWO_WAVES, STRONG)):
-            run = results[_name(damping)]["lammps"].trajectory
-            frame = int(np.argmin(np.abs(run.time - WHEN)))
-            axis.semilogy(
-                run.beads, np.maximum(run.velocity[frame, 0], 1e-4), color=COLOURS[place], label=f"damping {damping:g}"
-            )
-
-    return panel("bead", f"velocity at t = {WHEN:g} T (V)", draw)
+    for place, damping in enumerate((TWO_WAVES, STRONG)):
+        run = results[_name(damping)]["lammps"].trajectory
+        frame = int(np.argmin(np.abs(run.time - WHEN)))
+        axis.semilogy(
+            run.beads, np.maximum(run.velocity[frame, 0], 1e-4), color=COLOURS[place], label=f"damping {damping:g}"
+        )
 
 
 ENTRY = Entry(
@@ -99,6 +90,7 @@ ENTRY = Entry(
         for damping in (WEAK, TWO_WAVES, STRONG)
     },
     statements=statements,
-    picture=picture,
+    axes=("bead", f"velocity at t = {WHEN:g} T (V)"),
+    draw=draw,
     caption="Velocity along the chain: a narrow pulse and a broad one behind it, or but one (LAMMPS).",
 )

@@ -2,12 +2,8 @@
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
-from workflow.studies.gallery.compare import claim
-from workflow.studies.gallery.draw import COLOURS, panel
-from workflow.studies.gallery.entry import Entry, Results
-from workflow.studies.page import Statement
+from workflow.studies.gallery.entry import COLOURS, Entry, Results, Statement, claim
 
 CHAIN = {"beads": 200, "duration": 220, "timestep": 0.005, "output": {"every": 0.1}}
 BEAD = 110
@@ -57,16 +53,12 @@ def statements(results: Results) -> list[Statement]:
     ]
 
 
-def picture(results: Results) -> Figure:
+def draw(axis: Axes, results: Results) -> None:
     """Velocity of a bead over time."""
-
-    def draw(axis: Axes) -> None:
-        for place, (name, runs) in enumerate(results.items()):
-            run = runs["lammps"].trajectory
-            axis.plot(run.time, run.velocity[:, 0, BEAD - 1], color=COLOURS[place], label=name)
-        axis.set_xlim(100.0, 220.0)
-
-    return panel("time (T)", f"velocity of bead {BEAD} (V)", draw)
+    for place, (name, runs) in enumerate(results.items()):
+        run = runs["lammps"].trajectory
+        axis.plot(run.time, run.velocity[:, 0, BEAD - 1], color=COLOURS[place], label=name)
+    axis.set_xlim(100.0, 220.0)
 
 
 ENTRY = Entry(
@@ -83,6 +75,7 @@ ENTRY = Entry(
         "launched-3": _launched(3),
     },
     statements=statements,
-    picture=picture,
+    axes=("time (T)", f"velocity of bead {BEAD} (V)"),
+    draw=draw,
     caption="Trains past one bead (LAMMPS).",
 )

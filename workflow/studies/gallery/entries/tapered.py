@@ -2,13 +2,19 @@
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
-from workflow.studies.gallery.compare import NAMES, claim, each, number
-from workflow.studies.gallery.draw import COLOURS, PUBLISHED, panel
-from workflow.studies.gallery.entry import Entry, Results
-from workflow.studies.gallery.ran import Ran
-from workflow.studies.page import Statement
+from workflow.studies.gallery.entry import (
+    COLOURS,
+    NAMES,
+    PUBLISHED,
+    Entry,
+    Ran,
+    Results,
+    Statement,
+    claim,
+    each,
+    number,
+)
 
 BEADS = 20
 TAPERS = (0.02, 0.05, 0.08)
@@ -74,16 +80,12 @@ def statements(results: Results) -> list[Statement]:
     ]
 
 
-def picture(results: Results) -> Figure:
+def draw(axis: Axes, results: Results) -> None:
     """Energy that arrives over the taper."""
-
-    def draw(axis: Axes) -> None:
-        every = np.linspace(0.0, 0.09, 50)
-        axis.plot(every, [_hard_spheres(one) for one in every], label="hard spheres", **PUBLISHED)
-        found = [_arrives(results[_name(taper)]["lammps"]) for taper in TAPERS]
-        axis.plot(TAPERS, found, "o", color=COLOURS[0], label="LAMMPS")
-
-    return panel("taper", "energy that the last bead gets (share)", draw)
+    every = np.linspace(0.0, 0.09, 50)
+    axis.plot(every, [_hard_spheres(one) for one in every], label="hard spheres", **PUBLISHED)
+    found = [_arrives(results[_name(taper)]["lammps"]) for taper in TAPERS]
+    axis.plot(TAPERS, found, "o", color=COLOURS[0], label="LAMMPS")
 
 
 ENTRY = Entry(
@@ -108,6 +110,7 @@ ENTRY = Entry(
         for taper in TAPERS
     },
     statements=statements,
-    picture=picture,
+    axes=("taper", "energy that the last bead gets (share)"),
+    draw=draw,
     caption="Share of the kick's energy that comes out of twenty beads; the line is for hard spheres.",
 )

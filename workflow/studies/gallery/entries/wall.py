@@ -1,13 +1,8 @@
 """A wave is reflected by a wall."""
 
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
-from workflow.studies.gallery.compare import claim, each, engines, number
-from workflow.studies.gallery.draw import COLOURS, panel
-from workflow.studies.gallery.entry import Entry, Results
-from workflow.studies.gallery.ran import Ran
-from workflow.studies.page import Statement
+from workflow.studies.gallery.entry import COLOURS, Entry, Ran, Results, Statement, claim, each, engines, number
 
 WALLS: dict[str, object] = {"soft": {"stiffness": 0.1}, "bead": "bead", "flat": "flat", "rigid": "rigid"}
 BEADS, SEEN = 60, 35
@@ -88,16 +83,12 @@ def statements(results: Results) -> list[Statement]:
     ]
 
 
-def picture(results: Results) -> Figure:
+def draw(axis: Axes, results: Results) -> None:
     """Force on the walls over time."""
-
-    def draw(axis: Axes) -> None:
-        for place, (name, runs) in enumerate(results.items()):
-            read = runs["lammps"].forces(wall=True)
-            axis.plot(read.time, read.force[:, 0, 0], color=COLOURS[place], label=name)
-        axis.set_xlim(64.0, 84.0)
-
-    return panel("time (T)", "force on the wall", draw)
+    for place, (name, runs) in enumerate(results.items()):
+        read = runs["lammps"].forces(wall=True)
+        axis.plot(read.time, read.force[:, 0, 0], color=COLOURS[place], label=name)
+    axis.set_xlim(64.0, 84.0)
 
 
 ENTRY = Entry(
@@ -112,6 +103,7 @@ ENTRY = Entry(
     ),
     scenes={name: _scene(wall) for name, wall in WALLS.items()},
     statements=statements,
-    picture=picture,
+    axes=("time (T)", "force on the wall"),
+    draw=draw,
     caption="Force on the wall over time (LAMMPS).",
 )

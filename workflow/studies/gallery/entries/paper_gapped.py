@@ -1,6 +1,6 @@
 """Section 3 of the paper: gapped beads, rigid and Hertzian; eqs 2 to 5, Figs 8 and 9, and what is said of them."""
 
-from pathlib import Path
+from functools import cache
 
 import numpy as np
 
@@ -8,9 +8,9 @@ from analysis.figures.engines import Curve, engines_figure
 from analysis.figures.partition import relative_mode_figure, scan_figure
 from analysis.sharing.impulses import Impulses
 from workflow.engines.collisions.first_row import THETA_OF_EQ_5
-from workflow.studies import rigid_rows as study
-from workflow.studies.kept_runs import Say
-from workflow.studies.page import Picture, Section, Statement, drawn
+from workflow.studies.gallery import rigid_rows
+from workflow.studies.gallery.entry import Entry, Results, Statement
+from workflow.studies.page import Picture, drawn
 
 THETAS = np.linspace(0.02, 8.0, 800)
 KAPPAS = (0.1, 1.0)
@@ -19,41 +19,28 @@ ROWS = (5, 25)
 LAST = 120
 
 
-def build(folder: Path, say: Say) -> Section:  # noqa: ARG001  nothing here takes long enough to be kept
-    """Compute rigid and Hertz beads at the gap of eq. 5, a scan over theta, and the rigid limit."""
-    say("rigid beads at many gaps")
-    scan = study.scan(THETAS)
-    sensitive = study.sensitivity(THETAS[:: len(THETAS) // 100], bead=25)
-    say("gapped Hertz beads")
-    hertz = {kappa: study.hertz_impulses(study.problem_at(THETA_OF_EQ_5, kappa, LAST)) for kappa in KAPPAS}
-    rigid = study.rigid_impulses(study.rigid_problem(THETA_OF_EQ_5, LAST))
-    limit = study.rigid_limit()
-    return Section(
-        title="Section 3: beads with gaps, rigid and Hertzian (eqs 2 to 5, Figs 8 and 9)",
-        introduction=(
-            "Two chains whose beads are a clear distance D apart, bead 1 of chain 1 kicked with V = 1. Rigid beads move by "
-            "the exact modes of their rows and exchange velocities when they meet; they depend on theta = omega D / V "
-            f"alone, with omega = sqrt(2 kappa). The gap of eq. 5 is theta = {THETA_OF_EQ_5:.4f}. Row n is the contact in "
-            "which bead n is struck; impulses are in units of m V."
-        ),
-        statements=_statements(scan, sensitive, hertz, rigid, limit),
-        pictures=_pictures(scan, hertz, rigid),
-    )
+@cache
+def _scan() -> rigid_rows.Scan:
+    return rigid_rows.scan(THETAS)
 
 
-def _statements(
-    scan: study.Scan,
-    sensitive: np.ndarray[tuple[int, ...], np.dtype[np.float64]],
-    hertz: dict[float, Impulses],
-    rigid: Impulses,
-    limit: study.RigidLimit,
-) -> list[Statement]:
-    first = study.first_row(THETA_OF_EQ_5)
+@cache
+def _both_models() -> tuple[dict[float, Impulses], Impulses]:
+    """Impulses at the gap of eq. 5 of Hertz beads by coupling, and of rigid ones."""
+    hertz = {kappa: rigid_rows.hertz_impulses(rigid_rows.problem_at(THETA_OF_EQ_5, kappa, LAST)) for kappa in KAPPAS}
+    return hertz, rigid_rows.rigid_impulses(rigid_rows.rigid_problem(THETA_OF_EQ_5, LAST))
+
+
+def statements(_: Results) -> list[Statement]:
+    """Rigid and Hertz beads at the gap of eq. 5, a scan over theta, and the rigid limit."""
+    scan, (hertz, rigid), limit = _scan(), _both_models(), rigid_rows.rigid_limit()
+    sensitive = rigid_rows.sensitivity(THETAS[:: len(THETAS) // 100], bead=25)
+    first = rigid_rows.first_row(THETA_OF_EQ_5)
     difference = scan.difference()
     at_25 = scan.agreeing(25)
     keeping = scan.keeping(20, 30)
     median = np.median(difference, axis=0)
-    modes = {kappa: study.relative_mode(found, 10, LAST) for kappa, found in hertz.items()}
+    modes = {kappa: rigid_rows.relative_mode(found, 10, LAST) for kappa, found in hertz.items()}
     return [
         Statement(
             "At the gap of eq. 5 the first row has shared its energy equally when it collides.",
@@ -120,7 +107,7 @@ def _within(row: int | None) -> str:
     return f"not within 1% by row {LAST}" if row is None else f"within 1% from row {row} on"
 
 
-def _at(scan: study.Scan, values: np.ndarray[tuple[int, ...], np.dtype[np.float64]], row: int) -> float:
+def _at(scan: rigid_rows.Scan, values: np.ndarray[tuple[int, ...], np.dtype[np.float64]], row: int) -> float:
     return float(values[scan.bead == row][0])
 
 
@@ -128,27 +115,43 @@ def _share(count: int, total: int) -> str:
     return f"{100.0 * count / total:.1f}%"
 
 
-def _pictures(scan: study.Scan, hertz: dict[float, Impulses], rigid: Impulses) -> list[Picture]:
-    pictures = []
+def pictures(_: Results) -> list[Picture]:
+    """Figs 8 and 9, the scan and the relative mode."""
+    scan, (hertz, rigid) = _scan(), _both_models()
+    found = []
     for kappa, name in FIGURES.items():
-        problem = study.problem_at(THETA_OF_EQ_5, kappa, 40, every=0.05)
-        curves = []
-        for engine, history in (
-            ("rigid", study.rigid_history(problem, ROWS)),
-            ("Hertz", study.hertz_history(problem, ROWS)),
-        ):
-            found = history.impulses
-            curves.append(Curve(engine, history.time, history.velocity, found.bead, found.first))
+        problem = rigid_rows.problem_at(THETA_OF_EQ_5, kappa, 40, every=0.05)
+        histories = {
+            "rigid": rigid_rows.rigid_history(problem, ROWS),
+            "Hertz": rigid_rows.hertz_history(problem, ROWS),
+        }
+        curves = [
+            Curve(engine, one.time, one.velocity, one.impulses.bead, one.impulses.first)
+            for engine, one in histories.items()
+        ]
         caption = f"Fig. {name[3:]}: first impulses, and velocities of beads 5 and 25; kappa = {kappa:g}, gap of eq. 5."
-        pictures.append(drawn(name, engines_figure(problem, ROWS, curves), caption))
-    rows = np.isin(scan.bead, (5, 25, 30))
-    scanned = scan_figure(scan.theta, scan.difference()[:, rows], (5, 25, 30), study.AGREE)
-    pictures.append(drawn("scan", scanned, "Rigid beads: how unequal the chains are at many gaps; the line is 1%."))
-    shown = [("rigid", study.relative_mode(rigid, 2, LAST))]
-    shown += [(rf"Hertz, $\kappa$ = {kappa:g}", study.relative_mode(found, 2, LAST)) for kappa, found in hertz.items()]
-    curve = relative_mode_figure([(label, mode.bead, mode.difference) for label, mode in shown])
+        found.append(drawn(name, engines_figure(problem, ROWS, curves), caption))
+    shown = (5, 25, 30)
+    scanned = scan_figure(scan.theta, scan.difference()[:, np.isin(scan.bead, shown)], shown, rigid_rows.AGREE)
+    found.append(drawn("scan", scanned, "Rigid beads: how unequal the chains are at many gaps; the line is 1%."))
+    labelled = {"rigid": rigid, **{rf"Hertz, $\kappa$ = {kappa:g}": one for kappa, one in hertz.items()}}
+    modes = {label: rigid_rows.relative_mode(one, 2, LAST) for label, one in labelled.items()}
+    curve = relative_mode_figure([(label, mode.bead, mode.difference) for label, mode in modes.items()])
     caption = (
         "The difference of the chains along the way, at the gap of eq. 5: Hertz beads level out, rigid ones do not."
     )
-    pictures.append(drawn("relative-mode", curve, caption))
-    return pictures
+    return [*found, drawn("relative-mode", curve, caption)]
+
+
+ENTRY = Entry(
+    title="Section 3: beads with gaps, rigid and Hertzian (eqs 2 to 5, Figs 8 and 9)",
+    introduction=(
+        "Two chains whose beads are a clear distance D apart, bead 1 of chain 1 kicked with V = 1. Rigid beads move by "
+        "the exact modes of their rows and exchange velocities when they meet; they depend on theta = omega D / V "
+        f"alone, with omega = sqrt(2 kappa). The gap of eq. 5 is theta = {THETA_OF_EQ_5:.4f}. Row n is the contact in "
+        "which bead n is struck; impulses are in units of m V."
+    ),
+    scenes={},
+    statements=statements,
+    pictures=pictures,
+)

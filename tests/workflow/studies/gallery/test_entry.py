@@ -2,7 +2,7 @@
 
 import pytest
 
-from workflow.studies.gallery.compare import number
+from workflow.studies.gallery.entry import number
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from analysis.files.events import Events
 from analysis.sharing.impulses import ImpulseMeter, Impulses, from_events, relative_difference
-from analysis.trajectory import Floats, Trajectory, joined
+from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem
 from lammps_inputs.ingredients import coupled_chains
 from lammps_inputs.units import Scale
@@ -302,8 +302,3 @@ def rigid_limit(
     difference = np.max(np.abs(hertz - rigid), axis=1)
     rate = np.polyfit(np.log(kappas[-3:]), np.log(difference[-3:]), 1)[0]
     return RigidLimit(theta, np.array(kappas), bead, rigid, hertz, difference, np.asarray(rate))
-
-
-def frames(problem: Problem) -> Trajectory:
-    """The whole rigid motion of a problem in memory, for a space-time picture."""
-    return joined(collisions.blocks(collisions.run(problem)))

@@ -1,47 +1,21 @@
 """Section 2 of the paper: coupled uncompressed chains, Figs 1 to 6, and what is said of them."""
 
-from pathlib import Path
-
 import numpy as np
 
-from analysis.figures import response_figure, spacetime_figure
+from analysis.figures import BeadHistory, SpaceTime, response_figure, spacetime_figure
 from analysis.sharing.equipartition import Estimate, sharing
-from lammps_inputs import library
-from workflow.studies import map as mapping
-from workflow.studies.kept_runs import Say
-from workflow.studies.page import Picture, Section, Statement, drawn
-from workflow.studies.reproduce.runs import Measured, measured
-
-ENGINES = ("lammps", "reference")
+from workflow.studies.gallery.entry import NAMES, Entry, Ran, Results, Runs, Statement
+from workflow.studies.map import run_case
+from workflow.studies.page import Picture, drawn
 
 CASES = (("two-chains", 55, "1", "2"), ("two-chains-strong", 55, "3", "4"), ("three-chains", 90, "5", "6"))
 """Scene, the bead of the paper's figure, and the numbers of its figures in space and time and of that bead."""
 
 
-def build(folder: Path, say: Say) -> Section:
-    """Run the three scenes with both engines, and the couplings and numbers of chains beyond them."""
-    runs = {
-        name: {engine: measured(library.find(name), engine, folder, bead, say) for engine in ENGINES}
-        for name, bead, _, _ in CASES
-    }
-    say("weaker couplings, more chains")
-    weaker = [mapping.run_case(2, kappa) for kappa in (0.01, 0.003)]
-    more = [mapping.run_case(chains, 0.1) for chains in range(2, 9)]
-    return Section(
-        title="Section 2: chains of touching beads (eq. 1, Figs 1 to 6)",
-        introduction=(
-            "Two or three chains of 120 touching beads; bead 1 of chain 1 starts with V = 1. Each number is measured in a "
-            "LAMMPS run and in a run of the reference integrator. Uncertainties are the differences between the two for "
-            "LAMMPS, and the reference's own bound on its error."
-        ),
-        statements=_statements(runs, weaker, more),
-        pictures=_pictures(runs),
-    )
-
-
-def _statements(
-    runs: dict[str, dict[str, Measured]], weaker: list[mapping.Case], more: list[mapping.Case]
-) -> list[Statement]:
+def statements(runs: Results) -> list[Statement]:
+    """What the runs say, and couplings and numbers of chains beyond them."""
+    weaker = [run_case(2, kappa) for kappa in (0.01, 0.003)]
+    more = [run_case(chains, 0.1) for chains in range(2, 9)]
     two, strong, three = (runs[name] for name, *_ in CASES)
     final = {name: _final(runs[name]["reference"]).value for name, *_ in CASES}
     spread = float(_mismatch_at(two["reference"], 55))
@@ -96,7 +70,7 @@ def _statements(
     ]
 
 
-def _reduction(says: str, claimed: float, runs: dict[str, Measured], final: float) -> Statement:
+def _reduction(says: str, claimed: float, runs: Runs, final: float) -> Statement:
     close = abs(1.0 - final - claimed) < 0.015
     return Statement(
         says,
@@ -106,58 +80,59 @@ def _reduction(says: str, claimed: float, runs: dict[str, Measured], final: floa
     )
 
 
-def _final_lines(runs: dict[str, Measured]) -> list[str]:
+def _final_lines(runs: Runs) -> list[str]:
     return [
-        f"{_NAMES[engine]}: final amplitude {_final(run).value:.5f} V, computed to ± {run.velocity_error:.0e} V, "
+        f"{NAMES[engine]}: final amplitude {_final(run).value:.5f} V, computed to ± {run.errors[0]:.0e} V, "
         f"still varying by {_final(run).uncertainty:.0e} V"
         for engine, run in runs.items()
     ]
 
 
-def _peaks_at(runs: dict[str, Measured], bead: int) -> list[str]:
+def _peaks_at(runs: Runs, bead: int) -> list[str]:
     lines = []
     for engine, run in runs.items():
         peaks = ", ".join(f"{value:.5f}" for value in run.waves.at(bead).peak_velocity)
-        lines.append(f"{_NAMES[engine]}: peaks of bead {bead} {peaks} (± {run.velocity_error:.0e}) V")
+        lines.append(f"{NAMES[engine]}: peaks of bead {bead} {peaks} (± {run.errors[0]:.0e}) V")
     return lines
 
 
-def _lag_lines(name: str, runs: dict[str, Measured], bead: int) -> list[str]:
+def _lag_lines(name: str, runs: Runs, bead: int) -> list[str]:
     return [
-        f"{name}, bead {bead}, {_NAMES[engine]}: arrivals {_lag(run, bead):.4f} ± {run.arrival_error:.0e} T apart"
+        f"{name}, bead {bead}, {NAMES[engine]}: arrivals {_lag(run, bead):.4f} ± {run.errors[1]:.0e} T apart"
         for engine, run in runs.items()
     ]
 
 
-def _lag(run: Measured, bead: int) -> float:
+def _lag(run: Ran, bead: int) -> float:
     return float(np.ptp(run.waves.at(bead).arrival))
 
 
-def _final(run: Measured) -> Estimate:
+def _final(run: Ran) -> Estimate:
     """Amplitude over the last half beat, and how far it still varies."""
     found = sharing(run.waves, run.problem).final
     assert found is not None, "the paper's scenes run far enough"
     return found
 
 
-def _mismatch_at(run: Measured, bead: int) -> float:
+def _mismatch_at(run: Ran, bead: int) -> float:
     shared = sharing(run.waves, run.problem)
     return float(shared.mismatch[shared.bead == bead][0])
 
 
-def _agrees(run: Measured, tolerance: float) -> int | None:
+def _agrees(run: Ran, tolerance: float) -> int | None:
     return sharing(run.waves, run.problem).agrees_from(tolerance)
 
 
-def _pictures(runs: dict[str, dict[str, Measured]]) -> list[Picture]:
-    pictures = []
+def pictures(runs: Results) -> list[Picture]:
+    """The paper's Figs 1 to 6."""
+    found = []
     for name, bead, space, time in CASES:
         run = runs[name]["lammps"]
         caption = f"Fig. {space}: velocity in space and time ({name}, LAMMPS)."
-        pictures.append(drawn(f"fig{space}", spacetime_figure(run.spacetime), caption))
+        found.append(drawn(f"fig{space}", spacetime_figure(run.read(SpaceTime(run.problem))), caption))
         caption = f"Fig. {time}: velocity of bead {bead} in all chains ({name}, LAMMPS)."
-        pictures.append(drawn(f"fig{time}", response_figure(run.history), caption))
-    return pictures
+        found.append(drawn(f"fig{time}", response_figure(run.read(BeadHistory(run.problem, (bead,)))), caption))
+    return found
 
 
 def _within(tolerance: str, bead: int | None) -> str:
@@ -170,4 +145,14 @@ def _percent(share: float) -> str:
     return f"{100.0 * share:.1f}%"
 
 
-_NAMES = {"lammps": "LAMMPS", "reference": "reference"}
+ENTRY = Entry(
+    title="Section 2: chains of touching beads (eq. 1, Figs 1 to 6)",
+    introduction=(
+        "Two or three chains of 120 touching beads; bead 1 of chain 1 starts with V = 1. Each number is measured in a "
+        "LAMMPS run and in a run of the reference integrator. Uncertainties are the differences between the two for "
+        "LAMMPS, and the reference's own bound on its error."
+    ),
+    scenes={name: name for name, *_ in CASES},
+    statements=statements,
+    pictures=pictures,
+)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from workflow.engines.collisions.first_row import THETA_OF_EQ_5
-from workflow.studies import rigid_rows as study
+from workflow.studies.gallery import rigid_rows as study
 
 
 def test_the_sentence_after_eq_5_does_not_hold():

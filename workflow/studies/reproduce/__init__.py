@@ -1,1 +1,0 @@
-"""The paper from scratch: one module a section of it, which computes a `page.Section`; `report` makes the page."""
