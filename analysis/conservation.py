@@ -24,7 +24,7 @@ class Conservation:
         frames: number of frames seen.
         last_time: time of the last of them, in units of T.
         budget: where the energy is; None where that is not known, and where none is exchanged.
-        front: foremost bead (largest number) seen moving faster than 1e-3 of V.
+        front: largest number of a bead seen moving faster than 1e-3 of V; None if none was.
     """
 
     def __init__(self, counted: Callable[[Trajectory], Trajectory] | None = None) -> None:
@@ -34,7 +34,7 @@ class Conservation:
         self.momentum_drift = 0.0
         self.frames = 0
         self.last_time = 0.0
-        self.front = 0
+        self.front: int | None = None
         self.budget: Budget | None = None
         self._put_in = self._missing = 0.0
 
@@ -46,7 +46,7 @@ class Conservation:
         velocity = block.velocity
         passed = np.flatnonzero(np.any(np.abs(velocity) > 1e-3, axis=(0, 1)))
         if len(passed):
-            self.front = max(self.front, int(block.beads[passed[-1]]))
+            self.front = max(self.front or 0, int(block.beads[passed[-1]]))
         if not problem.whole:
             self.energy_drift = self.momentum_drift = float("nan")
             return

@@ -53,8 +53,9 @@ class Shape:
     """What the waveforms of passages say, one entry per passage; NaN where the run does not show it whole, but energy.
 
     Attributes:
-        width: full width at half maximum of the velocity, in beads: its duration times the local speed. How well, says
-            `analysis.tracking.accuracy.width_error`: on coarse grids far worse than the rest.
+        width: full width at half maximum of the velocity, in beads: its duration times the local speed; NaN where that
+            is not positive. How well, says `analysis.tracking.accuracy.width_error`: on coarse grids far worse than the
+            rest.
         momentum: in units of m V; NaN where beads differ.
         energy: kinetic and of the contacts, within `reach` beads of the one that is passed, in units of m V**2; where
             only some beads are recorded, from the kinetic energy as in the exact wave (9/5 of it for spheres), and NaN
@@ -155,9 +156,9 @@ class Waveforms:
     def shape(self) -> Shape:
         """What the waveforms say."""
         passages, exact = self.passages, wave_of(self.problem)
-        # two beads may peak at one time, which is no speed of a wave
-        finite = np.where(np.isfinite(passages.speed), passages.speed, np.nan)
-        speed, peak = finite[:, np.newaxis], passages.peak_velocity[:, np.newaxis]
+        # beads may peak at one time or in reverse order, which is no speed of a wave
+        forward = np.where(np.isfinite(passages.speed) & (passages.speed > 0.0), passages.speed, np.nan)
+        speed, peak = forward[:, np.newaxis], passages.peak_velocity[:, np.newaxis]
         late = self.time - passages.arrival[:, np.newaxis]
         watched = self._frame >= 0
         step = (self.time[:, 1] - self.time[:, 0])[:, np.newaxis] if self.time.shape[1] > 1 else np.nan
@@ -176,7 +177,7 @@ class Waveforms:
         difference = np.abs(self.velocity / peak - exact.velocity(xi))
         difference[~(watched & (np.abs(xi) <= COMPARED))] = 0.0
         return Shape(
-            width=self._duration() * finite * sign,
+            width=self._duration() * forward * sign,
             momentum=travelled(mass * self.velocity) if self.problem.alike else np.nan * kinetic,
             energy=energy,
             residual=np.max(difference, axis=1, initial=0.0) * sign,

@@ -252,7 +252,7 @@ def width(
 ) -> Any:
     """Time above half of the peak, times the local speed."""
     chosen = watched(case, arrival, peak, speed)
-    if chosen is None or speed is None or np.isnan(case.frames.v[chosen, chain - 1, bead - 1]).any():
+    if chosen is None or not (speed or 0.0) > 0.0 or np.isnan(case.frames.v[chosen, chain - 1, bead - 1]).any():
         return None
     near, v = case.truth.velocity(chain, bead, case.frames.time[chosen[0]], case.frames.time[chosen[-1]])
     v = way * v
@@ -651,7 +651,7 @@ def inside(
     """Width, momentum and energy from the frames around the passage."""
     chosen = watched(case, arrival, peak, speed)
     v = None if chosen is None else case.frames.v[chosen]
-    if chosen is None or v is None or np.isnan(v[:, chain - 1, bead - 1]).any() or speed is None:
+    if chosen is None or v is None or np.isnan(v[:, chain - 1, bead - 1]).any() or not (speed or 0.0) > 0.0:
         return {"width": None, "momentum": None, "energy": energy(case, chain, bead, arrival, None, 1.5)}
     own, unit, step = case.nature, case.unit, (chosen[1] - chosen[0]) * case.every
     mass, exponent = own.mass[chain - 1, bead - 1], exact_of(case).exponent

@@ -78,7 +78,7 @@ QUANTITIES = {
     "wall_force_chain": _analysis("far_end/wall_force_chain", "largest force of a chain on the far wall [force]"),
     "delay": _analysis("far_end/delay", "delay until the far end [time]"),
     "transmitted_energy": _analysis("far_end/transmitted_energy", "largest energy at the far end / energy input"),
-    "front": _analysis("front", "foremost bead that moved"),
+    "front": _analysis("front", "largest number of a bead that moved"),
     "energy_drift": _analysis("energy_drift", "relative drift of the energy"),
     "error_velocity": _run("check/velocity", "error of velocities [V]"),
     "error_amplitude": _run("check/amplitude", "error of peak velocities [V]"),

@@ -30,7 +30,7 @@ def report(found: Survey, seen: Conservation, tolerances: Tolerances) -> dict[st
     |-----------------|----------------------------------------------------------------------------------|
     | complete        | whether every frame of the scene is there                                        |
     | frames          | found, and asked for                                                             |
-    | front           | foremost bead that moved                                                         |
+    | front           | largest number of a recorded bead that was faster than 1e-3 V; null if none was  |
     | energy_drift    | largest relative deviation of the energy; null if not all beads were recorded    |
     | momentum_drift  | the same of the momentum                                                         |
     | units           | the scene's units: ``SI`` or ``reduced``                                         |

@@ -20,7 +20,7 @@ def waves_csv(found: Survey) -> str:
     | peak_velocity | largest velocity; positive along the pulse's way, whichever that is                   |
     | speed         | beads per unit time, from the arrivals on either side                                 |
     | lag           | arrival behind the wave of the chain that was hit                                     |
-    | width         | full width at half maximum of the velocity, beads                                     |
+    | width         | full width at half maximum of the velocity, beads; empty where speed is not positive  |
     | residual      | largest difference from the exact wave of this peak velocity, in units of it          |
     | chain_energy  | energy of the chain when the waves (on average) pass this bead, half of its springs'  |
     | wave_energy   | energy within 3 beads of the wave's peak at that time                                 |

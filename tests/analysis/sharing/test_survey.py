@@ -58,6 +58,17 @@ def test_with_few_beads_recorded_the_energy_is_that_of_the_virial_theorem():
     assert shape.energy[0] == pytest.approx(float(EXACT.energy_at(0.5)), rel=1e-5)
 
 
+@pytest.mark.parametrize("speed", [-0.8, np.inf])
+def test_maxima_in_reverse_order_or_at_one_time_have_no_width(speed):
+    passages = Passages(*(np.array([number]) for number in (1, 20, 30.0, 0.5, speed, 1)))
+    trajectory = exact_waves([(0.5, 8.0)])
+    waveforms = Waveforms(trajectory.problem, passages)
+    waveforms.add(trajectory)
+    shape = waveforms.shape()
+    assert np.isnan([shape.width, shape.momentum]).all()
+    assert np.isfinite([shape.residual, shape.energy]).all()
+
+
 @settings(max_examples=20)
 @given(st.floats(0.1, 1.0), st.floats(0.5, 2.0))
 def test_a_wave_that_is_too_wide_has_the_width_put_in_and_a_residual(peak, stretch):
