@@ -4,10 +4,12 @@ All in units of m V**2, from frames of all beads. What was exchanged between fra
 """
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
 from analysis import motion
+from analysis.quantity import Quantity
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem
 from lammps_inputs.units import Scale
@@ -39,22 +41,19 @@ _LITTLE = 1e-3
 
 @dataclass(frozen=True)
 class Account:
-    """Energy over time, each [instant].
+    """Energy over time, each [instant]."""
 
-    Attributes:
-        time: in units of T.
-        put_in: by kicks, and by forces from outside until then.
-        held: where it is: ``kinetic``, ``contacts``, ``springs`` (between chains), ``ground``, ``walls``.
-        lost: in dashpots until then, by their name.
-    """
-
-    time: Floats
-    put_in: Floats
-    held: dict[str, Floats]
-    lost: dict[str, Floats]
+    time: Annotated[Floats, Quantity("time of some frames", "time", symbol="t")]
+    put_in: Annotated[Floats, Quantity("energy input until then, by kicks and by forces from outside", "energy")]
+    kinetic: Annotated[Floats, Quantity("kinetic energy", "energy")]
+    contacts: Annotated[Floats, Quantity("energy of the contacts", "energy")]
+    springs: Annotated[Floats, Quantity("energy of the springs between chains", "energy")]
+    ground: Annotated[Floats, Quantity("energy of the springs to the ground, and of weights", "energy")]
+    walls: Annotated[Floats, Quantity("energy of the contacts with walls", "energy")]
+    lost: Annotated[dict[str, Floats], Quantity("energy dissipated until then, by the name of the dashpots", "energy")]
 
     @property
-    def missing(self) -> Floats:
+    def missing(self) -> Annotated[Floats, Quantity("energy input that is nowhere", "energy")]:
         """What was put in and is nowhere."""
         return np.asarray(self.put_in - sum(self.held.values()) - sum(self.lost.values()))
 
@@ -69,6 +68,11 @@ class Account:
         return f"{said}, of which {', '.join(f'{part / total:.2%} {name}' for part, name in named)}"
 
     @property
+    def held(self) -> dict[str, Floats]:
+        """Where the energy is."""
+        return {name: getattr(self, name) for name in HELD}
+
+    @property
     def losses(self) -> dict[str, Floats]:
         """What was lost, by names for people: ``lost in contact damping``."""
         return {f"lost in {name.replace('_', ' ')}": part for name, part in self.lost.items()}
@@ -78,16 +82,18 @@ class Account:
         """That was put in until any instant."""
         return float(np.max(np.abs(self.put_in)))
 
-    def plain(self, scale: Scale) -> dict[str, object]:
-        """For ``analysis.json``, in the scene's units."""
-        unit = scale.energy
-        return {
-            "time": (self.time * scale.time).tolist(),
-            "put_in": (self.put_in * unit).tolist(),
-            **{name: (part * unit).tolist() for name, part in self.held.items()},
-            "lost": {name: (part * unit).tolist() for name, part in self.lost.items()},
-            "missing": (self.missing * unit).tolist(),
-        }
+
+@dataclass(frozen=True)
+class ClosedAccount(Account):
+    """The account, and how well it is known."""
+
+    closed: Annotated[
+        float, Quantity("largest ``missing`` over the largest ``put_in``", undefined="of a run that blew up")
+    ]
+    between_frames: Annotated[
+        float, Quantity("uncertainty of what was exchanged between frames over the largest ``put_in``")
+    ]
+    stated: Annotated[float | None, Quantity("error of the velocities that the run states", "V", "it states none")]
 
 
 class Budget:
@@ -123,12 +129,8 @@ class Budget:
             time, put_in, *parts = map(np.append, (time, put_in, *parts), self._last)
         held, lost = parts[: len(HELD)], parts[len(HELD) :]
         sinks = self._problem.sinks
-        return Account(
-            time,
-            put_in,
-            dict(zip(HELD, held, strict=True)),
-            {name: part for name, part in zip(sinks, lost, strict=True) if name is not None},
-        )
+        by_sink = {name: part for name, part in zip(sinks, lost, strict=True) if name is not None}
+        return Account(time, put_in, **dict(zip(HELD, held, strict=True)), lost=by_sink)
 
 
 HELD = ("kinetic", "contacts", "springs", "ground", "walls")

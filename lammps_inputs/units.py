@@ -78,23 +78,31 @@ class Scale:
         """Unit of energy."""
         return self.mass * self.velocity**2
 
+    def measured(self, value: Any, quantity: str) -> Any:
+        """A dimensionless number or array in the scene's units; ``quantity`` is a key of `SI`."""
+        return value / self.time if quantity in PER_TIME else value * getattr(self, quantity)
+
     def symbol(self, quantity: str) -> str:
         """The unit's symbol for plots and tables: ``m/s`` or ``-``."""
         return SI[quantity] if self.si else "-"
+
+    def after(self, quantity: str) -> str:
+        """The unit's symbol as it follows a number, after a space: `` m/s``, and nothing in reduced units."""
+        return f" {SI[quantity]}" if self.si else ""
 
     def written(self, value: float, quantity: str, digits: str = ".6g") -> str:
         """A dimensionless value in the scene's units, with the symbol of SI units: ``0.000656174 s``, or ``60``.
 
         Args:
             value: dimensionless.
-            quantity: one of this class's units, such as ``time``.
+            quantity: a key of `SI`.
             digits: format of the number.
         """
-        return f"{value * getattr(self, quantity):{digits}}{f' {SI[quantity]}' if self.si else ''}"
+        return f"{self.measured(value, quantity):{digits}}{self.after(quantity)}"
 
     def heading(self, name: str, quantity: str) -> str:
-        """A column's name in a table: ``arrival (s)``, and ``arrival`` in reduced units."""
-        return f"{name} ({SI[quantity]})" if self.si else name
+        """A column's name in a table: ``arrival (s)``; without a unit in reduced units, and where it has none."""
+        return f"{name} ({SI[quantity]})" if self.si and quantity in SI else name
 
 
 SI = {
@@ -108,8 +116,12 @@ SI = {
     "energy": "J",
     "speed": "beads/s",
     "frequency": "rad/s",
+    "cycles": "Hz",
 }
-"""Symbols of what is measured."""
+"""Symbols of what is measured: the units of `Scale`, and those of `PER_TIME`."""
+
+PER_TIME = ("speed", "frequency", "cycles")
+"""What is measured in beads, radians and cycles a unit of time."""
 
 
 def make_scale(mass: float, contact_constant: float, velocity: float, *, si: bool, exponent: float = 1.5) -> Scale:

@@ -9,7 +9,7 @@ import pytest
 ROOT = Path(__file__).parents[1]
 STAIRS = {  # the lowest first
     "lammps_inputs": ("laws", "ingredients", "limits", "output", "decks", "slurm"),
-    "analysis": ("files", "shape", "tracking", "mda", "against", "sharing", "gauges", "sound", "figures"),
+    "analysis": ("files", "shape", "tracking", "mda", "against", "sharing", "sound", "gauges", "figures"),
     "workflow": (
         "engines",
         "workers",

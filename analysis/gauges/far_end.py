@@ -4,6 +4,10 @@ A quantity is undefined, NaN, where nothing has arrived, or the record ends befo
 exceed the numerical noise, and its largest value must lie before the last frame (or it has stopped rising, `_settled`).
 """
 
+import math
+from dataclasses import dataclass
+from typing import Annotated
+
 import numpy as np
 
 from analysis import motion
@@ -12,6 +16,7 @@ from analysis.gauges.between_frames import crossing, top
 from analysis.gauges.forces import at_frames
 from analysis.gauges.gauge import far_wall
 from analysis.mirror import direction_of
+from analysis.quantity import Column, Quantity
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem
 
@@ -27,6 +32,52 @@ FAINTEST_ENERGY = 1e-15
 
 LEVEL = 1e-3
 """Relative change within which an energy has stopped rising, as where the last beads fly off a free end."""
+
+
+UNPASSED = "nothing has arrived, or the record ends inside the pulse"
+
+
+@dataclass(frozen=True)
+class Transmitted:
+    """What has arrived at the far end."""
+
+    wall_force: Annotated[
+        float,
+        Quantity(
+            "largest force on the far wall, of all chains together, static load included",
+            "force",
+            f"there is no wall, {UNPASSED}",
+            columns=(Column("wall_force", "largest force on the far wall"),),
+        ),
+    ]
+    wall_force_chain: Annotated[
+        float,
+        Quantity(
+            "largest force of any one chain on the far wall, static load included",
+            "force",
+            f"there is no wall, {UNPASSED}",
+            columns=(Column("wall_force_chain", "largest force of a chain on the far wall"),),
+        ),
+    ]
+    delay: Annotated[
+        float,
+        Quantity(
+            "time at which the force on the far wall is largest; without a wall, at which the energy at the far end "
+            "first reaches half of its largest value",
+            "time",
+            UNPASSED,
+            columns=(Column("delay", "delay until the far end"),),
+        ),
+    ]
+    transmitted_energy: Annotated[
+        float,
+        Quantity(
+            "largest share at any time of the energy input until then (kicks, work of pushes and drives) that is in "
+            "the last tenth of the beads, the contacts between them and that of the wall",
+            undefined=f"{UNPASSED}, or the work is not known",
+            columns=(Column("transmitted_energy", "largest energy at the far end / energy input"),),
+        ),
+    ]
 
 
 class FarEnd:
@@ -55,32 +106,20 @@ class FarEnd:
             if self._wall:
                 self._force.append(at_frames(block, self._wall)[..., 0])
 
-    def result(self) -> dict[str, float]:
-        """Of the frames so far, dimensionless; NaN where nothing has arrived, or the record ends inside the pulse.
-
-        | key                | what                                                                                   |
-        |--------------------|----------------------------------------------------------------------------------------|
-        | wall_force         | largest force on the far wall of all chains together, static load included; only where |
-        |                    | there is a wall                                                                        |
-        | wall_force_chain   | largest of any one chain; likewise                                                     |
-        | delay              | when the force on the wall is largest; without a wall, when the energy at the far end  |
-        |                    | first reaches half of its largest value                                                |
-        | transmitted_energy | largest share at any time of the energy input until then (kicks, and work of pushes    |
-        |                    | and drives) that is at the far end: in its beads, in the contacts between them and in  |
-        |                    | that of the wall; NaN where that work is not known                                     |
-        """
+    def result(self) -> Transmitted:
+        """Of the frames so far."""
         time, energy = np.concatenate(self._time), np.concatenate(self._energy)
         put_in = np.concatenate(self._input)
         share = np.divide(energy, put_in, out=0.0 * put_in, where=put_in > 0.0)
-        found = {"delay": _settled(time, energy)[0], "transmitted_energy": _settled(time, share)[1]}
+        late, transmitted = _settled(time, energy)[0], _settled(time, share)[1]
         if not self._wall:
-            return found
+            return Transmitted(math.nan, math.nan, late, transmitted)
         force = np.concatenate(self._force)
         static = self._wall[0].static
         when, hardest = _arrived(time, force.sum(axis=1), float(static.sum()))
         each = [_arrived(time, column, at_rest)[1] for column, at_rest in zip(force.T, static.tolist(), strict=True)]
         of_one = float(np.fmax.reduce(each))
-        return {"wall_force": hardest, "wall_force_chain": of_one, **found, "delay": when}
+        return Transmitted(hardest, of_one, when, transmitted)
 
 
 def _arrived(time: Floats, force: Floats, static: float) -> tuple[float, float]:

@@ -1,18 +1,87 @@
 """What gauges have read, and as a table."""
 
-import csv
-import io
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis.gauges.gauge import Gauge
+from analysis.gauges.reflection import Reflection
+from analysis.quantity import Quantity
 from analysis.trajectory import Floats
 from lammps_inputs.units import Scale
 
 PULSE = 0.01
 """Share of its largest value, above the static one, from which a force is that of a pulse."""
+
+
+NOT_ABOVE = "the force never exceeds the static one by more than the numerical noise"
+NO_LOAD = "there is no static load"
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What one gauge has read at one chain."""
+
+    kind: Annotated[str, Quantity("``wall``, ``contact`` or ``sensor``")]
+    name: Annotated[str, Quantity("name of the gauge, with which its columns in ``forces.csv`` begin")]
+    chain: Annotated[int, Quantity("number of the chain")]
+    bead: Annotated[int, Quantity("bead at the wall; the first bead of a contact; the bead with the sensor")]
+    largest: Annotated[float, Quantity("largest total force, between frames too", "force", symbol="F_m")]
+    at: Annotated[float, Quantity("time of that force", "time", NOT_ABOVE)]
+    static: Annotated[float | None, Quantity("force at rest, which ``largest`` includes", "force", NO_LOAD, "F_0")]
+    dynamic: Annotated[
+        float | None, Quantity("largest force above the static one", "force", f"{NO_LOAD}, or {NOT_ABOVE}")
+    ]
+    impulse: Annotated[float, Quantity("integral over time of the total force minus the static one", "momentum")]
+    dwell: Annotated[
+        float,
+        Quantity(
+            "duration of the contact in which the force was largest; under a static load, of the time around the "
+            "maximum in which the force exceeded the static one by 1 % of its largest excess; until the end of the "
+            "record where it had not ended",
+            "time",
+            "under a static load, frames are too far apart to show it",
+        ),
+    ]
+    dwell_ended: Annotated[bool | None, Quantity("whether it had ended by the end of the record", undefined=NOT_ABOVE)]
+    last: Annotated[
+        float,
+        Quantity(
+            "force above the static one at the end of the record over the largest: from 0.01 on the record ends inside "
+            "a pulse, and ``impulse`` is that until then",
+            undefined=NOT_ABOVE,
+        ),
+    ]
+    contacts: Annotated[
+        int, Quantity("number of times that the contact has closed; one that is closed at the start counts")
+    ]
+    reflected: Annotated[
+        Reflection | None,
+        Quantity(
+            "at a wall: what it reflects of the first pulse that meets it",
+            undefined="not at a wall; there is a static load, a foundation or unlike beads; a pulse was not seen at "
+            "enough beads; or the uncertainty exceeds 0.05",
+        ),
+    ]
+
+
+@dataclass(frozen=True)
+class ForceTable:
+    """Table of forces over time."""
+
+    time: Annotated[Floats, Quantity("time of the frame", "time", symbol="t")]
+    force: Annotated[
+        Floats,
+        Quantity(
+            "force at each gauge and chain, in columns such as ``contact 10 chain 1``; under a static load ``total``, "
+            "and ``dynamic`` without it",
+            "force",
+            symbol="F",
+        ),
+    ]
 
 
 @dataclass(frozen=True)
@@ -45,6 +114,47 @@ class Readings:
     ended: NDArray[np.bool_]
     contacts: NDArray[np.int64]
 
+    def entries(self, reflected: Mapping[str, Sequence[Reflection | None]]) -> list[Reading]:
+        """Gauge by gauge, and chain by chain; ``reflected`` by the wall of each side, chain by chain."""
+        found = []
+        for place, gauge in enumerate(self.gauges):
+            for chain in range(self.force.shape[1]):
+                at = chain, place
+                there = bool(np.isfinite(self.largest_at[at]))
+                found.append(
+                    Reading(
+                        kind=gauge.kind,
+                        name=gauge.name,
+                        chain=chain + 1,
+                        bead=gauge.bead,
+                        largest=float(self.largest[at]),
+                        at=float(self.largest_at[at]),
+                        static=float(self.static[at]) if self.loaded else None,
+                        dynamic=float(self.dynamic[at]) if self.loaded else None,
+                        impulse=float(self.impulse[at]),
+                        dwell=float(self.dwell[at]),
+                        dwell_ended=bool(self.ended[at]) if there else None,
+                        last=float(self.last[at]),
+                        contacts=int(self.contacts[at]),
+                        reflected=reflected[gauge.side][chain] if gauge.kind == "wall" else None,
+                    )
+                )
+        return found
+
+    def columns(self, scale: Scale) -> dict[str, Floats]:
+        """Force over time in the scene's units: a column for every gauge and chain: ``contact 10 chain 1 (N)``.
+
+        Under a static load those are ``contact 10 chain 1 total (N)``, and as many columns ``... dynamic (N)``, without
+        it, follow.
+        """
+        found = {scale.heading("time", "time"): self.time * scale.time}
+        for which in (" total", " dynamic") if self.loaded else ("",):
+            force = (self.force - self.static if which == " dynamic" else self.force) * scale.force
+            for place, gauge in enumerate(self.gauges):
+                for chain in range(force.shape[1]):
+                    found[scale.heading(f"{gauge.name} chain {chain + 1}{which}", "force")] = force[:, chain, place]
+        return found
+
     @property
     def loaded(self) -> bool:
         """Whether any of them bears a static load."""
@@ -59,26 +169,3 @@ class Readings:
     def last(self) -> Floats:
         """[chain, gauge] force above the static one in the last frame, as a share of the largest; NaN likewise."""
         return np.asarray((self.force[-1] - self.static) / self.dynamic)
-
-
-def to_csv(readings: Readings, scale: Scale) -> str:
-    """Force over time in the scene's units: a column for every gauge and chain, such as ``contact 10 chain 1 (N)``.
-
-    Under a static load those are ``contact 10 chain 1 total (N)``, and as many columns ``... dynamic (N)``, without it,
-    follow.
-    """
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    chains = readings.force.shape[1]
-    names = [f"{gauge.name} chain {chain + 1}" for gauge in readings.gauges for chain in range(chains)]
-    forces = [readings.force]
-    if readings.loaded:
-        names = [f"{name} {which}" for which in ("total", "dynamic") for name in names]
-        forces.append(readings.force - readings.static)
-    columns = (
-        np.concatenate([np.moveaxis(f, 2, 1).reshape(len(readings.time), -1) for f in forces], axis=1) * scale.force
-    )
-    writer.writerow([scale.heading("time", "time"), *(scale.heading(name, "force") for name in names)])
-    for time, row in zip((readings.time * scale.time).tolist(), columns.tolist(), strict=True):
-        writer.writerow([repr(time), *map(repr, row)])
-    return out.getvalue()

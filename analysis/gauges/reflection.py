@@ -6,9 +6,11 @@ logarithm.
 """
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
+from analysis.quantity import Quantity
 from analysis.tracking.pulses import Pulse
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
@@ -40,19 +42,22 @@ LARGEST_UNCERTAINTY = 0.05
 
 @dataclass(frozen=True)
 class Reflection:
-    """Of the first pulse that meets a wall.
+    """Of the first pulse that meets a wall; beads in the order in which it met them."""
 
-    Attributes:
-        ratio: reflected over incident peak velocity, both extrapolated to the wall.
-        uncertainty: of it: deviation from the lines, their curvature, `UNCERTAIN` of the correction for the way, and
-            the error of the peak velocities.
-        incident, reflected: first and last bead at which either was read, in the order in which it met them.
-    """
-
-    ratio: float
-    uncertainty: float
-    incident: tuple[int, int]
-    reflected: tuple[int, int]
+    ratio: Annotated[
+        float, Quantity("peak velocity of the reflected over that of the incident pulse, extrapolated to the wall")
+    ]
+    uncertainty: Annotated[
+        float,
+        Quantity(
+            "of that: deviation from the lines, their curvature, half of the correction for the distance, and the "
+            "error of the peak velocities"
+        ),
+    ]
+    incident_beads: Annotated[tuple[int, int], Quantity("first and last bead at which the incident pulse was measured")]
+    reflected_beads: Annotated[
+        tuple[int, int], Quantity("first and last bead at which the reflected pulse was measured")
+    ]
 
 
 def reflections(

@@ -1,18 +1,89 @@
 """Spectra of beads' velocities, and how much of a drive's motion reaches them."""
 
-import csv
-import io
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
+from analysis.quantity import Column, Quantity
+from analysis.sound.loaded_pulse import bands
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem
 from lammps_inputs.laws.in_time import Sine
-from lammps_inputs.numbers import text
 from lammps_inputs.units import Scale
 
 LEAST_FRAMES = 16
+
+
+@dataclass(frozen=True)
+class DriveLine:
+    """Of one bead, at the frequency of a drive."""
+
+    frequency: Annotated[float, Quantity("frequency of the drive", "cycles", symbol="f")]
+    amplitude: Annotated[
+        float, Quantity("amplitude of the velocity at that frequency", "velocity", "frames are too far apart for it")
+    ]
+    transmissibility: Annotated[
+        float,
+        Quantity(
+            "that over the same of the chain's first chosen bead",
+            undefined="that bead does not move, or frames are too far apart",
+        ),
+    ]
+
+
+@dataclass(frozen=True)
+class HighestLine:
+    """Of the spectrum of one bead."""
+
+    chain: Annotated[int, Quantity("number of the chain")]
+    bead: Annotated[int, Quantity("number of the bead")]
+    frequency: Annotated[float, Quantity("frequency of the highest line of the velocity", "cycles", symbol="f")]
+    amplitude: Annotated[float, Quantity("amplitude of that line", "velocity")]
+    at_drive: Annotated[list[DriveLine], Quantity("of each drive: the line at its frequency")]
+
+
+@dataclass(frozen=True)
+class Lines:
+    """What is found in the spectra of a run."""
+
+    after: Annotated[float, Quantity("time from which on frames were taken", "time")]
+    resolution: Annotated[
+        float, Quantity("distance of two lines; frequencies nearer than two of it are not resolved", "cycles")
+    ]
+    beads: Annotated[list[HighestLine], Quantity("chosen beads of every chain")]
+    transmissibility: Annotated[
+        float,
+        Quantity(
+            "of the last chosen bead in the chain of the first drive, at its frequency: amplitude of the velocity over "
+            "that of the first chosen bead",
+            undefined="there is no drive, the first chosen bead does not move, or frames are too far apart",
+            columns=(Column("transmissibility", "velocity at the drive's frequency, last bead / first"),),
+        ),
+    ]
+    bands: Annotated[
+        Floats | None,
+        Quantity(
+            "lowest and highest frequency of every branch of small waves, exact",
+            "cycles",
+            "the chains pass on no sound, or nothing repeats along them",
+        ),
+    ]
+
+
+@dataclass(frozen=True)
+class SpectrumTable:
+    """Table of spectra."""
+
+    frequency: Annotated[Floats, Quantity("frequency of the line", "cycles", symbol="f")]
+    amplitude: Annotated[
+        Floats,
+        Quantity(
+            "amplitude of the velocity of each chosen bead, in columns such as ``chain 1 bead 10``: that of a sine "
+            "whose frequency falls on a line is the height of the line (Hann's window)",
+            "velocity",
+        ),
+    ]
 
 
 @dataclass(frozen=True)
@@ -44,6 +115,34 @@ class Spectra:
         """
         first = self.at_drive[..., :1]
         return np.asarray(self.at_drive / np.where(first > 0.0, first, np.nan))
+
+    def found(self, problem: Problem) -> Lines:
+        """The highest lines, and those at the drives."""
+        passed_on, beads = self.transmissibility, []
+        for chain in range(problem.chains):
+            for place, bead in enumerate(self.beads):
+                top = int(np.argmax(self.amplitude[:, chain, place]))
+                at_drive = [
+                    DriveLine(*map(float, line))
+                    for line in zip(self.drive, self.at_drive[:, chain, place], passed_on[:, chain, place], strict=True)
+                ]
+                highest = float(self.frequency[top]), float(self.amplitude[top, chain, place])
+                beads.append(HighestLine(chain + 1, bead, *highest, at_drive))
+        first = np.nan
+        for chain, _, frequency in drives(problem)[:1]:
+            first = float(passed_on[np.searchsorted(self.drive, frequency), chain - 1, -1])
+        resolution = float(self.frequency[1] - self.frequency[0])
+        cycles = bands(problem)
+        return Lines(self.after, resolution, beads, first, None if cycles is None else cycles / (2.0 * np.pi))
+
+    def columns(self, scale: Scale) -> dict[str, Floats]:
+        """A line a frequency, a column a chain and bead, in the scene's units."""
+        found = {scale.heading("frequency", "cycles"): self.frequency / scale.time}
+        for chain in range(self.amplitude.shape[1]):
+            for place, bead in enumerate(self.beads):
+                amplitude = self.amplitude[:, chain, place] * scale.velocity
+                found[scale.heading(f"chain {chain + 1} bead {bead}", "velocity")] = amplitude
+        return found
 
 
 def window(count: int) -> Floats:
@@ -107,17 +206,3 @@ class SpectrumMeter:
             if of_drive < 0.5 / every:
                 at_drive[place] = amplitude_at(velocity, every, of_drive)
         return Spectra(self.beads, self.after, frequency, amplitude, drive, at_drive)
-
-
-def to_csv(spectra: Spectra, scale: Scale) -> str:
-    """The contents of ``spectra.csv``: a line a frequency, a column a chain and bead, in the scene's units."""
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    chains = range(1, spectra.amplitude.shape[1] + 1)
-    names = [f"chain {chain} bead {bead}" for chain in chains for bead in spectra.beads]
-    unit = [scale.heading(name, "velocity") for name in names]
-    writer.writerow(["frequency (Hz)" if scale.si else "frequency", *unit])
-    rows = spectra.amplitude.reshape(len(spectra.frequency), -1) * scale.velocity
-    for frequency, row in zip((spectra.frequency / scale.time).tolist(), rows.tolist(), strict=True):
-        writer.writerow([text(frequency), *map(text, row)])
-    return out.getvalue()

@@ -4,11 +4,13 @@ For problems in which no pulse stays together, such as chains on a foundation; m
 """
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
 from analysis import motion
 from analysis.budget import energy_input
+from analysis.quantity import Quantity
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem
 
@@ -18,24 +20,29 @@ LEAST = 1e-9
 """Share of a chain below which it has no centre."""
 
 
+NO_CENTRE = "the chain has no energy"
+
+
 @dataclass(frozen=True)
 class Flow:
-    """Energy at some instants.
+    """Energy at some instants."""
 
-    Attributes:
-        time: [instant], in units of T.
-        share: [instant, chain] energy of a chain (kinetic, of its contacts and to the ground), in that of all chains.
-        between: [instant] energy in the springs between chains over the energy input until then: kicks, and the work of
-            pushes and drives; NaN where that work is not known, or not positive.
-        centre: [instant, chain] mean number of the bead that has it; NaN where there is none.
-        spread: [instant, chain] standard deviation of that number; likewise.
-    """
-
-    time: Floats
-    share: Floats
-    between: Floats
-    centre: Floats
-    spread: Floats
+    time: Annotated[Floats, Quantity("time of some frames", "time", symbol="t")]
+    share: Annotated[
+        Floats,
+        Quantity("energy of each chain (kinetic, contacts, ground) over that of all chains, [instant][chain]"),
+    ]
+    between: Annotated[
+        Floats,
+        Quantity(
+            "energy in the springs between chains over the energy input until then (kicks, work of pushes and drives)",
+            undefined="the input is not positive, or that work is not known",
+        ),
+    ]
+    centre: Annotated[
+        Floats, Quantity("mean bead number of the chain's energy, [instant][chain]", "beads", undefined=NO_CENTRE)
+    ]
+    spread: Annotated[Floats, Quantity("standard deviation of that number", "beads", undefined=NO_CENTRE)]
 
     def extremes(self, chain: int) -> tuple[tuple[float, float], tuple[float, float]]:
         """Least and largest share of a chain (from 0) after the start, each with its time; the start if alone."""

@@ -5,19 +5,18 @@ two beads by turns have bands with the edges ``2 k / M``, ``2 k / m`` and ``2 k 
 Brillouin, Wave Propagation in Periodic Structures, 1946).
 """
 
-import csv
-import io
 import math
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analysis.mirror import direction_of
+from analysis.quantity import Quantity
 from analysis.shape.loaded_wave import repeats
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem, System, laws
-from lammps_inputs.numbers import text
-from lammps_inputs.units import Scale
 
 MOST_BRANCHES = 60
 
@@ -112,6 +111,40 @@ def cell_of(system: System) -> Cell:
     return Cell(mass[:, 1 : period + 1], along[:, 1 : period + 1], row[1 : period + 1])
 
 
+WITHOUT_MAP = "there is no map"
+
+
+@dataclass(frozen=True)
+class Bands:
+    """Of small waves; or why they are not known."""
+
+    why: Annotated[str | None, Quantity("reason why there is no map", undefined="there is one")]
+    beads: Annotated[
+        int | None, Quantity("beads of a cell, what repeats along the chains", "beads", undefined=WITHOUT_MAP)
+    ] = None
+    bands: Annotated[
+        Floats | None,
+        Quantity("lowest and highest angular frequency of every branch, exact", "frequency", WITHOUT_MAP, "\\omega"),
+    ] = None
+    measured: Annotated[
+        Floats | None,
+        Quantity("the same as the run shows them", "frequency", f"{WITHOUT_MAP}; of a branch without power in the run"),
+    ] = None
+    bin: Annotated[float | None, Quantity("resolution of measured frequencies", "frequency", undefined=WITHOUT_MAP)] = (
+        None
+    )
+
+
+@dataclass(frozen=True)
+class Branches:
+    """Table of the branches: an entry for each wavenumber and branch."""
+
+    wavenumber: Annotated[Floats, Quantity("wavenumber, radians a bead", "rad/bead", symbol="q")]
+    branch: Annotated[NDArray[np.int64], Quantity("number of the branch, from the lowest")]
+    frequency: Annotated[Floats, Quantity("exact angular frequency", "frequency", symbol="\\omega")]
+    measured: Annotated[Floats, Quantity("angular frequency of the run", "frequency", "the run has no power there")]
+
+
 @dataclass(frozen=True)
 class Map:
     """Power of velocity over wavenumber and frequency, and the exact branches.
@@ -139,6 +172,16 @@ class Map:
     def bin(self) -> float:
         """Of frequency."""
         return float(self.frequency[1])
+
+    def bands(self) -> Bands:
+        """Of all branches."""
+        return Bands(None, self.cell.beads, self.cell.bands(), self.measured_bands(), self.bin)
+
+    def branches(self) -> Branches:
+        """Wavenumber by wavenumber."""
+        count = self.exact.shape[1]
+        branch = np.tile(np.arange(1, count + 1), len(self.folded))
+        return Branches(np.repeat(self.folded, count), branch, self.exact.ravel(), self.measured.ravel())
 
     def measured_bands(self) -> Floats:
         """Lowest and highest measured frequency of every branch, [branch, 2]; NaN where none was seen."""
@@ -234,15 +277,3 @@ def _ridge(frequency: Floats, power: Floats, inside: "np.ndarray[tuple[int], np.
     bent = before - 2.0 * here + after
     shift = 0.5 * (before - after) / bent if bent < 0.0 else 0.0
     return float(frequency[top] + shift * frequency[1])
-
-
-def to_csv(found: Map, scale: Scale) -> str:
-    """Wavenumber (radians a bead), branch, exact and measured angular frequency in the scene's units."""
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    names = [scale.heading(name, "frequency") for name in ("frequency", "measured")]
-    writer.writerow(["wavenumber", "branch", *names])
-    for q, exact, measured in zip(found.folded, found.exact / scale.time, found.measured / scale.time, strict=True):
-        for branch, (one, other) in enumerate(zip(exact, measured, strict=True), 1):
-            writer.writerow([text(q), branch, text(one), text(other) if math.isfinite(other) else ""])
-    return out.getvalue()

@@ -1,15 +1,20 @@
 """The leading pulse on top of a static load: how fast it runs, and how much more than at rest contacts bear in it."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis import hermite, motion
 from analysis.mirror import direction_of
+from analysis.quantity import Quantity
 from analysis.shape.loaded_wave import cell_beads, sound_speed, speed_over_sound
+from analysis.sound.dispersion import NoDispersionError, cell_of
+from analysis.tracking.pulses import Pulse
 from analysis.trajectory import Floats, Trajectory, joined
-from lammps_inputs import Problem, laws
+from lammps_inputs import Problem, System, laws
 from lammps_inputs.limits import rates
 
 CLEAR = 5
@@ -28,34 +33,106 @@ SMALLEST = 1e-3
 
 @dataclass(frozen=True)
 class LoadedWave:
-    """The leading pulse of the chain that was hit hardest, where it was last clear of the ends.
+    """The leading pulse of the kicked chain, where it was last clear of the ends."""
 
-    Attributes:
-        chain, first, last: where, counted from 1: between which contacts.
-        force_ratio: mean of the largest total force over that at rest, f.
-        speed: beads / T.
-        sound: speed of sound there, beads / T.
-        theory: speed of the long-wave theory's solitary wave of this force ratio over that of sound; NaN where beads
-            differ.
-    """
-
-    chain: int
-    first: int
-    last: int
-    force_ratio: float
-    speed: float
-    sound: float
-    theory: float
+    chain: Annotated[int, Quantity("number of the chain")]
+    first: Annotated[int, Quantity("first contact between which speed and force were measured")]
+    last: Annotated[int, Quantity("last contact between which speed and force were measured")]
+    force_ratio: Annotated[
+        float, Quantity("mean of the largest total force of a contact over that at rest", symbol="f = F_m / F_0")
+    ]
+    speed: Annotated[float, Quantity("speed of the pulse", "speed", symbol="c")]
+    sound: Annotated[float, Quantity("speed of sound there", "speed", symbol="c_0")]
+    theory: Annotated[
+        float,
+        Quantity(
+            "speed of the long-wave theory's solitary wave of this force ratio over that of sound (Nesterenko)",
+            undefined="beads differ",
+        ),
+    ]
 
     @property
-    def over_sound(self) -> float:
+    def over_sound(self) -> Annotated[float, Quantity("speed of the pulse over that of sound", symbol="c / c_0")]:
         """Speed over that of sound."""
         return self.speed / self.sound
 
     @property
-    def over_theory(self) -> float:
+    def over_theory(
+        self,
+    ) -> Annotated[float, Quantity("speed of the pulse over that of the theory's wave", undefined="beads differ")]:
         """Speed over that of the theory's wave."""
         return self.over_sound / self.theory
+
+
+@dataclass(frozen=True)
+class Sound:
+    """Sound of chains under a static load, and the leading pulse."""
+
+    load: Annotated[Floats, Quantity("least and largest force of a contact at rest", "force", symbol="F_0")]
+    overlap: Annotated[Floats, Quantity("least and largest overlap at rest", "length")]
+    speed: Annotated[
+        Floats | None,
+        Quantity(
+            "least and largest speed of sound of long waves along the chains",
+            "speed",
+            "springs to the ground hold beads, so that long waves do not run",
+            "c_0",
+        ),
+    ]
+    metres: Annotated[
+        Floats | None,
+        Quantity("the same in m/s", "m/s", "beads are not all of one material and size, or no long waves run"),
+    ]
+    cutoff: Annotated[
+        float,
+        Quantity(
+            "highest angular frequency of small motions; an upper bound of it where beads, springs or loads do not "
+            "repeat along the chains",
+            "frequency",
+        ),
+    ]
+    crest: Annotated[
+        float | None,
+        Quantity(
+            "largest velocity of crests of sound, which are no pulses (analysis/README.md)", "velocity", "there is none"
+        ),
+    ]
+    pulse: Annotated[
+        LoadedWave | None,
+        Quantity(
+            "the leading pulse of the kicked chain", undefined="it did not run far enough, or does not stay together"
+        ),
+    ]
+
+    @classmethod
+    def of(
+        cls, problem: Problem, pulse: LoadedWave | None, crests: Iterable[Pulse], bead_length: float | None
+    ) -> "Sound":
+        """Of a problem; ``bead_length`` is the distance of neighbouring beads at rest in m, where there is one."""
+        load, rest = (np.asarray(find(problem.along[0].law)) for find in (laws.load, laws.rest))
+        found = bands(problem)
+        speed = None if problem.held else _ends(sound_speed(problem))
+        return cls(
+            load=_ends(load),
+            overlap=_ends(rest),
+            speed=speed,
+            metres=None if bead_length is None or speed is None else speed / problem.scale.time * bead_length,
+            cutoff=rates.swing(problem) if found is None else float(found.max()),
+            crest=max((float(crest.peak_velocity.max()) for crest in crests), default=None),
+            pulse=pulse,
+        )
+
+
+def bands(problem: System) -> Floats | None:
+    """Lowest and highest angular frequency of every branch of small waves; None where nothing repeats."""
+    try:
+        return cell_of(problem).bands()
+    except NoDispersionError:
+        return None
+
+
+def _ends(values: Floats) -> Floats:
+    return np.array([np.min(values), np.max(values)])
 
 
 class LoadedPulse:

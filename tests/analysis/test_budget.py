@@ -6,11 +6,14 @@ import numpy as np
 import pytest
 from small_problems import written_down
 
-from analysis.budget import Account, Budget
+from analysis.budget import HELD, Account, Budget
 from analysis.conservation import Conservation
 from analysis.figures import budget_figure
+from analysis.quantity import plain
 from lammps_inputs import library
 from lammps_inputs.units import make_scale
+
+NONE = dict.fromkeys(HELD, np.zeros(2))
 
 PLAIN = {
     "name": "test",
@@ -66,31 +69,31 @@ def test_of_a_long_run_every_so_manieth_frame_counts_wherever_blocks_end():
 @pytest.mark.parametrize("si", [False, True])
 def test_the_sentence_is_in_the_scenes_units_and_names_the_largest_part_first(si):
     scale = make_scale(2.0, 3.0, 0.1, si=si)
-    parts = {"kinetic": np.array([4.0, 1.0]), "contacts": np.array([0.0, 0.0]), "springs": np.array([0.0, 0.5])}
-    account = Account(np.array([0.0, 7.0]), np.array([4.0, 4.0]), parts, {"bead_damping": np.array([0.0, 2.5])})
+    parts = NONE | {"kinetic": np.array([4.0, 1.0]), "springs": np.array([0.0, 0.5])}
+    account = Account(np.array([0.0, 7.0]), np.array([4.0, 4.0]), **parts, lost={"bead_damping": np.array([0.0, 2.5])})
     joule, second = (" J", " s") if si else ("", "")
     assert account.sentence(scale) == (
         f"energy: {4.0 * scale.energy:.6g}{joule} put in until t = {7.0 * scale.time:.6g}{second}, of which "
         "62.50% lost in bead damping, 25.00% kinetic, 12.50% springs"
     )
-    assert account.plain(scale)["time"] == [0.0, 7.0 * scale.time]
-    assert account.plain(scale)["lost"] == {"bead_damping": [0.0, 2.5 * scale.energy]}
+    assert plain(account, scale)["time"] == [0.0, 7.0 * scale.time]
+    assert plain(account, scale)["lost"] == {"bead_damping": [0.0, 2.5 * scale.energy]}
     assert account.missing.tolist() == [0.0, 0.0]
 
 
 @pytest.mark.parametrize(("left", "shares"), [(0.005, True), (0.003, False)])
 def test_of_what_a_drive_took_back_no_shares_are_told(left, shares):
     """From a thousandth of the most on that it had put in."""
-    parts, scale = {"kinetic": np.array([4.0, left])}, make_scale(2.0, 3.0, 0.1, si=True)
-    said = Account(np.array([0.0, 7.0]), np.array([4.0, left]), parts, {}).sentence(scale)
+    parts, scale = NONE | {"kinetic": np.array([4.0, left])}, make_scale(2.0, 3.0, 0.1, si=True)
+    said = Account(np.array([0.0, 7.0]), np.array([4.0, left]), **parts, lost={}).sentence(scale)
     assert said.endswith("of which 100.00% kinetic" if shares else f", at most {4.0 * scale.energy:.6g} J before")
 
 
 def test_what_is_missing_is_told_in_the_scenes_units():
     scale = make_scale(2.0, 3.0, 0.1, si=True)
-    account = Account(np.array([0.0, 7.0]), np.array([4.0, 4.0]), {"kinetic": np.array([4.0, 1.0])}, {})
-    assert account.plain(scale)["missing"] == pytest.approx([0.0, 3.0 * scale.energy])
-    assert account.plain(scale)["put_in"] == pytest.approx([4.0 * scale.energy] * 2)
+    account = Account(np.array([0.0, 7.0]), np.array([4.0, 4.0]), **NONE | {"kinetic": np.array([4.0, 1.0])}, lost={})
+    assert plain(account, scale)["missing"] == pytest.approx([0.0, 3.0 * scale.energy])
+    assert plain(account, scale)["put_in"] == pytest.approx([4.0 * scale.energy] * 2)
 
 
 def test_a_heavy_bead_is_kicked_with_its_own_energy():

@@ -9,8 +9,8 @@ differs. What a tree has computed for a scene is kept in ``DIR`` under the hash 
 |--------------------------------|----------------------------------------------------------------------|
 | ``in.*``, ``data.chains``      | text without comments and white space at the ends of lines           |
 | frames, snapshots              | bytes                                                                |
-| ``*.csv``                      | text                                                                 |
-| ``*.json`` but ``run.json``    | values, without times of the clock                                   |
+| ``*.csv``                      | cells, numbers by their values                                       |
+| ``*.json`` but ``run.json``    | values, without times of the clock; a key that is missing is null    |
 | standard output                | values of ``--json``                                                 |
 | exit codes                     | of every command                                                     |
 """
@@ -167,7 +167,16 @@ def content(path: Path) -> Any:
     if path.name.startswith("in.") or path.name == "data.chains":
         lines = (line.partition("#")[0].rstrip() for line in path.read_text().splitlines())
         return [line for line in lines if line]
-    return path.read_text() if path.suffix == ".csv" else None
+    return (
+        [list(map(_cell, line.split(","))) for line in path.read_text().splitlines()] if path.suffix == ".csv" else None
+    )
+
+
+def _cell(text: str) -> float | str:
+    try:
+        return float(text)
+    except ValueError:
+        return text
 
 
 def files(place: Path) -> dict[str, Any]:
@@ -182,9 +191,7 @@ def difference(old: Any, new: Any, where: str = "") -> str:
     """The first place where two values differ; empty where they do not."""
     if isinstance(old, dict) and isinstance(new, dict):
         for key in [*old, *(key for key in new if key not in old)]:
-            if key not in old or key not in new:
-                return f"{where}.{key} is only in the {'new' if key in new else 'old'} tree"
-            if found := difference(old[key], new[key], f"{where}.{key}"):
+            if found := difference(old.get(key), new.get(key), f"{where}.{key}"):
                 return found
         return ""
     if isinstance(old, list) and isinstance(new, list) and len(old) == len(new):

@@ -1,11 +1,12 @@
 """How hard the beads of an SI scene press on each other, and whether that is still Hertz's law."""
 
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
 from analysis.largest_overlap import LargestOverlap, shown_by_frames
+from analysis.quantity import Quantity
 from lammps_inputs import Scene, laws
 from lammps_inputs.ingredients.unequal import sizes_and_moduli
 from lammps_inputs.limits import hertz
@@ -15,23 +16,19 @@ from workflow.runs.run_directory import RunDirectory
 
 @dataclass(frozen=True)
 class Contacts:
-    """The hardest contact of a run.
+    """The hardest contact of a run."""
 
-    Attributes:
-        measured: whether the frames show it; else the numbers are what energy and momentum allow at most.
-        radius: of the reference bead, in m.
-        overlap: largest approach of two centres, over the radius; of beads that differ, over the harmonic mean of both.
-        force: in N.
-        pressure: in the middle of the contact, in Pa.
-        yield_strength: in Pa; a metal that has less would not stay elastic.
-    """
-
-    measured: bool
-    radius: float
-    overlap: float
-    force: float
-    pressure: float
-    yield_strength: float
+    measured: Annotated[
+        bool, Quantity("whether the frames show it; else the numbers are what energy and momentum allow at most")
+    ]
+    radius: Annotated[float, Quantity("radius of the reference bead", "m", symbol="R")]
+    overlap: Annotated[
+        float,
+        Quantity("largest approach of two centres over the radius; of beads that differ, over their harmonic mean"),
+    ]
+    force: Annotated[float, Quantity("largest force of a contact", "N", symbol="F")]
+    pressure: Annotated[float, Quantity("largest pressure in the middle of a contact", "Pa", symbol="p_0")]
+    yield_strength: Annotated[float, Quantity("least yield strength with which beads stay elastic", "Pa")]
 
     def plain(self) -> dict[str, Any]:
         """For ``run.json`` and ``analysis.json``."""

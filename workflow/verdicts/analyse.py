@@ -12,6 +12,7 @@ from analysis.conservation import Conservation
 from analysis.files.binary_dump import CutDumpWarning
 from analysis.files.recording import FARTHEST
 from analysis.mirror import along_the_way, direction_of
+from analysis.quantity import to_csv
 from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.survey import Survey, survey
 from analysis.tracking.leading_waves import Arrival, Waves, usual_arrival
@@ -28,7 +29,7 @@ from workflow.runs.results import Fingerprint, recorded_fingerprint
 from workflow.runs.run_directory import RunDirectory
 from workflow.runs.whole_files import write_figure, write_json, write_text
 from workflow.verdicts.analysis_report import last_clear_bead, report
-from workflow.verdicts.findings import MEASURES, budget
+from workflow.verdicts.findings import FINDINGS, budget
 from workflow.verdicts.findings.finding import Finding
 from workflow.verdicts.waves_table import waves_csv
 
@@ -127,7 +128,7 @@ def analyse(
         )
     ledger = accountant(directory, problem)
     conservation, fingerprint = Conservation(), Fingerprint()
-    measures = [one for measure in MEASURES if (one := measure(directory)) is not None]
+    measures = [one for kind in FINDINGS if (one := kind.measure(directory)) is not None]
     watchers: list[Any] = [conservation, fingerprint, *measures]
     spacetime = history = None
     if figures:
@@ -189,8 +190,9 @@ def _write(
     tables = {WAVES: waves_csv(found)}
     makers = {} if pictures is None else _makers(found, *pictures)
     for one in findings.values():
-        tables |= one.tables()
-        makers |= {} if pictures is None else one.figures()
+        if one.table is not None and (columns := one.columns()):
+            tables[one.table[0]] = to_csv(columns)
+        makers |= {} if pictures is None else one.drawn()
     files = figure_files(*makers)
     claim(directory.path, (*tables, REPORT, *files))
     if pictures is not None:

@@ -39,7 +39,7 @@ def test_velocities_that_decay_on_the_way_are_compared_at_the_wall(right):
     assert none is None
     assert found.ratio == pytest.approx(0.9, rel=1e-12)
     assert found.uncertainty == pytest.approx(0.9 * UNCERTAIN * rate * math.hypot(5.0, 12.0), rel=1e-9)
-    assert (found.incident, found.reflected) == (((46, 55), (48, 39)) if right else ((15, 6), (13, 22)))
+    assert (found.incident_beads, found.reflected_beads) == (((46, 55), (48, 39)) if right else ((15, 6), (13, 22)))
 
 
 def test_the_uncertainty_holds_the_error_of_the_velocities():

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from small_problems import written_down
 
+from analysis import quantity
 from analysis.shape.exact_wave import nesterenko
 from analysis.shape.loaded_wave import make_speed, sound_speed, speed_over_sound
-from analysis.sound.dispersion import Cell, Dispersion, Map, NoDispersionError, _ridge, cell_of, to_csv
+from analysis.sound.dispersion import Cell, Dispersion, Map, NoDispersionError, _ridge, cell_of
 from lammps_inputs import library
 from lammps_inputs.units import make_scale
 from workflow.runs.run import run
@@ -121,7 +122,7 @@ def test_the_table_has_a_line_for_each_branch_in_the_scenes_units(si):
     exact, measured = np.array([[0.5, 3.0]]), np.array([[np.nan, 2.9]])
     found = Map(1, np.zeros(1), np.zeros(1), np.zeros((1, 1)), cell, np.array([0.25]), exact, measured)
     scale = make_scale(2.0, 3.0, 0.1, si=si)
-    head, first, second = csv.reader(io.StringIO(to_csv(found, scale)))
+    head, first, second = csv.reader(io.StringIO(quantity.to_csv(quantity.table(found.branches(), scale))))
     unit = " (rad/s)" if si else ""
     assert head == ["wavenumber", "branch", f"frequency{unit}", f"measured{unit}"]
     assert (first[:2], first[3]) == (["0.25", "1"], "")

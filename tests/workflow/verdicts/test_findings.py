@@ -10,12 +10,15 @@ import numpy as np
 import pytest
 from stock_lammps import scene
 
+from analysis.gauges.far_end import Transmitted
 from analysis.gauges.gauge import gauges
-from analysis.gauges.readings import Readings, to_csv
+from analysis.gauges.readings import Readings
 from analysis.gauges.spectra import Spectra
+from analysis.quantity import to_csv
 from analysis.sharing.energy_flow import Flow
 from analysis.sound.dispersion import Cell, Map
 from analysis.sound.loaded_pulse import LoadedWave
+from analysis.sound.loaded_pulse import Sound as Measured
 from lammps_inputs import Kick, Material, library
 from workflow.screen import print_table
 from workflow.verdicts.findings import dispersion, energy, far_end, forces, sound, spectra
@@ -42,9 +45,13 @@ def readings(problem, static):
     return Readings(places, np.array([0.0, 4.0]), force, rest, rest + number, 0.1 * number, **seen)
 
 
+def finding_of(seen, problem):
+    return forces.Forces(problem, seen.entries({}), seen)
+
+
 @pytest.mark.parametrize("static", [0.0, 5.0])
 def test_each_gauge_and_chain_has_an_entry_of_its_own_numbers(problem, static):
-    scale, entries = problem.scale, forces.Forces(problem, readings(problem, static), {}).plain()
+    scale, entries = problem.scale, finding_of(readings(problem, static), problem).plain()
     names = [("contact 2", 2), ("contact 7", 7), ("sensor 5", 5)]
     assert [(one["name"], one["bead"], one["chain"]) for one in entries] == [(*n, c) for n in names for c in (1, 2)]
     for place, one in enumerate(entries):
@@ -56,16 +63,18 @@ def test_each_gauge_and_chain_has_an_entry_of_its_own_numbers(problem, static):
             "dwell": 3.0 * number * scale.time,
             "dwell_ended": number < 12.0,
             "last": 1.0,
-            **({"static": static * scale.force, "dynamic": number * scale.force} if static else {}),
+            "static": static * scale.force if static else None,
+            "dynamic": number * scale.force if static else None,
+            "reflected": None,
         }
-        found = {key: one[key] for key in one if key not in ("kind", "name", "chain", "bead", "contacts")}
-        assert found == pytest.approx(expected)
+        assert {key: one[key] for key in expected} == pytest.approx(expected)
+        assert set(one) == {*expected, "kind", "name", "chain", "bead", "contacts"}
 
 
 @pytest.mark.parametrize("static", [0.0, 5.0])
 def test_each_gauge_and_chain_has_its_column_in_forces_csv(problem, static):
     scale = problem.scale
-    rest, line = csv.DictReader(io.StringIO(to_csv(readings(problem, static), scale)))
+    rest, line = csv.DictReader(io.StringIO(to_csv(readings(problem, static).columns(scale))))
     second, newton = (" (s)", " (N)") if scale.si else ("", "")
     assert float(line.pop(f"time{second}")) == pytest.approx(4.0 * scale.time)
     expected, total = {}, " total" if static else ""
@@ -79,7 +88,7 @@ def test_each_gauge_and_chain_has_its_column_in_forces_csv(problem, static):
 
 
 def test_what_comes_through_is_in_the_scenes_units_and_energy_a_share(problem):
-    found = {"wall_force": 2.0, "wall_force_chain": 1.5, "delay": 30.0, "transmitted_energy": 0.25}
+    found = Transmitted(wall_force=2.0, wall_force_chain=1.5, delay=30.0, transmitted_energy=0.25)
     force, time = problem.scale.force, problem.scale.time
     assert far_end.FarEnd(problem, found).plain() == pytest.approx(
         {"wall_force": 2.0 * force, "wall_force_chain": 1.5 * force, "delay": 30.0 * time, "transmitted_energy": 0.25}
@@ -99,7 +108,7 @@ def test_spectra_say_what_the_last_bead_has_of_the_drive_in_the_chain_that_is_dr
     at_drive = np.array([[[0.5, 0.1], [0.8, 0.2]]])
     here = frequency * scale.time
     seen = Spectra((1, 8), 4.0, np.array([0.0, 0.5, 1.0]), lines, np.array([here]), at_drive)
-    found = spectra.Spectra(driven, seen).plain()
+    found = spectra.Spectra(driven, seen.found(driven), seen).plain()
     assert found["transmissibility"] == pytest.approx(0.25)
     assert (found["after"], found["resolution"]) == pytest.approx((4.0 * scale.time, 0.5 / scale.time))
     entries = {(one["chain"], one["bead"]): one for one in found["beads"]}
@@ -110,6 +119,10 @@ def test_spectra_say_what_the_last_bead_has_of_the_drive_in_the_chain_that_is_dr
     assert last["at_drive"] == [pytest.approx(told)]
 
 
+def finding(problem, bead_length, wave=None, crests=()):
+    return sound.Sound(problem, Measured.of(problem, wave, crests, bead_length), bead_length)
+
+
 @pytest.mark.parametrize("si", [False, True])
 def test_sound_is_told_in_beads_and_metres_a_time(si):
     plain = {"name": "a", "beads": 20, "precompression": {"force": 2.0}, "kick": {"velocity": 0.1}}
@@ -118,7 +131,7 @@ def test_sound_is_told_in_beads_and_metres_a_time(si):
     scale = loaded.scale
     wave = LoadedWave(chain=1, first=3, last=9, force_ratio=4.0, speed=1.5, sound=1.2, theory=1.3)
     crests = tuple(SimpleNamespace(peak_velocity=np.array([peak, 0.1])) for peak in (0.2, 0.3))
-    found = sound.Sound(loaded, wave, crests, 9.52e-3 if si else None).plain()
+    found = finding(loaded, 9.52e-3 if si else None, wave, crests).plain()
     assert found["crest"] == pytest.approx(0.3 * scale.velocity)
     stiffness = 1.5 * scale.force / scale.length * float(loaded.along[0].law.rest) ** 0.5
     c0 = math.sqrt(stiffness / scale.mass)
@@ -136,7 +149,7 @@ def test_the_cutoff_is_the_edge_of_the_highest_band_and_springs_to_the_ground_le
     plain = {"name": "a", "beads": 20, "precompression": {"force": 1.0}, "kick": {"velocity": 0.1}, "duration": 20.0}
     turns = {"kinds": {"heavy": {}, "light": {"mass": 0.5}}, "pattern": ["heavy", "light"]}
     found, held = (
-        sound.Sound(library.from_plain({**plain, **more}, "a").problem(), None, (), 1.0)
+        finding(library.from_plain({**plain, **more}, "a").problem(), 1.0)
         for more in (turns, {"foundation": {"stiffness": 0.5}})
     )
     (line,) = held.said()
@@ -151,7 +164,7 @@ def test_the_cutoff_is_the_edge_of_the_highest_band_and_springs_to_the_ground_le
 def test_where_nothing_repeats_the_cutoff_bounds_motion_on_springs_too():
     plain = {"name": "a", "beads": 20, "precompression": {"force": 1.0}, "kick": {"velocity": 0.1}, "duration": 20.0}
     plain |= {"taper": 0.02, "foundation": {"stiffness": 100.0}}
-    assert sound.Sound(library.from_plain(plain, "a").problem(), None, (), 1.0).plain()["cutoff"] > 10.0
+    assert finding(library.from_plain(plain, "a").problem(), 1.0).plain()["cutoff"] > 10.0
 
 
 def test_bands_and_their_bin_are_in_the_scenes_units(problem):
@@ -159,7 +172,7 @@ def test_bands_and_their_bin_are_in_the_scenes_units(problem):
     frequency = np.array([0.0, 0.25])
     folded, exact = np.array([0.1, 0.2]), np.zeros((2, 1))
     found = Map(1, folded, frequency, np.zeros((2, 2)), cell, folded, exact, np.array([[np.nan], [0.4]]))
-    told, unit = dispersion.Dispersion(problem, found).plain(), problem.scale.time
+    told, unit = dispersion.Dispersion(problem, found.bands(), found).plain(), problem.scale.time
     assert np.array(told["bands"]) == pytest.approx(np.array([[0.0, 3.0 / unit]]), abs=1e-6 / unit)
     assert np.array(told["measured"]) == pytest.approx(np.array([[0.4 / unit, 0.4 / unit]]))
     assert told["bin"] == pytest.approx(0.25 / unit)
@@ -203,7 +216,7 @@ def test_of_a_gauge_force_time_impulse_and_dwell_are_told(problem, printed):
     there = np.ones((2, 2), dtype=np.int64)
     seen = {"impulse": 2.0 * most, "dwell": 3.0 * most, "ended": there > 0, "contacts": there}
     found = Readings(places, np.array([0.0, 4.0]), force, 0.0 * most, most, 0.1 * most, **seen)
-    out = printed(forces.Forces(problem, found, {}))
+    out = printed(finding_of(found, problem))
     for name, unit in (("largest", "N"), ("at", "s"), ("impulse", "kg m/s"), ("dwell", "s")):
         assert (f"{name} ({unit})" in " ".join(out.split())) == scale.si
     told = [line.split() for line in out.splitlines() if line.strip().startswith(("contact", "1 ", "2 "))]
@@ -214,7 +227,7 @@ def test_of_a_gauge_force_time_impulse_and_dwell_are_told(problem, printed):
 
 
 def test_under_a_static_load_the_table_names_total_and_dynamic_and_what_is_so_far(problem, printed):
-    out = printed(forces.Forces(problem, readings(problem, 5.0), {}))
+    out = printed(finding_of(readings(problem, 5.0), problem))
     words = " ".join(out.split())
     for name in ("static", "largest total", "largest dynamic", "at", "dynamic impulse", "dwell above static"):
         assert name in words
@@ -227,7 +240,7 @@ def test_what_never_exceeds_the_static_load_has_no_dynamic_force(problem, printe
     seen = readings(problem, 5.0)
     nothing, force = np.full(seen.static.shape, np.nan), np.stack([seen.static, seen.static - 1.0])
     seen = replace(seen, force=force, largest=seen.static, largest_at=nothing, dwell=nothing)
-    found = forces.Forces(problem, seen, {})
+    found = finding_of(seen, problem)
     for entry in found.plain():
         assert [entry[key] for key in ("at", "dynamic", "dwell_ended", "last")] == [None] * 4
         assert entry["largest"] == entry["static"]
@@ -262,7 +275,7 @@ def test_of_spectra_the_highest_line_and_what_is_passed_on_are_told(si, printed)
     lines[1, 0], lines[2, 1] = [0.1, 0.2], [0.3, 0.4]  # [line, chain, bead]
     at_drive = np.array([[[0.5, 0.1], [0.8, 0.2]]])
     seen = Spectra((1, 8), 4.0, np.array([0.0, 0.5, 1.0]), lines, np.array([frequency * scale.time]), at_drive)
-    out = printed(spectra.Spectra(problem, seen))
+    out = printed(spectra.Spectra(problem, seen.found(problem), seen))
     assert f"from t = {4.0 * scale.time:.5g}{' s' if si else ''} on" in out
     assert f"{frequency:.5g}" in out
     half, whole, velocity = 0.5 / scale.time, 1.0 / scale.time, scale.velocity

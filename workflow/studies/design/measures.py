@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from analysis import quantity
 from analysis.conservation import Conservation
 from analysis.gauges.far_end import FarEnd
 from analysis.mirror import direction_of
@@ -25,7 +26,6 @@ from workflow.runs.files import REPORT
 from workflow.sweep.collect import quantities
 from workflow.sweep.table import QUANTITIES
 from workflow.verdicts.analysis_report import report
-from workflow.verdicts.findings import far_end
 
 MASS = "mass"
 """Of all beads, in the scene's units: known before anything runs."""
@@ -90,7 +90,7 @@ def of_frames(
         end, count = FarEnd(problem), Accountant(problem).of
         for block in frames():
             end.add(count(block) if problem.acted_on and block.ledger is None else block)
-        found["far_end"] = far_end.FarEnd(problem, end.result()).plain()
+        found["far_end"] = quantity.plain(end.result(), problem.scale)
     if any(name not in (MASS, *_AT_THE_END, *quick) for name in names):
         seen, allowed, count = Conservation(), Tolerances(), Accountant(problem).of
         surveyed = survey(frames, problem, watchers=[seen], tolerances=allowed, counted=count)

@@ -1,34 +1,31 @@
-"""What some runs tell beside their waves, one kind a file; this is the one place that lists them.
+"""What some runs show beside their waves, one kind a file; this is the one place that lists them.
 
-Each file has a function that says for a run directory what to measure, or None where the run has none of it. The rest
-of an analysis (`workflow.verdicts.analyse`) and of what `analyze` prints does not know which there are.
+Each class says for a run directory what to measure, and declares its quantities, table and figures. The rest of an
+analysis (`workflow.verdicts.analyse`) and of what `analyze` prints does not know which there are.
 """
 
-from collections.abc import Callable
+from workflow.verdicts.findings.budget import Budget
+from workflow.verdicts.findings.cells import Cells
+from workflow.verdicts.findings.contacts import Contacts
+from workflow.verdicts.findings.dispersion import Dispersion
+from workflow.verdicts.findings.energy import Energy
+from workflow.verdicts.findings.far_end import FarEnd
+from workflow.verdicts.findings.finding import Finding
+from workflow.verdicts.findings.forces import Forces
+from workflow.verdicts.findings.sound import Sound
+from workflow.verdicts.findings.spectra import Spectra
+from workflow.verdicts.findings.window import Window
 
-from workflow.runs.run_directory import RunDirectory
-from workflow.verdicts.findings import (
-    cells,
-    contacts,
-    dispersion,
-    energy,
-    far_end,
-    forces,
-    sound,
-    spectra,
-    window,
+FINDINGS: tuple[type[Finding], ...] = (
+    Energy,
+    Sound,
+    Dispersion,
+    Cells,
+    Forces,
+    Spectra,
+    FarEnd,
+    Window,
+    Contacts,
+    Budget,
 )
-from workflow.verdicts.findings.finding import Measure
-
-MEASURES: tuple[Callable[[RunDirectory], Measure | None], ...] = (
-    energy.measure,
-    sound.measure,
-    dispersion.measure,
-    cells.measure,
-    forces.measure,
-    spectra.measure,
-    far_end.measure,
-    window.measure,
-    contacts.measure,
-)
-"""In the order in which they are told."""
+"""In the order in which they are printed."""

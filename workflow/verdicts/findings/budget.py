@@ -2,12 +2,11 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from analysis.budget import Account
+from analysis.budget import ClosedAccount
 from analysis.conservation import Conservation
 from lammps_inputs import InputError
-from lammps_inputs.numbers import known
 from workflow.engines.reference.accountant import Accountant
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.findings.finding import Finding
@@ -18,62 +17,32 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Budget(Finding):
-    """The account, and how well it is known.
+    """The account, and how well it is known."""
 
-    Attributes:
-        account: where it is, what was lost, and what was put in.
-        missing: largest of it that is nowhere, in shares of the most that was put in.
-        unsure: how well it is known what was lost and put in between frames, likewise.
-        stated: error of the velocities that the run states, in units of V; None where it states none.
-    """
+    key, kind, figures = "budget", ClosedAccount, ("budget",)
 
-    key = "budget"
-
-    account: Account
-    missing: float
-    unsure: float
-    stated: float | None
+    found: ClosedAccount
 
     @property
     def sentence(self) -> str:
         """How well it is closed, in one line."""
-        own = "" if self.stated is None else f"; the run is right to {self.stated:.1e} V"
+        found = self.found
+        own = "" if found.stated is None else f"; the run is right to {found.stated:.1e} V"
         return (
-            f"budget closed to {self.missing:.1e} of what was put in; what happened between frames is known to "
-            f"{self.unsure:.1e} of it{own}"
+            f"budget closed to {found.closed:.1e} of what was put in; what happened between frames is known to "
+            f"{found.between_frames:.1e} of it{own}"
         )
-
-    def plain(self) -> dict[str, Any]:
-        """In the scene's units.
-
-        | key       | what                                                                                        |
-        |-----------|---------------------------------------------------------------------------------------------|
-        | time      | of some frames                                                                              |
-        | put_in    | until then, by kicks and by forces from outside                                             |
-        | kinetic, contacts, springs, ground, walls | where it is                                                 |
-        | lost      | until then, in each kind of dashpots                                                        |
-        | missing   | what was put in and is nowhere                                                              |
-        | closed    | largest of that in any frame, in the most that was put in                                   |
-        | between_frames | how well it is known what was exchanged between frames, likewise                       |
-        | stated    | error of the velocities that the run states, in V; null where it states none                |
-        """
-        return {
-            **self.account.plain(self.problem.scale),
-            "closed": known(self.missing),
-            "between_frames": known(self.unsure),
-            "stated": self.stated,
-        }
 
     def said(self) -> Iterator[str]:
         """What went where, and how well that is known."""
-        yield self.account.sentence(self.problem.scale)
+        yield self.found.sentence(self.problem.scale)
         yield self.sentence
 
-    def figures(self) -> "dict[str, Callable[[], Figure]]":
+    def drawn(self) -> "dict[str, Callable[[], Figure]]":
         """Over time."""
         from analysis.figures import budget_figure
 
-        return {"budget": lambda: budget_figure(self.problem, self.account)} if len(self.account.time) > 1 else {}
+        return {"budget": lambda: budget_figure(self.problem, self.found)} if len(self.found.time) > 1 else {}
 
 
 def closed(directory: RunDirectory, seen: Conservation, ledger: Accountant) -> Budget | None:
@@ -92,4 +61,6 @@ def closed(directory: RunDirectory, seen: Conservation, ledger: Accountant) -> B
     except InputError:
         record = {}
     stated = (record.get("check") or record.get("certificate") or {}).get("velocity")
-    return Budget(directory.problem, account, seen.energy_drift, ledger.unsure / account.most, stated)
+    of_exchanges = ledger.unsure / account.most
+    found = ClosedAccount(**vars(account), closed=seen.energy_drift, between_frames=of_exchanges, stated=stated)
+    return Budget(directory.problem, found)

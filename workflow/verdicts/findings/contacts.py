@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 from analysis.largest_overlap import LargestOverlap, shown_by_frames
 from analysis.sharing.survey import Survey
@@ -16,28 +15,24 @@ from workflow.verdicts.findings.finding import Finding, Measure
 class Contacts(Finding):
     """The hardest contact."""
 
-    key = "contacts"
+    key, kind = "contacts", Hardest
 
-    hardest: Hardest
-
-    def plain(self) -> dict[str, Any]:
-        """See `workflow.runs.contacts.Contacts`."""
-        return self.hardest.plain()
+    found: Hardest
 
     def said(self) -> Iterator[str]:
         """With a warning where Hertz's law ends."""
-        yield from self.hardest.lines()
+        yield from self.found.lines()
 
+    @classmethod
+    def measure(cls, directory: RunDirectory) -> Measure | None:
+        """Of elastic spheres with a material; where frames do not show overlaps, what they may be at most."""
+        problem = directory.problem
+        if not has_contacts(directory):
+            return None
+        overlap = LargestOverlap()
 
-def measure(directory: RunDirectory) -> Measure | None:
-    """Of elastic spheres with a material; where frames do not show overlaps, what they may be at most."""
-    problem = directory.problem
-    if not has_contacts(directory):
-        return None
-    overlap = LargestOverlap()
+        def finish(_: Survey) -> Contacts | None:
+            hardest = of_overlap(directory.scene, overlap)
+            return None if hardest is None else cls(problem, hardest)
 
-    def finish(_: Survey) -> Contacts | None:
-        hardest = of_overlap(directory.scene, overlap)
-        return None if hardest is None else Contacts(problem, hardest)
-
-    return Measure(finish, overlap.add) if shown_by_frames(problem) else Measure(finish)
+        return Measure(finish, overlap.add) if shown_by_frames(problem) else Measure(finish)

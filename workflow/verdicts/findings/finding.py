@@ -1,9 +1,10 @@
-"""What some runs tell beside their waves: measured while frames pass, then told, written and drawn."""
+"""What some runs show beside their waves: measured while frames pass, then written, printed and drawn."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from analysis import quantity
 from analysis.sharing.survey import Survey
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem
@@ -11,6 +12,8 @@ from workflow.screen import Table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from workflow.runs.run_directory import RunDirectory
 
 MOST_CHAINS = 8
 """Chains that a table shows."""
@@ -23,32 +26,50 @@ class Finding:
     key: ClassVar[str]
     """Of ``analysis.json``."""
 
+    kind: ClassVar[Any]
+    """Type of ``found``, whose fields declare the quantities under the key."""
+
+    table: ClassVar[tuple[str, Any] | None] = None
+    """CSV file beside the frames, and type whose fields declare its columns."""
+
+    figures: ClassVar[tuple[str, ...]] = ()
+    """Names of the figures that it may draw."""
+
     problem: Problem
 
+    found: Any
+    """What ``analysis.json`` says under the key, dimensionless."""
+
     def plain(self) -> Any:
-        """What ``analysis.json`` says under the key, in the scene's units."""
-        raise NotImplementedError
+        """The same in the scene's units."""
+        return quantity.plain(self.found, self.problem.scale)
 
     def said(self) -> "Iterator[str | Table]":
         """What `analyze` prints: lines and tables."""
         yield from ()
 
-    def tables(self) -> dict[str, str]:
-        """CSV files beside the frames: name -> text."""
+    def columns(self) -> dict[str, Any]:
+        """Heading -> values in the scene's units, of the table; empty where there is none."""
         return {}
 
-    def figures(self) -> "dict[str, Callable[[], Figure]]":
-        """Name -> what draws it; both are in `workflow.runs.files`, too."""
+    def drawn(self) -> "dict[str, Callable[[], Figure]]":
+        """Name -> what draws it."""
         return {}
 
+    @classmethod
+    def measure(cls, directory: "RunDirectory") -> "Measure | None":
+        """What to measure in a run; None where it has none of it, or it follows from what is measured of every run."""
+        del directory
+        return None
 
-def _look_away(block: Trajectory, /) -> None:
+
+def _ignore(block: Trajectory, /) -> None:
     """See nothing of the frames."""
 
 
 @dataclass(frozen=True)
 class Measure:
-    """What sees every block of frames, and says in the end what was found, if anything was."""
+    """What is given every block of frames, and says in the end what was found, if anything was."""
 
     finish: Callable[[Survey], Finding | None]
-    add: Callable[[Trajectory], None] = _look_away
+    add: Callable[[Trajectory], None] = _ignore

@@ -1,0 +1,146 @@
+"""Quantities: what a field of a result means stands once, in its type; JSON, CSV heads, help and the manual follow.
+
+A result is a dataclass whose fields and properties carry a `Quantity`::
+
+    time: Annotated[Floats, Quantity("time of the frame", "time", symbol="t")]
+
+Their values are dimensionless where the unit is one of the scene's, and converted in `in_units`, once.
+"""
+
+import csv
+import io
+import typing
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, is_dataclass
+from enum import Enum
+from functools import cache
+from typing import Annotated, Any
+
+import numpy as np
+
+from lammps_inputs.numbers import known
+from lammps_inputs.units import REDUCED, SI, Scale
+
+
+@dataclass(frozen=True)
+class Column:
+    """A number of a quantity as a column of a sweep's table.
+
+    Attributes:
+        name: of the column.
+        label: of an axis that shows it; empty for text.
+        key: in the quantity's value, where that is not one number.
+    """
+
+    name: str
+    label: str = ""
+    key: str = ""
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What a field holds.
+
+    Attributes:
+        meaning: definition, in a sentence.
+        unit: a key of `lammps_inputs.units.SI`, in which values are dimensionless and converted where they are written;
+            or the symbol of another unit (``V``, ``T``, ``beads``), in which they are written as they are; or empty.
+        undefined: under which condition there is no value: NaN or None, null in JSON.
+        symbol: in equations.
+        columns: of a sweep's table.
+    """
+
+    meaning: str
+    unit: str = ""
+    undefined: str = ""
+    symbol: str = ""
+    columns: tuple[Column, ...] = ()
+
+    def symbol_of_unit(self, *, si: bool) -> str:
+        """Such as ``m/s`` or ``reduced``; empty where there is no unit."""
+        if self.unit not in SI:
+            return self.unit
+        return SI[self.unit] if si else REDUCED
+
+
+def declared(kind: Any) -> dict[str, tuple[Quantity, Any]]:
+    """Name -> quantity and type, of all fields and properties that declare one."""
+    return _declared(kind)
+
+
+@cache
+def _declared(kind: Any) -> dict[str, tuple[Quantity, Any]]:
+    hints = typing.get_type_hints(kind, include_extras=True)
+    for base in reversed(kind.__mro__):
+        for name, value in vars(base).items():
+            if isinstance(value, property) and value.fget is not None:
+                hints[name] = typing.get_type_hints(value.fget, include_extras=True).get("return")
+    found: dict[str, tuple[Quantity, Any]] = {}
+    for name, hint in hints.items():
+        if typing.get_origin(hint) is Annotated:
+            found |= {str(name): (one, hint.__origin__) for one in hint.__metadata__ if isinstance(one, Quantity)}
+    return found
+
+
+def walk(kind: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Quantity]]:
+    """Every quantity of a type, with the keys that lead to it; those of results within results follow theirs."""
+    if typing.get_args(kind):
+        for one in typing.get_args(kind):
+            yield from walk(one, path)
+    elif isinstance(kind, type) and is_dataclass(kind):
+        for name, (quantity, within) in declared(kind).items():
+            yield (*path, name), quantity
+            yield from walk(within, (*path, name))
+
+
+def in_units(value: Any, unit: str, scale: Scale) -> Any:
+    """A dimensionless number or array in the scene's units; what has another unit as it is."""
+    return scale.measured(value, unit) if unit in SI else value
+
+
+def plain(value: Any, scale: Scale, unit: str = "") -> Any:
+    """A result as data for JSON, in the scene's units; what is undefined is None."""
+    if is_dataclass(value):
+        own = declared(type(value))
+        return {name: plain(getattr(value, name), scale, quantity.unit) for name, (quantity, _) in own.items()}
+    if isinstance(value, Mapping):
+        return {str(key): plain(one, scale, unit) for key, one in value.items()}
+    if isinstance(value, np.ndarray):
+        return plain(in_units(value, unit, scale).tolist(), scale)
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return [plain(one, scale, unit) for one in value]
+    if isinstance(value, Enum):
+        return value.value
+    if isinstance(value, np.generic):
+        value = value.item()
+    return known(in_units(value, unit, scale)) if isinstance(value, float) else value
+
+
+def to_csv(columns: Mapping[str, Iterable[Any]]) -> str:
+    """A line a row below the headings; numbers read back exactly, and one that is undefined is empty."""
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(columns)
+    values = [column.tolist() if isinstance(column, np.ndarray) else column for column in columns.values()]
+    for row in zip(*values, strict=True):
+        writer.writerow(["" if isinstance(one, float) and known(one) is None else one for one in row])
+    return out.getvalue()
+
+
+def table(found: Any, scale: Scale) -> dict[str, Any]:
+    """Heading -> values in the scene's units, of a result whose fields are columns of one length."""
+    return {
+        scale.heading(name, quantity.unit): in_units(getattr(found, name), quantity.unit, scale)
+        for name, (quantity, _) in declared(type(found)).items()
+    }
+
+
+def headings(kind: Any, words: Mapping[str, str], scale: Scale) -> list[str]:
+    """Of a printed table: words for some of the quantities of a type, with units in SI."""
+    return [scale.heading(text, declared(kind)[name][0].unit) for name, text in words.items()]
+
+
+def written(found: Any, name: str, scale: Scale, digits: str) -> str:
+    """A number of a result as a cell of a printed table, in the scene's units; ``-`` where it is undefined."""
+    value = plain(getattr(found, name), scale, declared(type(found))[name][0].unit)
+    return "-" if value is None else f"{value:{digits}}"

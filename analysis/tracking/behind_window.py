@@ -1,0 +1,69 @@
+"""Residual motion of the beads that a window following the pulse has left, and whether it could catch up.
+
+The higher a pulse, the faster it runs. So nothing that a window leaves reaches the leading waves as long as the beads
+in it move more slowly than any of these waves is high.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Annotated
+
+from analysis.quantity import Quantity
+from analysis.tracking.leading_waves import Waves
+from analysis.trajectory import Trajectory
+
+
+@dataclass(frozen=True)
+class Residual:
+    """What the window has left."""
+
+    rows: Annotated[int | None, Quantity("rows of the window", "rows")]
+    left_behind: Annotated[
+        float, Quantity("largest velocity along the chain of a bead when the window left it; 0 if it left none", "V")
+    ]
+    bead: Annotated[int, Quantity("number of that bead; 0 if the window left none")]
+    slowest_wave: Annotated[
+        float,
+        Quantity(
+            "amplitude of the lowest leading wave, which ``left_behind`` must not exceed",
+            "V",
+            "the window has not moved",
+        ),
+    ]
+
+    @property
+    def sentence(self) -> Annotated[str, Quantity("whether anything could have caught up, in words")]:
+        """Whether anything could have caught up."""
+        if self.bead == 0:
+            return "window: nothing was left behind"
+        found = f"window: beads left behind move at {self.left_behind:.2g} V or less"
+        if self.left_behind < self.slowest_wave:
+            return f"{found}, every leading wave at {self.slowest_wave:.2g} V or more: nothing comes back"
+        return (
+            f"{found}, a leading wave at {self.slowest_wave:.2g} V only: what was left might catch up; take a wider "
+            "window"
+        )
+
+
+class BehindWindow:
+    """Collects what leaves the window of a run that is given block by block."""
+
+    def __init__(self) -> None:
+        self._velocity = 0.0
+        self._bead = 0
+        self._before: Trajectory | None = None
+
+    def add(self, block: Trajectory) -> None:
+        """Take the next frames."""
+        before = self._before
+        if before is not None and block.first > before.first:
+            last = before.velocity[-1, :, : block.first - before.first].max(axis=0)
+            if last.max() > self._velocity:
+                self._velocity, self._bead = float(last.max()), int(before.beads[int(last.argmax())])
+        self._before = block
+
+    def result(self, waves: Waves) -> Residual:
+        """Of the frames so far, against the leading waves."""
+        window = self._before.problem.window if self._before is not None else None
+        own = waves.peak_velocity[waves.bead > window // 2] if window is not None else waves.peak_velocity[:0]
+        return Residual(window, self._velocity, self._bead, float(own.min()) if len(own) else math.nan)

@@ -1,0 +1,64 @@
+"""JSON, CSV and printed cells follow from what the fields of a result declare."""
+
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+import pytest
+
+from analysis.quantity import Quantity, headings, plain, table, to_csv, walk, written
+from lammps_inputs.units import make_scale
+
+
+@dataclass(frozen=True)
+class Passage:
+    bead: Annotated[int, Quantity("number of the bead")]
+    time: Annotated[float, Quantity("when", "time", "never")]
+    undeclared: float = 1.0
+
+    @property
+    def double(self) -> Annotated[float, Quantity("twice that", "time")]:
+        return 2.0 * self.time
+
+
+@dataclass(frozen=True)
+class Result:
+    passages: Annotated[list[Passage | None], Quantity("of each chain")]
+    speed: Annotated[np.ndarray, Quantity("speed", "speed", "unknown")]
+    size: Annotated[float, Quantity("amplitude", "V")]
+
+
+SCALE = make_scale(2.0, 3.0, 0.1, si=True)
+RESULT = Result([Passage(3, 5.0), None, Passage(4, np.nan)], np.array([[2.0, np.inf]]), 0.5)
+
+
+def test_json_holds_declared_fields_and_properties_in_the_scenes_units_and_null_where_undefined():
+    time = SCALE.time
+    assert plain(RESULT, SCALE) == {
+        "passages": [
+            {"bead": 3, "time": 5.0 * time, "double": 10.0 * time},
+            None,
+            {"bead": 4, "time": None, "double": None},
+        ],
+        "speed": [[2.0 / time, None]],
+        "size": 0.5,
+    }
+
+
+@pytest.mark.parametrize(("si", "head"), [(True, "bead,time (s),double (s)"), (False, "bead,time,double")])
+def test_a_csv_table_has_a_column_for_each_quantity_headed_by_its_unit_and_nothing_where_undefined(si, head):
+    scale = make_scale(2.0, 3.0, 0.1, si=si)
+    column = Passage(np.array([3, 4]), np.array([5.0, np.nan]))
+    time = 5.0 * scale.time
+    assert to_csv(table(column, scale)).splitlines() == [head, f"3,{time!r},{2.0 * time!r}", "4,,"]
+
+
+def test_a_printed_cell_is_in_the_unit_of_its_heading_and_a_dash_where_undefined():
+    assert headings(Passage, {"time": "arrival", "bead": "bead"}, SCALE) == ["arrival (s)", "bead"]
+    assert written(RESULT.passages[0], "time", SCALE, ".3g") == f"{5.0 * SCALE.time:.3g}"
+    assert written(RESULT.passages[2], "time", SCALE, ".3g") == "-"
+
+
+def test_a_type_is_walked_to_the_quantities_within_its_quantities():
+    paths = ["/".join(path) for path, _ in walk(list[Result])]
+    assert paths == ["passages", "passages/bead", "passages/time", "passages/double", "speed", "size"]
