@@ -83,12 +83,16 @@ class Scale:
         return value / self.time if quantity in PER_TIME else value * getattr(self, quantity)
 
     def symbol(self, quantity: str) -> str:
-        """The unit's symbol for plots and tables: ``m/s`` or ``-``."""
-        return SI[quantity] if self.si else "-"
+        """The unit's symbol, for axes: ``m/s`` or ``reduced``."""
+        return SI[quantity] if self.si else REDUCED
 
     def after(self, quantity: str) -> str:
         """The unit's symbol as it follows a number, after a space: `` m/s``, and nothing in reduced units."""
         return f" {SI[quantity]}" if self.si else ""
+
+    def each(self, count: str) -> str:
+        """The unit of a rate as it follows a number: `` beads/s``, or `` beads per unit time``."""
+        return f" {count}/{SI['time']}" if self.si else f" {count} per unit time"
 
     def written(self, value: float, quantity: str, digits: str = ".6g") -> str:
         """A dimensionless value in the scene's units, with the symbol of SI units: ``0.000656174 s``, or ``60``.

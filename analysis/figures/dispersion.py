@@ -20,7 +20,7 @@ HIGHEST = 1.25
 def dispersion_figure(problem: Problem, found: Map) -> Figure:
     """The map of the chain that was hit hardest; branches as lines, borders of the bands dotted."""
     worth = 1.0 / problem.scale.time
-    symbol = "rad/s" if problem.scale.si else "reduced"
+    symbol = problem.scale.symbol("frequency")
     bands = found.cell.bands() * worth
     shown = found.frequency * worth <= HIGHEST * bands.max()
     step = found.wavenumber[1] - found.wavenumber[0]

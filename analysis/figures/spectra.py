@@ -17,7 +17,7 @@ DEEPEST = 1e-8
 def spectra_figure(problem: Problem, spectra: Spectra) -> Figure:
     """One panel a bead (the first eight), a line for each chain that other figures show too; drives are dotted."""
     velocity = axis_unit(problem, "velocity", float(np.max(spectra.amplitude)))
-    unit = "Hz" if problem.scale.si else "reduced"
+    unit = problem.scale.symbol("cycles")
     worth = 1.0 / problem.scale.time
     count = min(len(spectra.beads), MOST_BEADS)
     top = float(np.max(spectra.amplitude, initial=1e-30)) * velocity.worth

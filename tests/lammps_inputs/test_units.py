@@ -86,7 +86,7 @@ def test_hertz_constant_is_that_of_johnson_for_equal_spheres():
 
 
 def test_a_reduced_quantity_has_no_unit_and_one_of_steel_has():
-    assert units.make_scale(1.0, 1.0, 1.0, si=False).symbol("velocity") == "-"
+    assert units.make_scale(1.0, 1.0, 1.0, si=False).symbol("velocity") == "reduced"
     assert BALL.symbol("velocity") == "m/s"
 
 

@@ -58,7 +58,6 @@ def execute(arguments: argparse.Namespace) -> int:
 def _print(found: Comparison) -> None:
     problem, results = found.problem, found.results
     scale = problem.scale
-    unit = f" ({scale.symbol('time')})" if scale.si else ""
     if problem.gap and problem.coupled:
         from workflow.engines.collisions import first_row  # numba takes a third of a second to import
 
@@ -81,7 +80,8 @@ def _print(found: Comparison) -> None:
                     _list(result.peak[:, k]),
                 ]
             )
-    head = ["bead", "engine", f"first impulse at{unit}", "first impulse / mV", "all impulses / mV", "peak velocity / V"]
+    first = scale.heading("first impulse at", "time")
+    head = ["bead", "engine", first, "first impulse / mV", "all impulses / mV", "peak velocity / V"]
     print_table(f"{problem.name}: rows, chains 1, 2, ...", head, rows)
     shares = [
         [
@@ -102,7 +102,7 @@ def _print(found: Comparison) -> None:
         "computing (s)",
         "with files (s)",
     ]
-    print_table(f"shares until t = {problem.duration * scale.time:.6g}{unit}", head, shares)
+    print_table(f"shares until t = {scale.written(problem.duration, 'time')}", head, shares)
     for sentence in found.answer:
         print(sentence)
 

@@ -41,9 +41,8 @@ def _verdict(first: Original, found: Rerun) -> str:
         f"velocities up to {found.distance.velocity:.1e} V and displacements {found.distance.displacement:.1e} L apart"
     )
     scale = first.scene.scale
-    unit = f" {scale.symbol('time')}" if scale.si else ""
     if found.distance.since is None:
         where = "at the end, among the beads whose last state run.json holds"
     else:
-        where = f"first at t = {found.distance.since * scale.time:.5g}{unit}"
+        where = f"first at t = {scale.written(found.distance.since, 'time', '.5g')}"
     return f"{first.scene.name}: not the same: {apart}, {where}"

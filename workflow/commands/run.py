@@ -176,9 +176,8 @@ def _checked(check: Check, problem: Problem) -> str:
     near = " in the front half of the window" if problem.window is not None else ""
     where = ""
     if check.where is not None and check.where.time is not None:
-        time = check.where.time * problem.scale.time
-        unit = f" {problem.scale.symbol('time')}" if problem.scale.si else ""
-        where = f" (bead {check.where.bead} of chain {check.where.chain}, t = {time:.5g}{unit})"
+        time = problem.scale.written(check.where.time, "time", ".5g")
+        where = f" (bead {check.where.bead} of chain {check.where.chain}, t = {time})"
     return (
         f"error{near}: velocities {check.velocity:.1e} V{where}, peaks {_size(check.amplitude)} V, "
         f"arrivals {_size(check.arrival)} T; "

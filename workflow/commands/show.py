@@ -35,16 +35,18 @@ def execute(arguments: argparse.Namespace) -> Answer:
     if settings is not None:
         print(f"# {settings.sentence(problem)}")
     if scale.velocity != 1.0 or scale.si:
-        unit = [f" {scale.symbol(name)}" if scale.si else "" for name in ("length", "time", "velocity", "force")]
+        length, time, velocity, force = (
+            f"{name} {text(getattr(scale, name))}{scale.after(name)}"
+            for name in ("length", "time", "velocity", "force")
+        )
         print("# computed at V = 1, in units of")
-        print(f"#   length {text(scale.length)}{unit[0]}, time {text(scale.time)}{unit[1]}")
-        print(f"#   velocity {text(scale.velocity)}{unit[2]}, force {text(scale.force)}{unit[3]}")
+        print(f"#   {length}, {time}")
+        print(f"#   {velocity}, {force}")
         print(f"# where kappa = {text(problem.kappa)}, timestep = {text(problem.timestep)}")
     if problem.gap > 0.0 and problem.coupled and problem.simply_coupled:
         from workflow.engines.collisions import first_row  # numba takes a third of a second to import
 
-        theta, gap = first_row.theta(problem), first_row.gap_of_eq_5(problem.kappa) * scale.length
-        in_unit = f" {scale.symbol('length')}" if scale.si else ""
+        theta, gap = first_row.theta(problem), scale.written(first_row.gap_of_eq_5(problem.kappa), "length")
         print(f"# theta = omega D / V = {theta:.6g}, omega = sqrt(2 kappa): all that rigid beads depend on;")
-        print(f"#   eq. 5 has theta = {first_row.THETA_OF_EQ_5:.6g}, which is a gap of {gap:.6g}{in_unit}")
+        print(f"#   eq. 5 has theta = {first_row.THETA_OF_EQ_5:.6g}, which is a gap of {gap}")
     return Answer(0, scene.plain())

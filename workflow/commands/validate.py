@@ -99,13 +99,12 @@ def _tolerances(given: list[str]) -> dict[str, float]:
 
 def _print(found: validation.Validation) -> None:
     rows, scale = [], found.problem.scale
-    second = f" {scale.symbol('time')}" if scale.si else ""
     for name, deviation in found.deviations.items():
         where = ""
         if deviation.where is not None:
             where = f"bead {deviation.where.bead}, chain {deviation.where.chain}"
             if deviation.where.time is not None:
-                where += f", t = {deviation.where.time * scale.time:.5g}{second}"
+                where += f", t = {scale.written(deviation.where.time, 'time', '.5g')}"
         rms = f"{deviation.rms:.1e}" if np.isfinite(deviation.rms) else ""
         verdict = "EXCEEDED" if found.exceeded(name) else "ok"
         rows.append([name, f"{deviation.largest:.2e}", rms, f"{found.tolerances[name]:.1e}", verdict, where])
@@ -127,7 +126,7 @@ def _print(found: validation.Validation) -> None:
     ]
     if firsts:
         time, name, place = min(firsts, key=lambda first: first[0])
-        print(f"first wrong: {name} of bead {place.bead}, chain {place.chain}, at t = {time * scale.time:.6g}{second}")
+        print(f"first wrong: {name} of bead {place.bead}, chain {place.chain}, at t = {scale.written(time, 'time')}")
     if not found.complete:
         print(f"incomplete: {found.frames} of {found.problem.frames + 1} frames")
     for remark in found.remarks:

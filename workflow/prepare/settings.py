@@ -50,8 +50,7 @@ class Settings:
 
     def sentence(self, problem: Problem) -> str:
         """What was chosen and why, in one line."""
-        step = f"{self.timestep * problem.scale.time:.3g}"
-        unit = f" {problem.scale.symbol('time')}" if problem.scale.si else ""
+        step = problem.scale.written(self.timestep, "time", ".3g")
         pilot = f"pilot run of {self.seconds:.1f} s"
         if self.unreached:
             how = f"by a rule, not measured, since {self.unreached}"
@@ -69,7 +68,7 @@ class Settings:
                 how += "; larger behind the front in a long run, where repeated contacts amplify errors"
         longer = "; frames, energy or stability allow no longer step" if self.limited else ""
         default = "" if self.asked else " (default)"
-        return f"accuracy {self.accuracy:g} V{default}: timestep {step}{unit}, {how}{longer}"
+        return f"accuracy {self.accuracy:g} V{default}: timestep {step}, {how}{longer}"
 
 
 _DECK_BYTES = 250
@@ -143,9 +142,8 @@ def refuse_unstable(scene: Scene, source: str = "") -> None:
     problem = scene.model_copy(update={"until_bead": None, "duration": scale.time, "window": None}).problem()
     bound = stability_bound(problem, problem.scheme)
     if problem.timestep > bound * (1.0 + 1e-9):
-        unit = f" {scale.symbol('time')}" if scale.si else ""
         raise InputError(
-            f"{f'{source}: ' if source else ''}timestep: {scene.timestep:g}{unit} is unstable, above the bound of "
-            f"{bound * scale.time:.3g}{unit}; leave it out for an accuracy of {DEFAULT_ACCURACY:g} V; "
+            f"{f'{source}: ' if source else ''}timestep: {scene.timestep:g}{scale.after('time')} is unstable, "
+            f"above the bound of {scale.written(bound, 'time', '.3g')}; leave it out for an accuracy of {DEFAULT_ACCURACY:g} V; "
             "--force of run and deck allows it, for study"
         )

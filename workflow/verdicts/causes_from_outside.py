@@ -9,7 +9,7 @@ from analysis.against import beads
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs.laws.in_time import HalfSine, Rectangular, Sine, TimeLaw
 from lammps_inputs.loads import Load, Motion
-from lammps_inputs.units import SI, Scale
+from lammps_inputs.units import Scale
 
 _MOTION_DOUBT = 1e-6
 """Share of the amplitude; the motion is given, to rounding."""
@@ -78,7 +78,7 @@ def _other_sine(
     turned = math.pi if right[0] < 0.0 else 0.0
     late = math.remainder(found[2] + turned - right[2], 2.0 * math.pi)
     second = 2.0 * math.pi * scale.time
-    size_unit, hertz = (f" {SI[what.replace('displacement', 'length')]}", " Hz") if scale.si else ("", "")
+    size_unit, hertz = scale.after(what.replace("displacement", "length")), scale.after("cycles")
     said = [
         f"a {name} of {here:.4g} instead of {there:.4g}{unit}"
         for name, here, there, size, unit in (

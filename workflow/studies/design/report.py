@@ -13,7 +13,6 @@ from analysis.gauges.forces import at_frames
 from analysis.gauges.gauge import gauges
 from analysis.mirror import direction_of
 from analysis.trajectory import Floats
-from lammps_inputs.units import REDUCED, SI
 from workflow.runs.run_directory import RunDirectory
 from workflow.studies.design.found import Found, Verified
 from workflow.studies.design.search import RULED_OUT, worth
@@ -159,7 +158,7 @@ def _of_best(found: Found) -> list[Picture]:
     ]
     if curves:
         scale = best.problem.scale
-        time, force = (SI[kind] if scale.si else REDUCED for kind in ("time", "force"))
+        time, force = scale.symbol("time"), scale.symbol("force")
         labels = (f"time ({time})", f"force on the wall, all chains ({force})")
         pictures.append(drawn("wall", wall_figure(curves, *labels), "Force on the far wall over time, by LAMMPS."))
     return pictures

@@ -70,7 +70,7 @@ def advice(study: Study, truth: Certified, accuracy: float) -> str:
 def _says(point: Point[Any], problem: Problem) -> str:
     """A setting as a user would ask for it, its error, and its cost."""
     job, scale = point.setting.what, problem.scale
-    unit = f" {scale.symbol('time')}" if scale.si else ""
+    unit = scale.after("time")
     step = _dividing(job.problem.timestep * scale.time, job.problem.steps_per_frame)
     if job.engine == LAMMPS.name:
         scheme = "" if job.problem.scheme == "verlet" else f"scheme: {job.problem.scheme}, "

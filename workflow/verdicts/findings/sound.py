@@ -32,15 +32,13 @@ class Sound(Finding):
         if self.problem.held:
             line = "sound: long waves do not run, for springs to the ground hold the beads"
             if found is not None:
-                unit = "rad/s" if scale.si else "rad per unit time"
-                line += f"; small ones have frequencies from {found.min() / scale.time:.6g} to "
-                line += f"{found.max() / scale.time:.6g} {unit}"
+                low, high = (f"{scale.measured(end, 'frequency'):.6g}" for end in (found.min(), found.max()))
+                line += f"; small ones have frequencies from {low} to {high}{scale.each('rad')}"
             yield line
             return
         speeds = sound_speed(self.problem) if wave is None else np.array([wave.sound])
-        unit = "beads/s" if scale.si else "beads per unit time"
         said = dict.fromkeys(f"{speed / scale.time:.6g}" for speed in (float(speeds.min()), float(speeds.max())))
-        line = f"sound: c0 = {' to '.join(said)} {unit}"
+        line = f"sound: c0 = {' to '.join(said)}{scale.each('beads')}"
         if self.bead_length is not None:
             line += f" ({float(speeds.max()) * self.bead_length / scale.time:.5g} m/s)"
         if wave is not None:
