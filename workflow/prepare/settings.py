@@ -144,6 +144,6 @@ def refuse_unstable(scene: Scene, source: str = "") -> None:
     if problem.timestep > bound * (1.0 + 1e-9):
         raise InputError(
             f"{f'{source}: ' if source else ''}timestep: {scene.timestep:g}{scale.after('time')} is unstable, "
-            f"above the bound of {scale.written(bound, 'time', '.3g')}; leave it out for an accuracy of {DEFAULT_ACCURACY:g} V; "
-            "--force of run and deck allows it, for study"
+            f"above the bound of {scale.written(bound, 'time', '.3g')}; leave it out for an accuracy of "
+            f"{DEFAULT_ACCURACY:g} V; --force of run and deck allows it, for study"
         )
