@@ -4,6 +4,7 @@ Pure numpy; knows the file format (`dump_layout`) and no physics. `recording` kn
 Numbers are float64 as LAMMPS computed them. Memory does not grow with the file.
 """
 
+import os
 import struct
 import warnings
 from collections.abc import Iterator, Sequence
@@ -267,8 +268,7 @@ class BinaryDump:
 
 
 def _bytes_at(file: FileIO, offset: int, count: int) -> bytes:
-    file.seek(offset)
-    return file.read(count)
+    return os.pread(file.fileno(), count, offset)
 
 
 def _read_into(file: FileIO, buffer: Bytes) -> bool:

@@ -29,6 +29,10 @@ from workflow.runs.record import read_record
 from workflow.runs.whole_files import write_json
 
 
+KEPT_BYTES = 1 << 24
+"""Of the frames of a run that are kept in memory for whatever reads them next."""
+
+
 @dataclass(frozen=True)
 class RunDirectory:
     """An existing run directory, also one that came back from a cluster without ``run.json``."""
@@ -115,7 +119,10 @@ class RunDirectory:
 
     def blocks(self, stride: int = 1) -> Iterator[Trajectory]:
         """The frames there are, or every stride-th of them, in blocks of bounded size."""
-        return recording.blocks(self.dumps, self.problem, stride)
+        problem, dumps = self.problem, self.dumps
+        if stride > 1 or 16.0 * problem.frames * problem.chains * problem.rows_a_frame > KEPT_BYTES:
+            return recording.blocks(dumps, problem, stride)
+        return _read_once(dumps, problem)
 
     def snapshots(self) -> Iterator[Trajectory]:
         """The snapshots of all beads, in blocks of bounded size; none where the scene asks for none."""
@@ -127,3 +134,32 @@ class RunDirectory:
     def trajectory(self) -> Trajectory:
         """The whole trajectory in memory."""
         return joined(self.blocks())
+
+
+_kept: list[tuple[list[tuple[int, int, int]], list[Trajectory]]] = []
+"""State of the files and frames of the small run that was read last, if it was complete."""
+
+
+def _read_once(dumps: list[Path], problem: Problem) -> Iterator[Trajectory]:
+    """The frames of a small run; from memory, where they are those of the last run that was read."""
+    state = _state(dumps)
+    if _kept and _kept[0][0] == state and _kept[0][1][0].problem is problem:
+        yield from _kept[0][1]
+        return
+    found = []
+    for block in recording.blocks(dumps, problem):
+        for values in (block.time, block.displacement, block.velocity):
+            values.flags.writeable = False
+        found.append(block)
+        yield block
+    if sum(block.frames for block in found) == problem.frames + 1 and state == _state(dumps):
+        _kept[:] = [(state, found)]
+
+
+def _state(dumps: list[Path]) -> list[tuple[int, int, int]]:
+    """What changes when a file is written to or replaced."""
+    try:
+        found = [path.stat() for path in dumps]
+    except OSError:
+        return []  # reading says why
+    return [(one.st_ino, one.st_size, one.st_mtime_ns) for one in found]

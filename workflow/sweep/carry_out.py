@@ -225,9 +225,9 @@ def _tasks(
     what: Sweep, missing: list[tuple[Case, Todo]], directory: Path, *, check: bool, figures: bool
 ) -> Iterator[tuple[str, Task]]:
     """The longest first, so that no core is left with one long case at the end."""
-    order = sorted(missing, key=lambda entry: -_work(scene_of(what, entry[0])))
-    for case, todo in order:
-        wanted = request(what, case, scene_of(what, case)) if todo is Todo.RUN else None
+    scenes = [(scene_of(what, case), case, todo) for case, todo in missing]
+    for scene, case, todo in sorted(scenes, key=lambda entry: -_work(entry[0])):
+        wanted = request(what, case, scene) if todo is Todo.RUN else None
         yield case.name, task(directory / case.name, wanted, check=check, figures=asked() if figures else ())
 
 

@@ -34,12 +34,17 @@ def task(directory: Path, case: Asked | None, *, check: bool, figures: tuple[str
 def compute(directory: str, case: dict[str, Any] | None, check: bool, figures: list[str]) -> str:
     """Run and analyse a case; "done" or "stopped"."""
     path = Path(directory)
-    if case is not None and _run(path, Asked(**case), check=check).outcome != "done":
-        return "stopped"
-    if case is None and check and (path / RECORD).is_file():
-        resume(path)  # it is done, but perhaps its error was not measured any more
+    if case is not None:
+        done = _run(path, Asked(**case), check=check)
+        if done.outcome != "done":
+            return "stopped"
+        analysed = done.directory  # with the frames that were read for the check
+    else:
+        if check and (path / RECORD).is_file():
+            resume(path)  # it is done, but perhaps its error was not measured any more
+        analysed = RunDirectory(path)
     with written_as(tuple(figures)):
-        analyse(RunDirectory(path), figures=bool(figures))
+        analyse(analysed, figures=bool(figures))
     return "done"
 
 
