@@ -52,6 +52,7 @@ COMMANDS = (
     "map",
     "fit",
     "design",
+    "threshold",
     "trade",
     "sweep",
     "collect",

@@ -28,7 +28,6 @@ from workflow.runs.locks import changing
 from workflow.runs.record import read_record
 from workflow.runs.whole_files import write_json
 
-
 KEPT_BYTES = 1 << 24
 """Of the frames of a run that are kept in memory for whatever reads them next."""
 

@@ -10,11 +10,14 @@ from workflow.runs.status import status
 from workflow.studies.extremes.report import STUDY as EXTREMES
 from workflow.studies.gallery.study import GALLERY, PAPER
 from workflow.studies.map import STUDY as MAP
+from workflow.studies.threshold.study import STUDY as THRESHOLD
 from workflow.workers.evaluate import case, evaluate, values
 from workflow.workers.pool import Answer, Pool
 from workflow.workers.results import Results
 
-STUDIES = pytest.mark.parametrize("study", [MAP, EXTREMES, GALLERY.study, PAPER.study], ids=lambda study: study.command)
+STUDIES = pytest.mark.parametrize(
+    "study", [MAP, EXTREMES, GALLERY.study, PAPER.study, THRESHOLD], ids=lambda study: study.command
+)
 
 
 def parsed(text, **options):

@@ -1,0 +1,195 @@
+"""Where a quantity crosses a value: brackets of known functions, exact cases, resumption, and what has no threshold."""
+
+import csv
+import math
+
+import pool_here
+import pytest
+
+from lammps_inputs import strict_yaml
+from workflow.cli import main
+from workflow.studies.threshold.bracket import Axis, crossings, wanted
+from workflow.workers.pool import Pool
+
+pytestmark = pytest.mark.usefixtures("pool_here")
+
+LINEAR = Axis(-1.0, 2.0, tolerance=1e-4)
+
+
+def searched(function, axis, level=0.0):
+    """The crossings of a function, and its computed values; none is asked for twice."""
+    known = {}
+    while values := wanted(known, axis, level):
+        assert not known.keys() & set(values)
+        assert len(known) < 1000
+        known |= {value: function(value) for value in values}
+    return crossings(known, axis, level), known
+
+
+@pytest.mark.parametrize(
+    ("function", "axis", "level", "places"),
+    [
+        (lambda x: x, Axis(0.1, 1.0), 0.3, [0.3]),
+        (lambda x: -math.log(x), Axis(1e-6, 1e3, log=True), 3.0, [math.exp(-3.0)]),
+        (lambda x: x * x, LINEAR, 0.5, [-math.sqrt(0.5), math.sqrt(0.5)]),
+        (lambda x: float(x >= 0.7), LINEAR, 1.0, [0.7]),
+        (lambda x: x * x - 0.25, Axis(1, 100, whole=True), 1000.0, [31.5]),
+    ],
+)
+def test_every_crossing_of_a_function_is_in_a_bracket_as_narrow_as_asked_for(function, axis, level, places):
+    found, _ = searched(function, axis, level)
+    assert len(found) == len(places)
+    for one, place in zip(found, places, strict=True):
+        assert one.low <= place <= one.high
+        assert axis.is_narrow(one.low, one.high)
+        assert one.rises == (function(one.low) < level)
+        assert (one.mixed, one.undefined) == (False, False)
+
+
+def test_the_bracket_of_a_noisy_quantity_includes_all_computed_values_on_the_wrong_side():
+    noise = 0.05
+    (one,), known = searched(lambda x: x - 0.5 + noise * math.sin(1e6 * x), LINEAR)
+    assert one.mixed
+    assert 0.5 - noise <= one.low < one.high <= 0.5 + noise  # beyond, the noise cannot reach the level
+    assert all(value < 0.0 for x, value in known.items() if x <= one.low)
+    assert all(value >= 0.0 for x, value in known.items() if x >= one.high)
+    assert not LINEAR.is_narrow(one.low, one.high)
+
+
+def test_where_a_quantity_is_undefined_in_between_the_bracket_ends_on_either_side_of_that():
+    (one,), known = searched(lambda x: None if 0.4 < x < 0.6 else x - 0.5, LINEAR)
+    assert one.undefined
+    assert not one.mixed
+    assert one.low <= 0.4
+    assert one.high >= 0.6
+    assert None not in (known[one.low], known[one.high])
+
+
+@pytest.mark.parametrize("function", [lambda _: None, lambda _: 1.0, lambda x: None if x < 0.5 else x])
+def test_without_two_sides_there_is_no_bracket_and_no_search_beyond_the_scan(function):
+    found, known = searched(function, LINEAR)
+    assert (found, sorted(known)) == ([], LINEAR.scan())
+
+
+CHAIN = {
+    "name": "chain",
+    "chains": 1,
+    "beads": 24,
+    "kick": {"velocity": 1.0},
+    "until_bead": 20,
+}
+"""One chain: times are in proportion to the kick's velocity to the power -1/5 (contacts of exponent 3/2)."""
+
+
+def asked(tmp_path, *words, scene=CHAIN):
+    """Exit code of the command, and the lines of its table."""
+    path = tmp_path / "chain.yaml"
+    path.write_text(strict_yaml.dump(scene))
+    code = main(["threshold", str(path), *words, "-o", str(tmp_path / "found"), "--jobs", "1"])
+    table = tmp_path / "found" / "threshold.csv"
+    return code, list(csv.DictReader(table.read_text().splitlines())) if table.is_file() else []
+
+
+def numbers(path):
+    """Value of the field -> quantity."""
+    return {float(row["value"]): float(row["quantity"]) for row in csv.DictReader(path.read_text().splitlines())}
+
+
+@pytest.mark.slow
+def test_the_kick_at_which_a_pulse_arrives_at_a_given_time_is_that_of_the_scaling_law(tmp_path):
+    words = ["--where", "arrival=20", "--vary", "kick.velocity=0.5:4", "--log", "--points", "4"]
+    code, (found,) = asked(tmp_path, *words)
+    place = (numbers(tmp_path / "found" / "points.csv")[1.0] / 20.0) ** 5
+    rounding = 1e-9  # of the scaled numbers, which are those of one motion at V = 1
+    assert (code, found["rises"]) == (0, "False")
+    assert float(found["low"]) * (1.0 - rounding) <= place <= float(found["high"]) * (1.0 + rounding)
+    assert abs(float(found["place"]) - place) <= float(found["uncertainty"]) * (1.0 + rounding)
+    assert float(found["uncertainty"]) <= 1e-3 * float(found["high"])
+
+
+STRUCK = {"name": "struck", "chains": 1, "beads": 24, "striker": {"velocity": 1.0, "mass": 1.0}, "duration": 2.0}
+"""Its beads weigh 23 and the mass of the striker."""
+
+BY_MASS = ["--where", "mass=25.5", "--vary", "striker.mass=0.5:3", "--points", "3"]
+
+
+def test_a_mass_is_found_exactly_and_a_second_field_makes_a_curve_with_a_figure(tmp_path, capsys):
+    code, found = asked(tmp_path, *BY_MASS, "--over", "beads=24,25,26,40", scene=STRUCK)
+    assert code == 0
+    assert [one["over"] for one in found] == ["24", "25"]  # 26 beads: 0.5, the end of the range, is not below the level
+    for one, mass in zip(found, (2.5, 1.5), strict=True):
+        assert float(one["low"]) <= mass <= float(one["high"])
+        assert abs(float(one["place"]) - mass) <= float(one["uncertainty"]) <= 1e-3 * mass
+    said = capsys.readouterr().out
+    assert "3 scenes, and about" in said
+    assert "for each of 4 values of beads" in said
+    assert "no threshold: mass does not cross 25.5: 39.5 to 42 at 3 values of striker.mass from 0.5 to 3" in said
+    assert (tmp_path / "found" / "threshold.png").is_file()
+
+
+def test_a_search_that_was_cut_short_is_resumed_and_ends_with_the_same_tables(tmp_path):
+    asked(tmp_path, *BY_MASS, scene=STRUCK)
+    names = ("threshold.csv", "points.csv")
+    tables = [(tmp_path / "found" / name).read_text() for name in names]
+    cache = tmp_path / "found" / "evaluations.jsonl"
+    lines = cache.read_text().splitlines(keepends=True)
+    cache.write_text("".join(lines[:5]) + lines[5][:20])
+    (tmp_path / "found" / names[0]).unlink()
+    asked(tmp_path, *BY_MASS, scene=STRUCK)
+    assert [(tmp_path / "found" / name).read_text() for name in names] == tables
+    again = cache.read_text().splitlines(keepends=True)
+    assert (again[:5], len(again)) == (lines[:5], len(lines))
+
+
+def test_ctrl_c_keeps_what_was_computed_and_the_same_command_resumes(tmp_path, monkeypatch, capsys):
+    def interrupted(pool, tasks):
+        for count, answer in enumerate(pool_here.answers(pool, tasks)):
+            if count == 2:
+                raise KeyboardInterrupt
+            yield answer
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Pool, "answers", interrupted)
+        assert asked(tmp_path, *BY_MASS, scene=STRUCK) == (130, [])
+    assert "the same command resumes it" in capsys.readouterr().out
+    kept = (tmp_path / "found" / "evaluations.jsonl").read_text()
+    assert len(kept.splitlines()) == 2
+    code, found = asked(tmp_path, *BY_MASS, scene=STRUCK)
+    assert (code, len(found)) == (0, 1)
+    assert (tmp_path / "found" / "evaluations.jsonl").read_text().startswith(kept)
+
+
+@pytest.mark.parametrize(
+    ("where", "says"),
+    [
+        ("mass=100", "no threshold: mass does not cross 100: 23.5 to 26 at 3 values of striker.mass from 0.5 to 3"),
+        ("agree_1=3", "no threshold: agree_1 is undefined at 3 values of striker.mass from 0.5 to 3"),
+    ],
+)
+def test_no_threshold_is_one_line_and_exit_code_1(where, says, tmp_path, capsys):
+    assert asked(tmp_path, *BY_MASS, "--where", where, scene=STRUCK) == (1, [])
+    assert says in capsys.readouterr().out.splitlines()
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["--where", "agre_1=3", "--vary", "gap=0:1"], "did you mean"),
+        (["--where", "agree_1", "--vary", "gap=0:1"], "--where: 'agree_1' given; such as agree_1=100"),
+        (["--where", "mass=much", "--vary", "gap=0:1"], "--where: 'much' is no number"),
+        (["--where", "mass=1", "--vary", "gap=1:0"], "--vary: 1:0 given; the smaller number first"),
+        (["--where", "mass=1", "--vary", "gap=0:1", "--log"], "both above 0 with --log"),
+        (["--where", "mass=1", "--vary", "beads=4.5:9"], "--vary: beads takes whole numbers"),
+        (["--where", "mass=1", "--vary", "gaps=0:1"], "a scene has no field 'gaps'"),
+        (["--where", "mass=1", "--vary", "gap=0:1", "--over", "gap=1,2"], "--over gap: is the field"),
+        (["--where", "mass=1", "--vary", "gap=0:1", "--over", "beads=9,9"], "--over: '9,9' given; different values"),
+        (["--where", "mass=1", "--vary", "gap=0:1", "--points", "1"], "--points: 1 given"),
+        (["--where", "mass=1", "--vary", "gap=0:1", "--tolerance", "0"], "--tolerance: 0 given"),
+    ],
+)
+def test_a_question_that_is_none_is_one_line_and_exit_code_2(words, says, tmp_path, capsys):
+    assert asked(tmp_path, *words)[0] == 2
+    said = capsys.readouterr()
+    assert says in said.err
+    assert len(said.err.splitlines()) == 1
+    assert not (tmp_path / "found").exists()

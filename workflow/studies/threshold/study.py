@@ -1,0 +1,310 @@
+"""A threshold study: scans of the field, brackets that are halved, and what is written.
+
+| file              | what                                                                     |
+|-------------------|--------------------------------------------------------------------------|
+| threshold.csv     | a line for each place where the quantity crosses the value               |
+| points.csv        | the quantity at every computed value of the field                        |
+| threshold.png     | the quantity over the field; with a second field the place over that     |
+| evaluations.jsonl | the cache: every scene that was computed, as it was done                 |
+"""
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lammps_inputs import InputError, library
+from lammps_inputs.units import REDUCED
+from workflow.engines.reference import engine
+from workflow.prepare import step_search, twin
+from workflow.studies.design.measures import KNOWN, evaluated, scene_to_run
+from workflow.studies.study import Study, to_csv
+from workflow.studies.threshold.bracket import APART, Axis, Crossing, crossings, wanted
+from workflow.sweep import fields
+from workflow.sweep.table import QUANTITIES, UNCERTAINTIES
+from workflow.workers import evaluate
+from workflow.workers.pool import Pool
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+TABLE, POINTS, FIGURE = "threshold.csv", "points.csv", "threshold"
+STUDY = Study(
+    "threshold", f"{TABLE} is the table", tables=(TABLE, POINTS), figures=(FIGURE,), cache="evaluations.jsonl"
+)
+
+ANALYSIS = 4e-7
+"""Seconds of an analysis for each recorded state of a bead; measured with 2 x 120 beads."""
+
+
+@dataclass(frozen=True)
+class Question:
+    """Where a quantity of a scene crosses a value.
+
+    Attributes:
+        source: what the scene is called in messages.
+        scene: its plain data.
+        quantity: by the name of a sweep's table.
+        level: the value, in the scene's units.
+        field: what varies.
+        axis: where it varies.
+        over: a second field; empty without one.
+        places: its values, one threshold for each.
+    """
+
+    source: str
+    scene: dict[str, Any]
+    quantity: str
+    level: float
+    field: str
+    axis: Axis
+    over: str = ""
+    places: tuple[Any, ...] = ()
+
+    @property
+    def lines(self) -> tuple[Any, ...]:
+        """Values of the second field; one of no meaning without one."""
+        return self.places if self.over else (None,)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The quantity, and its uncertainty where it has one."""
+        return (self.quantity, *filter(None, [UNCERTAINTIES.get(self.quantity)]))
+
+    def scene_at(self, value: float, over: Any) -> dict[str, Any]:
+        """Plain data of the scene with values in both fields."""
+        number = int(value) if self.axis.whole else value
+        placed = [(self.over, over)] * bool(self.over) + [(self.field, number)]
+        scene = self.scene
+        for field, content in placed:
+            scene = fields.put(scene, fields.parse(field), content)
+        return scene
+
+    def heading(self, name: str) -> str:
+        """A field or the quantity with its unit, if it has one."""
+        if name in QUANTITIES:
+            unit = QUANTITIES[name].unit(si="material" in self.scene)
+        else:
+            unit = fields.unit(fields.parse(name), self.scene) if name in (self.field, self.over) else ""
+        return name if unit in ("", REDUCED) else f"{name} ({unit})"
+
+    def __post_init__(self) -> None:
+        if self.quantity not in KNOWN:
+            hint = library.suggestion(self.quantity, KNOWN) or f"; known are {', '.join(KNOWN)}"
+            raise InputError(f"{self.source}: {self.quantity[:60]!r} is no quantity of a threshold{hint}")
+        names = [name for name in (self.field, self.over) if name]
+        if len({fields.parse(name, self.scene) for name in names}) < len(names):
+            raise InputError(f"{self.source}: --over {self.over}: is the field whose threshold is searched")
+
+
+@dataclass(frozen=True)
+class Threshold:
+    """A place where the quantity crosses the value.
+
+    Attributes:
+        over: value of the second field; None without one.
+        place: of the field, the middle of its bracket.
+        uncertainty: half the bracket's width, plus the quantity's own uncertainty over its slope where it has one; None
+            where that is undefined.
+        low, high: the bracket: the computed values up to ``low`` are on one side, those from ``high`` on the other, as
+            far as the neighbours in the scan.
+        rises: whether the quantity rises through the value.
+        mixed: whether values on both sides alternate within the bracket.
+        undefined: whether the quantity is undefined at a value within the bracket.
+    """
+
+    over: Any
+    place: float
+    uncertainty: float | None
+    low: float
+    high: float
+    rises: bool
+    mixed: bool
+    undefined: bool
+
+
+@dataclass(frozen=True)
+class Point:
+    """A computed scene: values of the second field and of the field, and the quantity, None where it is undefined."""
+
+    over: Any
+    value: float
+    quantity: float | None
+
+
+@dataclass(frozen=True)
+class Found:
+    """What came of a study.
+
+    Attributes:
+        question: what was asked.
+        thresholds: all places, by the second field and the field.
+        points: all computed scenes, in that order.
+        refused: why the first scene that could not be computed is none; empty if all could.
+    """
+
+    question: Question
+    thresholds: list[Threshold]
+    points: list[Point]
+    refused: str
+
+    def plain(self) -> dict[str, Any]:
+        """For scripts."""
+        asked = self.question
+        return {
+            "quantity": asked.quantity,
+            "value": asked.level,
+            "field": asked.field,
+            "over": asked.over or None,
+            "thresholds": [vars(one) for one in self.thresholds],
+            "computed": len(self.points),
+        }
+
+    def missing(self, over: Any) -> str:
+        """Why there is no threshold at a value of the second field, in one line; empty where there is one."""
+        if any(one.over == over for one in self.thresholds):
+            return ""
+        asked = self.question
+        at = f" at {asked.over} = {over}" if asked.over else ""
+        values = [point.quantity for point in self.points if point.over == over]
+        found = [value for value in values if value is not None]
+        where = f"at {len(values)} values of {asked.field} from {asked.axis.low:g} to {asked.axis.high:g}{at}"
+        if not found:
+            refused = f" ({self.refused})" if self.refused else ""
+            return f"no threshold: {asked.quantity} is undefined {where}{refused}"
+        undefined = f", undefined at {len(values) - len(found)}" if len(found) < len(values) else ""
+        return (
+            f"no threshold: {asked.quantity} does not cross {asked.level:g}: {min(found):.6g} to {max(found):.6g} "
+            f"{where}{undefined}"
+        )
+
+
+def cost(question: Question) -> str:
+    """How many scenes will be computed and how long that takes, in one line."""
+    axis = question.axis
+    scan, lines = len(axis.scan()), len(question.lines)
+    halvings = axis.halvings()
+    each = halvings + 2 * math.ceil((halvings + 1) * math.log(2.0) / math.log(APART))
+    seconds = [_seconds(question, value, over) for value in (axis.low, axis.high) for over in question.lines]
+    known = [one for one in seconds if one is not None]
+    time = f", {min(known):.2g} to {max(known):.2g} s each by estimate" if known else ""
+    many = f" for each of {lines} values of {question.over}" if question.over else ""
+    return f"{scan} scenes, and about {each} for each crossing{many}{time}"
+
+
+def _seconds(question: Question, value: float, over: Any) -> float | None:
+    """Estimated time of the reference and the analysis; None where the scene cannot be run."""
+    try:
+        plain = question.scene_at(value, over)
+        problem = scene_to_run(plain, question.names, question.source).model_copy(update={"accuracy": None}).problem()
+    except (InputError, ValueError):
+        return None
+    work = twin.work(problem, 0, engine.default_steps_per_frame(problem)) / twin.RUNS
+    states = problem.frames * problem.chains * problem.beads
+    return 5.0 * work / step_search.MOST_WORK + ANALYSIS * states
+
+
+def carry_out(
+    question: Question, directory: Path, *, pool: Pool | None = None, progress: evaluate.Progress | None = None
+) -> Found:
+    """Find all places, on all cores; what a directory holds of an earlier start is not computed again.
+
+    Args:
+        question: what is asked.
+        directory: made if need be.
+        pool: worker processes; by default as many as there are cores.
+        progress: called with the scenes computed, how many are planned so far, and how many are undefined.
+
+    Raises:
+        InputError: the directory cannot be used.
+        RunError: a process was killed.
+    """
+    known: dict[Any, dict[float, float | None]] = {over: {} for over in question.lines}
+    errors: dict[tuple[Any, float], float | None] = {}
+    refused: list[str] = []
+    with STUDY.opened(directory) as cache:
+        while plan := [
+            (over, x) for over in question.lines for x in wanted(known[over], question.axis, question.level)
+        ]:
+            done = sum(map(len, known.values()))
+
+            def show(now: int, total: int, _: int, done: int = done) -> None:
+                if progress is not None:
+                    progress(done + now, done + total, 0)
+
+            cases = [_case(question, x, over) for over, x in plan]
+            for (over, x), value in zip(plan, evaluate.values(cases, cache, pool=pool, progress=show), strict=True):
+                quantities = value.get("quantities", {})
+                refused += [value["refused"]] if "refused" in value else []
+                known[over][x] = quantities.get(question.quantity)
+                errors[over, x] = quantities.get(question.names[-1])
+        found = Found(
+            question,
+            [
+                _threshold(question, over, one, errors)
+                for over in question.lines
+                for one in crossings(known[over], question.axis, question.level)
+            ],
+            [Point(over, x, known[over][x]) for over in question.lines for x in sorted(known[over])],
+            "".join(refused[:1]),
+        )
+        tables = {TABLE: to_csv(Threshold, found.thresholds), POINTS: to_csv(Point, found.points)}
+        STUDY.write(directory, tables, {FIGURE: _figure(found)})
+    return found
+
+
+def _case(question: Question, value: float, over: Any) -> evaluate.Case:
+    arguments = {
+        "plain": question.scene_at(value, over),
+        "names": question.names,
+        "source": question.source,
+    }
+    return evaluate.case(f"{evaluated.__module__}:{evaluated.__name__}", arguments)
+
+
+def _threshold(
+    question: Question, over: Any, crossing: Crossing, errors: dict[tuple[Any, float], float | None]
+) -> Threshold:
+    low, high = crossing.low, crossing.high
+    uncertainty: float | None = 0.5 * (high - low)
+    if len(question.names) > 1:
+        own = [errors[over, low], errors[over, high]]
+        known = [one for one in own if one is not None]
+        uncertainty = None if len(known) < len(own) else 0.5 * (high - low) + max(known) / abs(crossing.slope)
+    place = question.axis.middle(low, high)
+    return Threshold(
+        over, place, uncertainty, low, high, crossing.rises, mixed=crossing.mixed, undefined=crossing.undefined
+    )
+
+
+def _figure(found: Found) -> "Figure":
+    from analysis.figures.swept import Axis as Shown  # matplotlib takes half a second to import
+    from analysis.figures.swept import swept_figure
+
+    asked = found.question
+
+    title = f"{asked.source}: {asked.quantity} = {asked.level:g}"
+    if asked.over and all(isinstance(over, int | float) for over in asked.places):
+        # a value without a threshold is a tick at the foot
+        lines = list(
+            itertools.chain(*([o for o in found.thresholds if o.over == over] or [over] for over in asked.places))
+        )
+        numbers = [(o.over, o.place, o.uncertainty) if isinstance(o, Threshold) else (o, None, None) for o in lines]
+        over, place, error = (_floats([line[k] for line in numbers]) for k in range(3))
+        return swept_figure(
+            Shown(asked.heading(asked.field), place, error), Shown(asked.heading(asked.over), over), title=title
+        )
+    values, quantity = (_floats([getattr(point, name) for point in found.points]) for name in ("value", "quantity"))
+    beside = _floats([asked.places.index(point.over) + 1 for point in found.points]) if asked.over else None
+    second = None if beside is None else Shown(f"value of {asked.over}, by its number", beside)
+    return swept_figure(
+        Shown(asked.heading(asked.quantity), quantity), Shown(asked.heading(asked.field), values), second, title
+    )
+
+
+def _floats(values: Sequence[Any]) -> "np.ndarray[Any, np.dtype[np.float64]]":
+    return np.array([math.nan if value is None else float(value) for value in values], dtype=np.float64)
