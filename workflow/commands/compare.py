@@ -11,10 +11,8 @@ from workflow.prepare.settings import refuse_unstable
 from workflow.runs.engines import ENGINES
 from workflow.runs.own_files import refuse_to_overwrite
 from workflow.screen import one_line, print_table, progress_bar
-from workflow.studies.compare.answer import arrival
-from workflow.studies.compare.measure import Result
-from workflow.studies.compare.report import FIGURE, REPORT, Comparison
-from workflow.studies.compare.study import compare, engines_for
+from workflow.studies.compare.measure import Result, arrival
+from workflow.studies.compare.study import FIGURE, REPORT, Comparison, compare, engines_for
 
 DRAWS = True
 EXAMPLES = (

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from lammps_inputs import InputError, library
 from workflow.screen import count_bar, one_line, print_table
-from workflow.studies.extremes import grid, report
+from workflow.studies.extremes import cells, report
 
 DRAWS = True
 EXAMPLES = (
@@ -17,7 +17,7 @@ EXAMPLES = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Where to, and how much."""
-    parser.add_argument("parts", metavar="PART", nargs="*", help=f"of {', '.join(grid.PARTS)} (default all)")
+    parser.add_argument("parts", metavar="PART", nargs="*", help=f"of {', '.join(cells.PARTS)} (default all)")
     parser.add_argument("-o", "--output", metavar="DIR", type=Path, help="made, or gone on with: table, figure, cells")
     parser.add_argument("--quick", action="store_true", help="only the cells that take about a second")
 
@@ -25,14 +25,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(arguments: argparse.Namespace) -> int:
     """Run what is missing, print a table; exit code 1 if a cell is silently wrong."""
     for name in arguments.parts:
-        if name not in grid.PARTS:
-            known = library.suggestion(name[:60], grid.PARTS)
-            raise InputError(f"extremes: {name[:60]!r} given{known}; of {', '.join(grid.PARTS)}")
-    cells = grid.grid(arguments.parts)
+        if name not in cells.PARTS:
+            known = library.suggestion(name[:60], cells.PARTS)
+            raise InputError(f"extremes: {name[:60]!r} given{known}; of {', '.join(cells.PARTS)}")
+    chosen = cells.grid(arguments.parts)
     if arguments.quick:
-        cells = [cell for cell in cells if report.cost(cell) <= report.QUICK]
+        chosen = [cell for cell in chosen if report.cost(cell) <= report.QUICK]
     with count_bar("extremes") as progress:
-        outcomes = report.make_report(cells, arguments.output, progress=progress)
+        outcomes = report.make_report(chosen, arguments.output, progress=progress)
     rows = [
         [
             outcome.axis,

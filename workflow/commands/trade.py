@@ -7,10 +7,10 @@ from pathlib import Path
 
 from lammps_inputs import InputError, library
 from workflow.screen import count_bar, one_line, print_table
-from workflow.studies.trade import advice, report, tables
+from workflow.studies.trade import advice, report, study
 from workflow.studies.trade import study as studying
-from workflow.studies.trade.conclusions import pareto
-from workflow.studies.trade.study import Study
+from workflow.studies.trade.study import Findings
+from workflow.studies.trade.work_precision import pareto
 
 LARGE = 1e9
 """Bytes of frames above which a scene is said to be large."""
@@ -66,14 +66,14 @@ def execute(arguments: argparse.Namespace) -> int:
             follow=lambda _, done, total: progress(done, total),
         )
     _print(found)
-    written = [name for name in (tables.ENGINES, tables.FRAMES) if (arguments.output / name).exists()]
+    written = [name for name in (study.ENGINES, study.FRAMES) if (arguments.output / name).exists()]
     print(f"{one_line(arguments.output)}: {', '.join(written + report.write(found, arguments.output))}")
     if not found.whole:
         raise KeyboardInterrupt
     return 0
 
 
-def _print(found: Study) -> None:
+def _print(found: Findings) -> None:
     truth = found.truth
     if truth is None:
         return
@@ -109,7 +109,7 @@ def _print(found: Study) -> None:
         print(sentence)
 
 
-def _print_orders(found: Study) -> None:
+def _print_orders(found: Findings) -> None:
     assert found.truth is not None
     rows = []
     for name, by in report.orders(found, found.truth).items():
@@ -121,7 +121,7 @@ def _print_orders(found: Study) -> None:
         print_table("measured orders, of velocities", ["method", "order", "+-", "over steps", "points"], rows)
 
 
-def _print_frames(found: Study) -> None:
+def _print_frames(found: Findings) -> None:
     rows = [
         [
             point.setting.curve,

@@ -22,10 +22,11 @@
 import contextlib
 import csv
 import io
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from workflow.formats import figure_files
 from workflow.runs.study_directory import RESUMES, mark, study_directory
@@ -97,12 +98,27 @@ class Study:
 
 
 def to_csv(kind: "type[DataclassInstance]", records: "Iterable[DataclassInstance]") -> str:
-    """One line a record, columns as the fields of their kind; empty where there is no number."""
+    """One line a record, columns as the fields of their kind."""
+    return csv_text([vars(record) for record in records], [field.name for field in fields(kind)])
+
+
+def csv_text(rows: Sequence[Mapping[str, Any]], head: Sequence[str] = ()) -> str:
+    """CSV of rows by column; numbers read back exactly, and what is undefined is empty.
+
+    Args:
+        rows: column -> value.
+        head: the columns; by default those of the first row.
+    """
     out = io.StringIO()
+    names = head or list(rows[0])
     writer = csv.writer(out, lineterminator="\n")
-    names = [field.name for field in fields(kind)]
     writer.writerow(names)
-    for record in records:
-        values = (getattr(record, name) for name in names)
-        writer.writerow(["" if value is None else value for value in values])
+    for row in rows:
+        writer.writerow([_written(row[name]) for name in names])
     return out.getvalue()
+
+
+def _written(value: Any) -> str:
+    if isinstance(value, float):
+        return "" if math.isnan(value) else repr(float(value))
+    return "" if value is None else str(value)

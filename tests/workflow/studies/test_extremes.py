@@ -26,13 +26,12 @@ from workflow.prepare.instants import stride
 from workflow.runs import check as checking
 from workflow.runs.run import run
 from workflow.studies import study
-from workflow.studies.extremes import grid as all_cells
+from workflow.studies.extremes import cells as all_cells
 from workflow.studies.extremes import measure, report
-from workflow.studies.extremes.cells import BASE, Cell, changed, scaled, springs
+from workflow.studies.extremes.cells import BASE, Cell, changed, grid, scaled, springs
 from workflow.studies.extremes.figure import COLOURS, extremes_figure
-from workflow.studies.extremes.grid import grid
-from workflow.studies.extremes.outcome import KINDS, Outcome, Told, TrueError, classify
-from workflow.studies.extremes.true_error import _apart, judge
+from workflow.studies.extremes.measure import KINDS, Outcome, Told, classify
+from workflow.studies.extremes.true_error import TrueError, _apart, judge
 from workflow.workers.pool import Pool, Task
 
 pytestmark = pytest.mark.usefixtures("lammps_here")

@@ -1,30 +1,122 @@
 """The same scene with several engines side by side: what the cheap model of rigid beads keeps, and what it loses.
 
-Each engine's run stands whole in a directory of its name; ``compare.json`` and a figure stand beside them.
+Each engine's run has a directory of its name; ``compare.json`` and a figure are beside them.
 """
 
+import math
 import tempfile
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, ExitStack, nullcontext
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from lammps_inputs import InputError, Problem, Scene, file_names, strict_yaml
+from lammps_inputs.numbers import known
 from workflow.engines.reference import engine as reference
 from workflow.errors import RunError
-from workflow.formats import figure_files
 from workflow.prepare.settings import settle
 from workflow.runs import run as running
 from workflow.runs.engines import ENGINES, LAMMPS, REFERENCE, RIGID, Progress, engine_called
 from workflow.runs.files import RECORD
 from workflow.runs.locks import alone
 from workflow.runs.own_files import prepare, prepared, replacing
-from workflow.runs.study_directory import mark
-from workflow.runs.whole_files import write_json, write_text
-from workflow.studies.compare.answer import answer
-from workflow.studies.compare.measure import last_row, measure
-from workflow.studies.compare.report import FIGURE, REPORT, Comparison, draw, plain
+from workflow.runs.whole_files import as_json
+from workflow.studies.compare.measure import Result, answer, last_row, measure
+from workflow.studies.study import Study
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+# --- report -----------------------------------------------------------------------------------------------------------
+
+REPORT, FIGURE = "compare.json", "compare"
+STUDY = Study(
+    "compare",
+    f"{REPORT} holds what was found, and each engine's run has a directory in it",
+    tables=(file_names.SCENE, REPORT),
+    figures=(FIGURE,),
+    resume="the same command with --overwrite compares again",
+)
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Several engines' results of one scene.
+
+    Attributes:
+        rows: numbers of the beads that are shown.
+        last: last bead up to which every engine passed an impulse on; 1 if none did.
+        answer: sentences that say what was found.
+    """
+
+    problem: Problem
+    results: tuple[Result, ...]
+    rows: tuple[int, ...]
+    last: int
+    answer: tuple[str, ...]
+
+    def of(self, engine: str) -> Result | None:
+        """The result of one engine, if it ran."""
+        return next((result for result in self.results if result.engine == engine), None)
+
+
+def plain(found: Comparison) -> dict[str, Any]:
+    """The contents of ``compare.json``, dimensionless (times in T, impulses in m V; ``scale`` has the units).
+
+    | key            | what                                                                               |
+    |----------------|------------------------------------------------------------------------------------|
+    | answer         | sentences                                                                          |
+    | last_bead      | up to which every engine passed an impulse on                                      |
+    | beads          | struck bead of each row of the arrays below                                        |
+    | engines        | per engine: first_impulse, impulse, contacts, first_time [chain][row]; imbalance;  |
+    |                | peak [chain][shown]; momentum_share, energy_share (last: springs); seconds         |
+    """
+    problem, scale = found.problem, found.problem.scale
+    return {
+        "scene": problem.name,
+        "kappa": problem.kappa,
+        "gap": problem.gap,
+        "theta": math.sqrt(2.0 * problem.kappa) * problem.gap,
+        "duration": problem.duration,
+        "scale": {"mass": scale.mass, "length": scale.length, "time": scale.time, "velocity": scale.velocity},
+        "answer": list(found.answer),
+        "last_bead": found.last,
+        "shown": list(found.rows),
+        "beads": found.results[0].impulses.bead.tolist(),
+        "engines": {result.engine: _plain_result(result) for result in found.results},
+    }
+
+
+def _plain_result(result: Result) -> dict[str, Any]:
+    impulses = result.impulses
+    return {
+        "seconds": result.seconds,
+        "wall_seconds": result.wall,
+        "momentum_share": result.momentum.tolist(),
+        "energy_share": result.energy.tolist(),
+        "peak": result.peak.tolist(),
+        "first_impulse": impulses.first.tolist(),
+        "impulse": impulses.whole.tolist(),
+        "contacts": impulses.contacts.tolist(),
+        "first_time": impulses.time.tolist(),
+        "imbalance": known(impulses.imbalance),
+    }
+
+
+def _figure(found: Comparison) -> "Figure":
+    from analysis.figures.engines import Curve, engines_figure  # matplotlib takes half a second to import
+
+    curves = [
+        Curve(result.engine, result.time, result.velocity, result.impulses.bead, result.impulses.first)
+        for result in found.results
+    ]
+    return engines_figure(found.problem, found.rows, curves)
+
+
+# --- runs -------------------------------------------------------------------------------------------------------------
 
 MOST_SHOWN = 7
 
@@ -77,7 +169,7 @@ def compare(
     scene, settings = settle(scene, source=scene.name, own_step=LAMMPS.name in names)
     problem = scene.problem()
     rows = shown_rows(problem)
-    own = (file_names.SCENE, RECORD, REPORT, *figure_files(FIGURE))
+    own = (RECORD, *STUDY.files)
     prepare(directory, own, overwrite=overwrite)
     for name in names:
         if (directory / name).exists():
@@ -98,12 +190,10 @@ def compare(
             results.append(measure(ran.directory, rows))
         last = last_row(results)
         found = Comparison(problem, tuple(results), rows, last, answer(results, last))
-        write_text(Path(work) / file_names.SCENE, strict_yaml.dump(scene.resolved().plain()))
-        write_json(Path(work) / REPORT, plain(found))
-        draw(Path(work), found)
+        texts = {file_names.SCENE: strict_yaml.dump(scene.resolved().plain()), REPORT: as_json(plain(found)) + "\n"}
+        STUDY.write(Path(work), texts, {FIGURE: _figure(found)})
         _put_in_place(Path(work), directory, own, names)
-    result = f"{REPORT} holds what was found, and each engine's run has a directory in it"
-    mark(directory, "compare", done=True, result=result, resume="the same command with --overwrite compares again")
+    STUDY.mark(directory, done=True)
     return found
 
 

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
 from analysis.figures.style import STYLE
-from workflow.studies.extremes.outcome import KINDS, Outcome
+from workflow.studies.extremes.measure import KINDS, Outcome
 
 COLOURS = {"RIGHT": "#8fd0b5", "TOLD": "#f5d76e", "REFUSED": "#d9d9d9", "STOPPED": "#a9c6e8", "WRONG": "#d7301f"}
 

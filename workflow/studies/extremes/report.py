@@ -9,7 +9,7 @@ from pathlib import Path
 
 from lammps_inputs import InputError, library
 from workflow.studies.extremes.cells import Cell
-from workflow.studies.extremes.outcome import KINDS, Outcome
+from workflow.studies.extremes.measure import KINDS, Outcome
 from workflow.studies.study import Study, to_csv
 from workflow.workers import evaluate
 from workflow.workers.pool import Answer, Task

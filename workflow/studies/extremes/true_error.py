@@ -5,7 +5,7 @@ pulse, which a window finds, and the invariants: they prove an error of at least
 """
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,7 +20,6 @@ from workflow.engines.reference.blanes_moan import BLANES_MOAN
 from workflow.engines.reference.certify import Certifier
 from workflow.engines.reference.passages import passages, usual_timestep
 from workflow.runs.run_directory import RunDirectory
-from workflow.studies.extremes.outcome import TrueError
 
 LONGEST = 8.0
 """Seconds that a comparison may take, as estimated."""
@@ -35,6 +34,15 @@ _CLEAR = 2.0 * THRESHOLD
 _SLOPE = 0.826
 """Steepest slope of a solitary wave's velocity over its peak to the power 1.2: what is late by a time is off by this
 times it."""
+
+
+@dataclass(frozen=True)
+class TrueError:
+    """What the judge found: the largest error, how sure that is (units of V), and how it was found."""
+
+    error: float
+    sure: float
+    by: str
 
 
 def judge(directory: RunDirectory, tolerance: float, *, longest: float = LONGEST) -> TrueError:

@@ -6,10 +6,10 @@ from typing import Any
 
 from lammps_inputs import Problem
 from workflow.runs.engines import LAMMPS
-from workflow.studies.trade import conclusions, grid
+from workflow.studies.trade import grid, work_precision
 from workflow.studies.trade.certified import Certified
-from workflow.studies.trade.harness import Point
-from workflow.studies.trade.study import Study
+from workflow.studies.trade.study import Findings
+from workflow.studies.trade.work_precision import Point
 
 ACCURACIES = (1e-2, 1e-4, 1e-6, 1e-8)
 
@@ -19,7 +19,7 @@ WELL_ABOVE = 10.0
 Points = Sequence[Point[Any]]
 
 
-def sentences(study: Study) -> list[str]:
+def sentences(study: Findings) -> list[str]:
     """Everything that was found, one sentence a line."""
     truth = study.truth
     if truth is None:
@@ -36,7 +36,7 @@ def comparable(points: Points) -> list[Point[Any]]:
     return [point for point in points if point.measured and grid.is_whole(point.setting.curve)]
 
 
-def certificate(study: Study, truth: Certified) -> str:
+def certificate(study: Findings, truth: Certified) -> str:
     """How sure the reference is, and which errors are not well above that."""
     floor = truth.floors["velocity"]
     near = [point for point in study.engines if point.measured and point.errors["velocity"] < WELL_ABOVE * floor]
@@ -46,13 +46,13 @@ def certificate(study: Study, truth: Certified) -> str:
     return f"{said}; errors of velocities that are less than ten times that, and so not well known, are marked ~."
 
 
-def advice(study: Study, truth: Certified, accuracy: float) -> str:
+def advice(study: Findings, truth: Certified, accuracy: float) -> str:
     """Which engine and settings are the cheapest that keep an accuracy of all velocities; and in LAMMPS."""
     floor = truth.floors["velocity"]
     points = comparable(study.engines)
     own = [point for point in points if point.setting.curve.startswith(grid.LAMMPS)]
     best, lammps = (
-        conclusions.cheapest(group, accuracy, "velocity", "seconds", floor=floor) for group in (points, own)
+        work_precision.cheapest(group, accuracy, "velocity", "seconds", floor=floor) for group in (points, own)
     )
     if best is None:
         nearest = min(points, key=lambda point: point.errors["velocity"], default=None)
@@ -93,7 +93,7 @@ def _dividing(step: float, count: int) -> str:
     return next((text for text in texts if abs(float(text) / step - 1.0) < 5e-10), repr(step))
 
 
-def left_out(study: Study) -> list[str]:
+def left_out(study: Findings) -> list[str]:
     """What was not measured, and why, a sentence for each method."""
     said = []
     everything = [*study.engines, *study.frames]
@@ -106,7 +106,7 @@ def left_out(study: Study) -> list[str]:
     return said
 
 
-def suzuki(study: Study, truth: Certified) -> list[str]:
+def suzuki(study: Findings, truth: Certified) -> list[str]:
     """From which accuracy and size on suzuki4 beats Verlet in LAMMPS."""
     floor = WELL_ABOVE * truth.floors["velocity"]
     curves = {
@@ -114,12 +114,12 @@ def suzuki(study: Study, truth: Certified) -> list[str]:
         for name in ("suzuki4", "verlet")
     }
     atoms = study.problem.chains * study.problem.beads
-    measured = [conclusions.pairs(points, "velocity", "seconds", floor) for points in curves.values()]
-    found = conclusions.better_from(measured[0], measured[1])
+    measured = [work_precision.pairs(points, "velocity", "seconds", floor) for points in curves.values()]
+    found = work_precision.better_from(measured[0], measured[1])
     said = [f"In LAMMPS suzuki4 {_where(found)}, for the {atoms} beads of this scene."]
     # the reference makes the same errors with the same forces, and is not too dear to be run at the finest steps
     forces = {
-        name: conclusions.pairs(
+        name: work_precision.pairs(
             [*points, *_curve(study.engines, f"{grid.REFERENCE}{name}")], "velocity", "forces", floor
         )
         for name, points in curves.items()
@@ -128,7 +128,7 @@ def suzuki(study: Study, truth: Certified) -> list[str]:
         costs = [[(error, count * size.seconds[name]) for error, count in forces[name]] for name in curves]
         said.append(
             f"By the cost of its steps with {size.atoms} beads, {_ratio(size.seconds)} that of Verlet's, and errors as "
-            f"here, it {_where(conclusions.better_from(*costs))}."
+            f"here, it {_where(work_precision.better_from(*costs))}."
         )
     return said
 
@@ -148,7 +148,7 @@ def _where(found: tuple[float, float, float] | None) -> str:
     return f"beats Verlet from an error of {start:.1e} V on downwards"
 
 
-def ranks(study: Study) -> list[str]:
+def ranks(study: Findings) -> list[str]:
     """What more ranks gain."""
     points = _curve(study.engines, f"{grid.LAMMPS}{grid.RANKS}")
     if len(points) < 2:
@@ -165,7 +165,7 @@ def _times(points: Points) -> str:
     return ", ".join(f"{point.setting.label} {point.cost('seconds'):.2g} s" for point in points)
 
 
-def windows(study: Study) -> list[str]:
+def windows(study: Findings) -> list[str]:
     """What windows gain, and lose, near the front."""
     said = []
     for engine in (grid.LAMMPS, grid.REFERENCE):
@@ -184,7 +184,7 @@ def windows(study: Study) -> list[str]:
     return said
 
 
-def rigid(study: Study) -> list[str]:
+def rigid(study: Findings) -> list[str]:
     """What the collision model is worth."""
     points = _curve(study.engines, grid.RIGID)
     if not points:
@@ -198,7 +198,7 @@ def rigid(study: Study) -> list[str]:
     ]
 
 
-def frames(study: Study) -> list[str]:
+def frames(study: Findings) -> list[str]:
     """What seldom frames and text lose, and text costs."""
     said = []
     points = _curve(study.frames, "frames")

@@ -18,7 +18,7 @@ from analysis.trajectory import Trajectory, frames_per_block
 from lammps_inputs import Problem, file_names
 from workflow.errors import RunError
 from workflow.studies.trade import certified, jobs
-from workflow.studies.trade.harness import Setting
+from workflow.studies.trade.work_precision import Setting
 
 TEXT = "chains.dump.txt"
 

@@ -13,8 +13,8 @@ from workflow.engines.reference.blanes_moan import BLANES_MOAN
 from workflow.engines.reference.scheme import Scheme
 from workflow.engines.reference.suzuki import SUZUKI4
 from workflow.engines.reference.verlet import VERLET
-from workflow.studies.trade.harness import Setting
 from workflow.studies.trade.jobs import Job
+from workflow.studies.trade.work_precision import Setting
 
 COARSEST = 0.6
 """Longest step (of a composition: cycle) in the stability bound of velocity Verlet."""

@@ -8,32 +8,29 @@ from typing import Any
 import numpy as np
 
 from workflow.runs.provenance import provenance
-from workflow.runs.study_directory import mark
 from workflow.runs.whole_files import write_figure, write_json
-from workflow.studies.trade import advice, conclusions, grid
+from workflow.studies.trade import advice, grid, work_precision
 from workflow.studies.trade.certified import QUANTITIES, Certified
-from workflow.studies.trade.harness import Point
-from workflow.studies.trade.study import RESULT, Study
-
-REPORT, FIGURE = "trade.json", "trade"
+from workflow.studies.trade.study import FIGURE, REPORT, STUDY, Findings
+from workflow.studies.trade.work_precision import Point
 
 
-def write(study: Study, directory: Path) -> list[str]:
+def write(study: Findings, directory: Path) -> list[str]:
     """Write both; returns the names of the files."""
     write_json(directory / REPORT, plain(study))
     names = [REPORT]
     if study.truth is not None and any(point.measured for point in study.engines):
         names += [path.name for path in draw(study, study.truth, directory)]
     if study.whole:
-        mark(directory, "trade", done=True, result=RESULT)
+        STUDY.mark(directory, done=True)
     return names
 
 
-def orders(study: Study, truth: Certified) -> dict[str, dict[str, conclusions.Order | None]]:
+def orders(study: Findings, truth: Certified) -> dict[str, dict[str, work_precision.Order | None]]:
     """Curve and quantity -> order."""
     return {
         name: {
-            quantity: conclusions.order(points, quantity, advice.WELL_ABOVE * truth.floors[quantity])
+            quantity: work_precision.order(points, quantity, advice.WELL_ABOVE * truth.floors[quantity])
             for quantity in QUANTITIES
         }
         for name, points in curves(study.engines).items()
@@ -49,7 +46,7 @@ def curves(points: Sequence[Point[Any]]) -> dict[str, list[Point[Any]]]:
     return found
 
 
-def plain(study: Study) -> dict[str, Any]:
+def plain(study: Findings) -> dict[str, Any]:
     """The contents of ``trade.json``; errors and steps dimensionless."""
     truth = study.truth
     found: dict[str, Any] = {
@@ -71,7 +68,7 @@ def plain(study: Study) -> dict[str, Any]:
             for name, by in orders(study, truth).items()
         }
         for quantity in QUANTITIES:
-            front = conclusions.pareto(advice.comparable(study.engines), quantity, "seconds")
+            front = work_precision.pareto(advice.comparable(study.engines), quantity, "seconds")
             found["pareto"][quantity] = [f"{point.setting.curve}, {point.setting.label}" for point in front]
     return found
 
@@ -88,7 +85,7 @@ def _plain_point(point: Point[Any]) -> dict[str, Any]:
     }
 
 
-def draw(study: Study, truth: Certified, directory: Path) -> tuple[Path, ...]:
+def draw(study: Findings, truth: Certified, directory: Path) -> tuple[Path, ...]:
     """The work-precision figure."""
     from analysis.figures.work_precision import Curve, work_precision_figure  # matplotlib takes a while to import
 
@@ -109,7 +106,7 @@ def draw(study: Study, truth: Certified, directory: Path) -> tuple[Path, ...]:
             )
     whole = advice.comparable(study.engines)
     for quantity in QUANTITIES:
-        front = conclusions.pareto(whole, quantity, "seconds")
+        front = work_precision.pareto(whole, quantity, "seconds")
         fronts[quantity] = np.array([(point.cost("seconds"), point.errors[quantity]) for point in front])
     figure = work_precision_figure(study.problem, drawn, fronts, truth.floors)
     return write_figure(directory, FIGURE, figure)

@@ -13,14 +13,75 @@ from workflow.engines.lammps import mpi
 from workflow.errors import RunError
 from workflow.prepare.settings import settle
 from workflow.runs.own_files import prepared
-from workflow.runs.study_directory import mark
-from workflow.runs.whole_files import write_text
-from workflow.studies.trade import frames, grid, harness, jobs, sizes, tables
-from workflow.studies.trade.certified import Certified, make_truth
-from workflow.studies.trade.harness import Point
-from workflow.studies.trade.sizes import Size
+from workflow.studies.study import Study, csv_text
+from workflow.studies.trade import frames, grid, jobs, work_precision
+from workflow.studies.trade.certified import QUANTITIES, Certified, make_truth
+from workflow.studies.trade.jobs import Size
+from workflow.studies.trade.work_precision import Point
 
-RESULT = "trade.json holds what was found"
+# --- tables -----------------------------------------------------------------------------------------------------------
+
+ENGINES, FRAMES = "trade.csv", "frames.csv"
+
+Points = Sequence[Point[Any]]
+
+
+def engines_csv(points: Points, problem: Problem) -> str:
+    """A row for each setting; errors in units of V and T, ``timestep`` and ``every`` in the scene's.
+
+    ``seconds`` is the median of the repeats, or the first call where ``repeats`` is 0; ``start`` is not in it.
+    """
+    scale = problem.scale
+
+    def own(job: jobs.Job) -> dict[str, Any]:
+        return {
+            scale.heading("timestep", "time"): job.problem.timestep * scale.time,
+            scale.heading("every", "time"): job.problem.every * scale.time,
+            "ranks": job.ranks,
+            "window": job.window or job.problem.window,
+        }
+
+    return csv_text([_row(point, own(point.setting.what), ("forces",)) for point in points])
+
+
+def frames_csv(points: Points, problem: Problem) -> str:
+    """A row for each way to record; errors of reading alone; ``seconds`` is running and reading."""
+    every = problem.scale.heading("every", "time")
+
+    def own(job: frames.Recording) -> dict[str, Any]:
+        return {every: job.problem.every * problem.scale.time, "format": job.format}
+
+    return csv_text([_row(point, own(point.setting.what), ("bytes", "run", "read")) for point in points])
+
+
+def _row(point: Point[Any], own: dict[str, Any], costs: Sequence[str]) -> dict[str, Any]:
+    """The columns of a point; None where it was not measured."""
+    seconds = point.costs("seconds") if point.measured else []
+    return {
+        "method": point.setting.curve,
+        "setting": point.setting.label,
+        **own,
+        **{f"{name}_error": point.errors.get(name) for name in QUANTITIES},
+        **{name: point.cost(name) if point.measured else None for name in (*costs, "seconds")},
+        "seconds_min": min(seconds, default=None),
+        "seconds_max": max(seconds, default=None),
+        "seconds_first": point.first.get("seconds"),
+        "repeats": len(point.repeats) if point.measured else None,
+        "start": point.cost("start") if "start" in point.first else None,
+        "note": point.left_out,
+    }
+
+
+# --- study ------------------------------------------------------------------------------------------------------------
+
+REPORT, FIGURE = "trade.json", "trade"
+STUDY = Study(
+    "trade",
+    f"{REPORT} holds what was found",
+    tables=(ENGINES, FRAMES, REPORT),
+    figures=(FIGURE,),
+    resume="its tables hold what was measured; take another -o",
+)
 
 BUDGET = 60.0
 """Seconds that a study should take; what would take much of it alone is left out."""
@@ -36,14 +97,12 @@ BUSY = 0.7
 FORCE_SECONDS = 1e-9
 """Of a bead, by the reference."""
 
-Points = Sequence[Point[Any]]
-
 Follow = Callable[[str, int, int], None]
 """Called with what is being done, the calls done, and an upper bound of all calls."""
 
 
 @dataclass
-class Study:
+class Findings:
     """What has been measured of a problem so far.
 
     Attributes:
@@ -101,7 +160,7 @@ def study(
     budget: float = BUDGET,
     repeats: int = REPEATS,
     follow: Follow = lambda *_: None,
-) -> Study:
+) -> Findings:
     """Measure everything, or until Ctrl-C; ``trade.csv`` and ``frames.csv`` grow as it goes.
 
     Args:
@@ -116,8 +175,8 @@ def study(
         RunError: the reference or LAMMPS failed altogether.
     """
     with prepared(directory):
-        mark(directory, "trade", done=False, result=RESULT, resume="its tables hold what was measured; take another -o")
-        found = Study(problem, notes=busy())
+        STUDY.mark(directory, done=False)
+        found = Findings(problem, notes=busy())
         started = time.perf_counter()
         try:
             with tempfile.TemporaryDirectory(prefix=".running-", dir=directory) as name:
@@ -129,7 +188,7 @@ def study(
     return found
 
 
-def _measure(found: Study, directory: Path, work: Path, budget: float, repeats: int, follow: Follow) -> None:
+def _measure(found: Findings, directory: Path, work: Path, budget: float, repeats: int, follow: Follow) -> None:
     problem = found.problem
     follow("reference", 0, 1)
     truth = make_truth(problem, work, seconds=_TRUTH * budget)
@@ -138,15 +197,15 @@ def _measure(found: Study, directory: Path, work: Path, budget: float, repeats: 
 
     def keep_engines(points: Points, done: int, total: int) -> None:
         found.engines = points
-        write_text(directory / tables.ENGINES, tables.engines_csv(points, problem))
+        STUDY.write(directory, {ENGINES: engines_csv(points, problem)})
         follow("engines", done, total)
 
     def keep_frames(points: Points, done: int, total: int) -> None:
         found.frames = points
-        write_text(directory / tables.FRAMES, tables.frames_csv(points, problem))
+        STUDY.write(directory, {FRAMES: frames_csv(points, problem)})
         follow("frames", done, total)
 
-    harness.measure(
+    work_precision.measure(
         grid.settings(problem),
         lambda job: jobs.run(job, work),
         lambda done: truth.errors(done.blocks()),
@@ -161,7 +220,7 @@ def _measure(found: Study, directory: Path, work: Path, budget: float, repeats: 
         return
     try:
         exact = frames.make_exact(problem, work)
-        harness.measure(
+        work_precision.measure(
             frames.settings(problem),
             lambda job: frames.run(job, work),
             exact.errors,
@@ -173,6 +232,6 @@ def _measure(found: Study, directory: Path, work: Path, budget: float, repeats: 
             budget=_FRAMES * budget,
         )
         follow("sizes", 0, 1)
-        found.sizes = sizes.measure(problem, work)
+        found.sizes = jobs.step_costs(problem, work)
     except RunError as error:
         found.notes.append(f"Frames and sizes were not measured: {error}.")

@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from workflow.studies.bench import collisions as bench_collisions
+from workflow.studies.bench import engines as bench_collisions
 
 
 def test_a_crowd_has_more_collisions_than_are_timed():

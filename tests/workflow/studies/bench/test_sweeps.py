@@ -4,14 +4,14 @@ from pathlib import Path
 
 import pytest
 
-from workflow.studies.bench import sweeps
+from workflow.studies.bench import commands
 
 
 @pytest.mark.slow
 def test_the_ratios_are_of_the_same_sweep_and_count_every_case(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sweeps, "CASES", 2)
-    faster, overhead = sweeps.sweep_ratios(tmp_path / "b")
+    monkeypatch.setattr(commands, "CASES", 2)
+    faster, overhead = commands.sweep_ratios(tmp_path / "b")
     assert faster.value > 0.0
-    assert faster.reached == (faster.value >= 1.8 or sweeps.cores() < 2)
+    assert faster.reached == (faster.value >= 1.8 or commands.cores() < 2)
     assert overhead.reached == (overhead.value <= 0.05)
     assert len(list((tmp_path / "b" / "one").glob("*/analysis.json"))) == 2

@@ -9,8 +9,8 @@ from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import find_peaks
 from lammps_inputs import file_names
 from workflow.runs.run import run
-from workflow.studies.bench import against_usual_ways as bench
-from workflow.studies.bench import reference, textbook
+from workflow.studies.bench import alternatives, engines
+from workflow.studies.bench import alternatives as bench
 from workflow.studies.bench.ratio import make_ratio
 
 
@@ -20,9 +20,9 @@ def test_the_textbook_way_finds_the_same_waves(tmp_path: Path) -> None:
     problem = scene.problem()
     plain = tmp_path / "plain"
     plain.mkdir()
-    (plain / file_names.DATA).write_text(textbook.plain_data(problem))
-    bench.lammps_seconds(plain, textbook.plain_deck(problem, dump=True))
-    textbook.read_and_analyse(plain, problem)
+    (plain / file_names.DATA).write_text(alternatives.plain_data(problem))
+    bench.lammps_seconds(plain, alternatives.plain_deck(problem, dump=True))
+    alternatives.read_and_analyse(plain, problem)
     table = np.genfromtxt(plain / "waves.csv", delimiter=",", names=True)
     waves = leading_waves(find_peaks([run(scene, tmp_path / "ours", check=False).trajectory]))
     np.testing.assert_array_equal(table["bead"], waves.bead)
@@ -32,7 +32,7 @@ def test_the_textbook_way_finds_the_same_waves(tmp_path: Path) -> None:
 
 def test_the_reference_reaches_in_one_run_what_scipy_reaches() -> None:
     problem = bench.paper_scene(5.0).problem()
-    difference = np.abs(reference.last_velocities(problem, 16) - reference.scipy_velocities(problem, 1e-12))
+    difference = np.abs(engines.last_velocities(problem, 16) - engines.scipy_velocities(problem, 1e-12))
     assert np.max(difference) < 1e-8
 
 

@@ -31,7 +31,7 @@ def _undrawn(monkeypatch):
         for file in figure_files(name):
             (directory / file).touch()
 
-    monkeypatch.setattr("workflow.studies.compare.report.write_figure", touch)
+    monkeypatch.setattr("workflow.studies.study.write_figure", touch)
 
 
 def small(**changes):

@@ -12,10 +12,9 @@ from lammps_inputs.units import Scale
 from workflow.engines.reference.certify import Certificate
 from workflow.studies.trade import advice, grid
 from workflow.studies.trade.certified import Certified
-from workflow.studies.trade.harness import Point, Setting
-from workflow.studies.trade.jobs import Job
-from workflow.studies.trade.sizes import Size
-from workflow.studies.trade.study import Study
+from workflow.studies.trade.jobs import Job, Size
+from workflow.studies.trade.study import Findings
+from workflow.studies.trade.work_precision import Point, Setting
 
 
 def truth(velocity=1e-11):
@@ -39,7 +38,7 @@ def by_law(curve, factor, power, seconds, own=None):
 
 
 def said(points, sure=1e-11, own=None, **more):
-    study = Study(own or problem(), truth(sure), points, whole=True, **more)
+    study = Findings(own or problem(), truth(sure), points, whole=True, **more)
     return advice.sentences(study)
 
 
@@ -150,4 +149,4 @@ def test_what_was_left_out_has_one_sentence_a_method():
 
 def test_a_study_without_points_is_no_error():
     assert any("nothing was measured" in sentence for sentence in said([]))
-    assert advice.sentences(Study(problem(), notes=["Interrupted."])) == ["Interrupted."]
+    assert advice.sentences(Findings(problem(), notes=["Interrupted."])) == ["Interrupted."]

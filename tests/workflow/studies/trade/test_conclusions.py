@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from workflow.studies.trade.conclusions import better_from, cheapest, order, pairs, pareto
-from workflow.studies.trade.harness import Point, Setting
+from workflow.studies.trade.work_precision import Point, Setting, better_from, cheapest, order, pairs, pareto
 
 
 def point(error, seconds, *, step=1.0, curve="method", first=1e6):

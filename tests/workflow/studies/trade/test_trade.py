@@ -19,7 +19,7 @@ from workflow.cli import main
 from workflow.engines.lammps import mpi
 from workflow.engines.reference import engine
 from workflow.runs.run import run
-from workflow.studies.trade import grid, sizes
+from workflow.studies.trade import grid, jobs
 from workflow.studies.trade.study import plain_problem
 
 SCENE = {
@@ -49,7 +49,7 @@ def found(tmp_path_factory):
     directory = tmp_path_factory.mktemp("trade")
     with pytest.MonkeyPatch.context() as patch, contextlib.redirect_stdout(io.StringIO()) as out:
         patch.setattr(grid, "FINEST", {"verlet": 32, "suzuki4": 4, "blanes-moan": 8})
-        patch.setattr(sizes, "FACTORS", (1,))
+        patch.setattr(jobs, "FACTORS", (1,))
         assert (
             main(["trade", written(directory), "-o", str(directory / "out"), "--repeats", "1", "--budget", "600"]) == 0
         )

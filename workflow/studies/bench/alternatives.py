@@ -1,21 +1,107 @@
-"""Our deck, frames, check and reader against the ways one would use without them."""
+"""Our deck, frames, check and reader against alternative implementations.
+
+These are the textbook's: a plain deck, a text dump, MDAnalysis's stock reader. Nothing but `granchain bench` uses them.
+"""
 
 import contextlib
 import time
+import warnings
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from analysis.conservation import Conservation
 from analysis.files.recording import blocks
 from analysis.tracking.leading_waves import leading_waves, to_csv
-from analysis.tracking.peaks import PeakFinder
+from analysis.tracking.peaks import PeakFinder, find_peaks
+from analysis.trajectory import Trajectory
 from lammps_inputs import Coupling, Kick, Output, Problem, Scene, file_names
 from lammps_inputs.decks import deck
+from lammps_inputs.numbers import text
 from workflow.engines.lammps import mpi
 from workflow.runs.run import run
-from workflow.studies.bench import textbook
 from workflow.studies.bench.ratio import Ratio, make_ratio
+
+# --- the textbook's way -----------------------------------------------------------------------------------------------
+
+TEXT_DUMP = "chains.dump.txt"
+
+
+def plain_deck(problem: Problem, *, dump: bool) -> str:
+    """A deck as the manual suggests it: periodic across, default neighbour lists, ``%.17g`` text dump."""
+    lines = [
+        f"atom_style {'hybrid sphere bond' if problem.coupled else 'sphere'}",
+        "boundary s p p",
+        "comm_modify vel yes",
+        f"read_data {file_names.DATA}",
+        "set group all mass 1.0",
+        *(line for section in deck.interactions(problem) for line in section if line.startswith("pair")),
+    ]
+    if problem.coupled:
+        lines += ["bond_style harmonic", f"bond_coeff 1 {text(problem.kappa / 2.0)} 0"]
+    lines.append("fix motion all nve")
+    if problem.coupled:
+        lines.append("fix line all setforce NULL 0 0")
+    lines += [
+        f"set atom {(chain - 1) * problem.beads + bead} vx {text(velocity)}" for chain, bead, velocity in problem.kicks
+    ]
+    if dump:
+        lines += [
+            f"dump frames all custom {problem.steps_per_frame} {TEXT_DUMP} id x y z vx",
+            "dump_modify frames format float %.17g sort id",
+        ]
+    lines += [f"timestep {text(problem.timestep)}", "thermo_style custom step", f"run {problem.steps}"]
+    return "\n".join(lines) + "\n"
+
+
+def plain_data(problem: Problem) -> str:
+    """Our data file in a box that just holds the beads across, as one writes it by hand: periodic images touch it."""
+    side = text(2.0 * problem.spacing)
+    half = text(problem.diameter)
+    return deck.render_data(problem).replace(f"-{side} {side} zlo zhi", f"-{half} {half} zlo zhi")
+
+
+@dataclass(frozen=True)
+class Timing:
+    """Seconds of reading the dump, and of everything after the run."""
+
+    read: float
+    all: float
+
+
+def read_and_analyse(directory: Path, problem: Problem) -> Timing:
+    """Read the text dump with the stock reader, find the waves, write the table."""
+    import MDAnalysis as mda  # noqa: N813  the package's own habit
+
+    started = time.perf_counter()
+    shape = (problem.chains, problem.beads)
+    rest = np.arange(1, problem.beads + 1) * problem.spacing
+    displacement, velocity = [], []
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        universe = mda.Universe(
+            str(directory / TEXT_DUMP),
+            format="LAMMPSDUMP",
+            topology_format="LAMMPSDUMP",
+            additional_columns=["x", "vx"],
+        )
+        for step in universe.trajectory:
+            displacement.append(step.data["x"].reshape(shape) - rest)
+            velocity.append(step.data["vx"].reshape(shape))
+    read = time.perf_counter() - started
+    frames = np.arange(len(displacement))
+    trajectory = Trajectory(
+        problem, np.asarray(frames * problem.every, dtype=np.float64), np.array(displacement), np.array(velocity)
+    )
+    waves = leading_waves(find_peaks([trajectory]))
+    (directory / "waves.csv").write_text(to_csv(waves, problem.scale))
+    return Timing(read, time.perf_counter() - started)
+
+
+# --- ratios -----------------------------------------------------------------------------------------------------------
 
 
 def paper_scene(duration: float = 192.0) -> Scene:
@@ -69,7 +155,7 @@ def tuned_against_plain(root: Path) -> Iterator[Ratio]:
     bare = without_frames((root / file_names.DECK).read_text())
     plain = root / "plain"
     _write_plain(problem, plain)
-    text = textbook.plain_deck(problem, dump=False)
+    text = plain_deck(problem, dump=False)
     pairs = [(lammps_seconds(root, bare), lammps_seconds(plain, text)) for _ in range(3)]
     yield make_ratio("plain deck / ours, 100 x 1000", [b / a for a, b in pairs], 3.0, times=pairs)
 
@@ -96,8 +182,8 @@ def against_textbook(root: Path, label: str, scene: Scene, goal: float, repeats:
         reading = time.perf_counter() - started
         started = time.perf_counter()
         _write_plain(problem, theirs)
-        lammps_seconds(theirs, textbook.plain_deck(problem, dump=True))
-        timing = textbook.read_and_analyse(theirs, problem)
+        lammps_seconds(theirs, plain_deck(problem, dump=True))
+        timing = read_and_analyse(theirs, problem)
         whole.append((own, time.perf_counter() - started))
         readers.append((reading, timing.read))
     yield make_ratio(f"textbook way / ours, {label}", [b / a for a, b in whole], goal, times=whole)
@@ -117,7 +203,7 @@ def without_frames(text: str) -> str:
 
 def _write_plain(problem: Problem, directory: Path) -> None:
     directory.mkdir(parents=True, exist_ok=True)
-    (directory / file_names.DATA).write_text(textbook.plain_data(problem))
+    (directory / file_names.DATA).write_text(plain_data(problem))
 
 
 def lammps_seconds(directory: Path, text: str, clock: Callable[[], float] = time.perf_counter) -> float:

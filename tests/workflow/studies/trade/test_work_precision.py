@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from workflow.errors import RunError
-from workflow.studies.trade.harness import Setting, measure
+from workflow.studies.trade.work_precision import Setting, measure
 
 
 class Machine:
