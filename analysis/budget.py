@@ -11,7 +11,7 @@ import numpy as np
 from analysis import motion
 from analysis.quantity import Quantity
 from analysis.trajectory import Floats, Trajectory
-from lammps_inputs import Problem
+from lammps_inputs import Problem, physics
 from lammps_inputs.units import Scale
 
 MOST_INSTANTS = 500
@@ -23,8 +23,8 @@ def energy_input(block: Trajectory) -> Floats:
     NaN where that work is not known: nobody has counted it in the frames' ledger.
     """
     problem = block.problem
-    if not problem.acted_on:
-        return np.full(block.frames, problem.energy)
+    if not physics.acted_on(problem.system):
+        return np.full(block.frames, physics.energy(problem.system))
     if block.ledger is None:
         return np.full(block.frames, np.nan)
     return np.asarray(kinetic_energy_at_start(problem) + block.ledger[:, -1])
@@ -32,7 +32,7 @@ def energy_input(block: Trajectory) -> Floats:
 
 def kinetic_energy_at_start(problem: Problem) -> float:
     """Of the kicked beads, and of those whose motion is given."""
-    return 0.5 * float(np.sum(problem.mass * problem.initial_velocity() ** 2))
+    return 0.5 * float(np.sum(problem.system.mass * physics.initial_velocity(problem.system) ** 2))
 
 
 _LITTLE = 1e-3
@@ -128,7 +128,7 @@ class Budget:
         if time[-1] < self._last[0][0]:
             time, put_in, *parts = map(np.append, (time, put_in, *parts), self._last)
         held, lost = parts[: len(HELD)], parts[len(HELD) :]
-        sinks = self._problem.sinks
+        sinks = physics.dashpot_names(self._problem.system)
         by_sink = {name: part for name, part in zip(sinks, lost, strict=True) if name is not None}
         return Account(time, put_in, **dict(zip(HELD, held, strict=True)), lost=by_sink)
 
@@ -138,7 +138,8 @@ HELD = ("kinetic", "contacts", "springs", "ground", "walls")
 
 
 def _held(problem: Problem, x: Floats, v: Floats) -> dict[str, Floats]:
-    kinetic = motion.kinetic_energy(problem, v).sum(axis=(-2, -1))
-    kinds = (problem.along, problem.across, problem.held, problem.walls)
+    system = problem.system
+    kinetic = motion.kinetic_energy(system, v).sum(axis=(-2, -1))
+    kinds = (system.along, system.across, physics.ground_springs(system), physics.walls(system))
     stored = [sum((link.energy(x).sum(axis=(-2, -1)) for link in links), np.zeros(len(x))) for links in kinds]
     return dict(zip(HELD, [kinetic, *stored], strict=True))

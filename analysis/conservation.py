@@ -7,7 +7,7 @@ import numpy as np
 from analysis import motion
 from analysis.budget import Budget
 from analysis.trajectory import Floats, Trajectory
-from lammps_inputs import Problem
+from lammps_inputs import Problem, physics
 from lammps_inputs.facts import Fact
 
 
@@ -41,6 +41,7 @@ class Conservation:
     def add(self, block: Trajectory) -> None:
         """Take more frames into account."""
         problem = block.problem
+        system = problem.system
         self.frames += block.frames
         self.last_time = float(block.time[-1])
         velocity = block.velocity
@@ -51,22 +52,27 @@ class Conservation:
             self.energy_drift = self.momentum_drift = float("nan")
             return
         # all beads, for the order in which a sum is taken must not depend on which of them move in this block
-        energy = motion.energy(problem, block.displacement, velocity)
-        momentum = motion.momentum(problem, velocity)
-        if not problem.dampers and not problem.holds(Fact.ENERGY):
+        energy = motion.energy(system, block.displacement, velocity)
+        momentum = motion.momentum(system, velocity)
+        if not system.dampers and not system.holds(Fact.ENERGY):
             energy[:] = np.nan
-        if problem.exchanges:
+        if physics.exchanges(system):
             self._balanced(block, energy)
-        if not problem.holds(Fact.MOMENTUM):
+        if not system.holds(Fact.MOMENTUM):
             momentum[:] = np.nan
-        if problem.acted_on:
+        if physics.acted_on(system):
             self._pushed(block, momentum)
             return
         # np.maximum, unlike max(), lets NaN through
-        if not problem.exchanges:
-            self.energy_drift = float(np.maximum(self.energy_drift, np.max(np.abs(energy / problem.energy - 1.0))))
+        if not physics.exchanges(system):
+            self.energy_drift = float(
+                np.maximum(self.energy_drift, np.max(np.abs(energy / physics.energy(system) - 1.0)))
+            )
         self.momentum_drift = float(
-            np.maximum(self.momentum_drift, np.max(np.abs(momentum - problem.momentum)) / problem.pushed)
+            np.maximum(
+                self.momentum_drift,
+                np.max(np.abs(momentum - physics.momentum(system))) / physics.kick_momenta(system),
+            )
         )
 
     def _balanced(self, block: Trajectory, energy: Floats) -> None:
@@ -85,17 +91,18 @@ class Conservation:
     def _pushed(self, block: Trajectory, momentum: Floats) -> None:
         """With forces from outside: momentum is that of the kicks and what they have given."""
         problem = block.problem
-        if not problem.holds(Fact.MOMENTUM):
+        system = problem.system
+        if not system.holds(Fact.MOMENTUM):
             self.momentum_drift = float("nan")
             return
-        size = problem.pushed + sum(load.law.total for load in problem.loads)
+        size = physics.kick_momenta(system) + sum(load.law.total for load in system.loads)
         # in the velocity of a bead that is pushed LAMMPS has half a step of the mean of the force
         half = 0.5 * problem.timestep
-        over = block.time > max(load.end for load in problem.loads) + half * (1.0 + 1e-6)
-        missing = np.abs(momentum - problem.momentum - _given(problem, block.time))
-        if problem.driven:
+        over = block.time > max(load.end for load in system.loads) + half * (1.0 + 1e-6)
+        missing = np.abs(momentum - physics.momentum(system) - _given(problem, block.time))
+        if physics.driven(system):
             halfway = 0.5 * (_given(problem, block.time - half) + _given(problem, block.time + half))
-            missing = np.minimum(missing, np.abs(momentum - problem.momentum - halfway))
+            missing = np.minimum(missing, np.abs(momentum - physics.momentum(system) - halfway))
             over = block.time > 0.0
         largest = float(np.max(missing[over], initial=0.0))
         self.momentum_drift = float(np.maximum(self.momentum_drift, largest / size))
@@ -103,4 +110,4 @@ class Conservation:
 
 def _given(problem: Problem, time: Floats) -> Floats:
     """Impulse by all forces from outside until a time."""
-    return np.asarray(sum(load.impulse(time) for load in problem.loads))
+    return np.asarray(sum(load.impulse(time) for load in problem.system.loads))

@@ -6,7 +6,7 @@ import numpy as np
 
 from analysis import motion
 from analysis.trajectory import Floats, Trajectory
-from lammps_inputs import Problem, laws
+from lammps_inputs import Problem, laws, physics
 
 FARTHEST = 0.25
 """Time between frames, in units of T, up to which they show the largest overlap to two per cent.
@@ -19,10 +19,11 @@ Stiff contacts of light beads are over sooner, by the square root of ``mass / st
 
 def shown_by_frames(problem: Problem) -> bool:
     """Whether the frames hold neighbouring beads, closely enough in time."""
+    system = problem.system
     quicker = 1.0
-    if not problem.one_kind:
-        strength = max(float(np.max(laws.strength(link.law))) for link in problem.along)
-        quicker = min(1.0, math.sqrt(float(np.min(problem.mass)) / strength))
+    if not physics.one_kind(system):
+        strength = max(float(np.max(laws.strength(link.law))) for link in system.along)
+        quicker = min(1.0, math.sqrt(float(np.min(system.mass)) / strength))
     return problem.recorded is None and problem.every <= FARTHEST * quicker * (1.0 + 1e-9)
 
 
@@ -41,12 +42,13 @@ class LargestOverlap:
     def add(self, block: Trajectory) -> None:
         """Take more frames into account."""
         problem = block.problem
-        moving = slice(0, problem.beads) if problem.loaded else block.moving  # beads at rest touch, or overlap
+        system = problem.system
+        moving = slice(0, problem.beads) if physics.loaded(system) else block.moving  # beads at rest touch, or overlap
         x = block.displacement[..., moving]
-        if not problem.one_kind and self.each is None:
+        if not physics.one_kind(system) and self.each is None:
             self.each = np.full((problem.chains, problem.beads - 1), -math.inf)
         if x.shape[-1] > 1:
-            overlaps = motion.overlaps(problem, x, moving.start + 1)
+            overlaps = motion.overlaps(system, x, moving.start + 1)
             self.value = float(np.maximum(self.value, np.max(overlaps)))
             if self.each is not None:
                 here = self.each[:, moving.start : moving.start + overlaps.shape[-1]]

@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.trajectory import Trajectory
-from lammps_inputs import Problem
+from lammps_inputs import Problem, physics
 
 Number = TypeVar("Number", int, NDArray[np.int64])
 
 
 def direction_of(problem: Problem) -> int:
     """Which way the hardest blow goes, and so the leading pulse: 1 towards higher bead numbers, -1 towards lower."""
-    _, _, hardest = problem.hardest_blow
+    _, _, hardest = physics.largest_excitation(problem.system)
     return 1 if hardest > 0.0 else -1
 
 
@@ -33,15 +33,19 @@ def along_the_way(problem: Problem, bead: Number) -> Number:
 
 def mirrored_problem(problem: Problem) -> Problem:
     """The problem in the mirror; twice is the problem itself."""
+    system = problem.system
     recorded = problem.recorded
     return replace(
         problem,
-        kicks=tuple((chain, mirrored_bead(problem, bead), -velocity) for chain, bead, velocity in problem.kicks),
-        links=tuple(link.mirrored() for link in problem.links),
-        dampers=tuple(link.mirrored() for link in problem.dampers),
-        mass=problem.mass_of(Ellipsis, slice(None, None, -1)),
-        loads=tuple(load.mirrored(mirrored_bead(problem, load.bead)) for load in problem.loads),
-        motions=tuple(motion.mirrored(mirrored_bead(problem, motion.bead)) for motion in problem.motions),
+        system=replace(
+            system,
+            kicks=tuple((chain, mirrored_bead(problem, bead), -velocity) for chain, bead, velocity in system.kicks),
+            links=tuple(link.mirrored() for link in system.links),
+            dampers=tuple(link.mirrored() for link in system.dampers),
+            mass=physics.mass_of(system, Ellipsis, slice(None, None, -1)),
+            loads=tuple(load.mirrored(mirrored_bead(problem, load.bead)) for load in system.loads),
+            motions=tuple(motion.mirrored(mirrored_bead(problem, motion.bead)) for motion in system.motions),
+        ),
         recorded=None if recorded is None else tuple(mirrored_bead(problem, bead) for bead in reversed(recorded)),
     )
 

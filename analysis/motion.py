@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.trajectory import Floats, Trajectory
-from lammps_inputs import System, laws
+from lammps_inputs import System, laws, physics
 
 Integers = NDArray[np.int64]
 
@@ -28,7 +28,7 @@ def rest_overlap(system: System, chain: Integers, contact: Integers) -> Any:
 
 def _weighed(system: System, values: Floats, first: int) -> Floats:
     """Values of beads times their masses."""
-    return values if isinstance(system.mass, float) else values * system.mass_from(first, values)
+    return values if isinstance(system.mass, float) else values * physics.mass_from(system, first, values)
 
 
 def kinetic_energy(system: System, velocity: Floats, first: int = 1) -> Floats:
@@ -102,7 +102,7 @@ def acceleration(
             damper.drive(result, damper.damping(displacement, velocity, first))
     for load in system.loads if time is not None else ():
         result[..., load.chain - 1, load.bead - first] += load.force(time)
-    result = result if isinstance(system.mass, float) else result / system.mass_from(first, result)
+    result = result if isinstance(system.mass, float) else result / physics.mass_from(system, first, result)
     for given in system.motions if time is not None else ():
         result[..., given.chain - 1, given.bead - first] = given.acceleration(time)
     return result
@@ -114,6 +114,7 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
     Every bead must be recorded. Indices count from 0 and have one shape, which both results have.
     """
     problem, x, v = block.problem, block.displacement, block.velocity
+    system = problem.system
     here_x, here_v = x[frame, chain, bead], v[frame, chain, bead]
     acceleration, rate = np.zeros_like(here_x), np.zeros_like(here_x)
 
@@ -122,7 +123,7 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
         other = bead + side
         there = (other >= 0) & (other < x.shape[2])
         other = np.where(there, other, bead)
-        for contact in problem.along:
+        for contact in system.along:
             law = contact.law
             if laws.differs(law):
                 law = laws.at(law, chain, np.clip(np.minimum(row, row + side), 0, problem.beads - 2))
@@ -130,28 +131,28 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
             closing = side * (here_v - v[frame, chain, other])
             acceleration -= np.where(there, side * laws.force(law, overlap), 0.0)
             rate -= np.where(there, side * laws.stiffness(law, overlap) * closing, 0.0)
-        for spring in problem.across:
+        for spring in system.across:
             for edge, partner in spring.partners(problem.chains, side):
                 law = laws.at(spring.law, edge[chain], row) if laws.differs(spring.law) else spring.law
                 there_x, there_v = x[frame, partner[chain], bead], v[frame, partner[chain], bead]
                 acceleration -= laws.force(law, here_x - there_x)  # none where a chain is its own partner
                 rate -= laws.stiffness(law, here_x - there_x) * (here_v - there_v)
-    for ground in problem.ground:
+    for ground in system.ground:
         law = laws.at(ground.law, chain, row)
         acceleration -= laws.force(law, here_x)
         rate -= laws.stiffness(law, here_x) * here_v
-    for load in problem.loads:
+    for load in system.loads:
         here, time = (chain == load.chain - 1) & (row == load.bead - 1), block.time[frame]
         acceleration += np.where(here, load.force(time), 0.0)
         rate += np.where(here, load.rate(time), 0.0)
-    if problem.dampers:
+    if system.dampers:
         drag, drag_rate = _drag_and_rate(block)
         acceleration += drag[frame, chain, bead]
         rate += drag_rate[frame, chain, bead]
-    if not isinstance(problem.mass, float):
-        mass = problem.mass_of(chain, row)
+    if not isinstance(system.mass, float):
+        mass = physics.mass_of(system, chain, row)
         acceleration, rate = acceleration / mass, rate / mass
-    for given in problem.motions:
+    for given in system.motions:
         here, time = (chain == given.chain - 1) & (row == given.bead - 1), block.time[frame]
         acceleration = np.where(here, given.acceleration(time), acceleration)
         rate = np.where(here, given.jerk(time), rate)
@@ -161,9 +162,9 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
 def _drag_and_rate(block: Trajectory) -> tuple[Floats, Floats]:
     """Force of all dashpots on every bead, and how fast it changes, [frame, chain, bead]."""
     problem, x, v = block.problem, block.displacement, block.velocity
-    a = acceleration(problem, x, block.first, time=block.time, velocity=v)
+    a = acceleration(problem.system, x, block.first, time=block.time, velocity=v)
     drag, rate = np.zeros_like(x), np.zeros_like(x)
-    for link in problem.dampers:
+    for link in problem.system.dampers:
         link.drive(drag, link.damping(x, v, block.first))
         link.drive(rate, link.damping_rate(x, v, a, block.first))
     return drag, rate
@@ -179,7 +180,7 @@ def larger_overlap(block: Trajectory, frame: Integers, chain: Integers, bead: In
         x = block.displacement
         for side in (-1, 1):
             other = np.clip(bead + side, 0, x.shape[2] - 1)
-            overlap = side * (x[frame, chain, bead] - x[frame, chain, other]) - block.problem.gap
-            overlap = overlap + rest_overlap(block.problem, chain, block.first - 1 + np.minimum(bead, other))
+            overlap = side * (x[frame, chain, bead] - x[frame, chain, other]) - physics.gap(block.problem.system)
+            overlap = overlap + rest_overlap(block.problem.system, chain, block.first - 1 + np.minimum(bead, other))
             result = np.fmax(result, np.where(other == bead, -np.inf, overlap))
     return result

@@ -11,8 +11,9 @@ if TYPE_CHECKING:
     from lammps_inputs.ingredients.coupling import Coupling
     from lammps_inputs.library import find, load
     from lammps_inputs.output.output import Output
-    from lammps_inputs.problem import Problem, System
+    from lammps_inputs.problem import Problem
     from lammps_inputs.scene import Kick, Material, Scene
+    from lammps_inputs.system import System
 
 __all__ = ["Coupling", "InputError", "Kick", "Material", "Output", "Problem", "Scene", "System", "find", "load"]
 
@@ -22,7 +23,7 @@ _PLACES = {
     "find": "library",
     "load": "library",
     "Problem": "problem",
-    "System": "problem",
+    "System": "system",
     "Kick": "scene",
     "Material": "scene",
     "Output": "output.output",

@@ -15,7 +15,7 @@ from lammps_inputs.lines import Lines
 from lammps_inputs.numbers import text
 
 if TYPE_CHECKING:
-    from lammps_inputs.problem import Problem
+    from lammps_inputs.layout import Layout
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,7 +134,7 @@ class Motion:
         return replace(self, bead=bead, amplitude=-self.amplitude)
 
 
-def motion_lines(motions: tuple[Motion, ...], problem: "Problem") -> list[Lines]:
+def motion_lines(motions: tuple[Motion, ...], layout: "Layout") -> list[Lines]:
     """What beads whose motion is given are to LAMMPS, one after the other: nothing pushes them, and they are moved."""
     found = []
     for number, motion in enumerate(motions, 1):
@@ -151,7 +151,7 @@ def motion_lines(motions: tuple[Motion, ...], problem: "Problem") -> list[Lines]
                     f"# bead {motion.bead} of chain {motion.chain} moves as it is told; no force acts on it",
                     f"variable {name}x equal v_{name}amplitude*(sin({turn})-sin(v_{name}phase))",
                     f"variable {name}v equal v_{name}amplitude*v_{name}omega*cos({turn})",
-                    f"group {name} id {(motion.chain - 1) * problem.rows + motion.bead}",
+                    f"group {name} id {(motion.chain - 1) * layout.rows + motion.bead}",
                     f"fix {name}free {name} setforce 0.0 NULL NULL",
                 ),
                 moved=(f"fix {name} {name} move variable v_{name}x NULL NULL v_{name}v NULL NULL",),
@@ -160,25 +160,25 @@ def motion_lines(motions: tuple[Motion, ...], problem: "Problem") -> list[Lines]
     return found
 
 
-def start_lines(motions: tuple[Motion, ...], problem: "Problem") -> list[str]:
+def start_lines(motions: tuple[Motion, ...], layout: "Layout") -> list[str]:
     """The velocities that such beads start with."""
     return [
-        f"set atom {(motion.chain - 1) * problem.rows + motion.bead} "
+        f"set atom {(motion.chain - 1) * layout.rows + motion.bead} "
         f"vx $(v_drive{number}amplitude*v_drive{number}omega*cos(v_drive{number}phase):%.17g)"
         for number, motion in enumerate(motions, 1)
     ]
 
 
-def lines(loads: tuple[Load, ...], problem: "Problem") -> list[Lines]:
+def lines(loads: tuple[Load, ...], layout: "Layout") -> list[Lines]:
     """What the loads are to LAMMPS, one after the other.
 
     Raises:
         ValueError: LAMMPS cannot be told.
     """
-    return [_lines(load, f"push{number}", problem) for number, load in enumerate(loads, 1)]
+    return [_lines(load, f"push{number}", layout) for number, load in enumerate(loads, 1)]
 
 
-def _lines(load: Load, name: str, problem: "Problem") -> Lines:
+def _lines(load: Load, name: str, layout: "Layout") -> Lines:
     first, last = text(load.law.kinks[0]), text(load.law.kinks[-1])
     variables = load.law.variables(name)
     if variables and not load.endless:
@@ -198,7 +198,7 @@ def _lines(load: Load, name: str, problem: "Problem") -> Lines:
             f"variable {name}from equal {within(f'v_{name}before')}",
             f"variable {name}to equal {within(f'v_{name}after')}",
             f"variable {name} equal ({load.law.formula(name)})/v_timestep*(1+(step==0))",
-            f"group {name} id {(load.chain - 1) * problem.rows + load.bead}",
+            f"group {name} id {(load.chain - 1) * layout.rows + load.bead}",
             f"fix {name} {name} addforce v_{name} 0.0 0.0",
         ),
     )

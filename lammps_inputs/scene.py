@@ -5,13 +5,12 @@ No default depends on anything but the scene, and `Scene.resolved` fills every o
 
 import math
 from collections.abc import Iterator
-from dataclasses import fields
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import BeforeValidator, Field, create_model, field_validator, model_validator
 
-from lammps_inputs import html, strict_yaml
+from lammps_inputs import html, physics, strict_yaml
 from lammps_inputs import scheme as schemes
 from lammps_inputs.errors import InputError
 from lammps_inputs.facts import Fact
@@ -32,9 +31,10 @@ from lammps_inputs.limits.hertz import FLATTENED, LARGEST_OVERLAP, overlap_bound
 from lammps_inputs.limits.timestep import timestep_for
 from lammps_inputs.output.limits import Limits
 from lammps_inputs.output.output import Output
-from lammps_inputs.problem import Problem, System
+from lammps_inputs.problem import Problem
 from lammps_inputs.scheme import SchemeName
 from lammps_inputs.static_load import LoadError, under_load
+from lammps_inputs.system import System
 from lammps_inputs.units import PURE, Scale, Unit, hertz_constant, make_scale, sphere_mass
 from lammps_inputs.window import HEADROOM, LEAST_WINDOW, behind, rows_for
 
@@ -278,7 +278,9 @@ class BaseScene(Part):
 
     def _check_motion(self, system: System) -> None:
         """Refuse scenes in which nothing happens, or what no beads of the material would do."""
-        if system.simply_coupled and never_closes(self.chains, system.kappa, system.gap, system.kicks, self.beads):
+        if physics.simply_coupled(system) and never_closes(
+            self.chains, physics.kappa(system), physics.gap(system), system.kicks, self.beads
+        ):
             raise ValueError(
                 f"kick: none ever closes the gap of {self.gap:g}, so nothing collides; "
                 "kick a bead towards another (bead 1 forward), or leave the gap out"
@@ -318,7 +320,7 @@ class BaseScene(Part):
         least = overlap_bounds(system)[0]
         overlap = least * self.scale.length / ball.radius
         if overlap >= FLATTENED:
-            key = self._loaded_by if system.loaded else key
+            key = self._loaded_by if physics.loaded(system) else key
             raise ValueError(
                 f"{key}: gives an overlap of at least {overlap:.2g} times the radius, where Hertz's law holds below "
                 f"{LARGEST_OVERLAP}; {meant or 'slower kicks, smaller loads or a stiffer material are needed'}"
@@ -456,7 +458,7 @@ class BaseScene(Part):
         scale, system = self.scale, self.system
         every, steps = self._cadence()
         return Problem(
-            **{field.name: getattr(system, field.name) for field in fields(System)},
+            system=system,
             name=self.name,
             timestep=every / scale.time / steps,
             steps_per_frame=steps,

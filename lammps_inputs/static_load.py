@@ -10,11 +10,12 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from lammps_inputs import laws
+from lammps_inputs import laws, physics
 from lammps_inputs.laws.preloaded import Contact, rest_under, under, wall_under
+from lammps_inputs.layout import Layout
 from lammps_inputs.links import Along, Link, Wall, WallDamper
 from lammps_inputs.numbers import power_of_two_at_least
-from lammps_inputs.problem import System
+from lammps_inputs.system import System
 
 MOST = 1e6
 """Largest load, in units of m V / T; beyond it motion is lost in the rounding of places."""
@@ -62,8 +63,8 @@ def under_load(system: System, force: NDArray[np.float64]) -> System:
 
 def _grid(system: System, rest: float) -> float:
     """The difference of two numbers of LAMMPS as large as the last bead's place may be, with overlaps up to this."""
-    alone = max(laws.reach(link.law, system.energy) for link in (*system.along, *system.walls))
-    diameter = power_of_two_at_least(max(system.diameter, 4.0, 2.0 * (rest + alone)))
+    alone = max(laws.reach(link.law, physics.energy(system)) for link in (*system.along, *physics.walls(system)))
+    diameter = power_of_two_at_least(max(Layout(system).diameter, 4.0, 2.0 * (rest + alone)))
     return float(np.spacing(0.75 * power_of_two_at_least((system.beads + 1) * diameter)))
 
 
@@ -86,5 +87,5 @@ def _damped(link: Link, system: System) -> Link:
     if isinstance(link, Along):
         return replace(link, law=link.law._replace(rest=laws.rest(system.along[0].law)))  # type: ignore[attr-defined]
     if isinstance(link, WallDamper):
-        return replace(link, law=link.law._replace(rest=laws.rest(system.wall_at(link.law.side).law)))
+        return replace(link, law=link.law._replace(rest=laws.rest(physics.wall_at(system, link.law.side).law)))
     return link

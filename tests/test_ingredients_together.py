@@ -76,8 +76,8 @@ def is_the_same_in_the_mirror_and_with_chains_in_another_order(changes):
 def closes_its_budget(changes):
     problem = scene(**changes).problem()
     found = engine.run(problem, steps_per_frame=2 * engine.default_steps_per_frame(problem))
-    energy = motion.energy(problem, found.displacement, found.velocity)
-    after = found.time > max((load.end for load in problem.loads), default=0.0)
+    energy = motion.energy(problem.system, found.displacement, found.velocity)
+    after = found.time > max((load.end for load in problem.system.loads), default=0.0)
     assert np.ptp(energy[after]) < 1e-5 * energy[after].max()
 
 

@@ -109,7 +109,7 @@ print(json.dumps({
     "difference": float(np.abs(whole.trajectory.velocity - reference.velocity).max()),
     "quantities": sorted(validate(whole.directory).deviations),
     "bound": timestep.stability_bound(problem),
-    "ground": float(problem.ground[0].energy(reference.displacement).max()),
+    "ground": float(problem.system.ground[0].energy(reference.displacement).max()),
     "velocity": reference.velocity[-1].tolist(),
 }))
 """

@@ -46,23 +46,24 @@ def identify_beads(trajectory: Trajectory) -> Felt | None:
     a contact that is wrong on both of its beads.
     """
     problem = trajectory.problem
+    system = problem.system
     if problem.recorded is not None or trajectory.frames < 10 or problem.chains * problem.beads > MOST:
         return None
     change = impulses.unexplained(trajectory)
     contacts, others = np.zeros(change[:, :, 1:].shape), []
-    for link in problem.links:
+    for link in system.links:
         impulse = impulses.of_link(link, trajectory)
         if isinstance(link, Along):
             contacts += impulse
         else:
             others.append(impulses.on_beads(link, impulse, trajectory))
-    for damper in problem.dampers:
+    for damper in system.dampers:
         others.append(impulses.on_beads(damper, impulses.of_damper(damper, trajectory), trajectory))
     # of every contact, as felt by the bead behind it and by the one before it
     behind, ahead = np.full((2, problem.chains, problem.beads - 1), np.nan)
     power = np.sum(contacts**2, axis=0)
     telling = power > TELLING * power.max(axis=1, keepdims=True)
-    told = {(motion.chain, motion.bead) for motion in problem.motions}  # how they move, whatever they weigh
+    told = {(motion.chain, motion.bead) for motion in system.motions}  # how they move, whatever they weigh
     for chain, bead in np.ndindex(problem.chains, problem.beads):
         columns = [column[:, chain, bead] for column in others]
         sides = [(ahead, bead - 1, 1.0)] if bead > 0 else []
@@ -99,5 +100,5 @@ def _apart(behind: Floats, ahead: Floats) -> tuple[Floats, Floats]:
 def given(trajectory: Trajectory, load: Load) -> Floats:
     """Impulse from outside until each frame, [frame], on the bead of a load: what the links on it do not explain."""
     problem = trajectory.problem
-    change = impulses.unexplained(trajectory, problem.links, problem.dampers, loads=False)
+    change = impulses.unexplained(trajectory, problem.system.links, problem.system.dampers, loads=False)
     return np.concatenate([[0.0], np.cumsum(change[:, load.chain - 1, load.bead - 1])])

@@ -173,6 +173,7 @@ class Difference:
         problem = self._problem
         if problem is None or self._peaks is None:
             raise ValueError("no frames to compare")
+        system = problem.system
         with np.errstate(over="ignore", invalid="ignore"):
             own, other = (leading_passages(finder.result(), problem).first() for finder in self._peaks)
             own, other = matched(own, other, problem.beads)
@@ -182,7 +183,10 @@ class Difference:
             result["amplitude"] = self._of_peaks("amplitude", own.velocity - other.velocity, other)
         if np.any(timed):
             result["arrival"] = self._of_peaks("arrival", (own.time - other.time)[timed], other.where(timed))
-        kept = {"energy": problem.holds(Fact.ENERGY) or bool(problem.dampers), "momentum": problem.holds(Fact.MOMENTUM)}
+        kept = {
+            "energy": system.holds(Fact.ENERGY) or bool(system.dampers),
+            "momentum": system.holds(Fact.MOMENTUM),
+        }
         for name, drift in (("energy", self.conservation.energy_drift), ("momentum", self.conservation.momentum_drift)):
             if problem.whole and kept[name]:
                 result[name] = Deviation(drift, float("nan"))

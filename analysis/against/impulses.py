@@ -45,8 +45,8 @@ def unexplained(
 ) -> Floats:
     """Change of momentum but for what these links and dampers and, if so, the forces from outside gave."""
     problem = trajectory.problem
-    change: Floats = np.diff(trajectory.velocity, axis=0) * problem.mass
-    for load in problem.loads if loads else ():
+    change: Floats = np.diff(trajectory.velocity, axis=0) * problem.system.mass
+    for load in problem.system.loads if loads else ():
         change[:, load.chain - 1, load.bead - 1] -= np.diff(load.impulse(trajectory.time))
     for link in links:
         link.drive(change, -of_link(link, trajectory))

@@ -12,7 +12,7 @@ import numpy as np
 
 from analysis.against import impulses
 from analysis.trajectory import Floats, Trajectory
-from lammps_inputs import Problem, laws
+from lammps_inputs import Problem, laws, physics
 from lammps_inputs.laws.preloaded import pressed
 from lammps_inputs.links import Link
 
@@ -122,12 +122,13 @@ def identify_springs(trajectory: Trajectory) -> Springs | None:
     Summed over the chains from the first to j, all that is left is the spring between j and j + 1 (of an open row).
     """
     problem = trajectory.problem
-    if problem.chains < 2 or not problem.open_row or problem.recorded is not None or trajectory.frames < 10:
+    system = problem.system
+    if problem.chains < 2 or not physics.open_row(system) or problem.recorded is not None or trajectory.frames < 10:
         return None
-    if problem.motions:  # by forces that nobody knows
+    if system.motions:  # by forces that nobody knows
         return None
     x, v = trajectory.displacement, trajectory.velocity
-    change = impulses.unexplained(trajectory, (*problem.along, *problem.ground), problem.dampers)
+    change = impulses.unexplained(trajectory, (*system.along, *system.ground), system.dampers)
     felt = np.cumsum(change, axis=1)[:, :-1]
     relative, relative_rate = x[:, 1:] - x[:, :-1], v[:, 1:] - v[:, :-1]
     if np.max(np.abs(relative)) < _APART:
@@ -177,8 +178,8 @@ def identify_strengths(trajectory: Trajectory) -> Strengths | None:
     if problem.recorded is not None or trajectory.frames < 10:
         return None
     change = _but_for_driven(impulses.unexplained(trajectory), problem)
-    given = [(link, impulses.of_link(link, trajectory)) for link in problem.links]
-    given += [(damper, impulses.of_damper(damper, trajectory)) for damper in problem.dampers]
+    given = [(link, impulses.of_link(link, trajectory)) for link in problem.system.links]
+    given += [(damper, impulses.of_damper(damper, trajectory)) for damper in problem.system.dampers]
     columns = np.array(
         [_but_for_driven(impulses.on_beads(link, impulse, trajectory), problem).reshape(-1) for link, impulse in given]
     )
@@ -217,11 +218,12 @@ def identify_load(trajectory: Trajectory) -> StaticLoad | None:
     hard the contacts are pressed shows in how they give: the load at which they explain most, among some.
     """
     problem = trajectory.problem
-    if not problem.loaded or problem.recorded is not None or trajectory.frames < 10:
+    system = problem.system
+    if not physics.loaded(system) or problem.recorded is not None or trajectory.frames < 10:
         return None
-    bearing = (*problem.along, *problem.walls)
-    others = [link for link in problem.links if link not in bearing]
-    change = impulses.unexplained(trajectory, others, problem.dampers)
+    bearing = (*system.along, *physics.walls(system))
+    others = [link for link in system.links if link not in bearing]
+    change = impulses.unexplained(trajectory, others, system.dampers)
 
     def left(factor: float) -> Floats:
         total = change.copy()
@@ -232,7 +234,7 @@ def identify_load(trajectory: Trajectory) -> StaticLoad | None:
 
     start = trajectory.displacement[0]
     outside = np.zeros_like(start)
-    for link in problem.links:
+    for link in system.links:
         link.drive(outside, -np.broadcast_to(_at_rest(link), link.strain(start).shape))
     power = float(np.sum(outside**2) * np.sum(np.diff(trajectory.time)))
     size = float(np.max(np.abs(outside)))
@@ -259,10 +261,16 @@ def identify_exponent(trajectory: Trajectory) -> float | None:
     from scipy.optimize import minimize_scalar
 
     problem = trajectory.problem
-    if problem.exponent is None or not problem.alike or problem.recorded is not None or trajectory.frames < 10:
+    system = problem.system
+    if (
+        physics.exponent(system) is None
+        or not physics.alike(system)
+        or problem.recorded is not None
+        or trajectory.frames < 10
+    ):
         return None
-    (contact,) = problem.along
-    left = impulses.unexplained(trajectory, (*problem.across, *problem.ground), problem.dampers)
+    (contact,) = system.along
+    left = impulses.unexplained(trajectory, (*system.across, *system.ground), system.dampers)
     spacing, v = impulses.spacing(trajectory), trajectory.velocity
     overlap, closing = np.maximum(contact.overlap(trajectory.displacement), 0.0), v[..., :-1] - v[..., 1:]
     rest = laws.rest(contact.law)
@@ -277,11 +285,13 @@ def identify_exponent(trajectory: Trajectory) -> float | None:
 
     found = minimize_scalar(unexplained, (1.0, 2.0), (0.9, 4.0), method="bounded", options={"xatol": 1e-6})
     explains = found.fun < _UNEXPLAINED * float(np.sum(_but_for_driven(left, problem) ** 2))
-    return float(found.x) if explains and found.fun < _BETTER * unexplained(problem.exponent) else problem.exponent
+    stated = physics.exponent(system)
+    assert stated is not None
+    return float(found.x) if explains and found.fun < _BETTER * unexplained(stated) else stated
 
 
 def _but_for_driven(values: Floats, problem: Problem) -> Floats:
     """Values [..., chain, bead] with 0, in place, at beads whose motion is given: by what forces, nobody knows."""
-    for motion in problem.motions:
+    for motion in problem.system.motions:
         values[..., motion.chain - 1, motion.bead - 1] = 0.0
     return values

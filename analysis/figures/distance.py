@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from analysis.figures.style import STYLE, axis_unit, chain_legend, draw_chain, shown_chains, title
 from analysis.sharing.energy_shares import EnergyShares
 from analysis.sharing.equipartition import Sharing
-from lammps_inputs import Problem
+from lammps_inputs import Problem, physics
 from lammps_inputs.facts import Fact
 
 AGREED = 0.01
@@ -61,6 +61,7 @@ def _draw_amplitude(axis: Axes, problem: Problem, shared: Sharing) -> None:
 
 
 def _draw_waves(axis: Axes, problem: Problem, shared: Sharing, energies: EnergyShares) -> None:
+    system = problem.system
     bead = shared.bead[energies.place].astype(np.float64)
     measured = bool(np.any(np.isfinite(energies.wave)))
     if measured and problem.chains > 1:
@@ -69,7 +70,7 @@ def _draw_waves(axis: Axes, problem: Problem, shared: Sharing, energies: EnergyS
     few: dict[str, Any] = {"marker": ".", "markersize": 4} if len(shared) <= FEW else {}
     lines = []
     if (
-        not problem.gap and problem.alike and problem.holds(Fact.SONIC_VACUUM)
+        not physics.gap(system) and physics.alike(system) and system.holds(Fact.SONIC_VACUUM)
     ):  # what runs down other beads, or with gaps, is no exact wave
         exact = np.sum(shared.wave_share, axis=1)
         lines += axis.plot(shared.bead, exact, color="0.65", linewidth=3.0, label="all waves, if exact", **few)

@@ -22,7 +22,7 @@ def shape_figure(problem: Problem, waveforms: Waveforms, beads: Sequence[int]) -
         waveforms: of the leading waves.
         beads: one panel each.
     """
-    exact, passages, chains = wave_of(problem), waveforms.passages, shown_chains(problem)
+    exact, passages, chains = wave_of(problem.system), waveforms.passages, shown_chains(problem)
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(1.0 + 3.2 * len(beads), 4.4), layout="constrained")
         axes = figure.subplots(2, len(beads), sharex=True, squeeze=False, height_ratios=(2.2, 1.0))

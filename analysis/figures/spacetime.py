@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from analysis.figures.style import STYLE, axis_unit, evenly_spaced, grid, name_columns, shown_chains, title
 from analysis.trajectory import Floats, Trajectory
-from lammps_inputs import Problem
+from lammps_inputs import Problem, physics
 
 MAX_PIXELS = 1200
 
@@ -69,7 +69,7 @@ class SpaceTime:
 def largest_afar(problem: Problem, beads: NDArray[np.int64], velocity: Floats) -> float:
     """Largest |velocity| [..., bead] of beads farther than `NEAR` from those that were hit; of all if that is 0."""
     size = np.abs(np.nan_to_num(velocity))
-    far = np.all([np.abs(beads - bead) > NEAR for _, bead, _ in problem.struck], axis=0)
+    far = np.all([np.abs(beads - bead) > NEAR for _, bead, _ in physics.excitations(problem.system)], axis=0)
     return float(np.max(size[..., far], initial=0.0)) or float(np.max(size, initial=0.0)) or 1.0
 
 

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from analysis.trajectory import Floats
-from lammps_inputs import Problem, laws
+from lammps_inputs import Problem, laws, physics
 
 CHAIN_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#882255", "#7F7F7F")
 """Okabe and Ito's palette, ordered for contrast between the first few; wine (Tol) and grey."""
@@ -92,7 +92,7 @@ _PREFIXES = {1: "k", 0: "", -1: "m", -2: "\N{MICRO SIGN}", -3: "n", -4: "p"}
 
 def grid(problem: Problem) -> tuple[int, int] | None:
     """Rows and columns of the lattice in which the chains stand; None where they are no lattice."""
-    return next((link.grid for link in problem.across if link.grid is not None), None)
+    return next((link.grid for link in problem.system.across if link.grid is not None), None)
 
 
 def shown_chains(problem: Problem, *, panels: bool = False) -> list[int]:
@@ -108,7 +108,7 @@ def shown_chains(problem: Problem, *, panels: bool = False) -> list[int]:
     most = MAX_PANELS_OF_LATTICE if panels and grid(problem) is not None else MAX_PANELS
     if problem.chains <= most:
         return list(range(problem.chains))
-    by_kick = sorted(problem.struck, key=lambda blow: -abs(blow[2]))
+    by_kick = sorted(physics.excitations(problem.system), key=lambda blow: -abs(blow[2]))
     chosen = list(dict.fromkeys(chain - 1 for chain, _, _ in by_kick))[:MAX_PANELS]
     distance = np.min([_distances(problem, chain) for chain in chosen], axis=0)
     while len(chosen) < MAX_PANELS:
@@ -122,7 +122,9 @@ def _distances(problem: Problem, chain: int) -> NDArray[np.int64]:
     row = np.abs(np.arange(problem.chains) - chain)
     far = np.full(problem.chains, -1)
     far[chain], edge = 0, np.array([chain])
-    lower, higher = np.array([pair for link in problem.across for pair in link.edges]).reshape(-1, 2).T.astype(np.int64)
+    lower, higher = (
+        np.array([pair for link in problem.system.across for pair in link.edges]).reshape(-1, 2).T.astype(np.int64)
+    )
     while len(edge):
         reached = np.concatenate([higher[np.isin(lower, edge)], lower[np.isin(higher, edge)]])
         steps = int(far[edge[0]]) + 1
@@ -140,11 +142,12 @@ def title(problem: Problem, *, each_chain: bool = False, panels: bool = False, u
         panels: whether each has a panel of its own.
         until: time of the last frame there is, in units of T; of a run that was cut short it is said.
     """
-    coupled = f", {_coupling(problem)}" if problem.coupled else ""
+    system = problem.system
+    coupled = f", {_coupling(problem)}" if physics.coupled(system) else ""
     gap = ""
-    if problem.gap:
-        unit = axis_unit(problem, "length", problem.gap)
-        gap = f", gap {problem.gap * unit.worth:.4g}" + (f" {unit.symbol}" if problem.scale.si else "")
+    if physics.gap(system):
+        unit = axis_unit(problem, "length", physics.gap(system))
+        gap = f", gap {physics.gap(system) * unit.worth:.4g}" + (f" {unit.symbol}" if problem.scale.si else "")
     cut = ""
     if until is not None and until < problem.duration - 0.5 * problem.every:
         cut = f"; cut short at {until / problem.duration:.0%} of its time"
@@ -161,7 +164,7 @@ def _coupling(problem: Problem) -> str:
         np.concatenate(
             [
                 np.broadcast_to(laws.stiffness(link.law, strain), (len(link.edges), problem.beads))
-                for link in problem.across
+                for link in problem.system.across
             ]
         )
         for strain in (0.0, 1.0)
@@ -173,7 +176,7 @@ def _coupling(problem: Problem) -> str:
     said = f"${symbol}$ = {largest:.4g}" if least == largest else f"${symbol}$ = {least:.3g} to {largest:.3g}"
     said += " and cubic" if np.any(pulled != still) else ""
     said += f" in rows {rows[0]} to {rows[-1]}" if len(rows) < problem.beads else ""
-    return ", ".join([said, *(link.shape for link in problem.across if link.shape)])
+    return ", ".join([said, *(link.shape for link in problem.system.across if link.shape)])
 
 
 def chain_look(place: int) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from analysis.files.binary_dump import BinaryDump, CutDumpWarning, NoFrameError, part_of_run
 from analysis.files.dump_layout import header
 from analysis.trajectory import Floats, Trajectory, frames_per_block
-from lammps_inputs import InputError, Problem
+from lammps_inputs import InputError, Problem, physics
 
 FARTHEST = 2.0
 """Time between frames from which on a wave, which passes a bead in 2 T, is missed; until then peaks say how sure they
@@ -24,7 +24,7 @@ are."""
 
 def rest_positions(problem: Problem) -> Floats:
     """[chain, recorded bead] where LAMMPS has the beads at the start, to the last bit."""
-    return np.asarray(problem.places[:, problem.recorded_beads - 1])
+    return np.asarray(problem.layout.places[:, problem.recorded_beads - 1])
 
 
 def atom_ids(problem: Problem) -> NDArray[np.int64]:
@@ -118,7 +118,7 @@ def of_frames(problem: Problem, time: Floats, values: Floats) -> Iterator[Trajec
         found = values[frames][..., (row - 1) % problem.rows]
         if not np.all(found[:, 0] == row):
             raise ValueError(f"frame {frames[0]}: its molecules are not rows of a window")
-        displacement = found[:, 1] - row * problem.spacing
+        displacement = found[:, 1] - row * problem.layout.spacing
         yield Trajectory(problem, time[frames], displacement, found[:, 2], first=int(row[0]))
 
 
@@ -149,7 +149,7 @@ class Writer:
         ids = atom_ids(problem)
         self._rows = np.empty((*ids.shape, 3), dtype="<f8")
         self._rows[:, :, 0] = ids
-        width = 2.0 * (problem.diameter + problem.gap)
+        width = 2.0 * (problem.layout.diameter + physics.gap(problem.system))
         self._lateral = (-width, width * problem.chains, -width, width)
         self._file = Path(path).open("wb")  # noqa: SIM115  closed by `close`
 

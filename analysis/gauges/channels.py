@@ -7,7 +7,7 @@ from analysis.files.traces import Channel
 from analysis.gauges.forces import at_frames
 from analysis.gauges.gauge import Gauge, gauges
 from analysis.trajectory import Floats, Trajectory
-from lammps_inputs import Problem
+from lammps_inputs import Problem, physics
 
 
 def complaint(channel: Channel, problem: Problem) -> str | None:
@@ -16,7 +16,7 @@ def complaint(channel: Channel, problem: Problem) -> str | None:
     if not 1 <= channel.chain <= problem.chains:
         return f"the scene has chains 1 to {problem.chains}"
     if channel.kind == "wall":
-        sides = [link.law.side > 0.0 for link in problem.walls]
+        sides = [link.law.side > 0.0 for link in physics.walls(problem.system)]
         return None if channel.right in sides else f"the scene has no {'right' if channel.right else 'left'} wall"
     first, last = {"contact": (1, beads - 1), "sensor": (2, beads - 1)}.get(channel.kind, (1, beads))
     return None if first <= channel.bead <= last else f"beads {first} to {last} of the scene have such"
@@ -69,11 +69,12 @@ def read_at(run: Trajectory, channels: tuple[Channel, ...], times: Floats) -> Fl
 
 
 def _gauge(channel: Channel, problem: Problem) -> Gauge | None:
+    system = problem.system
     if channel.kind == "wall":
-        found = gauges(problem, wall=True, contacts=(), sensors=())
+        found = gauges(system, wall=True, contacts=(), sensors=())
         return next(gauge for gauge in found if (gauge.name == "right wall") == channel.right)
     if channel.kind == "contact":
-        return gauges(problem, wall=False, contacts=(channel.bead,), sensors=())[0]
+        return gauges(system, wall=False, contacts=(channel.bead,), sensors=())[0]
     if channel.kind == "sensor":
-        return gauges(problem, wall=False, contacts=(), sensors=(channel.bead,))[0]
+        return gauges(system, wall=False, contacts=(), sensors=(channel.bead,))[0]
     return None

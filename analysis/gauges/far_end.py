@@ -88,7 +88,7 @@ class FarEnd:
         forward = direction_of(problem) > 0
         rows = max(1, problem.beads // PART)
         self._rows = slice(problem.beads - rows, problem.beads) if forward else slice(0, rows)
-        wall = far_wall(problem)
+        wall = far_wall(problem.system)
         self._wall = () if wall is None else (wall,)
         self._time: list[Floats] = []
         self._energy: list[Floats] = []
@@ -100,7 +100,7 @@ class FarEnd:
         x, v = block.displacement[..., self._rows], block.velocity[..., self._rows]
         self._time.append(block.time.copy())
         with np.errstate(over="ignore", invalid="ignore"):  # of a run that blew up
-            energy = motion.bead_energy(self.problem, x, v, self._rows.start + 1)
+            energy = motion.bead_energy(self.problem.system, x, v, self._rows.start + 1)
             self._energy.append(np.sum(energy, axis=(1, 2)))
             self._input.append(energy_input(block))
             if self._wall:

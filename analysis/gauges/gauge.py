@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from analysis import motion
 from analysis.trajectory import Floats
-from lammps_inputs import System, laws
+from lammps_inputs import System, laws, physics
 from lammps_inputs.laws import dashpot
 from lammps_inputs.links import Wall
 
@@ -75,7 +75,7 @@ def gauges(problem: System, *, wall: bool, contacts: tuple[int, ...], sensors: t
     """Gauges at walls, between beads n and n + 1, and inside beads; from left to right by kind."""
     found = []
     if wall:
-        for link in problem.walls:
+        for link in physics.walls(problem):
             right = link.law.side > 0.0
             name = "right wall" if right else "left wall"
             found.append(Gauge("wall", name, problem.beads if right else 1, (_at_wall(problem, link),)))
@@ -89,7 +89,7 @@ def gauges(problem: System, *, wall: bool, contacts: tuple[int, ...], sensors: t
 
 def far_wall(system: System) -> Gauge | None:
     """The gauge at the wall that the largest excitation goes towards; None where there is none."""
-    side = "right" if system.hardest_blow[2] > 0.0 else "left"
+    side = "right" if physics.largest_excitation(system)[2] > 0.0 else "left"
     return next((gauge for gauge in gauges(system, wall=True, contacts=(), sensors=()) if gauge.side == side), None)
 
 
@@ -102,7 +102,7 @@ def _at_wall(problem: System, link: Wall) -> Probe:
         displacement = strain if right else -strain
         return np.asarray(np.maximum(link.law.side * laws.force(law, displacement) + laws.load(law), 0.0))
 
-    damper = problem.wall_loss(link.law.side)
+    damper = physics.wall_loss(problem, link.law.side)
 
     def loss(strain: Floats, rate: Floats, chain: Integers) -> Floats:
         law = laws.at(damper, chain, place)  # type: ignore[arg-type]
@@ -117,17 +117,17 @@ def _at_wall(problem: System, link: Wall) -> Probe:
 def _between(problem: System, bead: int) -> Probe:
     def force(strain: Floats, chain: Integers) -> Floats:
         contact = np.full(chain.shape, bead - 1)
-        overlap = strain - problem.gap + motion.rest_overlap(problem, chain, contact)
+        overlap = strain - physics.gap(problem) + motion.rest_overlap(problem, chain, contact)
         return motion.contact_force(problem, overlap, chain, contact)
 
     at_rest = (laws.load(laws.at(link.law, Ellipsis, bead - 1)) for link in problem.along)
     static = np.broadcast_to(sum(at_rest), problem.chains)
-    return Probe(bead, bead + 1, force, static, None if problem.contact_loss is None else _loss(problem, bead))
+    return Probe(bead, bead + 1, force, static, None if physics.contact_loss(problem) is None else _loss(problem, bead))
 
 
 def _loss(problem: System, bead: int) -> Callable[[Floats, Floats, Integers], Floats]:
     def loss(strain: Floats, rate: Floats, chain: Integers) -> Floats:
-        law = laws.at(problem.contact_loss, chain, bead - 1)  # type: ignore[arg-type]
-        return np.asarray(dashpot.damping(law, strain - problem.gap, rate))
+        law = laws.at(physics.contact_loss(problem), chain, bead - 1)  # type: ignore[arg-type]
+        return np.asarray(dashpot.damping(law, strain - physics.gap(problem), rate))
 
     return loss

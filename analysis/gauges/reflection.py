@@ -13,7 +13,7 @@ import numpy as np
 from analysis.quantity import Quantity
 from analysis.tracking.pulses import Pulse
 from analysis.trajectory import Floats
-from lammps_inputs import Problem
+from lammps_inputs import Problem, physics
 from lammps_inputs.facts import Fact
 
 NEAR = 15
@@ -69,7 +69,8 @@ def reflections(
     keeps its velocity), or it is not known to `LARGEST_UNCERTAINTY`: a pulse or its reflection was not seen at enough
     beads before the reflected one met the next incident one, decays too fast, or changes as chains exchange energy.
     """
-    plain = problem.alike and not problem.loaded and problem.holds(Fact.PULSE)
+    system = problem.system
+    plain = physics.alike(system) and not physics.loaded(system) and system.holds(Fact.PULSE)
     found = [
         _of_chain(pulses, problem, chain, right, error) if plain else None for chain in range(1, problem.chains + 1)
     ]

@@ -132,7 +132,7 @@ class Spectra:
         for chain, _, frequency in drives(problem)[:1]:
             first = float(passed_on[np.searchsorted(self.drive, frequency), chain - 1, -1])
         resolution = float(self.frequency[1] - self.frequency[0])
-        cycles = bands(problem)
+        cycles = bands(problem.system)
         return Lines(self.after, resolution, beads, first, None if cycles is None else cycles / (2.0 * np.pi))
 
     def columns(self, scale: Scale) -> dict[str, Floats]:
@@ -168,8 +168,8 @@ def amplitude_at(signal: Floats, every: float, frequency: float) -> Floats:
 
 def drives(problem: Problem) -> list[tuple[int, int, float]]:
     """(chain, bead, frequency) of every drive."""
-    forces = [(load.chain, load.bead, load.law.omega) for load in problem.loads if isinstance(load.law, Sine)]
-    motions = [(motion.chain, motion.bead, motion.omega) for motion in problem.motions]
+    forces = [(load.chain, load.bead, load.law.omega) for load in problem.system.loads if isinstance(load.law, Sine)]
+    motions = [(motion.chain, motion.bead, motion.omega) for motion in problem.system.motions]
     return [(chain, bead, omega / (2.0 * np.pi)) for chain, bead, omega in (*motions, *forces)]
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.trajectory import Floats
-from lammps_inputs import System, laws
+from lammps_inputs import System, laws, physics
 
 LONGEST_CELL = 12
 """Beads that are looked for to repeat along the chains."""
@@ -68,7 +68,7 @@ def repeats(columns: Floats) -> int | None:
 
 def cell_beads(system: System) -> int:
     """After how many beads masses and contacts repeat, whatever load they bear; 1 where they do not."""
-    if system.one_kind:
+    if physics.one_kind(system):
         return 1
     shape = system.chains, system.beads - 1
     strength = [np.broadcast_to(laws.strength(link.law), shape) for link in system.along]
@@ -95,7 +95,7 @@ def make_speed(system: System) -> "LoadedSpeed":
     """How fast pulses of an amplitude run at a bead of a loaded chain."""
     rest = np.broadcast_to(sum(laws.rest(link.law) for link in system.along), (system.chains, system.beads - 1))
     rest = np.asarray(_at_beads(_smooth(rest, _near(system))))
-    return LoadedSpeed(sound_speed(system), rest, system.exponent or 1.5)
+    return LoadedSpeed(sound_speed(system), rest, physics.exponent(system) or 1.5)
 
 
 class LoadedSpeed:

@@ -14,7 +14,7 @@ from analysis import hermite, motion
 from analysis.shape.pattern import length_of
 from analysis.shape.wave_of import wave_of
 from analysis.trajectory import Floats, Trajectory
-from lammps_inputs import Problem
+from lammps_inputs import Problem, physics
 
 Integers = NDArray[np.int64]
 
@@ -86,7 +86,7 @@ class Shape:
 
 def reach(problem: Problem) -> int:
     """Beads on either side of a pulse's peak that hold its energy: three, and more where pulses are longer."""
-    return math.ceil(COMPARED * length_of(problem) - 1e-6)
+    return math.ceil(COMPARED * length_of(problem.system) - 1e-6)
 
 
 class Waveforms:
@@ -105,7 +105,7 @@ class Waveforms:
         self.passages = passages
         every = problem.every
         speed = np.where(np.isfinite(passages.speed) & (passages.speed > 0.0), passages.speed, np.nan)
-        speed = np.where(np.isnan(speed), wave_of(problem).speed_at(passages.peak_velocity), speed)
+        speed = np.where(np.isnan(speed), wave_of(problem.system).speed_at(passages.peak_velocity), speed)
         frames = np.ceil(REACH / speed / every)
         stride = np.maximum(1, np.ceil(2.0 * frames / SAMPLES)).astype(np.int64)
         half = np.minimum(np.ceil(frames / stride), SAMPLES // 2).astype(np.int64)
@@ -142,20 +142,21 @@ class Waveforms:
     def _inside(self, block: Trajectory, row: Integers, frame: Integers) -> Floats:
         """Energy near the beads of some passages, each in a frame of a block."""
         problem, beads = self.problem, block.velocity.shape[2]
+        system = problem.system
         place = (self.passages.bead[row] - block.first)[:, np.newaxis] + np.arange(-self._reach, self._reach + 1)
         there, near = (place >= 0) & (place < beads), np.clip(place, 0, beads - 1)
         chain, bead = (self.passages.chain[row] - 1)[:, np.newaxis], block.first - 1 + near
         x, v = (values[frame[:, np.newaxis], chain, near] for values in (block.displacement, block.velocity))
-        kinetic = np.where(there, 0.5 * problem.mass_of(chain, bead) * v * v, 0.0)
-        overlap = x[:, :-1] - x[:, 1:] - problem.gap
+        kinetic = np.where(there, 0.5 * physics.mass_of(system, chain, bead) * v * v, 0.0)
+        overlap = x[:, :-1] - x[:, 1:] - physics.gap(system)
         contact = chain, np.minimum(bead[:, :-1], problem.beads - 2)
-        stored = np.where(there[:, :-1] & there[:, 1:], motion.stored_in_contact(problem, overlap, *contact), 0.0)
+        stored = np.where(there[:, :-1] & there[:, 1:], motion.stored_in_contact(system, overlap, *contact), 0.0)
         left_out = (place[:, 0] < 0) & (block.first > 1)  # by a window
         return np.where(left_out, np.nan, kinetic.sum(axis=1) + stored.sum(axis=1))
 
     def shape(self) -> Shape:
         """What the waveforms say."""
-        passages, exact = self.passages, wave_of(self.problem)
+        passages, exact = self.passages, wave_of(self.problem.system)
         # beads may peak at one time or in reverse order, which is no speed of a wave
         forward = np.where(np.isfinite(passages.speed) & (passages.speed > 0.0), passages.speed, np.nan)
         speed, peak = forward[:, np.newaxis], passages.peak_velocity[:, np.newaxis]
@@ -168,17 +169,17 @@ class Waveforms:
         def travelled(values: Floats) -> Floats:
             return np.asarray(np.sum(np.where(watched, values, 0.0) * speed * step, axis=1) * sign)
 
-        mass = np.reshape(self.problem.mass_of(passages.chain - 1, passages.bead - 1), (-1, 1))
+        mass = np.reshape(physics.mass_of(self.problem.system, passages.chain - 1, passages.bead - 1), (-1, 1))
         kinetic_share = (exact.exponent + 1.0) / (exact.exponent + 3.0)
         kinetic = travelled(0.5 * mass * self.velocity**2)
-        alone = kinetic / kinetic_share if self.problem.alike else np.nan * kinetic
+        alone = kinetic / kinetic_share if physics.alike(self.problem.system) else np.nan * kinetic
         energy = self.energy if self.problem.recorded is None else alone
         xi = exact.speed_at(peak) * late
         difference = np.abs(self.velocity / peak - exact.velocity(xi))
         difference[~(watched & (np.abs(xi) <= COMPARED))] = 0.0
         return Shape(
             width=self._duration() * forward * sign,
-            momentum=travelled(mass * self.velocity) if self.problem.alike else np.nan * kinetic,
+            momentum=travelled(mass * self.velocity) if physics.alike(self.problem.system) else np.nan * kinetic,
             energy=energy,
             residual=np.max(difference, axis=1, initial=0.0) * sign,
         )

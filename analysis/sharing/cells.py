@@ -21,7 +21,7 @@ from analysis.sharing.survey import Survey
 from analysis.tracking.pulses import Pulse
 from analysis.tracking.undisturbed import CLEAR
 from analysis.trajectory import Floats, Trajectory
-from lammps_inputs import Problem
+from lammps_inputs import Problem, physics
 
 AT_REST = 0.01
 """Share of the incident energy up to which a bead has let go of a pulse."""
@@ -120,8 +120,8 @@ def left(found: Survey, chain: int, period: int) -> Left | None:
     cells = (last - int(way[0])) // period
     ends = along_the_way(problem, int(way[0])), along_the_way(problem, last)
     low, high = min(ends) - reach(problem), max(ends) + reach(problem)
-    alone = len(problem.tied_to(chain - 1)) == 1 and not dissipates(problem)
-    if not (cells and alone and repeats_between(problem, chain - 1, low, high, period)):
+    alone = len(physics.tied_to(problem.system, chain - 1)) == 1 and not dissipates(problem)
+    if not (cells and alone and repeats_between(problem.system, chain - 1, low, high, period)):
         return Left(*ends, float(share[-1]), math.nan, math.nan, math.nan)
     return Left(*ends, float(share[-1]), float(share[0] - share[-1]) / cells, *_law((way - way[0]) / period, share))
 
@@ -133,7 +133,11 @@ def _along(found: Survey, chain: int) -> tuple[NDArray[np.int64], Floats]:
     way, share = along_the_way(problem, found.waves.bead[own]), found.shape.energy[own] / found.shared.energy
     order = np.argsort(way)
     way, share = way[order], share[order]
-    struck = [along_the_way(problem, bead) for _, bead, blow in problem.struck if blow * found.direction > 0.0]
+    struck = [
+        along_the_way(problem, bead)
+        for _, bead, blow in physics.excitations(problem.system)
+        if blow * found.direction > 0.0
+    ]
     known = np.isfinite(share) & (way > max(struck))
     return way[known], share[known]
 
@@ -159,8 +163,8 @@ class FinalEnergy:
 
     def add(self, block: Trajectory) -> None:
         """Take the next frames, from the first of the run on."""
-        self.beads = motion.bead_energy(block.problem, block.displacement[-1:], block.velocity[-1:])[0]
-        mass = block.problem.mass_of(slice(None), self._last)
+        self.beads = motion.bead_energy(block.problem.system, block.displacement[-1:], block.velocity[-1:])[0]
+        mass = physics.mass_of(block.problem.system, slice(None), self._last)
         self._end = np.maximum(self._end, np.max(0.5 * mass * block.velocity[..., self._last] ** 2, axis=0))
 
     def end(self, found: Survey, chain: int) -> float | None:
@@ -185,8 +189,10 @@ class FinalEnergy:
 def _only_once(found: Survey, chain: int, bead: int) -> bool:
     """Whether the leading pulse, and nothing else, has come to a bead and passed on, and no energy is lost."""
     problem, here = found.problem, along_the_way(found.problem, bead)
-    alone = len(problem.tied_to(chain - 1)) == 1 and not dissipates(problem)
-    struck = all(along_the_way(problem, hit) < here for at, hit, _ in problem.struck if at == chain)
+    alone = len(physics.tied_to(problem.system, chain - 1)) == 1 and not dissipates(problem)
+    struck = all(
+        along_the_way(problem, hit) < here for at, hit, _ in physics.excitations(problem.system) if at == chain
+    )
     way, _ = _along(found, chain)
     passed = bool(np.any(way > here + CLEAR))
     others = [pulse for pulse in found.pulses if pulse.chain == chain and not found.leads(pulse)]

@@ -14,7 +14,7 @@ import numpy as np
 
 from analysis.shape.exact_wave import HERTZ, solitary_wave
 from analysis.sharing.equipartition import Sharing
-from lammps_inputs import Problem, laws
+from lammps_inputs import Problem, laws, physics
 from lammps_inputs.facts import Fact
 from lammps_inputs.laws.linear import Linear
 
@@ -62,7 +62,7 @@ def expected_n_star(kappa: float, springs: int = 1) -> float:
 def stiffness_of_springs(problem: Problem, chain: int) -> float | None:
     """Of all springs of a chain (from 0) together; None where they are not linear, or not the same in all rows."""
     total = 0.0
-    for link in problem.across:
+    for link in problem.system.across:
         if not isinstance(link.law, Linear):
             return None
         for edge, ends in enumerate(link.edges):
@@ -80,14 +80,15 @@ def fit_decay(shared: Sharing, problem: Problem) -> DecayFit | None:
 
     ``(v / v0)**0.4 = 1 - n / n*`` is a straight line.
     """
+    system = problem.system
     if (
-        problem.exponent != HERTZ
-        or not (problem.alike and problem.holds(Fact.PULSE) and problem.holds(Fact.SONIC_VACUUM))
-        or len(problem.struck) != 1
+        physics.exponent(system) != HERTZ
+        or not (physics.alike(system) and system.holds(Fact.PULSE) and system.holds(Fact.SONIC_VACUUM))
+        or len(physics.excitations(system)) != 1
         or len(shared) == 0
     ):
         return None
-    chain, hit = shared.kicked, problem.struck[0][1]
+    chain, hit = shared.kicked, physics.excitations(system)[0][1]
     springs = stiffness_of_springs(problem, chain)
     if not springs:
         return None

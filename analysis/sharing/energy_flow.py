@@ -65,12 +65,12 @@ class EnergyFlow:
         chosen = slice(-self._seen % self._stride, None, self._stride)
         self._seen += block.frames
         x, v = block.displacement[chosen], block.velocity[chosen]
-        energy = motion.bead_energy(block.problem, x, v, block.first)
+        energy = motion.bead_energy(block.problem.system, x, v, block.first)
         of_chain = energy.sum(axis=-1, keepdims=True)
         total = of_chain.sum(axis=-2, keepdims=True)
         share = (of_chain / np.where(total > 0.0, total, np.inf))[..., 0]  # a drive may begin with none
         between = np.zeros(len(x))
-        for link in block.problem.across:
+        for link in block.problem.system.across:
             between += np.sum(link.energy(x, block.first), axis=(-2, -1))
         put_in = energy_input(block)[chosen]
         between /= np.where(put_in > 0.0, put_in, np.nan)

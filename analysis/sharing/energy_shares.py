@@ -54,10 +54,10 @@ class EnergyShares:
 
     def _energies(self, block: Trajectory, frame: int) -> tuple[Floats, Floats]:
         x, v = block.displacement[frame], block.velocity[frame]
-        kinetic = motion.kinetic_energy(self.problem, v, block.first)
-        contacts = motion.contact_energy(self.problem, x, block.first)
+        kinetic = motion.kinetic_energy(self.problem.system, v, block.first)
+        contacts = motion.contact_energy(self.problem.system, x, block.first)
         total = np.sum(kinetic, axis=1) + np.sum(contacts, axis=1)
-        for link in (*self.problem.across, *self.problem.ground):
+        for link in (*self.problem.system.across, *self.problem.system.ground):
             link.add_chain_energy(total, link.energy(x, block.first))
         inside = np.empty_like(total)
         for chain in range(self.problem.chains):

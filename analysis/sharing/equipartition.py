@@ -20,7 +20,7 @@ from analysis.tracking.leading_waves import Waves
 from analysis.tracking.pulses import of_one_kind
 from analysis.tracking.undisturbed import CLEAR
 from analysis.trajectory import Floats
-from lammps_inputs import Problem
+from lammps_inputs import Problem, physics
 
 Integers = NDArray[np.int64]
 
@@ -231,7 +231,8 @@ def sharing(waves: Waves, problem: Problem, noise: float = 0.0) -> Sharing:
         problem: what was run.
         noise: standard deviation of an amplitude, in units of V.
     """
-    kicked, hit, _ = problem.hardest_blow
+    system = problem.system
+    kicked, hit, _ = physics.largest_excitation(system)
     beads = problem.recorded_beads
     place = {int(bead): k for k, bead in enumerate(beads)}
     rows = np.array([place[int(bead)] for bead in waves.bead], dtype=np.int64)
@@ -243,9 +244,9 @@ def sharing(waves: Waves, problem: Problem, noise: float = 0.0) -> Sharing:
         return table[clear]
 
     apart = np.zeros(problem.chains, dtype=bool)
-    if problem.coupled:
+    if physics.coupled(system):
         apart[:] = True
-        apart[problem.tied_to(kicked - 1)] = False
+        apart[physics.tied_to(system, kicked - 1)] = False
     clear = np.ones(len(beads), dtype=bool)
     clear = np.all(np.isfinite(side_by_side(waves.peak_velocity)[:, ~apart]), axis=1)
     clear &= (beads > hit) & (beads <= problem.beads - CLEAR)
@@ -255,18 +256,18 @@ def sharing(waves: Waves, problem: Problem, noise: float = 0.0) -> Sharing:
         beads[clear],
         side_by_side(waves.arrival),
         side_by_side(waves.peak_velocity),
-        math.nan if problem.acted_on else problem.energy,
+        math.nan if physics.acted_on(system) else physics.energy(system),
         noise,
         side_by_side(waves.arrival_error),
         side_by_side(waves.velocity_error),
-        wave_of(problem),
-        make_speed(problem) if problem.loaded else None,
+        wave_of(system),
+        make_speed(system) if physics.loaded(system) else None,
     )
 
 
 def dissipates(problem: Problem) -> bool:
     """Whether contacts or beads lose energy, so that every pulse decays as long as it runs."""
-    along, _, ground, _ = problem.sinks
+    along, _, ground, _ = physics.dashpot_names(problem.system)
     return along is not None or ground is not None
 
 

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from analysis import hermite, motion
 from analysis.files.events import Events
 from analysis.trajectory import Floats, Trajectory, joined
-from lammps_inputs import Problem
+from lammps_inputs import Problem, physics
 from lammps_inputs.facts import Fact
 
 Integers = NDArray[np.int64]
@@ -118,17 +118,17 @@ class ImpulseMeter:
         if self._carried is None or self._start is None:
             raise ValueError("no frames to measure")
         imbalance = float("nan")
-        if self.problem.recorded is None and self.problem.holds(Fact.MOMENTUM):
-            imbalance = _imbalance(self._whole, (self._carried.velocity[0] - self._start) * self.problem.mass)
+        if self.problem.recorded is None and self.problem.system.holds(Fact.MOMENTUM):
+            imbalance = _imbalance(self._whole, (self._carried.velocity[0] - self._start) * self.problem.system.mass)
         with np.errstate(invalid="ignore", divide="ignore"):
             time = self._moment / self._first
         return Impulses(self._bead, self._first.copy(), self._whole.copy(), self._contacts.copy(), time, imbalance)
 
     def _overlaps(self, block: Trajectory) -> Floats:
         x = block.displacement
-        strain = x[..., self._pair] - x[..., self._pair + 1] - self.problem.gap
+        strain = x[..., self._pair] - x[..., self._pair + 1] - physics.gap(self.problem.system)
         chain = np.arange(self.problem.chains)[:, np.newaxis]
-        return np.asarray(strain + motion.rest_overlap(self.problem, chain, self._bead - 2))
+        return np.asarray(strain + motion.rest_overlap(self.problem.system, chain, self._bead - 2))
 
     def _integrate(self, block: Trajectory) -> None:
         """Add the impulses between the frames of a block."""
@@ -143,7 +143,9 @@ class ImpulseMeter:
         node, weight = _gauss(spacing)
         between = np.stack([hermite.value(polynomial, np.full(len(frame), s)) for s in node])
         contact = chain, self._bead[pair] - 2
-        above_rest = motion.contact_force(self.problem, between, *contact) - motion.static_force(self.problem, *contact)
+        above_rest = motion.contact_force(self.problem.system, between, *contact) - motion.static_force(
+            self.problem.system, *contact
+        )
         push = above_rest * weight[:, np.newaxis] * spacing
         closed = np.stack([overlap[frame, chain, pair], *between, overlap[frame + 1, chain, pair]]) > TOUCH
         opening = closed[:-1] & ~closed[1:]

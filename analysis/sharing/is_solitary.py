@@ -12,7 +12,7 @@ from analysis.shape.waveforms import REACH, Passages
 from analysis.tracking.pulses import CONSTANT_OVER, Pulse
 from analysis.tracking.undisturbed import CLEAR
 from analysis.trajectory import Floats
-from lammps_inputs import Problem, laws
+from lammps_inputs import Problem, laws, physics
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ def measured_at(pulse: Pulse, problem: Problem, last_time: float, clear: NDArray
     """
     way = pulse.bead if pulse.direction > 0 else mirrored_bead(problem, pulse.bead)
     with np.errstate(divide="ignore", invalid="ignore"):
-        watched = np.ceil(REACH / wave_of(problem).speed_at(pulse.peak_velocity) / problem.every) + 1.0
+        watched = np.ceil(REACH / wave_of(problem.system).speed_at(pulse.peak_velocity) / problem.every) + 1.0
         over = pulse.arrival + watched * problem.every
     good = (way <= problem.beads - CLEAR) & (over < last_time)
     if clear is not None and np.any(good & clear):
@@ -114,14 +114,15 @@ def characterise(
         tolerances: what counts as equal.
         problem: what was run.
     """
+    system = problem.system
     allowed = tolerances or Tolerances()
     peak, speed = float(pulse.peak_velocity[at]), float(pulse.speed[at])
-    excess = speed / float(wave_of(problem).speed_at(peak)) - 1.0
+    excess = speed / float(wave_of(system).speed_at(peak)) - 1.0
     near = pulse.recent(at)
     exact = _as_reference_beads(problem, pulse.chain - 1, int(pulse.bead[at]) - 1)
     if not exact:
-        mass = problem.mass_of(pulse.chain - 1, pulse.bead[near] - 1)
-        near = near[np.broadcast_to(mass == problem.mass_of(pulse.chain - 1, pulse.bead[at] - 1), near.shape)]
+        mass = physics.mass_of(system, pulse.chain - 1, pulse.bead[near] - 1)
+        near = near[np.broadcast_to(mass == physics.mass_of(system, pulse.chain - 1, pulse.bead[at] - 1), near.shape)]
         shape, excess = {**shape, "residual": np.nan}, np.nan
     recent = pulse.peak_velocity[near]
     way = np.abs(pulse.bead[near[0]] - pulse.bead[at])
@@ -146,10 +147,11 @@ def _as_reference_beads(problem: Problem, chain: int, bead: int) -> bool:
 
     Not where there is no exact wave.
     """
-    if not has_wave(problem):
+    system = problem.system
+    if not has_wave(system):
         return False
     near = slice(max(0, bead - math.ceil(REACH)), bead + math.ceil(REACH) + 1)
-    strength = (laws.at(link.law, chain, near) for link in problem.along)
-    return problem.alike or bool(
-        np.all(problem.mass_of(chain, near) == 1.0) and all(np.all(np.equal(law[0], 1.0)) for law in strength)
+    strength = (laws.at(link.law, chain, near) for link in system.along)
+    return physics.alike(system) or bool(
+        np.all(physics.mass_of(system, chain, near) == 1.0) and all(np.all(np.equal(law[0], 1.0)) for law in strength)
     )

@@ -28,7 +28,7 @@ from analysis.tracking.pulses import SMALLEST, Pulse, ahead_of_sound, track_puls
 from analysis.tracking.undisturbed import clear_of_ends, clear_of_others, once_each, returns
 from analysis.tracking.which_leads import beyond_kicks, of_pulses, opposed
 from analysis.trajectory import Trajectory
-from lammps_inputs import Problem
+from lammps_inputs import Problem, physics
 
 MAX_PASSAGES = 4000
 """Leading passages whose waveform is kept; beyond, every second bead, every third, ..."""
@@ -101,9 +101,9 @@ def _told_from_sound(
     tracks: tuple[Pulse, ...], waves: Waves, direction: int, problem: Problem
 ) -> tuple[tuple[Pulse, ...], tuple[Pulse, ...]]:
     """Pulses, and the crests of sound that there are under a static load."""
-    if not problem.loaded:
+    if not physics.loaded(problem.system):
         return tracks, ()
-    loaded = make_speed(problem)
+    loaded = make_speed(problem.system)
     keep = [_leads(track, waves, direction, problem) or ahead_of_sound(track, loaded) for track in tracks]
     pulses, crests = (
         tuple(track for track, kept in zip(tracks, keep, strict=True) if kept == wanted) for wanted in (True, False)
@@ -136,6 +136,7 @@ def survey(
     Raises:
         ValueError: there was no frame.
     """
+    system = problem.system
     first = next(iter(read()), None)
     if first is None:
         raise ValueError("no frames to analyse")
@@ -144,18 +145,18 @@ def survey(
     options: dict[str, Any] = {"threshold": max(THRESHOLD, SURE * left), "noisy": noise > 0.0}
     forward, backward = PeakFinder(direction=1, **options), PeakFinder(direction=-1, **options)
     given = _Input()
-    counts = counted if problem.exchanges and problem.whole else None
+    counts = counted if physics.exchanges(system) and problem.whole else None
     last_time = _first_reading(read, problem, noise, [*watchers, given], forward, backward, counts)
     peaks = {1: forward.result(), -1: backward.result()}
     if noise > 0.0:
-        peaks = {way: distinct(found, wave_of(problem)) for way, found in peaks.items()}
+        peaks = {way: distinct(found, wave_of(system)) for way, found in peaks.items()}
 
     direction = direction_of(problem)
     along = problem if direction > 0 else mirrored_problem(problem)
     smallest = max(SMALLEST, 2.0 * SURE * left)
     tracks = once_each(
         tuple(pulse for way in (1, -1) for pulse in track_pulses(peaks[way], problem, smallest=smallest, noise=left)),
-        wave_of(problem),
+        wave_of(system),
     )
     arrival = usual_arrival(problem) if arrival is None else arrival
     if leading is None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from analysis.sharing.decay_law import DecayFit
 from analysis.sharing.equipartition import Estimate, Sharing
-from lammps_inputs import Problem
+from lammps_inputs import Problem, physics
 from lammps_inputs.facts import Fact
 from lammps_inputs.limits import rates
 
@@ -71,17 +71,19 @@ def judge(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict:
 
 def _unlike(problem: Problem, kicked: int) -> bool:
     """Whether beads of one row differ between the chain that was hit and those it is tied to."""
-    tied = problem.tied_to(kicked)
-    tables = [np.asarray(problem.mass), *(np.asarray(value) for link in problem.along for value in link.law)]
+    system = problem.system
+    tied = physics.tied_to(system, kicked)
+    tables = [np.asarray(system.mass), *(np.asarray(value) for link in system.along for value in link.law)]
     return any(table.ndim == 2 and bool(np.any(np.ptp(table[tied], axis=0))) for table in tables)
 
 
 def _judge(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict:
-    if not problem.holds(Fact.PULSE):
+    system = problem.system
+    if not system.holds(Fact.PULSE):
         return Verdict(State.NO_PULSE, None, None, f"{State.NO_PULSE.value}: no pulse stays together in this scene")
-    if problem.chains == 1 or not problem.coupled:
+    if problem.chains == 1 or not physics.coupled(system):
         return Verdict(State.ALONE, None, None, f"{State.ALONE.value}: no chain is coupled to another")
-    if len(problem.tied_to(shared.kicked)) == 1:
+    if len(physics.tied_to(system, shared.kicked)) == 1:
         return Verdict(State.ALONE, None, None, f"{State.ALONE.value}: the chain that was hit is coupled to no other")
     if len(shared) == 0:
         return _too_short(
@@ -141,16 +143,17 @@ def _too_short(what: str, expected: Estimate | None, decay: DecayFit | None) -> 
 
 def _expected(shared: Sharing, problem: Problem) -> Estimate | None:
     """Bead of 1% agreement, ahead of the last one seen: by the beats' decay where it is near, else by the rule."""
+    system = problem.system
     last = int(shared.bead[-1])
     tried = (
-        problem.open_row
-        and problem.holds(Fact.SONIC_VACUUM)
-        and problem.gap == 0.0
-        and problem.kappa >= STRONG
+        physics.open_row(system)
+        and system.holds(Fact.SONIC_VACUUM)
+        and physics.gap(system) == 0.0
+        and physics.kappa(system) >= STRONG
         and _resolved(shared, problem)
     )
     if problem.chains > 4:  # one hit within many chains first levels with its neighbours, and only later with all
-        tried &= all(chain in (1, problem.chains) for chain, _, _ in problem.struck)
+        tried &= all(chain in (1, problem.chains) for chain, _, _ in physics.excitations(system))
     found = shared.expected_agreement(AGREEMENT) if tried else None
     if found is not None and last < found.value <= (1.0 + NEAR) * last:
         return found
@@ -159,14 +162,15 @@ def _expected(shared: Sharing, problem: Problem) -> Estimate | None:
 
 def _plain(problem: Problem) -> bool:
     """Whether beads just touch, as all of those did that rules were measured with."""
-    return problem.gap == 0.0 and problem.holds(Fact.SONIC_VACUUM)
+    return physics.gap(problem.system) == 0.0 and problem.system.holds(Fact.SONIC_VACUUM)
 
 
 def _resolved(shared: Sharing, problem: Problem) -> bool:
     """Whether the places lie near enough together to show beats."""
+    system = problem.system
     apart = int(np.diff(shared.bead).max(initial=1))
-    kappa = problem.kappa if problem.open_row else 0.5 * rates.swing(problem) ** 2
-    return apart == 1 or (problem.gap == 0.0 and apart <= RESOLVED / math.sqrt(kappa))
+    kappa = physics.kappa(system) if physics.open_row(system) else 0.5 * rates.swing(system) ** 2
+    return apart == 1 or (physics.gap(system) == 0.0 and apart <= RESOLVED / math.sqrt(kappa))
 
 
 def _by_rule(problem: Problem, last: int) -> Estimate | None:
@@ -175,19 +179,20 @@ def _by_rule(problem: Problem, last: int) -> Estimate | None:
     Measured at 2 to 20 chains, kappa = 0.01 to 2 (two chains: from 0.003 on): 0.8 to 1.1 times that, and never more
     than 5 beads off where that is more. None elsewhere, and where it is not ahead of the last bead seen.
     """
-    if not problem.open_row:
+    system = problem.system
+    if not physics.open_row(system):
         return None
     least = 0.003 if problem.chains == 2 else 0.01
-    (chain, bead, _), *more = problem.struck
+    (chain, bead, _), *more = physics.excitations(system)
     outer = not more and chain in (1, problem.chains) and bead == 1
     measured = (
         outer
-        and problem.holds(Fact.SONIC_VACUUM)
-        and problem.gap == 0.0
+        and system.holds(Fact.SONIC_VACUUM)
+        and physics.gap(system) == 0.0
         and problem.chains <= RULE_CHAINS
-        and least <= problem.kappa <= 2.0
+        and least <= physics.kappa(system) <= 2.0
     )
-    beads = 10.0 + 5.0 / problem.kappa * (problem.chains / 2.0) ** 1.6
+    beads = 10.0 + 5.0 / physics.kappa(system) * (problem.chains / 2.0) ** 1.6
     if not measured or beads <= last:
         return None
     return Estimate(beads, max(RULE_UNSURE * beads, RULE_LEAST_UNSURE))

@@ -16,7 +16,7 @@ from analysis.mirror import direction_of
 from analysis.quantity import Quantity
 from analysis.shape.loaded_wave import repeats
 from analysis.trajectory import Floats, Trajectory
-from lammps_inputs import Problem, System, laws
+from lammps_inputs import Problem, System, laws, physics
 
 MOST_BRANCHES = 60
 
@@ -85,7 +85,7 @@ def cell_of(system: System) -> Cell:
     Raises:
         NoDispersionError: there is no sound, or nothing repeats.
     """
-    if not system.loaded:
+    if not physics.loaded(system):
         raise NoDispersionError(NO_SOUND)
     chains, beads = system.chains, system.beads
     mass = np.broadcast_to(system.mass, (chains, beads))
@@ -99,7 +99,7 @@ def cell_of(system: System) -> Cell:
             for here, there in ((one, other), (other, one)):
                 row[:, here, here] += stiff[k]
                 row[:, here, there] -= stiff[k]
-    for spring in system.held:
+    for spring in physics.ground_springs(system):
         held = np.broadcast_to(laws.stiffness(spring.law, 0.0), (chains, beads))
         row[:, np.arange(chains), np.arange(chains)] += held.T
     columns = np.concatenate([mass, along, row.reshape(beads, -1).T])[:, 1:-1]
@@ -200,7 +200,7 @@ class Dispersion:
     """
 
     def __init__(self, problem: Problem) -> None:
-        self.cell = cell_of(problem)
+        self.cell = cell_of(problem.system)
         if not problem.whole:
             raise NoDispersionError("it takes the velocities of all beads; record them all")
         top = float(self.cell.bands().max())
@@ -210,7 +210,7 @@ class Dispersion:
                 f"frames are farther apart than half a period of its highest frequency, {limit:.3g}; record more often"
             )
         self._stride = max(1, int(0.7 * math.pi / (problem.every * top)))
-        self._chain = problem.hardest_blow[0]
+        self._chain = physics.largest_excitation(problem.system)[0]
         self._every = problem.every * self._stride
         self._most = max(2, MOST_NUMBERS // problem.beads)
         self._velocity: list[Floats] = []

@@ -14,7 +14,7 @@ from analysis.shape.loaded_wave import cell_beads, sound_speed, speed_over_sound
 from analysis.sound.dispersion import NoDispersionError, cell_of
 from analysis.tracking.pulses import Pulse
 from analysis.trajectory import Floats, Trajectory, joined
-from lammps_inputs import Problem, System, laws
+from lammps_inputs import Problem, System, laws, physics
 from lammps_inputs.limits import rates
 
 CLEAR = 5
@@ -109,15 +109,16 @@ class Sound:
         cls, problem: Problem, pulse: LoadedWave | None, crests: Iterable[Pulse], bead_length: float | None
     ) -> "Sound":
         """Of a problem; ``bead_length`` is the distance of neighbouring beads at rest in m, where there is one."""
-        load, rest = (np.asarray(find(problem.along[0].law)) for find in (laws.load, laws.rest))
-        found = bands(problem)
-        speed = None if problem.held else _ends(sound_speed(problem))
+        system = problem.system
+        load, rest = (np.asarray(find(system.along[0].law)) for find in (laws.load, laws.rest))
+        found = bands(system)
+        speed = None if physics.ground_springs(system) else _ends(sound_speed(system))
         return cls(
             load=_ends(load),
             overlap=_ends(rest),
             speed=speed,
             metres=None if bead_length is None or speed is None else speed / problem.scale.time * bead_length,
-            cutoff=rates.swing(problem) if found is None else float(found.max()),
+            cutoff=rates.swing(system) if found is None else float(found.max()),
             crest=max((float(crest.peak_velocity.max()) for crest in crests), default=None),
             pulse=pulse,
         )
@@ -144,7 +145,7 @@ class LoadedPulse:
     def __init__(self, problem: Problem) -> None:
         self._problem = problem
         shape = problem.chains, problem.beads - 1
-        self._least = SMALLEST / rates.pace(problem)
+        self._least = SMALLEST / rates.pace(problem.system)
         self._arrival, self._strain = np.full(shape, np.nan), np.full(shape, np.nan)
         self._carried: Trajectory | None = None
 
@@ -187,8 +188,9 @@ class LoadedPulse:
     def result(self) -> LoadedWave | None:
         """Of the frames so far; None where the pulse did not come far enough."""
         problem = self._problem
+        system = problem.system
         way = direction_of(problem)
-        hit, bead, _ = problem.hardest_blow
+        hit, bead, _ = physics.largest_excitation(system)
         chain, count = hit - 1, problem.beads - 1
         contact = np.arange(count)
         distance = contact - (bead - 1) if way > 0 else (bead - 2) - contact
@@ -197,17 +199,17 @@ class LoadedPulse:
         reached = contact[clear & np.isfinite(self._arrival[chain])]
         if len(reached) < CLEAR:
             return None
-        cell = cell_beads(problem)
+        cell = cell_beads(system)
         over = cell * min(-(-OVER // cell), max(1, (len(reached) - 1) // cell))
         used = reached[-over - 1 :] if way > 0 else reached[: over + 1]
         first, last = (int(used[0]), int(used[-1])) if way > 0 else (int(used[-1]), int(used[0]))
-        whole = laws.rest(problem.along[0].law) + np.where(np.isfinite(self._strain), self._strain, 0.0)
-        force = motion.contact_force(problem, whole)
-        load = np.broadcast_to(laws.load(problem.along[0].law), force.shape)
+        whole = laws.rest(system.along[0].law) + np.where(np.isfinite(self._strain), self._strain, 0.0)
+        force = motion.contact_force(system, whole)
+        load = np.broadcast_to(laws.load(system.along[0].law), force.shape)
         if not np.all(load[chain, used] > 0.0):
             return None
         ratio = float(np.mean(force[chain, used] / load[chain, used]))
         taken = float(self._arrival[chain, last] - self._arrival[chain, first])
-        sound = float(np.mean(sound_speed(problem)[chain, used]))
-        theory = float(speed_over_sound(ratio, problem.exponent or 1.5)) if problem.one_kind else np.nan
+        sound = float(np.mean(sound_speed(system)[chain, used]))
+        theory = float(speed_over_sound(ratio, physics.exponent(system) or 1.5)) if physics.one_kind(system) else np.nan
         return LoadedWave(hit, first + 1, last + 1, ratio, abs(last - first) / taken, sound, theory)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from analysis import hermite, motion
 from analysis.tracking.kinks import kinks
 from analysis.trajectory import Floats, Trajectory
-from lammps_inputs import Problem
+from lammps_inputs import Problem, physics
 from lammps_inputs.loads import Load, Motion
 
 Integers = NDArray[np.int64]
@@ -99,14 +99,14 @@ def bracketed(
     kink, acted_on = np.zeros((2, len(frame))), np.zeros(len(frame), dtype=bool)
     if by_equations:
         kink += kinks(block, start, chain, bead)
-    outside: tuple[Load | Motion, ...] = (*block.problem.loads, *block.problem.motions)
+    outside: tuple[Load | Motion, ...] = (*block.problem.system.loads, *block.problem.system.motions)
     for load in outside:
         here = (chain == load.chain - 1) & (block.beads[bead] == load.bead)
         acted_on |= here
         if isinstance(load, Load) and np.any(here):
             times = block.time[start[here]] + spacing * np.array(nodes)[:, None]
-            kink[:, here] += _pushed(load, times, fit, low[here], high[here]) / block.problem.mass_of(
-                chain[here], block.beads[bead[here]] - 1
+            kink[:, here] += _pushed(load, times, fit, low[here], high[here]) / physics.mass_of(
+                block.problem.system, chain[here], block.beads[bead[here]] - 1
             )
     return Brackets(
         chain=chain + 1,
@@ -177,10 +177,10 @@ def _share_of_doubt(problem: Problem, spacing: float, *, by_equations: bool) -> 
     farther apart where dashpots jump then. Contacts that harden fast have shorter waves.
     """
     if not by_equations:
-        return 0.3 if problem.contact_loss is None else 3.0
+        return 0.3 if physics.contact_loss(problem.system) is None else 3.0
     if spacing < FAR_APART:
         return 0.2 * spacing**2
-    return 0.1 if (problem.exponent or 1.5) <= HARDENING else 0.25
+    return 0.1 if (physics.exponent(problem.system) or 1.5) <= HARDENING else 0.25
 
 
 def _padded(polynomials: Floats) -> Floats:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from analysis import hermite, motion
 from analysis.trajectory import Floats, Trajectory
-from lammps_inputs import Problem, laws
+from lammps_inputs import Problem, laws, physics
 from lammps_inputs.laws import dashpot
 from lammps_inputs.laws.wall import clearance
 
@@ -44,24 +44,25 @@ def kinks(block: Trajectory, start: Integers, chain: Integers, bead: Integers) -
         chain, bead: positions of the beads in the block, all of which are recorded.
     """
     problem, place = block.problem, block.first - 1 + bead
+    system = problem.system
     at = np.stack([start, np.minimum(start + 1, block.frames - 1)])  # [frame, bead], as what is made with it
     x, v = (values[at, chain, bead] for values in (block.displacement, block.velocity))
     off = np.zeros((2, len(start)))
     for side in (-1, 1):
         there = (bead + side >= 0) & (bead + side < block.velocity.shape[2])
         other, contact = np.where(there, bead + side, bead), np.minimum(place, place + side)
-        overlap = side * (x - block.displacement[at, chain, other]) - problem.gap
-        overlap += motion.rest_overlap(problem, chain, contact)
+        overlap = side * (x - block.displacement[at, chain, other]) - physics.gap(system)
+        overlap += motion.rest_overlap(system, chain, contact)
         closing = side * (v - block.velocity[at, chain, other])
         forces = partial(_of_contacts, problem, chain, np.clip(contact, 0, problem.beads - 2))
         off += np.where(there, _by(forces, overlap, closing, block.spacing), 0.0)
-    for wall in problem.walls:
+    for wall in physics.walls(system):
         law: Any = wall.law
         there = place == (problem.beads - 1 if law.side > 0.0 else 0)
         forces = partial(_of_wall, problem, law, chain, place)
         overlap, closing = law.side * x - clearance(law)[chain, place], law.side * v
         off += np.where(there, _by(forces, overlap, closing, block.spacing), 0.0)
-    return np.asarray(off / problem.mass_of(chain, place))
+    return np.asarray(off / physics.mass_of(system, chain, place))
 
 
 def _by(forces: Callable[[Floats, Floats], Forces], overlap: Floats, closing: Floats, spacing: float) -> Floats:
@@ -78,8 +79,9 @@ def _by(forces: Callable[[Floats, Floats], Forces], overlap: Floats, closing: Fl
 
 def _of_contacts(problem: Problem, chain: Integers, contact: Integers, overlap: Floats, rate: Floats) -> Forces:
     """As which power of time the forces of contacts begin, and what they are a frame later."""
-    yield problem.exponent or 1.5, motion.contact_force(problem, overlap, chain, contact)
-    loss: Any = problem.contact_loss
+    system = problem.system
+    yield physics.exponent(system) or 1.5, motion.contact_force(system, overlap, chain, contact)
+    loss: Any = physics.contact_loss(system)
     if loss is not None:
         yield _of_dashpot(laws.at(loss, chain, contact)._replace(rest=0.0), overlap, rate)
 
@@ -87,7 +89,7 @@ def _of_contacts(problem: Problem, chain: Integers, contact: Integers, overlap: 
 def _of_wall(problem: Problem, law: Any, chain: Integers, bead: Integers, overlap: Floats, rate: Floats) -> Forces:
     """The same of a wall's."""
     yield law.exponent, law.strength[chain, bead] * overlap**law.exponent
-    loss: Any = problem.wall_loss(law.side)
+    loss: Any = physics.wall_loss(problem.system, law.side)
     if loss is not None:
         yield _of_dashpot(laws.at(loss, chain, bead)._replace(rest=0.0, side=1.0), overlap, rate)
 

@@ -13,7 +13,7 @@ from analysis.mirror import mirrored_bead
 from analysis.tracking.peaks import Peaks
 from analysis.tracking.pulses import local_speed
 from analysis.trajectory import Floats
-from lammps_inputs import Problem
+from lammps_inputs import Problem, physics
 from lammps_inputs.units import Scale
 
 
@@ -85,7 +85,7 @@ The first is not defined where beads fly freely at their largest velocity, as be
 
 def usual_arrival(problem: Problem) -> Arrival:
     """The maximum, where it is sharp: in chains that touch."""
-    return "impulse" if problem.gap > 0.0 else "maximum"
+    return "impulse" if physics.gap(problem.system) > 0.0 else "maximum"
 
 
 def leading_waves(peaks: Peaks, arrival: Arrival = "maximum") -> Waves:

@@ -12,6 +12,7 @@ import numpy as np
 from analysis.shape.exact_wave import SolitaryWave, solitary_wave
 from analysis.tracking.peaks import Peaks
 from analysis.trajectory import Floats, Trajectory, joined
+from lammps_inputs import physics
 
 NEGLIGIBLE = 1e-6
 """Standard deviation, in units of V, below which a record counts as free of noise."""
@@ -34,7 +35,7 @@ def noise_at_start(first: Trajectory) -> float:
     """
     if first.time[0] != 0.0:
         return 0.0
-    exact = first.problem.initial_velocity()[:, first.beads - 1]
+    exact = physics.initial_velocity(first.problem.system)[:, first.beads - 1]
     found = float(np.sqrt(np.mean((first.velocity[0] - exact) ** 2)))
     return found if found > NEGLIGIBLE else 0.0
 

@@ -22,7 +22,7 @@ from analysis.shape.loaded_wave import LoadedSpeed, make_speed
 from analysis.shape.wave_of import wave_of
 from analysis.tracking.peaks import Peaks, in_mirror
 from analysis.trajectory import Floats
-from lammps_inputs import Problem
+from lammps_inputs import Problem, physics
 
 Integers = NDArray[np.int64]
 
@@ -122,8 +122,9 @@ def track_pulses(
         like = problem.recorded_beads
     recorded = like if direction > 0 else mirrored_bead(problem, like)[::-1]
     least = max(2, min(least_beads, len(recorded)))
-    exact = wave_of(problem)
-    loaded = make_speed(problem if direction > 0 else mirrored_problem(problem)) if problem.loaded else None
+    exact = wave_of(problem.system)
+    ahead = problem if direction > 0 else mirrored_problem(problem)
+    loaded = make_speed(ahead.system) if physics.loaded(problem.system) else None
     pressed = PRESSED * exact.overlap(0.5) * peaks.velocity ** (2.0 / (exact.exponent + 1.0))
     passages = peaks.where(
         (peaks.velocity > 0.25 * smallest) & ~(peaks.overlap < pressed) & np.isin(peaks.bead, recorded)
@@ -167,9 +168,9 @@ def of_one_kind(problem: Problem) -> NDArray[np.bool_]:
 
     All, if hardly two rows are of the same masses, as in tapered and disordered chains.
     """
-    if isinstance(problem.mass, float):
+    if isinstance(problem.system.mass, float):
         return np.ones(problem.beads, dtype=bool)
-    kinds, which, count = np.unique(problem.mass, axis=1, return_inverse=True, return_counts=True)
+    kinds, which, count = np.unique(problem.system.mass, axis=1, return_inverse=True, return_counts=True)
     if count.max() < 0.1 * problem.beads:
         return np.ones(problem.beads, dtype=bool)
     most = np.flatnonzero(count >= count.max() - 1)

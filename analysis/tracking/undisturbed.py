@@ -14,7 +14,7 @@ from analysis.shape.exact_wave import SolitaryWave
 from analysis.tracking.leading_waves import Waves
 from analysis.tracking.pulses import Pulse
 from analysis.trajectory import Floats
-from lammps_inputs import Problem
+from lammps_inputs import Problem, physics
 
 CLEAR = 5
 """Beads before the end of a chain from which on a pulse feels it."""
@@ -36,7 +36,7 @@ def returns(waves: Waves, problem: Problem, direction: int) -> Floats:
     """
     back = np.full((problem.chains, problem.beads), np.inf)
     numbers = np.arange(1, problem.beads + 1)
-    for group in problem.groups:
+    for group in physics.groups(problem.system):
         own = waves.where(np.isin(waves.chain - 1, sorted(group)) & np.isfinite(waves.time))
         way = own.bead if direction > 0 else mirrored_bead(problem, own.bead)
         bead, place = np.unique(way, return_inverse=True)

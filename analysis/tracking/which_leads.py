@@ -8,12 +8,12 @@ import numpy as np
 from analysis.mirror import direction_of
 from analysis.tracking.peaks import PeakFinder, Peaks
 from analysis.tracking.pulses import Pulse, track_pulses
-from lammps_inputs import Problem
+from lammps_inputs import Problem, physics
 
 
 def opposed(problem: Problem) -> bool:
     """Whether there are kicks both ways, so that a bead's first maximum may be what the other pulse left behind."""
-    return any(velocity * direction_of(problem) < 0.0 for _, _, velocity in problem.struck)
+    return any(velocity * direction_of(problem) < 0.0 for _, _, velocity in physics.excitations(problem.system))
 
 
 def leading_finder(problem: Problem) -> PeakFinder:
@@ -30,10 +30,13 @@ def leading_passages(peaks: Peaks, problem: Problem) -> Peaks:
 
 def beyond_kicks(peaks: Peaks, problem: Problem) -> Peaks:
     """The maxima at beads that the leading pulse comes to; behind those that were hit, walls throw others back."""
-    if not problem.walls:
+    if not physics.walls(problem.system):
         return peaks
     way = peaks.direction
-    first = min((way * bead for _, bead, velocity in problem.struck if velocity * way > 0.0), default=-problem.beads)
+    first = min(
+        (way * bead for _, bead, velocity in physics.excitations(problem.system) if velocity * way > 0.0),
+        default=-problem.beads,
+    )
     return peaks.where(way * peaks.bead >= first)
 
 

@@ -6,18 +6,19 @@ is exactly rest, in any release: no force of ours has to match one of LAMMPS's t
 
 import numpy as np
 
-from lammps_inputs import laws
-from lammps_inputs.problem import PLACES, System
+from lammps_inputs import laws, physics
+from lammps_inputs.layout import PLACES
+from lammps_inputs.system import System
 
 
 def place_lines(system: System) -> list[str]:
     """Notes where beads rest, where that is no formula of their numbers."""
-    return [] if system.even else [f"fix {PLACES} all store/state 0 x     # where the beads rest"]
+    return [] if physics.even(system) else [f"fix {PLACES} all store/state 0 x     # where the beads rest"]
 
 
 def hold_lines(system: System) -> list[str]:
     """Counters the forces at rest; after all other fixes, and before anything moves or is pushed."""
-    if not system.loaded:
+    if not physics.loaded(system):
         return []
     load = [float(find(laws.load(link.law))) for link in system.along for find in (np.min, np.max)]
     said = f"{load[0]:.6g}" if load[0] == load[1] else f"{load[0]:.6g} to {load[1]:.6g}"
@@ -25,7 +26,7 @@ def hold_lines(system: System) -> list[str]:
         f"# static load: contacts bear {said} at rest; the forces that hold them so are those found now, reversed",
         "run 0 post no",
     ]
-    if not system.even:
+    if not physics.even(system):
         return [
             *lines,
             "fix found all store/state 0 fx",
@@ -45,7 +46,7 @@ def hold_lines(system: System) -> list[str]:
 
 def stop_lines(system: System) -> list[str]:
     """Takes the velocities of a continued run away, for dashpots would be among the forces that `hold_lines` finds."""
-    if not (system.loaded and system.dampers):
+    if not (physics.loaded(system) and system.dampers):
         return []
     return [
         "# no dashpot acts while the forces at rest are found",
@@ -56,7 +57,7 @@ def stop_lines(system: System) -> list[str]:
 
 def go_on_lines(system: System) -> list[str]:
     """Gives them back."""
-    if not (system.loaded and system.dampers):
+    if not (physics.loaded(system) and system.dampers):
         return []
     axes = list(enumerate("xyz", 1))
     return [

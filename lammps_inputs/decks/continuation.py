@@ -39,11 +39,11 @@ def restart_lines(problem: Problem, file: str = file_names.UNFINISHED) -> list[s
         "variable parked atom x",
         f"variable rest atom {_rest(problem)}",
         "set group all vy v_parked",
-        *(["variable force atom fx", "set group all vz v_force"] if problem.dampers else []),
+        *(["variable force atom fx", "set group all vz v_force"] if problem.system.dampers else []),
         "set group all x v_rest",
         f"write_restart {file} noinit",
         *_from_rest(),
-        *(["set group all vz 0.0"] if problem.dampers else []),
+        *(["set group all vz 0.0"] if problem.system.dampers else []),
     ]
 
 
@@ -53,6 +53,7 @@ def render_continuation(problem: Problem) -> str:
     Variables to set: ``restart``, the file to read; ``dump`` (and ``snapshots``), the file to write frames to, of a new
     name each time; ``steps``, the last step of the whole run.
     """
+    system = problem.system
     dumps = ["frames"] if problem.frames_per_snapshot is None else ["frames", "snapshots"]
     again = f"lmp -in {file_names.CONTINUE}"
     sections = [
@@ -75,11 +76,11 @@ def render_continuation(problem: Problem) -> str:
         ],
         *deck.interactions(problem),
         [
-            *at_rest.stop_lines(problem),
+            *at_rest.stop_lines(system),
             "group free empty",
             "group free clear                 # a continued run's restart has this group",
             *deck.motion_lines(problem, "free"),
-            *at_rest.go_on_lines(problem),
+            *at_rest.go_on_lines(system),
         ],
         *([] if problem.window is None else [_window_lines(problem, problem.window)]),
         [
@@ -92,7 +93,7 @@ def render_continuation(problem: Problem) -> str:
         [
             "# neighbours, ranks and order of the beads are settled at rest; then the forces where they are",
             "timestep ${timestep}",
-            *(_given_forces() if problem.dampers else []),
+            *(_given_forces() if system.dampers else []),
             "variable before equal $(step-1)",
             "reset_timestep 0                 # the time is that of the step",
             "reset_timestep ${before}",
@@ -100,7 +101,7 @@ def render_continuation(problem: Problem) -> str:
             "run 0 post no",
             *_from_rest(),
             "run 1 pre no post no",
-            *(["group given clear", "set group all vz 0.0"] if problem.dampers else []),
+            *(["group given clear", "set group all vz 0.0"] if system.dampers else []),
             "group free union all",
         ],
         onward_lines(problem),
@@ -110,7 +111,7 @@ def render_continuation(problem: Problem) -> str:
 
 def _rest(problem: Problem) -> str:
     """Where LAMMPS had a bead at rest, to the last bit."""
-    return problem.place_formula if problem.window is None else f"mol*{text(problem.spacing)}"
+    return problem.layout.place_formula if problem.window is None else f"mol*{text(problem.layout.spacing)}"
 
 
 def _from_rest() -> list[str]:
@@ -131,8 +132,8 @@ def _given_forces() -> list[str]:
 
 def _window_lines(problem: Problem, rows: int) -> list[str]:
     return [
-        *window.setup_lines(rows, problem.beads, problem.spacing, problem.scheme),
-        f"variable tail equal $(bound(all,xmin)/{text(problem.spacing)}:%.0f)",
+        *window.setup_lines(rows, problem.beads, problem.layout.spacing, problem.scheme),
+        f"variable tail equal $(bound(all,xmin)/{text(problem.layout.spacing)}:%.0f)",
     ]
 
 

@@ -21,7 +21,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from lammps_inputs import file_names, laws, loads, scheme, strict_yaml, window
+from lammps_inputs import file_names, laws, loads, physics, scheme, strict_yaml, window
 from lammps_inputs.decks import at_rest
 from lammps_inputs.laws import dashpot, linear
 from lammps_inputs.limits import rates
@@ -58,6 +58,7 @@ def write(scene: Scene, directory: Path) -> None:
 
 def render_deck(problem: Problem) -> str:
     """The text of ``in.chains``."""
+    system = problem.system
     sections = [
         _title(problem),
         _variables(problem),
@@ -73,18 +74,18 @@ def render_deck(problem: Problem) -> str:
         *interactions(problem),
         motion_lines(problem, "all"),
     ]
-    if problem.kicks or problem.motions:
+    if system.kicks or system.motions:
         sections.append(
             [
-                *loads.start_lines(problem.motions, problem),
+                *loads.start_lines(system.motions, problem.layout),
                 *(
                     f"set atom {_atom(problem, chain, bead)} vx ${{kick{number}}}"
-                    for number, (chain, bead, _) in enumerate(problem.kicks, 1)
+                    for number, (chain, bead, _) in enumerate(system.kicks, 1)
                 ),
             ]
         )
     if problem.window is not None:
-        sections.append(window.setup_lines(problem.window, problem.beads, problem.spacing, problem.scheme))
+        sections.append(window.setup_lines(problem.window, problem.beads, problem.layout.spacing, problem.scheme))
     sections.append(
         [
             *recorded_lines(problem),
@@ -117,17 +118,23 @@ def spelling(problem: Problem) -> list[Lines]:
 @functools.lru_cache(maxsize=1)  # types of atoms that tell contacts apart take a second of many beads
 def _of_links(problem: Problem) -> tuple[Lines, ...]:
     found = []
-    for link in (*problem.links, *(link for link in problem.dampers if not isinstance(link, Along | WallDamper))):
+    for link in (
+        *problem.system.links,
+        *(link for link in problem.system.dampers if not isinstance(link, Along | WallDamper)),
+    ):
         kind = "along" if isinstance(link, Along) else "across" if isinstance(link, Across) else "ground"
         spell = getattr(link.law, kind, None)
         if spell is None:
             raise ValueError(f"{link.name}: LAMMPS does not know this force; use the reference engine")
-        found.append(spell(link if isinstance(link, Across) else link.name, problem))
+        found.append(spell(link if isinstance(link, Across) else link.name, problem.layout))
     return tuple(found)
 
 
 def _from_outside(problem: Problem) -> list[Lines]:
-    return [*loads.lines(problem.loads, problem), *loads.motion_lines(problem.motions, problem)]
+    return [
+        *loads.lines(problem.system.loads, problem.layout),
+        *loads.motion_lines(problem.system.motions, problem.layout),
+    ]
 
 
 def interactions(problem: Problem) -> list[list[str]]:
@@ -142,14 +149,15 @@ def interactions(problem: Problem) -> list[list[str]]:
 
 def motion_lines(problem: Problem, group: str) -> list[str]:
     """Newton's equation for the beads of a group."""
+    system = problem.system
     lines = [
         f"fix motion {group} nve",
-        *at_rest.place_lines(problem),
+        *at_rest.place_lines(system),
         *(line for found in _of_links(problem) for line in found.motion),
-        *at_rest.hold_lines(problem),
+        *at_rest.hold_lines(system),
         *(line for found in _from_outside(problem) for line in found.motion),
     ]
-    if problem.coupled:
+    if physics.coupled(system):
         lines.append("fix line all lineforce 1 0 0     # beads move along their chain only")
     return lines
 
@@ -183,14 +191,14 @@ def _mass_lines(problem: Problem) -> list[str]:
     """Masses that all are 1, exactly; others stand in the data file, as densities, within rounding."""
     heavier = [lines.heavier for lines in spelling(problem) if lines.heavier is not None]
     if heavier:
-        mass = "1.0" if isinstance(problem.mass, float) else "mass"
+        mass = "1.0" if isinstance(problem.system.mass, float) else "mass"
         half = "".join(f"+0.5*v_timestep*v_{name}" for name in heavier)
         return [
             "# by half of what drag takes in a step, which makes the step one of order 2",
             f"variable heavier atom {mass}{half}",
             "set group all mass v_heavier",
         ]
-    if not isinstance(problem.mass, float):
+    if not isinstance(problem.system.mass, float):
         return []
     return ["set group all mass 1.0           # exact; the data file's density is within rounding"]
 
@@ -217,7 +225,7 @@ def columns(problem: Problem) -> tuple[str, ...]:
 
 def _bonded(problem: Problem) -> bool:
     """Whether atoms carry bonds and molecules."""
-    return problem.coupled or problem.window is not None
+    return physics.coupled(problem.system) or problem.window is not None
 
 
 def _atom_style(problem: Problem) -> str:
@@ -229,20 +237,21 @@ def travel_lines(problem: Problem) -> list[str]:
     if problem.window is None:
         return scheme.run_lines(problem.scheme, "${steps}")
     travel = [
-        window.stretch_line(problem.timestep, scheme.cycle(problem.scheme), rates.pace(problem)),
+        window.stretch_line(problem.timestep, scheme.cycle(problem.scheme), rates.pace(problem.system)),
         *window.travel_lines(problem.scheme),
     ]
     return travel if problem.scheme == "verlet" else [*scheme.QUIET, *travel, *scheme.LOUD]
 
 
 def _title(problem: Problem) -> list[str]:
+    system = problem.system
     parts = [f"{problem.chains} chain{'s' * (problem.chains > 1)} of {problem.beads} beads"]
-    if problem.gap:
-        parts.append(f"gap {problem.gap:.6g}")
-    if problem.loaded:
+    if physics.gap(system):
+        parts.append(f"gap {physics.gap(system):.6g}")
+    if physics.loaded(system):
         parts.append("under a static load")
-    if problem.coupled:
-        parts.append(f"coupling {words(problem.across)}")
+    if physics.coupled(system):
+        parts.append(f"coupling {words(system.across)}")
     run = f"lmp -in {file_names.DECK}"
     return [
         f"# {problem.name}: {', '.join(parts)}; dimensionless at V = 1",
@@ -253,7 +262,7 @@ def _title(problem: Problem) -> list[str]:
 def _variables(problem: Problem) -> list[str]:
     kicks = [
         f"variable kick{number} index {text(velocity)}   # bead {bead} of chain {chain}"
-        for number, (chain, bead, velocity) in enumerate(problem.kicks, 1)
+        for number, (chain, bead, velocity) in enumerate(problem.system.kicks, 1)
     ]
     return [
         "# change these here, or with -var NAME VALUE",
@@ -277,7 +286,7 @@ def number_lines(problem: Problem) -> list[str]:
 def _bonds(problem: Problem) -> list[tuple[int, int, NDArray[np.int64]]]:
     """Both chains of every edge, from 0, and the types of its bonds in the rows that exist; 0 where there is none."""
     found, before = [], 0
-    for link, lines in zip(problem.links, spelling(problem), strict=False):  # loads come last
+    for link, lines in zip(problem.system.links, spelling(problem), strict=False):  # loads come last
         if isinstance(link, Across) and lines.bonds is not None:
             numbered = np.where(lines.bonds > 0, lines.bonds + before, 0)
             before += len(lines.coefficients)
@@ -292,10 +301,11 @@ def _atom(problem: Problem, chain: int, bead: int) -> int:
 
 def _skin(problem: Problem) -> float:
     """Neighbour distance beyond contact that takes in the next bead of the chain and nothing else."""
-    if problem.loaded:
-        rest = max(float(np.max(laws.rest(link.law))) for link in problem.along)
-        return min(problem.diameter / 2.0, problem.diameter / 2.0 - rest)
-    return problem.gap + problem.diameter / 2.0
+    system = problem.system
+    if physics.loaded(system):
+        rest = max(float(np.max(laws.rest(link.law))) for link in system.along)
+        return min(problem.layout.diameter / 2.0, problem.layout.diameter / 2.0 - rest)
+    return physics.gap(system) + problem.layout.diameter / 2.0
 
 
 def render_data(problem: Problem) -> str:
@@ -305,42 +315,43 @@ def render_data(problem: Problem) -> str:
     Columns of an atom: ``id type diameter density x y z``, and ``id type x y z diameter density molecule`` with bonds.
     The molecule is the chain, or in a window the row.
     """
-    chains, beads, spacing = problem.chains, problem.rows, problem.spacing
+    system = problem.system
+    chains, beads, spacing = problem.chains, problem.rows, problem.layout.spacing
     bonds = _bonds(problem)
     by_contact = _types(problem)
     types = by_contact.count if by_contact is not None else 1 if problem.recorded is None else 2
     out = io.StringIO()
     out.write(f"granchain: {problem.name}\n\n{chains * beads} atoms\n{types} atom types\n")
-    if problem.coupled:
+    if physics.coupled(system):
         count, kinds = sum(np.count_nonzero(kind) for *_, kind in bonds), max(int(kind.max()) for *_, kind in bonds)
         out.write(f"{count} bonds\n{kinds} bond types\n")
-    apart = 2.0 * (problem.diameter + problem.gap)
+    apart = 2.0 * (problem.layout.diameter + physics.gap(system))
     side = text(apart)
     out.write(f"\n0 {text((beads + 1) * spacing)} xlo xhi\n")
     out.write(f"-{side} {text(apart * chains)} ylo yhi\n-{side} {side} zlo zhi\n")
-    places = [text(x) for x in problem.places[0, :beads]]
+    places = [text(x) for x in problem.layout.places[0, :beads]]
     kind = np.ones(beads, dtype=int)
     if problem.recorded is not None:
         kind[problem.recorded_beads - 1] = 2
-    diameter, unit = text(problem.diameter), sphere_density(problem.diameter)
+    diameter, unit = text(problem.layout.diameter), sphere_density(problem.layout.diameter)
     same_size = f"{diameter} {text(unit)}"
     out.write(f"\nAtoms # {_atom_style(problem)}\n\n")
     for chain in range(chains):
         first, y = chain * beads + 1, text(apart * chain)
         of_chain = kind if by_contact is None else by_contact.of[chain]
         sizes: Iterator[str] = itertools.repeat(same_size, beads)
-        if not isinstance(problem.mass, float):
-            sizes = (f"{diameter} {text(unit * mass)}" for mass in problem.mass[chain].tolist())
-        if not problem.even:
-            places = [text(x) for x in problem.places[chain]]
+        if not isinstance(system.mass, float):
+            sizes = (f"{diameter} {text(unit * mass)}" for mass in system.mass[chain].tolist())
+        if not physics.even(problem.system):
+            places = [text(x) for x in problem.layout.places[chain]]
         rows = enumerate(zip(of_chain.tolist(), places, sizes, strict=True))
         if problem.window is not None:
             out.writelines(f"{first + i} {t} {x} {y} 0 {size} {i + 1}\n" for i, (t, x, size) in rows)
-        elif problem.coupled:
+        elif physics.coupled(system):
             out.writelines(f"{first + i} {t} {x} {y} 0 {size} {chain + 1}\n" for i, (t, x, size) in rows)
         else:
             out.writelines(f"{first + i} {t} {size} {x} {y} 0\n" for i, (t, x, size) in rows)
-    if problem.coupled:
+    if physics.coupled(system):
         out.write("\nBonds\n\n")
         bond = 0
         for one, other, kind_of in bonds:

@@ -15,8 +15,8 @@ from lammps_inputs.links import Link
 from lammps_inputs.loads import Load, Motion
 
 if TYPE_CHECKING:
-    from lammps_inputs.problem import System
     from lammps_inputs.scene import BaseScene
+    from lammps_inputs.system import System
 
 Positive = Annotated[float, Field(gt=0, le=1e30)]
 Count = Annotated[int, Field(ge=1, le=2**31 - 1)]

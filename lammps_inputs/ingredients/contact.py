@@ -20,8 +20,8 @@ from lammps_inputs.links import Along
 from lammps_inputs.units import PURE, Unit
 
 if TYPE_CHECKING:
-    from lammps_inputs.problem import System
     from lammps_inputs.scene import BaseScene
+    from lammps_inputs.system import System
 
 HERTZ = 1.5
 """Exponent of the contact of spheres."""

@@ -6,17 +6,18 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Discriminator, Field, Tag, create_model, field_validator
 
-from lammps_inputs import strict_yaml
+from lammps_inputs import physics, strict_yaml
 from lammps_inputs.ingredients.base import Ingredient, Part
 from lammps_inputs.laws import Law
 from lammps_inputs.laws.duffing import Duffing
 from lammps_inputs.laws.linear import Linear
+from lammps_inputs.layout import Layout
 from lammps_inputs.links import Across
 from lammps_inputs.units import Unit
 
 if TYPE_CHECKING:
-    from lammps_inputs.problem import System
     from lammps_inputs.scene import BaseScene
+    from lammps_inputs.system import System
 
 Floats = NDArray[np.float64]
 Stiffness = Annotated[float, Field(ge=0, le=1e30), Unit("N/m")]
@@ -121,7 +122,7 @@ class Coupling(Ingredient):
         """Refuse cubic springs over distances at which LAMMPS's lose their digits."""
         edges = self._edges(scene.chains)
         farthest = max((higher - lower for lower, higher, _ in edges), default=0)
-        lateral = 2.0 * (system.diameter + system.gap) * farthest
+        lateral = 2.0 * (Layout(system).diameter + physics.gap(system)) * farthest
         if np.max(self._cubic(edges, scene), initial=0.0) * lateral**2 * np.finfo(float).eps > _ROUNDED:
             raise ValueError(
                 f"coupling.cubic: tied chains are so far from each other ({farthest} chains, {lateral:.3g} L) that "

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
+from lammps_inputs import physics
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Ingredient
 from lammps_inputs.ingredients.contact import HERTZ
@@ -23,8 +24,8 @@ from lammps_inputs.links import Across, Along, Ground, Link, Wall, WallDamper
 from lammps_inputs.units import Unit
 
 if TYPE_CHECKING:
-    from lammps_inputs.problem import System
     from lammps_inputs.scene import BaseScene
+    from lammps_inputs.system import System
 
 Number = Annotated[float, Field(ge=0, le=1e30)]
 Coefficient = Annotated[Number, Unit("kg/s")]
@@ -111,17 +112,22 @@ class Damping(Ingredient):
                     "damping.law: LAMMPS's viscoelastic dashpots grow with the beads' masses, and these differ; "
                     "take linear or restitution"
                 )
-            if self.law == "restitution" and system.exponent != HERTZ:
+            if self.law == "restitution" and physics.exponent(system) != HERTZ:
                 raise ValueError(
                     "damping.law: of contacts of this exponent LAMMPS has one dashpot for all, and restitution needs "
                     "others where masses differ; take linear"
                 )
-        if self.coupling and not (system.open_row and system.one_kind):
+        if self.coupling and not (physics.open_row(system) and physics.one_kind(system)):
             raise ValueError(
                 "damping.coupling: LAMMPS damps equal linear springs between each chain and the next, of equal beads, "
                 "only; leave it out"
             )
-        if self.contact and system.contact_loss is not None and self.tension == "cut" and not system.one_kind:
+        if (
+            self.contact
+            and physics.contact_loss(system) is not None
+            and self.tension == "cut"
+            and not physics.one_kind(system)
+        ):
             raise ValueError("damping.tension: is cut at the force of equal contacts only; leave it out")
 
     def dampers(self, scene: "BaseScene") -> tuple[Link, ...]:

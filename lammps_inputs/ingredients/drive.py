@@ -12,8 +12,8 @@ from lammps_inputs.loads import Load, Motion
 from lammps_inputs.units import Unit
 
 if TYPE_CHECKING:
-    from lammps_inputs.problem import System
     from lammps_inputs.scene import BaseScene
+    from lammps_inputs.system import System
 
 
 class Drive(OnBead):

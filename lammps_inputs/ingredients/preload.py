@@ -14,15 +14,17 @@ from pydantic import GetJsonSchemaHandler, model_serializer, model_validator
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
 
+from lammps_inputs import physics
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Ingredient, Positive
 from lammps_inputs.laws.wall import faces
+from lammps_inputs.layout import Layout
 from lammps_inputs.lines import MOST_GROUPS
 from lammps_inputs.units import Unit
 
 if TYPE_CHECKING:
-    from lammps_inputs.problem import System
     from lammps_inputs.scene import BaseScene
+    from lammps_inputs.system import System
 
 
 class _Load(Ingredient):
@@ -38,13 +40,14 @@ class _Load(Ingredient):
 
     def refuse_system(self, scene: "BaseScene", system: "System") -> None:  # noqa: ARG002
         """Refuse springs between chains that differ: they would be stretched at rest; and walls without number."""
-        if system.coupled and not system.even and np.any(np.ptp(system.places, axis=0) > 0.0):
+        layout = Layout(system)
+        if physics.coupled(system) and not physics.even(system) and np.any(np.ptp(layout.places, axis=0) > 0.0):
             raise ValueError(
                 f"{self.key}: chains that differ are compressed differently, which would stretch the springs between "
                 "them; make the chains alike, or leave one out"
             )
-        for wall in system.walls:
-            if len(set(faces(wall.law, system))) > MOST_GROUPS:
+        for wall in physics.walls(system):
+            if len(set(faces(wall.law, layout))) > MOST_GROUPS:
                 raise ValueError(
                     f"{self.key}: more than {MOST_GROUPS} chains differ in where their last beads rest, and each needs "
                     "a wall of its own, for which LAMMPS has no room; fewer kinds of chains are needed"

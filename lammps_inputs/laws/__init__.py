@@ -13,7 +13,7 @@ in which the law has them, as scalars or arrays:
 They are written without branches, so that NumPy takes them as they are and the reference's kernel compiles them into
 vector instructions. Methods ``along``, ``across`` and ``ground``, where a law has them, spell it in LAMMPS on that kind
 of link (`lammps_inputs.links`). They take the link's name, ``across`` the link itself, whose edges become bonds, and
-the system. Nothing here knows of scenes or problems.
+the layout of the beads in LAMMPS. Nothing here knows of scenes or problems.
 """
 
 import functools

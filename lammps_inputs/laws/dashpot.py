@@ -9,7 +9,7 @@ strain, rate of strain and the parameters:
 - ``impulse(s, ...)``: integral of the resistance from no strain to this one: where no tension is cut, that is what a
   dashpot has given in time, on whatever way the strain came about; nothing at rest, to the last bit;
 - ``growth(s, ...)``: slope of the resistance, where that does not jump;
-- ``granular(problem)``: of contacts, what LAMMPS's ``pair_style granular`` calls it: coefficient and model.
+- ``granular(layout)``: of contacts, what LAMMPS's ``pair_style granular`` calls it: coefficient and model.
 
 Dashpots of contacts act while the beads touch; under a static load ``rest`` is the overlap from which the strain
 counts. Where they pull harder than the contact pushes, so does their sum; ``floor`` cuts it at nothing where it is the
@@ -27,8 +27,8 @@ from lammps_inputs.lines import AtomTypes, Lines
 from lammps_inputs.numbers import text
 
 if TYPE_CHECKING:
+    from lammps_inputs.layout import Layout
     from lammps_inputs.links import Across
-    from lammps_inputs.problem import System
 
 NO_FLOOR = 1e300
 """A contact of this strength is never pulled open: its product with an overlap is finite, and 0 at none."""
@@ -63,7 +63,7 @@ class Dashpot(NamedTuple):
         """``c s``."""
         return coefficient * s
 
-    def ground(self, name: str, problem: "System") -> Lines:
+    def ground(self, name: str, layout: "Layout") -> Lines:
         """A drag on every bead, of the velocity in the middle of the step before.
 
         With masses larger by half of what a step of the drag takes, LAMMPS's step is that of the drag of the mean of
@@ -72,18 +72,18 @@ class Dashpot(NamedTuple):
         return Lines(
             variables=(f"variable {name} index {text(float(np.max(self.coefficient)))}   # force over velocity",),
             motion=(f"fix {name} all viscous ${{{name}}}",),
-            heavier=name if problem.centred else None,
+            heavier=name if layout.centred else None,
         )
 
-    def across(self, link: "Across", problem: "System") -> Lines:
+    def across(self, link: "Across", layout: "Layout") -> Lines:
         """LAMMPS's thermostat of DPD at no temperature, whose drag, if the same along and across, is this.
 
         Beads of neighbouring chains differ by their type; the cutoff is between that of a row and those beside it.
         """
         name = link.name
-        types = np.repeat(1 + np.arange(problem.chains)[:, np.newaxis] % 2, problem.beads, axis=1)
-        pressed = float(np.max(laws.rest(problem.along[0].law)))
-        apart = problem.diameter + problem.gap
+        types = np.repeat(1 + np.arange(layout.chains)[:, np.newaxis] % 2, layout.beads, axis=1)
+        pressed = float(np.max(laws.rest(layout.system.along[0].law)))
+        apart = layout.diameter + layout.gap
         cutoff = text(4.25**0.5 * apart if pressed == 0.0 else math.hypot(2.0 * apart, 0.5 * (apart - pressed)))
         return Lines(
             types=AtomTypes(types, {}, 2),
@@ -126,7 +126,7 @@ class ContactDashpot(NamedTuple):
         """``g ((d0 + s)+ - d0)``."""
         return coefficient * np.maximum(s, -rest)
 
-    def granular(self, problem: "System") -> tuple[float, str]:  # noqa: ARG002
+    def granular(self, layout: "Layout") -> tuple[float, str]:  # noqa: ARG002
         """LAMMPS's own coefficient."""
         return float(np.max(self.coefficient)), "damping velocity" + _limit(self.floor)
 
@@ -161,9 +161,9 @@ class Viscoelastic(NamedTuple):
         closed = np.maximum(s + rest, 0.0)
         return coefficient * (2.0 / 3.0 * closed * np.sqrt(closed) - 2.0 / 3.0 * rest * np.sqrt(rest))
 
-    def granular(self, problem: "System") -> tuple[float, str]:
+    def granular(self, layout: "Layout") -> tuple[float, str]:
         """LAMMPS multiplies by the contact's radius, sqrt(diameter / 4 * overlap), and the reduced mass, 1/2."""
-        unit = 2.0 / float(np.sqrt(problem.diameter / 4.0))
+        unit = 2.0 / float(np.sqrt(layout.diameter / 4.0))
         return unit * float(np.max(self.coefficient)), "damping viscoelastic" + _limit(self.floor)
 
 
@@ -197,7 +197,7 @@ class Restitution(NamedTuple):
         closed = np.maximum(s + rest, 0.0)
         return coefficient * (0.8 * closed * np.sqrt(np.sqrt(closed)) - 0.8 * rest * np.sqrt(np.sqrt(rest)))
 
-    def granular(self, problem: "System") -> tuple[float, str]:  # noqa: ARG002
+    def granular(self, layout: "Layout") -> tuple[float, str]:  # noqa: ARG002
         """LAMMPS knows masses and strengths itself."""
         return self.share, "damping coeff_restitution"
 
@@ -235,10 +235,10 @@ def at_reach(law: Any, elastic: laws.Law, energy: float) -> Any:
     return resistance(law, elastic.reach(energy, *elastic))
 
 
-def alone(problem: "System") -> tuple[tuple[str, ...], tuple[str, ...]]:
+def alone(layout: "Layout") -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Contacts' dashpots beside a pair style that knows none: lines at the top, and `Lines.beside`."""
-    assert problem.contact_loss is not None
-    coefficient, model = problem.contact_loss.granular(problem)
+    assert layout.contact_loss is not None
+    coefficient, model = layout.contact_loss.granular(layout)
     return (f"variable contact_damping index {text(coefficient)}   # {model}",), (
         "granular",
         "# dashpots of contacts: those of spheres of no stiffness",

@@ -9,8 +9,8 @@ from lammps_inputs.lines import Lines, atoms_by_value, bonds_by_value, whole_con
 from lammps_inputs.numbers import text
 
 if TYPE_CHECKING:
+    from lammps_inputs.layout import Layout
     from lammps_inputs.links import Across
-    from lammps_inputs.problem import System
 
 
 class Duffing(NamedTuple):
@@ -44,10 +44,10 @@ class Duffing(NamedTuple):
         root = spring + np.sqrt(spring * spring + 4.0 * cubic * energy)
         return np.sqrt(4.0 * energy) / np.sqrt(np.where(root > 0.0, root, np.inf))
 
-    def ground(self, name: str, problem: "System") -> Lines:
+    def ground(self, name: str, layout: "Layout") -> Lines:
         """A force from a formula of the place, for which LAMMPS has no fix of its own."""
-        lines = [f"variable {name}strain atom x-{problem.place_formula}"]
-        for number, ((spring, cubic), atoms) in enumerate(atoms_by_value(self, (problem.chains, problem.beads)), 1):
+        lines = [f"variable {name}strain atom x-{layout.place_formula}"]
+        for number, ((spring, cubic), atoms) in enumerate(atoms_by_value(self, (layout.chains, layout.beads)), 1):
             strain = f"v_{name}strain"
             lines += [
                 f"group {name}{number} id {atoms}",
@@ -56,13 +56,13 @@ class Duffing(NamedTuple):
             ]
         return Lines(motion=tuple(lines))
 
-    def across(self, link: "Across", problem: "System") -> Lines:
+    def across(self, link: "Across", layout: "Layout") -> Lines:
         """Bonds of class2, whose energy with r0 = 0 is ``K2 r**2 + K4 r**4``, r**2 = s**2 + (lateral distance)**2.
 
         With K4 = c / 4 the lateral part adds ``2 K4 distance**2`` to K2, which is taken away; exact but for rounding.
         """
-        shape = (len(link.edges), problem.beads)
-        apart = np.array([[2.0 * (problem.diameter + problem.gap) * (higher - lower)] for lower, higher in link.edges])
+        shape = (len(link.edges), layout.beads)
+        apart = np.array([[2.0 * (layout.diameter + layout.gap) * (higher - lower)] for lower, higher in link.edges])
         there = np.broadcast_to((self.spring != 0.0) | (self.cubic != 0.0), shape)
         values, bonds = bonds_by_value((self.spring, self.cubic, np.where(there, apart, 0.0)), shape)
         return Lines(

@@ -9,7 +9,7 @@ from lammps_inputs.lines import AtomTypes, Lines, types_by_contact
 from lammps_inputs.numbers import text
 
 if TYPE_CHECKING:
-    from lammps_inputs.problem import System
+    from lammps_inputs.layout import Layout
 
 
 class Hertz(NamedTuple):
@@ -45,15 +45,15 @@ class Hertz(NamedTuple):
         """Overlap at which one contact holds the whole energy; 0 where there is none."""
         return (2.5 * energy / np.where(np.asarray(strength) > 0.0, strength, np.inf)) ** 0.4
 
-    def along(self, _name: str, problem: "System") -> Lines:
+    def along(self, _name: str, layout: "Layout") -> Lines:
         """LAMMPS's Hertz force is ``Kn * sqrt(diameter / 4) * overlap**1.5`` for equal beads.
 
         Its diameters are equal even where the beads' are not. So they touch exactly, and contacts that differ are told
         apart by the types of their beads, which takes another pair style: 1.7 times the time of a step.
         """
-        unit = float(1.0 / np.sqrt(problem.diameter / 4.0))
-        if problem.contact_loss is not None:
-            return self._damped(unit, *problem.contact_loss.granular(problem))
+        unit = float(1.0 / np.sqrt(layout.diameter / 4.0))
+        if layout.contact_loss is not None:
+            return self._damped(unit, *layout.contact_loss.granular(layout))
         if np.ndim(self.strength) == 0:
             return Lines(
                 interactions=(

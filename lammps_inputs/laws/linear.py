@@ -10,8 +10,8 @@ from lammps_inputs.lines import Lines, atoms_by_value, bonds_by_value, whole_con
 from lammps_inputs.numbers import text
 
 if TYPE_CHECKING:
+    from lammps_inputs.layout import Layout
     from lammps_inputs.links import Across
-    from lammps_inputs.problem import System
 
 
 class Linear(NamedTuple):
@@ -41,7 +41,7 @@ class Linear(NamedTuple):
         # roots apart: the quotient may overflow
         return np.sqrt(2.0 * energy) / np.sqrt(np.where(np.asarray(spring) > 0.0, spring, np.inf))
 
-    def ground(self, name: str, problem: "System") -> Lines:
+    def ground(self, name: str, layout: "Layout") -> Lines:
         """A fix that holds each bead at the place where it finds it, at rest."""
         if not laws.differs(self):
             return Lines(
@@ -49,21 +49,21 @@ class Linear(NamedTuple):
                 motion=(f"fix {name} all spring/self ${{{name}}} x",),
             )
         lines = []
-        for number, ((spring,), atoms) in enumerate(atoms_by_value(self, (problem.chains, problem.beads)), 1):
+        for number, ((spring,), atoms) in enumerate(atoms_by_value(self, (layout.chains, layout.beads)), 1):
             lines += [
                 f"group {name}{number} id {atoms}",
                 f"fix {name}{number} {name}{number} spring/self {text(spring)} x",
             ]
         return Lines(motion=tuple(lines))
 
-    def across(self, link: "Across", problem: "System") -> Lines:
+    def across(self, link: "Across", layout: "Layout") -> Lines:
         """Harmonic bonds, whose energy is ``K (r - r0)**2``, with ``K = k / 2`` from a deck variable if all are equal.
 
         With r0 = 0 the bond is linear in each coordinate, so the force along the chain is exactly ``-k`` times the
         relative displacement at any lateral distance. (With r0 = the distance it would be cubic.)
         """
-        values, bonds = bonds_by_value(self, (len(link.edges), problem.beads))
-        one = len(values) == 1 and len(problem.across) == 1
+        values, bonds = bonds_by_value(self, (len(link.edges), layout.beads))
+        one = len(values) == 1 and len(layout.system.across) == 1
         stiffness = ["$(v_kappa/2:%.17g)"] if one else [text(spring / 2.0) for (spring,) in values]
         return Lines(
             bonds=bonds,

@@ -13,7 +13,7 @@ from lammps_inputs.lines import Lines
 from lammps_inputs.numbers import text
 
 if TYPE_CHECKING:
-    from lammps_inputs.problem import System
+    from lammps_inputs.layout import Layout
 
 _SINCE = 20230615
 """Earlier releases of LAMMPS have no contacts from a formula of beads' radii."""
@@ -48,7 +48,7 @@ class Power(NamedTuple):
         strong = np.where(np.asarray(strength) > 0.0, strength, np.inf)
         return ((exponent + 1.0) * energy / strong) ** (1.0 / (exponent + 1.0))
 
-    def along(self, name: str, problem: "System") -> Lines:
+    def along(self, name: str, layout: "Layout") -> Lines:
         """Linear contacts are a style of LAMMPS's own; others it has from a formula of the energy, eight times slower.
 
         Raises:
@@ -56,11 +56,11 @@ class Power(NamedTuple):
         """
         if np.ndim(self.strength) > 0:
             raise ValueError(f"{name}: LAMMPS has one strength for contacts of this law; use the reference engine")
-        elastic = self._linear() if self.exponent == 1.0 else self._by_formula(text(problem.diameter))
-        if problem.contact_loss is None:
+        elastic = self._linear() if self.exponent == 1.0 else self._by_formula(text(layout.diameter))
+        if layout.contact_loss is None:
             return elastic
         says, *lines = elastic.interactions
-        variables, beside = dashpot.alone(problem)
+        variables, beside = dashpot.alone(layout)
         return replace(
             elastic,
             variables=(*elastic.variables, *variables),

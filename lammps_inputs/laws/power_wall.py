@@ -10,7 +10,7 @@ from lammps_inputs.laws.wall import wall_lines
 from lammps_inputs.lines import Lines
 
 if TYPE_CHECKING:
-    from lammps_inputs.problem import System
+    from lammps_inputs.layout import Layout
 
 
 class PowerWall(NamedTuple):
@@ -54,6 +54,6 @@ class PowerWall(NamedTuple):
         """The same on the other side."""
         return self._replace(side=-self.side)
 
-    def ground(self, name: str, problem: "System") -> Lines:
+    def ground(self, name: str, layout: "Layout") -> Lines:
         """A wall as far away as the gap."""
-        return wall_lines(name, self, problem)
+        return wall_lines(name, self, layout)

@@ -17,7 +17,7 @@ from lammps_inputs.laws.wall import HertzWall, wall_lines
 from lammps_inputs.lines import Lines
 
 if TYPE_CHECKING:
-    from lammps_inputs.problem import System
+    from lammps_inputs.layout import Layout
 
 _NEWTON = 60
 
@@ -69,9 +69,9 @@ class Preloaded(NamedTuple):
         found = _strain(energy, Preloaded(a, rest, load), (2.5 * energy / a) ** 0.4)
         return np.where(there, found, 0.0)
 
-    def along(self, name: str, problem: "System") -> Lines:
+    def along(self, name: str, layout: "Layout") -> Lines:
         """The contact itself; the load is what it does at rest, see `lammps_inputs.decks.at_rest`."""
-        return Hertz(self.strength).along(name, problem)
+        return Hertz(self.strength).along(name, layout)
 
 
 class PreloadedPower(NamedTuple):
@@ -116,9 +116,9 @@ class PreloadedPower(NamedTuple):
         alone = Power.reach(energy, strength, exponent)
         return _strain(energy, PreloadedPower(strength, exponent, rest, load), alone)
 
-    def along(self, name: str, problem: "System") -> Lines:
+    def along(self, name: str, layout: "Layout") -> Lines:
         """As of `Preloaded`."""
-        return Power(self.strength, self.exponent).along(name, problem)
+        return Power(self.strength, self.exponent).along(name, layout)
 
 
 _OPEN = -1.0 + 2.0**-53
@@ -174,9 +174,9 @@ class PreloadedWall(NamedTuple):
         """The same on the other side."""
         return self._replace(side=-self.side)
 
-    def ground(self, name: str, problem: "System") -> Lines:
+    def ground(self, name: str, layout: "Layout") -> Lines:
         """A wall that is nearer by the overlap at rest."""
-        return wall_lines(name, self, problem)
+        return wall_lines(name, self, layout)
 
 
 class PreloadedPowerWall(NamedTuple):
@@ -222,9 +222,9 @@ class PreloadedPowerWall(NamedTuple):
         """The same on the other side."""
         return self._replace(side=-self.side)
 
-    def ground(self, name: str, problem: "System") -> Lines:
+    def ground(self, name: str, layout: "Layout") -> Lines:
         """A wall that is nearer by the overlap at rest."""
-        return wall_lines(name, self, problem)
+        return wall_lines(name, self, layout)
 
 
 Contact = Hertz | Power

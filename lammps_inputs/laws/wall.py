@@ -10,7 +10,7 @@ from lammps_inputs.lines import Lines
 from lammps_inputs.numbers import text
 
 if TYPE_CHECKING:
-    from lammps_inputs.problem import System
+    from lammps_inputs.layout import Layout
 
 
 class HertzWall(NamedTuple):
@@ -59,9 +59,9 @@ class HertzWall(NamedTuple):
         """The same on the other side."""
         return self._replace(side=-self.side)
 
-    def ground(self, name: str, problem: "System") -> Lines:
+    def ground(self, name: str, layout: "Layout") -> Lines:
         """A wall as far away as the gap."""
-        return wall_lines(name, self, problem)
+        return wall_lines(name, self, layout)
 
 
 def clearance(law: Any) -> NDArray[np.float64]:
@@ -69,26 +69,26 @@ def clearance(law: Any) -> NDArray[np.float64]:
     return np.broadcast_to(law.gap if hasattr(law, "gap") else -law.rest, law.strength.shape)
 
 
-def faces(law: Any, problem: "System") -> list[tuple[float, float]]:
+def faces(law: Any, layout: "Layout") -> list[tuple[float, float]]:
     """Strength of the wall of every chain, and where it stands in LAMMPS."""
-    radius, right = problem.diameter / 2.0, law.side > 0.0
+    radius, right = layout.diameter / 2.0, law.side > 0.0
     end = -1 if right else 0
-    place, clear = problem.places[:, end], clearance(law)[:, end]
+    place, clear = layout.places[:, end], clearance(law)[:, end]
     face = place + radius + clear if right else place - radius - clear
     return list(zip(np.max(law.strength, axis=1).tolist(), face.tolist(), strict=True))
 
 
-def wall_lines(name: str, law: Any, problem: "System") -> Lines:
+def wall_lines(name: str, law: Any, layout: "Layout") -> Lines:
     """Walls of the ends of the chains, with their dashpots.
 
     Only the beads that can reach them are asked, for the others cost as much. All have one radius in LAMMPS, so chains
     whose walls are not equally hard, or equally far along, have walls of their own.
     """
-    loss = problem.wall_loss(law.side)
-    lost, model = ([0.0] * problem.chains, "damping velocity") if loss is None else loss.granular(problem)
+    loss = layout.wall_loss(law.side)
+    lost, model = ([0.0] * layout.chains, "damping velocity") if loss is None else loss.granular(layout)
     push = _of_spheres if law.exponent == 1.5 else _by_formula
-    end = problem.beads if law.side > 0.0 else 1
-    walls = [(*face, g) for face, g in zip(faces(law, problem), lost, strict=True)]
+    end = layout.beads if law.side > 0.0 else 1
+    walls = [(*face, g) for face, g in zip(faces(law, layout), lost, strict=True)]
     if len(set(walls)) == 1:
         hard, face, g = walls[0]
         strength = f"variable {name} index {text(hard)}   # force over overlap^{text(law.exponent)}"
@@ -97,31 +97,31 @@ def wall_lines(name: str, law: Any, problem: "System") -> Lines:
         return Lines(
             variables=(strength,) if loss is None else (strength, dashpot),
             motion=(
-                f"group {name} id {end}:{problem.chains * problem.beads}:{problem.beads}",
-                *push(name, f"v_{name}", face, coefficient, model, law, problem),
+                f"group {name} id {end}:{layout.chains * layout.beads}:{layout.beads}",
+                *push(name, f"v_{name}", face, coefficient, model, law, layout),
             ),
         )
     lines = []
     for number, wall in enumerate(sorted(set(walls)), 1):
         own, (hard, face, g) = f"{name}{number}", wall
-        atoms = " ".join(str(chain * problem.beads + end) for chain, other in enumerate(walls) if other == wall)
+        atoms = " ".join(str(chain * layout.beads + end) for chain, other in enumerate(walls) if other == wall)
         coefficient = "0" if loss is None else text(g)
-        lines += [f"group {own} id {atoms}", *push(own, text(hard), face, coefficient, model, law, problem)]
+        lines += [f"group {own} id {atoms}", *push(own, text(hard), face, coefficient, model, law, layout)]
     return Lines(motion=tuple(lines))
 
 
-def _of_spheres(name: str, hard: str, face: float, g: str, model: str, law: Any, problem: "System") -> tuple[str, ...]:
+def _of_spheres(name: str, hard: str, face: float, g: str, model: str, law: Any, layout: "Layout") -> tuple[str, ...]:
     """LAMMPS's force of a flat wall is ``K * sqrt(radius) * overlap**1.5``."""
-    root = text(float(np.sqrt(problem.diameter / 2.0)))
+    root = text(float(np.sqrt(layout.diameter / 2.0)))
     return (f"fix {name} {name} {_granular(f'hertz $({hard}/{root}:%.17g)', g, model, face, law)}",)
 
 
-def _by_formula(name: str, hard: str, face: float, g: str, model: str, law: Any, problem: "System") -> tuple[str, ...]:
+def _by_formula(name: str, hard: str, face: float, g: str, model: str, law: Any, layout: "Layout") -> tuple[str, ...]:
     """A force from outside on the beads of a group: LAMMPS's walls of any potential take ten times as long.
 
     A dashpot is that of a sphere of no stiffness.
     """
-    touched = text(face - law.side * problem.diameter / 2.0)
+    touched = text(face - law.side * layout.diameter / 2.0)
     sign, overlap = ("-", f"(x-{touched})*(x>{touched})") if law.side > 0.0 else ("", f"({touched}-x)*(x<{touched})")
     push = (
         f"variable {name}_push atom {sign}{hard}*({overlap})^{text(law.exponent)}",

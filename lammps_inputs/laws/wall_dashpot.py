@@ -12,7 +12,7 @@ from lammps_inputs.laws import Parameter
 from lammps_inputs.laws.dashpot import LEAST
 
 if TYPE_CHECKING:
-    from lammps_inputs.problem import System
+    from lammps_inputs.layout import Layout
 
 
 class WallDashpot(NamedTuple):
@@ -78,17 +78,17 @@ class WallDashpot(NamedTuple):
         """The same on the other side."""
         return self._replace(side=-self.side)
 
-    def granular(self, problem: "System") -> tuple[list[float], str]:
+    def granular(self, layout: "Layout") -> tuple[list[float], str]:
         """LAMMPS's coefficient for the wall of every chain, and the model, which is that of the contacts.
 
         Viscoelastic ones it multiplies by the bead's mass and the contact's radius, sqrt(diameter / 2 * overlap).
         Restitution it makes of strengths and masses itself.
         """
-        assert problem.contact_loss is not None
-        share, model = problem.contact_loss.granular(problem)
-        of_chain = np.max(np.broadcast_to(self.coefficient, (problem.chains, problem.beads)), axis=1)
+        assert layout.contact_loss is not None
+        share, model = layout.contact_loss.granular(layout)
+        of_chain = np.max(np.broadcast_to(self.coefficient, (layout.chains, layout.beads)), axis=1)
         if "restitution" in model:
-            of_chain = np.full(problem.chains, share)
+            of_chain = np.full(layout.chains, share)
         elif "viscoelastic" in model:
-            of_chain = of_chain / (np.max(problem.mass) * np.sqrt(problem.diameter / 2.0))
+            of_chain = of_chain / (np.max(layout.system.mass) * np.sqrt(layout.diameter / 2.0))
         return of_chain.tolist(), model

@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from lammps_inputs import laws
+from lammps_inputs import laws, physics
 from lammps_inputs.facts import Fact
 from lammps_inputs.laws import Law
 from lammps_inputs.laws.hertz import Hertz
 from lammps_inputs.laws.preloaded import Preloaded
-from lammps_inputs.problem import System
+from lammps_inputs.system import System
 
 LARGEST_OVERLAP = 0.1
 """Over the radius. The contact's radius is then 0.22 of the bead's, and Hertz asks for a small one (Johnson, 4.1)."""
@@ -67,13 +67,13 @@ def overlap_bounds(system: System) -> tuple[float, float]:
     springs hold too, get the bound from above by the whole energy, none from below.
     """
     law = system.along[0].law
-    if system.loaded:
+    if physics.loaded(system):
         rest = laws.rest(law)
-        return float(np.max(rest)), float(np.max(rest + law.reach(system.energy, *law)))
+        return float(np.max(rest)), float(np.max(rest + law.reach(physics.energy(system), *law)))
     as_reference = bool(np.all(np.equal(laws.strength(law), 1.0)))
-    if not (as_reference and system.simply_coupled and system.holds(Fact.MOMENTUM)):
-        return 0.0, laws.reach(law, system.energy)
-    chains, beads, kappa, coupled = system.chains, system.beads, system.kappa, system.coupled
+    if not (as_reference and physics.simply_coupled(system) and system.holds(Fact.MOMENTUM)):
+        return 0.0, laws.reach(law, physics.energy(system))
+    chains, beads, kappa, coupled = system.chains, system.beads, physics.kappa(system), physics.coupled(system)
     velocities = {(chain, bead): velocity for chain, bead, velocity in system.kicks}
     groups: dict[int, list[float]] = {}
     for (chain, _), velocity in velocities.items():
@@ -92,7 +92,7 @@ def overlap_bounds(system: System) -> tuple[float, float]:
     springs = min(4, 2 * (chains - 1)) if coupled else 0
     pull = math.sqrt(2.0 * springs * kappa * max(storable, 0.0))
     high = laws.reach(law, max(storable, 0.0))
-    return min(_comes_to_rest(law, closing, pull, system.gap), high), high
+    return min(_comes_to_rest(law, closing, pull, physics.gap(system)), high), high
 
 
 def _comes_to_rest(law: Law, speed: float, pull: float, gap: float) -> float:

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lammps_inputs import laws
+from lammps_inputs import laws, physics
 from lammps_inputs.laws import dashpot
 from lammps_inputs.laws.in_time import Sine
 from lammps_inputs.links import Across, Along, WallDamper, largest_eigenvalue
-from lammps_inputs.problem import System
+from lammps_inputs.system import System
 
 
 def fastest(system: System) -> float:
@@ -34,10 +34,10 @@ def swing(system: System) -> float:
 
 def sound_frequency(system: System) -> float:
     """Angular frequency, at most, of sound: small motions about rest, springs left out; 0 where there is none."""
-    if not system.loaded:
+    if not physics.loaded(system):
         return 0.0
     total = sum(_on_beads(system, laws.stiffness(link.law, 0.0)) for link in system.along)
-    for wall in system.walls:
+    for wall in physics.walls(system):
         total += laws.stiffness(wall.law, 0.0)
     return float(np.sqrt(np.max(total / system.mass)))
 
@@ -48,14 +48,18 @@ def pace(system: System) -> float:
     As fast as sound at the largest force, if any bead is lighter, or any contact under load or harder, than the
     reference's.
     """
-    plain = system.alike and not system.loaded and all(laws.strength(link.law) == 1.0 for link in system.along)
+    plain = (
+        physics.alike(system)
+        and not physics.loaded(system)
+        and all(laws.strength(link.law) == 1.0 for link in system.along)
+    )
     return 1.0 if plain else max(1.0, 0.5 * float(np.sqrt(_contacts(system))))
 
 
 def stiffest_spring(system: System) -> float:
     """Largest stiffness of any spring, those across and those to the ground; 0 where there are none."""
-    springs = (*system.across, *system.held)
-    return max((laws.stiffest(link.law, system.energy) for link in springs), default=0.0)
+    springs = (*system.across, *physics.ground_springs(system))
+    return max((laws.stiffest(link.law, physics.energy(system)) for link in springs), default=0.0)
 
 
 def drag(system: System) -> float:
@@ -63,10 +67,12 @@ def drag(system: System) -> float:
     contacts, others = np.zeros(1), 0.0
     for link in system.dampers:
         if isinstance(link, Along):
-            reached = dashpot.at_reach(link.law, system.along[0].law, system.energy)
+            reached = dashpot.at_reach(link.law, system.along[0].law, physics.energy(system))
             contacts = contacts + _on_beads(system, reached)
         elif isinstance(link, WallDamper):
-            contacts = contacts + dashpot.at_reach(link.law, system.wall_at(link.law.side).law, system.energy)
+            contacts = contacts + dashpot.at_reach(
+                link.law, physics.wall_at(system, link.law.side).law, physics.energy(system)
+            )
         else:
             graph = largest_eigenvalue(link, system.chains) if isinstance(link, Across) else 1.0
             others += graph * float(np.max(dashpot.resistance(link.law, 0.0)))
@@ -74,14 +80,14 @@ def drag(system: System) -> float:
 
 
 def _contacts(system: System) -> float:
-    if system.alike:
-        wall = max((laws.stiffest(link.law, system.energy) for link in system.walls), default=0.0)
-        contacts = sum(4.0 * laws.stiffest(link.law, system.energy) for link in system.along)
+    if physics.alike(system):
+        wall = max((laws.stiffest(link.law, physics.energy(system)) for link in physics.walls(system)), default=0.0)
+        contacts = sum(4.0 * laws.stiffest(link.law, physics.energy(system)) for link in system.along)
         # a bead at the end has one contact, and a wall
-        return max(contacts, 0.5 * contacts + wall) if system.walls else contacts
-    total = sum(_on_beads(system, laws.stiffest_of_each(link.law, system.energy)) for link in system.along)
-    for held in system.walls:
-        total += laws.stiffest_of_each(held.law, system.energy)
+        return max(contacts, 0.5 * contacts + wall) if physics.walls(system) else contacts
+    total = sum(_on_beads(system, laws.stiffest_of_each(link.law, physics.energy(system))) for link in system.along)
+    for held in physics.walls(system):
+        total += laws.stiffest_of_each(held.law, physics.energy(system))
     return float(np.max(total / system.mass))
 
 
@@ -95,12 +101,14 @@ def _on_beads(system: System, contact: Any) -> NDArray[np.float64]:
 
 def _springs(system: System) -> float:
     across = (_row(system, link) for link in system.across)
-    held = (laws.stiffest(link.law, system.energy) for link in system.held)
+    held = (laws.stiffest(link.law, physics.energy(system)) for link in physics.ground_springs(system))
     return sum((*across, *held), 0.0) / float(np.min(system.mass))
 
 
 def _row(system: System, link: Across) -> float:
     """Largest eigenvalue of a row of beads on links across, each as stiff as energy can make it anywhere."""
     if not laws.differs(link.law):
-        return laws.stiffest(link.law, system.energy) * largest_eigenvalue(link, system.chains)
-    return largest_eigenvalue(link, system.chains, link.of_edges(laws.stiffest_of_each(link.law, system.energy)))
+        return laws.stiffest(link.law, physics.energy(system)) * largest_eigenvalue(link, system.chains)
+    return largest_eigenvalue(
+        link, system.chains, link.of_edges(laws.stiffest_of_each(link.law, physics.energy(system)))
+    )

@@ -8,9 +8,10 @@ of coupled beads that oscillates about its mean with angular frequency omega is 
 
 import math
 
+from lammps_inputs import physics
 from lammps_inputs.limits import rates
-from lammps_inputs.problem import System
 from lammps_inputs.scheme import SchemeName, largest_phase
+from lammps_inputs.system import System
 
 _CONTACTS = 0.003
 """Error over ``time * omega**3 * step**2``, where omega is the largest frequency that contacts alone allow. Measured in
@@ -39,7 +40,7 @@ the second order.
 def stability_bound(system: System, scheme: SchemeName = "verlet") -> float:
     """Largest stable (mean) Verlet step, ``2 / omega_max`` for velocity Verlet, of a dimensionless system."""
     bound = largest_phase(scheme) / rates.fastest(system)
-    if not system.dampers or system.centred:
+    if not system.dampers or physics.centred(system):
         return bound
     # the root of (omega h)**2 + 2 drag h = 4, from the characteristic polynomial with velocities of the half step
     drag = 0.5 * bound * rates.drag(system)
@@ -63,7 +64,7 @@ def timestep_for(accuracy: float, duration: float, system: System, scheme: Schem
     """A (mean) step of Verlet that should end with an error below the accuracy, by the rule; all dimensionless."""
     contacts, springs, drag = rates.of_contacts(system), rates.swing(system), rates.drag(system)
     step = largest_timestep(accuracy, system, scheme)
-    if system.dampers and not system.centred:
+    if system.dampers and not physics.centred(system):
         step = min(step, accuracy / (_DASHPOTS * (contacts + drag)))
     elif system.dampers:
         step = min(step, math.sqrt(accuracy / _LATE_DRAG) / drag)

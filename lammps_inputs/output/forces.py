@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from pydantic import field_validator
 
-from lammps_inputs import strict_yaml
+from lammps_inputs import physics, strict_yaml
 from lammps_inputs.ingredients.base import Count, Part
 from lammps_inputs.output.beads import each_once
 
@@ -44,7 +44,7 @@ class Forces(Part):
         if scene.window is not None:
             raise ValueError("output.forces: a window lets go of the beads behind it; leave one of them out")
         if self.wall:
-            walls = [link.law for link in scene.system.walls]
+            walls = [link.law for link in physics.walls(scene.system)]
             if not walls:
                 raise ValueError("output.forces.wall: the chains have no wall; name one in walls, or leave this out")
             needed["wall"] = [beads if law.side > 0.0 else 1 for law in walls]

@@ -169,7 +169,7 @@ def render_input(problem: Problem) -> str:
         'if "${kept} == lost" then "quit 3"',
     ]
     cycle = scheme.cycle(problem.scheme)
-    grain = cycle if problem.window is None else window.look_steps(problem.timestep, cycle, rates.pace(problem))
+    grain = cycle if problem.window is None else window.look_steps(problem.timestep, cycle, rates.pace(problem.system))
     tell = f'print "$(step:%.0f)" file {file_names.JOB_STEP} screen no'
     sections = [
         [

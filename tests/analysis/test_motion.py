@@ -28,7 +28,7 @@ def random_state(like, seed=1):
 
 
 def test_an_overlap_is_positive_where_beads_press_and_counts_from_the_gap():
-    np.testing.assert_allclose(motion.overlaps(problem(gap=0.25), np.array([[1.0, 0.25, 0.5]])), [[0.5, -0.5]])
+    np.testing.assert_allclose(motion.overlaps(problem(gap=0.25).system, np.array([[1.0, 0.25, 0.5]])), [[0.5, -0.5]])
 
 
 @pytest.mark.parametrize(("chains", "kappa", "gap"), SHAPES)
@@ -40,7 +40,7 @@ def test_acceleration_is_minus_the_slope_of_the_energy(chains, kappa, gap):
     for place in np.ndindex(x.shape):
         shift = np.zeros_like(x)
         shift[place] = h
-        slope = (motion.energy(like, x + shift, v) - motion.energy(like, x - shift, v)) / (2 * h)
+        slope = (motion.energy(like.system, x + shift, v) - motion.energy(like.system, x - shift, v)) / (2 * h)
         # the third derivative of 2/5 r^2.5 is below r^-0.5: 3 h^1.5 at an opening contact, and rounding 10 eps / h
         assert -slope == pytest.approx(acceleration[place], abs=3 * h**1.5 + 2e-10)
 
@@ -51,7 +51,7 @@ def test_power_adds_up_to_nothing(chains, kappa, gap):
     acceleration = everywhere(state)[0][0]
     h = 1e-5  # along the motion: x + h v, v + h a
     x, v = state.displacement[0], state.velocity[0]
-    ahead, behind = (motion.energy(state.problem, x + s * v, v + s * acceleration) for s in (h, -h))
+    ahead, behind = (motion.energy(state.problem.system, x + s * v, v + s * acceleration) for s in (h, -h))
     assert (ahead - behind) / (2 * h) == pytest.approx(0.0, abs=9 * chains * (3 * h**1.5 + 2e-10))
 
 
@@ -90,14 +90,16 @@ def test_a_bead_at_rest_beside_nothing_feels_nothing():
 def test_the_energy_of_one_contact_and_one_spring_is_their_sum():
     x = np.zeros((2, 9))
     x[0, 8] = -0.5  # presses on bead 8, and stretches its spring
-    assert motion.energy(problem(), x, np.zeros((2, 9))) == pytest.approx(0.4 * 0.5**2.5 + 0.05 * 0.25, rel=1e-15)
+    assert motion.energy(problem().system, x, np.zeros((2, 9))) == pytest.approx(
+        0.4 * 0.5**2.5 + 0.05 * 0.25, rel=1e-15
+    )
 
 
 def test_energy_and_momentum_of_many_frames_are_those_of_each():
     found = run(problem(), steps_per_frame=2)
     for frame in (0, 17, 60):
-        one = motion.energy(found.problem, found.displacement[frame], found.velocity[frame])
-        assert motion.energy(found.problem, found.displacement, found.velocity)[frame] == one
-        assert motion.momentum(found.problem, found.velocity)[frame] == motion.momentum(
-            found.problem, found.velocity[frame]
+        one = motion.energy(found.problem.system, found.displacement[frame], found.velocity[frame])
+        assert motion.energy(found.problem.system, found.displacement, found.velocity)[frame] == one
+        assert motion.momentum(found.problem.system, found.velocity)[frame] == motion.momentum(
+            found.problem.system, found.velocity[frame]
         )

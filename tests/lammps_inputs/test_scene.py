@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 from strategies import scenes
 
-from lammps_inputs import Coupling, InputError, Kick, Output, Scene, find, library, strict_yaml
+from lammps_inputs import Coupling, InputError, Kick, Output, Scene, find, library, physics, strict_yaml
 from lammps_inputs.ingredients.base import Part
 from lammps_inputs.units import Unit
 
@@ -56,13 +56,14 @@ def test_a_name_that_looks_like_something_else_comes_back_as_a_name(name):
 
 @given(scenes(ends=False))
 def test_the_fastest_kick_is_1_in_the_problem(scene):
-    assert max(abs(velocity) for _, _, velocity in scene.problem().kicks) == 1.0
+    assert max(abs(velocity) for _, _, velocity in scene.problem().system.kicks) == 1.0
 
 
 @given(scenes(ends=False))
 def test_every_number_of_the_problem_is_finite_and_no_time_is_cut_off(scene):
     problem = scene.problem()
-    assert all(map(math.isfinite, (problem.timestep, problem.kappa, problem.gap, problem.energy, problem.duration)))
+    found = (physics.kappa(problem.system), physics.gap(problem.system), physics.energy(problem.system))
+    assert all(map(math.isfinite, (problem.timestep, *found, problem.duration)))
     assert problem.duration * scene.scale.time >= scene.duration * (1 - 1e-8)
     assert problem.frames >= 1
 
@@ -110,11 +111,11 @@ def test_recorded_beads_are_in_ascending_order():
 
 
 def test_springs_between_the_chains_of_one_chain_are_none():
-    assert scene(coupling=Coupling(stiffness=0.1)).problem().kappa == 0.0
+    assert physics.kappa(scene(coupling=Coupling(stiffness=0.1)).problem().system) == 0.0
 
 
 def test_springs_of_no_stiffness_are_none():
-    assert not scene(chains=2, coupling=Coupling(stiffness=0.0)).problem().coupled
+    assert not physics.coupled(scene(chains=2, coupling=Coupling(stiffness=0.0)).problem().system)
 
 
 def test_a_scene_that_ends_at_a_bead_has_no_problem_yet():
@@ -152,13 +153,13 @@ def test_the_same_problem_in_si_and_in_reduced_units_differs_by_rounding_alone()
         name=steel.name,
         chains=2,
         beads=120,
-        coupling=Coupling(stiffness=problem.kappa),
+        coupling=Coupling(stiffness=physics.kappa(problem.system)),
         kick=(Kick(velocity=1.0),),
         duration=problem.duration,
     ).problem()
     assert reduced.steps == problem.steps
     assert reduced.timestep == pytest.approx(problem.timestep, rel=1e-14)
-    assert reduced.kappa == pytest.approx(problem.kappa, rel=1e-14)
+    assert physics.kappa(reduced.system) == pytest.approx(physics.kappa(problem.system), rel=1e-14)
 
 
 @given(st.floats(-12.0, 12.0), st.floats(0.0, 1e3))
@@ -168,8 +169,8 @@ def test_a_scene_at_any_v_is_the_published_problem_at_v_equal_1(exponent, gap):
     problem = scene(
         chains=2, coupling=Coupling(stiffness=0.1), gap=gap * v**0.8, duration=5.0 * v**-0.2, kick=(Kick(velocity=v),)
     ).problem()
-    assert problem.kappa == pytest.approx(0.1 * v**-0.4, rel=1e-14)
-    assert problem.gap == pytest.approx(gap, rel=1e-14)
+    assert physics.kappa(problem.system) == pytest.approx(0.1 * v**-0.4, rel=1e-14)
+    assert physics.gap(problem.system) == pytest.approx(gap, rel=1e-14)
     assert problem.duration == pytest.approx(5.0, rel=1e-8)
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from lammps_inputs import Problem
+from lammps_inputs import Problem, physics
 
 Floats = NDArray[np.float64]
 
@@ -54,6 +54,7 @@ def integrated(
         rtol: of the integrator.
         pushed, moved: (chain, bead) from 0 -> force from outside, or acceleration whatever the forces, over time.
     """
+    gap, kappa = physics.gap(problem.system), physics.kappa(problem.system)
     shape = problem.chains, problem.beads
     size = problem.chains * problem.beads
 
@@ -78,7 +79,7 @@ def integrated(
 
     def rate(time: float, state: Floats) -> Floats:  # what is not there is left out: it would take most of the time
         x, v = state[:size].reshape(shape), state[size:].reshape(shape)
-        closed = np.maximum(x[:, :-1] - x[:, 1:] - problem.gap + rest, 0.0)
+        closed = np.maximum(x[:, :-1] - x[:, 1:] - gap + rest, 0.0)
         contact = strength * (closed * np.sqrt(closed) if exponent == 1.5 else closed**exponent)
         if loss is not None:
             contact += np.where(closed > 0.0, loss(closed) * (v[:, :-1] - v[:, 1:]), 0.0)
@@ -88,12 +89,12 @@ def integrated(
         if grounded:
             force -= ground * x + ground_cubic * x**3
         if walled:
-            force[:, 0] += at_wall(walls[0], left - x[:, 0] - problem.gap, -v[:, 0])
-            force[:, -1] -= at_wall(walls[1], right + x[:, -1] - problem.gap, v[:, -1])
+            force[:, 0] += at_wall(walls[0], left - x[:, 0] - gap, -v[:, 0])
+            force[:, -1] -= at_wall(walls[1], right + x[:, -1] - gap, v[:, -1])
         force[:, 1:] += contact
         force[:, :-1] -= contact
         if problem.chains > 1:
-            pull = problem.kappa * (x[1:] - x[:-1]) + drag_across * (v[1:] - v[:-1])
+            pull = kappa * (x[1:] - x[:-1]) + drag_across * (v[1:] - v[:-1])
             force[:-1] += pull
             force[1:] -= pull
         if push is not None and time < push[3]:
@@ -105,7 +106,7 @@ def integrated(
             acceleration[place] = of_time(time)
         return np.concatenate([v, acceleration], axis=None)
 
-    start = np.concatenate([np.zeros(size), problem.initial_velocity().reshape(-1)])
+    start = np.concatenate([np.zeros(size), physics.initial_velocity(problem.system).reshape(-1)])
     time = np.arange(problem.frames + 1) * problem.every
     found = solve_ivp(
         rate, (0.0, time[-1]), start, t_eval=time, method="DOP853", rtol=rtol, atol=1e-2 * rtol, max_step=max_step

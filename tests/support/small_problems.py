@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -20,19 +21,22 @@ REDUCED = Scale(1.0, 1.0, 1.0, si=False)
 def problem(**changes: Any) -> Problem:
     """Two chains of eight beads, kappa = 0.1, bead 1 of chain 1 hit; 100 frames of 0.1, ten steps each."""
     chains = changes.get("chains", 2)
-    options: dict[str, Any] = {
-        "name": "test",
+    system: dict[str, Any] = {
         "chains": chains,
         "beads": 8,
         "kicks": ((1, 1, 1.0),),
         "links": coupled_chains(chains, changes.pop("kappa", 0.1), changes.pop("gap", 0.0)),
+    }
+    system |= {field.name: changes.pop(field.name) for field in fields(System) if field.name in changes}
+    options: dict[str, Any] = {
+        "name": "test",
         "timestep": 0.01,
         "steps_per_frame": 10,
         "frames": 100,
         "recorded": None,
         "scale": REDUCED,
     }
-    return Problem(**{**options, **changes})
+    return Problem(system=System(**system), **{**options, **changes})
 
 
 def written_down(problem: Problem, motion: Callable[[Floats], tuple[Floats, Floats]]) -> Trajectory:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from processes import HANGS
 
 from analysis.files.binary_dump import BinaryDump
-from lammps_inputs import Coupling, Kick, Output, Problem, Scene, file_names, scheme
+from lammps_inputs import Coupling, Kick, Output, Problem, Scene, file_names, physics, scheme
 from lammps_inputs.decks import deck
 
 SCRIPTS = Path(sysconfig.get_path("scripts"))
@@ -62,7 +62,7 @@ class Run:
     @property
     def displacement(self) -> NDArray[np.float64]:
         """Displacements of all beads [frame, chain, bead], from the positions in the dump."""
-        return self._by_chain(self.x - self.problem.places.reshape(-1)[self.id - 1])
+        return self._by_chain(self.x - self.problem.layout.places.reshape(-1)[self.id - 1])
 
     @property
     def velocity(self) -> NDArray[np.float64]:
@@ -76,8 +76,8 @@ class Run:
     def energy(self) -> NDArray[np.float64]:
         """Kinetic, contact and spring energy [frame]."""
         x = self.displacement
-        contacts = 0.4 * np.maximum(x[:, :, :-1] - x[:, :, 1:] - self.problem.gap, 0.0) ** 2.5
-        springs = 0.5 * self.problem.kappa * (x[:, :-1] - x[:, 1:]) ** 2
+        contacts = 0.4 * np.maximum(x[:, :, :-1] - x[:, :, 1:] - physics.gap(self.problem.system), 0.0) ** 2.5
+        springs = 0.5 * physics.kappa(self.problem.system) * (x[:, :-1] - x[:, 1:]) ** 2
         return 0.5 * (self.velocity**2).sum((1, 2)) + contacts.sum((1, 2)) + springs.sum((1, 2))
 
 

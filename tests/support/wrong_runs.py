@@ -73,7 +73,7 @@ def six_digits(values: Floats) -> Floats:
 
 def rest(run: Trajectory) -> Floats:
     """Rest positions of the recorded beads."""
-    return run.beads * run.problem.spacing
+    return run.beads * run.problem.layout.spacing
 
 
 def in_single_precision(run: Trajectory) -> States:
@@ -88,7 +88,9 @@ def printed_with_g(run: Trajectory) -> States:
 
 def at_half_steps(run: Trajectory) -> States:
     """Velocities half a time step before the positions, as of a leapfrog."""
-    return run.displacement, run.velocity - 0.5 * run.problem.timestep * acceleration(run.problem, run.displacement)
+    return run.displacement, run.velocity - 0.5 * run.problem.timestep * acceleration(
+        run.problem.system, run.displacement
+    )
 
 
 def a_frame_early(run: Trajectory) -> States:

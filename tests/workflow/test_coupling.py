@@ -288,7 +288,9 @@ def test_rigid_beads_know_no_other_springs(tmp_path):
 @pytest.mark.parametrize("second", [Linear(0.3), Duffing(0.1, 0.7)], ids=["of the same style", "of another style"])
 def test_two_kinds_of_springs_between_chains_act_together_in_the_deck(second, tmp_path):
     problem = scene("ramp", chains=3, timestep=0.01).problem()
-    both = dataclasses.replace(problem, links=(*problem.links, Across("second", second, edges=((0, 2),))))
+    system = problem.system
+    links = (*system.links, Across("second", second, edges=((0, 2),)))
+    both = dataclasses.replace(problem, system=dataclasses.replace(system, links=links))
     for name, text in ((file_names.DECK, deck.render_deck(both)), (file_names.DATA, deck.render_data(both))):
         (tmp_path / name).write_text(text)
     subprocess.run([WHEEL, "-in", file_names.DECK, "-screen", "none"], cwd=tmp_path, check=True, timeout=HANGS)

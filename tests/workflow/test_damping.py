@@ -469,9 +469,12 @@ def test_the_gauge_of_a_wall_reads_its_dashpot_too(column: Run) -> None:
 @pytest.mark.parametrize(("factor", "words"), [(0.0, "is missing"), (1.2, "is 1.2 times as strong as the scene says")])
 def test_a_wall_with_another_dashpot_is_named_as_the_cause(factor: float, words: str, column: Run) -> None:
     problem = column.directory.problem
-    contact, wall = problem.dampers
+    contact, wall = problem.system.dampers
     other = replace(wall, law=wall.law._replace(by_radius=factor * wall.law.by_radius))  # type: ignore[attr-defined]
-    right, wrong = engine.run(problem), engine.run(replace(problem, dampers=(contact, other)))
+    right, wrong = (
+        engine.run(problem),
+        engine.run(replace(problem, system=replace(problem.system, dampers=(contact, other)))),
+    )
     assert causes(replace(wrong, problem=problem), right) == [f"the right wall damping {words}"]
 
 
@@ -510,6 +513,6 @@ def test_steps_of_lammps_and_of_the_reference_follow_the_drag_on_beads(drag: flo
 def test_frames_are_compared_as_often_as_dashpots_stop_a_bead() -> None:
     """The error is largest in the first of them, where a kick is slowed down."""
     quick, slow = (damped(damping=Damping(contact=g), duration=50.0).problem() for g in (1.0, 0.01))
-    assert quick.every > 0.25 / rates.drag(quick)
+    assert quick.every > 0.25 / rates.drag(quick.system)
     assert stride(quick) == 1
     assert stride(slow) == 4

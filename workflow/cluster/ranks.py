@@ -13,7 +13,7 @@ that
 import math
 from dataclasses import dataclass
 
-from lammps_inputs import Problem
+from lammps_inputs import Problem, physics
 from lammps_inputs.laws.in_time import Table
 from lammps_inputs.numbers import size_text, time_text
 
@@ -104,17 +104,18 @@ class Cost:
 
 def bead_seconds(problem: Problem) -> float:
     """Seconds a bead and step."""
-    return COUPLED_BEAD if problem.coupled else LONE_BEAD
+    return COUPLED_BEAD if physics.coupled(problem.system) else LONE_BEAD
 
 
 def _more(problem: Problem, beads: int) -> float:
     """Seconds a step that ingredients add on a rank with so many beads."""
-    tables = [load.law for load in problem.loads if isinstance(load.law, Table)]
-    seconds = FORMULA * (len(problem.loads) - len(tables)) + POINT * sum(len(law.time) for law in tables)
-    seconds += MOTION * len(problem.motions)
-    if problem.exponent not in (None, 1.0, 1.5):
+    system = problem.system
+    tables = [load.law for load in system.loads if isinstance(load.law, Table)]
+    seconds = FORMULA * (len(system.loads) - len(tables)) + POINT * sum(len(law.time) for law in tables)
+    seconds += MOTION * len(system.motions)
+    if physics.exponent(system) not in (None, 1.0, 1.5):
         seconds += LEPTON
-    return seconds + beads * (LOADED * problem.loaded + DAMPED * (problem.contact_loss is not None))
+    return seconds + beads * (LOADED * physics.loaded(system) + DAMPED * (physics.contact_loss(system) is not None))
 
 
 def least_beads(problem: Problem) -> int:
@@ -146,7 +147,7 @@ def cost(problem: Problem, ranks: int) -> Cost:
         memory=float(MEMORY * beads + PROCESS * ranks),
         frame=frame,
         frames=frames,
-        restart=float((COUPLED_RESTART if problem.coupled else LONE_RESTART) * beads),
+        restart=float((COUPLED_RESTART if physics.coupled(problem.system) else LONE_RESTART) * beads),
     )
 
 

@@ -14,7 +14,7 @@ from analysis.sound.dispersion import NO_SOUND
 from analysis.tracking.leading_waves import ARRIVALS
 from analysis.tracking.pulses import of_one_kind
 from analysis.tracking.undisturbed import CLEAR
-from lammps_inputs import InputError
+from lammps_inputs import InputError, physics
 from lammps_inputs.facts import Fact
 from workflow.engines.lammps.invariants import ENERGY_TOLERANCE
 from workflow.runs.files import REPORT
@@ -78,7 +78,7 @@ def execute(arguments: argparse.Namespace) -> Answer:
         arrival=arguments.arrival,
     )
     _print(found)
-    if arguments.dispersion and not found.problem.loaded:
+    if arguments.dispersion and not physics.loaded(found.problem.system):
         print(f"no dispersion map: {NO_SOUND}")
     names = [*found.tables, REPORT, *(path.name for path in found.figures)]
     print(f"{one_line(arguments.directory)}: {', '.join(names)}")
@@ -105,7 +105,7 @@ def _print(found: Analysis) -> None:
         print(
             "the frames are not those that the run wrote, by the fingerprint in run.json: a file is damaged or changed"
         )
-    if problem.holds(Fact.PULSE):
+    if problem.system.holds(Fact.PULSE):
         _print_waves(found)
         _print_accuracy(found)
     _print_pulses(found.survey)
@@ -147,8 +147,12 @@ def _print_drifts(found: Analysis) -> None:
     problem, seen = found.problem, found.conservation
     drifts = {"energy": seen.energy_drift, "momentum": seen.momentum_drift}
     known = {name: drift for name, drift in drifts.items() if np.isfinite(drift)}
-    told = [f"{name} within {drift:.1e}" for name, drift in known.items() if name != "energy" or not problem.exchanges]
-    right = "what was put in" if problem.exchanges else "the kick's"
+    told = [
+        f"{name} within {drift:.1e}"
+        for name, drift in known.items()
+        if name != "energy" or not physics.exchanges(problem.system)
+    ]
+    right = "what was put in" if physics.exchanges(problem.system) else "the kick's"
     if told:
         print(f"{', '.join(told)} of {right}")
     if max(known.values(), default=0.0) > ENERGY_TOLERANCE:
@@ -181,17 +185,17 @@ def _print_accuracy(found: Analysis) -> None:
 def _print_pulses(found: Survey) -> None:
     """The verdict, the decay law where it was fitted, what the leading waves and other pulses are."""
     print(found.verdict.sentence)
-    if not found.problem.holds(Fact.PULSE):
+    if not found.problem.system.holds(Fact.PULSE):
         return
     final, decay = found.shared.final, found.decay
     if final is not None:
         # the energy of exact waves; beads with gaps, that differ or bear a load, carry none of that kind
         energy = np.sum(found.shared.wave_share[-1])
-        exact = found.problem.alike and found.problem.holds(Fact.SONIC_VACUUM)
-        known = np.isfinite(energy) and not found.problem.gap and exact
+        exact = physics.alike(found.problem.system) and found.problem.system.holds(Fact.SONIC_VACUUM)
+        known = np.isfinite(energy) and not physics.gap(found.problem.system) and exact
         share = f"; {energy:.1%} of its energy in the leading waves" if known else ""
         uncertainty = max(final.uncertainty, SMALLEST)
-        than = "the kick" if found.problem.kicks else "what the push would give a free bead"
+        than = "the kick" if found.problem.system.kicks else "what the push would give a free bead"
         far = f"{abs(1.0 - final.value):.1%} {'above' if final.value > 1.0 else 'below'} {than}"
         print(f"amplitude {final.value:.5f} +- {uncertainty:.1g} V, {far}{share}")
     if decay is not None:

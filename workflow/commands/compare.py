@@ -5,7 +5,7 @@ import tempfile
 from pathlib import Path
 
 from analysis.trajectory import Floats
-from lammps_inputs import library
+from lammps_inputs import library, physics
 from workflow.formats import figure_files
 from workflow.prepare.settings import refuse_unstable
 from workflow.runs.engines import ENGINES
@@ -56,7 +56,7 @@ def execute(arguments: argparse.Namespace) -> int:
 def _print(found: Comparison) -> None:
     problem, results = found.problem, found.results
     scale = problem.scale
-    if problem.gap and problem.coupled:
+    if physics.gap(problem.system) and physics.coupled(problem.system):
         from workflow.engines.collisions import first_row  # numba takes a third of a second to import
 
         print(f"theta = omega D / V = {first_row.theta(problem):.5g} (eq. 5: {first_row.THETA_OF_EQ_5:.5g})")

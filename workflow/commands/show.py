@@ -2,7 +2,7 @@
 
 import argparse
 
-from lammps_inputs import library, strict_yaml
+from lammps_inputs import library, physics, strict_yaml
 from lammps_inputs.numbers import text
 from workflow.prepare.settings import settle
 from workflow.runs.size import size_of, too_large
@@ -25,6 +25,7 @@ def execute(arguments: argparse.Namespace) -> Answer:
     scene, settings = settle(library.find(arguments.scene), source=arguments.scene, force=True)
     scene = scene.resolved()
     problem, scale = scene.problem(), scene.scale
+    system = problem.system
     print(strict_yaml.dump(scene.plain()), end="")
     size = size_of(problem)
     print(f"# {problem.chains * problem.beads} beads; {size.sentence()} in LAMMPS on one core")
@@ -42,11 +43,11 @@ def execute(arguments: argparse.Namespace) -> Answer:
         print("# computed at V = 1, in units of")
         print(f"#   {length}, {time}")
         print(f"#   {velocity}, {force}")
-        print(f"# where kappa = {text(problem.kappa)}, timestep = {text(problem.timestep)}")
-    if problem.gap > 0.0 and problem.coupled and problem.simply_coupled:
+        print(f"# where kappa = {text(physics.kappa(system))}, timestep = {text(problem.timestep)}")
+    if physics.gap(system) > 0.0 and physics.coupled(system) and physics.simply_coupled(system):
         from workflow.engines.collisions import first_row  # numba takes a third of a second to import
 
-        theta, gap = first_row.theta(problem), scale.written(first_row.gap_of_eq_5(problem.kappa), "length")
+        theta, gap = first_row.theta(problem), scale.written(first_row.gap_of_eq_5(physics.kappa(system)), "length")
         print(f"# theta = omega D / V = {theta:.6g}, omega = sqrt(2 kappa): all that rigid beads depend on;")
         print(f"#   eq. 5 has theta = {first_row.THETA_OF_EQ_5:.6g}, which is a gap of {gap}")
     return Answer(0, scene.plain())

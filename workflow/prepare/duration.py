@@ -8,7 +8,7 @@ import numpy as np
 from analysis.gauges.forces import at_frames
 from analysis.gauges.gauge import far_wall
 from analysis.gauges.readings import PULSE
-from lammps_inputs import InputError, Output, Problem, Scene
+from lammps_inputs import InputError, Output, Problem, Scene, physics
 from lammps_inputs.limits import rates
 from lammps_inputs.limits.closing import slowest_swing
 from lammps_inputs.numbers import time_text
@@ -63,7 +63,7 @@ def with_duration(scene: Scene, *, wall: bool = False) -> Scene:
     far = far_wall(system) if wall or (scene.output.forces is not None and scene.output.forces.wall) else None
     last = scene.until_bead if far is None else max(scene.until_bead, system.beads)
     pushed = max((load.end for load in system.loads if not load.endless), default=0.0)
-    cadence = 0.1 / rates.pace(system) if system.loaded else 0.1  # sound may be faster
+    cadence = 0.1 / rates.pace(system) if physics.loaded(system) else 0.1  # sound may be faster
     limit = (_SLOWEST * (last + 10) * (1.0 + gap) + pushed) * scene.scale.time
     beads = {scene.until_bead} if far is None else {scene.until_bead, far.bead}
     trial = scene.model_copy(
@@ -78,8 +78,8 @@ def with_duration(scene: Scene, *, wall: bool = False) -> Scene:
     )
     problem = trial.problem()
     still = np.ones(problem.chains, dtype=bool)
-    for chain, _, _ in problem.struck:
-        still[problem.tied_to(chain - 1)] = False
+    for chain, _, _ in physics.excitations(problem.system):
+        still[physics.tied_to(problem.system, chain - 1)] = False
     reached, released = still.copy(), still | (far is None)
     share = 1.0 if scene.until_bead == scene.beads else 0.5
     largest, hardest = np.zeros(problem.chains), np.zeros(problem.chains)
@@ -96,8 +96,12 @@ def with_duration(scene: Scene, *, wall: bool = False) -> Scene:
             if reached.all() and released.all():
                 every = scene.resolved().output.every or 0.0
                 after = _AFTER
-                if gap > 0.0 and problem.coupled:
-                    slowest = slowest_swing(problem.chains, problem.kappa) if problem.open_row else 0.0
+                if gap > 0.0 and physics.coupled(problem.system):
+                    slowest = (
+                        slowest_swing(problem.chains, physics.kappa(problem.system))
+                        if physics.open_row(problem.system)
+                        else 0.0
+                    )
                     after += min(float(time), 2.0 * math.pi / slowest) if slowest else float(time)
                 duration = math.ceil((float(time) + after) * scene.scale.time / every) * every
                 return scene.model_copy(update={"until_bead": None, "duration": duration})

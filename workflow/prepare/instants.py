@@ -20,7 +20,7 @@ def stride(problem: Problem, spacing: float = SPACING) -> int:
     """
     if problem.frames <= FEW:
         return 1
-    swing, drag = rates.swing(problem), rates.drag(problem)
+    swing, drag = rates.swing(problem.system), rates.drag(problem.system)
     if swing > 0.0:
         spacing = min(spacing, 0.5 * math.pi / swing)
     if drag > 0.0:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
-from lammps_inputs import InputError, Problem, Scene
+from lammps_inputs import InputError, Problem, Scene, physics
 from lammps_inputs.limits.timestep import stability_bound
 from lammps_inputs.numbers import memory
 from lammps_inputs.scene import DEFAULT_ACCURACY
@@ -64,7 +64,11 @@ class Settings:
                 f"error expected below {self.expected_error:.1e} V, from {self.measured_error:.1e} V with another "
                 f"step{part} in a {pilot}"
             )
-            if self.measured < 1.0 and problem.window is None and (problem.coupled or problem.gap > 0.0):
+            if (
+                self.measured < 1.0
+                and problem.window is None
+                and (physics.coupled(problem.system) or physics.gap(problem.system) > 0.0)
+            ):
                 how += "; larger behind the front in a long run, where repeated contacts amplify errors"
         longer = "; frames, energy or stability allow no longer step" if self.limited else ""
         default = "" if self.asked else " (default)"
@@ -140,7 +144,7 @@ def refuse_unstable(scene: Scene, source: str = "") -> None:
         return
     scale = scene.scale
     problem = scene.model_copy(update={"until_bead": None, "duration": scale.time, "window": None}).problem()
-    bound = stability_bound(problem, problem.scheme)
+    bound = stability_bound(problem.system, problem.scheme)
     if problem.timestep > bound * (1.0 + 1e-9):
         raise InputError(
             f"{f'{source}: ' if source else ''}timestep: {scene.timestep:g}{scale.after('time')} is unstable, "

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from lammps_inputs import Problem
+from lammps_inputs import Problem, physics
 from lammps_inputs.facts import Fact
 from workflow import screen
 from workflow.engines.reference import engine
@@ -162,7 +162,7 @@ def _refuse_chaos(problem: Problem, shorter: Problem, share: float, accuracy: fl
 def _carried_over(measured: twin.Measured, problem: Problem, share: float, asked: float, accuracy: float) -> Found:
     """From a cheaper measurement to the run itself."""
     ratio = accuracy * share / _MARGIN / asked
-    order = _LEAST_ORDER if problem.scheme != "verlet" else 2.0 if problem.holds(Fact.SECOND_ORDER) else 1.0
+    order = _LEAST_ORDER if problem.scheme != "verlet" else 2.0 if problem.system.holds(Fact.SECOND_ORDER) else 1.0
     largest = twin.largest_step(problem, accuracy)
     step = min(largest, measured.timestep * ratio ** (1.0 / order))
     return Found(
@@ -177,9 +177,10 @@ def _carried_over(measured: twin.Measured, problem: Problem, share: float, asked
 
 def _shorter(problem: Problem, share: float) -> Problem:
     """The same chains over a share of the time, with the kicks and the ends of the chains as much closer together."""
+    system = problem.system
     if share == 1.0:
         return problem
-    marks = sorted({0, problem.beads + 1, *(bead for _, bead, _ in problem.struck)})
+    marks = sorted({0, problem.beads + 1, *(bead for _, bead, _ in physics.excitations(system))})
     place = {0: 0}
     for before, after in itertools.pairwise(marks):
         distance = after - before
@@ -189,13 +190,16 @@ def _shorter(problem: Problem, share: float) -> Problem:
     apart = math.ceil(problem.every)  # frames at most 1 apart, so that there are some
     return replace(
         problem,
-        beads=beads,
-        links=tuple(link.on(kept) for link in problem.links),
-        dampers=tuple(link.on(kept) for link in problem.dampers),
-        mass=problem.mass_of(Ellipsis, kept),
-        kicks=tuple((chain, place[bead], velocity) for chain, bead, velocity in problem.kicks),
-        loads=tuple(load.at(place[load.bead]) for load in problem.loads),
-        motions=tuple(motion.at(place[motion.bead]) for motion in problem.motions),
+        system=replace(
+            system,
+            beads=beads,
+            links=tuple(link.on(kept) for link in system.links),
+            dampers=tuple(link.on(kept) for link in system.dampers),
+            mass=physics.mass_of(system, Ellipsis, kept),
+            kicks=tuple((chain, place[bead], velocity) for chain, bead, velocity in system.kicks),
+            loads=tuple(load.at(place[load.bead]) for load in system.loads),
+            motions=tuple(motion.at(place[motion.bead]) for motion in system.motions),
+        ),
         timestep=problem.every / apart,
         steps_per_frame=1,
         frames=max(1, math.ceil(problem.frames * apart * share)),
@@ -224,4 +228,4 @@ def rounding(problem: Problem, step: float) -> float:
 
     Measured in chains of 40 and 1000 beads with 6e4 to 3e6 steps: a ninth of this to a third.
     """
-    return 3.0 * float(np.spacing(problem.beads * problem.spacing)) * math.sqrt(problem.duration / step)
+    return 3.0 * float(np.spacing(problem.beads * problem.layout.spacing)) * math.sqrt(problem.duration / step)

@@ -11,7 +11,7 @@ import numpy as np
 
 from analysis.against.pairing import on_common_rows
 from analysis.trajectory import Trajectory
-from lammps_inputs import Problem, scheme
+from lammps_inputs import Problem, physics, scheme
 from lammps_inputs.facts import Fact
 from lammps_inputs.limits import rates, timestep
 from workflow.engines.reference import engine
@@ -169,8 +169,8 @@ def work(problem: Problem, verlet_steps: int, reference_steps: int) -> float:
 
 def _rows_by_time(problem: Problem) -> float:
     """Integral over time of the number of rows that have moved, roughly: no pulse is faster than the system's pace."""
-    first, last = (choose(bead for _, bead, _ in problem.struck) for choose in (min, max))
-    way = rates.pace(problem) * np.linspace(0.0, problem.duration, 101)
+    first, last = (choose(bead for _, bead, _ in physics.excitations(problem.system)) for choose in (min, max))
+    way = rates.pace(problem.system) * np.linspace(0.0, problem.duration, 101)
     rows = np.minimum(problem.beads, last + way) - np.maximum(1.0, first - way) + 1.0
     if problem.window is not None:
         rows = np.minimum(rows, engine.WIDER * problem.window)
@@ -179,19 +179,22 @@ def _rows_by_time(problem: Problem) -> float:
 
 def guessed_step(problem: Problem, accuracy: float) -> float:
     """By the rule."""
-    return timestep.timestep_for(accuracy, problem.duration, problem, problem.scheme)
+    return timestep.timestep_for(accuracy, problem.duration, problem.system, problem.scheme)
 
 
 def guessed_reference_steps(problem: Problem, accuracy: float) -> int:
     """Steps a frame of the reference that are usually sure enough: at its default, contacts leave it unsure by 1e-5."""
     usual = engine.default_steps_per_frame(problem)
-    contacts, swings = 1e-5 / (SURE * accuracy), 9e-8 * rates.swing(problem) * problem.duration / (SURE * accuracy)
+    contacts, swings = (
+        1e-5 / (SURE * accuracy),
+        9e-8 * rates.swing(problem.system) * problem.duration / (SURE * accuracy),
+    )
     return 2 * math.ceil(0.5 * usual * max(1.0, math.pow(contacts, 1.0 / _LEAST_ORDER), math.pow(swings, 0.25)))
 
 
 def largest_step(problem: Problem, accuracy: float) -> float:
     """No step above this is tried."""
-    return timestep.largest_timestep(accuracy, problem, problem.scheme)
+    return timestep.largest_timestep(accuracy, problem.system, problem.scheme)
 
 
 def _bytes(problem: Problem) -> float:
@@ -230,13 +233,13 @@ def _better(cycles: int, part: float, order: float, fewest: int) -> int:
 
 def _order(errors: dict[int, float], problem: Problem) -> float:
     """Order of convergence as measured last, within what the scheme can have."""
-    highest = float(TABLES[problem.scheme].order) if problem.holds(Fact.SECOND_ORDER) else 1.0
+    highest = float(TABLES[problem.scheme].order) if problem.system.holds(Fact.SECOND_ORDER) else 1.0
     if len(errors) < 2:
         return highest
     (few, large), (many, small) = sorted(list(errors.items())[-2:])
     if not large > small > 0.0:
         return highest
-    lowest = 2.0 if problem.holds(Fact.SECOND_ORDER) else 1.0
+    lowest = 2.0 if problem.system.holds(Fact.SECOND_ORDER) else 1.0
     return min(highest, max(lowest, math.log(large / small) / math.log(many / few)))
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from analysis.largest_overlap import LargestOverlap, shown_by_frames
 from analysis.quantity import Quantity
-from lammps_inputs import Scene, laws
+from lammps_inputs import Scene, laws, physics
 from lammps_inputs.ingredients.unequal import sizes_and_moduli
 from lammps_inputs.limits import hertz
 from workflow.runs.engines import ENGINES
@@ -65,10 +65,15 @@ class Contacts:
 def at_most(scene: Scene) -> Contacts | None:
     """What energy and momentum allow, before anything runs; None without a material, or without contacts of spheres."""
     problem = scene.problem()
-    law = problem.along[0].law
+    system = problem.system
+    law = system.along[0].law
     if not hertz.is_of_spheres(law):
         return None
-    high = laws.rest(law) + law.reach(problem.energy, *law) if laws.differs(law) else hertz.overlap_bounds(problem)[1]
+    high = (
+        laws.rest(law) + law.reach(physics.energy(system), *law)
+        if laws.differs(law)
+        else hertz.overlap_bounds(system)[1]
+    )
     return _contacts(scene, high, measured=False)
 
 
@@ -96,7 +101,7 @@ def measure(directory: RunDirectory) -> Contacts | None:
 
 def has_contacts(directory: RunDirectory) -> bool:
     """Whether the run has contacts of spheres, in SI units."""
-    spheres = all(hertz.is_of_spheres(link.law) for link in directory.problem.along)
+    spheres = all(hertz.is_of_spheres(link.law) for link in directory.problem.system.along)
     return directory.scene.material is not None and spheres and ENGINES[directory.engine].deforms
 
 

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 from analysis.files import events
 from analysis.files.recording import Writer
 from analysis.trajectory import Trajectory
-from lammps_inputs import InputError, Problem, Scene, file_names
+from lammps_inputs import InputError, Problem, Scene, file_names, physics
 from workflow.cluster import ranks as model
 from workflow.engines.lammps import engine as lammps_engine
 from workflow.prepare.settings import Settings
@@ -177,13 +177,13 @@ class _Collisions(Engine):
             return common
         if not isinstance(system.mass, float):
             return f"`collisions` knows only beads of equal mass; {other}"
-        if system.acted_on:
+        if physics.acted_on(system):
             return f"`collisions` knows no push and no drive; {other}"
         if system.dampers:
             return f"`collisions` knows no damping; {other}"
-        if not system.simply_coupled:
+        if not physics.simply_coupled(system):
             return f"`collisions` knows only equal linear springs between neighbouring chains; {other}"
-        if not system.gap > 0.0:
+        if not physics.gap(system) > 0.0:
             return (
                 f"`collisions` moves rigid beads, which need a gap between them; give the scene `gap: ...`, or {other}"
             )

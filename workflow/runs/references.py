@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator
 
-from lammps_inputs import Problem
+from lammps_inputs import Problem, physics
 from workflow.engines.reference.certify import Certifier
 from workflow.prepare.settings import Settings
 
@@ -44,7 +44,7 @@ def closing(problem: Problem) -> Iterator[Certifier]:
     certifier = Certifier(problem)
     yield certifier
     usual = certifier.certificate.steps_per_frame
-    while problem.exchanges and (missing := certifier.certificate.energy) > CLOSED:
+    while physics.exchanges(problem.system) and (missing := certifier.certificate.energy) > CLOSED:
         steps = certifier.certificate.steps_per_frame
         # contacts that open and close leave an order of 2.5
         steps = min(math.ceil(1.5 * steps * (missing / CLOSED) ** 0.4), _MOST_STEPS * usual)

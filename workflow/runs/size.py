@@ -7,7 +7,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import Any
 
-from lammps_inputs import InputError, Problem, Scene
+from lammps_inputs import InputError, Problem, Scene, physics
 from lammps_inputs.limits import rates
 from lammps_inputs.numbers import size_text, time_text
 from lammps_inputs.output.limits import Limits
@@ -133,7 +133,7 @@ def _at_least(scene: Scene) -> Problem:
     changes: dict[str, Any] = {"accuracy": None}
     if scene.until_bead is not None:
         system = scene.system
-        way = min(abs(scene.until_bead - bead) for _, bead, _ in system.struck)
+        way = min(abs(scene.until_bead - bead) for _, bead, _ in physics.excitations(system))
         changes |= {"until_bead": None, "duration": max(1, way) / rates.pace(system) * scene.scale.time}
     if scene.window == "auto":
         changes["window"] = LEAST_WINDOW

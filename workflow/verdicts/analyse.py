@@ -18,7 +18,7 @@ from analysis.sharing.survey import Survey, survey
 from analysis.tracking.leading_waves import Arrival, Waves, usual_arrival
 from analysis.tracking.undisturbed import CLEAR
 from analysis.trajectory import Trajectory
-from lammps_inputs import InputError, Problem, html
+from lammps_inputs import InputError, Problem, html, physics
 from lammps_inputs.facts import Fact
 from workflow.formats import figure_files, in_any_format
 from workflow.runs.accounts import accountant
@@ -232,8 +232,8 @@ def _sane(directory: RunDirectory, blocks: Iterator[Trajectory]) -> Iterator[Tra
 def default_beads(problem: Problem) -> tuple[int, ...]:
     """Three recorded beads: near a sixth, a half and nine tenths of the way, or near that hit, where no pulse runs."""
     recorded = problem.recorded_beads
-    if not problem.holds(Fact.PULSE):
-        hit = problem.hardest_blow[1]
+    if not problem.system.holds(Fact.PULSE):
+        hit = physics.largest_excitation(problem.system)[1]
         way = 1 if direction_of(problem) > 0 else -1
         return tuple(sorted({int(recorded[np.argmin(np.abs(recorded - hit - way * far))]) for far in (0, 2, 5)}))
     places = np.unique(np.round(np.array([0.17, 0.5, 0.9]) * (len(recorded) - 1)).astype(int))
@@ -245,14 +245,15 @@ def _makers(found: Survey, spacetime: Any, history: Any) -> "dict[str, Callable[
     from analysis.figures import distance_figure, response_figure, shape_figure, spacetime_figure
 
     problem = found.problem
+    system = problem.system
     makers: dict[str, Callable[[], Figure]] = {"response": lambda: response_figure(history)}
     if spacetime is not None and len(spacetime.beads) > 1:
         makers["spacetime"] = lambda: spacetime_figure(spacetime)
-    if len(found.shared) > 1 and problem.holds(Fact.PULSE):
+    if len(found.shared) > 1 and system.holds(Fact.PULSE):
         makers["distance"] = lambda: distance_figure(problem, found.shared, found.energies, found.direction)
     whole = np.unique(along_the_way(problem, found.waves.bead[np.isfinite(found.shape.residual)]))
     whole = along_the_way(problem, whole[whole <= problem.beads - CLEAR])
-    if len(whole) and problem.holds(Fact.PULSE) and problem.holds(Fact.SONIC_VACUUM) and not problem.gap:
+    if len(whole) and system.holds(Fact.PULSE) and system.holds(Fact.SONIC_VACUUM) and not physics.gap(system):
         early, late = whole[min(len(whole) - 1, int(np.searchsorted(along_the_way(problem, whole), 10)))], whole[-1]
         makers["shape"] = lambda: shape_figure(problem, found.waveforms, sorted({int(early), int(late)}))
     return makers

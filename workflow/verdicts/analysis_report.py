@@ -15,7 +15,7 @@ from analysis.tracking.leading_waves import Waves
 from analysis.tracking.pulses import Pulse
 from analysis.tracking.train import Train, train_of
 from analysis.tracking.undisturbed import CLEAR, clear_of_others
-from lammps_inputs import Problem
+from lammps_inputs import Problem, physics
 from lammps_inputs.facts import Fact
 from lammps_inputs.numbers import known
 
@@ -56,7 +56,7 @@ def report(found: Survey, seen: Conservation, tolerances: Tolerances) -> dict[st
         "momentum_drift": known(seen.momentum_drift),
         "units": "SI" if scale.si else "reduced",
         "scale": {"mass": scale.mass, "length": scale.length, "time": scale.time, "velocity": scale.velocity},
-        "kappa": problem.kappa,
+        "kappa": physics.kappa(problem.system),
         "arrival": found.arrival,
         "noise": found.noise,
         "waves": [_chain_summary(found.waves, problem, chain) for chain in range(1, problem.chains + 1)],
@@ -91,7 +91,7 @@ def train(found: Survey) -> Train | None:
     if most == 0:
         return None
     best = [bead for bead, count in first.items() if count == most]
-    seen = train_of(far, chain, ahead, max(best) if ahead > 0 else min(best), wave_of(found.problem))
+    seen = train_of(far, chain, ahead, max(best) if ahead > 0 else min(best), wave_of(found.problem.system))
     return seen.until(most)
 
 
@@ -144,7 +144,7 @@ def equipartition(found: Survey) -> dict[str, Any]:
     shared, decay, verdict = found.shared, found.decay, found.verdict
     final = shared.final
     measured = np.sum(found.energies.wave, axis=1)
-    exact = found.problem.alike and found.problem.holds(Fact.SONIC_VACUUM)
+    exact = physics.alike(found.problem.system) and found.problem.system.holds(Fact.SONIC_VACUUM)
     return {
         "verdict": verdict.sentence,
         "state": verdict.state.value,

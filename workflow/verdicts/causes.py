@@ -12,7 +12,7 @@ from analysis import motion
 from analysis.against import beads, symptoms
 from analysis.files.recording import rest_positions
 from analysis.trajectory import Trajectory
-from lammps_inputs import laws
+from lammps_inputs import laws, physics
 from lammps_inputs.limits import rates
 from workflow.verdicts import causes_from_outside as outside
 
@@ -50,16 +50,16 @@ def causes(own: Trajectory, reference: Trajectory) -> list[str]:
     found = _numbers(own) or outside.driven(own) or _times(own, reference) or outside.moved(own)
     found = found or _start(own) or outside.pushes(own, reference)
     found = found or _static(own, reference) or _exponent(own, reference)
-    found = found or ([] if own.problem.one_kind else _beads(own, reference))
+    found = found or ([] if physics.one_kind(own.problem.system) else _beads(own, reference))
     found = found or _strengths(own, reference) or _springs(own, reference)
-    found = found or (_beads(own, reference) if own.problem.one_kind else [])
+    found = found or (_beads(own, reference) if physics.one_kind(own.problem.system) else [])
     return found or _laws(own, reference)
 
 
 def rounded(own: Trajectory, reference: Trajectory) -> list[str]:
     """Which of the numbers were rounded on their way into the file; any beads."""
     found = []
-    rest = rest_positions(own.problem) if own.problem.window is None else own.beads * own.problem.spacing
+    rest = rest_positions(own.problem) if own.problem.window is None else own.beads * own.problem.layout.spacing
     for name, values, right in (
         ("positions", own.displacement + rest, reference.displacement + rest),
         ("velocities", own.velocity, reference.velocity),
@@ -84,7 +84,7 @@ def _times(own: Trajectory, reference: Trajectory) -> list[str]:
     problem = own.problem
     velocity = symptoms.time_shift(
         own.velocity - reference.velocity,
-        motion.acceleration(problem, reference.displacement, time=reference.time, velocity=reference.velocity),
+        motion.acceleration(problem.system, reference.displacement, time=reference.time, velocity=reference.velocity),
     )
     displacement = symptoms.time_shift(own.displacement - reference.displacement, reference.velocity)
     if velocity.explained < _CLEAR:
@@ -105,11 +105,11 @@ def _start(own: Trajectory) -> list[str]:
     problem = own.problem
     if own.time[0] != 0.0:
         return []
-    wrong = np.abs(own.velocity[0] - problem.initial_velocity())
+    wrong = np.abs(own.velocity[0] - physics.initial_velocity(problem.system))
     if not np.any(wrong > 1e-6):
         return []
     chain, bead = np.unravel_index(int(np.argmax(wrong)), wrong.shape)
-    both = own.velocity[0, chain, bead], problem.initial_velocity()[chain, bead]
+    both = own.velocity[0, chain, bead], physics.initial_velocity(problem.system)[chain, bead]
     found, right = (problem.scale.written(velocity, "velocity") for velocity in both)
     return [f"bead {bead + 1} of chain {chain + 1} starts with velocity {found} instead of {right}"]
 
@@ -120,15 +120,16 @@ def _beads(own: Trajectory, reference: Trajectory) -> list[str]:
     Where dashpots are quicker than contacts, beads go as forces let them, and hardly as they weigh.
     """
     problem = own.problem
-    if rates.drag(problem) > rates.fastest(problem):
+    system = problem.system
+    if rates.drag(system) > rates.fastest(system):
         return []
     felt, right = beads.identify_beads(own), beads.identify_beads(reference)
     if felt is None or right is None:
         return []
     found = []
     for values, expected, kinds, what, names in (
-        (felt.mass, right.mass, problem.mass, "heavy", ("beads of mass {}", "all beads", "bead {} of chain {}")),
-        (felt.strength, right.strength, laws.strength(problem.along[0].law), "strong",
+        (felt.mass, right.mass, system.mass, "heavy", ("beads of mass {}", "all beads", "bead {} of chain {}")),
+        (felt.strength, right.strength, laws.strength(system.along[0].law), "strong",
          ("contacts of strength {}", "all contacts", "the contact of beads {} and {next} of chain {}")),
     ):  # fmt: skip
         with np.errstate(invalid="ignore"):
@@ -169,7 +170,8 @@ def _static(own: Trajectory, reference: Trajectory) -> list[str]:
 def _strengths(own: Trajectory, reference: Trajectory) -> list[str]:
     """Whether the beads were held, or tied in ways that `_springs` does not know, otherwise than the scene says."""
     problem = own.problem
-    links = (*problem.ground, *(() if problem.open_row else problem.across), *problem.dampers)
+    system = problem.system
+    links = (*system.ground, *(() if physics.open_row(system) else system.across), *system.dampers)
     if not links:
         return []
     felt, right = symptoms.identify_strengths(own), symptoms.identify_strengths(reference)
@@ -187,7 +189,7 @@ def _strengths(own: Trajectory, reference: Trajectory) -> list[str]:
 
 def _laws(own: Trajectory, reference: Trajectory) -> list[str]:
     """Whether what holds beads, or stops them, acts otherwise than the scene says, however strong it is."""
-    links = (*own.problem.ground, *own.problem.dampers)
+    links = (*own.problem.system.ground, *own.problem.system.dampers)
     if not links:
         return []
     felt, right = symptoms.identify_strengths(own), symptoms.identify_strengths(reference)
@@ -216,6 +218,7 @@ def _off(factor: float, doubt: float) -> float:
 def _springs(own: Trajectory, reference: Trajectory) -> list[str]:
     """Whether the beads felt other springs than the scene's."""
     problem = own.problem
+    system = problem.system
     felt, right = symptoms.identify_springs(own), symptoms.identify_springs(reference)
     if felt is None:
         return []
@@ -223,21 +226,22 @@ def _springs(own: Trajectory, reference: Trajectory) -> list[str]:
         return [f"the coupling is cubic ({felt.cubic:.4g} times the cube), not linear: is r0 of the bonds 0?"]
     moved = np.isfinite(felt.linear)
     typical = float(np.median(felt.linear[moved]))
-    if not problem.coupled:
+    if not physics.coupled(system):
         doubt = 1e-6 if right is None else 1e-6 + 3.0 * float(np.nanmax(np.abs(right.linear)))
         return [f"the chains are coupled ({typical:.4g}), though the scene has no coupling"] if typical > doubt else []
     missing = np.argwhere(moved & (felt.linear < 0.5 * typical))
     if right is not None:
         whole = np.isfinite(right.linear)
-        if np.any(np.abs(right.linear[whole] / problem.kappa - 1.0) > _METHOD):
+        if np.any(np.abs(right.linear[whole] / physics.kappa(system) - 1.0) > _METHOD):
             return []
     if 0 < len(missing) <= _MOST_NAMED:
         rows = ", ".join(f"row {row + 1} between chains {chain + 1} and {chain + 2}" for chain, row in missing)
         return [f"no spring in {rows}"]
-    expected = problem.kappa if right is None else float(np.nanmedian(right.linear))
-    if abs(typical / expected - 1.0) > 5e-4 + 3.0 * abs(expected / problem.kappa - 1.0):
+    expected = physics.kappa(system) if right is None else float(np.nanmedian(right.linear))
+    if abs(typical / expected - 1.0) > 5e-4 + 3.0 * abs(expected / physics.kappa(system) - 1.0):
         unit = problem.scale.stiffness
-        found, right_one = typical / expected * problem.kappa * unit, problem.kappa * unit
+        kappa = physics.kappa(system)
+        found, right_one = typical / expected * kappa * unit, kappa * unit
         if abs(found) < 1e-3 * right_one:
             return [f"the chains are not coupled, though the scene says {right_one:.4g}"]
         return [f"the coupling is {found:.4g} instead of {right_one:.4g}"]
@@ -247,7 +251,7 @@ def _springs(own: Trajectory, reference: Trajectory) -> list[str]:
 def _exponent(own: Trajectory, reference: Trajectory) -> list[str]:
     """Whether the contacts had another exponent than the scene's."""
     felt, right = symptoms.identify_exponent(own), symptoms.identify_exponent(reference)
-    expected = own.problem.exponent
+    expected = physics.exponent(own.problem.system)
     if felt is None or right is None or expected is None or abs(felt - right) < 1e-3 + 3.0 * abs(right - expected):
         return []
     return [f"the contacts have the exponent {felt:.3f} instead of {expected:g}"]

@@ -22,7 +22,7 @@ def driven(own: Trajectory) -> list[str]:
     """Whether beads whose motion is given move by another sine."""
     problem, found = own.problem, []
     scale = problem.scale
-    for given in problem.motions:
+    for given in problem.system.motions:
         is_at = _off_its_way(own, given)
         if is_at is None:
             continue
@@ -40,7 +40,7 @@ def moved(own: Trajectory) -> list[str]:
     """Whether beads whose motion is given move otherwise."""
     return [
         f"bead {given.bead} of chain {given.chain} does not move as the drive says"
-        for given in own.problem.motions
+        for given in own.problem.system.motions
         if _off_its_way(own, given) is not None
     ]
 
@@ -94,10 +94,11 @@ def _other_sine(
 def pushes(own: Trajectory, reference: Trajectory) -> list[str]:
     """Whether the beads were given another impulse from outside than the scene says."""
     problem, found = own.problem, []
+    system = problem.system
     if own.time[0] != 0.0:
         return []
-    places = Counter((load.chain, load.bead) for load in problem.loads)
-    for load in problem.loads:
+    places = Counter((load.chain, load.bead) for load in system.loads)
+    for load in system.loads:
         if places[load.chain, load.bead] > 1:  # which of them is wrong, nobody can tell
             continue
         right = load.impulse(own.time)
@@ -107,7 +108,7 @@ def pushes(own: Trajectory, reference: Trajectory) -> list[str]:
         if most == 0.0 or np.max(np.abs(felt - right)) < _PUSH_DOUBT * most or furthest < np.max(np.abs(method)):
             continue  # right, or the reference is further off than this
         what = "drive" if load.endless else "push"
-        name = f"the {what}" if len(problem.loads) == 1 else f"the {what} on bead {load.bead} of chain {load.chain}"
+        name = f"the {what}" if len(system.loads) == 1 else f"the {what} on bead {load.bead} of chain {load.chain}"
         found.append(f"{name} {_other_push(load, own.time, felt, problem.scale)}")
     return found
 

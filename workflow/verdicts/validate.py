@@ -14,7 +14,7 @@ from analysis.against.pairing import OtherFramesError, paired
 from analysis.files import table, text_dump
 from analysis.files.binary_dump import CutDumpWarning
 from analysis.trajectory import Trajectory, joined
-from lammps_inputs import InputError, Problem, html
+from lammps_inputs import InputError, Problem, html, physics
 from lammps_inputs.facts import Fact
 from workflow.engines.reference.certify import Certificate, Certifier
 from workflow.formats import figure_files
@@ -191,8 +191,8 @@ def _half(problem: Problem) -> tuple[str, ...]:
 
 def _limits(problem: Problem, tolerances: dict[str, float] | None) -> dict[str, float]:
     """Those that were asked for, or the usual: where energy comes and goes, its budget misses what velocities do."""
-    exchanged = {"energy": TOLERANCES["velocity"]} if problem.exchanges else {}
-    first_order = {} if problem.holds(Fact.SECOND_ORDER) else FIRST_ORDER
+    exchanged = {"energy": TOLERANCES["velocity"]} if physics.exchanges(problem.system) else {}
+    first_order = {} if problem.system.holds(Fact.SECOND_ORDER) else FIRST_ORDER
     return {**TOLERANCES, **exchanged, **first_order, **(tolerances or {})}
 
 

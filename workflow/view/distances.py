@@ -6,7 +6,7 @@ import numpy as np
 from bokeh.models import HoverTool
 
 from analysis.sharing.survey import Survey
-from lammps_inputs import Problem
+from lammps_inputs import Problem, physics
 from workflow.view.axes import graph, number, of_chain, put_legend_aside
 from workflow.view.thin import Thinned
 from workflow.view.units import Units, axis_label
@@ -18,7 +18,7 @@ def distances(problem: Problem, part: Thinned, found: Survey, bead_range: Any, u
     if not len(waves):
         return []
     peaks = graph("peak velocity of the leading pulse", "bead", axis_label("velocity", velocity), bead_range)
-    hit = problem.hardest_blow[0]
+    hit = physics.largest_excitation(problem.system)[0]
     lags = graph(f"arrival after that in chain {hit}", "bead", axis_label("time", time), bead_range)
     reference = waves.of_chain(hit)
     drawn = []

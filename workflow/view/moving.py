@@ -123,7 +123,7 @@ def moving_beads(
     slider.sizing_mode = "stretch_width"
     button = Toggle(label="play", width=70, name="play")  # a button whose label changes would lose the focus
     rows = {chain - 1: k for k, chain in enumerate(part.chains)}
-    edges = [edge for link in problem.across for edge in link.edges if edge[0] in rows and edge[1] in rows]
+    edges = [edge for link in problem.system.across for edge in link.edges if edge[0] in rows and edge[1] in rows]
     move = CustomJS(
         args={
             "slider": slider,

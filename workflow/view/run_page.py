@@ -55,7 +55,7 @@ def layout(problem: Problem, part: Thinned, found: Survey | None, shown: list[in
     moving, controls = moving_beads(problem, part, images, now, colours, units)
     on_click(maps, part, images, trace_source)
     below = [traces]
-    if found is not None and problem.holds(Fact.PULSE):
+    if found is not None and problem.system.holds(Fact.PULSE):
         bead_range = place_range if part.even else (float(part.beads[0]) - 1.0, float(part.beads[-1]) + 1.0)
         below += distances(problem, part, found, bead_range, units)
     if problem.whole:

@@ -144,8 +144,8 @@ def _of(frames: Trajectory) -> tuple[Floats, Floats, Floats]:
     problem, x = frames.problem, frames.displacement
     overlap, force = np.full_like(x, np.nan), np.full_like(x, np.nan)
     if problem.recorded is None:
-        overlap[..., :-1] = motion.overlaps(problem, x)
-        force[..., :-1] = motion.contact_force(problem, overlap[..., :-1])
+        overlap[..., :-1] = motion.overlaps(problem.system, x)
+        force[..., :-1] = motion.contact_force(problem.system, overlap[..., :-1])
     return x, overlap, force
 
 
@@ -153,4 +153,4 @@ def _energy(frames: Trajectory) -> Floats:
     """Of each chain's beads, [frame, chain]."""
     if not frames.problem.whole:
         return np.full(frames.velocity.shape[:2], np.nan)
-    return np.asarray(motion.bead_energy(frames.problem, frames.displacement, frames.velocity).sum(axis=-1))
+    return np.asarray(motion.bead_energy(frames.problem.system, frames.displacement, frames.velocity).sum(axis=-1))

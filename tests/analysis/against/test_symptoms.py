@@ -93,7 +93,12 @@ def felt(kappa, claimed=0.1, **changes):
     """Springs identified in a run with one coupling of a problem that claims another."""
     run = engine.run(problem(kappa=kappa, **changes), steps_per_frame=16)
     return identify_springs(
-        replace(run, problem=replace(run.problem, links=coupled_chains(run.problem.chains, claimed)))
+        replace(
+            run,
+            problem=replace(
+                run.problem, system=replace(run.problem.system, links=coupled_chains(run.problem.chains, claimed))
+            ),
+        )
     )
 
 

@@ -12,7 +12,7 @@ from analysis.figures.style import shown_chains, title
 from analysis.sharing.energy_shares import EnergyShares
 from analysis.sharing.equipartition import Sharing
 from analysis.trajectory import Trajectory
-from lammps_inputs import Kick, Material, library
+from lammps_inputs import Kick, Material, library, physics
 
 STEEL = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)
 
@@ -125,7 +125,7 @@ def shared(what):
     """Two chains at beads 2 to 5, all different."""
     bead = np.arange(2, 6)
     amplitude = 0.4 + 0.01 * np.arange(8.0).reshape(4, 2)
-    return Sharing(0, bead, np.stack([1.2 * bead, 1.2 * bead + 0.25], axis=1), amplitude, what.energy)
+    return Sharing(0, bead, np.stack([1.2 * bead, 1.2 * bead + 0.25], axis=1), amplitude, physics.energy(what.system))
 
 
 @pytest.mark.parametrize("si", [False, True])
@@ -163,7 +163,7 @@ def test_a_line_marks_the_bead_from_which_on_the_chains_agree():
     amplitude = np.full((80, 2), 0.3)
     amplitude[:60, 0] *= 1.0 + 0.05 * np.cos(np.arange(60))
     what = problem(False, beads=100)
-    agreeing = Sharing(0, np.arange(2, 82), np.zeros((80, 2)), amplitude, what.energy)
+    agreeing = Sharing(0, np.arange(2, 82), np.zeros((80, 2)), amplitude, physics.energy(what.system))
     axis = distance_figure(what, agreeing, EnergyShares(what, agreeing)).axes[0]
     (mark,) = (line for line in axis.get_lines() if not line.get_label().startswith("chain"))
     assert set(mark.get_xdata()) == {agreeing.agrees_from(0.01)}

@@ -16,7 +16,7 @@ from processes import HANGS
 from analysis import trajectory
 from analysis.files.binary_dump import BinaryDump, CutDumpWarning, NoFrameError
 from analysis.files.recording import Writer, atom_ids, blocks, rest_positions
-from lammps_inputs import Coupling, InputError, Kick, Output, Problem, Scene, file_names
+from lammps_inputs import Coupling, InputError, Kick, Output, Problem, Scene, file_names, physics
 from lammps_inputs.decks import deck
 
 BIN = Path(sysconfig.get_path("scripts"))
@@ -108,7 +108,7 @@ def test_a_lammps_dump_has_the_frames_atoms_and_columns_of_the_deck(serial: Path
 def test_displacements_are_exactly_zero_and_velocities_the_kicks_at_the_start(serial: Path) -> None:
     first = whole(TWO.problem(), serial)[:1]
     assert not first.displacement.any()
-    np.testing.assert_array_equal(first.velocity[0], TWO.problem().initial_velocity())
+    np.testing.assert_array_equal(first.velocity[0], physics.initial_velocity(TWO.problem().system))
 
 
 def test_times_are_multiples_of_the_cadence_to_the_last_bit(serial: Path) -> None:

@@ -11,7 +11,7 @@ from analysis import motion
 from analysis.figures.searched import front
 from analysis.gauges.between_frames import top
 from analysis.gauges.far_end import FarEnd
-from lammps_inputs import library
+from lammps_inputs import library, physics
 from workflow.engines.reference import engine
 
 
@@ -50,7 +50,7 @@ def test_the_far_wall_is_the_one_that_the_blow_goes_to_and_feels_all_chains(side
     plain = {"name": "test", "chains": 2, "beads": 20, "walls": {side: "bead"}, "duration": 10.0}
     kick = {"bead": 21 - bead, "velocity": velocity}
     small = library.from_plain({**plain, "kick": kick}, "test").problem()
-    strength = float(np.max(small.walls[0].law.strength))
+    strength = float(np.max(physics.walls(small.system)[0].law.strength))
 
     def motion(time):
         pressed = np.zeros((time.shape[0], 2, 20))
@@ -128,7 +128,7 @@ def test_transmitted_energy_is_a_share_of_the_work_done_until_then(set_in_motion
     end, unknown = FarEnd(small), FarEnd(small)
     end.add(run)
     unknown.add(replace(run, ledger=None))
-    there = motion.bead_energy(small, run.displacement, run.velocity)[:, 0, 27:].sum(axis=-1)
-    work = motion.energy(small, run.displacement, run.velocity)
+    there = motion.bead_energy(small.system, run.displacement, run.velocity)[:, 0, 27:].sum(axis=-1)
+    work = motion.energy(small.system, run.displacement, run.velocity)
     assert end.result().transmitted_energy == pytest.approx(np.nanmax(there[1:] / work[1:]), rel=1e-4)
     assert math.isnan(unknown.result().transmitted_energy)

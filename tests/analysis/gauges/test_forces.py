@@ -9,7 +9,7 @@ from small_problems import problem, written_down
 
 from analysis.gauges.forces import ForceMeter
 from analysis.gauges.gauge import gauges
-from lammps_inputs import library
+from lammps_inputs import library, physics
 from workflow.engines.reference import engine
 
 
@@ -28,7 +28,7 @@ def walled(**changes):
 
 def read(trajectory, *blocks, **places):
     asked = {"wall": True, "contacts": (), "sensors": (), **places}
-    meter = ForceMeter(trajectory.problem, gauges(trajectory.problem, **asked))
+    meter = ForceMeter(trajectory.problem, gauges(trajectory.problem.system, **asked))
     for block in blocks or (trajectory,):
         meter.add(block)
     return meter.result()
@@ -121,7 +121,7 @@ def test_under_a_load_walls_and_contacts_read_it_at_rest():
 def pressed_by(size, until=20.0):
     """A loaded wall's reading where the force above the static one is size * sin(pi (t - 3) / 6)**2 from t = 3 to 9."""
     loaded = walled(beads=8, precompression={"force": 0.5}, duration=until)
-    law = loaded.walls[0].law
+    law = physics.walls(loaded.system)[0].law
 
     def motion(t):
         phase, inside = np.pi * (t - 3.0) / 6.0, (t > 3.0) & (t < 9.0)

@@ -62,14 +62,14 @@ LOADED = {
     [
         {"lacks": frozenset({Fact.PULSE})},
         {"mass": np.tile([1.0, 2.0], (2, BEADS // 2))},
-        {"links": library.from_plain(LOADED, "a").problem().links},
+        {"links": library.from_plain(LOADED, "a").problem().system.links},
     ],
     ids=["no pulse stays together", "beads that differ", "static load"],
 )
 def test_no_ratio_is_given_where_a_pulse_does_not_keep_its_velocity(changes):
     pulses = there_and_back(lambda _: 1.0, lambda _: 0.9)
     assert reflections(pulses, PLAIN, right=True)[0] is not None
-    assert reflections(pulses, replace(PLAIN, **changes), right=True)[0] is None
+    assert reflections(pulses, replace(PLAIN, system=replace(PLAIN.system, **changes)), right=True)[0] is None
 
 
 @pytest.mark.parametrize(("meet", "known"), [(24.0, True), (10.0, False)])

@@ -114,7 +114,7 @@ def test_positions_and_velocities_for_viewing_lie_along_the_chain(universe: mda.
     np.testing.assert_array_equal(universe.atoms.velocities[:, 0], ts.data["velocity"].astype(np.float32))
     assert not universe.atoms.positions[:, 2].any()
     assert not universe.atoms.velocities[:, 1:].any()
-    width = 2.0 * PROBLEM.spacing
+    width = 2.0 * PROBLEM.layout.spacing
     np.testing.assert_allclose(ts.dimensions[1:], [(1 + PROBLEM.chains) * width, 2.0 * width, 90.0, 90.0, 90.0])
 
 
@@ -122,7 +122,7 @@ def test_chains_lie_side_by_side_as_in_the_data_file_also_in_what_mdanalysis_wri
     universe: mda.Universe, directory: Path, tmp_path: Path
 ) -> None:
     across = np.array([float(line.split()[3]) for line in atom_lines(directory / file_names.DATA)])
-    assert sorted(set(across)) == [2.0 * PROBLEM.spacing * chain for chain in range(3)]
+    assert sorted(set(across)) == [2.0 * PROBLEM.layout.spacing * chain for chain in range(3)]
     universe.atoms.write(tmp_path / "out.xyz", frames="all")
     written = XYZReader(tmp_path / "out.xyz")
     assert len(written) == 61
@@ -269,7 +269,7 @@ def test_chains_are_segments_beads_are_residues_springs_are_bonds_and_masses_are
     assert universe.atoms.segids.tolist() == ["C1"] * 10 + ["C2"] * 10 + ["C3"] * 10
     assert universe.atoms.resids.tolist() == [*range(1, 11)] * 3
     assert universe.atoms.masses.tolist() == [1.0] * 30
-    assert set(universe.atoms.radii.tolist()) == {PROBLEM.diameter / 2.0}
+    assert set(universe.atoms.radii.tolist()) == {PROBLEM.layout.diameter / 2.0}
     assert [tuple(bond) for bond in universe.bonds.indices] == [(i, i + 10) for i in range(20)]
     assert universe.select_atoms("segid C2 and resid 3:5").ids.tolist() == [13, 14, 15]
 
@@ -295,7 +295,7 @@ def test_beads_that_differ_are_atoms_with_their_masses(
     with formats.ChainsParser(tmp_path / file_names.DATA) as parser:
         universe = mda.Universe(parser.parse())
     assert universe.atoms.ids.tolist() == atom_ids(problem).ravel().tolist()
-    masses = np.broadcast_to(problem.mass, (problem.chains, problem.beads))[:, problem.recorded_beads - 1]
+    masses = np.broadcast_to(problem.system.mass, (problem.chains, problem.beads))[:, problem.recorded_beads - 1]
     np.testing.assert_allclose(universe.atoms.masses, masses.ravel(), rtol=4e-16)
 
 
@@ -309,7 +309,7 @@ def test_only_recorded_beads_are_atoms_and_lie_on_their_chains(tmp_path: Path, s
     assert len(universe.bonds) == (6 if scene is SOME else 0)
     first = universe.trajectory[0].data["x"].reshape(3, 3)
     np.testing.assert_array_equal(first, rest_positions(scene.problem()))
-    width = 2.0 * scene.problem().spacing
+    width = 2.0 * scene.problem().layout.spacing
     np.testing.assert_array_equal(universe.atoms.positions[:, 1], np.repeat(np.arange(3.0), 3) * width)
 
 

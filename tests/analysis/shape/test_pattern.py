@@ -30,19 +30,19 @@ CASES = {
 @pytest.mark.parametrize("name", CASES)
 def test_a_cell_is_what_repeats_but_for_single_beads(name):
     more, beads = CASES[name]
-    assert period_of(problem(**more)) == beads
+    assert period_of(problem(**more).system) == beads
 
 
 @pytest.mark.parametrize(("first", "last", "alike"), [(2, 18, True), (2, 19, False), (21, 40, True), (10, 30, False)])
 def test_beads_repeat_up_to_the_contact_of_one_of_another_kind(first, last, alike):
     """The contacts of bead 20, of another radius, differ too: that with bead 19 counts as the latter's."""
     odd = problem(kinds={"odd": {"radius": 2.0}}, replace={"bead": 20, "kind": "odd"})
-    assert repeats_between(odd, 0, first, last, 1) == alike
+    assert repeats_between(odd.system, 0, first, last, 1) == alike
 
 
 @pytest.mark.parametrize("mass", [0.1548, 0.3428, 3.0])
 def test_pulses_of_dimers_are_longer_by_the_dispersion_of_long_waves(mass):
     """beta = (1 - 3 mu) / 3 in beads, with mu = m1 m2 / (m1 + m2)**2."""
     dimer = problem(kinds={"a": {"mass": 1.0}, "b": {"mass": mass}}, pattern=["a", "b"])
-    assert length_of(dimer) == pytest.approx(2.0 * math.sqrt(1.0 - 3.0 * mass / (1.0 + mass) ** 2), rel=1e-3)
-    assert length_of(problem()) == 1.0
+    assert length_of(dimer.system) == pytest.approx(2.0 * math.sqrt(1.0 - 3.0 * mass / (1.0 + mass) ** 2), rel=1e-3)
+    assert length_of(problem().system) == 1.0

@@ -252,7 +252,7 @@ def test_a_kick_on_a_static_load_is_one_pulse_whatever_sound_follows(force):
 def test_a_train_on_a_static_load_is_as_many_pulses_as_there_are_ahead_of_sound():
     """Three beads that are hit together make three solitary waves."""
     found = under_load(0.003, kick=[{"bead": bead, "velocity": 1.0} for bead in (1, 2, 3)])
-    c0 = float(sound_speed(found.problem)[0, 30])
+    c0 = float(sound_speed(found.problem.system)[0, 30])
     assert len(found.pulses) == 3
     assert all(np.median(pulse.speed) > 1.2 * c0 for pulse in found.pulses)
     assert all(np.median(crest.speed) < c0 for crest in found.crests)

@@ -30,8 +30,8 @@ def test_it_is_over_ten_contacts_clear_of_the_end_and_not_before_the_kick(bead, 
     wave, run = found(bead, 1.0)
     last = 30 if bead == 1 else 32  # five contacts from the end, and 1.5 of the cube root of the way
     assert (wave.chain, wave.first, wave.last) == (1, first, last)
-    overlap = motion.overlaps(run.problem, run.displacement)[:, 0, first - 1 : last]
-    force = np.maximum(overlap, 0.0) ** 1.5 / float(laws.load(run.problem.along[0].law))
+    overlap = motion.overlaps(run.problem.system, run.displacement)[:, 0, first - 1 : last]
+    force = np.maximum(overlap, 0.0) ** 1.5 / float(laws.load(run.problem.system.along[0].law))
     assert wave.force_ratio == pytest.approx(np.mean(np.max(force, axis=0)), rel=1e-3)
     assert wave.speed == pytest.approx(
         (last - first) / np.ptp(run.time[np.argmax(force[:, [0, -1]], axis=0)]), rel=0.02
@@ -56,7 +56,7 @@ def test_a_front_of_sound_runs_as_fast_as_its_dispersion_says(pattern):
     for block in engine.blocks(problem):
         watcher.add(block)
     wave = watcher.result()
-    short, long = cell_of(problem).branches(np.array([0.1, 0.01]))[:, 0] / [0.1, 0.01]
+    short, long = cell_of(problem.system).branches(np.array([0.1, 0.01]))[:, 0] / [0.1, 0.01]
     bent = 3.0 * (1.0 - short / long) / (0.1**2 - 0.01**2)
     way = 0.5 * (wave.first + wave.last)
     expected = 1.0 - 1.0188 / 3.0 * math.cbrt(bent / way**2)

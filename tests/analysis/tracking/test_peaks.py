@@ -2,6 +2,7 @@
 
 import itertools
 from dataclasses import fields, replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from analysis.sharing.impulses import measure
 from analysis.tracking.leading_waves import from_csv, leading_waves, to_csv
 from analysis.tracking.peaks import PeakFinder, Peaks, find_peaks, in_mirror, sharp
 from analysis.trajectory import Trajectory, blocks
-from lammps_inputs import Kick
+from lammps_inputs import Kick, Problem
 from lammps_inputs.laws.in_time import HalfSine, Rectangular
 from lammps_inputs.loads import Load
 from workflow.engines.reference import engine
@@ -34,6 +35,10 @@ def thinned(trajectory: Trajectory, stride: int, recorded: tuple[int, ...] | Non
         trajectory.displacement[::stride][:, :, columns],
         trajectory.velocity[::stride][:, :, columns],
     )
+
+
+def pushed(like: Problem, push: Load, **changes: Any) -> Problem:
+    return replace(like, system=replace(like.system, loads=(push,)), **changes)
 
 
 def cut(trajectory: Trajectory, places: list[int]) -> list[Trajectory]:
@@ -204,7 +209,7 @@ def test_the_error_of_a_peak_is_below_what_is_said_where_a_contact_has_closed_ju
 def test_the_error_of_a_peak_is_below_what_is_said_where_a_push_ends_between_two_frames(law, recorded):
     for share in np.linspace(0.02, 0.98, 25):
         push = Load(1, 2, law(0.2, 4.0 + 0.5 * share))
-        what = replace(problem(1, 0.0, 3, 20.0, 0.5, gap=30.0), loads=(push,), recorded=recorded)
+        what = pushed(problem(1, 0.0, 3, 20.0, 0.5, gap=30.0), push, recorded=recorded)
         time = np.arange(what.frames + 1) * what.every
         x, v = np.zeros((2, len(time), 1, 3))
         x[:, 0, 1], v[:, 0, 1] = push.travel(time), push.impulse(time)
@@ -220,7 +225,7 @@ def test_the_error_of_a_peak_is_below_what_is_said_where_a_push_ends_between_two
 @pytest.mark.parametrize("recorded", [None, (2,)])
 def test_a_kicked_bead_that_is_pushed_as_well_has_its_maximum_after_the_start(recorded):
     push, kick = Load(1, 2, HalfSine(0.3, 4.0)), Kick(bead=2, velocity=1.0)
-    fine = engine.run(replace(problem(1, 0.0, 4, 5.0, 0.01, kicks=[kick]), loads=(push,)))
+    fine = engine.run(pushed(problem(1, 0.0, 4, 5.0, 0.01, kicks=[kick]), push))
     found, dense = (find_peaks([thinned(fine, stride, recorded)]) for stride in (50, 1))
     one, true = (peaks.where(peaks.bead == 2).first() for peaks in (found, dense))
     assert true.time[0] > 0.05

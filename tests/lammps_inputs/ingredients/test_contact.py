@@ -108,14 +108,14 @@ def test_a_kicked_chain_has_the_published_amplitude_and_law_of_speed(tmp_path, e
 
 def test_linear_contacts_carry_no_pulse(tmp_path):
     for exponent, leads in ((1.0, False), (1.04, False), (1.06, True)):
-        assert touching(exponent).problem().holds(Fact.PULSE) == leads
+        assert touching(exponent).problem().system.holds(Fact.PULSE) == leads
     found = analyse(run(touching(1.0), tmp_path / "run", check=False).directory, figures=False)
     assert "does not apply" in found.survey.verdict.sentence
     assert found.conservation.energy_drift < 1e-4
 
 
 def test_a_pulse_is_no_faster_than_a_bead_a_unit_of_time_whatever_the_exponent():
-    assert [rates.pace(touching(p).problem()) for p in (1.0, 1.25, 1.5, 2.0, 3.0)] == [1.0] * 5
+    assert [rates.pace(touching(p).system) for p in (1.0, 1.25, 1.5, 2.0, 3.0)] == [1.0] * 5
 
 
 def test_an_accuracy_is_kept_with_another_exponent(tmp_path):
@@ -157,7 +157,7 @@ def test_in_si_units_lengths_are_those_of_the_exponent():
     assert case.scale.length == pytest.approx((mass * 4.0 / 1e10) ** (1.0 / 3.0), rel=1e-14)
     # a force of A L**2 is one of m V / T
     assert case.scale.force == pytest.approx(1e10 * case.scale.length**2, rel=1e-13)
-    assert case.problem().along[0].law == Power(1.0, 2.0)
+    assert case.problem().system.along[0].law == Power(1.0, 2.0)
 
 
 @pytest.mark.parametrize(
@@ -189,7 +189,7 @@ def test_what_cannot_be_is_refused_in_one_line(changes, said):
 
 def test_masses_may_differ():
     kinds = {"kinds": {"light": {"mass": 0.5, "radius": 1.0}}, "pattern": ["light"]}
-    assert np.all(touching(2.0, **kinds).problem().mass == 0.5)
+    assert np.all(touching(2.0, **kinds).problem().system.mass == 0.5)
 
 
 def test_validate_names_another_exponent(tmp_path):

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lammps_inputs import InputError, library, strict_yaml
+from lammps_inputs import InputError, library, physics, strict_yaml
 from lammps_inputs.decks import deck
 from lammps_inputs.laws.duffing import Duffing
 from lammps_inputs.laws.linear import Linear
@@ -179,18 +179,18 @@ def test_many_chains_are_bounded_without_a_matrix():
 
 def test_chains_that_are_tied_are_one_group():
     system = scene(graph(edges=[[1, 4], [2, 3]]), chains=5).system
-    assert [system.tied_to(chain) for chain in range(5)] == [[0, 3], [1, 2], [1, 2], [0, 3], [4]]
+    assert [physics.tied_to(system, chain) for chain in range(5)] == [[0, 3], [1, 2], [1, 2], [0, 3], [4]]
 
 
 def test_only_equal_springs_from_each_chain_to_the_next_count_as_the_paper_s():
-    assert scene({"stiffness": 0.1}).system.simply_coupled
+    assert physics.simply_coupled(scene({"stiffness": 0.1}).system)
     for coupling in (
         {"stiffness": 0.1, "topology": "ring"},
         {"stiffness": 0.1, "rows": [1, 4]},
         {"stiffness": 0.1, "cubic": 1.0},
         graph(edges=[[1, 2]]),
     ):
-        assert not scene(coupling).system.simply_coupled
+        assert not physics.simply_coupled(scene(coupling).system)
 
 
 def test_springs_without_stiffness_are_none():

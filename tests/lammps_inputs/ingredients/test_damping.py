@@ -11,7 +11,7 @@ from independent import integrated
 from pydantic import ValidationError
 from stock_lammps import run, scene
 
-from lammps_inputs import Coupling, Kick, Material, Scene, laws, library
+from lammps_inputs import Coupling, Kick, Material, Scene, laws, library, physics
 from lammps_inputs.decks import deck
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.contact import Contact
@@ -115,9 +115,12 @@ def test_dashpots_between_chains_reach_as_far_as_their_springs_and_not_to_the_ne
     tied = scene(chains=2, beads=2, kappa=0.31, kick=both, damping=Damping(coupling=0.1), precompression=pressed)
     problem = tied.problem()
     cutoff = float(re.findall(r"dpd/ext/tstat 0 0 (\S+)", deck.render_deck(problem))[0])
-    beside, reach = 2.0 * problem.diameter, float(laws.reach(problem.across[0].law, problem.energy))
-    assert reach > 0.45 * problem.spacing or load is None
-    assert math.hypot(beside, reach) < cutoff < math.hypot(beside, problem.spacing - reach)
+    beside, reach = (
+        2.0 * problem.layout.diameter,
+        float(laws.reach(problem.system.across[0].law, physics.energy(problem.system))),
+    )
+    assert reach > 0.45 * problem.layout.spacing or load is None
+    assert math.hypot(beside, reach) < cutoff < math.hypot(beside, problem.layout.spacing - reach)
 
 
 @pytest.mark.parametrize(("share", "exponent"), [(0.9, 1.5), (0.7, 1.5), (0.5, 1.5), (0.7, 1.0), (0.7, 2.0)])
@@ -187,7 +190,7 @@ def test_no_damping_leaves_no_trace(nothing: dict[str, Any]) -> None:
 
 def test_damping_says_what_it_takes_away() -> None:
     def lacks(**keys: Any) -> frozenset[Fact]:
-        return damped(**keys).problem().lacks
+        return damped(**keys).problem().system.lacks
 
     any_damping = {Fact.ENERGY, Fact.FRONT, Fact.REVERSIBLE}
     assert lacks(contact=0.1) == {*any_damping, Fact.SECOND_ORDER}
@@ -233,25 +236,27 @@ def test_what_damping_cannot_go_with_is_refused(changes: dict[str, Any], words: 
 def test_units_scale_with_the_kick_and_the_material(keys: dict[str, Any]) -> None:
     """In reduced units at V = 4, and in SI, coefficients are the dimensionless ones times their units."""
     ball = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)
-    right = [link.law for link in damped(**keys).problem().dampers]
+    right = [link.law for link in damped(**keys).problem().system.dampers]
     for material in (None, ball):
         one = scene(material=material, kick=({"velocity": 4.0},))
         scale = one.scale
         unit = scale.force / scale.velocity / (scale.length**0.5 if "law" in keys else 1.0)
         scaled = {key: value * unit if isinstance(value, float) else value for key, value in keys.items()}
-        found = scene(material=material, kick=({"velocity": 4.0},), damping=Damping(**scaled)).problem().dampers
+        found = scene(material=material, kick=({"velocity": 4.0},), damping=Damping(**scaled)).problem().system.dampers
         np.testing.assert_allclose([tuple(link.law) for link in found], [tuple(law) for law in right], rtol=1e-14)
 
 
 def test_strong_dashpots_shorten_the_stable_step() -> None:
     free, stuck = scene(beads=4).problem(), scene(beads=4, damping=Damping(contact=100.0)).problem()
-    assert stability_bound(stuck) == pytest.approx(2.0 / rates.drag(stuck), rel=0.01)
-    assert stability_bound(scene(beads=4, damping=Damping(beads=100.0)).problem()) == stability_bound(free)
+    assert stability_bound(stuck.system) == pytest.approx(2.0 / rates.drag(stuck.system), rel=0.01)
+    assert stability_bound(scene(beads=4, damping=Damping(beads=100.0)).problem().system) == stability_bound(
+        free.system
+    )
 
 
 def test_lammps_is_stable_below_the_bound_and_not_above(tmp_path: Path) -> None:
     asked = scene(chains=2, kappa=0.5, duration=4.0, every=1.0, damping=Damping(coupling=20.0))
-    bound = stability_bound(asked.problem())
+    bound = stability_bound(asked.problem().system)
     largest = []
     for factor in (0.9, 1.2):
         step = 1.0 / np.ceil(1.0 / (factor * bound))

@@ -45,7 +45,7 @@ def driven(*drives, **changes):
 
 def exact(problem):
     """By DOP853, from the formulas of the scene."""
-    (motion,), (load,) = problem.motions, problem.loads
+    (motion,), (load,) = problem.system.motions, problem.system.loads
     top, omega, phase = motion.amplitude * motion.omega**2, motion.omega, motion.phase
     return integrated(
         problem,
@@ -65,7 +65,7 @@ def runs(tmp_path_factory):
 
 def test_numbers_are_those_of_the_scene():
     problem = driven().problem()
-    (motion,), (load,) = problem.motions, problem.loads
+    (motion,), (load,) = problem.system.motions, problem.system.loads
     unit = problem.scale
     assert unit.velocity == pytest.approx(0.5 * 2.0 * math.pi * 0.3, rel=1e-14)
     assert motion.amplitude * unit.length == pytest.approx(0.5, rel=1e-14)
@@ -92,7 +92,7 @@ def test_a_phase_is_in_degrees_and_motion_begins_at_the_beads_place(phase):
         for how in ("displacement", "force")
     )
     angle = math.pi / 2.0 + phase * math.pi / 180.0  # after a quarter of a swing, at t = 1
-    (motion,), (load,) = moved.motions, pushed.loads
+    (motion,), (load,) = moved.system.motions, pushed.system.loads
     start = math.sin(phase * math.pi / 180.0)
     found = motion.displacement(1.0 / moved.scale.time) * moved.scale.length
     assert found == pytest.approx(0.5 * (math.sin(angle) - start))
@@ -121,7 +121,7 @@ def test_lammps_agrees_to_second_order_and_measures_its_own_error(runs):
 def test_a_bead_that_is_moved_is_where_it_should_be_to_rounding(runs):
     for found in runs.values():
         trajectory = found.trajectory
-        (motion,) = trajectory.problem.motions
+        (motion,) = trajectory.problem.system.motions
         assert trajectory.displacement[:, 0, 0] == pytest.approx(motion.displacement(trajectory.time), abs=1e-12)
         assert trajectory.velocity[:, 0, 0] == pytest.approx(motion.velocity(trajectory.time), abs=1e-12)
 
@@ -132,7 +132,7 @@ def test_the_work_of_drives_closes_the_budget_and_the_verdict_does_not_apply(run
     assert found.conservation.energy_drift < 1e-4
     assert math.isnan(found.conservation.momentum_drift)
     assert "does not apply" in found.survey.verdict.sentence
-    assert not found.problem.holds(Fact.PULSE)
+    assert not found.problem.system.holds(Fact.PULSE)
 
 
 @pytest.mark.slow
@@ -164,12 +164,12 @@ def test_a_driven_chain_of_unlike_beads_with_damping_is_computed_alike_and_close
         **kinds, damping={"beads": 0.2}, foundation={"stiffness": 0.3}, output={"every": 0.05}, timestep=0.005
     )
     problem, found = case.problem(), run(case, tmp_path / "run")
-    (moved,), (load,) = problem.motions, problem.loads
+    (moved,), (load,) = problem.system.motions, problem.system.loads
     right = integrated(
         problem,
-        ground=problem.ground[0].law.stiffness(0.0, *problem.ground[0].law),
-        mass=problem.mass,
-        drag=problem.dampers[0].law.coefficient,
+        ground=problem.system.ground[0].law.stiffness(0.0, *problem.system.ground[0].law),
+        mass=problem.system.mass,
+        drag=problem.system.dampers[0].law.coefficient,
         moved={(0, 0): lambda t: float(moved.acceleration(t))},
         pushed={(1, 3): lambda t: float(load.force(t))},
     )
@@ -193,7 +193,7 @@ def test_a_driven_chain_of_unlike_beads_with_damping_is_computed_alike_and_close
 def test_a_driven_chain_under_load_is_computed_alike(tmp_path, keys, static, wall):
     case = driven(MOVED, **keys, coupling=None, duration=12.0, timestep=0.005)
     problem, found = case.problem(), run(case, tmp_path / "run")
-    (moved,) = problem.motions
+    (moved,) = problem.system.motions
     right = integrated(
         problem,
         static=static / problem.scale.force,

@@ -153,8 +153,8 @@ def test_a_slurm_job_has_the_same_fixes():
 def test_no_foundation_leaves_no_trace(foundation):
     problem = on_foundation(foundation).problem()
     assert "foundation" not in deck.render_deck(problem)
-    assert not problem.ground
-    assert not problem.lacks
+    assert not problem.system.ground
+    assert not problem.system.lacks
 
 
 def test_in_si_units_stiffnesses_are_made_dimensionless():
@@ -163,7 +163,7 @@ def test_in_si_units_stiffnesses_are_made_dimensionless():
     scale = plain.scale
     foundation = {"stiffness": 0.5 * scale.stiffness, "cubic": 0.25 * scale.stiffness / scale.length**2}
     changes = {"material": steel, "coupling": None, "duration": 1e-4, "output": {"every": 1e-6}}
-    (link,) = on_foundation(foundation, **changes).problem().ground
+    (link,) = on_foundation(foundation, **changes).problem().system.ground
     assert tuple(link.law) == pytest.approx((0.5, 0.25), rel=1e-14)
 
 

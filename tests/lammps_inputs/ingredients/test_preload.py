@@ -18,7 +18,7 @@ from analysis.gauges.gauge import gauges
 from analysis.sharing.impulses import measure
 from analysis.sound.dispersion import Dispersion
 from analysis.sound.loaded_pulse import LoadedPulse
-from lammps_inputs import InputError, file_names, library
+from lammps_inputs import InputError, file_names, library, physics
 from lammps_inputs.decks import deck
 from lammps_inputs.limits import rates
 from lammps_inputs.slurm import job
@@ -316,7 +316,7 @@ def test_forces_are_read_as_totals_and_above_rest(tmp_path):
 
 def test_the_impulse_of_a_gauge_is_that_above_rest():
     problem = loaded(**FREE, beads=20, duration=8.0).problem()
-    meter = ForceMeter(problem, gauges(problem, wall=False, contacts=(15,), sensors=()))
+    meter = ForceMeter(problem, gauges(problem.system, wall=False, contacts=(15,), sensors=()))
     trajectory = engine.run(problem)
     meter.add(trajectory)
     ahead = trajectory.velocity[-1, 0, 15:].sum()
@@ -391,9 +391,9 @@ def test_analyze_says_what_the_sound_is_and_why_there_is_no_map(tmp_path, capsys
 
 def test_no_load_leaves_no_trace():
     problem = loaded().problem()
-    assert not problem.loaded
-    assert not problem.lacks
-    assert rates.pace(problem) == 1.0
+    assert not physics.loaded(problem.system)
+    assert not problem.system.lacks
+    assert rates.pace(problem.system) == 1.0
     text = deck.render_deck(problem)
     assert "run 0" not in text
     assert "load" not in text

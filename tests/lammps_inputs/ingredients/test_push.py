@@ -5,7 +5,7 @@ import math
 import pytest
 import yaml
 
-from lammps_inputs import InputError, file_names, library
+from lammps_inputs import InputError, file_names, library, physics
 from lammps_inputs.decks import deck
 from lammps_inputs.scene import DEFAULT_ACCURACY
 from workflow.runs.run import run
@@ -20,8 +20,8 @@ def scene(push=HALF_SINE, more=""):
 def test_without_a_kick_v_is_what_the_push_gives_a_free_bead():
     one = scene()
     assert one.scale.velocity == pytest.approx(4.0 / math.pi, rel=1e-15)
-    assert one.system.struck == ((1, 1, pytest.approx(1.0, rel=1e-15)),)
-    assert one.system.energy == pytest.approx(0.5, rel=1e-15)
+    assert physics.excitations(one.system) == ((1, 1, pytest.approx(1.0, rel=1e-15)),)
+    assert physics.energy(one.system) == pytest.approx(0.5, rel=1e-15)
 
 
 def test_in_si_the_numbers_are_newtons_and_seconds():
@@ -35,7 +35,7 @@ def test_in_si_the_numbers_are_newtons_and_seconds():
     )
     impulse = 2.0 * 100.0 * 1e-4 / math.pi
     assert one.scale.velocity == pytest.approx(impulse / one.scale.mass, rel=1e-15)
-    (load,) = one.problem().loads
+    (load,) = one.problem().system.loads
     assert load.law.peak * one.scale.force == pytest.approx(100.0, rel=1e-14)
 
 
@@ -133,5 +133,5 @@ def test_a_kicked_scene_has_no_trace_of_pushes():
 
 def test_steps_of_short_pushes_keep_the_default_accuracy(tmp_path):
     case = scene("{peak: 1.0, duration: 0.1, shape: half-sine}")
-    assert case.problem().loads[0].end < case.problem().every
+    assert case.problem().system.loads[0].end < case.problem().every
     assert run(case, tmp_path / "run").check.velocity <= DEFAULT_ACCURACY

@@ -25,7 +25,7 @@ from analysis.sharing.verdict import State
 from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import find_peaks
 from analysis.trajectory import blocks
-from lammps_inputs import InputError, file_names, find, library
+from lammps_inputs import InputError, file_names, find, library, physics
 from lammps_inputs.decks import deck
 from lammps_inputs.ingredients.unequal import Disorder
 from lammps_inputs.laws import hertz
@@ -66,14 +66,14 @@ def scene(**changes):
 
 
 def strengths(problem):
-    return problem.along[0].law.strength
+    return problem.system.along[0].law.strength
 
 
 @functools.cache
 def exact(name):
     """Velocities by an integrator of their own."""
     problem = scene(**UNEQUAL[name]).problem()
-    return integrated(problem, mass=problem.mass, strength=strengths(problem))
+    return integrated(problem, mass=problem.system.mass, strength=strengths(problem))
 
 
 @pytest.mark.slow
@@ -98,9 +98,9 @@ def test_lammps_agrees_to_second_order_and_measures_its_own_error(tmp_path, name
 def test_energy_and_momentum_are_kept(beads):
     problem = scene(**beads).problem()
     found = engine.run(problem, steps_per_frame=400)
-    energy = motion.energy(problem, found.displacement, found.velocity)
-    assert energy == pytest.approx(problem.energy, rel=1e-8)
-    assert motion.momentum(problem, found.velocity) == pytest.approx(problem.momentum, rel=1e-12)
+    energy = motion.energy(problem.system, found.displacement, found.velocity)
+    assert energy == pytest.approx(physics.energy(problem.system), rel=1e-8)
+    assert motion.momentum(problem.system, found.velocity) == pytest.approx(physics.momentum(problem.system), rel=1e-12)
 
 
 @pytest.mark.parametrize("beads", UNEQUAL.values(), ids=UNEQUAL)
@@ -108,7 +108,7 @@ def test_acceleration_and_its_rate_at_chosen_beads_are_those_of_all(beads):
     found = engine.run(scene(**beads).problem())
     frame, chain, bead = np.array([9, 20, 30]), np.array([0, 1, 0]), np.array([3, 5, 0])
     chosen, _ = motion.acceleration_and_rate(found, frame, chain, bead)
-    everywhere = motion.acceleration(found.problem, found.displacement)
+    everywhere = motion.acceleration(found.problem.system, found.displacement)
     np.testing.assert_allclose(chosen, everywhere[frame, chain, bead], rtol=1e-12, atol=1e-14)
 
 
@@ -142,10 +142,12 @@ def test_beads_that_are_alike_after_all_leave_no_trace(neutral):
 def test_walls_are_as_hard_as_the_beads_before_them_make_them():
     """A bead of radius r and modulus e against its like: e sqrt(r); stiffness says it outright."""
     beads = {"kinds": {"big": {}, "odd": {"radius": 0.49, "stiffness": 2.0}}, "pattern": [["big"], ["big", "odd"]]}
-    left, right = (link.law.strength for link in scene(**beads, walls={"left": "bead", "right": "flat"}).system.walls)
+    left, right = (
+        link.law.strength for link in physics.walls(scene(**beads, walls={"left": "bead", "right": "flat"}).system)
+    )
     np.testing.assert_allclose(left[:, 0], [1.0, 1.0], rtol=1e-15)
     np.testing.assert_allclose(right[:, -1], [2.0**0.5, 1.4 * 2.0**0.5], rtol=1e-15)
-    (outright,) = scene(**beads, walls={"right": {"stiffness": 3.0}}).system.walls
+    (outright,) = physics.walls(scene(**beads, walls={"right": {"stiffness": 3.0}}).system)
     assert outright.law.strength[:, -1].tolist() == [3.0, 3.0]
 
 
@@ -155,7 +157,7 @@ def test_pushed_before_walls_that_differ_lammps_is_right_to_its_stated_error(tmp
     problem, scale = case.problem(), case.scale
     walls = [2.0**0.5 * np.array([1.0, 0.7**0.5]), np.array([1.0, 0.7**0.5])]
     push = (1, 2, 0.8 / scale.force, 2.0 / scale.time)
-    exact = integrated(problem, walls=walls, mass=problem.mass, strength=strengths(problem), push=push)
+    exact = integrated(problem, walls=walls, mass=problem.system.mass, strength=strengths(problem), push=push)
     assert np.abs(engine.run(problem, steps_per_frame=400).velocity - exact).max() < 5e-8
     found = run(case, tmp_path / "run")
     assert np.abs(found.trajectory.velocity - exact).max() == pytest.approx(found.check.velocity, rel=0.1)
@@ -166,12 +168,12 @@ def test_momentum_is_what_the_push_gave_and_the_walls_took():
     case = scene(**PUSHED_BEFORE_WALLS)
     problem = replace(case.problem(), steps_per_frame=1, frames=3000, timestep=0.005)
     found = engine.run(problem, steps_per_frame=2)
-    meter = ForceMeter(problem, gauges(problem, wall=True, contacts=(), sensors=()))
+    meter = ForceMeter(problem, gauges(problem.system, wall=True, contacts=(), sensors=()))
     meter.add(found)
     left, right = (meter.result().impulse[:, side].sum() for side in (0, 1))
-    momentum = motion.momentum(problem, found.velocity)[-1]
+    momentum = motion.momentum(problem.system, found.velocity)[-1]
     assert min(left, right) > 0.1
-    assert momentum == pytest.approx(problem.loads[0].law.total + left - right, abs=1e-10)
+    assert momentum == pytest.approx(problem.system.loads[0].law.total + left - right, abs=1e-10)
 
 
 def test_beads_in_si_press_as_hard_as_their_own_contact_says(tmp_path):
@@ -209,7 +211,7 @@ def test_contacts_of_two_sizes_are_hertzs():
     """A of two spheres of radii 1 and r of one material over that of two of radius 1: sqrt(2 r / (1 + r))."""
     case = scene(kinds={"small": {"radius": 0.5}}, replace={"bead": 2, "kind": "small"}, chains=1, coupling=None)
     assert strengths(case.problem())[0, :3] == pytest.approx([(2.0 * 0.5 / 1.5) ** 0.5] * 2 + [1.0], rel=1e-15)
-    assert case.problem().mass[0, :3] == pytest.approx([1.0, 0.125, 1.0], rel=1e-15)
+    assert case.problem().system.mass[0, :3] == pytest.approx([1.0, 0.125, 1.0], rel=1e-15)
 
 
 def test_si_and_reduced_units_say_the_same():
@@ -223,7 +225,7 @@ def test_si_and_reduced_units_say_the_same():
     reduced = scene(
         kinds={"small": {"radius": 0.5, "mass": 0.0625, "stiffness": 2.0}}, replace={"bead": 2, "kind": "small"}
     ).problem()
-    assert si.mass == pytest.approx(reduced.mass, rel=1e-15)
+    assert si.system.mass == pytest.approx(reduced.system.mass, rel=1e-15)
     assert strengths(si) == pytest.approx(strengths(reduced), rel=1e-15)
 
 
@@ -237,7 +239,7 @@ def test_disorder_is_the_same_on_any_machine():
 def test_beads_of_disordered_radius_are_as_heavy_as_their_size_makes_them():
     disorder = Disorder(radius=0.1, mass=0.05, seed=3)
     radius, mass = (disorder.factors(name, (1, 12)) for name in ("radius", "mass"))
-    found = scene(disorder=disorder.model_dump(), chains=1, coupling=None).problem().mass
+    found = scene(disorder=disorder.model_dump(), chains=1, coupling=None).problem().system.mass
     np.testing.assert_allclose(found, radius**3 * mass, rtol=1e-14)
 
 
@@ -257,9 +259,9 @@ def test_few_types_tell_all_contacts_apart(number):
 def test_light_beads_shorten_the_stable_step():
     """The fastest motion of a dimer chain of stiffness k: 2 k (1 / M + 1 / m); the bound is no more than 2 over it."""
     problem = scene(**DIMER).problem()
-    k = 1.5 * (2.5 * problem.energy) ** 0.2
+    k = 1.5 * (2.5 * physics.energy(problem.system)) ** 0.2
     exact = 2.0 / np.sqrt(2.0 * k * (1.0 + 1.0 / 0.3428) + 0.2 / 0.3428)
-    assert 0.7 * exact < stability_bound(problem) <= exact
+    assert 0.7 * exact < stability_bound(problem.system) <= exact
 
 
 # --- published and computed numbers -----------------------------------------------------------------------------------
@@ -301,7 +303,7 @@ def test_a_taper_hands_on_less_of_the_energy(taper, share):
     problem = scene(chains=1, coupling=None, beads=20, taper=taper, duration=25.0, output=None).problem()
     trajectory = engine.run(problem)
     last = trajectory.velocity[:, 0, -1].max()
-    assert 0.5 * problem.mass[0, -1] * last**2 / problem.energy == pytest.approx(share, abs=5e-5)
+    assert 0.5 * problem.system.mass[0, -1] * last**2 / physics.energy(problem.system) == pytest.approx(share, abs=5e-5)
     found, final = survey(lambda: blocks(trajectory), problem), FinalEnergy(problem)
     final.add(trajectory)
     assert final.end(found, 1) == pytest.approx(share, abs=5e-5)
@@ -403,7 +405,7 @@ def test_residual_energy_per_cell_is_undefined_where_it_is_not_all_that_a_pulse_
         {"name": "a", "beads": 40, "kick": {"velocity": 1.0}, "duration": 45.0, **LOSSES[what]}, ""
     )
     trajectory = engine.run(case.problem())
-    found = left(survey(lambda: blocks(trajectory), trajectory.problem), 1, period_of(trajectory.problem))
+    found = left(survey(lambda: blocks(trajectory), trajectory.problem), 1, period_of(trajectory.problem.system))
     assert 0.0 < found.carried < 1.0
     assert np.isnan([found.per_cell, found.rate, found.deviation]).all()
 

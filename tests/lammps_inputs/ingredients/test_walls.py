@@ -17,7 +17,7 @@ from analysis import motion
 from analysis.mirror import mirrored, mirrored_problem
 from analysis.sharing.survey import survey
 from analysis.trajectory import joined
-from lammps_inputs import InputError, file_names, find
+from lammps_inputs import InputError, file_names, find, physics
 from lammps_inputs.decks import deck
 from lammps_inputs.limits.timestep import stability_bound
 from lammps_inputs.slurm import job
@@ -123,7 +123,7 @@ def test_suzukis_composition_of_steps_goes_through_walls_too(tmp_path):
 @pytest.mark.slow
 def test_a_weak_wall_is_reached_into_without_second_beads_meeting_it(tmp_path):
     case = walled({"right": {"stiffness": 1e-3}}, chains=1, coupling=None, beads=4, duration=60.0)
-    assert case.problem().diameter > 4.0
+    assert case.problem().layout.diameter > 4.0
     found = run(case, tmp_path / "run")
     assert found.trajectory.displacement.max() > 8.0
     assert found.check.velocity < 5e-4
@@ -216,7 +216,7 @@ def test_validate_names_a_wall_of_another_exponent_though_nothing_has_reached_th
 def test_in_si_units_a_wall_has_the_unit_of_its_exponent():
     changes = {"material": STEEL, "coupling": None, "duration": 1e-4, "output": {"every": 1e-6}}
     case = powered(2.0, contact={"exponent": 2.0, "stiffness": 1e10}, walls={"right": {"stiffness": 3e10}}, **changes)
-    assert case.problem().walls[0].law.strength.max() == pytest.approx(3.0, rel=1e-14)
+    assert physics.walls(case.problem().system)[0].law.strength.max() == pytest.approx(3.0, rel=1e-14)
 
 
 def test_the_energy_of_a_wall_of_another_exponent_bounds_the_step_as_that_of_spheres_does():
@@ -239,8 +239,8 @@ def test_a_slurm_job_has_the_same_fixes():
 def test_no_walls_leave_no_trace():
     problem = walled(None).problem()
     assert "wall" not in deck.render_deck(problem)
-    assert not problem.ground
-    assert not problem.lacks
+    assert not problem.system.ground
+    assert not problem.system.lacks
 
 
 def test_a_wall_like_a_bead_needs_no_shorter_steps_and_one_of_a_hundred_does():
@@ -270,7 +270,9 @@ def test_in_the_mirror_a_wall_stands_at_the_other_end():
     seen, found = mirrored(engine.run(problem)), engine.run(other)
     np.testing.assert_array_equal(seen.velocity, found.velocity)
     x, v = seen.displacement, seen.velocity
-    np.testing.assert_array_equal(motion.energy(mirrored_problem(problem), x, v), motion.energy(other, x, v))
+    np.testing.assert_array_equal(
+        motion.energy(mirrored_problem(problem).system, x, v), motion.energy(other.system, x, v)
+    )
     assert mirrored_problem(mirrored_problem(problem)) == problem
 
 
@@ -299,7 +301,7 @@ def test_units_a_wall_of_steel_is_as_hard_as_the_kinds_say():
     changes = {"material": STEEL, "coupling": None, "duration": 1e-4, "output": {"every": 1e-6}}
     constant = STEEL["youngs_modulus"] * math.sqrt(2.0 * STEEL["radius"]) / (3.0 * (1.0 - 0.3**2))
     for walls, strength in ((BOTH | {"right": {"stiffness": 3.0 * constant}}, 3.0), ({"right": "flat"}, 2.0**0.5)):
-        link = walled(walls, **changes).problem().walls[-1]
+        link = physics.walls(walled(walls, **changes).problem().system)[-1]
         assert link.law.strength.max() == pytest.approx(strength, rel=1e-14)
 
 

@@ -8,6 +8,7 @@ from small_problems import system
 
 from lammps_inputs import laws
 from lammps_inputs.laws.hertz import Hertz
+from lammps_inputs.layout import Layout
 
 HERTZ = Hertz()
 
@@ -51,31 +52,31 @@ def test_the_largest_overlap_holds_the_whole_energy(energy):
 
 @given(ENERGIES)
 def test_the_diameter_is_a_power_of_two_of_at_least_4(energy):
-    diameter = system(energy).diameter
+    diameter = Layout(system(energy)).diameter
     assert math.frexp(diameter)[0] == 0.5
     assert diameter >= 4.0
 
 
 @given(ENERGIES)
 def test_no_overlap_that_the_energy_allows_reaches_half_the_diameter(energy):
-    assert laws.reach(HERTZ, energy) <= system(energy).diameter / 2
+    assert laws.reach(HERTZ, energy) <= Layout(system(energy)).diameter / 2
 
 
 @given(ENERGIES, st.floats(0.0, 1.0))
 def test_no_share_of_the_energy_lets_second_neighbours_meet(energy, share):
     two = laws.reach(HERTZ, share * energy) + laws.reach(HERTZ, (1 - share) * energy)
-    assert two <= system(energy).diameter
+    assert two <= Layout(system(energy)).diameter
 
 
 def test_one_kick_of_v_equal_1_has_beads_of_diameter_4():
-    assert system(0.5).diameter == 4.0
+    assert Layout(system(0.5)).diameter == 4.0
 
 
 @given(ENERGIES)
 def test_lammps_is_given_the_constant_that_makes_its_force_ours(energy):
     """LAMMPS: force = Kn sqrt(overlap) sqrt(R_eff) overlap with R_eff = diameter / 4."""
-    diameter = system(energy).diameter
-    _, style, coefficients = HERTZ.along("contacts", system(energy)).interactions
+    diameter = Layout(system(energy)).diameter
+    _, style, coefficients = HERTZ.along("contacts", Layout(system(energy))).interactions
     kn = float(style.split()[2])
     assert style.startswith("pair_style gran/hertz/history ")
     assert style.split()[3:] == ["0"] * 5

@@ -7,6 +7,7 @@ from small_problems import system
 
 from lammps_inputs import laws
 from lammps_inputs.laws.linear import Linear
+from lammps_inputs.layout import Layout
 from lammps_inputs.links import Across
 
 PAIR = Across("coupling", Linear(0.1), edges=((0, 1),))
@@ -23,10 +24,10 @@ def test_the_largest_strain_holds_the_whole_energy(energy, spring):
 
 
 def test_the_bond_has_no_rest_length():
-    bonds = Linear(0.1).across(PAIR, system(0.5, 0.1, 2))
+    bonds = Linear(0.1).across(PAIR, Layout(system(0.5, 0.1, 2)))
     assert bonds.style == "harmonic"
     assert bonds.coefficients[0].split()[-1] == "0"
 
 
 def test_the_bond_has_half_the_stiffness_with_17_digits():
-    assert Linear(0.1).across(PAIR, system(0.5, 0.1, 2)).coefficients == ("$(v_kappa/2:%.17g) 0",)
+    assert Linear(0.1).across(PAIR, Layout(system(0.5, 0.1, 2))).coefficients == ("$(v_kappa/2:%.17g) 0",)

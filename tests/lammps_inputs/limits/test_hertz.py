@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from stock_lammps import scene
 
-from lammps_inputs import Kick, Material, System
+from lammps_inputs import Kick, Material, System, physics
 from lammps_inputs.ingredients import coupled_chains
 from lammps_inputs.limits import hertz
 from lammps_inputs.limits.hertz import overlap_bounds, peak_pressure, sound_speed
@@ -27,12 +27,12 @@ def bounds_of(chains, beads, kappa, gap, kicks):
 
 
 def bounds(problem):
-    return overlap_bounds(problem)
+    return overlap_bounds(problem.system)
 
 
 def largest(problem):
     x = engine.run(problem).displacement
-    return (x[..., :-1] - x[..., 1:]).max() - problem.gap
+    return (x[..., :-1] - x[..., 1:]).max() - physics.gap(problem.system)
 
 
 def test_two_beads_that_collide_reach_both_bounds():

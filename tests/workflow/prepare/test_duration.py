@@ -57,7 +57,7 @@ def test_where_the_force_on_walls_is_read_the_end_waits_for_the_pulse_at_the_far
     plain = {"name": "a", "chains": 1, "beads": 20, "walls": {"right": "bead"}, "kick": {"velocity": 1.0}}
     plain |= {"until_bead": 20, "output": {"forces": {"wall": True}}, **changes}
     problem = with_duration(library.from_plain(plain, "a")).problem()
-    meter = ForceMeter(problem, (far_wall(problem),))
+    meter = ForceMeter(problem, (far_wall(problem.system),))
     run = engine.run(problem)
     meter.add(run)
     found = meter.result()

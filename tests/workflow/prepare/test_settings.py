@@ -134,7 +134,7 @@ def test_so_it_does_where_less_than_the_run_can_be_measured(changes, work):
 @pytest.mark.parametrize("name", ["one-chain", "two-chains", "three-chains", "kappa = 10", "head-on", "kappa = 0.001"])
 def test_the_rule_alone_errs_on_the_safe_side_by_a_factor_of_five_in_the_step_at_most(name, scheme):
     problem, accuracy = replace((GRID.get(name) or find(name)).problem(), scheme=scheme), 1e-5
-    step = timestep_for(accuracy, problem.duration, problem, scheme)
+    step = timestep_for(accuracy, problem.duration, problem.system, scheme)
     cycles = math.ceil(problem.every / (step * twin.scheme.cycle(scheme)))
     steps = cycles * twin.scheme.cycle(scheme)
     found = error(replace(problem, timestep=problem.every / steps, steps_per_frame=steps), accuracy)
@@ -348,7 +348,7 @@ def written(folder, scene):
 def beyond(factor, scene=SMALL["one chain"]):
     """A scene whose time step is a multiple of the stability bound."""
     problem = scene.problem()
-    step = factor * stability_bound(problem) * scene.scale.time
+    step = factor * stability_bound(problem.system) * scene.scale.time
     return scene.model_copy(update={"timestep": step, "output": Output(every=step)})
 
 

@@ -124,7 +124,7 @@ def test_overlaps_of_a_radius_make_a_failed_run(tmp_path, capsys):
     stiffness = 1.0 * unit.stiffness * 2100.0**0.4
     through = steel(kick=kicks, chains=2, kappa=stiffness)
     problem = through.problem()
-    low, _ = hertz.overlap_bounds(problem)
+    low, _ = hertz.overlap_bounds(problem.system)
     assert low * through.scale.length / STEEL.radius < hertz.FLATTENED
     assert main(["run", written(through, tmp_path / "a.yaml"), "-o", str(tmp_path / "out"), "--no-check"]) == 1
     assert "so this is no motion of such beads; are all numbers in SI units" in capsys.readouterr().out

@@ -104,7 +104,9 @@ def test_a_steel_chain_has_the_speed_and_the_force_of_its_material(tmp_path):
     found = analyse(result.directory, figures=False).waves
     length = 2 * STEEL.radius
     assert found.at(40).speed[0] / steel.scale.time * length == pytest.approx(654, abs=0.5)
-    strongest = overlaps(result.trajectory.problem, result.trajectory.displacement)[:, 0, 29:49].max(axis=0) ** 1.5
+    strongest = (
+        overlaps(result.trajectory.problem.system, result.trajectory.displacement)[:, 0, 29:49].max(axis=0) ** 1.5
+    )
     # the largest of samples 0.1 T apart, a full width of 2.3 T: 0.05**2 / 2 * 5 low at most
     assert strongest.max() * steel.scale.force == pytest.approx(189, abs=0.5 + 189 * 0.006)
 

@@ -16,7 +16,7 @@ from small_problems import problem
 from stock_lammps import scene
 
 from analysis.files.recording import Writer
-from lammps_inputs import file_names
+from lammps_inputs import file_names, physics
 from lammps_inputs.decks import continuation, deck
 from lammps_inputs.slurm import job
 from lammps_inputs.slurm.site import JobOptions
@@ -39,7 +39,7 @@ def with_deck(directory):
 
 def with_frames(directory, last, name=file_names.DUMP):
     """Frames until one, as LAMMPS would have written them."""
-    zero = CASE.problem().initial_velocity() * 0.0
+    zero = physics.initial_velocity(CASE.problem().system) * 0.0
     with Writer(directory / name, problem()) as writer:
         for frame in range(last + 1):
             writer.append(frame * CASE.problem().steps_per_frame, zero, zero)

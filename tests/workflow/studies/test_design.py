@@ -14,7 +14,7 @@ import pytest
 from processes import HANGS, wait_until
 from sweeps import GRANCHAIN
 
-from lammps_inputs import library, strict_yaml
+from lammps_inputs import library, physics, strict_yaml
 from workflow import api
 from workflow.cli import main
 from workflow.runs.run import run
@@ -419,4 +419,4 @@ def test_the_example_of_the_readme_is_a_design(tmp_path):
     path.write_text(text.partition("<!-- design -->\n```yaml\n")[2].partition("```")[0])
     design = file.load(path)
     assert len(design.variables) == 6
-    assert library.from_plain(design.beside, "beside").system.alike
+    assert physics.alike(library.from_plain(design.beside, "beside").system)

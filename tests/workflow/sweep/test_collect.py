@@ -423,8 +423,8 @@ def example(tmp_path):
 
 def test_the_example_of_the_readme_is_a_sweep_across_the_cut_off(example):
     first, *_, last = (scene_of(example, case).problem() for case in all_cases(example))
-    (band,) = cell_of(first).bands() / first.scale.time
-    assert first.motions[0].omega / first.scale.time < band[1] < last.motions[0].omega / last.scale.time
+    (band,) = cell_of(first.system).bands() / first.scale.time
+    assert first.system.motions[0].omega / first.scale.time < band[1] < last.system.motions[0].omega / last.scale.time
 
 
 @pytest.mark.slow

@@ -7,7 +7,7 @@ import pytest
 from small_problems import written_down
 
 from analysis.against import beads, symptoms
-from lammps_inputs import library
+from lammps_inputs import library, physics
 from workflow.engines.reference.certify import Certificate
 from workflow.verdicts import validate
 from workflow.verdicts.causes import causes
@@ -60,7 +60,9 @@ def without_symptoms(keys, monkeypatch):
         monkeypatch.setattr(symptoms, name, lambda _: None)
     monkeypatch.setattr(beads, "identify_beads", lambda _: None)
     monkeypatch.setattr(beads, "given", lambda trajectory, load: load.impulse(trajectory.time))
-    return [written_down(problem, lambda t: (0.0 * t, problem.initial_velocity() + 0.0 * t)) for _ in "ab"]
+    return [
+        written_down(problem, lambda t: (0.0 * t, physics.initial_velocity(problem.system) + 0.0 * t)) for _ in "ab"
+    ]
 
 
 @pytest.mark.parametrize(

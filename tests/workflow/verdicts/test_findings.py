@@ -36,7 +36,7 @@ def problem(request):
 
 def readings(problem, static):
     """Two frames of three gauges: force 10 * gauge + chain (from 1) above rest in the second."""
-    places = gauges(problem, wall=False, contacts=(2, 7), sensors=(5,))
+    places = gauges(problem.system, wall=False, contacts=(2, 7), sensors=(5,))
     number = np.add.outer(np.arange(1.0, 3.0), 10.0 * np.arange(1.0, 4.0))  # [chain, gauge]
     rest = np.full((2, 3), static)
     force = np.stack([rest, rest + number])
@@ -133,7 +133,7 @@ def test_sound_is_told_in_beads_and_metres_a_time(si):
     crests = tuple(SimpleNamespace(peak_velocity=np.array([peak, 0.1])) for peak in (0.2, 0.3))
     found = finding(loaded, 9.52e-3 if si else None, wave, crests).plain()
     assert found["crest"] == pytest.approx(0.3 * scale.velocity)
-    stiffness = 1.5 * scale.force / scale.length * float(loaded.along[0].law.rest) ** 0.5
+    stiffness = 1.5 * scale.force / scale.length * float(loaded.system.along[0].law.rest) ** 0.5
     c0 = math.sqrt(stiffness / scale.mass)
     assert found["load"] == pytest.approx([2.0, 2.0], rel=1e-4)
     assert found["speed"] == pytest.approx([c0, c0])
@@ -210,7 +210,7 @@ def numbers(words):
 
 def test_of_a_gauge_force_time_impulse_and_dwell_are_told(problem, printed):
     scale = problem.scale
-    places = gauges(problem, wall=False, contacts=(2, 7), sensors=())
+    places = gauges(problem.system, wall=False, contacts=(2, 7), sensors=())
     most = np.add.outer(np.arange(1.0, 3.0), np.array([10.0, 20.0]))  # [chain, gauge]
     force = np.stack([0.0 * most, most])
     there = np.ones((2, 2), dtype=np.int64)

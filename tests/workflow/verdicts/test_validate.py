@@ -12,7 +12,7 @@ from stock_lammps import scene
 
 from analysis.against.difference import Deviation
 from analysis.files.recording import Writer
-from lammps_inputs import Kick, file_names, find
+from lammps_inputs import Kick, file_names, find, physics
 from lammps_inputs.decks import deck
 from workflow.cli import main
 from workflow.runs.run import run
@@ -161,7 +161,7 @@ def test_the_first_wrong_bead_and_time_are_named(good, tmp_path, capsys):
 
 def test_every_cause_is_named_in_the_units_of_the_scene(tmp_path):
     steel = find("two-chains-steel").model_copy(update={"beads": 20, "duration": 3e-4})
-    kappa = f"{steel.problem().kappa!r}"
+    kappa = f"{physics.kappa(steel.problem().system)!r}"
     edit = wrong_runs.replaced(file_names.DECK, f"kappa index {kappa}\n", f"kappa index {1.02 * float(kappa)!r}\n")
     (cause,) = validate(wrong_runs.deck_run(steel, tmp_path / "run", edit)).causes
     assert cause == "the coupling is 2.458e+06 instead of 2.41e+06"

@@ -183,7 +183,7 @@ def test_a_table_printed_with_g_is_remarked_and_counts_by_its_effect(runs, exact
 
 def test_a_table_from_positions_printed_with_g_is_caught_and_named(runs, exact, tmp_path):
     fine = exact[1]
-    rest = fine.beads * fine.problem.spacing
+    rest = fine.beads * fine.problem.layout.spacing
     far = np.vectorize(lambda value: float(f"{value:.4g}"))(fine.displacement + rest) - rest
     np.savez(tmp_path / "own.npz", time=fine.time, displacement=far, velocity=fine.velocity)
     found = validate_against(runs["reduced"], tmp_path / "own.npz")

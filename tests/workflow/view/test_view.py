@@ -109,10 +109,10 @@ def test_what_a_page_holds_is_the_runs_own(ran):
     assert (part.frame_stride, part.bead_stride) == (5, 1)
     v = whole.velocity[3:198, 1].reshape(-1, 5, 20)  # around every fifth frame
     assert np.array_equal(part.velocity[0, 1:-1], np.take_along_axis(v, np.abs(v).argmax(1)[:, None], 1)[:, 0])
-    assert np.array_equal(part.overlap[0, :, :-1], motion.overlaps(problem, whole.displacement)[::5, 1])
+    assert np.array_equal(part.overlap[0, :, :-1], motion.overlaps(problem.system, whole.displacement)[::5, 1])
     assert np.array_equal(part.time, whole.time[::5])
     assert part.energy[0] == pytest.approx(
-        motion.bead_energy(problem, whole.displacement, whole.velocity)[::5, 1].sum(axis=-1), abs=1e-15
+        motion.bead_energy(problem.system, whole.displacement, whole.velocity)[::5, 1].sum(axis=-1), abs=1e-15
     )
 
 
@@ -155,7 +155,7 @@ def test_the_page_of_a_run_says_the_right_numbers_and_moves_the_right_beads(ran,
     page.wait_for_function(f"() => ({TEXT})().length > 0")
     words = page.evaluate(TEXT)
     told = by_name(words)
-    overlap = motion.overlaps(ran.directory.problem, frames.displacement)[FRAME, 1, BEAD - 1]
+    overlap = motion.overlaps(ran.directory.problem.system, frames.displacement)[FRAME, 1, BEAD - 1]
     assert int(told["bead:"]) == BEAD
     assert float(told["time:"]) == pytest.approx(time, rel=1e-5)
     assert float(told["velocity:"]) == pytest.approx(frames.velocity[FRAME, 1, BEAD - 1], rel=1e-5)
@@ -183,7 +183,8 @@ def test_the_page_of_a_run_says_the_right_numbers_and_moves_the_right_beads(ran,
     assert places == pytest.approx(moved.ravel().tolist(), abs=1e-6)
     assert model(page, "balls", "Array.from(it.data.d)") == pytest.approx(frames.displacement[3].ravel(), abs=1e-7)
     assert model(page, "balls", "it.data.bead[21] + ' ' + it.data.chain[21]") == "2 2"
-    force = motion.contact_force(ran.directory.problem, motion.overlaps(ran.directory.problem, frames.displacement))
+    system = ran.directory.problem.system
+    force = motion.contact_force(system, motion.overlaps(system, frames.displacement))
     chain, contact = np.nonzero(force[3] > 0.0)
     bars = {name: model(page, "pushes", f"Array.from(it.data.{name})") for name in ("x", "y", "h")}
     assert bars["x"] == (contact + 1.5).tolist()  # between bead n and the next

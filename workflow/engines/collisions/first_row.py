@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from analysis.trajectory import Floats
-from lammps_inputs import Problem
+from lammps_inputs import Problem, physics
 
 
 def motion(problem: Problem, times: Floats) -> tuple[Floats, Floats]:
@@ -24,8 +24,8 @@ def motion(problem: Problem, times: Floats) -> tuple[Floats, Floats]:
     mode = np.arange(chains)
     shape = np.cos(math.pi / chains * np.outer(mode, np.arange(chains) + 0.5))
     shape /= np.linalg.norm(shape, axis=1, keepdims=True)
-    omega = 2.0 * math.sqrt(problem.kappa) * np.sin(math.pi / (2.0 * chains) * mode)
-    weight = shape @ problem.initial_velocity()[:, 0]
+    omega = 2.0 * math.sqrt(physics.kappa(problem.system)) * np.sin(math.pi / (2.0 * chains) * mode)
+    weight = shape @ physics.initial_velocity(problem.system)[:, 0]
     t = np.asarray(times, dtype=np.float64)[:, None]
     # np.sinc(z) = sin(pi z) / (pi z), so that the mode at rest needs no case of its own
     displacement = (weight * t * np.sinc(omega * t / math.pi)) @ shape
@@ -38,7 +38,7 @@ def theta(problem: Problem) -> float:
 
     With more chains it is the same measure of the coupling, no longer a frequency of the row.
     """
-    return math.sqrt(2.0 * problem.kappa) * problem.gap
+    return math.sqrt(2.0 * physics.kappa(problem.system)) * physics.gap(problem.system)
 
 
 THETA_OF_EQ_5 = (math.pi + 2.0) / 4.0

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from analysis.trajectory import Floats, Trajectory, frames_per_block
-from lammps_inputs import Problem
+from lammps_inputs import Problem, physics
 from workflow.engines.collisions.compiled import compiled
 from workflow.engines.collisions.engine import (
     Rows,
@@ -69,20 +69,21 @@ def run(problem: Problem, *, max_events: int | None = None) -> CollisionRun:
     Raises:
         ValueError: the beads touch at the start.
     """
-    if not problem.gap > 0.0:
+    system = problem.system
+    if not physics.gap(system) > 0.0:
         raise ValueError(
             "gap: rigid beads that touch have no order of collisions; the engine `collisions` needs a gap > 0"
         )
-    modes = make_modes(problem.chains, problem.kappa)
+    modes = make_modes(problem.chains, physics.kappa(system))
     state = make_state(_start(problem), modes)
     end = problem.duration
-    predict_all(state, modes, problem.gap, end)
+    predict_all(state, modes, physics.gap(system), end)
     parts = []
     count = 0
     while True:
         room = ROOM if max_events is None else min(ROOM, max_events - count)
         events = make_events(room)
-        found = collide(state, modes, problem.gap, end, events)
+        found = collide(state, modes, physics.gap(system), end, events)
         parts.append([column[:found] for column in events])
         count += found
         if found < room or count == max_events:
@@ -108,7 +109,7 @@ def sample(run: CollisionRun, times: Floats) -> Trajectory:
     order = np.argsort(times, kind="stable")
     recorded = problem.recorded_beads
     displacement, velocity = np.empty((2, len(times), problem.chains, len(recorded)))
-    modes = make_modes(problem.chains, problem.kappa)
+    modes = make_modes(problem.chains, physics.kappa(problem.system))
     chain, row = run.chain - 1, run.row - 1
     _replay(_start(problem), 0, run.time, chain, row, modes, times, order, recorded - 1, displacement, velocity)
     return Trajectory(problem, times, displacement, velocity)
@@ -119,7 +120,7 @@ def blocks(run: CollisionRun) -> Iterator[Trajectory]:
     problem = run.problem
     times = problem.every * np.arange(problem.frames + 1, dtype=np.float64)
     times = times[times <= run.until]
-    modes = make_modes(problem.chains, problem.kappa)
+    modes = make_modes(problem.chains, physics.kappa(problem.system))
     rows, event, chain, row = _start(problem), 0, run.chain - 1, run.row - 1
     recorded = problem.recorded_beads
     size = frames_per_block(problem)
@@ -138,7 +139,7 @@ def trajectory(run: CollisionRun) -> Trajectory:
 
 
 def _start(problem: Problem) -> Rows:
-    velocity = problem.initial_velocity().T
+    velocity = physics.initial_velocity(problem.system).T
     return make_rows(np.zeros_like(velocity), velocity)
 
 

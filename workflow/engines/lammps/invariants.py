@@ -4,7 +4,7 @@ import numpy as np
 
 from analysis import motion
 from analysis.trajectory import Floats
-from lammps_inputs import Problem
+from lammps_inputs import Problem, physics
 from lammps_inputs.facts import Fact
 from lammps_inputs.limits.timestep import stability_bound
 
@@ -24,32 +24,33 @@ def fault(
         first: bead that the rows begin with.
         elsewhere: energy of the beads that are not in these rows.
     """
+    system = problem.system
     if not (np.all(np.isfinite(displacement)) and np.all(np.isfinite(velocity))):
         return f"a bead's position or velocity is no longer a finite number; {_remedy(problem)}"
-    overlap = motion.overlaps(problem, displacement, first)
+    overlap = motion.overlaps(system, displacement, first)
     worst = np.unravel_index(np.argmax(overlap), overlap.shape)
     where = f"beads {worst[1] + first} and {worst[1] + first + 1} of chain {worst[0] + 1}"
-    if overlap[worst] >= problem.diameter + problem.gap:
+    if overlap[worst] >= problem.layout.diameter + physics.gap(system):
         return f"{where} have passed through each other; {_remedy(problem)}"
-    if overlap[worst] >= problem.diameter / 2.0:
+    if overlap[worst] >= problem.layout.diameter / 2.0:
         return (
-            f"{where} overlap by {overlap[worst]:.3g}, more than half a diameter ({problem.diameter / 2.0:g}); "
+            f"{where} overlap by {overlap[worst]:.3g}, more than half a diameter ({problem.layout.diameter / 2.0:g}); "
             f"{_remedy(problem)}"
         )
-    if problem.driven:  # which puts in energy without end
+    if physics.driven(system):  # which puts in energy without end
         return None
-    energy = float(motion.energy(problem, displacement, velocity, first)) + elsewhere
-    change = energy / problem.energy - 1.0
-    if problem.loads and change > ENERGY_TOLERANCE:
+    energy = float(motion.energy(system, displacement, velocity, first)) + elsewhere
+    change = energy / physics.energy(system) - 1.0
+    if system.loads and change > ENERGY_TOLERANCE:
         return f"the energy is {100.0 * change:.3g}% above all that the pushes can put in; {_remedy(problem)}"
-    if problem.dampers and change > ENERGY_TOLERANCE:
+    if system.dampers and change > ENERGY_TOLERANCE:
         return f"the energy is {100.0 * change:.3g}% above what was put in; {_remedy(problem)}"
-    if problem.holds(Fact.ENERGY) and not problem.loads and abs(change) > ENERGY_TOLERANCE:
+    if system.holds(Fact.ENERGY) and not system.loads and abs(change) > ENERGY_TOLERANCE:
         return f"the energy has changed by {100.0 * change:.3g}%; {_remedy(problem)}"
     return None
 
 
 def _remedy(problem: Problem) -> str:
-    bound = stability_bound(problem) * problem.scale.time
+    bound = stability_bound(problem.system) * problem.scale.time
     step = problem.timestep * problem.scale.time
     return f"take a smaller timestep (it is {step:.3g}, unstable above {bound:.3g})"

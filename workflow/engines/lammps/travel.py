@@ -6,7 +6,7 @@ import numpy as np
 
 from analysis import motion
 from analysis.trajectory import Floats
-from lammps_inputs import Problem, scheme, window
+from lammps_inputs import Problem, physics, scheme, window
 from lammps_inputs.limits import rates
 
 
@@ -30,7 +30,9 @@ class Travel:
         self.left_behind = 0.0
         self.heard = 0.0
         if self.first > 1:  # continued
-            self.left_behind = problem.energy - float(motion.energy(problem, *self.state(), self.first))
+            self.left_behind = physics.energy(problem.system) - float(
+                motion.energy(problem.system, *self.state(), self.first)
+            )
         if problem.scheme != "verlet":
             self._commands([*scheme.QUIET])
 
@@ -44,7 +46,7 @@ class Travel:
         if problem.window is None:
             self._run(steps)
             return
-        look = window.look_steps(problem.timestep, scheme.cycle(problem.scheme), rates.pace(problem))
+        look = window.look_steps(problem.timestep, scheme.cycle(problem.scheme), rates.pace(problem.system))
         while steps > 0:
             self._follow()
             self._run(min(look, steps))
@@ -59,8 +61,8 @@ class Travel:
             x, v = self.state()
             self._commands(window.move_lines())
             left = int(self._variable("tail")) - self.first
-            stay = motion.energy(self._problem, x[:, left:], v[:, left:], self.first + left)
-            self.left_behind += float(motion.energy(self._problem, x, v, self.first)) - float(stay)
+            stay = motion.energy(self._problem.system, x[:, left:], v[:, left:], self.first + left)
+            self.left_behind += float(motion.energy(self._problem.system, x, v, self.first)) - float(stay)
             self.first += left
 
     def state(self, word: float = 0.0) -> tuple[Floats, Floats]:
@@ -80,7 +82,7 @@ class Travel:
         if self.first > 1:
             place = (row - 1) % problem.rows
             x, v = x[:, place], v[:, place]
-        return x - (problem.places if problem.window is None else row * problem.spacing), v
+        return x - (problem.layout.places if problem.window is None else row * problem.layout.spacing), v
 
     def _run(self, steps: int) -> None:
         if self._problem.scheme == "verlet":

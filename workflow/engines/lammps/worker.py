@@ -89,7 +89,7 @@ def segments(
     largest = max(1, SEGMENT_BEAD_STEPS // (problem.chains * problem.rows))
     # a restart falls between two cycles of the scheme, and where the window may follow
     cycle = scheme.cycle(problem.scheme)
-    whole = cycle if problem.window is None else window.look_steps(problem.timestep, cycle, rates.pace(problem))
+    whole = cycle if problem.window is None else window.look_steps(problem.timestep, cycle, rates.pace(problem.system))
     begun = done = int(lmp.extract_global("ntimestep"))
     frames = Path(continuation.dump_part(part))
     travel = Travel(lmp, problem)

@@ -54,14 +54,15 @@ class _Follower:
     """Follows frames with a number of steps from each to the next."""
 
     def __init__(self, problem: Problem, steps: int) -> None:
+        system = problem.system
         self._problem = problem
         self._steps = steps
         self._state = engine.make_state(problem, None)
         self._until = np.zeros((1, len(LEDGER)))
         self._more = 0.0
         self._over = np.inf
-        if not problem.dampers and not problem.motions:
-            self._over = max(load.end for load in problem.loads)
+        if not system.dampers and not system.motions:
+            self._over = max(load.end for load in system.loads)
 
     def along(self, block: Trajectory) -> Floats:
         """Ledger of frames of which the first was the last one before, or the start."""
@@ -72,7 +73,7 @@ class _Follower:
         chains, moving = problem.chains, block.moving
         found = np.repeat(self._until, block.frames, axis=0)
         x, w = block.displacement, _velocity_of_state(block)
-        pushed = np.array(sorted({load.bead for load in problem.loads}), dtype=np.int64)
+        pushed = np.array(sorted({load.bead for load in problem.system.loads}), dtype=np.int64)
         end_x, end_v = np.zeros((1, chains, len(pushed))), np.zeros((1, chains, len(pushed)))
         for frame in range(1, block.frames):
             if block.time[frame - 1] < self._over:
@@ -93,7 +94,7 @@ class _Follower:
         before, after = block.time[frame - 1], block.time[frame]
         return sum(
             0.5 * float(load.impulse(after) - load.impulse(before)) * float(apart[load.chain - 1, place])
-            for load in self._problem.loads
+            for load in self._problem.system.loads
             for place in np.flatnonzero(pushed == load.bead)
         )
 
@@ -101,12 +102,13 @@ class _Follower:
 def _velocity_of_state(block: Trajectory) -> Floats:
     """What the kernel has as velocities: without what dashpots have given, where no tension is cut (`dashpots`)."""
     problem = block.problem
-    if not problem.dampers or any(dashpot.cut(link.law) for link in problem.dampers):
+    system = problem.system
+    if not system.dampers or any(dashpot.cut(link.law) for link in system.dampers):
         return block.velocity
     given = np.zeros_like(block.velocity)
-    for damper in problem.dampers:
+    for damper in system.dampers:
         damper.drive(given, damper.given(block.displacement))
-    given /= problem.mass
-    for motion in problem.motions:
+    given /= system.mass
+    for motion in system.motions:
         given[..., motion.chain - 1, motion.bead - 1] = 0.0
     return np.asarray(block.velocity - given)

@@ -137,7 +137,7 @@ def rows_to_judge(problem: Problem) -> int | None:
     )
     arrival = float(np.min(found.waves.at(before_last).arrival, initial=problem.duration))
     # what it lacks would have to come from behind the tail
-    return problem.beads if rates.pace(problem) * (problem.duration - arrival) > problem.window / 2.0 else None
+    return problem.beads if rates.pace(problem.system) * (problem.duration - arrival) > problem.window / 2.0 else None
 
 
 def certified(problem: Problem, tolerance: float) -> Certifier:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.trajectory import LEDGER, Floats, Trajectory, frames_per_block, joined
-from lammps_inputs import Problem
+from lammps_inputs import Problem, System, physics
 from lammps_inputs.ingredients import coupled_chains
 from lammps_inputs.limits import rates
 from lammps_inputs.limits.timestep import stability_bound
@@ -45,10 +45,7 @@ def two_beads() -> Problem:
     """The least there is to compute."""
     return Problem(
         name="two-beads",
-        chains=1,
-        beads=2,
-        kicks=((1, 1, 1.0),),
-        links=coupled_chains(1, 0.0),
+        system=System(chains=1, beads=2, kicks=((1, 1, 1.0),), links=coupled_chains(1, 0.0)),
         timestep=0.1,
         steps_per_frame=1,
         frames=1,
@@ -59,11 +56,12 @@ def two_beads() -> Problem:
 
 def default_steps_per_frame(problem: Problem) -> int:
     """Steps between frames, an even number, that leave an error of some 1e-6 of V or less."""
-    bound = stability_bound(problem)
-    if problem.dampers:  # drag on beads alone does not bind LAMMPS
-        bound = min(bound, 2.0 / rates.drag(problem))
+    system = problem.system
+    bound = stability_bound(system)
+    if system.dampers:  # drag on beads alone does not bind LAMMPS
+        bound = min(bound, 2.0 / rates.drag(system))
     # contacts of lower exponents open and close more abruptly
-    abrupt = max(0.0, 1.5 - (problem.exponent or 1.5))
+    abrupt = max(0.0, 1.5 - (physics.exponent(system) or 1.5))
     steps = STEPS_PER_BOUND * (1.0 + _ABRUPT * abrupt)
     return 2 * max(1, math.ceil(0.5 * problem.every * steps / bound * (1.0 - 1e-9)))
 
@@ -99,12 +97,12 @@ def blocks(
     chains = problem.chains
     recorded = _recorded(problem, state, 0.0)
     start = x[recorded].T[np.newaxis].copy(), v[recorded].T[np.newaxis].copy()
-    counts = scheme is not VERLET and problem.exchanges
+    counts = scheme is not VERLET and physics.exchanges(problem.system)
     none = np.zeros((1, len(LEDGER))) if counts else None
     yield Trajectory(problem, np.zeros(1), *start, _first(problem, recorded), none)
     size = frames_per_block(problem)
     if problem.window is not None:
-        size = max(1, min(size, math.floor(_ADVANCE / (rates.pace(problem) * problem.every))))
+        size = max(1, min(size, math.floor(_ADVANCE / (rates.pace(problem.system) * problem.every))))
     for first in range(1, problem.frames + 1, size):
         frame = np.arange(first, min(first + size, problem.frames + 1))
         recorded = _recorded(problem, state, len(frame) * problem.every)
@@ -120,8 +118,8 @@ def blocks(
 def brought_up(problem: Problem, time: Floats) -> Floats:
     """Kinetic energy of beads whose motion is given, over that at the start."""
     total = np.zeros_like(time)
-    for given in problem.motions:
-        mass = problem.mass_of(given.chain - 1, given.bead - 1)
+    for given in problem.system.motions:
+        mass = physics.mass_of(problem.system, given.chain - 1, given.bead - 1)
         total += 0.5 * mass * (given.velocity(time) ** 2 - given.velocity(0.0) ** 2)
     return total
 
@@ -139,7 +137,9 @@ def _recorded(problem: Problem, state: "State", ahead: float) -> NDArray[np.int6
         return problem.recorded_beads
     front = int(state.span[1])
     first = max(1, front - problem.window // 2)  # see `analysis.against.pairing.near_the_front`
-    return np.arange(first, min(problem.beads, front + math.ceil(rates.pace(problem) * ahead) + problem.window) + 1)
+    return np.arange(
+        first, min(problem.beads, front + math.ceil(rates.pace(problem.system) * ahead) + problem.window) + 1
+    )
 
 
 def _first(problem: Problem, recorded: NDArray[np.int64]) -> int:
@@ -191,16 +191,17 @@ def make_state(problem: Problem, window: int | None, *, as_lammps: bool = False,
     Raises:
         ValueError: a window too narrow for the rows that are kicked and a pulse ahead of them.
     """
+    system = problem.system
     # numba takes a third of a second to import
     from workflow.engines.reference import kernel
 
-    kicked = [bead for _, bead, _ in problem.struck]
+    kicked = [bead for _, bead, _ in physics.excitations(system)]
     first, last = max(1, min(kicked) - 1), min(problem.beads, max(kicked) + 1)
     least = last - first + 30
     if window is not None and window < least:
         raise ValueError(f"a window of {window} rows is too narrow; at least {least}")
     x, v = np.zeros((2, problem.beads + 2, problem.chains))
-    v[1:-1] = problem.initial_velocity().T
+    v[1:-1] = physics.initial_velocity(system).T
     span = np.array([first, last, problem.beads if window is None else window, 1])
-    made = kernel.make_kernel(problem, as_lammps=as_lammps, step=step)
+    made = kernel.make_kernel(system, as_lammps=as_lammps, step=step)
     return State(x, v, span, made, kernel.make_state(x, v, span, made.room))

@@ -12,7 +12,7 @@ import numpy as np
 
 from analysis.tracking.leading_waves import Waves, with_speeds
 from analysis.tracking.peaks import THRESHOLD
-from lammps_inputs import Problem
+from lammps_inputs import Problem, physics
 from lammps_inputs.limits import rates
 from lammps_inputs.limits.timestep import stability_bound
 from workflow.engines.reference import engine
@@ -38,8 +38,9 @@ class Passages:
 
 def usual_timestep(problem: Problem) -> float:
     """0.1, or less where the springs are stiff, in units of T: peaks are then right to below 1e-5 of V."""
-    step = 0.1 / math.sqrt(max(1.0, rates.swing(problem) ** 2 / 2.0))
-    return step if problem.alike and not problem.loaded else min(step, stability_bound(problem) / 8.0)
+    system = problem.system
+    step = 0.1 / math.sqrt(max(1.0, rates.swing(system) ** 2 / 2.0))
+    return step if physics.alike(system) and not physics.loaded(system) else min(step, stability_bound(system) / 8.0)
 
 
 def passages(

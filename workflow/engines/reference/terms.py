@@ -12,7 +12,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from lammps_inputs import System, laws
+from lammps_inputs import System, laws, physics
 from lammps_inputs.laws import dashpot
 from lammps_inputs.links import Across, Along, Ground, Link, WallDamper
 from lammps_inputs.loads import Load, Motion
@@ -89,13 +89,13 @@ class Terms:
 def make_terms(system: System, *, as_lammps: bool, step: float) -> tuple[Terms, tuple[Any, ...]]:
     """The terms of a system and their parameters; arguments as for `kernel.make_kernel`."""
     taken = _Parameters(system)
-    row, gap = taken.add("row", np.uint64(system.chains)), taken.add("gap", system.gap)
+    row, gap = taken.add("row", np.uint64(system.chains)), taken.add("gap", physics.gap(system))
     between = f"x[k - {row}] - x[k] - {gap}", f"v[k - {row}] - v[k]"
     ends = {kind: [link for link in system.dampers if isinstance(link, kind)] for kind in (Along, Across, Ground)}
     walls = [link for link in ends[Ground] if isinstance(link, WallDamper)]
     beads = [link for link in ends[Ground] if not isinstance(link, WallDamper)]
     cut = any(dashpot.cut(link.law) for link in system.dampers)
-    inverse = _inverse_mass(system, step if as_lammps and system.centred else 0.0)
+    inverse = _inverse_mass(system, step if as_lammps and physics.centred(system) else 0.0)
     terms = Terms(
         contacts=tuple(taken.term(link.law, *between, first=2) for link in system.along),
         across=taken.terms(system.across),
@@ -109,7 +109,7 @@ def make_terms(system: System, *, as_lammps: bool, step: float) -> tuple[Terms, 
         per_mass="" if inverse is None else f" * {taken.add('inverse_mass', inverse)}[k]",
         dashpots="none" if not system.dampers else "half step" if as_lammps else "kick" if cut else "drift",
         as_lammps=as_lammps,
-        counts_work=system.acted_on and not as_lammps,
+        counts_work=physics.acted_on(system) and not as_lammps,
         row=row,
         names=tuple(taken.names),
     )

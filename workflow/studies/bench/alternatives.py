@@ -18,7 +18,7 @@ from analysis.files.recording import blocks
 from analysis.tracking.leading_waves import leading_waves, to_csv
 from analysis.tracking.peaks import PeakFinder, find_peaks
 from analysis.trajectory import Trajectory
-from lammps_inputs import Coupling, Kick, Output, Problem, Scene, file_names
+from lammps_inputs import Coupling, Kick, Output, Problem, Scene, file_names, physics
 from lammps_inputs.decks import deck
 from lammps_inputs.numbers import text
 from workflow.engines.lammps import mpi
@@ -32,21 +32,22 @@ TEXT_DUMP = "chains.dump.txt"
 
 def plain_deck(problem: Problem, *, dump: bool) -> str:
     """A deck as the manual suggests it: periodic across, default neighbour lists, ``%.17g`` text dump."""
+    system = problem.system
     lines = [
-        f"atom_style {'hybrid sphere bond' if problem.coupled else 'sphere'}",
+        f"atom_style {'hybrid sphere bond' if physics.coupled(system) else 'sphere'}",
         "boundary s p p",
         "comm_modify vel yes",
         f"read_data {file_names.DATA}",
         "set group all mass 1.0",
         *(line for section in deck.interactions(problem) for line in section if line.startswith("pair")),
     ]
-    if problem.coupled:
-        lines += ["bond_style harmonic", f"bond_coeff 1 {text(problem.kappa / 2.0)} 0"]
+    if physics.coupled(system):
+        lines += ["bond_style harmonic", f"bond_coeff 1 {text(physics.kappa(system) / 2.0)} 0"]
     lines.append("fix motion all nve")
-    if problem.coupled:
+    if physics.coupled(system):
         lines.append("fix line all setforce NULL 0 0")
     lines += [
-        f"set atom {(chain - 1) * problem.beads + bead} vx {text(velocity)}" for chain, bead, velocity in problem.kicks
+        f"set atom {(chain - 1) * problem.beads + bead} vx {text(velocity)}" for chain, bead, velocity in system.kicks
     ]
     if dump:
         lines += [
@@ -59,8 +60,8 @@ def plain_deck(problem: Problem, *, dump: bool) -> str:
 
 def plain_data(problem: Problem) -> str:
     """Our data file in a box that just holds the beads across, as one writes it by hand: periodic images touch it."""
-    side = text(2.0 * problem.spacing)
-    half = text(problem.diameter)
+    side = text(2.0 * problem.layout.spacing)
+    half = text(problem.layout.diameter)
     return deck.render_data(problem).replace(f"-{side} {side} zlo zhi", f"-{half} {half} zlo zhi")
 
 
@@ -78,7 +79,7 @@ def read_and_analyse(directory: Path, problem: Problem) -> Timing:
 
     started = time.perf_counter()
     shape = (problem.chains, problem.beads)
-    rest = np.arange(1, problem.beads + 1) * problem.spacing
+    rest = np.arange(1, problem.beads + 1) * problem.layout.spacing
     displacement, velocity = [], []
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")

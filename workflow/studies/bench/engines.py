@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 
 from analysis import motion
 from analysis.trajectory import Floats
-from lammps_inputs import Problem
+from lammps_inputs import Problem, System, physics
 from lammps_inputs.ingredients import coupled_chains
 from lammps_inputs.units import Scale
 from workflow.engines import collisions
@@ -52,7 +52,8 @@ def reference_against_scipy() -> Iterator[Ratio]:
 
 def kernel_cost(problem: Problem, steps: int) -> float:
     """Seconds a force evaluation of all beads, all rows integrated from the start to the one frame."""
-    hit_at_both_ends = replace(problem, kicks=((1, 1, 1.0), (1, problem.beads, -1e-3)))
+    system = replace(problem.system, kicks=((1, 1, 1.0), (1, problem.beads, -1e-3)))
+    hit_at_both_ends = replace(problem, system=system)
     took = seconds(lambda: engine.run(hit_at_both_ends, steps_per_frame=steps))
     return took / (steps * BLANES_MOAN.forces_per_step)
 
@@ -63,7 +64,7 @@ def numpy_cost(problem: Problem, times: int = 2000) -> float:
 
     def work() -> None:
         for _ in range(times):
-            motion.acceleration(problem, displacement)
+            motion.acceleration(problem.system, displacement)
 
     return seconds(work) / times
 
@@ -80,10 +81,10 @@ def scipy_velocities(problem: Problem, tolerance: float) -> Floats:
     count = problem.chains * problem.beads
 
     def slope(_: float, state: Floats) -> Floats:
-        acceleration = motion.acceleration(problem, state[:count].reshape(shape))
+        acceleration = motion.acceleration(problem.system, state[:count].reshape(shape))
         return np.concatenate([state[count:], acceleration.ravel()])
 
-    start = np.concatenate([np.zeros(count), problem.initial_velocity().ravel()])
+    start = np.concatenate([np.zeros(count), physics.initial_velocity(problem.system).ravel()])
     span = (0.0, problem.duration)
     found = solve_ivp(slope, span, start, method="DOP853", rtol=tolerance, atol=tolerance, t_eval=span[1:])
     return np.asarray(found.y[count:, -1].reshape(shape))
@@ -146,10 +147,7 @@ def crowd(rows: int, seed: int = 0) -> Problem:
     scale = Scale(1.0, 1.0, 1.0, si=False)
     return Problem(
         name="crowd",
-        chains=2,
-        beads=rows,
-        kicks=kicks,
-        links=coupled_chains(2, 0.5, 1.0),
+        system=System(chains=2, beads=rows, kicks=kicks, links=coupled_chains(2, 0.5, 1.0)),
         timestep=1e6,
         steps_per_frame=1,
         frames=1,

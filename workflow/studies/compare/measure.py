@@ -91,9 +91,10 @@ def measure(directory: RunDirectory, rows: Sequence[int]) -> Result:
 def partition(state: Trajectory) -> tuple[Floats, Floats]:
     """Shares of one frame: of the momentum by chain, and of the energy by chain and, last, in the springs."""
     problem, x, v = state.problem, state.displacement[-1], state.velocity[-1]
-    of_chain = np.sum(motion.kinetic_energy(problem, v), axis=-1) + np.sum(motion.contact_energy(problem, x), axis=-1)
-    whole = float(motion.energy(problem, x, v))
-    momentum = np.sum(v * problem.mass, axis=1)
+    system = problem.system
+    of_chain = np.sum(motion.kinetic_energy(system, v), axis=-1) + np.sum(motion.contact_energy(system, x), axis=-1)
+    whole = float(motion.energy(system, x, v))
+    momentum = np.sum(v * system.mass, axis=1)
     total = float(momentum.sum())
     share = momentum / total if total != 0.0 else np.full(problem.chains, math.nan)
     return share, np.append(of_chain, whole - of_chain.sum()) / whole

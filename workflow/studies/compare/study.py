@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lammps_inputs import InputError, Problem, Scene, file_names, strict_yaml
+from lammps_inputs import InputError, Problem, Scene, file_names, physics, strict_yaml
 from lammps_inputs.numbers import known
 from workflow.engines.reference import engine as reference
 from workflow.errors import RunError
@@ -75,11 +75,12 @@ def plain(found: Comparison) -> dict[str, Any]:
     |                | peak [chain][shown]; momentum_share, energy_share (last: springs); seconds         |
     """
     problem, scale = found.problem, found.problem.scale
+    system = problem.system
     return {
         "scene": problem.name,
-        "kappa": problem.kappa,
-        "gap": problem.gap,
-        "theta": math.sqrt(2.0 * problem.kappa) * problem.gap,
+        "kappa": physics.kappa(system),
+        "gap": physics.gap(system),
+        "theta": math.sqrt(2.0 * physics.kappa(system)) * physics.gap(system),
         "duration": problem.duration,
         "scale": {"mass": scale.mass, "length": scale.length, "time": scale.time, "velocity": scale.velocity},
         "answer": list(found.answer),

@@ -18,7 +18,7 @@ from analysis.tracking.leading_waves import leading_waves, usual_arrival
 from analysis.tracking.peaks import PeakFinder
 from analysis.tracking.which_leads import beyond_kicks, opposed
 from analysis.trajectory import Trajectory, blocks
-from lammps_inputs import InputError, Problem, Scene, library
+from lammps_inputs import InputError, Problem, Scene, library, physics
 from workflow.engines.reference import engine
 from workflow.engines.reference.accountant import Accountant
 from workflow.prepare.duration import with_duration
@@ -89,7 +89,7 @@ def of_frames(
     if any(name in _AT_THE_END for name in names):
         end, count = FarEnd(problem), Accountant(problem).of
         for block in frames():
-            end.add(count(block) if problem.acted_on and block.ledger is None else block)
+            end.add(count(block) if physics.acted_on(problem.system) and block.ledger is None else block)
         found["far_end"] = quantity.plain(end.result(), problem.scale)
     if any(name not in (MASS, *_AT_THE_END, *quick) for name in names):
         seen, allowed, count = Conservation(), Tolerances(), Accountant(problem).of
@@ -101,7 +101,7 @@ def of_frames(
 
 def _is_plain(problem: Problem) -> bool:
     """Whether one pulse leads, away from bead 1, so that its waves need not be told from others."""
-    return direction_of(problem) > 0 and not opposed(problem) and not problem.loads
+    return direction_of(problem) > 0 and not opposed(problem) and not problem.system.loads
 
 
 def _shared(problem: Problem, frames: Callable[[], Iterable[Trajectory]]) -> dict[str, float | None]:

@@ -167,7 +167,7 @@ def _of_best(found: Found) -> list[Picture]:
 def _wall(directory: RunDirectory) -> tuple[Floats, Floats] | None:
     problem = directory.problem
     name = "right wall" if direction_of(problem) > 0 else "left wall"
-    wall = tuple(one for one in gauges(problem, wall=True, contacts=(), sensors=()) if one.name == name)
+    wall = tuple(one for one in gauges(problem.system, wall=True, contacts=(), sensors=()) if one.name == name)
     if not wall:
         return None
     times, forces = [], []

@@ -10,7 +10,8 @@ import numpy as np
 
 from analysis.against.pairing import paired
 from analysis.conservation import Conservation
-from lammps_inputs import InputError, Problem, library
+from lammps_inputs import InputError, library, physics
+from lammps_inputs.layout import Layout
 from lammps_inputs.scene import DEFAULT_ACCURACY
 from workflow.engines.lammps import engine, hosted
 from workflow.errors import RunError
@@ -115,13 +116,13 @@ def measure(cell: Cell) -> Outcome:
     """
     if cell.diameter is None:
         return _measure(cell)
-    usual = Problem.diameter
+    usual = Layout.diameter
     try:
         # the motion does not depend on the diameter in LAMMPS, the digits of positions do; no scene can ask for it
-        Problem.diameter = property(lambda _: cell.diameter)  # type: ignore[assignment, method-assign]
+        Layout.diameter = property(lambda _: cell.diameter)  # type: ignore[assignment, method-assign]
         return _measure(cell)
     finally:
-        Problem.diameter = usual  # type: ignore[method-assign]
+        Layout.diameter = usual  # type: ignore[method-assign]
 
 
 def _measure(cell: Cell) -> Outcome:
@@ -204,7 +205,7 @@ def _differs_from_scaled(cell: Cell, directory: RunDirectory, path: Path) -> str
         worst = max(worst, *(float(np.max(np.abs(part))) for part in (time, displacement, velocity)))
     # positions are rounded in every step of both runs, and frequencies are below 3
     problem = directory.problem
-    rounding = 6.0 * problem.steps * float(np.spacing(problem.beads * problem.spacing))
+    rounding = 6.0 * problem.steps * float(np.spacing(problem.beads * problem.layout.spacing))
     return None if worst <= rounding else f"differs from the scaled run by {worst:.1e}"
 
 
@@ -219,5 +220,7 @@ def _drifts(directory: RunDirectory) -> str | None:
                 half.add(part)
     first, second = (half.energy_drift for half in halves)
     # rounding of positions does work on contacts whose force is below 1
-    rounding = problem.steps * float(np.spacing(problem.beads * problem.spacing)) / problem.energy
+    rounding = (
+        problem.steps * float(np.spacing(problem.beads * problem.layout.spacing)) / physics.energy(problem.system)
+    )
     return None if second <= 1.1 * first + rounding else f"the energy drifts: off by {first:.1e}, then by {second:.1e}"

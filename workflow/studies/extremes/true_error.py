@@ -14,7 +14,7 @@ from analysis.against.pairing import paired
 from analysis.conservation import Conservation
 from analysis.tracking.leading_waves import Waves, leading_waves
 from analysis.tracking.peaks import THRESHOLD, PeakFinder
-from lammps_inputs import Problem
+from lammps_inputs import Problem, physics
 from workflow.engines.reference import engine
 from workflow.engines.reference.blanes_moan import BLANES_MOAN
 from workflow.engines.reference.certify import Certifier
@@ -67,7 +67,7 @@ def judge(directory: RunDirectory, tolerance: float, *, longest: float = LONGEST
 
 def _seconds(problem: Problem, steps_per_frame: int) -> float:
     """About what two reference runs side by side take, one with half the steps; a pulse passes a bead in T or so."""
-    kicked = [bead for _, bead, _ in problem.struck]
+    kicked = [bead for _, bead, _ in physics.excitations(problem.system)]
     rows = min(problem.beads, max(kicked) - min(kicked) + 1 + 0.5 * problem.duration)
     steps = 1.5 * problem.frames * steps_per_frame
     return steps * BLANES_MOAN.forces_per_step * (rows * problem.chains * _BEAD_STAGE + _STAGE)
@@ -96,7 +96,7 @@ def _by_leading_pulse(directory: RunDirectory) -> TrueError:
 
 
 def _passages(problem: Problem, refinement: float) -> Waves:
-    kicked = [bead for _, bead, _ in problem.struck]
+    kicked = [bead for _, bead, _ in physics.excitations(problem.system)]
     window = min(problem.beads + 30, max(kicked) - min(kicked) + _WINDOW)
     return passages(problem, window=window, timestep=usual_timestep(problem) / refinement).waves
 

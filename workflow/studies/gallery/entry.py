@@ -124,7 +124,7 @@ class Ran:
 
     def forces(self, *, contacts: Iterable[int] = (), wall: bool = False) -> Readings:
         """What gauges at walls and in contacts (between bead n and the next) read."""
-        places = gauges(self.problem, wall=wall, contacts=tuple(contacts), sensors=())
+        places = gauges(self.problem.system, wall=wall, contacts=tuple(contacts), sensors=())
         return self.read(ForceMeter(self.problem, places)).result()
 
     def left_behind(self, period: int) -> float:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from analysis.files.events import Events
 from analysis.sharing.impulses import ImpulseMeter, Impulses, from_events, relative_difference
 from analysis.trajectory import Floats, Trajectory
-from lammps_inputs import Problem
+from lammps_inputs import Problem, System, physics
 from lammps_inputs.ingredients import coupled_chains
 from lammps_inputs.units import Scale
 from workflow.engines import collisions
@@ -54,10 +54,7 @@ def problem_at(theta: float, kappa: float, row: int, *, every: float = 0.25, slo
     scale = Scale(1.0, 1.0, 1.0, si=False)
     return Problem(
         name="gapped",
-        chains=2,
-        beads=row + 10,
-        kicks=((1, 1, 1.0),),
-        links=coupled_chains(2, kappa, gap),
+        system=System(chains=2, beads=row + 10, kicks=((1, 1, 1.0),), links=coupled_chains(2, kappa, gap)),
         timestep=every,
         steps_per_frame=1,
         frames=frames,
@@ -157,7 +154,7 @@ def first_row(theta: float) -> FirstRow:
         raise ValueError(f"theta = {theta:g}: a chain's first two beads never meet")
     index = np.concatenate(first)
     start = collisions.sample(found, found.time[index[:1]])
-    share = float(start.displacement[0, 1, 0]) / problem.gap
+    share = float(start.displacement[0, 1, 0]) / physics.gap(problem.system)
     return FirstRow(theta, found.time[index].copy(), found.striker[index], found.target[index], share)
 
 

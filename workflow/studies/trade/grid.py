@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from lammps_inputs import Problem
+from lammps_inputs import Problem, physics
 from lammps_inputs import scheme as schemes
 from lammps_inputs.facts import Fact
 from lammps_inputs.limits.timestep import stability_bound
@@ -39,14 +39,15 @@ RANKS, WINDOW = "ranks", "window"
 
 def settings(problem: Problem) -> Jobs:
     """Everything to be measured for a problem, which has the scene's own frames and time step."""
+    system = problem.system
     found = lammps_by_step(problem, "verlet")
-    if problem.holds(Fact.REVERSIBLE):
+    if system.holds(Fact.REVERSIBLE):
         found += lammps_by_step(problem, "suzuki4")
     found += lammps_by_ranks(problem)
     for scheme in reference_schemes():
         found += reference_by_step(problem, scheme)
     found += lammps_by_window(problem) + reference_by_window(problem)
-    if problem.gap > 0.0 and problem.simply_coupled:
+    if physics.gap(system) > 0.0 and physics.simply_coupled(system):
         found.append(_setting(RIGID, 1.0, "exact", Job("collisions", problem)))
     return found
 
@@ -64,7 +65,7 @@ def cycles(problem: Problem, finest: int, own: float | None = None) -> list[tupl
         finest: cycles in the coarsest one, at most.
         own: another length to take in.
     """
-    longest = COARSEST * stability_bound(problem)
+    longest = COARSEST * stability_bound(problem.system)
     frames = 1
     while 2 * frames * problem.every <= longest and problem.frames // (2 * frames) >= 10:
         frames *= 2
@@ -123,9 +124,10 @@ def reference_by_step(problem: Problem, scheme: Scheme) -> Jobs:
 
 def lammps_by_window(problem: Problem) -> Jobs:
     """LAMMPS at the scene's time step by the number of rows that exist; all of them last."""
-    recorded = problem.recorded is None and problem.uniform
-    forward = all(velocity > 0.0 and bead <= LEAST_WINDOW - HEADROOM for _, bead, velocity in problem.kicks)
-    may = recorded and forward and problem.holds(Fact.FRONT)
+    system = problem.system
+    recorded = problem.recorded is None and physics.uniform(system)
+    forward = all(velocity > 0.0 and bead <= LEAST_WINDOW - HEADROOM for _, bead, velocity in system.kicks)
+    may = recorded and forward and system.holds(Fact.FRONT)
     jobs = [Job("lammps", replace(problem, window=rows)) for rows in widths(problem)] if may else []
     return _windows(LAMMPS, problem, jobs, Job("lammps", problem))
 
@@ -135,8 +137,8 @@ def reference_by_window(problem: Problem) -> Jobs:
     pairs = cycles(problem, FINEST["blanes-moan"])
     fine = next((pair for pair in pairs if problem.every * pair[0] / pair[1] <= USUAL), pairs[-1])
     own = stepped(problem, *fine)
-    spread = max(bead for _, bead, _ in problem.struck) - min(bead for _, bead, _ in problem.struck)
-    recorded = problem.recorded is None and spread <= LEAST_WINDOW // 2
+    hit = [bead for _, bead, _ in physics.excitations(problem.system)]
+    recorded = problem.recorded is None and max(hit) - min(hit) <= LEAST_WINDOW // 2
     jobs = [Job("reference", own, BLANES_MOAN, window=rows) for rows in widths(problem)] if recorded else []
     return _windows(REFERENCE, problem, jobs, Job("reference", own, BLANES_MOAN))
 

@@ -16,7 +16,7 @@ from typing import get_args
 
 from analysis.files import recording
 from analysis.trajectory import Trajectory
-from lammps_inputs import Problem, file_names
+from lammps_inputs import Problem, file_names, physics
 from lammps_inputs import scheme as schemes
 from lammps_inputs.decks import deck
 from lammps_inputs.scheme import SchemeName
@@ -260,9 +260,10 @@ def step_costs(problem: Problem, directory: Path) -> Sequence[Size]:
     """
     found = []
     for factor in FACTORS:
-        longer = replace(problem, beads=problem.beads * factor, recorded=None, window=None)
+        system = replace(problem.system, beads=problem.beads * factor)
+        longer = replace(problem, system=system, recorded=None, window=None)
         atoms = longer.chains * longer.beads
-        if factor == 1 or (atoms <= MOST_ATOMS and problem.uniform):
+        if factor == 1 or (atoms <= MOST_ATOMS and physics.uniform(problem.system)):
             found.append(Size(atoms, _step_seconds(longer, directory)))
     return found
 

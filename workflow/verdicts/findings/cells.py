@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from analysis.shape.pattern import period_of
 from analysis.sharing.cells import CellEnergies, FinalEnergy, left
 from analysis.sharing.survey import Survey
+from lammps_inputs import physics
 from lammps_inputs.facts import Fact
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.findings.finding import MOST_CHAINS, Finding, Measure
@@ -49,14 +50,19 @@ class Cells(Finding):
     def measure(cls, directory: RunDirectory) -> Measure | None:
         """Of all beads, where a pulse stays together and no sound runs."""
         problem, scene = directory.problem, directory.scene
-        if not problem.whole or problem.alike or not (problem.holds(Fact.PULSE) and problem.holds(Fact.SONIC_VACUUM)):
+        system = problem.system
+        if (
+            not problem.whole
+            or physics.alike(system)
+            or not (system.holds(Fact.PULSE) and system.holds(Fact.SONIC_VACUUM))
+        ):
             return None
         final = FinalEnergy(problem)
 
         def finish(found: Survey) -> Cells:
-            chains, beads = range(1, problem.chains + 1), period_of(problem)
+            chains, beads = range(1, problem.chains + 1), period_of(system)
             each = tuple(left(found, chain, beads) for chain in chains)
-            kicked = each[problem.hardest_blow[0] - 1]
+            kicked = each[physics.largest_excitation(system)[0] - 1]
             energies = CellEnergies(
                 beads=beads,
                 left_behind=math.nan if kicked is None else kicked.per_cell,

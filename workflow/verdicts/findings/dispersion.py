@@ -8,6 +8,7 @@ from analysis import quantity
 from analysis.sharing.survey import Survey
 from analysis.sound.dispersion import Bands, Branches, Map, NoDispersionError
 from analysis.sound.dispersion import Dispersion as Collected
+from lammps_inputs import physics
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.findings.finding import Finding, Measure
 
@@ -45,7 +46,7 @@ class Dispersion(Finding):
     def measure(cls, directory: RunDirectory) -> Measure | None:
         """Under a static load."""
         problem = directory.problem
-        if not problem.loaded:
+        if not physics.loaded(problem.system):
             return None
         try:
             collected = Collected(problem)

@@ -47,7 +47,7 @@ class Energy(Finding):
     def measure(cls, directory: RunDirectory) -> Measure | None:
         """Of all beads, where no pulse stays together."""
         problem = directory.problem
-        if not problem.whole or problem.holds(Fact.PULSE):
+        if not problem.whole or problem.system.holds(Fact.PULSE):
             return None
         flow = EnergyFlow(problem)
         return Measure(lambda _: cls(problem, flow.result()), flow.add)

@@ -12,6 +12,7 @@ from analysis.gauges.gauge import gauges
 from analysis.gauges.readings import PULSE, ForceTable, Reading, Readings
 from analysis.gauges.reflection import Reflection, reflections
 from analysis.sharing.survey import Survey
+from lammps_inputs import physics
 from workflow.runs.engines import ENGINES
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import Table
@@ -67,7 +68,7 @@ class Forces(Finding):
                     other = readings.gauges[kinds.index("contact")].name
                     said.append(f"largest {which} {most[place] / inside:.4f} times that at {other}")
                 if (found := self.found[place * problem.chains + chain].reflected) is not None:
-                    said.append(_said(found, coupled=problem.coupled))
+                    said.append(_said(found, coupled=physics.coupled(problem.system)))
                 if said:
                     yield f"{gauge.name}, chain {chain + 1}: {', '.join(said)}"
 
@@ -115,7 +116,9 @@ class Forces(Finding):
         wanted, problem = directory.scene.output.forces, directory.problem
         if wanted is None or not ENGINES[directory.engine].deforms:
             return None
-        places = gauges(problem, wall=wanted.wall is True, contacts=wanted.contacts or (), sensors=wanted.sensors or ())
+        places = gauges(
+            problem.system, wall=wanted.wall is True, contacts=wanted.contacts or (), sensors=wanted.sensors or ()
+        )
         meter = ForceMeter(problem, places)
 
         def finish(found: Survey) -> Forces:

@@ -10,7 +10,7 @@ from analysis.shape.loaded_wave import sound_speed
 from analysis.sharing.survey import Survey
 from analysis.sound.loaded_pulse import LoadedPulse, bands
 from analysis.sound.loaded_pulse import Sound as Measured
-from lammps_inputs import Scene, laws
+from lammps_inputs import Scene, laws, physics
 from lammps_inputs.facts import Fact
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.findings.finding import Finding, Measure
@@ -28,15 +28,15 @@ class Sound(Finding):
 
     def said(self) -> Iterator[str]:
         """In one line."""
-        scale, wave, found = self.problem.scale, self.found.pulse, bands(self.problem)
-        if self.problem.held:
+        scale, wave, found = self.problem.scale, self.found.pulse, bands(self.problem.system)
+        if physics.ground_springs(self.problem.system):
             line = "sound: long waves do not run, for springs to the ground hold the beads"
             if found is not None:
                 low, high = (f"{scale.measured(end, 'frequency'):.6g}" for end in (found.min(), found.max()))
                 line += f"; small ones have frequencies from {low} to {high}{scale.each('rad')}"
             yield line
             return
-        speeds = sound_speed(self.problem) if wave is None else np.array([wave.sound])
+        speeds = sound_speed(self.problem.system) if wave is None else np.array([wave.sound])
         said = dict.fromkeys(f"{speed / scale.time:.6g}" for speed in (float(speeds.min()), float(speeds.max())))
         line = f"sound: c0 = {' to '.join(said)}{scale.each('beads')}"
         if self.bead_length is not None:
@@ -54,10 +54,10 @@ class Sound(Finding):
     def measure(cls, directory: RunDirectory) -> Measure | None:
         """Under a static load; the pulse where it stays together, of all beads."""
         problem = directory.problem
-        if not problem.loaded:
+        if not physics.loaded(problem.system):
             return None
         length = bead_length(directory.scene)
-        pulse = LoadedPulse(problem) if problem.whole and problem.holds(Fact.PULSE) else None
+        pulse = LoadedPulse(problem) if problem.whole and problem.system.holds(Fact.PULSE) else None
 
         def finish(found: Survey) -> Sound:
             wave = None if pulse is None else pulse.result()
@@ -69,6 +69,6 @@ class Sound(Finding):
 def bead_length(scene: Scene) -> float | None:
     """Distance of neighbouring beads at rest, in m; None without a material, and where it is not one."""
     system = scene.system
-    if scene.material is None or not (system.one_kind and system.even):
+    if scene.material is None or not (physics.one_kind(system) and physics.even(system)):
         return None
     return 2.0 * scene.material.radius - float(laws.rest(system.along[0].law)) * scene.scale.length

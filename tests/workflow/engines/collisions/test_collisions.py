@@ -7,6 +7,7 @@ import pytest
 from scipy.linalg import expm
 from small_problems import problem
 
+from lammps_inputs import physics
 from workflow.engines.collisions import run, sample, trajectory
 from workflow.engines.collisions.first_row import gap_of_eq_5
 
@@ -26,7 +27,7 @@ def random_kicks(chains, beads, seed):
 
 
 def energies(t):
-    spring = 0.5 * t.problem.kappa * np.diff(t.displacement, axis=1) ** 2
+    spring = 0.5 * physics.kappa(t.problem.system) * np.diff(t.displacement, axis=1) ** 2
     return np.array(
         [math.fsum((0.5 * v**2).ravel()) + math.fsum(u.ravel()) for v, u in zip(t.velocity, spring, strict=True)]
     )
@@ -91,14 +92,14 @@ def brute_force(problem, events, step=2e-3):
     """Fine steps of the whole row's matrix exponential, with bisection of the first overlap of closing beads."""
     chains = problem.chains
     lateral = np.diag(np.full(chains - 1, 1.0), 1) + np.diag(np.full(chains - 1, 1.0), -1)
-    springs = problem.kappa * (lateral - np.diag(lateral.sum(axis=0)))
+    springs = physics.kappa(problem.system) * (lateral - np.diag(lateral.sum(axis=0)))
     matrix = np.block([[np.zeros((chains, chains)), np.eye(chains)], [springs, np.zeros((chains, chains))]])
     whole = expm(step * matrix)
-    state = np.vstack([np.zeros((chains, problem.beads)), problem.initial_velocity()])
+    state = np.vstack([np.zeros((chains, problem.beads)), physics.initial_velocity(problem.system)])
 
     def meeting(state):
         closing = -np.diff(state, axis=1)
-        return (closing[:chains] >= problem.gap) & (closing[chains:] > 0.0)
+        return (closing[:chains] >= physics.gap(problem.system)) & (closing[chains:] > 0.0)
 
     time, found = 0.0, []
     while len(found) < events:
@@ -152,9 +153,9 @@ def test_a_million_collisions_keep_energy_and_momentum():
     found = run(problem, max_events=1_000_000)
     assert len(found) == 1_000_000
     t = sample(found, np.linspace(0.0, found.until, 5))
-    np.testing.assert_allclose(energies(t), problem.energy, rtol=1e-12)
+    np.testing.assert_allclose(energies(t), physics.energy(problem.system), rtol=1e-12)
     rounding = np.finfo(float).eps * np.abs(t.velocity[0]).sum()
-    np.testing.assert_allclose(momenta(t), problem.momentum, rtol=0, atol=rounding)
+    np.testing.assert_allclose(momenta(t), physics.momentum(problem.system), rtol=0, atol=rounding)
     assert np.all(found.impulse > 0.0)
     assert np.all(np.diff(found.time) >= 0.0)
 
@@ -169,7 +170,7 @@ def test_beads_never_overlap(chains, gap):
     t = sample(found, times)
     overlap = -np.diff(t.displacement, axis=2) - gap
     assert overlap.max() < 1e-13 * max(1.0, found.until)
-    np.testing.assert_allclose(energies(t), problem.energy, rtol=1e-13)
+    np.testing.assert_allclose(energies(t), physics.energy(problem.system), rtol=1e-13)
 
 
 def test_the_scale_of_time_and_length_does_not_matter():

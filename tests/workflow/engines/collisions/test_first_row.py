@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from small_problems import problem
 
+from lammps_inputs import physics
 from workflow.engines.collisions import first_row, run, sample
 
 
@@ -47,7 +48,7 @@ def test_the_modes_solve_eq_3():
     t = np.arange(0.0, 20.0, h)
     x, v = first_row.motion(problem, t)
     springs = np.diff(x, axis=1, prepend=x[:, :1], append=x[:, -1:])
-    force = problem.kappa * np.diff(springs, axis=1)
+    force = physics.kappa(problem.system) * np.diff(springs, axis=1)
     np.testing.assert_allclose(np.diff(x, axis=0) / h, 0.5 * (v[1:] + v[:-1]), rtol=0, atol=1e-7)
     np.testing.assert_allclose(np.diff(v, axis=0) / h, 0.5 * (force[1:] + force[:-1]), rtol=0, atol=1e-7)
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from stock_lammps import scene
 
+from lammps_inputs import physics
 from workflow.engines.lammps.invariants import fault
 
 REMEDY = r"take a smaller timestep \(it is 0\.01, unstable above 0\.\d+\)$"
@@ -19,7 +20,7 @@ def problem():
 @pytest.fixture
 def state(problem):
     """A state with the energy of the kick: nothing has moved yet."""
-    return np.zeros((2, 4)), problem.initial_velocity()
+    return np.zeros((2, 4)), physics.initial_velocity(problem.system)
 
 
 def test_the_start_has_no_fault(problem, state):

@@ -15,7 +15,7 @@ from analysis.against.difference import Difference
 from analysis.against.pairing import paired
 from analysis.motion import acceleration
 from analysis.trajectory import joined
-from lammps_inputs import find
+from lammps_inputs import find, physics
 from workflow.engines.reference import engine
 from workflow.engines.reference.blanes_moan import BLANES_MOAN
 from workflow.engines.reference.certify import SAFETY, Certifier, certified
@@ -65,9 +65,9 @@ def test_a_small_case_is_that_of_dop853(small):
 
     def rates(_, state):
         x = state[:count].reshape(reference.velocity[0].shape)
-        return np.concatenate([state[count:], acceleration(reference.problem, x).ravel()])
+        return np.concatenate([state[count:], acceleration(reference.problem.system, x).ravel()])
 
-    start = np.concatenate([np.zeros(count), reference.problem.initial_velocity().ravel()])
+    start = np.concatenate([np.zeros(count), physics.initial_velocity(reference.problem.system).ravel()])
     end = reference.time[-1]
     found = solve_ivp(rates, (0.0, end), start, "DOP853", reference.time, rtol=1e-13, atol=1e-15, max_step=0.01)
     velocity = found.y[count:].T.reshape(reference.velocity.shape)
@@ -92,14 +92,14 @@ def test_a_small_case_is_that_of_another_scheme_in_extended_precision(small):
     ends = []
     for steps in (6000, 12000):
         x = np.zeros(reference.velocity[0].shape, np.longdouble)
-        v = reference.problem.initial_velocity().astype(np.longdouble)
+        v = physics.initial_velocity(reference.problem.system).astype(np.longdouble)
         h = np.longdouble(10.0) / steps
-        a = acceleration(reference.problem, x)
+        a = acceleration(reference.problem.system, x)
         for _ in range(steps):
             for part in parts:
                 v += 0.5 * part * h * a
                 x += part * h * v
-                a = acceleration(reference.problem, x)
+                a = acceleration(reference.problem.system, x)
                 v += 0.5 * part * h * a
         ends.append(v)
     left = float(np.max(np.abs(ends[1] - ends[0])))  # more than the error of the finer run
@@ -112,11 +112,11 @@ def test_the_compiled_loop_loses_rounding_only():
     small = problem(beads=5, chains=3, gap=0.3, frames=50)
     compiled = engine.run(small, steps_per_frame=4)
     x = np.zeros((3, 5), np.longdouble)
-    v = small.initial_velocity().astype(np.longdouble)
+    v = physics.initial_velocity(small.system).astype(np.longdouble)
     h = np.longdouble(small.every / 4)
     for _ in range(50 * 4):
         for kick, drift in zip(BLANES_MOAN.kicks, (*BLANES_MOAN.drifts, 0.0), strict=True):
-            v += kick * h * acceleration(small, x)
+            v += kick * h * acceleration(small.system, x)
             x += drift * h * v
     # 200 steps of 6 stages, each rounding numbers below 8 a few times; what was lost grows at most with the time, 5
     assert np.max(np.abs(v - compiled.velocity[-1])) < 1200 * 5.0 * 4.0 * np.finfo(float).eps

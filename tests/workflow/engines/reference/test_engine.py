@@ -12,7 +12,7 @@ from analysis import motion
 from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import find_peaks
 from analysis.trajectory import LEDGER
-from lammps_inputs import Kick, Output, find
+from lammps_inputs import Kick, Output, find, physics
 from workflow.engines.reference.blanes_moan import BLANES_MOAN
 from workflow.engines.reference.certify import Certifier
 from workflow.engines.reference.engine import blocks, make_state, run
@@ -105,7 +105,7 @@ def test_one_chain_throws_its_first_beads_back_as_published():
 
 def test_a_contact_of_two_beads_has_the_exact_overlap_and_ends_at_the_exact_time():
     two = run(problem(chains=1, kappa=None, beads=2, duration=3.0, every=0.001), steps_per_frame=1)
-    overlap = motion.overlaps(two.problem, two.displacement)[:, 0, 0]
+    overlap = motion.overlaps(two.problem.system, two.displacement)[:, 0, 0]
     assert overlap.max() == pytest.approx((5 / 8) ** 0.4, abs=1e-6)  # sampled within 0.0005, curvature 1.25
     assert two.time[overlap > 0][-1] == pytest.approx(CONTACT_TIME, abs=0.0011)
     assert pytest.approx(2.438838, abs=5e-7) == CONTACT_TIME
@@ -138,7 +138,7 @@ def pressed():
 def test_a_scheme_has_its_order_while_contacts_stay_closed(scheme, steps, band):
     like = problem(beads=PRESSED, kappa=0.5)
     x, exact = integrated(pressed(), like, BLANES_MOAN, 0.5 / 256, 256)
-    assert motion.overlaps(like, x).min() > 0.5
+    assert motion.overlaps(like.system, x).min() > 0.5
     steps = np.array(steps)
     error = [np.abs(integrated(pressed(), like, scheme, 0.5 / n, n)[1] - exact).max() for n in steps]
     assert order(0.5 / steps, error) == pytest.approx(scheme.order, abs=band)
@@ -201,7 +201,7 @@ def test_the_energy_of_verlet_swings_as_the_step_squared():
 
 
 def energies(trajectory):
-    return motion.energy(trajectory.problem, trajectory.displacement, trajectory.velocity)
+    return motion.energy(trajectory.problem.system, trajectory.displacement, trajectory.velocity)
 
 
 @pytest.mark.parametrize("scheme", SCHEMES, ids=lambda scheme: scheme.name)
@@ -228,13 +228,16 @@ def test_momentum_is_kept_to_rounding(scheme, chains, kappa, gap):
     found = run(like, scheme=scheme)
     # a kick rounds each velocity, below 1 here, by eps / 2 at most: ten times the root of the number of roundings
     roundings = scheme.forces_per_step * like.frames * 2 * like.beads * chains
-    assert np.abs(motion.momentum(like, found.velocity) - like.momentum).max() < 10 * roundings**0.5 * EPS / 2
+    assert (
+        np.abs(motion.momentum(like.system, found.velocity) - physics.momentum(like.system)).max()
+        < 10 * roundings**0.5 * EPS / 2
+    )
 
 
 @pytest.mark.parametrize(("chains", "kappa", "gap"), SHAPES)
 def test_energy_is_kept_to_one_millionth_at_the_default_step(chains, kappa, gap):
     like = problem(chains=chains, kappa=kappa, gap=gap)
-    assert energies(run(like)) == pytest.approx(like.energy, abs=1e-6)
+    assert energies(run(like)) == pytest.approx(physics.energy(like.system), abs=1e-6)
 
 
 @pytest.mark.parametrize(("chains", "kappa", "gap"), SHAPES)
@@ -261,7 +264,7 @@ def test_a_scheme_retraces_its_way_when_velocities_are_turned():
     # 400 steps of 7 stages, each with a random rounding below 8 eps; errors at most grow as time does, over 20
     bound = (400 * 7) ** 0.5 * 8 * EPS * 20
     np.testing.assert_allclose(x, 0.0, atol=bound)
-    np.testing.assert_allclose(v, -like.initial_velocity(), rtol=0, atol=bound)
+    np.testing.assert_allclose(v, -physics.initial_velocity(like.system), rtol=0, atol=bound)
 
 
 @pytest.mark.parametrize("speed", [1e-12, 1e-6, 1e6, 1e12])
@@ -344,10 +347,10 @@ def test_frames_do_not_depend_on_how_long_the_run_is():
 def acceleration(x, like):
     """Eq. 1, written once more, [chain, bead], in any precision."""
     a = np.zeros_like(x)
-    push = np.maximum(x[:, :-1] - x[:, 1:] - like.gap, 0) ** (x.dtype.type(3) / 2)
+    push = np.maximum(x[:, :-1] - x[:, 1:] - physics.gap(like.system), 0) ** (x.dtype.type(3) / 2)
     a[:, :-1] -= push
     a[:, 1:] += push
-    pull = like.kappa * (x[1:] - x[:-1])
+    pull = physics.kappa(like.system) * (x[1:] - x[:-1])
     a[:-1] += pull
     a[1:] -= pull
     return a
@@ -361,7 +364,7 @@ def test_the_same_scheme_in_extended_precision_agrees_to_rounding(chains, kappa,
     like = problem(chains=chains, kappa=kappa, gap=gap)
     steps = 4 * like.frames
     x = np.zeros((like.chains, like.beads), np.longdouble)
-    v = like.initial_velocity().astype(np.longdouble)
+    v = physics.initial_velocity(like.system).astype(np.longdouble)
     h = np.longdouble(like.every / 4)
     for _ in range(steps):
         for kick, drift in zip(scheme.kicks, (*scheme.drifts, 0.0), strict=True):
@@ -383,7 +386,7 @@ def test_dop853_agrees_within_the_certified_error(chains, kappa, gap):
         x, v = state.reshape(shape)
         return np.concatenate([v.ravel(), acceleration(x, like).ravel()])
 
-    start = np.concatenate([np.zeros(like.chains * like.beads), like.initial_velocity().ravel()])
+    start = np.concatenate([np.zeros(like.chains * like.beads), physics.initial_velocity(like.system).ravel()])
     dop = solve_ivp(rate, (0.0, like.duration), start, method="DOP853", rtol=1e-13, atol=1e-14, max_step=0.02)
     certifier = Certifier(like, steps_per_frame=64)
     *_, last = certifier.blocks()

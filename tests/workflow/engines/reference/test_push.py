@@ -37,10 +37,10 @@ def test_it_is_the_solution_that_scipy_finds(name):
 
     def slope(t, state):
         x, v = state.reshape(2, *shape)
-        return np.concatenate([v, motion.acceleration(one, x, time=np.float64(t))], axis=None)
+        return np.concatenate([v, motion.acceleration(one.system, x, time=np.float64(t))], axis=None)
 
     state, times = np.zeros(2 * one.chains * one.beads), np.arange(one.frames + 1) * one.every
-    kinks = sorted({0.0, *(kink for load in one.loads for kink in load.law.kinks), times[-1]})
+    kinks = sorted({0.0, *(kink for load in one.system.loads for kink in load.law.kinks), times[-1]})
     found = np.empty((len(times), len(state)))
     for begin, end in itertools.pairwise(kinks):
         inside = np.flatnonzero((times >= begin) & (times <= end))
@@ -63,7 +63,7 @@ def test_momentum_afterwards_is_the_impulse_and_energy_the_work(name):
     run, seen = engine.run(one, steps_per_frame=20), Conservation()
     for begin in range(0, run.frames, 7):
         seen.add(run[begin : begin + 7])
-    given = sum(load.impulse(load.end) for load in one.loads)
+    given = sum(load.impulse(load.end) for load in one.system.loads)
     assert abs(run.velocity[-1].sum() - given) < 1e-13
     assert seen.momentum_drift < 1e-13
     assert seen.energy_drift < 2e-6  # contacts close and open between frames
@@ -78,7 +78,7 @@ def test_stepping_as_lammps_does_is_of_order_two_and_gives_the_impulse_exactly(n
     for steps in (4, 8, 16, 32):
         run = engine.run(one, steps_per_frame=steps, scheme=VERLET)
         errors.append(np.max(np.abs(run.velocity - right)))
-        assert abs(run.velocity[-1].sum() - one.loads[0].impulse(99.0)) < 1e-12
+        assert abs(run.velocity[-1].sum() - one.system.loads[0].impulse(99.0)) < 1e-12
     order = np.polyfit(np.log([4, 8, 16, 32]), -np.log(errors), 1)[0]
     assert 1.95 < order < 2.05
 

@@ -32,7 +32,7 @@ def curve(settings, name):
 @pytest.mark.parametrize("kappa", [0.1, 100.0])
 def test_steps_are_stable_and_frames_and_ends_are_the_scenes(every, kappa):
     own = problem(kappa=kappa, timestep=every / 300, steps_per_frame=300, frames=400)
-    longest = grid.COARSEST * stability_bound(own)
+    longest = grid.COARSEST * stability_bound(own.system)
     settings = grid.settings(own)
     for name in ("LAMMPS verlet", "LAMMPS suzuki4", "reference blanes-moan"):
         several = curve(settings, name)

@@ -3,6 +3,7 @@
 import numpy as np
 from matplotlib.axes import Axes
 
+from lammps_inputs import physics
 from workflow.studies.gallery.entry import (
     COLOURS,
     NAMES,
@@ -38,8 +39,8 @@ def _growth(taper: float) -> float:
 
 def _arrives(run: Ran) -> float:
     """Largest kinetic energy of the last bead, in that of the kick."""
-    mass = run.problem.mass_of(slice(None), -1)
-    return float(np.max(0.5 * mass * run.trajectory.velocity[:, :, -1] ** 2) / run.problem.energy)
+    mass = physics.mass_of(run.problem.system, slice(None), -1)
+    return float(np.max(0.5 * mass * run.trajectory.velocity[:, :, -1] ** 2) / physics.energy(run.problem.system))
 
 
 def statements(results: Results) -> list[Statement]:

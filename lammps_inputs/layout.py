@@ -1,0 +1,102 @@
+"""Where LAMMPS has the beads of a system: their diameter, and their places at rest.
+
+The dynamics do not depend on any of it.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lammps_inputs import laws, physics
+from lammps_inputs.laws.dashpot import ContactLoss
+from lammps_inputs.laws.wall_dashpot import WallDashpot
+from lammps_inputs.links import Across
+from lammps_inputs.numbers import power_of_two_at_least, text
+from lammps_inputs.system import System
+
+PLACES = "places"
+"""Fix of LAMMPS that has noted where beads rest, where that is no formula of their numbers."""
+
+
+@dataclass(frozen=True)
+class Layout:
+    """What a law is spelled for: beads in LAMMPS, and the laws beside it.
+
+    Attributes:
+        system: whose beads.
+        window: rows that exist in LAMMPS, where not all do.
+    """
+
+    system: System
+    window: int | None = None
+
+    @property
+    def chains(self) -> int:
+        """Number of chains."""
+        return self.system.chains
+
+    @property
+    def beads(self) -> int:
+        """Of each chain."""
+        return self.system.beads
+
+    @property
+    def rows(self) -> int:
+        """Rows of beads that exist in LAMMPS."""
+        return self.window or self.beads
+
+    @property
+    def gap(self) -> float:
+        """Clear distance between neighbouring beads; 0 where they touch."""
+        return physics.gap(self.system)
+
+    @property
+    def contact_loss(self) -> ContactLoss | None:
+        """The law of damping of the contacts; None where they lose nothing."""
+        return physics.contact_loss(self.system)
+
+    def wall_loss(self, side: float) -> WallDashpot | None:
+        """The law of damping of the walls on a side; None where they lose nothing."""
+        return physics.wall_loss(self.system, side)
+
+    @property
+    def centred(self) -> bool:
+        """Whether LAMMPS's step is of order 2 by masses that are larger (`lammps_inputs.laws.dashpot.Dashpot`)."""
+        return physics.centred(self.system)
+
+    @cached_property
+    def diameter(self) -> float:
+        """Bead diameter: a power of two, so that touching is exact, and never small enough for second neighbours to
+        meet or for one overlap to reach half of it.
+        """
+        system, total = self.system, physics.energy(self.system)
+        law, rest = system.along[0].law, float(np.max(laws.rest(system.along[0].law)))
+        alone, shared = (rest + laws.reach(law, energy) for energy in (total, total / 2.0))
+        walls = (2.0 * float(np.max(link.law.overlap(total))) for link in physics.walls(system))
+        # a row's dashpots know each other by their distance
+        damped = any(isinstance(link, Across) for link in system.dampers)
+        rows = (rest + 2.0 * laws.reach(link.law, total) for link in system.across if damped)
+        return power_of_two_at_least(max(4.0, 2.0 * alone, 2.0 * shared, *walls, *rows))
+
+    @property
+    def spacing(self) -> float:
+        """Distance between the centres of neighbouring beads at rest; without load if that differs."""
+        rest = float(laws.rest(self.system.along[0].law)) if physics.even(self.system) else 0.0
+        return self.diameter + self.gap - rest
+
+    @property
+    def places(self) -> NDArray[np.float64]:
+        """[chain, bead] where the beads are at rest, to the last bit."""
+        if physics.even(self.system):
+            row = np.arange(1, self.beads + 1) * self.spacing
+            return np.broadcast_to(row, (self.chains, self.beads))
+        places = np.full((self.chains, self.beads), self.spacing)
+        places[:, 1:] -= laws.rest(self.system.along[0].law)
+        return np.asarray(np.cumsum(places, axis=1))
+
+    @property
+    def place_formula(self) -> str:
+        """The same as a formula of LAMMPS; where it is none of the number of an atom, a fix has noted it."""
+        return f"((id-1)%{self.rows}+1)*{text(self.spacing)}" if physics.even(self.system) else f"f_{PLACES}"

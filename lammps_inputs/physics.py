@@ -1,0 +1,263 @@
+"""What follows from a system: its energy and momentum, what sets it in motion, and which ingredients it has."""
+
+import functools
+import math
+from collections.abc import Callable
+from typing import Any, TypeVar, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lammps_inputs import laws
+from lammps_inputs.facts import Fact
+from lammps_inputs.laws.dashpot import ContactLoss
+from lammps_inputs.laws.linear import Linear
+from lammps_inputs.laws.wall_dashpot import WallDashpot
+from lammps_inputs.links import Across, Along, Ground, Link, Wall, WallDamper
+from lammps_inputs.system import System
+
+Found = TypeVar("Found")
+
+_FASTER = 4.0
+"""Velocity that beads beside a driven one are taken to reach at most, in the drive's own."""
+
+
+def once(compute: Callable[[System], Found]) -> Callable[[System], Found]:
+    """The same function, which computes once for each system."""
+    name = f"_{compute.__name__}"
+
+    @functools.wraps(compute)
+    def known(system: System) -> Found:
+        found = vars(system)
+        if name not in found:
+            found[name] = compute(system)
+        return cast(Found, found[name])
+
+    return known
+
+
+# --- beads ------------------------------------------------------------------------------------------------------------
+
+
+def mass_of(system: System, *index: Any) -> Any:
+    """Mass of chosen beads, an index of [chain, bead] from 0; the number where all have the same."""
+    return system.mass if isinstance(system.mass, float) else system.mass[index]
+
+
+def mass_from(system: System, first: int, array: NDArray[np.float64]) -> Any:
+    """Mass of the beads of an array [..., chain, bead] that begins with bead ``first``."""
+    return mass_of(system, Ellipsis, slice(first - 1, first - 1 + array.shape[-1]))
+
+
+@once
+def alike(system: System) -> bool:
+    """Whether all beads, and all their contacts, are the same."""
+    return isinstance(system.mass, float) and not any(laws.differs(link.law) for link in system.along)
+
+
+@once
+def one_kind(system: System) -> bool:
+    """Whether all beads are the same, and all contacts but for the load that they bear."""
+    return isinstance(system.mass, float) and not any(np.ndim(laws.strength(link.law)) for link in system.along)
+
+
+def uniform(system: System) -> bool:
+    """Whether no law differs from link to link, so that the beads might be more."""
+    return isinstance(system.mass, float) and not any(laws.differs(link.law) for link in system.links)
+
+
+# --- what sets beads in motion ----------------------------------------------------------------------------------------
+
+
+def energy(system: System) -> float:
+    """Energy of the kicks; with loads the most that they and the kicks can put in: that of free beads.
+
+    What never ends puts in without end; then it is what one contact is taken to hold, that of beads some times
+    faster than the drive. Runs are checked for overlaps that LAMMPS could not hold.
+    """
+    kicked = 0.5 * sum(_kicked_mass(system, kick) * kick[2] ** 2 for kick in system.kicks)
+    if not driven(system) and not system.loads:
+        return kicked
+    # a force F puts in F v at most F sqrt(2 E / m), so that sqrt(2 E) grows by no more than its impulse / sqrt(m)
+    given = sum(
+        load.law.total
+        * (0.5 * _FASTER if load.endless else 1.0)
+        / math.sqrt(mass_of(system, load.chain - 1, load.bead - 1))
+        for load in system.loads
+    )
+    given += _FASTER * math.sqrt(np.max(system.mass)) * sum(motion.speed for motion in system.motions)
+    return 0.5 * (math.sqrt(2.0 * kicked) + given) ** 2
+
+
+def momentum(system: System) -> float:
+    """Momentum of the kicks."""
+    return sum(_kicked_mass(system, kick) * kick[2] for kick in system.kicks)
+
+
+def kick_momenta(system: System) -> float:
+    """Sum of the sizes of the kicks' momenta."""
+    return sum(_kicked_mass(system, kick) * abs(kick[2]) for kick in system.kicks)
+
+
+def _kicked_mass(system: System, kick: tuple[int, int, float]) -> float:
+    return float(mass_of(system, kick[0] - 1, kick[1] - 1))
+
+
+def initial_velocity(system: System) -> NDArray[np.float64]:
+    """Velocities at the start, [chain, bead]; displacements are zero."""
+    velocity = np.zeros((system.chains, system.beads))
+    for chain, bead, value in system.kicks:
+        velocity[chain - 1, bead - 1] = value
+    for motion in system.motions:
+        velocity[motion.chain - 1, motion.bead - 1] = motion.velocity(0.0)
+    return velocity
+
+
+def excitations(system: System) -> tuple[tuple[int, int, float], ...]:
+    """(chain, bead, impulse), counted from 1, of every kick, load and motion: what sets the beads in motion."""
+    loads = ((load.chain, load.bead, load.blow) for load in system.loads)
+    motions = ((motion.chain, motion.bead, motion.amplitude * motion.omega) for motion in system.motions)
+    return (*system.kicks, *loads, *motions)
+
+
+def largest_excitation(system: System) -> tuple[int, int, float]:
+    """(chain, bead, impulse), counted from 1, of what sets most in motion: where the leading pulse starts."""
+    return max(excitations(system), key=lambda one: abs(one[2]))
+
+
+def acted_on(system: System) -> bool:
+    """Whether anything but the kicks comes from outside."""
+    return bool(system.loads) or bool(system.motions)
+
+
+def driven(system: System) -> bool:
+    """Whether anything outside moves or pushes beads for ever."""
+    return bool(system.motions) or any(load.endless for load in system.loads)
+
+
+def exchanges(system: System) -> bool:
+    """Whether energy is put in after the start, or lost."""
+    return acted_on(system) or bool(system.dampers)
+
+
+# --- contacts ---------------------------------------------------------------------------------------------------------
+
+
+def gap(system: System) -> float:
+    """Clear distance between neighbouring beads; 0 where they touch."""
+    return system.along[0].gap
+
+
+def exponent(system: System) -> float | None:
+    """Of the overlap in the force of a contact; None where that is no power of it."""
+    return getattr(system.along[0].law, "exponent", None) if len(system.along) == 1 else None
+
+
+@once
+def loaded(system: System) -> bool:
+    """Whether contacts bear a load at rest, so that there is sound."""
+    return any(np.any(laws.load(link.law)) for link in system.along)
+
+
+def even(system: System) -> bool:
+    """Whether all neighbouring beads are equally far apart at rest."""
+    return not any(np.ndim(laws.rest(link.law)) for link in system.along)
+
+
+def contact_loss(system: System) -> ContactLoss | None:
+    """The law of damping of the contacts; None where they lose nothing."""
+    return next((cast(ContactLoss, link.law) for link in system.dampers if isinstance(link, Along)), None)
+
+
+# --- walls and the ground ---------------------------------------------------------------------------------------------
+
+
+@once
+def walls(system: System) -> tuple[Wall, ...]:
+    """The links to the ground that only push."""
+    return tuple(link for link in system.ground if isinstance(link, Wall))
+
+
+@once
+def ground_springs(system: System) -> tuple[Ground, ...]:
+    """The springs to the ground."""
+    return tuple(link for link in system.ground if not isinstance(link, Wall))
+
+
+def wall_at(system: System, side: float) -> Wall:
+    """The walls on a side."""
+    return next(wall for wall in walls(system) if wall.law.side == side)
+
+
+def wall_loss(system: System, side: float) -> WallDashpot | None:
+    """The law of damping of the walls on a side; None where they lose nothing."""
+    found = (link.law for link in system.dampers if isinstance(link, WallDamper))
+    return next((law for law in found if law.side == side), None)
+
+
+# --- dashpots ---------------------------------------------------------------------------------------------------------
+
+
+def dashpot_names(system: System) -> tuple[str | None, ...]:
+    """Names of the dashpots along, across, to the ground and of walls; None where there are none."""
+
+    def names(kind: type[Link]) -> list[str]:
+        walled = kind is WallDamper
+        return [x.name for x in system.dampers if isinstance(x, kind) and isinstance(x, WallDamper) == walled]
+
+    return tuple(" and ".join(dict.fromkeys(names(kind))) or None for kind in (Along, Across, Ground, WallDamper))
+
+
+def centred(system: System) -> bool:
+    """Whether LAMMPS's step is of order 2 by masses that are larger (`lammps_inputs.laws.dashpot.Dashpot`)."""
+    return bool(system.dampers) and system.holds(Fact.SECOND_ORDER)
+
+
+# --- springs between chains -------------------------------------------------------------------------------------------
+
+
+def coupled(system: System) -> bool:
+    """Whether any spring between chains exists."""
+    return bool(system.across)
+
+
+def kappa(system: System) -> float:
+    """Stiffness at rest of the springs between chains, the largest if they differ; 0 where there are none."""
+    return max((float(np.max(laws.stiffness(link.law, 0.0))) for link in system.across), default=0.0)
+
+
+def open_row(system: System) -> bool:
+    """Whether the chains stand in a row, each tied to the next by equal linear springs; or none to another."""
+    return all(
+        isinstance(link.law, Linear)
+        and not laws.differs(link.law)
+        and link.open_row
+        and len(link.edges) == system.chains - 1
+        for link in system.across
+    )
+
+
+def simply_coupled(system: System) -> bool:
+    """Whether every row oscillates by the known modes of equal linear springs in an open row of chains, or freely.
+
+    Its beads have the mass 1.
+    """
+    free = isinstance(system.mass, float) and not system.ground
+    return free and open_row(system) and not acted_on(system) and not system.dampers
+
+
+@once
+def groups(system: System) -> tuple[frozenset[int], ...]:
+    """Chains, counted from 0, that are tied to each other, directly or by others; each in one group."""
+    group = {chain: {chain} for chain in range(system.chains)}
+    for one, other in (edge for link in system.across for edge in link.edges):
+        small, large = sorted((group[one], group[other]), key=len)
+        if small is not large:
+            large |= small
+            group.update(dict.fromkeys(small, large))
+    return tuple(map(frozenset, {id(members): members for members in group.values()}.values()))
+
+
+def tied_to(system: System, chain: int) -> list[int]:
+    """Chains, counted from 0, of the group that one is in, ascending."""
+    return sorted(next(group for group in groups(system) if chain in group))

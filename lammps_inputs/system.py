@@ -1,0 +1,76 @@
+"""Beads, the links between them, and what sets them in motion: the equations of motion, dimensionless at V = 1.
+
+What follows from a system is in `lammps_inputs.physics`; where LAMMPS has its beads, in `lammps_inputs.layout`.
+
+| paper              | here                      | unit                      |
+|--------------------|---------------------------|---------------------------|
+| N                  | ``chains``                | -                         |
+| epsilon * alpha    | ``physics.kappa``         | m / T**2                  |
+| D                  | ``physics.gap``           | L                         |
+| V                  | largest of the excitations | L / T; 1 by construction |
+"""
+
+from dataclasses import dataclass, fields
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lammps_inputs.facts import Fact
+from lammps_inputs.links import Across, Along, Ground, Link
+from lammps_inputs.loads import Load, Motion
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class System:
+    """Beads, the links between them, and how they are hit, so that the fastest starts at 1."""
+
+    chains: int
+    beads: int
+    kicks: tuple[tuple[int, int, float], ...]
+    """(chain, bead, velocity), counted from 1; the largest |velocity| is 1."""
+    links: tuple[Link, ...]
+    """All forces there are; contacts first."""
+    mass: float | NDArray[np.float64] = 1.0
+    """1 where all beads have the reference bead's, else [chain, bead]."""
+    lacks: frozenset[Fact] = frozenset()
+    """What does not hold."""
+    loads: tuple[Load, ...] = ()
+    """Forces on beads from outside, over time."""
+    motions: tuple[Motion, ...] = ()
+    """Beads whose motion is given."""
+    dampers: tuple[Link, ...] = ()
+    """Forces against velocities: links with laws of damping."""
+
+    def __eq__(self, other: object) -> bool:
+        """Whether all is the same, to the last number of every array."""
+        if type(self) is not type(other):
+            return False
+        pairs = ((getattr(self, field.name), getattr(other, field.name)) for field in fields(self))
+        return all(np.array_equal(a, b) if isinstance(a, np.ndarray) else _same(a, b) for a, b in pairs)
+
+    def __hash__(self) -> int:
+        return hash((type(self), self.chains, self.beads, self.kicks, self.links))
+
+    def holds(self, fact: Fact) -> bool:
+        """Whether a fact is true of this system."""
+        return fact not in self.lacks
+
+    @cached_property
+    def along(self) -> tuple[Along, ...]:
+        """The links along the chains."""
+        return tuple(link for link in self.links if isinstance(link, Along))
+
+    @cached_property
+    def across(self) -> tuple[Across, ...]:
+        """The links across the chains."""
+        return tuple(link for link in self.links if isinstance(link, Across))
+
+    @cached_property
+    def ground(self) -> tuple[Ground, ...]:
+        """The links to the ground."""
+        return tuple(link for link in self.links if isinstance(link, Ground))
+
+
+def _same(one: object, other: object) -> bool:
+    return not isinstance(other, np.ndarray) and one == other
