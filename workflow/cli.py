@@ -34,6 +34,11 @@ except (ImportError, SyntaxError):
         f"`pip uninstall {names}`, then `pip install --force-reinstall --no-deps granchain`"
     )
 
+_COMMANDS = Path(__file__).parent / "commands"
+_STUDIES = Path(__file__).parent / "studies"
+
+_HERE = Path(__file__).parent
+
 COMMANDS = (
     "scenes",
     "show",
@@ -46,21 +51,14 @@ COMMANDS = (
     "analyze",
     "view",
     "validate",
-    "compare",
-    "reproduce",
-    "gallery",
-    "map",
-    "fit",
-    "design",
-    "threshold",
-    "trade",
     "sweep",
     "collect",
-    "bench",
-    "extremes",
+    *sorted(path.parent.name for path in _HERE.glob("studies/*/command.py")),
+    "reproduce",
     "schema",
     "completion",
 )
+"""Those of `workflow.commands`, and the studies: each folder of `workflow.studies` that has a ``command.py``."""
 
 PRINTED = ("scenes", "show", "help", "status", "bench", "schema", "completion")
 """Commands that make nothing but what they print."""
@@ -181,8 +179,19 @@ def parser(names: Sequence[str]) -> argparse.ArgumentParser:
             name, help=summary, description=summary, formatter_class=argparse.RawDescriptionHelpFormatter
         )
         if name in known:
-            _fill(one, importlib.import_module(f"workflow.commands.{name}"))
+            _fill(one, module_of(name))
     return whole
+
+
+def module_of(name: str) -> Any:
+    """The module of a command."""
+    return importlib.import_module(
+        f"workflow.studies.{name}.command" if _is_study(name) else f"workflow.commands.{name}"
+    )
+
+
+def _is_study(name: str) -> bool:
+    return (_HERE / "studies" / name / "command.py").is_file()
 
 
 def _fill(one: argparse.ArgumentParser, module: Any) -> None:
@@ -210,7 +219,8 @@ def _examples(lines: Iterable[str]) -> str:
 
 def _summary(name: str) -> str:
     """First line of a command's docstring, read without importing it."""
-    source = (Path(__file__).parent / "commands" / f"{name}.py").read_text(encoding="utf-8")
+    place = f"studies/{name}/command.py" if _is_study(name) else f"commands/{name}.py"
+    source = (_HERE / place).read_text(encoding="utf-8")
     return (ast.get_docstring(ast.parse(source)) or "").partition("\n")[0]
 
 

@@ -66,7 +66,7 @@ def a_run(finished, tmp_path):
 def locked(tmp_path):
     """A directory that the user may not look into; root, for whom permissions do not count, is somebody else here."""
     for name in COMMANDS:  # while they can be read
-        importlib.import_module(f"workflow.commands.{name}")
+        cli.module_of(name)
     importlib.import_module("rich.progress")
     library.find("two-chains")
     tmp_path.chmod(0)

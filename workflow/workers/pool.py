@@ -1,7 +1,7 @@
 """Worker processes that stay warm: tasks go in, answers come out; a process that dies is one failed task.
 
 A task names a function of this project, whose arguments and value are plain data (JSON):
-``Task("workflow.studies.map:run_case", {"chains": 2, "kappa": 0.1})``.
+``Task("workflow.studies.map.study:run_case", {"chains": 2, "kappa": 0.1})``.
 """
 
 import contextlib

@@ -27,7 +27,8 @@ from workflow.runs import check as checking
 from workflow.runs.run import run
 from workflow.studies import study
 from workflow.studies.extremes import cells as all_cells
-from workflow.studies.extremes import measure, report
+from workflow.studies.extremes import measure
+from workflow.studies.extremes import study as report
 from workflow.studies.extremes.cells import BASE, Cell, changed, grid, scaled, springs
 from workflow.studies.extremes.figure import COLOURS, extremes_figure
 from workflow.studies.extremes.measure import KINDS, Outcome, Told, classify

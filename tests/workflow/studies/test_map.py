@@ -7,7 +7,7 @@ import pytest
 
 from lammps_inputs import InputError
 from workflow.cli import main
-from workflow.studies.map import make_map, run_case
+from workflow.studies.map.study import make_map, run_case
 
 
 @pytest.mark.parametrize(

@@ -1,23 +1,33 @@
 """The contract of all studies: cases are evaluated once and cached, and a directory is one study's own."""
 
+import importlib
 import json
+from pathlib import Path
 
 import pytest
 
 from lammps_inputs import InputError
+from workflow import studies
 from workflow.errors import RunError
 from workflow.runs.status import status
-from workflow.studies.extremes.report import STUDY as EXTREMES
-from workflow.studies.gallery.study import GALLERY, PAPER
-from workflow.studies.map import STUDY as MAP
-from workflow.studies.threshold.study import STUDY as THRESHOLD
+from workflow.runs.study_directory import RESUMES
+from workflow.studies.study import Study
 from workflow.workers.evaluate import case, evaluate, values
 from workflow.workers.pool import Answer, Pool
 from workflow.workers.results import Results
 
-STUDIES = pytest.mark.parametrize(
-    "study", [MAP, EXTREMES, GALLERY.study, PAPER.study, THRESHOLD], ids=lambda study: study.command
-)
+
+def declared():
+    """Every study that declares a directory which is resumed, in whatever module of `workflow.studies`."""
+    found = {}
+    for path in sorted(Path(studies.__file__).parent.glob("*/study.py")):
+        module = importlib.import_module(f"workflow.studies.{path.parent.name}.study")
+        named = [getattr(one, "study", one) for one in vars(module).values()]
+        found |= {one.command: one for one in named if isinstance(one, Study) and one.resume == RESUMES}
+    return list(found.values())
+
+
+STUDIES = pytest.mark.parametrize("study", declared(), ids=lambda study: study.command)
 
 
 def parsed(text, **options):
@@ -83,3 +93,7 @@ def test_a_directory_in_use_or_with_a_file_of_somebody_elses_is_refused(study, t
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="cannot be written"), study.opened(tmp_path / "file" / "x"):
         pass
+
+
+def test_the_studies_that_are_known_are_found():
+    assert {study.command for study in declared()} >= {"map", "extremes", "gallery", "reproduce", "threshold"}

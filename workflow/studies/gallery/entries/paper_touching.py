@@ -5,7 +5,7 @@ import numpy as np
 from analysis.figures import BeadHistory, SpaceTime, response_figure, spacetime_figure
 from analysis.sharing.equipartition import Estimate, sharing
 from workflow.studies.gallery.entry import NAMES, Entry, Ran, Results, Runs, Statement
-from workflow.studies.map import run_case
+from workflow.studies.map.study import run_case
 from workflow.studies.page import Picture, drawn
 
 CASES = (("two-chains", 55, "1", "2"), ("two-chains-strong", 55, "3", "4"), ("three-chains", 90, "5", "6"))

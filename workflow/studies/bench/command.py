@@ -19,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """Print a table of ratios, also where a part failed; exit code 1 if one failed or a ratio misses its goal."""
-    from workflow.studies.bench import PARTS, measure  # scipy takes a while to import
+    from workflow.studies.bench.study import PARTS, measure  # scipy takes a while to import
 
     for name in arguments.parts:
         if name not in PARTS:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from lammps_inputs import InputError, library
 from workflow.screen import count_bar, one_line, print_table
-from workflow.studies.extremes import cells, report
+from workflow.studies.extremes import cells, study
 
 DRAWS = True
 EXAMPLES = (
@@ -30,15 +30,15 @@ def execute(arguments: argparse.Namespace) -> int:
             raise InputError(f"extremes: {name[:60]!r} given{known}; of {', '.join(cells.PARTS)}")
     chosen = cells.grid(arguments.parts)
     if arguments.quick:
-        chosen = [cell for cell in chosen if report.cost(cell) <= report.QUICK]
+        chosen = [cell for cell in chosen if study.cost(cell) <= study.QUICK]
     with count_bar("extremes") as progress:
-        outcomes = report.make_report(chosen, arguments.output, progress=progress)
+        outcomes = study.make_report(chosen, arguments.output, progress=progress)
     rows = [
         [
             outcome.axis,
             outcome.value,
             outcome.kind,
-            *(report.written(number) for number in (outcome.error, outcome.told, outcome.told_sure, outcome.asked)),
+            *(study.written(number) for number in (outcome.error, outcome.told, outcome.told_sure, outcome.asked)),
             "-" if outcome.steps is None else f"{outcome.steps:,}",
             f"{outcome.seconds:.1f}",
         ]
@@ -49,8 +49,8 @@ def execute(arguments: argparse.Namespace) -> int:
     for outcome in outcomes:
         if outcome.kind in ("REFUSED", "STOPPED", "WRONG"):
             print(f"{outcome.kind} {outcome.axis} {outcome.value}: {outcome.why}")
-    found = report.counts(outcomes)
+    found = study.counts(outcomes)
     print(f"{len(outcomes)} cells: " + ", ".join(f"{number} {kind}" for kind, number in found.items()))
     if arguments.output is not None:
-        print(f"{one_line(arguments.output)}: {', '.join(report.STUDY.files)}")
+        print(f"{one_line(arguments.output)}: {', '.join(study.STUDY.files)}")
     return 1 if found["WRONG"] else 0

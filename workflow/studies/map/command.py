@@ -5,7 +5,7 @@ from pathlib import Path
 
 from lammps_inputs import InputError
 from workflow.screen import count_bar, one_line, print_table
-from workflow.studies import map as mapping
+from workflow.studies.map import study as mapping
 
 DRAWS = True
 EXAMPLES = (
