@@ -129,15 +129,20 @@ def to_csv(columns: Mapping[str, Iterable[Any]]) -> str:
 
 def table(found: Any, scale: Scale) -> dict[str, Any]:
     """Heading -> values in the scene's units, of a result whose fields are columns of one length."""
-    return {
-        scale.heading(name, quantity.unit): in_units(getattr(found, name), quantity.unit, scale)
-        for name, (quantity, _) in declared(type(found)).items()
-    }
+    own = declared(type(found)).items()
+    values = (in_units(getattr(found, name), quantity.unit, scale) for name, (quantity, _) in own)
+    return dict(zip(headings(type(found), scale), values, strict=True))
 
 
-def headings(kind: Any, words: Mapping[str, str], scale: Scale) -> list[str]:
-    """Of a printed table: words for some of the quantities of a type, with units in SI."""
-    return [scale.heading(text, declared(kind)[name][0].unit) for name, text in words.items()]
+def csv_of(found: Any, scale: Scale) -> str:
+    """The same as CSV."""
+    return to_csv(table(found, scale))
+
+
+def headings(kind: Any, scale: Scale, words: Mapping[str, str] | None = None) -> list[str]:
+    """Of a table, with units in SI: the names of a type's quantities, or words for some of them."""
+    own = declared(kind)
+    return [scale.heading(text, own[name][0].unit) for name, text in (words or {name: name for name in own}).items()]
 
 
 def written(found: Any, name: str, scale: Scale, digits: str) -> str:

@@ -259,7 +259,7 @@ def sharing(waves: Waves, problem: Problem, noise: float = 0.0) -> Sharing:
         math.nan if physics.acted_on(system) else physics.energy(system),
         noise,
         side_by_side(waves.arrival_error),
-        side_by_side(waves.velocity_error),
+        side_by_side(waves.peak_velocity_error),
         wave_of(system),
         make_speed(system) if physics.loaded(system) else None,
     )

@@ -176,7 +176,7 @@ def survey(
         waves = replace(
             waves,
             arrival_error=waves.arrival_error + error.arrival,
-            velocity_error=waves.velocity_error + error.peak_velocity,
+            peak_velocity_error=waves.peak_velocity_error + error.peak_velocity,
         )
     pulses, crests = _told_from_sound(tracks, waves, direction, problem)
     back = {direction: returns(waves, problem, direction), -direction: np.full((problem.chains, problem.beads), np.inf)}

@@ -2,14 +2,14 @@
 
 import csv
 import io
-from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis.mirror import mirrored_bead
+from analysis.quantity import Quantity, declared, table
 from analysis.tracking.peaks import Peaks
 from analysis.tracking.pulses import local_speed
 from analysis.trajectory import Floats
@@ -19,26 +19,40 @@ from lammps_inputs.units import Scale
 
 @dataclass(frozen=True)
 class Waves:
-    """Leading pulse of each chain at each bead that it reached, sorted by chain, then bead.
+    """Leading pulse of each chain at each bead that it reached, [wave], sorted by chain, then bead."""
 
-    Attributes:
-        chain, bead: counted from 1.
-        arrival: when the pulse passes the bead, in units of T, by one of `ARRIVALS`; NaN where that is not defined.
-        peak_velocity: largest velocity along the pulse's way, in units of V; positive whichever way it runs.
-        speed: beads per unit time along that way, from the arrivals at the recorded beads on either side (at an end:
-            one side); NaN where only one bead of the chain was reached.
-        time: at which the bead is fastest, in units of T, whether or not that is sharp.
-        arrival_error, velocity_error: how far arrival and peak velocity may be off because of the time between frames.
-    """
-
-    chain: NDArray[np.int64]
-    bead: NDArray[np.int64]
-    arrival: Floats
-    peak_velocity: Floats
-    speed: Floats
+    chain: Annotated[NDArray[np.int64], Quantity("number of the chain")]
+    bead: Annotated[NDArray[np.int64], Quantity("number of the bead")]
+    arrival: Annotated[
+        Floats,
+        Quantity(
+            "time at which the pulse passes the bead: that of the largest velocity, or the centre of the impulse",
+            "time",
+            "the largest velocity is reached on a plateau (a bead that flies freely)",
+            "t",
+        ),
+    ]
+    peak_velocity: Annotated[
+        Floats, Quantity("largest velocity of the bead, positive along the pulse's way", "velocity", symbol="v")
+    ]
+    speed: Annotated[
+        Floats,
+        Quantity(
+            "speed of the pulse along its way, from the arrivals at the recorded beads on either side (at an end: one)",
+            "speed",
+            "one bead of the chain was reached, or an arrival is undefined",
+            "c",
+        ),
+    ]
+    arrival_error: Annotated[
+        Floats,
+        Quantity("bound on the error of the arrival by the time between frames, or noise", "time", "so is the arrival"),
+    ]
+    peak_velocity_error: Annotated[
+        Floats, Quantity("bound on the error of the peak velocity by the time between frames, or noise", "velocity")
+    ]
     time: Floats
-    arrival_error: Floats
-    velocity_error: Floats
+    """Time at which the bead is fastest, in units of T, whether or not that is sharp."""
 
     def __len__(self) -> int:
         return len(self.bead)
@@ -49,9 +63,8 @@ class Waves:
 
     def measured(self, scale: Scale) -> "Waves":
         """The same in the units of a scene."""
-        times = {name: getattr(self, name) * scale.time for name in ("arrival", "time", "arrival_error")}
-        velocities = {name: getattr(self, name) * scale.velocity for name in ("peak_velocity", "velocity_error")}
-        return replace(self, **times, **velocities, speed=self.speed / scale.time)
+        columns = dict(zip(declared(Waves), table(self, scale).values(), strict=False))
+        return replace(self, **columns, time=self.time * scale.time)
 
     def array(self) -> NDArray[np.void]:
         """A structured array of these columns."""
@@ -94,7 +107,7 @@ def leading_waves(peaks: Peaks, arrival: Arrival = "maximum") -> Waves:
     time, error = (found.time, found.time_error) if arrival == "maximum" else (found.centre, found.centre_error)
     defined = np.where(np.isfinite(error), time, np.nan)
     waves = with_speeds(found.chain, found.bead, defined, found.velocity, direction=found.direction)
-    return replace(waves, time=found.time, arrival_error=error, velocity_error=found.velocity_error)
+    return replace(waves, time=found.time, arrival_error=error, peak_velocity_error=found.velocity_error)
 
 
 def with_speeds(
@@ -106,7 +119,7 @@ def with_speeds(
         row = chain == number
         speed[row] = direction * local_speed(bead[row], arrival[row])
     unknown = np.full(len(chain), np.nan)
-    return Waves(chain, bead, arrival, peak_velocity, speed, arrival, unknown, unknown)
+    return Waves(chain, bead, arrival, peak_velocity, speed, unknown, unknown, time=arrival)
 
 
 def mirrored_waves(waves: Waves, problem: Problem) -> Waves:
@@ -115,11 +128,8 @@ def mirrored_waves(waves: Waves, problem: Problem) -> Waves:
     return replace(waves, bead=bead).where(np.lexsort((bead, waves.chain)))
 
 
-COLUMNS = ("chain", "bead", "arrival", "peak_velocity", "speed")
-
-
 def from_csv(text: str, scale: Scale, *, direction: int = 1) -> Waves:
-    """The waves of a table that `to_csv` wrote; an arrival that is not given is not defined.
+    """The waves of a table in the scene's units; an arrival that is not given is not defined.
 
     Args:
         text: the table.
@@ -145,33 +155,4 @@ def from_csv(text: str, scale: Scale, *, direction: int = 1) -> Waves:
         raise ValueError(f"no table of waves ({error})") from None
     waves = with_speeds(chain, bead, arrival / scale.time, peak / scale.velocity, direction=direction)
     late = np.where(np.isnan(arrival), np.inf, late / scale.time)
-    return replace(waves, arrival_error=late, velocity_error=off / scale.velocity)
-
-
-def to_csv(waves: Waves, scale: Scale, more: Mapping[str, Floats] | None = None) -> str:
-    """A table in the scene's units (speed in beads per unit time); numbers round-trip, an unknown one is left empty.
-
-    SI units are named in the header, such as ``arrival (s)``.
-
-    Args:
-        waves: a row each, with the columns `COLUMNS`, and last the errors of arrival and peak velocity.
-        scale: of the scene.
-        more: further columns by heading, in the scene's units, [wave].
-    """
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    measured = waves.measured(scale)
-    numbers = {
-        scale.heading("arrival", "time"): measured.arrival,
-        scale.heading("peak_velocity", "velocity"): measured.peak_velocity,
-        scale.heading("speed", "speed"): measured.speed,
-        **(more or {}),
-        scale.heading("arrival_error", "time"): measured.arrival_error,
-        scale.heading("peak_velocity_error", "velocity"): measured.velocity_error,
-    }
-    writer.writerow(["chain", "bead", *numbers])
-    for chain, bead, *row in zip(waves.chain, waves.bead, *numbers.values(), strict=True):
-        writer.writerow(
-            [int(chain), int(bead), *("" if not np.isfinite(number) else repr(float(number)) for number in row)]
-        )
-    return out.getvalue()
+    return replace(waves, arrival_error=late, peak_velocity_error=off / scale.velocity)

@@ -54,7 +54,7 @@ def test_a_csv_table_has_a_column_for_each_quantity_headed_by_its_unit_and_nothi
 
 
 def test_a_printed_cell_is_in_the_unit_of_its_heading_and_a_dash_where_undefined():
-    assert headings(Passage, {"time": "arrival", "bead": "bead"}, SCALE) == ["arrival (s)", "bead"]
+    assert headings(Passage, SCALE, {"time": "arrival", "bead": "bead"}) == ["arrival (s)", "bead"]
     assert written(RESULT.passages[0], "time", SCALE, ".3g") == f"{5.0 * SCALE.time:.3g}"
     assert written(RESULT.passages[2], "time", SCALE, ".3g") == "-"
 

@@ -170,12 +170,13 @@ def _print_accuracy(found: Analysis) -> None:
         print(
             f"arrivals are maxima, which are not defined at {where} freely (empty in waves.csv); --arrival impulse is"
         )
-    if len(waves) and waves.velocity_error.max() > DOCUMENTED:
-        worst = int(np.argmax(waves.velocity_error))
+    if len(waves) and waves.peak_velocity_error.max() > DOCUMENTED:
+        worst = int(np.argmax(waves.peak_velocity_error))
         late = waves.arrival_error[np.isfinite(waves.arrival_error)].max(initial=0.0)
         why = "the noise" if found.survey.noise else f"frames {problem.every * scale.time:.3g} apart"
+        largest = waves.peak_velocity_error[worst]
         print(
-            f"{why}: peak velocities are sure to {waves.velocity_error[worst]:.1e} V only (bead {waves.bead[worst]} of "
+            f"{why}: peak velocities are sure to {largest:.1e} V only (bead {waves.bead[worst]} of "
             f"chain {waves.chain[worst]}), arrivals to {late:.1e} T; each one's error is in waves.csv"
         )
     if problem.every > FAR:

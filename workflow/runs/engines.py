@@ -7,8 +7,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
-from analysis.files import events
+from analysis.files.events import Events
 from analysis.files.recording import Writer
+from analysis.quantity import csv_of
 from analysis.trajectory import Trajectory
 from lammps_inputs import InputError, Problem, Scene, file_names, physics
 from workflow.cluster import ranks as model
@@ -202,8 +203,8 @@ class _Collisions(Engine):
         except KeyboardInterrupt:
             return {"outcome": "interrupted", "steps_done": 0}
         seconds = time.perf_counter() - started
-        table = events.Events(found.time, found.chain, found.row, found.striker, found.target)
-        write_text(path / EVENTS, events.to_csv(table, problem.scale))
+        events = Events(found.time, found.chain, found.row, found.striker, found.target)
+        write_text(path / EVENTS, csv_of(events, problem.scale))
         ending = _write_frames(path / file_names.DUMP, problem, collisions.blocks(found), work.progress)
         if ending["outcome"] != "done":
             return ending

@@ -20,14 +20,13 @@
 """
 
 import contextlib
-import csv
-import io
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from analysis import quantity
 from workflow.formats import figure_files
 from workflow.runs.study_directory import RESUMES, mark, study_directory
 from workflow.runs.whole_files import write_figure, write_text
@@ -109,13 +108,7 @@ def csv_text(rows: Sequence[Mapping[str, Any]], head: Sequence[str] = ()) -> str
         rows: column -> value.
         head: the columns; by default those of the first row.
     """
-    out = io.StringIO()
-    names = head or list(rows[0])
-    writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(names)
-    for row in rows:
-        writer.writerow([_written(row[name]) for name in names])
-    return out.getvalue()
+    return quantity.to_csv({name: [_written(row[name]) for row in rows] for name in head or rows[0]})
 
 
 def _written(value: Any) -> str:

@@ -1,7 +1,5 @@
 """The table of a sweep: its columns, their names, units and numbers."""
 
-import csv
-import io
 import math
 from dataclasses import dataclass, field
 from typing import Any
@@ -9,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.quantity import to_csv
 from analysis.sharing.verdict import State
 from analysis.trajectory import Floats
 from lammps_inputs import html
@@ -155,12 +154,7 @@ class Table:
 
     def to_csv(self) -> str:
         """One line a case; numbers read back exactly, and what is unknown is empty."""
-        out = io.StringIO()
-        writer = csv.writer(out, lineterminator="\n")
-        writer.writerow([self.heading(name) for name in self.columns])
-        for row in self.rows:
-            writer.writerow([_written(row[name]) for name in self.columns])
-        return out.getvalue()
+        return to_csv({self.heading(name): [_written(row[name]) for row in self.rows] for name in self.columns})
 
     def numbers(self, name: str) -> Floats:
         """A column as numbers; NaN where it holds none."""

@@ -234,7 +234,7 @@ def _chain_summary(waves: Waves, problem: Problem, chain: int) -> dict[str, Any]
         "speed": known(float(own.speed[last] / scale.time)),
         "peak_velocity_reduced": float(own.peak_velocity[last]),
         "arrival_reduced": known(float(own.arrival[last])),
-        "peak_velocity_error": known(float(own.velocity_error[last] * scale.velocity)),
+        "peak_velocity_error": known(float(own.peak_velocity_error[last] * scale.velocity)),
         "arrival_error": known(float(own.arrival_error[last] * scale.time)),
     }
 

@@ -1,41 +1,68 @@
 """The table that an analysis writes, ``waves.csv``."""
 
+from dataclasses import dataclass
+from typing import Annotated
+
 import numpy as np
 
 from analysis.mirror import mirrored_bead
+from analysis.quantity import Quantity, table, to_csv
 from analysis.sharing.survey import Survey
-from analysis.tracking.leading_waves import to_csv
+from analysis.tracking.leading_waves import Waves
 from analysis.trajectory import Floats
 
 
+@dataclass(frozen=True)
+class WavesTable(Waves):
+    """The leading wave of each chain at each bead."""
+
+    lag: Annotated[
+        Floats, Quantity("arrival behind the wave of the kicked chain", "time", "either arrival is undefined")
+    ]
+    width: Annotated[
+        Floats, Quantity("full width of the velocity at half its maximum", "beads", "the passage is not recorded whole")
+    ]
+    residual: Annotated[
+        Floats,
+        Quantity(
+            "largest difference from the velocity of the exact wave of this peak velocity, over that",
+            undefined="the passage is not recorded whole, or there is no exact wave",
+        ),
+    ]
+    chain_energy: Annotated[
+        Floats,
+        Quantity(
+            "energy of the chain, with half of its springs', when the waves (on average) pass this bead",
+            "energy",
+            "not all beads are recorded, or not all waves passed",
+        ),
+    ]
+    wave_energy: Annotated[
+        Floats,
+        Quantity(
+            "energy within 3 beads of the wave's peak at that time",
+            "energy",
+            "not all beads are recorded, not all waves passed, or another pulse is as near",
+        ),
+    ]
+
+
 def waves_csv(found: Survey) -> str:
-    """The contents of ``waves.csv``: the leading wave of each chain at each bead, in the scene's units.
-
-    In SI the header names the units: ``arrival (s)``.
-
-    | column        | what                                                                                  |
-    |---------------|---------------------------------------------------------------------------------------|
-    | chain, bead   | counted from 1                                                                        |
-    | arrival       | time at which the bead is fastest, or centre of the impulse; empty if not defined     |
-    | peak_velocity | largest velocity; positive along the pulse's way, whichever that is                   |
-    | speed         | beads per unit time, from the arrivals on either side                                 |
-    | lag           | arrival behind the wave of the chain that was hit                                     |
-    | width         | full width at half maximum of the velocity, beads; empty where speed is not positive  |
-    | residual      | largest difference from the exact wave of this peak velocity, in units of it          |
-    | chain_energy  | energy of the chain when the waves (on average) pass this bead, half of its springs'  |
-    | wave_energy   | energy within 3 beads of the wave's peak at that time                                 |
-    | arrival_error, peak_velocity_error | how far these may be off by the time between frames, or noise    |
-    """
-    scale, waves = found.problem.scale, found.waves
-    chain_energy, wave_energy = _energies(found)
-    more = {
-        scale.heading("lag", "time"): _lag(found) * scale.time,
-        "width": found.shape.width,
-        "residual": found.shape.residual,
-        scale.heading("chain_energy", "energy"): chain_energy * found.shared.energy * scale.energy,
-        scale.heading("wave_energy", "energy"): wave_energy * found.shared.energy * scale.energy,
-    }
-    return to_csv(waves, scale, more)
+    """The contents of ``waves.csv``, in the scene's units; errors stand last."""
+    chain_energy, wave_energy = (share * found.shared.energy for share in _energies(found))
+    shape = found.shape
+    made = WavesTable(
+        **vars(found.waves),
+        lag=_lag(found),
+        width=shape.width,
+        residual=shape.residual,
+        chain_energy=chain_energy,
+        wave_energy=wave_energy,
+    )
+    columns = table(made, found.problem.scale)
+    for heading in [heading for heading in columns if heading.startswith(("arrival_error", "peak_velocity_error"))]:
+        columns[heading] = columns.pop(heading)
+    return to_csv(columns)
 
 
 def _lag(found: Survey) -> Floats:

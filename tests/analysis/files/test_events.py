@@ -3,6 +3,7 @@ import pytest
 
 from analysis.files import events
 from analysis.files.events import Events
+from analysis.quantity import csv_of, declared
 from lammps_inputs import InputError
 from lammps_inputs.units import make_scale
 
@@ -21,19 +22,19 @@ def some(count):
 def test_a_table_of_collisions_reads_back(count, tmp_path):
     path = tmp_path / "events.csv"
     written = some(count)
-    path.write_text(events.to_csv(written, SI))
+    path.write_text(csv_of(written, SI))
     read = events.from_csv(path, SI)
     assert len(read) == count
-    for name in events.COLUMNS:
+    for name in declared(Events):
         # the scale is multiplied in and divided out: two roundings
         np.testing.assert_allclose(getattr(read, name), getattr(written, name), rtol=5e-16)
 
 
 def test_a_table_is_in_the_units_of_the_scene():
     written = Events(np.array([2.0]), np.array([1]), np.array([3]), np.array([0.5]), np.array([0.25]))
-    head, line = events.to_csv(written, SI).splitlines()
+    head, line = csv_of(written, SI).splitlines()
     assert head == "time (s),chain,row,striker (m/s),target (m/s)"
-    assert events.to_csv(written, make_scale(1.0, 1.0, 1.0, si=False)).startswith("time,chain,row,striker,target\n")
+    assert csv_of(written, make_scale(1.0, 1.0, 1.0, si=False)).startswith("time,chain,row,striker,target\n")
     assert [float(number) for number in line.split(",")] == [2.0 * SI.time, 1.0, 3.0, 0.5 * 0.7, 0.25 * 0.7]
 
 

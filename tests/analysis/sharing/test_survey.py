@@ -10,13 +10,14 @@ from hypothesis import strategies as st
 from synthetic_waves import exact_waves, problem, reader, reference
 
 from analysis.mirror import mirrored, mirrored_problem
+from analysis.quantity import csv_of
 from analysis.shape.exact_wave import solitary_wave
 from analysis.shape.loaded_wave import sound_speed
 from analysis.shape.waveforms import Passages, Waveforms
 from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.survey import survey
 from analysis.tracking.accuracy import peak_error, width_error
-from analysis.tracking.leading_waves import from_csv, leading_waves, to_csv, usual_arrival
+from analysis.tracking.leading_waves import from_csv, leading_waves, usual_arrival
 from analysis.tracking.noise import noise_at_start, smoothed
 from analysis.tracking.peaks import find_peaks
 from analysis.trajectory import Trajectory, blocks, joined
@@ -223,7 +224,7 @@ def test_of_waves_found_on_the_way_those_have_a_shape_whose_maximum_is_known(gap
     scale = whole.problem.scale
     few = problem(1, 0.0, 20, 60.0, recorded=(10, 20), gap=gap)
     seen = Trajectory(few, whole.time, whole.displacement[..., [9, 19]], whole.velocity[..., [9, 19]])
-    found = survey(reader(seen), few, leading=from_csv(to_csv(waves, scale), scale))
+    found = survey(reader(seen), few, leading=from_csv(csv_of(waves, scale), scale))
     shown = set(found.waves.bead[np.isfinite(found.shape.residual)].tolist())
     assert shown == ({10} if gap == 0.0 else set())  # bead 20 flies off at its largest velocity
 

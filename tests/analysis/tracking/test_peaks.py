@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 from synthetic_waves import problem, reference
 
 from analysis.conservation import Conservation
+from analysis.quantity import csv_of
 from analysis.sharing.impulses import measure
-from analysis.tracking.leading_waves import from_csv, leading_waves, to_csv
+from analysis.tracking.leading_waves import from_csv, leading_waves
 from analysis.tracking.peaks import PeakFinder, Peaks, find_peaks, in_mirror, sharp
 from analysis.trajectory import Trajectory, blocks
 from lammps_inputs import Kick, Problem
@@ -112,7 +113,7 @@ def test_no_maximum_is_farther_off_than_it_says_however_coarse_the_frames(fine, 
             own = true.where((true.chain == found.chain[k]) & (true.bead == found.bead[k]))
             if abs(own.time[0] - found.time[k]) < 1.0:  # else another maximum, as the analysis warns above 1.4 T
                 seen += 1
-                assert abs(found.peak_velocity[k] - own.peak_velocity[0]) <= found.velocity_error[k]
+                assert abs(found.peak_velocity[k] - own.peak_velocity[0]) <= found.peak_velocity_error[k]
                 assert abs(found.arrival[k] - own.arrival[0]) <= found.arrival_error[k]
         assert seen >= (18 if recorded else 110) - (4 if every > 1.4 else 0)
 
@@ -120,7 +121,7 @@ def test_no_maximum_is_farther_off_than_it_says_however_coarse_the_frames(fine, 
 def test_frames_up_to_half_a_unit_apart_show_maxima_to_1e_4_and_say_so(fine):
     for stride in (10, 30, 50):
         found = leading_waves(find_peaks([thinned(fine, stride)]))
-        assert found.velocity_error[found.bead < 60].max() < 1e-4
+        assert found.peak_velocity_error[found.bead < 60].max() < 1e-4
 
 
 def test_no_maximum_is_lower_than_the_frames_beside_it():
@@ -177,8 +178,8 @@ def test_an_impulse_of_constant_strength_has_its_centre_in_its_middle():
 def test_a_table_of_waves_reads_as_it_was_written(gapped):
     for name in ("maximum", "impulse"):
         waves = leading_waves(find_peaks(blocks(gapped)), name)
-        read = from_csv(to_csv(waves, gapped.problem.scale), gapped.problem.scale)
-        for column in ("chain", "bead", "arrival", "peak_velocity", "speed", "arrival_error", "velocity_error"):
+        read = from_csv(csv_of(waves, gapped.problem.scale), gapped.problem.scale)
+        for column in ("chain", "bead", "arrival", "peak_velocity", "speed", "arrival_error", "peak_velocity_error"):
             assert np.array_equal(getattr(read, column), getattr(waves, column), equal_nan=True), column
 
 
@@ -217,7 +218,7 @@ def test_the_error_of_a_peak_is_below_what_is_said_where_a_push_ends_between_two
         found = leading_waves(find_peaks([Trajectory(what, time, x[..., columns], v[..., columns])]), "impulse")
         (peak,), (centre,) = found.peak_velocity, found.arrival
         true = push.end - push.travel(push.end) / push.blow
-        assert abs(peak - push.blow) <= found.velocity_error[0]
+        assert abs(peak - push.blow) <= found.peak_velocity_error[0]
         assert abs(centre - true) <= found.arrival_error[0]
 
 

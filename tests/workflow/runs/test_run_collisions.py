@@ -7,6 +7,7 @@ import pytest
 from stock_lammps import scene
 
 from analysis.files import events
+from analysis.quantity import declared
 from lammps_inputs import InputError
 from workflow.cli import main
 from workflow.engines import collisions
@@ -45,7 +46,7 @@ def test_the_collisions_of_a_run_are_those_of_the_engine(directory):
         collisions.run(directory.problem),
     )
     assert directory.record["collisions"] == len(table) == len(exact) > 20
-    for name in events.COLUMNS:
+    for name in declared(events.Events):
         np.testing.assert_array_equal(getattr(table, name), getattr(exact, name))  # all scales are 1 here
 
 

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from analysis.tracking.leading_waves import leading_waves, to_csv, usual_arrival
+from analysis.quantity import csv_of
+from analysis.tracking.leading_waves import leading_waves, usual_arrival
 from analysis.tracking.peaks import PeakFinder
 from analysis.tracking.which_leads import leading_finder, leading_passages
 from analysis.trajectory import Floats, Trajectory, frames_per_block
@@ -86,7 +87,7 @@ class LivePeaks:
         self._look()
         peaks = leading_passages(self._finder.result(), self._problem)
         waves = leading_waves(peaks, usual_arrival(self._problem))
-        write_whole(Path(file_names.PEAKS), to_csv(waves, self._problem.scale).encode())
+        write_whole(Path(file_names.PEAKS), csv_of(waves, self._problem.scale).encode())
         Path(file_names.PEAKS_STATE).unlink(missing_ok=True)
 
     def _take(self) -> None:

@@ -15,7 +15,8 @@ import numpy as np
 
 from analysis.conservation import Conservation
 from analysis.files.recording import blocks
-from analysis.tracking.leading_waves import leading_waves, to_csv
+from analysis.quantity import csv_of
+from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import PeakFinder, find_peaks
 from analysis.trajectory import Trajectory
 from lammps_inputs import Coupling, Kick, Output, Problem, Scene, file_names, physics
@@ -98,7 +99,7 @@ def read_and_analyse(directory: Path, problem: Problem) -> Timing:
         problem, np.asarray(frames * problem.every, dtype=np.float64), np.array(displacement), np.array(velocity)
     )
     waves = leading_waves(find_peaks([trajectory]))
-    (directory / "waves.csv").write_text(to_csv(waves, problem.scale))
+    (directory / "waves.csv").write_text(csv_of(waves, problem.scale))
     return Timing(read, time.perf_counter() - started)
 
 
@@ -175,7 +176,7 @@ def against_textbook(root: Path, label: str, scene: Scene, goal: float, repeats:
         for block in blocks([ours / file_names.DUMP], problem):
             finder.add(block)
             conservation.add(block)
-        (ours / "waves.csv").write_text(to_csv(leading_waves(finder.result()), problem.scale))
+        (ours / "waves.csv").write_text(csv_of(leading_waves(finder.result()), problem.scale))
         own = time.perf_counter() - started
         started = time.perf_counter()
         for _ in blocks([ours / file_names.DUMP], problem):

@@ -53,7 +53,7 @@ class Forces(Finding):
         words = _LOADED_WORDS if loaded else _WORDS
         shown = [one for one in self.found if one.chain <= MOST_CHAINS]
         rows = [[one.name if one.chain == 1 else "", str(one.chain), *self._cells(one, words)] for one in shown]
-        head = ["force at", "chain", *quantity.headings(Reading, words, scale)]
+        head = ["force at", "chain", *quantity.headings(Reading, scale, words)]
         yield Table(f"{problem.name}: forces", head, rows)
         yield from self._unfinished()
         kinds = [gauge.kind for gauge in readings.gauges]

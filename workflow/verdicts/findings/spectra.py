@@ -30,7 +30,7 @@ class Spectra(Finding):
         """The highest line of every bead, and what it has of the drives."""
         spectra, found, scale = self.spectra, self.found, self.problem.scale
         words = {"frequency": "highest line at", "amplitude": "its velocity"}
-        head = ["bead", "chain", *quantity.headings(HighestLine, words, scale)]
+        head = ["bead", "chain", *quantity.headings(HighestLine, scale, words)]
         for frequency in spectra.drive:
             at = scale.heading(f"at {frequency / scale.time:.5g}", "cycles")
             head.append(f"{at}, over bead {spectra.beads[0]}")
