@@ -105,7 +105,7 @@ print(json.dumps({
     "error": whole.check.velocity,
     "sure": whole.check.reference.velocity,
     "same": bool(np.array_equal(again, whole.trajectory.velocity)),
-    "from_step": RunDirectory(Path("cut")).record["resumed"][0]["from_step"],
+    "from_step": RunDirectory(Path("cut")).job.resumed[0].from_step,
     "difference": float(np.abs(whole.trajectory.velocity - reference.velocity).max()),
     "quantities": sorted(validate(whole.directory).deviations),
     "bound": timestep.stability_bound(problem),

@@ -7,10 +7,11 @@ else. `job` quotes it all the same.
 import os
 import re
 import shlex
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from lammps_inputs import strict_yaml
 from lammps_inputs.errors import InputError
@@ -24,12 +25,53 @@ DEFAULT_FILE = Path(".config/granchain/site.yaml")
 RANKS = "{ranks}"
 """Stands for the number of ranks in a launcher."""
 
-_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._+-]{0,127}")
-_LIST = re.compile(r"[A-Za-z0-9][A-Za-z0-9._+-]{0,127}(,[A-Za-z0-9][A-Za-z0-9._+-]{0,127}){0,15}")
-_MODULE = re.compile(r"[A-Za-z0-9][A-Za-z0-9._/+@:=-]{0,127}")
 _TIME = re.compile(r"(?:(\d{1,3})-)?(\d{1,4}):([0-5]\d):([0-5]\d)")
 
+
+def _checked(is_right: Callable[[Any], object], words: str) -> AfterValidator:
+    def check(value: Any) -> Any:
+        if not is_right(value):
+            raise ValueError(words)
+        return value
+
+    return AfterValidator(check)
+
+
+def _is_time(text: str) -> bool:
+    return bool(_TIME.fullmatch(text)) and 60 <= seconds(text) <= 365 * 86400
+
+
+def _are_modules(words: tuple[str, ...]) -> bool:
+    return all(re.fullmatch("[A-Za-z0-9][A-Za-z0-9._/+@:=-]{0,127}", word) for word in words)
+
+
+def _plain(text: str) -> bool:
+    return bool(text.strip()) and text.isprintable() and len(text) <= 4096
+
+
+def _is_executable(text: str) -> bool:
+    return _plain(text) and not text.startswith("-")
+
+
+def _is_command(text: str) -> bool:
+    try:
+        words = shlex.split(text)
+    except ValueError:
+        words = []
+    return _plain(text) and bool(words) and not words[0].startswith("-")
+
+
+_WORD = "[A-Za-z0-9][A-Za-z0-9._+-]{0,127}"
+_LIST = f"{_WORD}(,{_WORD}){{0,15}}"
+_ONE = "should be one word of letters, digits, `.`, `_`, `+`, `-`"
+
 Count = Annotated[int, Field(ge=1, le=10**6)]
+Name = Annotated[str, _checked(re.compile(_WORD).fullmatch, _ONE)]
+Names = Annotated[str, _checked(re.compile(_LIST).fullmatch, f"{_ONE}, or several with commas")]
+Modules = Annotated[tuple[str, ...], _checked(_are_modules, "a module should be one word such as lammps/2025.07")]
+Time = Annotated[str, _checked(_is_time, "should be HH:MM:SS or D-HH:MM:SS, from a minute to a year")]
+Executable = Annotated[str, _checked(_is_executable, "should be a name or path, in one line of printable text")]
+Command = Annotated[str, _checked(_is_command, f"should be a command with its options, such as `mpirun -np {RANKS}`")]
 
 
 class JobOptions(BaseModel):
@@ -42,7 +84,7 @@ class JobOptions(BaseModel):
     """None where it is to be advised by the number of beads."""
     cores_per_node: Count | None = None
     """Of the site; bounds the advice."""
-    time: str = "24:00:00"
+    time: Time = "24:00:00"
     """Limit of one job: HH:MM:SS or D-HH:MM:SS."""
     margin: Count | None = None
     """Seconds before the limit at which a job stops computing; by default a tenth of it, 30 s to 10 min."""
@@ -52,65 +94,18 @@ class JobOptions(BaseModel):
     """Jobs, each submitted by the one before, after which a run stops."""
     array_limit: Count | None = None
     """Tasks of an array that may run at once."""
-    partition: str | None = None
-    account: str | None = None
-    qos: str | None = None
-    constraint: str | None = None
-    modules: tuple[str, ...] = ()
+    partition: Names | None = None
+    account: Name | None = None
+    qos: Name | None = None
+    constraint: Name | None = None
+    modules: Modules = ()
     limits: Limits | None = None
     """Of runs on this machine, where a scene names none; of no meaning for a job."""
-    launcher: str = "srun"
+    launcher: Command = "srun"
     """What starts the ranks, such as ``srun --mpi=pmi2`` or ``mpirun -np {ranks}``."""
-    lmp: str = "lmp"
+    lmp: Executable = "lmp"
 
     _from_list = field_validator("modules", mode="before")(strict_yaml.as_tuple)
-
-    @field_validator("time")
-    @classmethod
-    def _is_a_time(cls, value: str) -> str:
-        if not _TIME.fullmatch(value) or not 60 <= seconds(value) <= 365 * 86400:
-            raise ValueError("should be HH:MM:SS or D-HH:MM:SS, from a minute to a year")
-        return value
-
-    @field_validator("account", "qos", "constraint")
-    @classmethod
-    def _is_a_name(cls, value: str | None) -> str | None:
-        if value is not None and not _NAME.fullmatch(value):
-            raise ValueError("should be one word of letters, digits, `.`, `_`, `+`, `-`")
-        return value
-
-    @field_validator("partition")
-    @classmethod
-    def _is_a_list_of_names(cls, value: str | None) -> str | None:
-        if value is not None and not _LIST.fullmatch(value):
-            raise ValueError("should be one word of letters, digits, `.`, `_`, `+`, `-`, or several with commas")
-        return value
-
-    @field_validator("modules")
-    @classmethod
-    def _are_modules(cls, value: tuple[str, ...]) -> tuple[str, ...]:
-        for module in value:
-            if not _MODULE.fullmatch(module):
-                raise ValueError("a module should be one word such as lammps/2025.07")
-        return value
-
-    @field_validator("lmp")
-    @classmethod
-    def _is_an_executable(cls, value: str) -> str:
-        if not _plain(value) or value.startswith("-"):
-            raise ValueError("should be a name or path, in one line of printable text")
-        return value
-
-    @field_validator("launcher")
-    @classmethod
-    def _is_a_command(cls, value: str) -> str:
-        try:
-            words = shlex.split(value)
-        except ValueError:
-            words = []
-        if not _plain(value) or not words or words[0].startswith("-"):
-            raise ValueError(f"should be a command with its options, such as `mpirun -np {RANKS}`")
-        return value
 
     @model_validator(mode="after")
     def _leaves_time(self) -> Self:
@@ -137,10 +132,6 @@ class JobOptions(BaseModel):
     def launch(self) -> tuple[str, ...]:
         """Words of the command that starts the ranks."""
         return tuple(word.replace(RANKS, str(self.ranks)) for word in shlex.split(self.launcher))
-
-
-def _plain(text: str) -> bool:
-    return bool(text.strip()) and text.isprintable() and len(text) <= 4096
 
 
 def seconds(time: str) -> int:

@@ -21,7 +21,7 @@ import numpy as np
 
 from analysis.conservation import Conservation
 from lammps_inputs import Scene
-from workflow.runs.accounts import accountant
+from workflow.runs.references import accountant
 from workflow.runs.run import Run, run
 
 CLOSED = 1e-9
@@ -124,7 +124,7 @@ def both(scene: Scene) -> tuple[Closed, Closed]:
     """The budget of the reference, and of LAMMPS."""
     with tempfile.TemporaryDirectory() as place:
         own = run(scene, Path(place) / "reference", engine="reference")
-        reference = closed(own, own.directory.record["certificate"]["velocity"])
+        reference = closed(own, own.directory.job.certificate.velocity)
         lammps = run(scene, Path(place) / "lammps", lammps=lammps_here.run)
         assert lammps.check is not None
         return reference, closed(lammps, lammps.check.velocity + lammps.check.reference.velocity)

@@ -33,7 +33,7 @@ def goes_on_bit_for_bit(case: Scene, folder: Path, *, after: int = 2000) -> None
     """Assert that a run that is interrupted after some steps ends with the frames of one that is not."""
     run(case, folder / "whole", check=False)
     run(case, folder / "cut", check=False, lammps=lammps_here.interrupted_after(after))
-    assert RunDirectory(folder / "cut").record["outcome"] == "interrupted"
+    assert RunDirectory(folder / "cut").job.outcome == "interrupted"
     assert resume(folder / "cut", check=False).outcome == "done"
-    assert RunDirectory(folder / "cut").record["resumed"][0]["from_step"] > 0
+    assert RunDirectory(folder / "cut").job.resumed[0].from_step > 0
     np.testing.assert_array_equal(frames(folder / "cut"), frames(folder / "whole"))

@@ -133,7 +133,7 @@ def _run(scene: Scene, directory: Path, ranks: int, *, cut: bool) -> Run | str:
         # the first report comes after 200 steps, and the run is cut at the next, after 600
         return result if result.directory.problem.steps < 700 else "a run that was to be cut was not"
     again = resume(directory, ranks=ranks, lammps=lammps_here.run)
-    if again is None or not result.directory.record["resumed"][-1]["from_step"] > 0:
+    if again is None or not result.directory.job.resumed[-1].from_step > 0:
         return "a run that was cut was not resumed from where it was"
     return again
 

@@ -145,7 +145,7 @@ def test_a_run_that_was_cut_short_goes_on_bit_for_bit(name, tmp_path, monkeypatc
         patch.setattr("workflow.engines.lammps.engine.run", lammps_here.interrupted_after(1000))
         run(one, tmp_path / "cut", check=False)
     again = resume(tmp_path / "cut", check=False)
-    assert again.directory.record["resumed"][0]["from_step"] > 0
+    assert again.directory.job.resumed[0].from_step > 0
     np.testing.assert_array_equal(again.trajectory.velocity, whole.trajectory.velocity)
 
 

@@ -17,11 +17,10 @@ from analysis.tracking.undisturbed import CLEAR
 from lammps_inputs import InputError, physics
 from lammps_inputs.facts import Fact
 from workflow.engines.lammps.invariants import ENERGY_TOLERANCE
-from workflow.runs.files import REPORT
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import Answer, one_line, print_table
 from workflow.verdicts.analyse import Analysis, analyse, last_clear_bead
-from workflow.verdicts.analysis_report import train
+from workflow.verdicts.analysis_report import REPORT, train
 from workflow.verdicts.findings.finding import MOST_CHAINS
 
 FEW = 4

@@ -34,7 +34,7 @@ def execute(arguments: argparse.Namespace) -> int:
 
 
 def _verdict(first: Original, found: Rerun) -> str:
-    frames, code = found.results["frames"], found.results["sha256"][:12]
+    frames, code = found.results.frames, found.results.sha256[:12]
     if found.distance is None:
         return f"{first.scene.name}: the same bit for bit ({frames} frames, sha256 {code}...)"
     apart = (

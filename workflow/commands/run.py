@@ -84,7 +84,7 @@ def execute(arguments: argparse.Namespace) -> Answer:
             progress=progress,
             restart_every=arguments.restart_every,
         )
-    return Answer(_tell(result, settings), result.directory.record)
+    return Answer(_tell(result, settings), result.directory.job.plain())
 
 
 def _resume(arguments: argparse.Namespace) -> Answer:
@@ -109,21 +109,21 @@ def _resume(arguments: argparse.Namespace) -> Answer:
         )
     if result is None:
         print(f"{one_line(arguments.resume)}: is done already")
-        return Answer(0, directory.record)
-    return Answer(_tell(result, settings_of(directory.record)), result.directory.record)
+        return Answer(0, directory.job.plain())
+    return Answer(_tell(result, settings_of(directory.job)), result.directory.job.plain())
 
 
 def _tell(result: running.Run, settings: Settings | None) -> int:
     """Say how a run ended; exit code 130 if it was interrupted, 1 if impossible or not as accurate as asked."""
-    path, record = one_line(result.directory.path), result.directory.record
+    path, job = one_line(result.directory.path), result.directory.job
     if result.outcome == "interrupted":
         print(
-            f"{path}: interrupted at step {record['steps_done']} of {record['steps']}; frames are kept, and "
+            f"{path}: interrupted at step {job.steps_done} of {job.steps}; frames are kept, and "
             f"`granchain run --resume {shlex.quote(path)}` goes on"
         )
         return 130
-    print(f"{path}: {ENGINES[record['engine']].sentence(record)}")
-    hardest = Contacts(**record["contacts"]) if "contacts" in record else None
+    print(f"{path}: {ENGINES[result.directory.engine].sentence(job)}")
+    hardest = None if job.contacts is None else Contacts(**job.contacts)
     if hardest is not None:
         print("\n".join(hardest.lines()))
     return max(_tell_error(result, settings), 0 if hardest is None or hardest.possible else 1)
@@ -131,12 +131,12 @@ def _tell(result: running.Run, settings: Settings | None) -> int:
 
 def _tell_error(result: running.Run, settings: Settings | None) -> int:
     """Say how exact a run is; exit code 1 if not as accurate as asked."""
-    problem, record = result.directory.problem, result.directory.record
+    problem, certificate = result.directory.problem, result.directory.job.certificate
     if result.check is not None:
         print(_checked(result.check, problem))
         return _judged(result.check, result.directory.scene, settings)
-    if settings is not None and "certificate" in record:
-        return 0 if record["certificate"]["velocity"] <= settings.accuracy else 1
+    if settings is not None and certificate is not None and certificate.velocity is not None:
+        return 0 if certificate.velocity <= settings.accuracy else 1
     return 0
 
 

@@ -18,7 +18,6 @@ from workflow.engines.reference.certify import Certificate, Certifier
 from workflow.prepare.instants import SPACING, stride
 from workflow.prepare.settings import Settings
 from workflow.prepare.twin import CADENCE, Kept
-from workflow.runs.peaks_table import found_on_the_way
 from workflow.runs.references import certifiers
 from workflow.runs.run_directory import RunDirectory
 
@@ -86,7 +85,7 @@ def check(directory: RunDirectory, settings: Settings | None = None) -> Check:
         velocity = max(velocity, others["velocity"], key=lambda deviation: deviation.largest)
         certificate = replace(certificate, velocity=max(certificate.velocity, sure.velocity))
     amplitude, arrival = (found[name].largest if name in found else math.nan for name in ("amplitude", "arrival"))
-    waves = found_on_the_way(directory)
+    waves = directory.peaks_table()
     if waves is not None:
         true, sure = _leading(replace(problem, recorded=None), settings)
         more = waves_apart(waves, true)

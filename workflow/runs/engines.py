@@ -1,5 +1,6 @@
 """The engines: what each computes in a run directory that was prepared for it, and what it refuses."""
 
+import math
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping
@@ -16,6 +17,7 @@ from workflow.cluster import ranks as model
 from workflow.engines.lammps import engine as lammps_engine
 from workflow.prepare.settings import Settings
 from workflow.runs.files import EVENTS, LAMMPS_FILES, RECORD
+from workflow.runs.job import Job
 from workflow.runs.references import certifiers, closing
 from workflow.runs.run_directory import RunDirectory
 from workflow.runs.whole_files import write_text
@@ -85,12 +87,12 @@ class Engine(ABC):
         """
 
     @abstractmethod
-    def sentence(self, record: Mapping[str, Any]) -> str:
-        """What was done, by the record of a run that came to its end."""
+    def sentence(self, job: Job) -> str:
+        """What was done, by the account of a run that came to its end."""
 
     @abstractmethod
-    def errors(self, record: Mapping[str, Any]) -> tuple[float, float] | None:
-        """Bounds on the errors of peak velocities (V) and of arrivals (T) by the record; None where it has none."""
+    def errors(self, job: Job) -> tuple[float, float] | None:
+        """Bounds on the errors of peak velocities (V) and of arrivals (T) by the account; None where it has none."""
 
 
 class _Lammps(Engine):
@@ -116,22 +118,21 @@ class _Lammps(Engine):
             "outcome": "done" if end.end == "done" else "interrupted",
             "steps_done": end.steps,
             "lammps": end.version,
-            "engine_seconds": end.seconds + work.result.record.get("engine_seconds", 0.0),
+            "engine_seconds": end.seconds + work.result.job.engine_seconds,
         }
 
-    def sentence(self, record: Mapping[str, Any]) -> str:
-        ranks = f"{record['ranks']} rank{'s' * (record['ranks'] > 1)}"
-        if "resumed" in record:
-            steps = ", ".join(str(again["from_step"]) for again in record["resumed"])
+    def sentence(self, job: Job) -> str:
+        ranks = f"{job.ranks} rank{'' if job.ranks == 1 else 's'}"
+        if job.resumed:
+            steps = ", ".join(str(again.from_step) for again in job.resumed)
             return (
-                f"{record['steps']} steps, resumed from step {steps}, in {record['wall_seconds']:.2f} s "
-                f"(LAMMPS {record['lammps']}, {ranks})"
+                f"{job.steps} steps, resumed from step {steps}, in {job.wall_seconds:.2f} s "
+                f"(LAMMPS {job.lammps}, {ranks})"
             )
-        return f"{record['steps']} steps in {record['engine_seconds']:.2f} s (LAMMPS {record['lammps']}, {ranks})"
+        return f"{job.steps} steps in {job.engine_seconds:.2f} s (LAMMPS {job.lammps}, {ranks})"
 
-    def errors(self, record: Mapping[str, Any]) -> tuple[float, float] | None:
-        check = record.get("check")
-        return None if check is None else (check["amplitude"], check["arrival"])
+    def errors(self, job: Job) -> tuple[float, float] | None:
+        return None if job.check is None else (_known(job.check.amplitude), _known(job.check.arrival))
 
 
 class _Reference(Engine):
@@ -156,16 +157,17 @@ class _Reference(Engine):
         seconds = time.perf_counter() - started
         return {**ending, "engine_seconds": seconds, "certificate": asdict(certificate)}
 
-    def sentence(self, record: Mapping[str, Any]) -> str:
-        certificate = record["certificate"]
+    def sentence(self, job: Job) -> str:
+        errors = self.errors(job)
+        assert errors is not None
         return (
-            f"reference, {record['engine_seconds']:.2f} s; uncertainty of velocities {certificate['velocity']:.1e} V, "
-            f"of arrivals {certificate['arrival']:.1e} T"
+            f"reference, {job.engine_seconds:.2f} s; uncertainty of velocities {errors[0]:.1e} V, "
+            f"of arrivals {errors[1]:.1e} T"
         )
 
-    def errors(self, record: Mapping[str, Any]) -> tuple[float, float] | None:
-        certificate = record.get("certificate")
-        return None if certificate is None else (certificate["velocity"], certificate["arrival"])
+    def errors(self, job: Job) -> tuple[float, float] | None:
+        certificate = job.certificate
+        return None if certificate is None else (_known(certificate.velocity), _known(certificate.arrival))
 
 
 class _Collisions(Engine):
@@ -210,11 +212,11 @@ class _Collisions(Engine):
             return ending
         return {**ending, "engine_seconds": seconds, "collisions": len(found)}
 
-    def sentence(self, record: Mapping[str, Any]) -> str:
-        seconds = f"{record['engine_seconds']:.2g} s"
-        return f"{record['collisions']} collisions of rigid beads in {seconds}; events.csv lists them"
+    def sentence(self, job: Job) -> str:
+        seconds = f"{job.engine_seconds:.2g} s"
+        return f"{job.collisions} collisions of rigid beads in {seconds}; events.csv lists them"
 
-    def errors(self, record: Mapping[str, Any]) -> tuple[float, float] | None:  # noqa: ARG002  exact between collisions
+    def errors(self, job: Job) -> tuple[float, float] | None:  # noqa: ARG002  exact between collisions
         return None
 
 
@@ -233,6 +235,10 @@ def engine_called(name: str, where: str = "--engine") -> Engine:
         *most, last = ENGINES
         raise InputError(f"{where}: {name!r} given; {', '.join(most)} or {last}")
     return ENGINES[name]
+
+
+def _known(error: float | None) -> float:
+    return math.nan if error is None else error
 
 
 def _write_frames(

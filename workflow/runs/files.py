@@ -4,11 +4,8 @@ import re
 from pathlib import Path
 
 from lammps_inputs import file_names
-from workflow.formats import in_any_format
 
 EVENTS = "events.csv"
-REPORT = "analysis.json"
-VIEW = "view.html"
 RECORD = "run.json"
 
 OWN_FILES = (
@@ -26,16 +23,6 @@ OWN_FILES = (
 )
 LAMMPS_FILES = tuple(name for name in OWN_FILES if name != EVENTS and name not in file_names.JOB_FILES)
 """What the deck for LAMMPS, and a run of it, may leave in a directory before it is analysed."""
-
-ANALYSIS_FIGURES = ("spacetime", "response", "distance", "shape", "energy", "forces", "spectra", "dispersion", "budget")
-ANALYSIS_FILES = (
-    *("waves.csv", "forces.csv", "spectra.csv", "dispersion.csv"),
-    REPORT,
-    VIEW,
-    *in_any_format(*ANALYSIS_FIGURES),
-    *("validation.json", *in_any_format("validation")),
-    *("compare.json", *in_any_format("compare")),
-)
 
 _PART = re.compile(r"chains\.(dump|snapshots)(?:\.([1-9][0-9]{0,8}))?\.bin")
 

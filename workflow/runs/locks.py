@@ -48,17 +48,6 @@ def alone(directory: Path) -> Iterator[int]:
         os.close(handle)
 
 
-def remove_empty(directory: Path) -> None:
-    """Remove a directory that is empty, unless a run begins in it."""
-    with suppress(OSError):
-        handle = os.open(directory, os.O_RDONLY | os.O_DIRECTORY)
-        try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            directory.rmdir()
-        finally:
-            os.close(handle)
-
-
 @contextmanager
 def changing(path: Path) -> Iterator[None]:
     """Read a file and write it anew with nobody else doing so in between; a run and its analysis share ``run.json``."""

@@ -5,7 +5,6 @@ is put aside until the new one has all that it begins with, and put back where t
 a kill.
 """
 
-import contextlib
 import os
 import re
 import shutil
@@ -16,17 +15,14 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from lammps_inputs import InputError, file_names
-from workflow.runs.files import ANALYSIS_FILES, OWN_FILES, RECORD, all_parts, part_number
-from workflow.runs.locks import alone, changing, remove_empty
-from workflow.runs.record import read_record
+from workflow.runs.files import OWN_FILES, RECORD, all_parts, part_number
+from workflow.runs.job import Job, load
+from workflow.runs.locks import alone, changing
 from workflow.runs.whole_files import TEMPORARY, write_json
 
 _TEMPORARY = re.compile(rf"\..+{re.escape(TEMPORARY)}[a-z0-9_]{{4,8}}")
 _ASIDE, _GONE = f"{TEMPORARY}before-", f"{TEMPORARY}gone-"
 """Directories with what a new run takes the place of: until it has begun, and then until it is removed."""
-
-_REPLACED = frozenset((*OWN_FILES, *ANALYSIS_FILES))
-"""What a new run takes the place of, where it is listed; other files that are listed stay."""
 
 
 def listed(directory: Path) -> set[str]:
@@ -35,8 +31,7 @@ def listed(directory: Path) -> set[str]:
     Raises:
         InputError: it cannot be read.
     """
-    path = directory / RECORD
-    return set(read_record(path).get("files", ())) if path.is_file() else set()
+    return set(load(directory / RECORD).files)
 
 
 def claim(directory: Path, names: Iterable[str]) -> None:
@@ -48,18 +43,18 @@ def claim(directory: Path, names: Iterable[str]) -> None:
     path, wanted = directory / RECORD, list(dict.fromkeys(names))
     with changing(path):
         try:
-            record = read_record(path) if os.path.lexists(path) else {"files": [RECORD]}
+            job = load(path)
         except InputError:
             _refuse_others(directory, wanted, set())
             return  # a damaged one is no hindrance, but takes no list
-        own = set(record.get("files", ()))
+        there = os.path.lexists(path)
+        own = set(job.files) if there else {RECORD}
         _refuse_others(directory, wanted, own)
-        if RECORD not in own and "outcome" not in record:
+        if RECORD not in own and job.outcome is None:
             raise InputError(f"{path}: was not written by granchain, which needs that name; choose another directory")
         if not own.issuperset(wanted):
-            before = path.stat() if path.is_file() else None
-            record["files"] = sorted(own.union(wanted, [RECORD]))
-            write_json(path, record)
+            before = path.stat() if there else None
+            write_json(path, {**job.plain(), "files": sorted({*own, *wanted, RECORD})})
             if before is not None:  # that tells of the run, and there is nothing new of it
                 os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns))
 
@@ -79,11 +74,23 @@ def _refuse_others(directory: Path, names: Iterable[str], own: set[str]) -> None
             )
 
 
-def prepare(directory: Path, names: Iterable[str] = (), *, overwrite: bool = False) -> None:
-    """See that a directory can take new files, and make it; nothing in it is touched.
+def make_directory(directory: Path) -> None:
+    """Make a directory if need be.
+
+    Raises:
+        InputError: it cannot be made.
+    """
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{directory}: cannot be written to ({error.strerror})") from None
+
+
+def refuse_unusable(directory: Path, names: Iterable[str] = (), *, overwrite: bool = False) -> None:
+    """See that a directory can take new files; nothing is made or touched.
 
     Args:
-        directory: new, or empty, or with ``overwrite`` one whose ``run.json`` lists what is to be replaced.
+        directory: new, or empty, or with ``overwrite`` one whose ``run.json`` lists the files of a run.
         names: of the files to come.
         overwrite: whether files of ours may be replaced.
 
@@ -93,56 +100,36 @@ def prepare(directory: Path, names: Iterable[str] = (), *, overwrite: bool = Fal
     try:
         if directory.exists() and not directory.is_dir():
             raise InputError(f"{directory}: is a file, not a directory; choose another -o")
-        directory.mkdir(parents=True, exist_ok=True)
-        if others(directory):
+        if directory.exists() and others(directory):
             if not overwrite:
                 raise InputError(
                     f"{directory}: exists and is not empty; choose another directory, or overwrite it (--overwrite)"
                 )
             own = listed(directory)
-            if RECORD not in own and not list(directory.glob(f"{_ASIDE}*")):
+            if not own.issuperset((RECORD, file_names.SCENE)) and not list(directory.glob(f"{_ASIDE}*")):
                 raise InputError(
                     f"{directory}: holds no {RECORD} that lists the files of an earlier run, so nothing in it is "
                     "overwritten; choose another -o"
                 )
             _refuse_others(directory, names, own)
-        with tempfile.TemporaryFile(dir=directory):
+        with tempfile.TemporaryFile(dir=next(path for path in (directory, *directory.parents) if path.exists())):
             pass
     except OSError as error:
         raise InputError(f"{directory}: cannot be written to ({error.strerror})") from None
 
 
-def refuse_unusable(directory: Path, names: Iterable[str] = (), *, overwrite: bool = False) -> None:
-    """As `prepare`, before something that takes long; the directory is not made.
-
-    Raises:
-        InputError: as `prepare`.
-    """
-    made: list[Path] = []
-    with contextlib.suppress(OSError):  # which `prepare` explains
-        made = [path for path in (directory, *directory.parents) if not path.exists()]
-    try:
-        prepare(directory, names, overwrite=overwrite)
-    finally:
-        for path in made:
-            remove_empty(path)
-
-
 @contextmanager
 def prepared(directory: Path, names: Iterable[str] = (), *, overwrite: bool = False) -> Iterator[int]:
-    """Prepare a directory and keep other runs out of it; what it yields is that of `workflow.runs.locks.alone`.
+    """Make a directory and keep other runs out of it; what it yields is that of `workflow.runs.locks.alone`.
 
     Raises:
-        InputError: as `prepare`, or something runs there.
+        InputError: as `refuse_unusable`, or something runs there.
     """
     names = tuple(names)
-    with contextlib.ExitStack() as stack:
-        lock = None
-        while lock is None:
-            prepare(directory, names, overwrite=overwrite)
-            with contextlib.suppress(FileNotFoundError):  # one that was refused has removed what it had made
-                lock = stack.enter_context(alone(directory))
-        prepare(directory, names, overwrite=overwrite)  # others may have found it empty at the same time
+    refuse_unusable(directory, names, overwrite=overwrite)
+    make_directory(directory)
+    with alone(directory) as lock:
+        refuse_unusable(directory, names, overwrite=overwrite)  # others may have found it empty at the same time
         yield lock
 
 
@@ -193,7 +180,7 @@ def replacing(directory: Path, names: Iterable[str]) -> Iterator[None]:
     What the files of the earlier run were is put aside meanwhile, removed when all is written, and put back on failure.
 
     Args:
-        directory: see `prepare`.
+        directory: see `prepared`.
         names: of the files to come.
 
     Raises:
@@ -203,13 +190,14 @@ def replacing(directory: Path, names: Iterable[str]) -> Iterator[None]:
     aside = None
     try:
         remove_leftovers(directory)
-        own = listed(directory)
-        _refuse_others(directory, wanted, own)
+        job = load(directory / RECORD)
+        own = {name for name in job.files if not (directory / name).is_dir()}
+        _refuse_others(directory, wanted, set(job.files))
         if own:
             aside = Path(tempfile.mkdtemp(prefix=_ASIDE, dir=directory))
             _move(directory, aside, own)
-        kept = own.difference(_REPLACED)
-        write_json(directory / RECORD, {"files": sorted({RECORD, *kept, *wanted})})
+        new = Job(files=sorted({RECORD, *wanted, *set(job.files) - own}), request=job.request)
+        write_json(directory / RECORD, new.plain())
         yield
     except BaseException as error:
         if aside is not None:
@@ -228,9 +216,9 @@ def replacing(directory: Path, names: Iterable[str]) -> Iterator[None]:
 
 def _move(directory: Path, aside: Path, own: set[str]) -> None:
     """Put the files of a run aside, its list as the last: where that is aside, everything is."""
-    names = sorted(own.intersection(_REPLACED))
+    names = sorted(own)
     if file_names.DUMP in own:
-        names += [path.name for path in all_parts(directory) if path.name not in names]
+        names += [path.name for path in all_parts(directory) if path.name not in own]
     for name in (*(name for name in names if name != RECORD), RECORD):
         if os.path.lexists(directory / name):
             (directory / name).rename(aside / name)
@@ -239,9 +227,9 @@ def _move(directory: Path, aside: Path, own: set[str]) -> None:
 def _put_back(directory: Path, aside: Path) -> None:
     """Take away what was written since files were put aside, and put these back."""
     if (aside / RECORD).exists() and (directory / RECORD).exists():
-        kept = listed(aside).difference(_REPLACED)
-        for name in listed(directory) - kept - {RECORD}:
-            (directory / name).unlink(missing_ok=True)
+        for name in listed(directory) - {RECORD}:
+            if not (directory / name).is_dir():
+                (directory / name).unlink(missing_ok=True)
     for path in sorted(aside.iterdir(), key=lambda path: path.name == RECORD):
         path.replace(directory / path.name)
     aside.rmdir()

@@ -1,11 +1,17 @@
-"""The references that a run is compared with, or is: with ever more steps until their uncertainty is as asked for."""
+"""The references that a run is compared with, or is: with ever more steps until their uncertainty is as asked for.
+
+Also what accounts for the energy that the frames of a run have exchanged with what is outside, and with dashpots.
+"""
 
 import math
 from collections.abc import Iterator
 
 from lammps_inputs import Problem, physics
-from workflow.engines.reference.certify import Certifier
+from workflow.engines.reference import engine
+from workflow.engines.reference.accountant import Accountant
+from workflow.engines.reference.certify import MOST_HALVINGS, Certifier
 from workflow.prepare.settings import Settings
+from workflow.runs.run_directory import RunDirectory
 
 SURE = 1.0 / 3.0
 """Part of an accuracy to which the reference must be sure that tells whether a run keeps it."""
@@ -52,3 +58,17 @@ def closing(problem: Problem) -> Iterator[Certifier]:
             return
         certifier = Certifier(problem, steps_per_frame=steps)
         yield certifier
+
+
+def accountant(directory: RunDirectory, problem: Problem) -> Accountant:
+    """Of the frames of a run, or of its snapshots, with the steps that the run itself took if it is the reference's.
+
+    Args:
+        directory: the run.
+        problem: of the frames.
+    """
+    certificate = directory.account.certificate  # only the reference's runs have one
+    if certificate is None or certificate.steps_per_frame is None:
+        return Accountant(problem)
+    most = 2**MOST_HALVINGS * engine.default_steps_per_frame(problem)
+    return Accountant(problem, min(certificate.steps_per_frame, most))

@@ -4,17 +4,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import zip_longest
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from analysis.trajectory import Floats
 from lammps_inputs import InputError, Scene, library
 from workflow.engines.lammps import mpi
-from workflow.runs.engines import Progress, engine_called
+from workflow.runs.engines import LAMMPS, Progress
 from workflow.runs.files import RECORD, parts
-from workflow.runs.provenance import provenance
-from workflow.runs.record import read_record
+from workflow.runs.job import Job, Results, load
 from workflow.runs.results import SAMPLES, results, states
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
@@ -22,16 +20,18 @@ from workflow.runs.run_directory import RunDirectory
 
 @dataclass(frozen=True)
 class Original:
-    """What a run's record tells.
+    """What a run's ``run.json`` tells.
 
     Attributes:
         scene: with every default written out.
-        record: the whole of ``run.json``.
+        job: all that it holds.
+        results: what the run came to.
         directory: where its frames still are, or None.
     """
 
     scene: Scene
-    record: dict[str, Any]
+    job: Job
+    results: Results
     directory: RunDirectory | None
 
 
@@ -58,13 +58,13 @@ class Rerun:
         same: whether all frames are bit for bit the same.
         distance: how far they are apart; None if they are the same.
         changed: what is another version or number than it was: name -> then, now.
-        results: of the new run, as `results.results`.
+        results: of the new run.
     """
 
     same: bool
     distance: Distance | None
     changed: dict[str, tuple[str, str]]
-    results: dict[str, Any]
+    results: Results
 
 
 def original(given: Path) -> Original:
@@ -76,30 +76,20 @@ def original(given: Path) -> Original:
     path = given / RECORD if given.is_dir() else given
     if not path.is_file():
         raise InputError(f"{path}: no such file" + ("; the directory holds no run" if given.is_dir() else ""))
-    record = read_record(path)
-    if record.get("outcome") != "done":
-        raise InputError(
-            f"{path}: its run is {record.get('outcome', 'none')!r}, not 'done'; finish it with run --resume"
-        )
-    _refuse_incomplete(path, record)
-    scene = library.from_plain(record["scene"], f"{path}: scene")
+    job = load(path)
+    if job.outcome != "done":
+        raise InputError(f"{path}: its run is {job.outcome or 'none'!r}, not 'done'; finish it with run --resume")
+    for key in ("scene", "engine", "ranks", "results", "versions"):
+        if not getattr(job, key):
+            raise InputError(f"{path}: holds no {key!r}; it cannot be run again from this file")
+    assert job.scene is not None
+    assert job.results is not None
+    scene = library.from_plain(job.scene, f"{path}: scene")
     if scene.duration is None:
         raise InputError(f"{path}: scene: has no duration")
     beside = path.parent
     kept = path.name == RECORD and bool(parts(beside)) and (beside / "scene.yaml").is_file()
-    return Original(scene, record, RunDirectory(beside) if kept else None)
-
-
-def _refuse_incomplete(path: Path, record: dict[str, Any]) -> None:
-    kinds: dict[str, type] = {"scene": dict, "engine": str, "ranks": int, "results": dict, "versions": dict}
-    for key, kind in kinds.items():
-        if not isinstance(record.get(key), kind):
-            raise InputError(f"{path}: holds no {key!r}; it cannot be run again from this file")
-    engine_called(record["engine"], f"{path}: engine")
-    try:
-        str(record["results"]["sha256"]), _states(record["results"])
-    except (KeyError, TypeError, ValueError):
-        raise InputError(f"{path}: results: not the fingerprint and samples of a run") from None
+    return Original(scene, job, job.results, RunDirectory(beside) if kept else None)
 
 
 def rerun(first: Original, directory: Path, *, progress: Progress | None = None) -> Rerun:
@@ -109,8 +99,7 @@ def rerun(first: Original, directory: Path, *, progress: Progress | None = None)
         InputError: the directory cannot be used, or the frames of the first run are not those it was recorded with.
         RunError: the run fails.
     """
-    record = first.record
-    if first.directory is not None and results(first.directory)["sha256"] != record["results"]["sha256"]:
+    if first.directory is not None and results(first.directory)["sha256"] != first.results.sha256:
         raise InputError(
             f"{first.directory.path}: its frames or scene are not those that its {RECORD} tells of; "
             f"give a copy of {RECORD} alone to compare with that"
@@ -118,20 +107,22 @@ def rerun(first: Original, directory: Path, *, progress: Progress | None = None)
     again = run(
         first.scene,
         directory,
-        engine=record["engine"],
-        ranks=max(1, min(record["ranks"], mpi.cores())),
-        force=bool(record.get("force", False)),
+        engine=first.job.engine or LAMMPS.name,
+        ranks=max(1, min(first.job.ranks or 1, mpi.cores())),
+        force=first.job.force,
         check=False,
         progress=progress,
     )
-    found: dict[str, Any] = again.directory.record["results"]
-    same = found["sha256"] == record["results"]["sha256"]
+    job = again.directory.job
+    found = job.results
+    assert found is not None
+    same = found.sha256 == first.results.sha256
     distance = None
     if not same:
-        distance = _of_samples(record["results"], found)
+        distance = _of_samples(first.results, found)
         if first.directory is not None:
             distance = _of_frames(first.directory, again.directory)
-    return Rerun(same, distance, _changed(record, again.directory.record), found)
+    return Rerun(same, distance, _changed(first.job, job), found)
 
 
 def _frames(directory: RunDirectory) -> Iterator[tuple[float, Floats]]:
@@ -152,7 +143,7 @@ def _of_frames(one: RunDirectory, other: RunDirectory) -> Distance:
     return Distance(velocity=float(largest[1]), displacement=float(largest[0]), since=since)
 
 
-def _of_samples(one: dict[str, Any], other: dict[str, Any]) -> Distance:
+def _of_samples(one: Results, other: Results) -> Distance:
     """From the last states of some beads, where the frames are not at hand."""
     left, right = _states(one), _states(other)
     if left.keys() != right.keys():
@@ -161,19 +152,19 @@ def _of_samples(one: dict[str, Any], other: dict[str, Any]) -> Distance:
     return Distance(velocity=float(apart[0]), displacement=float(apart[1]), since=None)
 
 
-def _states(found: dict[str, Any]) -> dict[tuple[int, int], tuple[float, float]]:
+def _states(found: Results) -> dict[tuple[int, int], tuple[float, float]]:
     """(chain, bead) -> last velocity and displacement."""
-    kept = found["samples"][:SAMPLES]
-    return {(int(s["chain"]), int(s["bead"])): (float(s["velocity"]), float(s["displacement"])) for s in kept}
+    return {(one.chain, one.bead): (one.velocity, one.displacement) for one in found.samples[:SAMPLES]}
 
 
-def _changed(then: dict[str, Any], now: dict[str, Any]) -> dict[str, tuple[str, str]]:
+def _changed(then: Job, now: Job) -> dict[str, tuple[str, str]]:
     """What may be the cause."""
-    current = provenance()
-    pairs = {name: (then["versions"].get(name), version) for name, version in current["versions"].items()}
-    pairs["Python"] = (then.get("python"), current["python"])
-    pairs["machine"] = (then.get("machine"), current["machine"])
-    pairs["ranks"] = (then["ranks"], now["ranks"])
-    if then.get("files_sha256") != now["files_sha256"]:
-        pairs["deck"] = (str(then.get("files_sha256"))[:12], now["files_sha256"][:12])
+    pairs: dict[str, tuple[str | None, str | None]] = {
+        name: (then.versions.get(name), version) for name, version in now.versions.items()
+    }
+    pairs["Python"] = (then.python, now.python)
+    pairs["machine"] = (then.machine, now.machine)
+    pairs["ranks"] = (str(then.ranks), str(now.ranks))
+    if then.files_sha256 != now.files_sha256:
+        pairs["deck"] = (str(then.files_sha256)[:12], str(now.files_sha256)[:12])
     return {name: (str(old), str(new)) for name, (old, new) in pairs.items() if old != new}

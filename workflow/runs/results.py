@@ -1,12 +1,20 @@
-"""What a run came to, in a few numbers: enough to tell whether another one is the same, and how far it is from it."""
+"""What ``run.json`` records of a run: where and with what it was computed, its input's fingerprint, and its results.
 
+Results are a few numbers: enough to tell whether another run is the same, and how far it is from it.
+"""
+
+import functools
 import hashlib
+import importlib.metadata
+import os
+import platform
+import sys
+from datetime import UTC, datetime
 from typing import Any
 
 import numpy as np
 
 from analysis.trajectory import Floats, Trajectory
-from lammps_inputs import InputError
 from workflow.runs.run_directory import RunDirectory
 
 SAMPLES = 32
@@ -54,15 +62,6 @@ def results(directory: RunDirectory) -> dict[str, Any]:
     return {"frames": frames, "sha256": fingerprint.sha256(), "samples": samples(last)}
 
 
-def recorded_fingerprint(directory: RunDirectory) -> str:
-    """The fingerprint that ``run.json`` holds; empty where it holds none."""
-    try:
-        found = directory.record.get("results")
-    except InputError:
-        return ""
-    return str(found.get("sha256", "")) if isinstance(found, dict) else ""
-
-
 def states(block: Trajectory) -> Floats:
     """[frame, displacement or velocity, chain, bead]; zeros have no sign."""
     found = np.stack([block.displacement, block.velocity], axis=1)
@@ -84,3 +83,31 @@ def samples(block: Trajectory) -> list[dict[str, float]]:
         }
         for place in chosen
     ]
+
+
+def fingerprint(files: dict[str, str]) -> str:
+    """SHA-256 over a run's input files in the order of their names."""
+    digest = hashlib.sha256()
+    for name in sorted(files):
+        content = files[name].encode()
+        digest.update(f"{name}\n{len(content)}\n".encode() + content)
+    return digest.hexdigest()
+
+
+def provenance() -> dict[str, Any]:
+    """What is needed to tell where and with what something was computed."""
+    return {
+        "started": datetime.now(UTC).isoformat(timespec="seconds"),
+        "command": [os.fsencode(word).decode("utf-8", "replace") for word in sys.argv],
+        "host": platform.node(),
+        "machine": f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores",
+        "python": platform.python_version(),
+        "versions": _versions(),
+    }
+
+
+@functools.cache
+def _versions() -> dict[str, str]:
+    """Looked up once, since a process of a sweep runs many scenes."""
+    names = ("granchain", "lammps", "numpy", "MDAnalysis", "matplotlib", "numba", "scipy", "pydantic")
+    return {name: importlib.metadata.version(name) for name in names}

@@ -7,7 +7,6 @@ import warnings
 from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
 
 from analysis.files import recording
 from analysis.files.binary_dump import BinaryDump, CutDumpWarning, NoFrameError
@@ -17,10 +16,11 @@ from workflow.engines.lammps import engine as lammps_engine
 from workflow.engines.lammps import live_peaks, restarts
 from workflow.prepare.settings import Settings
 from workflow.runs.engines import ENGINES, LAMMPS, Progress
-from workflow.runs.files import OWN_FILES, RECORD, all_parts, part_number, parts
+from workflow.runs.files import RECORD, all_parts, part_number, parts
+from workflow.runs.job import Job
 from workflow.runs.locks import alone
 from workflow.runs.own_files import refuse_links, refuse_unwritable, remove_leftovers
-from workflow.runs.provenance import fingerprint
+from workflow.runs.results import fingerprint
 from workflow.runs.run import Run, carry_out, measure_error
 from workflow.runs.run_directory import RunDirectory
 from workflow.runs.whole_files import write_text
@@ -61,33 +61,32 @@ def resume(
     with alone(path) as lock:
         remove_leftovers(path)
         refuse_links(path)
-        result, record = _with_its_files(path)
-        settings, engine = settings_of(record), ENGINES[record["engine"]]
-        if record["outcome"] == "done":
-            if "check" in record or not check or not engine.own_step:
+        result, job = _with_its_files(path)
+        settings, engine = settings_of(job), ENGINES[result.engine]
+        if job.outcome == "done":
+            if job.check is not None or not check or not engine.own_step:
                 return None
             return Run(result, "done", measure_error(result, settings))
-        ranks = int(record["ranks"]) if ranks is None else ranks
+        ranks = job.ranks or 1 if ranks is None else ranks
         if refusal := engine.refused_ranks(ranks, result.problem.beads):
             raise InputError(f"--ranks: {refusal}")
         refuse_unwritable(path, all_parts(path))
-        spent = _spent(path, record)
-        part, step = _next_part(result, record) if engine is LAMMPS else (1, 0)
+        spent = _spent(path, job)
+        part, step = _next_part(result, job) if engine is LAMMPS else (1, 0)
         if part == 1:
             _remove_frames(path)
         else:
             write_text(path / file_names.CONTINUE, continuation.render_continuation(result.problem))
         now = datetime.now(UTC).isoformat(timespec="seconds")
-        earlier = record.get("resumed", [])
-        resumed = [*earlier, {"at": now, "from_step": step}]
-        result.update_record(outcome="running", reason=None, resumed=resumed, wall_seconds=spent)
+        resumed = [*(earlier.plain() for earlier in job.resumed), {"at": now, "from_step": step}]
+        result.update(outcome="running", reason=None, resumed=resumed, wall_seconds=spent)
         start = functools.partial(lammps, ranks=ranks, part=part, restart_every=restart_every, lock=lock)
         return carry_out(result, start=start, settings=settings, check=check, progress=progress, spent=spent)
 
 
-def settings_of(record: dict[str, Any]) -> Settings | None:
-    """How a recorded run's time step was chosen."""
-    return Settings(**record["settings"]) if "settings" in record else None
+def settings_of(job: Job) -> Settings | None:
+    """How a run's time step was chosen."""
+    return None if job.settings is None else Settings(**job.settings.plain())
 
 
 def begun(path: Path) -> RunDirectory:
@@ -102,48 +101,41 @@ def begun(path: Path) -> RunDirectory:
         )
     result = RunDirectory(path)
     try:
-        record = result.record
+        job = result.job
     except InputError as error:
         raise InputError(f"{error}; {_AGAIN}") from None
-    try:
-        whole = record["engine"] in ENGINES and isinstance(record["outcome"], str) and record["ranks"] >= 1
-        whole = whole and isinstance(record.get("resumed", []), list) and isinstance(record.get("versions", {}), dict)
-        settings_of(record)
-        _spent(path, record)
-    except (KeyError, TypeError, ValueError, IndexError):
-        whole = False
-    if not whole:
+    if None in (job.engine, job.outcome, job.ranks) or (job.outcome == "running" and job.started is None):
         raise InputError(f"{path}: holds no {RECORD} of a run; {_AGAIN}")
     return result
 
 
-def _with_its_files(path: Path) -> tuple[RunDirectory, dict[str, Any]]:
-    """The run in a directory and its record, with the files that it was begun with.
+def _with_its_files(path: Path) -> tuple[RunDirectory, Job]:
+    """The run in a directory and its account, with the files that it was begun with.
 
     Raises:
         InputError: they were changed.
     """
     result = begun(path)
-    record = result.record
+    job = result.job
     deck_files = dict.fromkeys((file_names.SCENE, file_names.DECK, file_names.DATA), "")
-    expected = list(ENGINES[record["engine"]].begins_with(deck_files))
+    expected = list(ENGINES[result.engine].begins_with(deck_files))
     # what is no text is not what was written either
     files = {name: (path / name).read_text("utf-8", "replace") for name in expected if (path / name).is_file()}
     missing = [name for name in expected if name not in files]
-    if missing and "scene" in record:  # killed before all were there
-        rendered = deck.render(library.from_plain(record["scene"], str(path / RECORD)))
+    if missing and job.scene is not None:  # killed before all were there
+        rendered = deck.render(library.from_plain(job.scene, str(path / RECORD)))
         files |= {name: rendered[name] for name in missing}
-    if fingerprint(files) != record.get("files_sha256"):
+    if fingerprint(files) != job.files_sha256:
         names = ", ".join(expected)
         raise InputError(
             f"{path}: {names} are not those that the run was begun with; run the scene again with --overwrite"
         )
     for name in missing:
         write_text(path / name, files[name])
-    return result, record
+    return result, job
 
 
-def _next_part(result: RunDirectory, record: dict[str, Any]) -> tuple[int, int]:
+def _next_part(result: RunDirectory, job: Job) -> tuple[int, int]:
     """Number of the part of the frames to write next, and the step that it goes on from; the start is (1, 0).
 
     A restart is of use if LAMMPS is still the one that wrote it, and if all frames until then are there.
@@ -151,7 +143,7 @@ def _next_part(result: RunDirectory, record: dict[str, Any]) -> tuple[int, int]:
     path = result.path
     step = restarts.step_of(path / file_names.RESTART) if restarts.intact(path / file_names.RESTART) else None
     version = importlib.metadata.version("lammps")
-    if not step or record.get("versions", {}).get("lammps") != version or not _hold_all(path, result.problem, step):
+    if not step or job.versions.get("lammps") != version or not _hold_all(path, result.problem, step):
         return 1, 0
     if result.problem.peaks and not live_peaks.usable(path / file_names.PEAKS_STATE, result.problem, step):
         return 1, 0
@@ -209,11 +201,11 @@ def _remove_frames(path: Path) -> None:
         file.unlink(missing_ok=True)
 
 
-def _spent(path: Path, record: dict[str, Any]) -> float:
+def _spent(path: Path, job: Job) -> float:
     """Wall time of all attempts; one that was killed lasted until the last that it wrote."""
-    known = float(record.get("wall_seconds", 0.0))
-    if record["outcome"] != "running":
-        return known
-    begun_at = record["resumed"][-1]["at"] if "resumed" in record else record["started"]
-    written = [file.stat().st_mtime for file in path.iterdir() if file.name in OWN_FILES or part_number(file)]
-    return known + max(0.0, max(written) - datetime.fromisoformat(begun_at).timestamp())
+    if job.outcome != "running":
+        return job.wall_seconds
+    begun_at = job.resumed[-1].at if job.resumed else str(job.started)
+    mine = ENGINES[job.engine or "lammps"].files
+    written = [file.stat().st_mtime for file in path.iterdir() if file.name in mine or part_number(file)]
+    return job.wall_seconds + max(0.0, max(written) - datetime.fromisoformat(begun_at).timestamp())

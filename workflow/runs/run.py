@@ -21,8 +21,7 @@ from workflow.runs import check as checking
 from workflow.runs import contacts
 from workflow.runs.engines import ENGINES, LAMMPS, Progress, Start, Work, engine_called
 from workflow.runs.own_files import prepared, refuse_links, refuse_unusable, replacing
-from workflow.runs.provenance import fingerprint, provenance
-from workflow.runs.results import results
+from workflow.runs.results import fingerprint, provenance, results
 from workflow.runs.run_directory import RunDirectory
 from workflow.runs.size import refuse_beforehand, refuse_too_long
 from workflow.runs.whole_files import write_text
@@ -56,12 +55,12 @@ class Run:
         return self.trajectory.measured()
 
     def __repr__(self) -> str:
-        record, problem = self.directory.record, self.directory.problem
+        job, problem = self.directory.job, self.directory.problem
         error = "" if self.check is None else f", error {self.check.velocity:.1e} V"
-        return f"<run {problem.name} in {self.directory.path}: {self.outcome}, {record['engine']}{error}>"
+        return f"<run {problem.name} in {self.directory.path}: {self.outcome}, {job.engine}{error}>"
 
     def _repr_html_(self) -> str:
-        record = self.directory.record
+        record = self.directory.job.plain()
         rows = [
             (key, record[key]) for key in ("outcome", "engine", "steps", "ranks", "engine_seconds") if key in record
         ]
@@ -117,7 +116,7 @@ def run(
         with replacing(path, what.files):
             write_text(path / file_names.SCENE, files[file_names.SCENE])
             result = RunDirectory(path)
-            result.update_record(
+            result.update(
                 outcome="running",
                 engine=engine,
                 ranks=ranks,
@@ -196,7 +195,7 @@ def carry_out(
         InputError: something in the directory that it would write to is a link.
         RunError: the run failed; ``run.json`` says why, where the disk takes it.
     """
-    path, engine = result.path, ENGINES[result.record["engine"]]
+    path, engine = result.path, ENGINES[result.engine]
     refuse_links(path)
     started = time.perf_counter() - spent
     loading = None
@@ -210,11 +209,11 @@ def carry_out(
             hardest = contacts.measure(result)
             if hardest is not None:
                 ending["contacts"] = hardest.plain()
-        result.update_record(**ending, wall_seconds=time.perf_counter() - started)
+        result.update(**ending, wall_seconds=time.perf_counter() - started)
     except (RunError, OSError) as error:
         reason = str(error) if isinstance(error, RunError) else f"{path}: cannot be written ({error.strerror})"
         with contextlib.suppress(RunError):  # a full disk
-            result.update_record(outcome="failed", reason=reason, wall_seconds=time.perf_counter() - started)
+            result.update(outcome="failed", reason=reason, wall_seconds=time.perf_counter() - started)
         if isinstance(error, OSError | EndedError):
             reason = f"{reason.rstrip('.')}; `granchain run --resume {path}` goes on from there"
         raise type(error)(reason) if isinstance(error, RunError) else RunError(reason) from None
@@ -230,8 +229,8 @@ def carry_out(
 
 def measure_error(result: RunDirectory, settings: Settings | None) -> checking.Check | None:
     """Compare a run that is done with the reference, and record what was found; None where LAMMPS did not run."""
-    if not ENGINES[result.record["engine"]].own_step:
+    if not ENGINES[result.engine].own_step:
         return None
     found = checking.check(result, settings)
-    result.update_record(check=found.plain())
+    result.update(check=found.plain())
     return found

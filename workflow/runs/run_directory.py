@@ -20,13 +20,16 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from analysis.files import recording
+from analysis.mirror import direction_of
+from analysis.tracking.leading_waves import Waves, from_csv
 from analysis.trajectory import Trajectory, joined
 from lammps_inputs import InputError, Problem, Scene, file_names, load
 from workflow.runs.files import RECORD, parts
-from workflow.runs.locks import changing
-from workflow.runs.record import read_record
-from workflow.runs.whole_files import write_json
+from workflow.runs.job import Job, account, update
+from workflow.runs.job import load as load_job
 
 KEPT_BYTES = 1 << 24
 """Of the frames of a run that are kept in memory for whatever reads them next."""
@@ -63,37 +66,38 @@ class RunDirectory:
             raise InputError(f"{self.path / file_names.SCENE}: {error}") from None
 
     @property
-    def record(self) -> dict[str, Any]:
-        """What ``run.json`` holds; empty if there is none.
+    def job(self) -> Job:
+        """What ``run.json`` holds; nothing if there is none.
 
         Raises:
-            InputError: it is not JSON.
+            InputError: it cannot be read.
         """
-        path = self.path / RECORD
-        return read_record(path) if path.is_file() else {}
+        return load_job(self.path / RECORD)
+
+    @property
+    def account(self) -> Job:
+        """The same, or nothing where it cannot be read."""
+        return account(self.path)
 
     @property
     def failure(self) -> str:
         """Why the run failed, in words; empty where it did not, or where ``run.json`` does not tell."""
-        try:
-            record = self.record
-        except InputError:
-            return ""
-        return f"the run failed: {record.get('reason')}" if record.get("outcome") == "failed" else ""
+        return f"the run failed: {self.account.reason}" if self.account.outcome == "failed" else ""
 
     @property
     def engine(self) -> str:
         """What computed the run: LAMMPS where ``run.json`` does not tell."""
-        try:
-            return str(self.record.get("engine", "lammps"))
-        except InputError:
-            return "lammps"
+        return self.account.engine or "lammps"
 
-    def update_record(self, **changes: Any) -> None:
+    @property
+    def fingerprint(self) -> str:
+        """Of the frames, see `workflow.runs.results.results`; empty where ``run.json`` holds none."""
+        results = self.account.results
+        return "" if results is None else results.sha256
+
+    def update(self, **changes: Any) -> None:
         """Add to ``run.json``, or with None take away."""
-        with changing(self.path / RECORD):
-            record = {**self.record, **changes}
-            write_json(self.path / RECORD, {key: value for key, value in record.items() if value is not None})
+        update(self.path, **changes)
 
     @property
     def dumps(self) -> list[Path]:
@@ -133,6 +137,31 @@ class RunDirectory:
     def trajectory(self) -> Trajectory:
         """The whole trajectory in memory."""
         return joined(self.blocks())
+
+    def peaks_table(self) -> Waves | None:
+        """Waves of ``peaks.csv``, where LAMMPS's run leaves the leading pulse at every bead beside frames of only some.
+
+        Returns:
+            None where there is no such table, or where the frames hold every bead anyway.
+
+        Raises:
+            InputError: the file cannot be read.
+        """
+        path, problem = self.path / file_names.PEAKS, self.problem
+        if not problem.peaks or problem.recorded is None or not path.is_file():
+            return None
+        try:
+            waves = from_csv(path.read_text(encoding="utf-8"), problem.scale, direction=direction_of(problem))
+        except (ValueError, OSError):
+            raise InputError(
+                f"{path}: cannot be read as a table of peaks; delete it to analyse the frames alone"
+            ) from None
+        chain, bead = waves.chain, waves.bead
+        there = (chain >= 1) & (chain <= problem.chains) & (bead >= 1) & (bead <= problem.beads)
+        in_order = np.array_equal(np.lexsort((bead, chain)), np.arange(len(waves)))
+        if not (in_order and np.all(there & np.isfinite(waves.peak_velocity))):
+            raise InputError(f"{path}: holds what is not this scene's; delete it to analyse the frames alone")
+        return waves
 
 
 _kept: list[tuple[list[tuple[int, int, int]], list[Trajectory]]] = []

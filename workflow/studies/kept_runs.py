@@ -32,8 +32,7 @@ def errors(directory: RunDirectory) -> tuple[float, float]:
 
     For LAMMPS the difference from the reference found when it was run, for the reference its certificate.
     """
-    record = directory.record
-    found = ENGINES[record["engine"]].errors(record)
+    found = ENGINES[directory.engine].errors(directory.job)
     assert found is not None
     return found
 
@@ -43,17 +42,17 @@ def finished(path: Path, scene: Scene, engine: str) -> RunDirectory | None:
     if not (path / file_names.SCENE).is_file():
         return None
     directory = RunDirectory(path)
-    record = directory.record
-    checked = ENGINES[engine].errors(record) is not None
-    done = checked and record.get("outcome") == "done" and record.get("engine") == engine
+    job = directory.job
+    checked = ENGINES[engine].errors(job) is not None
+    done = checked and job.outcome == "done" and job.engine == engine
     return directory if done and _is_of(directory, scene) else None
 
 
 def _is_of(directory: RunDirectory, scene: Scene) -> bool:
     """Whether a run is of this scene, with a time step for the same accuracy where the scene names none."""
-    record, found = directory.record, set()
-    if scene.timestep is None and ENGINES[record["engine"]].own_step:
-        if record.get("settings", {}).get("accuracy") != (scene.accuracy or DEFAULT_ACCURACY):
+    settings, found = directory.job.settings, set()
+    if scene.timestep is None and ENGINES[directory.engine].own_step:
+        if settings is None or settings.accuracy != (scene.accuracy or DEFAULT_ACCURACY):
             return False
         found = {"accuracy", "timestep"}
     try:

@@ -14,12 +14,13 @@ from workflow.formats import asked
 from workflow.prepare.settings import refuse_unstable
 from workflow.runs.engines import ENGINES
 from workflow.runs.locks import alone
+from workflow.runs.own_files import make_directory
 from workflow.runs.size import refuse_beforehand
 from workflow.runs.status import status
 from workflow.sweep import directory as directories
 from workflow.sweep.cases import Case, all_cases, scene_of
 from workflow.sweep.compute_case import task
-from workflow.sweep.directory import CASE, Asked, Todo
+from workflow.sweep.directory import Asked, Todo
 from workflow.sweep.file import Sweep
 from workflow.workers.pool import Pool, Task
 
@@ -107,7 +108,7 @@ def planned(what: Sweep, directory: Path) -> Iterator[list[Case]]:
     """
     seen = _names(directory)
     cases = plan(what, directory)
-    make(directory)
+    make_directory(directory)
     with alone(directory):
         if _names(directory) != seen:  # another sweep may have begun there at the same time
             plan(what, directory)
@@ -161,7 +162,7 @@ def _refuse_of_another_sweep(what: Sweep, directory: Path, case: Case) -> None:
 
 
 def request(what: Sweep, case: Case, scene: Scene) -> Asked:
-    """What a case's ``case.json`` is to hold."""
+    """What a case is asked to be."""
     return Asked(case.values, scene.plain(), what.engine)
 
 
@@ -174,7 +175,7 @@ def _refuse_what_is_not_a_sweep(directory: Path, cases: list[Case]) -> None:
         found = {entry.name for entry in directory.iterdir()}
     except OSError as error:
         raise InputError(f"{directory}: cannot be read ({error.strerror})") from None
-    own = any(case.name in found for case in cases) or any((directory / name / CASE).is_file() for name in found)
+    own = any(case.name in found for case in cases) or any(directories.asked(directory / name) for name in found)
     if found and not own:
         raise InputError(f"{directory}: exists and is not the directory of a sweep; choose another -o")
 
@@ -191,18 +192,6 @@ def _refuse_what_cannot_run(where: str, engine: str, scene: Scene) -> None:
     if ENGINES[engine].own_step:
         refuse_unstable(scene, where)
     refuse_beforehand(scene, where, ENGINES[engine])
-
-
-def make(directory: Path) -> None:
-    """Make a directory if need be.
-
-    Raises:
-        InputError: it cannot be made.
-    """
-    try:
-        directory.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{directory}: cannot be written to ({error.strerror})") from None
 
 
 def _refuse_if_queued(directory: Path, cases: list[Case]) -> None:

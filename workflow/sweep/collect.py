@@ -10,13 +10,15 @@ import numpy as np
 from lammps_inputs import InputError, file_names, library, strict_yaml
 from workflow.cluster import queue
 from workflow.engines.lammps.mpi import cores
-from workflow.runs.files import RECORD, REPORT
+from workflow.runs.files import RECORD
+from workflow.runs.job import account
 from workflow.runs.status import Status, status
 from workflow.runs.whole_files import write_figure
 from workflow.sweep import fields
 from workflow.sweep.compute_case import task
-from workflow.sweep.directory import Asked, asked, is_analysed, read_json, recorded
+from workflow.sweep.directory import Asked, asked, is_analysed, read_json
 from workflow.sweep.table import QUANTITIES, UNCERTAINTIES, UNSETTLED, Table
+from workflow.verdicts.analysis_report import REPORT
 from workflow.workers.pool import Pool
 
 
@@ -45,7 +47,7 @@ def collect(directory: Path, progress: Callable[[int, int], None] | None = None)
     paths = {name: _path(name, directory) for name in names}
     rows, kinds, scenes, bands = [], set(), set(), {}
     for path, request in requests.items():
-        report, record = read_json(path / REPORT), recorded(path)
+        report, record = read_json(path / REPORT), account(path).plain()
         scenes.add(str(request.scene.get("name", "")))
         kinds.add("material" in request.scene or report.get("units") == "SI")
         scene = request.scene or _scene(path)
@@ -92,7 +94,7 @@ def _path(name: str, directory: Path) -> fields.Path:
     try:
         return fields.parse(name)
     except InputError as error:
-        raise InputError(f"{directory}: a case.json in it: {error}") from None
+        raise InputError(f"{directory}: a case in it: {error}") from None
 
 
 def _analyse(directories: list[Path], progress: Callable[[int, int], None] | None) -> dict[str, str]:

@@ -4,10 +4,10 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from lammps_inputs import InputError, file_names
+from lammps_inputs import file_names
 from lammps_inputs.slurm.command import render_command
 from lammps_inputs.slurm.site import JobOptions
-from workflow.runs.own_files import claim
+from workflow.runs.own_files import claim, make_directory
 from workflow.runs.whole_files import write_text
 
 
@@ -29,10 +29,7 @@ def write_job(
     # -P: the directory it works in is no place for modules
     command = [sys.executable, "-P", "-m", "workflow", *words]
     text = render_command(options, f"granchain-{words[0]}", command, cores=cores, jobs=jobs)
-    try:
-        directory.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{directory}: cannot be written to ({error.strerror})") from None
+    make_directory(directory)
     claim(directory, (file_names.JOB, file_names.JOB_OUTPUT))
     write_text(directory / file_names.JOB, text)
 

@@ -1,10 +1,10 @@
-"""The directory of one case: a run directory that also holds ``case.json``, what the case was asked to be.
+"""The directory of one case: a run directory whose ``run.json`` holds what the case was asked to be, as ``request``.
 
-| key      | what                                                        |
-|----------|-------------------------------------------------------------|
-| swept    | field -> value                                              |
+| key      | what                                                            |
+|----------|-----------------------------------------------------------------|
+| swept    | field -> value                                                  |
 | scene    | the scene as asked: its ending at a bead, say, is not found yet |
-| engine   | what computes                                               |
+| engine   | what computes                                                   |
 """
 
 from dataclasses import dataclass
@@ -17,13 +17,15 @@ from pydantic_core import from_json
 from lammps_inputs import InputError, Scene, file_names, library, strict_yaml
 from workflow.formats import figure_files
 from workflow.prepare.settings import found_beforehand
-from workflow.runs.files import RECORD, REPORT
-from workflow.runs.own_files import claim, listed, others, remove_leftovers
-from workflow.runs.record import read_record
+from workflow.runs import job
+from workflow.runs.files import RECORD
+from workflow.runs.own_files import claim, others, remove_leftovers
 from workflow.runs.status import status
 from workflow.runs.whole_files import write_json, write_text
+from workflow.verdicts.analysis_report import REPORT
 
-CASE = "case.json"
+EARLIER = "case.json"
+"""Where the request stood before ``run.json`` held it."""
 
 
 class Todo(Enum):
@@ -49,7 +51,7 @@ class Asked:
     engine: str
 
     def plain(self) -> dict[str, Any]:
-        """For ``case.json``."""
+        """For ``run.json``."""
         return {"swept": self.swept, "scene": self.scene, "engine": self.engine}
 
 
@@ -62,17 +64,9 @@ def read_json(path: Path) -> dict[str, Any]:
     return data if isinstance(data, dict) else {}
 
 
-def recorded(path: Path) -> dict[str, Any]:
-    """What ``run.json`` in a directory holds; empty if there is none or it cannot be read."""
-    try:
-        return read_record(path / RECORD)
-    except InputError:
-        return {}
-
-
 def asked(path: Path) -> Asked | None:
     """What the case in a directory was asked to be; None if it is no case's directory."""
-    data = read_json(path / CASE)
+    data = job.account(path).request or read_json(path / EARLIER)
     swept, scene, engine = data.get("swept"), data.get("scene"), data.get("engine")
     if isinstance(swept, dict) and isinstance(scene, dict) and isinstance(engine, str):
         return Asked(swept, scene, engine)
@@ -83,8 +77,8 @@ def begin(path: Path, wanted: Asked, scene: Scene) -> None:
     """Make a case's directory; from then on it is a run directory that may be overwritten."""
     path.mkdir(parents=True, exist_ok=True)
     remove_leftovers(path)  # of a sweep that was killed
-    claim(path, (CASE, file_names.SCENE))
-    write_json(path / CASE, wanted.plain())
+    claim(path, (file_names.SCENE,))
+    job.update(path, request=wanted.plain())
     write_text(path / file_names.SCENE, strict_yaml.dump(scene.resolved().plain()))
 
 
@@ -96,7 +90,7 @@ def refuse_another(path: Path, wanted: Asked, scene: Scene) -> None:
     """
     found = asked(path)
     if found is None:
-        if path.is_dir() and (not (rest := others(path)) or (rest == {RECORD} and CASE in _listed(path))):
+        if path.is_dir() and (not (rest := others(path)) or (rest == {RECORD} and RECORD in job.account(path).files)):
             return  # interrupted before anything was written
         if path.exists() or path.is_symlink():
             raise InputError(f"{path}: exists and is not a case of a sweep; choose another -o")
@@ -114,13 +108,6 @@ def refuse_another(path: Path, wanted: Asked, scene: Scene) -> None:
         key = _first_difference(*(_without(data, found_beforehand(scene)) for data in (written, resolved)))
     if key is not None:
         raise InputError(f"{path}: holds this case of another scene ({key} differs); {advice}")
-
-
-def _listed(path: Path) -> set[str]:
-    try:
-        return listed(path)
-    except InputError:
-        return set()
 
 
 def _without(data: dict[str, Any], keys: set[str]) -> dict[str, Any]:
@@ -148,6 +135,6 @@ def is_analysed(path: Path) -> bool:
 
 def note_failure(path: Path, reason: str) -> None:
     """Let ``run.json`` say why a case failed, where the run could not do so itself."""
-    record = recorded(path)
-    if path.is_dir() and record.get("outcome") not in ("done", "failed"):
-        write_json(path / RECORD, {**record, "outcome": "failed", "reason": reason})
+    record = job.account(path)
+    if path.is_dir() and record.outcome not in ("done", "failed"):
+        write_json(path / RECORD, {**record.plain(), "outcome": "failed", "reason": reason})

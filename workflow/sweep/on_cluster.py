@@ -12,8 +12,9 @@ from workflow.cluster import queue
 from workflow.cluster.job_arguments import with_ranks
 from workflow.prepare.settings import settle
 from workflow.runs.engines import LAMMPS
-from workflow.runs.files import ANALYSIS_FILES, LAMMPS_FILES, RECORD
-from workflow.runs.own_files import claim, listed
+from workflow.runs.files import LAMMPS_FILES, RECORD
+from workflow.runs.job import Job
+from workflow.runs.own_files import claim, listed, retire
 from workflow.runs.status import status
 from workflow.runs.whole_files import write_json, write_text
 from workflow.sweep.carry_out import planned, request
@@ -116,12 +117,11 @@ def _write_case(what: Sweep, case: Case, path: Path) -> Problem:
     for name, text in deck.render(written).items():
         if (path / name).read_bytes() != text.encode("utf-8"):  # damaged
             write_text(path / name, text)
-    own = listed(path)
-    for name in own.intersection(ANALYSIS_FILES):  # of a run that did not come to its end here
-        (path / name).unlink(missing_ok=True)
+    retire(path, listed(path).difference(LAMMPS_FILES, file_names.JOB_FILES))  # of a run that did not end here
     files = job.case_files(problem)
     claim(path, file_names.JOB_FILES)
-    write_json(path / RECORD, {"files": sorted(listed(path))})
+    account = Job(files=sorted(listed(path)), request=request(what, case, scene).plain())
+    write_json(path / RECORD, account.plain())
     for name, text in files.items():
         write_text(path / name, text)
     return problem

@@ -13,7 +13,8 @@ from analysis.trajectory import Floats
 from lammps_inputs import html
 from lammps_inputs.numbers import text
 from lammps_inputs.units import REDUCED, SI
-from workflow.runs.files import RECORD, REPORT
+from workflow.runs.files import RECORD
+from workflow.verdicts.analysis_report import REPORT
 
 OWN = ("V", "T")
 """A case's own units: of the fastest kick, and of time (`lammps_inputs.units`)."""

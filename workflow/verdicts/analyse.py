@@ -21,14 +21,12 @@ from analysis.trajectory import Trajectory
 from lammps_inputs import InputError, Problem, html, physics
 from lammps_inputs.facts import Fact
 from workflow.formats import figure_files, in_any_format
-from workflow.runs.accounts import accountant
-from workflow.runs.files import ANALYSIS_FIGURES, REPORT
 from workflow.runs.own_files import claim, retire
-from workflow.runs.peaks_table import found_on_the_way
-from workflow.runs.results import Fingerprint, recorded_fingerprint
+from workflow.runs.references import accountant
+from workflow.runs.results import Fingerprint
 from workflow.runs.run_directory import RunDirectory
 from workflow.runs.whole_files import write_figure, write_json, write_text
-from workflow.verdicts.analysis_report import last_clear_bead, report
+from workflow.verdicts.analysis_report import REPORT, last_clear_bead, report
 from workflow.verdicts.findings import FINDINGS, budget
 from workflow.verdicts.findings.finding import Finding
 from workflow.verdicts.waves_table import waves_csv
@@ -39,6 +37,9 @@ if TYPE_CHECKING:
 __all__ = ["Analysis", "analyse", "default_beads", "last_clear_bead"]
 
 WAVES = "waves.csv"
+
+FIGURES = ("spacetime", "response", "distance", "shape", *(name for one in FINDINGS for name in one.figures))
+"""All that an analysis may draw."""
 
 LARGEST = 1e100
 """Displacement or velocity that no run has, far from where squares overflow; dimensionless."""
@@ -144,7 +145,7 @@ def analyse(
         watchers=watchers,
         tolerances=allowed,
         arrival=arrival,
-        leading=found_on_the_way(directory) if arrival in (None, usual_arrival(problem)) else None,
+        leading=directory.peaks_table() if arrival in (None, usual_arrival(problem)) else None,
         counted=ledger.of,
     )
     if problem.frames_per_snapshot is not None:
@@ -170,7 +171,7 @@ def analyse(
         tables=tables,
         figures=drawn,
         failure=directory.failure,
-        altered=recorded_fingerprint(directory) not in ("", fingerprint.sha256()),
+        altered=directory.fingerprint not in ("", fingerprint.sha256()),
         findings=there,
     )
 
@@ -196,7 +197,7 @@ def _write(
     files = figure_files(*makers)
     claim(directory.path, (*tables, REPORT, *files))
     if pictures is not None:
-        retire(directory.path, set(in_any_format(*ANALYSIS_FIGURES)).difference(files))
+        retire(directory.path, set(in_any_format(*FIGURES)).difference(files))
     drawn = tuple(path for name, make in makers.items() for path in write_figure(directory.path, name, make()))
     for name, text in tables.items():
         write_text(directory.path / name, text)

@@ -19,6 +19,8 @@ from lammps_inputs import Problem, physics
 from lammps_inputs.facts import Fact
 from lammps_inputs.numbers import known
 
+REPORT = "analysis.json"
+
 STEADY = 0.01
 """Relative change of its amplitude over ten beads up to which a pulse of a train is steady."""
 

@@ -7,7 +7,6 @@ from pathlib import Path
 from analysis.figures.style import axis_unit, shown_chains
 from analysis.files.binary_dump import CutDumpWarning
 from lammps_inputs import InputError, Problem, file_names, strict_yaml
-from workflow.runs.files import VIEW
 from workflow.runs.own_files import claim
 from workflow.runs.run_directory import RunDirectory
 from workflow.runs.whole_files import write_text
@@ -17,6 +16,8 @@ from workflow.view.page import folded, paragraphs, render
 from workflow.view.run_page import layout
 from workflow.view.sweep_page import layout as sweep_layout
 from workflow.view.thin import Thinned, thinned
+
+VIEW = "view.html"
 
 FINE = 0.5
 """Time between frames up to which a pulse is followed closely, in units of T."""
@@ -53,10 +54,9 @@ def _run(path: Path) -> Path:
             lines.append("The run is incomplete; what there is is shown.")
     except InputError as error:
         lines.append(f"Not analysed: {error}")
-    record = directory.record
-    off = record.get("check", {}).get("velocity")
-    if off is not None:
-        lines.append(f"Error against the reference: velocities {off:.1e} V.")
+    check = directory.job.check
+    if check is not None and check.velocity is not None:
+        lines.append(f"Error against the reference: velocities {check.velocity:.1e} V.")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", CutDumpWarning)  # that the run is incomplete is said in words
         part = thinned(problem, directory.blocks(), shown_chains(problem))

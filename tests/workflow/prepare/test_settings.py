@@ -149,7 +149,7 @@ def test_the_rule_alone_errs_on_the_safe_side_by_a_factor_of_five_in_the_step_at
 )
 def test_a_run_of_lammps_ends_with_the_error_that_was_measured_beforehand(tmp_path, name, accuracy, scheme):
     result = run(asking(GRID[name], accuracy, scheme=scheme), tmp_path / "run")
-    expected = result.directory.record["settings"]["expected_error"]
+    expected = result.directory.job.settings.expected_error
     assert result.check.velocity <= accuracy
     assert result.check.reference.velocity <= accuracy / 3.0
     assert result.check.velocity == pytest.approx(expected, rel=1e-3)
@@ -158,7 +158,7 @@ def test_a_run_of_lammps_ends_with_the_error_that_was_measured_beforehand(tmp_pa
 @pytest.mark.parametrize("accuracy", [1e-3, 1e-7])
 def test_a_run_of_the_reference_is_certified_to_what_was_asked(tmp_path, accuracy):
     result = run(asking(SMALL["five chains"], accuracy), tmp_path / "run", engine="reference")
-    assert result.directory.record["certificate"]["velocity"] <= accuracy
+    assert result.directory.job.certificate.velocity <= accuracy
 
 
 @pytest.mark.parametrize(
@@ -208,12 +208,11 @@ def test_a_check_with_the_reference_of_the_pilot_run_finds_what_a_new_one_does(t
 
 def test_settings_recorded_before_there_was_a_default_accuracy_were_asked_for(tmp_path):
     directory = run(asking(SMALL["one chain"], 1e-3), tmp_path / "run", check=False).directory
-    record = directory.record
-    directory.update_record(
-        settings={key: value for key, value in record["settings"].items() if key not in ("asked", "unreached")}
-    )
-    assert resume.settings_of(directory.record) == resume.settings_of(record)
-    assert resume.settings_of(directory.record).asked
+    before = resume.settings_of(directory.job)
+    settings = directory.job.settings.plain()
+    directory.update(settings={key: value for key, value in settings.items() if key not in ("asked", "unreached")})
+    assert resume.settings_of(directory.job) == before
+    assert resume.settings_of(directory.job).asked
 
 
 @pytest.mark.parametrize("step", [5.0, 0.07, 0.003])
@@ -238,8 +237,8 @@ def test_a_scene_may_ask_for_an_accuracy_and_end_at_a_bead():
 def test_a_run_directory_holds_the_time_step_as_its_scene_and_the_accuracy_in_its_record(tmp_path):
     directory = run(asking(SMALL["one chain"], 1e-3), tmp_path / "run", check=False).directory
     assert directory.scene.accuracy is None
-    assert directory.scene.timestep == pytest.approx(directory.record["settings"]["timestep"], rel=1e-12)
-    assert directory.record["settings"]["accuracy"] == 1e-3
+    assert directory.scene.timestep == pytest.approx(directory.job.settings.timestep, rel=1e-12)
+    assert directory.job.settings.accuracy == 1e-3
 
 
 def test_every_command_that_needs_a_step_says_what_it_chose(tmp_path, capsys):
@@ -397,4 +396,4 @@ def test_a_deck_is_written_with_force(tmp_path, capsys):
 
 def test_the_reference_which_takes_steps_of_its_own_is_not_refused(tmp_path):
     run(beyond(3.0), tmp_path / "run", engine="reference")
-    assert RunDirectory(tmp_path / "run").record["outcome"] == "done"
+    assert RunDirectory(tmp_path / "run").job.outcome == "done"

@@ -24,7 +24,6 @@ from workflow.prepare.accuracy import better_timestep
 from workflow.prepare.settings import Settings
 from workflow.runs import check as checking
 from workflow.runs.check import SPACING, check, stride
-from workflow.runs.peaks_table import found_on_the_way
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 
@@ -169,7 +168,7 @@ def test_the_time_step_that_is_named_divides_the_output_and_keeps_what_is_said_o
     path.write_text(strict_yaml.dump({**coarse, "timestep": float(named[1])}))
     assert main(["run", str(path), "-o", str(tmp_path / "fine")]) == 0
     assert "that is" not in capsys.readouterr().out
-    left = RunDirectory(tmp_path / "fine").record["check"]["velocity"]
+    left = RunDirectory(tmp_path / "fine").job.check.velocity
     assert left <= 1.05 * float(named[2])  # which is printed with two digits
     assert left <= 5e-4
 
@@ -224,7 +223,7 @@ def test_its_wave_errors_are_also_those_of_peaks_csv_at_beads_that_are_not_recor
     done = run(scene(beads=8, kick=kicks, duration=15.0, output=output, timestep=0.025), tmp_path / "run")
     problem = replace(done.directory.problem, recorded=None)
     exact = leading_waves(leading_passages(find_peaks(certified(problem, 1e-9).blocks()), problem))
-    table = found_on_the_way(done.directory)
+    table = done.directory.peaks_table()
     assert len(table) == len(exact) > 4
     clear = exact.peak_velocity > 0.1
     for name, found, sure in (
@@ -238,7 +237,7 @@ def test_its_wave_errors_are_also_those_of_peaks_csv_at_beads_that_are_not_recor
 
 @pytest.mark.parametrize("other", [(0.5, 0.25), (0.0, 0.0)])
 def test_the_worse_of_frames_and_peaks_csv_counts(other, finished, monkeypatch):
-    monkeypatch.setattr(checking, "found_on_the_way", lambda _: ())
+    monkeypatch.setattr(RunDirectory, "peaks_table", lambda _: ())
     monkeypatch.setattr(checking, "waves_apart", lambda *_: other)
     found, own = check(finished.directory), finished.check
     assert own.amplitude > 0.0

@@ -87,7 +87,7 @@ def test_without_a_material_there_is_no_trace(tmp_path, capsys):
 def test_rigid_beads_have_no_hertzian_contacts(tmp_path):
     rigid = steel(gap=1e-5, beads=4)
     result = run(rigid, tmp_path / "run", engine="collisions")
-    assert "contacts" not in result.directory.record
+    assert result.directory.job.contacts is None
     assert "contacts" not in analyse(result.directory, figures=False).findings
 
 

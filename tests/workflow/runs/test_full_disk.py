@@ -89,9 +89,9 @@ def test_frames_that_fill_the_disk_are_kept_and_gone_on_with(ranks, disk, tmp_pa
     np.testing.assert_array_equal(kept, frames(whole.path)[: len(kept)])
     disk.grow()
     result = resume(directory, check=False)
-    assert result.directory.record["resumed"][0]["from_step"] > 0
+    assert result.directory.job.resumed[0].from_step > 0
     np.testing.assert_array_equal(frames(directory), frames(whole.path))
-    assert result.directory.record["results"] == whole.record["results"]
+    assert result.directory.job.results == whole.job.results
 
 
 @pytest.fixture(scope="module")
@@ -118,9 +118,9 @@ def test_a_restart_that_does_not_fit_leaves_the_one_before(ranks, disk, whole_sp
     assert not (directory / file_names.UNFINISHED).exists()
     (disk.path / "filler").unlink()
     result = resume(directory, check=False, ranks=1)
-    assert result.directory.record["resumed"][0]["from_step"] >= seen[0]
-    assert "reason" not in result.directory.record
-    assert result.directory.record["results"] == whole_sparse.record["results"]
+    assert result.directory.job.resumed[0].from_step >= seen[0]
+    assert result.directory.job.reason is None
+    assert result.directory.job.results == whole_sparse.job.results
 
 
 @pytest.mark.parametrize("begun", [0, 7, 10])
@@ -148,7 +148,7 @@ def test_a_record_that_cannot_be_written_does_not_hide_why(disk):
 
     with pytest.raises(RunError, match=r"No space left|disk full"):
         run(DENSE, directory, check=False, progress=fill)
-    assert RunDirectory(directory).record["outcome"] in ("running", "failed")
+    assert RunDirectory(directory).job.outcome in ("running", "failed")
     (disk.path / "filler").unlink()
     disk.grow()
     assert resume(directory, check=False).outcome == "done"

@@ -112,7 +112,7 @@ def test_what_a_killed_run_had_dumped_reads_and_analyses_as_incomplete(size, ran
     assert command.nothing_is_left()
     assert_frames_are_those_of(whole, command.run)
     assert frames_of_incomplete_analysis(command.run, capsys) > 0
-    assert RunDirectory(command.run).record["outcome"] == "running"
+    assert RunDirectory(command.run).job.outcome == "running"
 
 
 @pytest.mark.slow
@@ -161,7 +161,7 @@ def test_a_killed_run_can_be_overwritten_by_a_new_one(start):
     assert command.nothing_is_left()
     short = LONG.model_copy(update={"duration": 5.0})
     assert run(short, command.run, overwrite=True, check=False).trajectory.frames == 6
-    assert RunDirectory(command.run).record["outcome"] == "done"
+    assert RunDirectory(command.run).job.outcome == "done"
 
 
 # --- Ctrl-C -----------------------------------------------------------------------------------------------------------
@@ -172,7 +172,7 @@ def test_ctrl_c_ends_a_run_with_one_line_and_its_frames(size, ranks, start, whol
     command = start(ranks)
     command.reach("chains.dump.bin", size)
     code, out, err = command.end(signal.SIGINT)
-    record = RunDirectory(command.run).record
+    record = RunDirectory(command.run).job.plain()
     assert (code, err) == (130, "")
     size, said = out.splitlines(keepends=True)
     assert "10,000,000 steps, 100,001 frames (591 MB), estimated time" in size
@@ -195,7 +195,7 @@ def test_further_signals_while_it_stops_change_nothing(start):
     code, out, err = command.end(signal.SIGINT)
     assert (code, err) == (130, "")
     assert f"{command.run}: interrupted at step" in out
-    assert RunDirectory(command.run).record["outcome"] == "interrupted"
+    assert RunDirectory(command.run).job.outcome == "interrupted"
     assert command.nothing_is_left()
 
 

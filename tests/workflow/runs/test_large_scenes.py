@@ -149,7 +149,7 @@ def test_a_run_that_was_killed_goes_on_to_the_same_peaks_and_snapshots(both, tmp
         assert process.wait(HANGS) == -signal.SIGKILL
     assert not (tmp_path / "cut" / file_names.PEAKS).exists()
     again = resume(tmp_path / "cut", check=False)
-    assert again.directory.record["resumed"][0]["from_step"] > 0
+    assert again.directory.job.resumed[0].from_step > 0
     assert (tmp_path / "cut" / file_names.PEAKS).read_bytes() == (whole.path / file_names.PEAKS).read_bytes()
     velocity = [np.concatenate([block.velocity for block in part.snapshots()]) for part in (whole, again.directory)]
     assert np.array_equal(*velocity)

@@ -15,10 +15,11 @@ from lammps_inputs import InputError, Kick, Scene, file_names, strict_yaml
 from workflow.cli import main
 from workflow.runs import locks
 from workflow.runs.files import RECORD
-from workflow.runs.own_files import claim, prepare, prepared, refuse_unwritable, remove_leftovers, replacing
-from workflow.runs.record import read_record
+from workflow.runs.job import load
+from workflow.runs.own_files import claim, prepared, refuse_unusable, refuse_unwritable, remove_leftovers, replacing
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
+from workflow.runs.study_directory import study_directory
 from workflow.runs.whole_files import write_text
 
 
@@ -114,6 +115,16 @@ def test_a_map_does_not_replace_a_file_of_the_users(tmp_path: Path) -> None:
     assert contents(tmp_path) == {"map.csv": b"mine"}
 
 
+def test_a_run_does_not_overwrite_what_a_study_made(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with study_directory(tmp_path / "map", "map", ["map.csv"], result=""):
+        write_text(tmp_path / "map" / "map.csv", "ours")
+    before = contents(tmp_path / "map")
+    words = ["run", str(scene_file(tmp_path / "s.yaml")), "-o", str(tmp_path / "map"), "--engine", "reference"]
+    assert main([*words, "--overwrite"]) == 2
+    assert "lists the files of an earlier run" in capsys.readouterr().err
+    assert contents(tmp_path / "map") == before
+
+
 def test_what_was_there_is_put_back_when_overwriting_fails(tmp_path: Path) -> None:
     run(scene(), tmp_path, engine="reference")
     before = contents(tmp_path)
@@ -149,11 +160,11 @@ def test_what_was_there_is_put_back_after_a_kill(tmp_path: Path, moved: int) -> 
 def test_a_directory_where_a_run_names_its_file_is_refused_before_anything_is_touched(tmp_path: Path) -> None:
     run(scene(), tmp_path, engine="reference")
     (tmp_path / "events.csv").mkdir()
-    record = read_record(tmp_path / RECORD)
-    (tmp_path / RECORD).write_text(json.dumps({**record, "files": sorted({*record["files"]} - {"events.csv"})}))
+    job = load(tmp_path / RECORD)
+    (tmp_path / RECORD).write_text(json.dumps({**job.plain(), "files": sorted({*job.files} - {"events.csv"})}))
     before = contents(tmp_path)
     with pytest.raises(InputError, match=r"events\.csv: is not listed"):
-        prepare(tmp_path, ["events.csv"], overwrite=True)
+        refuse_unusable(tmp_path, ["events.csv"], overwrite=True)
     assert contents(tmp_path) == before
 
 
@@ -161,7 +172,7 @@ def test_a_directory_where_a_run_names_its_file_is_refused_before_anything_is_to
 @pytest.mark.parametrize("name", [file_names.LOG, "chains.dump.2.bin"])
 def test_nothing_is_written_through_a_link(tmp_path: Path, name: str, capsys: pytest.CaptureFixture[str]) -> None:
     directory = run(scene(), tmp_path / "run", check=False).directory
-    directory.update_record(outcome="interrupted")
+    directory.update(outcome="interrupted")
     (directory.path / name).unlink(missing_ok=True)
     (directory.path / name).symlink_to(tmp_path / "victim")
     assert main(["run", "--resume", str(directory.path)]) == 2
@@ -234,7 +245,7 @@ def test_a_report_that_is_listed_is_no_news_of_the_run(tmp_path: Path) -> None:
     write_text(path, '{"outcome": "done", "files": ["run.json"]}')
     os.utime(path, (1e9, 1e9))
     claim(tmp_path, ["waves.csv"])
-    assert read_record(path)["files"] == ["run.json", "waves.csv"]
+    assert load(path).files == ["run.json", "waves.csv"]
     assert path.stat().st_mtime == 1e9
 
 

@@ -8,7 +8,8 @@ from small_problems import problem
 from workflow.engines.reference import engine
 from workflow.prepare.settings import Settings
 from workflow.runs import references
-from workflow.runs.accounts import accountant
+from workflow.runs.job import Certificate, Job
+from workflow.runs.references import accountant
 
 ASKED = Settings(1e-4, 0.01, 10, 0.025, 5e-5, 5e-5, 1.0, limited=False, seconds=0.1)
 
@@ -34,13 +35,11 @@ def test_steps_are_doubled_until_the_reference_is_sure_or_hardly_gets_surer(fall
 
 
 @pytest.mark.parametrize(
-    ("by", "record", "steps"),
-    [
-        ("lammps", {"certificate": {"steps_per_frame": 6}}, None),
-        ("reference", {"certificate": {"steps_per_frame": 6}}, 6),
-        ("reference", {}, None),
-        ("reference", {"certificate": {"steps_per_frame": 10**12}}, 2**12 * engine.default_steps_per_frame(problem())),
-    ],
+    ("taken", "steps"),
+    [(6, 6), (None, None), (10**12, 2**12 * engine.default_steps_per_frame(problem()))],
 )
-def test_frames_of_the_reference_are_followed_with_its_own_steps_as_far_as_it_would_take_them(by, record, steps):
-    assert accountant(SimpleNamespace(engine=by, record=record), problem()).steps_per_frame == steps
+def test_frames_of_the_reference_are_followed_with_its_own_steps_as_far_as_it_would_take_them(taken, steps):
+    """A run of another engine has no certificate."""
+    certificate = None if taken is None else Certificate(steps_per_frame=taken, velocity=None, arrival=None)
+    directory = SimpleNamespace(account=Job(certificate=certificate))
+    assert accountant(directory, problem()).steps_per_frame == steps

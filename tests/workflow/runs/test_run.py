@@ -13,7 +13,7 @@ from analysis.motion import overlaps
 from lammps_inputs import InputError, Kick, Material, find
 from workflow.engines.lammps import mpi
 from workflow.prepare.settings import settle
-from workflow.runs.provenance import fingerprint
+from workflow.runs.results import fingerprint
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.analyse import analyse
@@ -151,7 +151,7 @@ def test_waves_are_reported_in_the_units_of_the_scene(tmp_path):
 
 
 def test_run_json_says_what_was_computed_with_what_and_how_it_ended(paper):
-    record = RunDirectory(paper("two-chains")).record
+    record = RunDirectory(paper("two-chains")).job.plain()
     assert record["outcome"] == "done"
     assert record["steps_done"] == record["steps"] == 1920 * record["settings"]["steps_per_frame"]
     assert record["ranks"] == 1
@@ -172,7 +172,7 @@ def _as_date(version):
 def test_run_json_has_the_fingerprint_of_the_files_that_lammps_was_given(paper):
     directory = paper("two-chains")
     files = {name: (directory / name).read_text() for name in ("scene.yaml", "in.chains", "data.chains")}
-    assert RunDirectory(directory).record["files_sha256"] == fingerprint(files)
+    assert RunDirectory(directory).job.files_sha256 == fingerprint(files)
     assert fingerprint({**files, "in.chains": files["in.chains"] + " "}) != fingerprint(files)
 
 

@@ -34,7 +34,7 @@ def test_a_run_leaves_its_scene_frames_collisions_and_record(directory):
         "events.csv",
         "run.json",
     }
-    record = directory.record
+    record = directory.job.plain()
     assert (record["engine"], record["outcome"]) == ("collisions", "done")
     assert record["steps_done"] == record["steps"]
     assert "check" not in record
@@ -45,7 +45,7 @@ def test_the_collisions_of_a_run_are_those_of_the_engine(directory):
         events.from_csv(directory.path / "events.csv", directory.problem.scale),
         collisions.run(directory.problem),
     )
-    assert directory.record["collisions"] == len(table) == len(exact) > 20
+    assert directory.job.collisions == len(table) == len(exact) > 20
     for name in declared(events.Events):
         np.testing.assert_array_equal(getattr(table, name), getattr(exact, name))  # all scales are 1 here
 

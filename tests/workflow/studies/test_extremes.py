@@ -96,7 +96,7 @@ def test_what_keeps_the_judge_from_judging_is_not_taken_for_a_refusal(monkeypatc
     asked = []
 
     def fail(directory, tolerance):
-        asked.append(tolerance / directory.record["check"]["velocity"])
+        asked.append(tolerance / directory.job.check.velocity)
         raise InputError("other beads")
 
     monkeypatch.setattr(measure, "judge", fail)

@@ -64,8 +64,8 @@ def test_the_fitted_scene_is_a_scene_that_lammps_has_run_with_its_error(found):
     report = json.loads((found / "fit.json").read_text())
     assert scene.coupling.stiffness == report["free"]["coupling.stiffness"]["value"]
     directory = RunDirectory(found / "lammps")
-    assert directory.record["outcome"] == "done"
-    assert report["lammps"]["error_velocity"] == directory.record["check"]["velocity"] < 1e-3
+    assert directory.job.outcome == "done"
+    assert report["lammps"]["error_velocity"] == directory.job.check.velocity < 1e-3
     assert 1e-6 < report["lammps"]["difference"] < 0.1  # the largest; before the pulse there is none
     assert (found / "residuals.png").is_file()
 

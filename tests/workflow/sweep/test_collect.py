@@ -109,9 +109,9 @@ def test_the_wave_of_a_case_is_that_of_the_chain_that_was_hit(tmp_path):
 
 def test_failed_interrupted_and_unfinished_cases_are_in_the_table_with_their_reason(copied, capsys):
     done, failed, interrupted, empty, *_ = sorted(copied.iterdir())
-    RunDirectory(failed).update_record(outcome="failed", reason="by step 200, nonsense")
+    RunDirectory(failed).update(outcome="failed", reason="by step 200, nonsense")
     (failed / "analysis.json").unlink()
-    RunDirectory(interrupted).update_record(outcome="interrupted")
+    RunDirectory(interrupted).update(outcome="interrupted")
     for name in ("run.json", "analysis.json", "chains.dump.bin"):
         (empty / name).unlink()
     assert main(["collect", str(copied)]) == 0
@@ -177,9 +177,17 @@ def test_files_of_somebody_else_that_hold_other_things_leave_blanks(copied):
 
 def test_runs_without_a_sweep_are_gathered_too(copied):
     for path in copied.iterdir():
-        (path / "case.json").unlink()
+        RunDirectory(path).update(request=None)
     found = collect(copied)
     assert (found.fields, len(found.rows)) == ([], 6)
+
+
+def test_a_sweep_whose_requests_stand_in_files_of_their_own_as_they_once_did_gives_the_same_table(copied):
+    before = collect(copied)
+    for path in copied.iterdir():
+        (path / "case.json").write_text(json.dumps(RunDirectory(path).job.request))
+        RunDirectory(path).update(request=None)
+    assert (collect(copied).fields, collect(copied).rows) == (before.fields, before.rows)
 
 
 def test_where_chooses_the_cases_of_the_table_with_and_without_a_figure(copied, capsys):

@@ -57,7 +57,7 @@ def test_a_swept_case_is_bit_for_bit_the_scene_run_alone(done, tmp_path):
 def test_other_engines_sweep_too(engine, tmp_path):
     path = sweep_file(tmp_path, {**SMALL, "gap": 0.1}, engine=engine, beads=[12])
     assert sweep(path, tmp_path / "s") == 0
-    assert RunDirectory(tmp_path / "s" / "beads=12").record["engine"] == engine
+    assert RunDirectory(tmp_path / "s" / "beads=12").job.engine == engine
 
 
 @pytest.mark.usefixtures("here")
@@ -85,8 +85,8 @@ def test_what_is_missing_failed_or_cut_short_is_computed_again_and_nothing_else(
     assert sweep(path, tmp_path / "s") == 0
     kept, unanalysed, failed, killed, gone = sorted((tmp_path / "s").iterdir())
     (unanalysed / "analysis.json").unlink()
-    RunDirectory(failed).update_record(outcome="failed")
-    RunDirectory(killed).update_record(outcome="running")
+    RunDirectory(failed).update(outcome="failed")
+    RunDirectory(killed).update(outcome="running")
     for file in gone.iterdir():
         file.unlink()  # killed before anything was written
     before = stamps(tmp_path / "s")
@@ -177,7 +177,7 @@ def test_a_failing_case_among_good_ones_is_told_in_one_line_and_tried_again(tmp_
         told, count, _ = out.splitlines()
         assert told.startswith("timestep=0.7: by step 200, the energy has changed by ")
         assert count == f"{tmp_path / 's'}: 2 of 3 cases done{before}, 1 failed"
-    found = {path.name: RunDirectory(path).record["outcome"] for path in (tmp_path / "s").iterdir()}
+    found = {path.name: RunDirectory(path).job.outcome for path in (tmp_path / "s").iterdir()}
     assert found == {"timestep=0.01": "done", "timestep=0.1": "done", "timestep=0.7": "failed"}
 
 
@@ -186,7 +186,7 @@ def test_a_pulse_that_does_not_arrive_is_its_cases_failure(tmp_path, capsys):
     path = sweep_file(tmp_path, UNTIL, kick__velocity=[1, -1])
     assert sweep(path, tmp_path / "s") == 1
     assert "kick.velocity=-1: until_bead: bead 8 is not passed" in capsys.readouterr().out
-    assert RunDirectory(tmp_path / "s" / "kick.velocity=-1").record["outcome"] == "failed"
+    assert RunDirectory(tmp_path / "s" / "kick.velocity=-1").job.outcome == "failed"
 
 
 def case(directory, **changes):
@@ -306,9 +306,9 @@ def test_an_interrupted_case_goes_on_from_its_restart_and_ends_as_if_it_had_not_
         dump = case / "chains.dump.bin"
         assert wait_until(lambda: dump.exists() and dump.stat().st_size > 20_000, process)
         os.killpg(process.pid, signal.SIGINT)
-    assert RunDirectory(case).record["outcome"] == "interrupted"
+    assert RunDirectory(case).job.outcome == "interrupted"
     assert sweep(path, tmp_path / "s") == 0
-    assert RunDirectory(case).record["resumed"][0]["from_step"] > 0
+    assert RunDirectory(case).job.resumed[0].from_step > 0
     whole = run(library.from_plain(scene, ""), tmp_path / "whole", check=False).trajectory
     np.testing.assert_array_equal(RunDirectory(case).trajectory.velocity, whole.velocity)
 

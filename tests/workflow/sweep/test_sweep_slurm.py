@@ -21,7 +21,7 @@ def test_a_written_sweep_has_a_deck_per_case_and_one_array(tmp_path, capsys):
     assert "#SBATCH --array=0-1\n" in (tmp_path / "s" / "job.sbatch").read_text()
     for name in ("beads=12", "beads=14"):
         files = {path.name for path in (tmp_path / "s" / name).iterdir()}
-        assert files == {"run.json", "case.json", "scene.yaml", "in.chains", "data.chains", "in.job", "in.continue"}
+        assert files == {"run.json", "scene.yaml", "in.chains", "data.chains", "in.job", "in.continue"}
 
 
 @pytest.mark.slow

@@ -148,7 +148,7 @@ def test_the_page_of_a_run_says_the_right_numbers_and_moves_the_right_beads(ran,
     assert shown.path == path / "view.html"
     assert "<iframe" in shown._repr_html_()
     page, frames = look(path / "view.html"), RunDirectory(path).trajectory
-    assert "view.html" in ran.directory.record["files"]
+    assert "view.html" in ran.directory.job.files
 
     time = float(frames.time[FRAME])
     page.mouse.move(*page.evaluate(WHERE, ["chain 2", BEAD, time]))

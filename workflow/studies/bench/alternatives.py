@@ -146,7 +146,7 @@ def check_cost(root: Path) -> Iterator[Ratio]:
         for repeat in range(4):
             done = run(scene, root / f"{scene.beads}-{repeat}")
             assert done.check is not None
-            pairs.append((done.directory.record["wall_seconds"], done.check.seconds))
+            pairs.append((done.directory.job.wall_seconds, done.check.seconds))
         warm = pairs[1:]
         yield make_ratio(f"check / run, {label}", [check / run for run, check in warm], 0.1, below=True, times=warm)
 

@@ -103,6 +103,6 @@ def sweep_seconds(file: Path, directory: Path, jobs: int) -> float:
 def useful_seconds(path: Path) -> float:
     """LAMMPS's time loop and the check of one case, as it recorded them, and its analysis, done once more."""
     case = RunDirectory(path)
-    record = case.record
+    assert case.job.check is not None
     analysis = seconds(lambda: analyse(RunDirectory(path), figures=False))
-    return float(record["engine_seconds"]) + float(record["check"]["seconds"]) + analysis
+    return case.job.engine_seconds + case.job.check.seconds + analysis

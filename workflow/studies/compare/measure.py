@@ -47,8 +47,8 @@ class Result:
 
 def measure(directory: RunDirectory, rows: Sequence[int]) -> Result:
     """What the finished run in a directory found, in one pass over its frames."""
-    problem, record = directory.problem, directory.record
-    rigid = not ENGINES[record["engine"]].deforms
+    problem, job = directory.problem, directory.job
+    rigid = not ENGINES[directory.engine].deforms
     meter, finder = ImpulseMeter(problem), PeakFinder()
     place = [int(np.flatnonzero(problem.recorded_beads == row)[0]) for row in rows]
     times, velocities, last = [], [], None
@@ -76,15 +76,15 @@ def measure(directory: RunDirectory, rows: Sequence[int]) -> Result:
             np.maximum.at(peak[:, k], found.chain[at] - 1, found.velocity[at])
     momentum, energy = partition(last)
     return Result(
-        record["engine"],
+        directory.engine,
         impulses,
         peak,
         time,
         velocity,
         momentum,
         energy,
-        float(record["engine_seconds"]),
-        float(record["wall_seconds"]),
+        job.engine_seconds,
+        job.wall_seconds,
     )
 
 

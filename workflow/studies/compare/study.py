@@ -22,7 +22,7 @@ from workflow.runs import run as running
 from workflow.runs.engines import ENGINES, LAMMPS, REFERENCE, RIGID, Progress, engine_called
 from workflow.runs.files import RECORD
 from workflow.runs.locks import alone
-from workflow.runs.own_files import prepare, prepared, replacing
+from workflow.runs.own_files import prepared, refuse_unusable, replacing
 from workflow.runs.whole_files import as_json
 from workflow.studies.compare.measure import Result, answer, last_row, measure
 from workflow.studies.study import Study
@@ -171,10 +171,10 @@ def compare(
     problem = scene.problem()
     rows = shown_rows(problem)
     own = (RECORD, *STUDY.files)
-    prepare(directory, own, overwrite=overwrite)
+    refuse_unusable(directory, own, overwrite=overwrite)
     for name in names:
         if (directory / name).exists():
-            prepare(directory / name, ENGINES[name].files, overwrite=overwrite)
+            refuse_unusable(directory / name, ENGINES[name].files, overwrite=overwrite)
     reference.load()  # compiled before any clock runs
     # nothing of an earlier comparison is touched before the whole new one is there
     with (

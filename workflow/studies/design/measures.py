@@ -22,10 +22,9 @@ from lammps_inputs import InputError, Problem, Scene, library, physics
 from workflow.engines.reference import engine
 from workflow.engines.reference.accountant import Accountant
 from workflow.prepare.duration import with_duration
-from workflow.runs.files import REPORT
 from workflow.sweep.collect import quantities
 from workflow.sweep.table import QUANTITIES
-from workflow.verdicts.analysis_report import report
+from workflow.verdicts.analysis_report import REPORT, report
 
 MASS = "mass"
 """Of all beads, in the scene's units: known before anything runs."""

@@ -122,9 +122,10 @@ def _verified(
     directory = finished(path, scene, "lammps")
     if directory is None:
         directory = run(scene, path, overwrite=path.exists()).directory
-    check = directory.record.get("check", {})
+    check = directory.job.check
     lammps = of_frames(directory.problem, directory.blocks, scene, design.names)
-    return Verified(directory, values, known, lammps, float(check.get("velocity", math.nan)))
+    error = math.nan if check is None or check.velocity is None else check.velocity
+    return Verified(directory, values, known, lammps, error)
 
 
 def _table(design: Design, records: list[Record]) -> str:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from workflow.runs.provenance import provenance
+from workflow.runs.results import provenance
 from workflow.runs.whole_files import write_figure, write_json
 from workflow.studies.trade import advice, grid, work_precision
 from workflow.studies.trade.certified import QUANTITIES, Certified

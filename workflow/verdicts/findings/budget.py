@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 from analysis.budget import ClosedAccount
 from analysis.conservation import Conservation
-from lammps_inputs import InputError
 from workflow.engines.reference.accountant import Accountant
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.findings.finding import Finding
@@ -56,11 +55,11 @@ def closed(directory: RunDirectory, seen: Conservation, ledger: Accountant) -> B
     if seen.budget is None:
         return None
     account = seen.budget.result()
-    try:
-        record = directory.record
-    except InputError:
-        record = {}
-    stated = (record.get("check") or record.get("certificate") or {}).get("velocity")
-    of_exchanges = ledger.unsure / account.most
-    found = ClosedAccount(**vars(account), closed=seen.energy_drift, between_frames=of_exchanges, stated=stated)
+    stated = directory.account.check or directory.account.certificate
+    found = ClosedAccount(
+        **vars(account),
+        closed=seen.energy_drift,
+        between_frames=ledger.unsure / account.most,
+        stated=None if stated is None else stated.velocity,
+    )
     return Budget(directory.problem, found)

@@ -123,7 +123,8 @@ class Forces(Finding):
 
         def finish(found: Survey) -> Forces:
             passed = (*found.pulses, *found.crests)
-            error = (directory.record.get("check") or directory.record.get("certificate") or {}).get("amplitude") or 0.0
+            check = directory.job.check
+            error = 0.0 if check is None else check.amplitude or 0.0
             sides = {gauge.side for gauge in places if gauge.kind == "wall"}
             reflected = {side: reflections(passed, problem, right=side == "right", error=error) for side in sides}
             readings = meter.result()

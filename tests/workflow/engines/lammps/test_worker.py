@@ -53,7 +53,7 @@ def test_an_unstable_time_step_fails_in_the_first_segment_with_step_bound_and_re
     unstable = scene(beads=20, timestep=step, every=step, duration=2000 * step)
     with pytest.raises(RunError, match=rf"^by step 200, .* smaller timestep \(it is {_text(step)}, .* 0\.798\)$"):
         run(unstable, tmp_path / "run", force=True)
-    record = RunDirectory(tmp_path / "run").record
+    record = RunDirectory(tmp_path / "run").job.plain()
     assert record["outcome"] == "failed"
     assert "take a smaller timestep" in record["reason"]
 
@@ -180,8 +180,8 @@ def test_a_killed_run_is_recorded_as_failed_and_its_frames_are_kept(tmp_path):
     with pytest.raises(RunError):
         run(LONG, tmp_path, progress=to_workers(tmp_path, kill))
     directory = RunDirectory(tmp_path)
-    assert directory.record["outcome"] == "failed"
-    assert directory.record["reason"].startswith("LAMMPS was killed by signal SIGKILL after step ")
+    assert directory.job.outcome == "failed"
+    assert directory.job.reason.startswith("LAMMPS was killed by signal SIGKILL after step ")
     assert directory.trajectory.time[-1] >= 2.0
 
 

@@ -100,7 +100,7 @@ def test_the_answer_says_what_is_lost_and_what_it_costs(found):
 def test_every_engine_leaves_a_run_that_can_be_analysed(found):
     path = found[0]
     for engine in ("collisions", "reference", "lammps"):
-        assert RunDirectory(path / engine).record["outcome"] == "done"
+        assert RunDirectory(path / engine).job.outcome == "done"
     assert {file.name for file in path.iterdir() if file.is_file()} == {"run.json",
         "scene.yaml", "compare.json", "compare.png"
     }  # fmt: skip

@@ -1,0 +1,216 @@
+"""The state of a directory, ``run.json``: the request, the outcome, the choice of the step, and the error.
+
+One type, one function that reads it and one that changes it. It is read strictly: the file may be damaged, or somebody
+else's. What a run directory is besides follows from it, from the frames and from the locks (`workflow.runs.status`).
+"""
+
+from datetime import datetime
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
+from pydantic_core import from_json
+
+from lammps_inputs import InputError
+from workflow.runs.files import RECORD
+from workflow.runs.locks import changing
+from workflow.runs.whole_files import write_json
+
+MAX_BYTES = 16 << 20
+"""Ours are some kB; what comes from a scene file is at most 1 MiB."""
+
+
+def _date(text: str) -> str:
+    try:
+        datetime.fromisoformat(text).timestamp()
+    except OverflowError:
+        raise ValueError("should be a date") from None
+    return text
+
+
+def _plain_name(name: str) -> str:
+    if not name or "/" in name or name in (".", ".."):
+        raise ValueError("should be a name without directory")
+    return name
+
+
+Count = Annotated[int, Field(ge=0, le=10**18)]
+Number = Annotated[float, Field(ge=-1e30, le=1e30)]
+Seconds = Annotated[float, Field(ge=0.0, le=1e12)]
+Date = Annotated[str, AfterValidator(_date)]
+
+
+class _Part(BaseModel):
+    """Keys that are not named here stay as they are."""
+
+    model_config = ConfigDict(frozen=True, strict=True, allow_inf_nan=False, extra="allow")
+
+    def plain(self) -> dict[str, Any]:
+        """What the file holds."""
+        return {key: value for key, value in self.model_dump(exclude_unset=True).items() if value is not None}
+
+
+class Resumed(_Part):
+    """One time that a run was resumed."""
+
+    at: Date
+    from_step: Count
+
+
+class StepChoice(_Part):
+    """How a time step was chosen: a `workflow.prepare.settings.Settings`."""
+
+    accuracy: Number
+    timestep: Number
+    steps_per_frame: Count
+    reference_timestep: Number
+    expected_error: Number
+    measured_error: Number
+    measured: Number
+    limited: bool
+    seconds: Seconds
+    asked: bool = True
+    unreached: str = ""
+    model_config = ConfigDict(extra="forbid")
+
+
+class Certificate(_Part):
+    """Uncertainty of a run by the reference, dimensionless."""
+
+    steps_per_frame: Count | None = None
+    velocity: Number | None
+    arrival: Number | None
+
+
+class Error(_Part):
+    """Measured error of a run, dimensionless: a `workflow.runs.check.Check`."""
+
+    velocity: Number | None
+    amplitude: Number | None
+    arrival: Number | None
+    seconds: Seconds
+
+
+class Sample(_Part):
+    """State of a bead in the last frame, dimensionless."""
+
+    chain: Count
+    bead: Count
+    displacement: Number
+    velocity: Number
+
+
+class Results(_Part):
+    """Number of frames, their SHA-256, and the last state of some beads: `workflow.runs.results.results`."""
+
+    frames: Count
+    sha256: str
+    samples: list[Sample]
+
+
+class Study(_Part):
+    """The command that made a directory of many runs or none.
+
+    Attributes:
+        command: its name.
+        done: whether it came to its end.
+        result: which file to look at.
+        resume: what to do where it did not.
+    """
+
+    command: str
+    done: bool
+    result: str
+    resume: str
+
+
+class Job(_Part):
+    """What a ``run.json`` holds; a key that is missing is None.
+
+    Attributes:
+        files: all that may be replaced or removed in the directory, by name.
+        request: what a layer above wants of the run in this directory, kept when the run is repeated.
+        study: of the directory of another command than ``run``.
+        outcome: state of the run: "running" also after a kill.
+        reason: why it failed.
+        force: whether the time step may exceed the stability bound.
+        files_sha256: of the input files.
+        resumed: when, and from which step.
+        lammps: its version as a date.
+        engine_seconds: wall time of the engine; ``wall_seconds`` of the whole.
+    """
+
+    files: list[Annotated[str, AfterValidator(_plain_name)]] = Field(default_factory=list)
+    request: dict[str, Any] | None = None
+    study: Study | None = None
+    outcome: Literal["running", "done", "interrupted", "failed"] | None = None
+    reason: str | None = None
+    engine: Literal["lammps", "reference", "collisions"] | None = None
+    ranks: Annotated[int, Field(ge=1, le=10**6)] | None = None
+    steps: Count | None = None
+    steps_done: Count | None = None
+    started: Date | None = None
+    command: list[str] | None = None
+    host: str | None = None
+    machine: str | None = None
+    python: str | None = None
+    versions: dict[str, str] = Field(default_factory=dict)
+    files_sha256: str | None = None
+    scene: dict[str, Any] | None = None
+    settings: StepChoice | None = None
+    force: bool = False
+    resumed: list[Resumed] = Field(default_factory=list)
+    lammps: int | None = None
+    engine_seconds: Seconds = 0.0
+    wall_seconds: Seconds = 0.0
+    collisions: Count | None = None
+    certificate: Certificate | None = None
+    check: Error | None = None
+    results: Results | None = None
+    contacts: dict[str, Any] | None = None
+
+
+def load(path: Path) -> Job:
+    """What a ``run.json`` holds; nothing where there is none.
+
+    Raises:
+        InputError: it cannot be read, or holds what no run leaves; names the key.
+    """
+    try:
+        if not path.is_file():
+            return Job()
+        with path.open("rb") as file:
+            raw = file.read(MAX_BYTES + 1)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror})") from None
+    if len(raw) > MAX_BYTES:
+        raise InputError(f"{path}: cannot be read (larger than {MAX_BYTES >> 20} MiB)")
+    try:
+        return Job.model_validate(from_json(raw, allow_inf_nan=False))
+    except ValidationError as error:
+        from lammps_inputs.library import describe  # loads all that a scene may be
+
+        raise InputError(f"{path}: cannot be read ({describe(error, Job)})") from None
+    except ValueError as error:
+        raise InputError(f"{path}: cannot be read ({error})") from None
+
+
+def account(directory: Path) -> Job:
+    """What the ``run.json`` of a directory holds; nothing where there is none, or it cannot be read."""
+    try:
+        return load(directory / RECORD)
+    except InputError:
+        return Job()
+
+
+def update(directory: Path, **changes: Any) -> None:
+    """Change keys of a directory's ``run.json``, or with None remove them; it is written whole.
+
+    Raises:
+        InputError: it cannot be read.
+        EndedError: it cannot be written; what was there before still is.
+    """
+    path = directory / RECORD
+    with changing(path):
+        data = {"files": [RECORD]} | load(path).plain() | changes
+        write_json(path, {key: value for key, value in data.items() if value is not None})

@@ -1,0 +1,282 @@
+"""In what state a directory is: every one has a name, also after a kill, and what to do next is said.
+
+Derived from a local run's own account (``run.json``), a Slurm job's (``job.state``), or the files alone, and from the
+frames, the lock of a run under way, and what was just written. Slurm's queue is asked where there is one. Nothing is
+written. Half-written and damaged files are nobody's mistake here: what cannot be read tells nothing.
+"""
+
+import platform
+import re
+import shlex
+import time
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from analysis.files.dump_layout import last_step
+from lammps_inputs import InputError, file_names
+from workflow.cluster.queue import Queue, Queued
+from workflow.engines.lammps.restarts import step_of
+from workflow.runs.files import RECORD, parts
+from workflow.runs.job import Job, Study, load
+from workflow.runs.locks import held
+
+State = Literal["none", "written", "waiting", "running", "done", "failed", "incomplete"]
+
+MEANING: dict[State, str] = {
+    "none": "holds no run",
+    "written": "a deck that has not been run",
+    "waiting": "in the queue",
+    "running": "computes",
+    "done": "came to its end",
+    "failed": "ended with an error",
+    "incomplete": "was cut short, and can go on",
+}
+
+GRACE = 600.0
+"""Seconds after a job's time limit at which it has surely ended; also those in which a living run writes something."""
+
+
+@dataclass(frozen=True)
+class Status:
+    """State of a directory.
+
+    Attributes:
+        directory: as it was given.
+        state: one of `MEANING`.
+        step: how far it is; None where nobody knows.
+        steps: how far it is to go; likewise.
+        why: the reason, and what to do next.
+    """
+
+    directory: Path
+    state: State
+    step: int | None = None
+    steps: int | None = None
+    why: str = ""
+
+    def plain(self) -> dict[str, Any]:
+        """For JSON."""
+        return {**vars(self), "directory": str(self.directory)}
+
+
+def statuses(directories: Sequence[Path], queue: Queue | None) -> list[Status]:
+    """State of each directory; one that holds runs stands for them all."""
+    return [status(found, queue) for directory in directories for found in _cases(directory)]
+
+
+def _cases(directory: Path) -> list[Path]:
+    try:
+        if (directory / file_names.SCENE).exists() or not directory.is_dir():
+            return [directory]
+        listed = directory / file_names.CASES
+        names = listed.read_text(encoding="utf-8").splitlines() if listed.is_file() else []
+        cases = [directory / name for name in names if name]
+        others = (path for path in sorted(directory.iterdir()) if (path / file_names.SCENE).is_file())
+        return [*cases, *(path for path in others if path not in cases)] or [directory]
+    except (OSError, ValueError):
+        return [directory]
+
+
+def status(directory: Path, queue: Queue | None = None) -> Status:
+    """State of one directory.
+
+    Args:
+        directory: any path.
+        queue: what Slurm says; None where there is none to ask.
+    """
+    try:
+        return _status(directory, queue)
+    except OSError as error:
+        return Status(directory, "none", why=f"cannot be read ({error.strerror})")
+
+
+def _status(directory: Path, queue: Queue | None) -> Status:
+    if not directory.is_dir():
+        return Status(directory, "none", why="no such directory")
+    queued = queue.job_in(directory) if queue is not None else None
+    told, recorded = directory / file_names.JOB_STATE, directory / RECORD
+    job = None
+    with suppress(InputError):
+        job = load(recorded)
+    account = job is None or job.outcome is not None  # else it only lists what is in the directory
+    if told.is_file() and not (account and recorded.stat().st_mtime > told.stat().st_mtime):
+        return _of_slurm(directory, told, queue, queued)
+    if job is None:
+        return Status(directory, "failed", _last_step(directory), _steps(directory), f"{RECORD} cannot be read")
+    if account:
+        return _of_run(directory, job)
+    return _of_files(directory, queued) if job.study is None else _of_study(directory, job.study)
+
+
+def _of_run(directory: Path, job: Job) -> Status:
+    """A local run, by its account, which a kill leaves as it was while it ran."""
+    steps = job.steps or _steps(directory)
+    if job.outcome == "done":
+        return Status(directory, "done", steps if job.steps_done is None else job.steps_done, steps)
+    step = _latest(job.steps_done, _last_step(directory))
+    if job.outcome == "failed":
+        return Status(directory, "failed", step, steps, _clean(job.reason))
+    onwards = f"`granchain run --resume {shlex.quote(str(directory))}` {_goes_on(directory)}"
+    if job.engine not in ("lammps", None):
+        onwards = "run it again with --overwrite"
+    if job.outcome == "interrupted":
+        return Status(directory, "incomplete", step, steps, f"interrupted; {onwards}")
+    if _locked(directory, directory / RECORD):
+        return Status(directory, "running", step, steps)
+    if job.host != platform.node() and _fresh(directory, directory / RECORD):
+        return Status(directory, "running", step, steps, f"on {_clean(job.host)}, it seems: it still writes")
+    return Status(directory, "incomplete", step, steps, f"killed; {onwards}")
+
+
+def _of_study(directory: Path, study: Study) -> Status:
+    """What another command than ``run`` has made, by its account."""
+    state: State = "done" if study.done else "running" if _locked(directory) else "incomplete"
+    what = study.result if study.done else study.resume
+    return Status(directory, state, why=f"of `granchain {study.command}`; {what}")
+
+
+def _of_files(directory: Path, queued: Queued | None) -> Status:
+    """A deck that was run by hand, or not at all."""
+    steps, step = _steps(directory), _last_step(directory)
+    if queued is not None:
+        return Status(directory, "waiting" if queued.waiting else "running", step, steps, f"job {queued.number}")
+    if not (directory / file_names.DECK).is_file():
+        if (directory / file_names.SCENE).is_file():
+            return Status(directory, "incomplete", why="nothing was computed; run it again with --overwrite")
+        return Status(directory, "none", why=f"it has no {file_names.SCENE}")
+    if not parts(directory):
+        start = f"`lmp -in {file_names.DECK}` there"
+        if any((directory / name).is_file() for name in (file_names.JOB, file_names.JOB_INPUT)):
+            start = _sbatch(directory)
+        return Status(directory, "written", 0, steps, f"{start} starts it")
+    if step is not None and steps is not None and step >= steps:
+        return Status(directory, "done", step, steps)
+    onwards = f"`lmp -in {file_names.DECK}` there starts it from the beginning"
+    if (directory / file_names.RESTART).is_file():
+        onwards = f"`lmp -in {file_names.CONTINUE}` there resumes it"
+    if _locked(directory):
+        return Status(directory, "running", step, steps)
+    if not _fresh(directory):
+        return Status(directory, "incomplete", step, steps, f"cut; {onwards}")
+    here = _written_here(directory)
+    if here:
+        return Status(directory, "running", step, steps)
+    age = f"its last frame is {time.time() - max(path.stat().st_mtime for path in parts(directory)):.0f} s old"
+    if here is None:
+        return Status(directory, "running", step, steps, f"{age}; if no lmp runs any more, {onwards}")
+    why = f"{age}, and no process on this machine writes it; unless one on another machine does, {onwards}"
+    return Status(directory, "incomplete", step, steps, why)
+
+
+def _of_slurm(directory: Path, account: Path, queue: Queue | None, queued: Queued | None) -> Status:
+    """A Slurm job, by its account; where the queue knows the job, the queue is right."""
+    with account.open(encoding="utf-8", errors="replace") as file:
+        lines = file.read(1 << 14).splitlines()
+    told = {key: _clean(value) for key, _, value in (line.partition(" ") for line in lines)}
+    state, reason, number = told.get("state", ""), told.get("reason", ""), told.get("job", "")
+    step, steps, ends = (_number(told.get(key)) for key in ("step", "steps", "ends"))
+    if state == "done":
+        return Status(directory, "done", step, steps)
+    here = queue is not None and queue.cluster == told.get("cluster")
+    if queue is not None and here and queued is None:
+        queued = queue.job(number)
+    step = _latest(step, _last_step(directory))
+    if queued is not None:
+        if queued.waiting:
+            return Status(directory, "waiting", step, steps, f"job {queued.number} is in the queue")
+        return Status(directory, "running", step, steps, f"job {queued.number}" + (f", {reason}" if reason else ""))
+    again, goes_on = _sbatch(directory), _goes_on(directory)
+    if state in ("waiting", "running") and here:
+        why = f"job {number} is gone: killed, or its node lost; {again} {goes_on}"
+        return Status(directory, "incomplete", step, steps, why)
+    if state == "waiting":
+        return Status(directory, "waiting", step, steps, f"job {number} {reason}, {_as_told(told)}")
+    if state == "running":
+        if time.time() > (ends or 0) + GRACE:
+            why = f"job {number} is past its time limit, so it was killed; {again} {goes_on}"
+            return Status(directory, "incomplete", step, steps, why)
+        return Status(directory, "running", step, steps, f"job {number}, {_as_told(told)}")
+    if state == "incomplete":
+        return Status(directory, "incomplete", step, steps, f"{reason}; {again} {goes_on}")
+    why = reason if state == "failed" else f"{file_names.JOB_STATE} cannot be read"
+    return Status(directory, "failed", step, steps, f"{why}; {again} tries again")
+
+
+def _as_told(told: dict[str, str]) -> str:
+    """When a job last wrote of itself, and where."""
+    moment = time.localtime(_number(told.get("time")) or 0)
+    return time.strftime("as it was told on %Y-%m-%d %H:%M", moment) + f" by {told.get('host') or 'its node'}"
+
+
+def _sbatch(directory: Path) -> str:
+    """How a job is submitted; a task of an array with its array."""
+    alone = (directory / file_names.JOB).is_file()
+    return f"`sbatch {file_names.JOB}` " + ("there" if alone else f"beside {file_names.CASES}")
+
+
+def _steps(directory: Path) -> int | None:
+    """Number of steps that the deck asks for; None if it cannot be read."""
+    try:
+        with (directory / file_names.DECK).open(encoding="utf-8", errors="replace") as file:
+            head = file.read(1 << 16)
+    except OSError:
+        return None
+    found = re.search(r"^variable steps index ([0-9]{1,18})\b", head, flags=re.MULTILINE)
+    return int(found[1]) if found else None
+
+
+def _last_step(directory: Path) -> int | None:
+    """Step of the last whole frame of all parts; None if there is none, or they cannot be read."""
+    return _latest(*(last_step(path) for path in parts(directory)))
+
+
+def _latest(*steps: int | None) -> int | None:
+    """The largest of those that are known."""
+    return max((step for step in steps if step is not None), default=None)
+
+
+def _goes_on(directory: Path) -> str:
+    """Where a run that was cut goes on."""
+    step = step_of(directory / file_names.RESTART)
+    return f"goes on from step {step}" if step else "starts again, for there is no restart yet"
+
+
+def _locked(directory: Path, *account: Path) -> bool:
+    """Whether a run holds the directory; without locks, whether it seems so."""
+    found = held(directory)
+    return _fresh(directory, *account) if found is None else found
+
+
+def _fresh(directory: Path, *account: Path) -> bool:
+    """Whether frames or the account of a run were written in the last minutes."""
+    files = (*parts(directory), *account)
+    return any(time.time() - path.stat().st_mtime < GRACE for path in files if path.exists())
+
+
+def _written_here(directory: Path) -> bool | None:
+    """Whether a process on this machine has frames open; None where the system does not say."""
+    frames = {path.resolve() for path in parts(directory)}
+    processes = list(Path("/proc").glob("[0-9]*/fd"))
+    for opened in processes:
+        with suppress(OSError):  # it has ended, or is another user's
+            for link in opened.iterdir():
+                with suppress(OSError):  # it was closed
+                    if link.readlink() in frames:
+                        return True
+    return False if processes else None
+
+
+def _clean(reason: Any) -> str:
+    """One line that does nothing to a terminal."""
+    return "".join(sign if sign.isprintable() else " " for sign in str(reason)[:300]).strip()
+
+
+def _number(value: str | None) -> int | None:
+    """A whole number from a file; None if it is none."""
+    try:
+        return int(value or "")
+    except ValueError:
+        return None
