@@ -19,8 +19,7 @@ from workflow.runs.size import refuse_beforehand
 from workflow.runs.status import status
 from workflow.sweep import directory as directories
 from workflow.sweep.cases import Case, all_cases, scene_of
-from workflow.sweep.compute_case import task
-from workflow.sweep.directory import Asked, Todo
+from workflow.sweep.directory import Asked, Todo, task
 from workflow.sweep.file import Sweep
 from workflow.workers.pool import Pool, Task
 

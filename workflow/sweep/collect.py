@@ -15,10 +15,10 @@ from workflow.runs.job import account
 from workflow.runs.status import Status, status
 from workflow.runs.whole_files import write_figure
 from workflow.sweep import fields
-from workflow.sweep.compute_case import task
-from workflow.sweep.directory import Asked, asked, is_analysed, read_json
+from workflow.sweep.directory import Asked, asked, is_analysed, read_json, task
 from workflow.sweep.table import QUANTITIES, UNCERTAINTIES, UNSETTLED, Table
 from workflow.verdicts.analysis_report import REPORT
+from workflow.workers import evaluate
 from workflow.workers.pool import Pool
 
 
@@ -101,15 +101,11 @@ def _analyse(directories: list[Path], progress: Callable[[int, int], None] | Non
     """Analyse directories; name -> what went wrong."""
     if not directories:
         return {}
-    complaints = {}
-    tasks = ((path.name, task(path.absolute(), None, check=False)) for path in directories)
-    with Pool(min(cores(), len(directories))) as pool:
-        for count, (name, answer) in enumerate(pool.answers(tasks), 1):
-            if answer.failed:
-                complaints[name] = " ".join(answer.failed.split())
-            if progress is not None:
-                progress(count, len(directories))
-    return complaints
+    cases = [evaluate.Case(path.name, task(path.absolute(), None, check=False)) for path in directories]
+    show = None if progress is None else lambda done, total, _: progress(done, total)
+    with Pool(min(cores(), len(cases))) as pool:
+        found = evaluate.evaluate(cases, pool=pool, progress=show)
+    return {name: " ".join(answer.failed.split()) for name, answer in found.items() if answer.failed}
 
 
 def _outcome(found: Status, analysed: bool, complaint: str | None) -> tuple[str, str | None]:

@@ -1,12 +1,13 @@
-"""The directory of one case: a run directory whose ``run.json`` holds what the case was asked to be, as ``request``.
+"""The directory of one case, and its computation: a run directory that also holds ``case.json``, what was asked for.
 
-| key      | what                                                            |
-|----------|-----------------------------------------------------------------|
-| swept    | field -> value                                                  |
+| key      | what                                                        |
+|----------|-------------------------------------------------------------|
+| swept    | field -> value                                              |
 | scene    | the scene as asked: its ending at a bead, say, is not found yet |
-| engine   | what computes                                                   |
+| engine   | what computes                                               |
 """
 
+import contextlib
 from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
@@ -15,14 +16,22 @@ from typing import Any
 from pydantic_core import from_json
 
 from lammps_inputs import InputError, Scene, file_names, library, strict_yaml
-from workflow.formats import figure_files
+from workflow.engines.lammps import hosted
+from workflow.formats import figure_files, written_as
 from workflow.prepare.settings import found_beforehand
 from workflow.runs import job
 from workflow.runs.files import RECORD
 from workflow.runs.own_files import claim, others, remove_leftovers
+from workflow.runs.resume import resume
+from workflow.runs.run import Run, run
+from workflow.runs.run_directory import RunDirectory
 from workflow.runs.status import status
 from workflow.runs.whole_files import write_json, write_text
+from workflow.verdicts.analyse import analyse
 from workflow.verdicts.analysis_report import REPORT
+from workflow.workers.pool import Task
+
+# --- directory --------------------------------------------------------------------------------------------------------
 
 EARLIER = "case.json"
 """Where the request stood before ``run.json`` held it."""
@@ -138,3 +147,50 @@ def note_failure(path: Path, reason: str) -> None:
     record = job.account(path)
     if path.is_dir() and record.outcome not in ("done", "failed"):
         write_json(path / RECORD, {**record.plain(), "outcome": "failed", "reason": reason})
+
+
+# --- computation ------------------------------------------------------------------------------------------------------
+
+
+def task(directory: Path, case: Asked | None, *, check: bool, figures: tuple[str, ...] = ()) -> Task:
+    """For the worker pool.
+
+    Args:
+        directory: of the case, an absolute path.
+        case: what to run first; None to analyse only what is there.
+        check: whether to measure the error of a LAMMPS run.
+        figures: formats of the figures to draw; none without any.
+    """
+    plain = None if case is None else case.plain()
+    return Task(
+        f"{__name__}:compute", {"directory": str(directory), "case": plain, "check": check, "figures": list(figures)}
+    )
+
+
+def compute(directory: str, case: dict[str, Any] | None, check: bool, figures: list[str]) -> str:
+    """Run and analyse a case; "done" or "stopped"."""
+    path = Path(directory)
+    if case is not None:
+        done = _run(path, Asked(**case), check=check)
+        if done.outcome != "done":
+            return "stopped"
+        analysed = done.directory  # with the frames that were read for the check
+    else:
+        if check and (path / RECORD).is_file():
+            resume(path)  # it is done, but perhaps its error was not measured any more
+        analysed = RunDirectory(path)
+    with written_as(tuple(figures)):
+        analyse(analysed, figures=bool(figures))
+    return "done"
+
+
+def _run(directory: Path, case: Asked, *, check: bool) -> Run:
+    """From the last restart if there is one; most cases take less time than passes until one is written."""
+    if (directory / file_names.RESTART).is_file():
+        with contextlib.suppress(InputError):  # not one to resume from
+            resumed = resume(directory, check=check, lammps=hosted.run)
+            if resumed is not None:
+                return resumed
+    scene = library.from_plain(case.scene, str(directory))
+    begin(directory, case, scene)
+    return run(scene, directory, engine=case.engine, overwrite=True, check=check, lammps=hosted.run)

@@ -7,8 +7,7 @@ from bokeh.plotting import figure
 
 from analysis.figures.style import CHAIN_COLOURS as ON_PAPER
 from analysis.figures.style import Unit
-from workflow.view.thin import Thinned
-from workflow.view.units import behind
+from workflow.view.thin import Thinned, behind
 
 CHAIN_COLOURS = tuple("#44aa99" if colour == "#000000" else colour for colour in ON_PAPER)
 """Teal (Tol) for black, which is not seen in dark mode."""

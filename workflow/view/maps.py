@@ -17,8 +17,7 @@ from bokeh.models import (
 from bokeh.plotting import figure
 
 from workflow.view.axes import CHAIN_COLOURS, TOOLS, graph, label, name_places, number, put_legend_aside
-from workflow.view.thin import Thinned
-from workflow.view.units import Units, axis_label, behind
+from workflow.view.thin import Thinned, Units, axis_label, behind
 
 BEAD_DASHES = ("solid", "6 3", "2 2", "8 2 2 2", "12 3", "5 2 2 2 2 2", "2 5", "12 3 3 3")
 """Of the traces of a bead, one for each bead that is shown."""

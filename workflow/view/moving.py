@@ -18,8 +18,7 @@ from bokeh.plotting import figure
 
 from lammps_inputs import Problem
 from workflow.view.axes import label, name_places, number
-from workflow.view.thin import Thinned
-from workflow.view.units import Units, behind
+from workflow.view.thin import Thinned, Units, behind
 
 BEADS_IN_SIGHT = 40
 """Around the front, where beads move."""

@@ -1,21 +1,58 @@
-"""The plots of one run: velocity in space and time, moving beads, traces, peaks and energy."""
+"""The page of a run: its plots, and where they stand."""
 
 from typing import Any
 
 import numpy as np
 from bokeh.layouts import column, gridplot
-from bokeh.models import LinearColorMapper, Span
+from bokeh.models import HoverTool, LinearColorMapper, Span
 from bokeh.palettes import diverging_palette, interp_palette
 
 from analysis.figures.spacetime import STILL, largest_afar, moving_part
 from analysis.sharing.survey import Survey
-from lammps_inputs import Problem
+from lammps_inputs import Problem, physics
 from lammps_inputs.facts import Fact
-from workflow.view.distances import distances, energy
+from workflow.view.axes import graph, number, of_chain, put_legend_aside
 from workflow.view.maps import PLOTS_A_ROW, image_source, maps_of, on_click, traces_of
 from workflow.view.moving import moving_beads
-from workflow.view.thin import Thinned
-from workflow.view.units import units_of
+from workflow.view.thin import Thinned, Units, axis_label, units_of
+
+
+def distances(problem: Problem, part: Thinned, found: Survey, bead_range: Any, units: Units) -> list[Any]:
+    """Peak velocity, lag and energy of the leading pulse along the chains."""
+    waves, time, velocity = found.waves, units["time"], units["velocity"]
+    if not len(waves):
+        return []
+    peaks = graph("peak velocity of the leading pulse", "bead", axis_label("velocity", velocity), bead_range)
+    hit = physics.largest_excitation(problem.system)[0]
+    lags = graph(f"arrival after that in chain {hit}", "bead", axis_label("time", time), bead_range)
+    reference = waves.of_chain(hit)
+    drawn = []
+    for place, chain in enumerate(part.chains):
+        own = waves.of_chain(chain)
+        if not len(own):
+            continue
+        style = of_chain(place, chain)
+        peak = {"bead": own.bead, "peak": own.peak_velocity * velocity.worth}
+        drawn.append(peaks.line("bead", "peak", source=peak, **style))
+        both, mine, theirs = np.intersect1d(own.bead, reference.bead, return_indices=True)
+        lags.line(both, (own.arrival[mine] - reference.arrival[theirs]) * time.worth, **style)
+    tips = [("bead", "@bead"), ("peak velocity", "@peak{custom}")]
+    peaks.add_tools(HoverTool(renderers=drawn, tooltips=tips, formatters={"@peak": number(velocity)}))
+    graphs = [peaks, lags] if len(drawn) > 1 else [peaks]
+    for plot in graphs:
+        put_legend_aside(plot)
+    return graphs
+
+
+def energy(part: Thinned, time_range: Any, units: Units) -> Any:
+    """Energy of the beads of each chain that is shown, with their contacts and what holds them, over time."""
+    heading = "energy of each chain, without coupling"
+    plot = graph(heading, axis_label("time", units["time"]), axis_label("energy", units["energy"]), time_range)
+    for place, chain in enumerate(part.chains):
+        plot.line(part.time, part.energy[place], **of_chain(place, chain))
+    put_legend_aside(plot)
+    return plot
+
 
 _BLUE_RED = diverging_palette(
     interp_palette(["#08306b", "#2166ac", "#4393c3", "#92c5de", "#d1e5f0", "#f7f7f7"], 128),

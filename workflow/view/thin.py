@@ -1,4 +1,7 @@
-"""What a page holds of a run: some chains, beads and frames of it as they are, so that every number is the run's."""
+"""What a page holds of a run: some chains, beads and frames of it as they are, so that every number is the run's.
+
+Also in which units it shows them: those of the run's figures, so that axes need no powers of ten.
+"""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -7,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis import motion
-from analysis.figures.style import Unit, evenly_spaced
+from analysis.figures.spacetime import largest_afar
+from analysis.figures.style import Unit, axis_unit, evenly_spaced
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem
 
@@ -154,3 +158,41 @@ def _energy(frames: Trajectory) -> Floats:
     if not frames.problem.whole:
         return np.full(frames.velocity.shape[:2], np.nan)
     return np.asarray(motion.bead_energy(frames.problem.system, frames.displacement, frames.velocity).sum(axis=-1))
+
+
+# --- units ------------------------------------------------------------------------------------------------------------
+
+Units = dict[str, Unit]
+
+
+def units_of(problem: Problem, part: Thinned) -> Units:
+    """Units of time, velocity, length, force and energy; reduced ones as they are, without a symbol.
+
+    Args:
+        problem: what was run.
+        part: of its frames, dimensionless.
+    """
+    largest = {
+        "time": float(part.time[-1]),
+        "velocity": largest_afar(problem, part.beads, part.velocity),
+        "length": _size(part.displacement),
+        "force": _size(part.force),
+        "energy": _size(part.energy),
+    }
+    if not problem.scale.si:
+        return {name: Unit(float(getattr(problem.scale, name)), "") for name in largest}
+    return {name: axis_unit(problem, name, size) for name, size in largest.items()}
+
+
+def axis_label(name: str, unit: Unit) -> str:
+    """Such as ``time (ms)``; the name alone in reduced units."""
+    return f"{name} ({unit.symbol})" if unit.symbol else name
+
+
+def behind(unit: Unit) -> str:
+    """What stands behind a number: ``" ms"``, or nothing."""
+    return f" {unit.symbol}" if unit.symbol else ""
+
+
+def _size(values: np.ndarray) -> float:
+    return float(np.nanmax(np.abs(values), initial=0.0))

@@ -19,8 +19,7 @@ from workflow.errors import RunError
 from workflow.runs.locks import alone
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
-from workflow.sweep.compute_case import task
-from workflow.sweep.directory import Asked, begin
+from workflow.sweep.directory import Asked, begin, task
 from workflow.workers.pool import Pool
 
 pytestmark = pytest.mark.usefixtures("lammps_here")

@@ -14,9 +14,8 @@ from analysis.tracking.leading_waves import with_speeds
 from analysis.trajectory import Trajectory
 from lammps_inputs import Kick, Material, Output
 from lammps_inputs.ingredients.foundation import Foundation
-from workflow.view import distances, maps, moving, run_page
-from workflow.view.thin import thinned
-from workflow.view.units import units_of
+from workflow.view import maps, moving, run_page
+from workflow.view.thin import thinned, units_of
 from workflow.view.write import _left_out
 
 STEEL = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)
@@ -74,7 +73,7 @@ def test_the_arrival_after_that_in_the_first_chain_is_positive_where_a_chain_is_
     problem, _, part, units = held
     chain, bead = np.repeat([1, 3], 3), np.tile([2, 3, 4], 2)
     waves = with_speeds(chain, bead, 1.2 * bead + 0.3 * (chain == 3), 0.1 * chain + 0.01 * bead)
-    peaks, lags = distances.distances(problem, part, SimpleNamespace(waves=waves), (0, 6), units)
+    peaks, lags = run_page.distances(problem, part, SimpleNamespace(waves=waves), (0, 6), units)
     for plot, expected in (
         (peaks, {"chain 1": 0.1 + 0.01 * bead[:3], "chain 3": 0.3 + 0.01 * bead[:3]}),
         (lags, {"chain 1": np.zeros(3), "chain 3": np.full(3, 0.3)}),
