@@ -9,16 +9,19 @@ from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analysis import motion
 from analysis.budget import energy_input
-from analysis.gauges.between_frames import crossing, top
-from analysis.gauges.forces import at_frames
-from analysis.gauges.gauge import far_wall
+from analysis.gauges.between_frames import Curve, crossing, maximum, top
+from analysis.gauges.forces import at_frames, strain_at_frames, strain_between
+from analysis.gauges.gauge import Gauge, far_wall
 from analysis.mirror import direction_of
 from analysis.quantity import Column, Quantity
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem
+
+Integers = NDArray[np.int64]
 
 PART = 10
 """The far end is the last row in so many."""
@@ -94,6 +97,7 @@ class FarEnd:
         self._energy: list[Floats] = []
         self._input: list[Floats] = []
         self._force: list[Floats] = []
+        self._strain: list[Floats] = []
 
     def add(self, block: Trajectory) -> None:
         """Take the next frames."""
@@ -105,6 +109,7 @@ class FarEnd:
             self._input.append(energy_input(block))
             if self._wall:
                 self._force.append(at_frames(block, self._wall)[..., 0])
+                self._strain.append(strain_at_frames(block, self._wall[0].probes[0]))
 
     def result(self) -> Transmitted:
         """Of the frames so far."""
@@ -114,19 +119,39 @@ class FarEnd:
         late, transmitted = _settled(time, energy)[0], _settled(time, share)[1]
         if not self._wall:
             return Transmitted(math.nan, math.nan, late, transmitted)
-        force = np.concatenate(self._force)
-        static = self._wall[0].static
-        when, hardest = _arrived(time, force.sum(axis=1), float(static.sum()))
-        each = [_arrived(time, column, at_rest)[1] for column, at_rest in zip(force.T, static.tolist(), strict=True)]
-        of_one = float(np.fmax.reduce(each))
+        force, strain = np.concatenate(self._force), np.concatenate(self._strain, axis=1)
+        chains = np.arange(self.problem.chains)
+        when, hardest = _arrived(time, force, strain, chains, self._wall[0])
+        of_one = float(
+            np.fmax.reduce([_arrived(time, force, strain, one, self._wall[0])[1] for one in chains[:, None]])
+        )
         return Transmitted(hardest, of_one, when, transmitted)
 
 
-def _arrived(time: Floats, force: Floats, static: float) -> tuple[float, float]:
-    """Where a force is largest, and how large; NaN where it has not risen, or is largest in the last frame."""
-    when, most = top(time, force)
-    risen = most - static > FAINTEST * max(1.0, static)
-    return (when, most) if risen else (np.nan, np.nan)
+def _arrived(time: Floats, force: Floats, strain: Floats, chains: Integers, wall: Gauge) -> tuple[float, float]:
+    """When the force of some chains on the wall is largest, and how large; NaN where nothing has arrived.
+
+    Between frames it follows from the strain, as in `analysis.gauges.forces`.
+    """
+    total, static = force[:, chains].sum(axis=1), float(wall.static[chains].sum())
+    k = int(np.argmax(total))
+    if not 0 < k < len(time) - 1 or not np.all(np.isfinite(total[k - 1 : k + 2])):
+        return np.nan, np.nan
+    spacing = float(time[k] - time[k - 1])
+    polynomial = strain_between(strain[:, k - 1 : k + 2, chains], spacing)
+    curve = Curve(wall.probes[0], polynomial, np.tile(chains, 2), spacing)
+
+    def value(s: Floats) -> Floats:
+        return np.asarray(curve(np.repeat(s, len(chains))).reshape(2, -1).sum(axis=1))
+
+    at = maximum(value, np.zeros(2), np.ones(2))
+    most = value(at)
+    best = int(np.argmax(most))
+    if not max(most[best], total[k]) - static > FAINTEST * max(1.0, static):
+        return np.nan, np.nan
+    if most[best] < total[k]:
+        return float(time[k]), float(total[k])
+    return float(time[k - 1 + best] + at[best] * spacing), float(most[best])
 
 
 def _settled(time: Floats, energy: Floats) -> tuple[float, float]:

@@ -64,6 +64,28 @@ def _column(block: Trajectory, values: Floats, bead: int) -> Floats:
     return np.asarray(values[:, :, int(np.searchsorted(block.problem.recorded_beads, bead))])
 
 
+def strain_at_frames(block: Trajectory, probe: Probe) -> Floats:
+    """Strain of a contact and its derivatives, [derivative, frame, chain]; the second where all beads are recorded."""
+    beads = (probe.behind, probe.ahead)
+    states = [[_column(block, values, bead) for bead in beads] for values in (block.displacement, block.velocity)]
+    if block.problem.recorded is None:
+        states.append([_acceleration(block, bead) for bead in beads])
+    return np.array([behind - ahead for behind, ahead in states])
+
+
+def _acceleration(block: Trajectory, bead: int) -> Floats:
+    if bead == 0:
+        return np.zeros((block.frames, block.problem.chains))
+    frame, chain = np.indices((block.frames, block.problem.chains))
+    return motion.acceleration_and_rate(block, frame, chain, np.full(frame.shape, bead - 1))[0]
+
+
+def strain_between(strain: Floats, spacing: float) -> Floats:
+    """Strain from frame to frame in s = (time - frame's) / spacing, [power, interval * chains + chain]."""
+    ends = np.stack([strain[:, :-1], strain[:, 1:]]).reshape(2, len(strain), -1)
+    return hermite.coefficients((0, 1), ends, spacing)
+
+
 class ForceMeter:
     """Reads gauges in a run that is given piece by piece; holds one frame and what it found."""
 
@@ -140,7 +162,7 @@ class ForceMeter:
     def _read(self, block: Trajectory, place: int, gauge: Gauge) -> None:
         """Take in what one gauge reads from the first frame of a block to its last."""
         spacing = block.spacing
-        polynomials = [self._polynomial(block, probe, spacing) for probe in gauge.probes]
+        polynomials = [strain_between(strain_at_frames(block, probe), spacing) for probe in gauge.probes]
         size = (block.frames - 1) * self.problem.chains
         chain = np.tile(np.arange(self.problem.chains), block.frames - 1)
         moving = np.flatnonzero(np.any([np.any(p != 0.0, axis=0) for p in polynomials], axis=0))
@@ -218,19 +240,3 @@ class ForceMeter:
         entry = interval * forces.shape[2] + chain
         at = maximum(lambda s: mean(entry, s), low, high)
         self._take_values(place, entry, block.time[interval] + at * block.spacing, mean(entry, at))
-
-    def _polynomial(self, block: Trajectory, probe: Probe, spacing: float) -> Floats:
-        """Strain in s = (time - frame's) / spacing, [power, interval * chains + chain]."""
-        beads = (probe.behind, probe.ahead)
-        states = [[_column(block, values, bead) for bead in beads] for values in (block.displacement, block.velocity)]
-        if self.problem.recorded is None:
-            states.append([self._acceleration(block, bead) for bead in beads])
-        data = np.array([behind - ahead for behind, ahead in states])  # [derivative, frame, chain]
-        ends = np.stack([data[:, :-1], data[:, 1:]]).reshape(2, len(data), -1)
-        return hermite.coefficients((0, 1), ends, spacing)
-
-    def _acceleration(self, block: Trajectory, bead: int) -> Floats:
-        if bead == 0:
-            return np.zeros((block.frames, self.problem.chains))
-        frame, chain = np.indices((block.frames, self.problem.chains))
-        return motion.acceleration_and_rate(block, frame, chain, np.full(frame.shape, bead - 1))[0]

@@ -92,6 +92,13 @@ def transmitted(case: Case, value: Any, delay: Any = None) -> tuple[Any, Any]:
         return Holds("known", lambda _: unsettled(share)), Holds(
             "known", lambda found: found is None or unsettled(share)
         )
+    top = int(np.argmax(share))
+    near = case.truth.times[
+        slice(*np.searchsorted(case.truth.times, case.frames.time[[top - 1, min(top + 1, len(share) - 1)]]))
+    ]
+    exact = float(np.max(at_end(*case.truth.states(near)) / work_input(case, near), initial=share.max()))
+    # of a quartic through the five frames around, where they lie far apart
+    bend = 0.5 * float(np.abs(np.diff(share[top - 1 : top + 2], 2)).max(initial=0.0)) / 8.0
     coarse = 0.3 * case.every**4 + case.energy_off
     half = np.flatnonzero(series >= 0.5 * most)
     ends = (series[half[0] - 1], series[half[0]])
@@ -102,7 +109,7 @@ def transmitted(case: Case, value: Any, delay: Any = None) -> tuple[Any, Any]:
         when = None if unsettled(series) else when
     off = coarse * float(share.max()) + 3.0 * case.energy_off / float(put_in[np.argmax(share)]) + 1e-9
     return (
-        About(float(share.max()), off),
+        About(exact, off + bend),
         About(None if when is None else float(when) * unit.time, min(late, case.every) * unit.time),
     )
 

@@ -152,12 +152,12 @@ def share(case: Case) -> dict[str, Any]:
     exact = None
     if len(shared) and case.alike and case.pulse and not case.nature.loaded and np.isfinite(energy):
         exact = float(np.nansum(exact_of(case).energy * shared.amplitude[-1] ** 2)) / energy
-    rows = case.directory.table("waves.csv")
-    known = [row for row in rows if row["wave_energy"] is not None]
     measured = None
-    if known and len(shared):
-        last = max(known, key=lambda row: case.way * row["bead"])["bead"]
-        measured = sum(row["wave_energy"] for row in known if row["bead"] == last) / case.unit.energy / energy
+    passed = np.flatnonzero(np.all(np.isfinite(shared.of_tied(shared.arrival)), axis=1))
+    if len(passed) and case.scene.output.beads == "all":
+        rows = [row for row in case.directory.table("waves.csv") if row["bead"] == shared.bead[passed[-1]]]
+        if all(row["wave_energy"] is not None for row in rows):  # null where another pulse is as near
+            measured = sum(row["wave_energy"] or 0.0 for row in rows) / case.unit.energy / energy
     within = 1e-9 + 2.0 * off / energy if energy > off else math.inf
     return {"exact": About(exact, within), "measured": About(measured, within)}
 
