@@ -171,7 +171,7 @@ def of_one_kind(problem: Problem) -> NDArray[np.bool_]:
     if isinstance(problem.system.mass, float):
         return np.ones(problem.beads, dtype=bool)
     kinds, which, count = np.unique(problem.system.mass, axis=1, return_inverse=True, return_counts=True)
-    if count.max() < 0.1 * problem.beads:
+    if count.max() < max(2.0, 0.1 * problem.beads):
         return np.ones(problem.beads, dtype=bool)
     most = np.flatnonzero(count >= count.max() - 1)
     heaviest = most[np.argmax(kinds[:, most].sum(axis=0))]

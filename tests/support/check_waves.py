@@ -221,7 +221,7 @@ def shape(case: Case, row: Row) -> dict[str, Any]:
     if case.nature.gap > 0.0:  # an arrival is the centre of the impulse, and the wave is about its maximum
         near = case.truth.maxima(chain, bead)
         best = min(near, key=lambda one: abs(one.velocity - peak), default=None)
-        if best is None or best.until - best.since > 0.1 or abs(best.velocity - peak) > 1e-3:
+        if best is None or best.until - best.since > 0.1 or best.bend < 0.1 or abs(best.velocity - peak) > 1e-3:
             return {"width": Unknown("flies freely"), "residual": Unknown("flies freely")}
         found = {
             "width": width(case, chain, bead, best.time, peak, speed, case.way, row["width"]),
@@ -313,10 +313,17 @@ def of_one_kind(case: Case) -> Any:
     if np.all(mass == 1.0):
         return np.ones(case.scene.beads, dtype=bool)
     kinds, which, count = np.unique(mass, axis=1, return_inverse=True, return_counts=True)
-    if count.max() < 0.1 * case.scene.beads:
+    if count.max() < max(2.0, 0.1 * case.scene.beads):
         return np.ones(case.scene.beads, dtype=bool)
     most = np.flatnonzero(count >= count.max() - 1)
     return which.reshape(-1) == most[np.argmax(kinds[:, most].sum(axis=0))]
+
+
+def tracked(case: Case) -> Any:
+    """Those of them among the recorded beads, [bead]; all recorded ones where none is."""
+    recorded = np.isin(np.arange(1, case.scene.beads + 1), case.directory.recorded)
+    like = recorded & of_one_kind(case)
+    return like if like.any() else recorded
 
 
 class Shared:
@@ -573,10 +580,10 @@ def walk(
 
     Plain is one maximum within 0.4 of the time that the exact wave takes from bead to bead of its own, and no other.
     """  # noqa: E501
-    exact, like = exact_of(case), of_one_kind(case)
+    exact, there = exact_of(case), tracked(case)
     bead, time, peak = start
     for other in range(bead - way, until - way, -way):
-        if not like[other - 1] or other not in case.directory.recorded:
+        if not there[other - 1]:
             continue
         takes = abs(other - bead) / float(exact.speed_at(peak))
         near = [
@@ -600,8 +607,7 @@ def passages(case: Case, entry: Row, way: int, arrival: float) -> list[tuple[int
 
 def speed_of(case: Case, entry: Row, way: int, arrival: float) -> Any:
     """From the true maxima at the beads on either side: any of those that may be the pulse's."""
-    unit, beads = case.unit, case.directory.recorded
-    like = of_one_kind(case)
+    unit, there = case.unit, tracked(case)
 
     least = 4.0 * (max(case.stated.arrival, FLOOR) + grid(case, 1.0))
 
@@ -611,7 +617,7 @@ def speed_of(case: Case, entry: Row, way: int, arrival: float) -> Any:
         found = []
         for far in range(1, 1 + abs(limit - entry["bead"])):
             other = entry["bead"] + sign * way * far
-            if other in beads and like[other - 1]:
+            if there[other - 1]:
                 found += [
                     (other, one.time, least + one.late(case.off[1]))
                     for one in case.truth.maxima(entry["chain"], other, way)
@@ -644,9 +650,8 @@ def variation(case: Case, entry: Row, way: int, arrival: float, allowed: float) 
     peaks = [entry["peak_velocity"] / case.unit.velocity]
     mass = case.nature.mass[entry["chain"] - 1]
     found = passages(case, entry, way, arrival)
-    like = [bead for bead in case.directory.recorded if of_one_kind(case)[bead - 1]]
     low, high = sorted((entry["first"], entry["last"]))
-    if sound(case) or None in found or entry["beads"] < sum(low <= bead <= high for bead in like):
+    if sound(case) or None in found or entry["beads"] < tracked(case)[low - 1 : high].sum():
         return Unknown("which maxima")
     for passage in found:
         assert passage is not None
