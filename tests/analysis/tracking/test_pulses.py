@@ -4,13 +4,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from small_problems import problem
 from synthetic_waves import arrivals, exact_waves, reference
 
 from analysis.shape.exact_wave import solitary_wave
 from analysis.tracking.accuracy import peak_error
 from analysis.tracking.noise import distinct, left_by_smoothing, smoothed
 from analysis.tracking.peaks import PeakFinder, find_peaks
-from analysis.tracking.pulses import Pulse, local_speed, track_pulses
+from analysis.tracking.pulses import Pulse, local_speed, of_one_kind, track_pulses
 from analysis.trajectory import Trajectory, blocks
 from lammps_inputs import Kick
 
@@ -152,3 +153,11 @@ def test_output_ten_times_coarser_changes_amplitudes_by_less_than_1e_4_and_arriv
             )
             assert second[1] == pytest.approx(first[1], abs=1e-4)
             assert second[0] == pytest.approx(first[0], abs=1e-3)
+
+
+@pytest.mark.parametrize("beads", [8, 30])
+def test_beads_are_compared_with_those_of_their_mass_unless_all_differ(beads):
+    taper = np.geomspace(1.0, 0.5, beads)[np.newaxis]
+    dimer = np.resize([2.0, 1.0], beads)[np.newaxis]
+    assert of_one_kind(problem(chains=1, beads=beads, mass=taper)).all()
+    np.testing.assert_array_equal(of_one_kind(problem(chains=1, beads=beads, mass=dimer)), dimer[0] == 2.0)
