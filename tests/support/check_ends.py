@@ -30,6 +30,7 @@ def far_end(case: Case) -> dict[str, Any]:
     wall = next((wall for wall in case.nature.walls if wall.side == case.way), None)
     found = {"transmitted_energy": Given(lambda value: transmitted(case, value)[0])}
     if wall is None:
+        found |= {"wall_force": None, "wall_force_chain": None}
         return found | {
             "delay": Given(lambda value: transmitted(case, case.report["far_end"]["transmitted_energy"], value)[1])
         }

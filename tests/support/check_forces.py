@@ -102,11 +102,10 @@ def entry(case: Case, kind: str, name: str, bead: int, chain: int) -> dict[str, 
         "last": last(case, force, rest, found),
         **intervals(case, kind, chain, bead, (when, most), found),
     }
-    if loaded:
-        answer |= {
-            "static": About(rest * unit.force, 1e-6 * rest * unit.force),
-            "dynamic": unless_unknown(About((most - rest) * unit.force, off * unit.force)),
-        }
+    dynamic = unless_unknown(About((most - rest) * unit.force, off * unit.force))
+    answer["static"] = About(rest * unit.force, 1e-6 * rest * unit.force) if loaded else None
+    answer["dynamic"] = dynamic if loaded else None
+    answer["reflected"] = None
     if kind == "wall":
         from check_pulses import reflected
 

@@ -159,7 +159,7 @@ def _forces(case: Case, row: dict[str, str]) -> dict[str, tuple[str, Any]]:
         one for one in case.report["forces"] if (one["name"], one["chain"]) == (row["force at"], int(row["chain"]))
     )
     names = {"largest": "largest", "at": "at", "impulse": "impulse", "dwell": "dwell"}
-    if "static" in entry:
+    if entry["static"] is not None:
         names = {"static": "static", "largest total": "largest", "largest dynamic": "dynamic", "at": "at",
                  "dynamic impulse": "impulse", "dwell above static": "dwell"}  # fmt: skip
     found = {}
@@ -428,7 +428,7 @@ def _at_walls(case: Case, match: Any) -> Said | bool:
     chain = int(match[2])
     wall, found = told[match[1], chain], []
     if match[4] is not None:
-        key = "dynamic" if "dynamic" in wall else "largest"
+        key = "largest" if wall["dynamic"] is None else "dynamic"
         if (match[3] is not None) != (key == "dynamic"):
             return False
         found.append((match[4], wall[key] / told[match[5], chain][key]))

@@ -182,7 +182,7 @@ def pulse(case: Case, found: Any) -> Any:
     chain, first, last = found["chain"], found["first"], found["last"]
     x, v = truth.fine
     arrivals, ratios = {}, []
-    for contact in range(first, last + 1):
+    for contact in range(min(first, last), max(first, last) + 1):
         strain = x[:, chain - 1, contact - 1] - x[:, chain - 1, contact]
         rate = v[:, chain - 1, contact - 1] - v[:, chain - 1, contact]
         fallen = np.flatnonzero((rate[:-1] > 0.0) & (rate[1:] <= 0.0) & (strain[1:] > 1e-3))
@@ -195,13 +195,13 @@ def pulse(case: Case, found: Any) -> Any:
         total = own.strength[chain - 1, contact - 1] * top**own.exponent
         ratios.append(total / own.load[chain - 1, contact - 1])
     taken = abs(arrivals[last] - arrivals[first])
-    runs = (last - first) / taken
-    c0 = float(np.mean(speed(own)[chain - 1, first - 1 : last]))
+    runs = abs(last - first) / taken
+    c0 = float(np.mean(speed(own)[chain - 1, min(first, last) - 1 : max(first, last)]))
     ratio = float(np.mean(ratios))
     one = np.all(own.mass == 1.0) and np.ptp(own.strength) == 0.0
     wave = theory(ratio, own.exponent) if one else None
     late = 2.0 * (case.off[1] / 0.05 + 1e-4) / taken
-    off = case.force_off / float(own.load[chain - 1, first - 1 : last].min()) + 1e-4 * ratio
+    off = case.force_off / float(own.load[chain - 1, min(first, last) - 1 : max(first, last)].min()) + 1e-4 * ratio
     return {
         "chain": hardest(case.scene)[0],
         "first": first,
@@ -240,7 +240,8 @@ def dispersion(case: Case) -> Any:
     """See `workflow.verdicts.findings.dispersion`."""
     why = why_none(case)
     if why is not None:
-        return {"why": Holds(f"names {why}", lambda found: found is not None and why in found)}
+        none = dict.fromkeys(("beads", "bands", "measured", "bin"))
+        return none | {"why": Holds(f"names {why}", lambda found: found is not None and why in found)}
     bands, unit, cell = bands_of(case), case.unit, period(case.nature)
     assert bands is not None
     _, frequency, _ = power(case)
