@@ -31,7 +31,7 @@ from workflow.view import need_bokeh
 
 if TYPE_CHECKING:
     from workflow.studies.design.found import Found
-    from workflow.studies.fit.study import Fit
+    from workflow.studies.fit.found import Fit
     from workflow.studies.gallery.study import Sections
 
 __all__ = [

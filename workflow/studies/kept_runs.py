@@ -1,4 +1,4 @@
-"""The runs that a page needs, each in a directory of its own, kept from an earlier start if it came to its end."""
+"""The runs that a study needs, each in a directory of its own, kept from an earlier start if it came to its end."""
 
 from pathlib import Path
 
@@ -9,22 +9,18 @@ from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 
 
-def kept_run(scene: Scene, engine: str, folder: Path) -> RunDirectory:
+def kept_run(scene: Scene, engine: str, path: Path) -> RunDirectory:
     """Run a scene, or take the run that an earlier start finished.
 
     Args:
         scene: what to run.
         engine: "lammps" or "reference".
-        folder: where run directories are kept.
+        path: of its run directory.
 
     Raises:
         RunError: the run failed.
     """
-    path = folder / f"{scene.name}-{engine}"
-    directory = finished(path, scene, engine)
-    if directory is None:
-        directory = run(scene, path, engine=engine, overwrite=True).directory
-    return directory
+    return _finished(path, scene, engine) or run(scene, path, engine=engine, overwrite=True).directory
 
 
 def errors(directory: RunDirectory) -> tuple[float, float]:
@@ -37,7 +33,7 @@ def errors(directory: RunDirectory) -> tuple[float, float]:
     return found
 
 
-def finished(path: Path, scene: Scene, engine: str) -> RunDirectory | None:
+def _finished(path: Path, scene: Scene, engine: str) -> RunDirectory | None:
     """An earlier run of just this scene that came to its end."""
     if not (path / file_names.SCENE).is_file():
         return None

@@ -18,7 +18,8 @@ from lammps_inputs import library, physics, strict_yaml
 from workflow import api
 from workflow.cli import main
 from workflow.runs.run import run
-from workflow.studies.design import file, measures
+from workflow.studies import measures
+from workflow.studies.design import file
 from workflow.studies.design.evaluator import Evaluator, Record
 from workflow.studies.design.found import Found, Verified
 from workflow.studies.design.manufacture import Sensitivity, sensitivity
@@ -28,7 +29,7 @@ from workflow.sweep.collect import collect
 from workflow.workers.pool import Pool
 from workflow.workers.results import Results
 
-pytestmark = pytest.mark.usefixtures("lammps_here")
+pytestmark = pytest.mark.usefixtures("lammps_here", "pool_here")
 
 SCENE = {
     "name": "small",
@@ -72,7 +73,8 @@ def written(directory, **changes):
 @pytest.fixture(scope="module")
 def found(tmp_path_factory, request):
     """The small design, carried out by the command in this process."""
-    request.getfixturevalue("lammps_here")
+    for here in ("lammps_here", "pool_here"):
+        request.getfixturevalue(here)
     directory = tmp_path_factory.mktemp("design")
     assert main(["design", str(written(directory)), "-o", str(directory / "d"), "--jobs", "1"]) == 0
     return directory / "d"

@@ -15,6 +15,7 @@ from workflow import api
 from workflow.cli import main
 from workflow.runs.run_directory import RunDirectory
 from workflow.studies.fit import estimate, goodness, study
+from workflow.studies.fit.search import Search
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
@@ -74,7 +75,7 @@ def test_the_fitted_scene_is_a_scene_that_lammps_has_run_with_its_error(found):
 @pytest.mark.timeout(240 * int(os.environ.get("GRANCHAIN_SEEDS", "5")))
 def test_intervals_hold_the_truth_and_fits_are_rejected_as_often_as_stated(tmp_path, monkeypatch):
     """$GRANCHAIN_SEEDS tables (5) that differ in their noise; binomial numbers of them, of 95% and at most 1%."""
-    monkeypatch.setattr(study, "_draw", lambda *_: None)
+    monkeypatch.setattr("workflow.studies.study.write_figure", lambda *_: ())
     monkeypatch.setattr(study, "STARTS", 4)
     monkeypatch.setattr(study, "BEGUN", 1)
     seeds = int(os.environ.get("GRANCHAIN_SEEDS", "5"))
@@ -300,7 +301,7 @@ def test_two_parameters_whose_slopes_are_alike_are_said_to_be(smallest, weak):
 
 @pytest.mark.parametrize("edge", [np.inf, 0.0], ids=["inside", "at the edge"])
 def test_slopes_are_those_of_the_traces_also_where_one_side_is_no_scene(edge):
-    search = study._Search(SimpleNamespace(source="scene"), SimpleNamespace(names=("a",)), {}, None)
+    search = Search(SimpleNamespace(source="scene"), SimpleNamespace(names=("a",)), {}, None)
     search.traces = lambda p: np.array([[3.0 * p[0] + 2.0 * p[1]]]) if p[0] <= edge else None
     assert search.slopes(np.zeros(2))[0, 0] == pytest.approx([3.0, 2.0], rel=1e-9)
 

@@ -10,7 +10,6 @@ from lammps_inputs import InputError
 from workflow import studies
 from workflow.errors import RunError
 from workflow.runs.status import status
-from workflow.runs.study_directory import RESUMES
 from workflow.studies.study import Study
 from workflow.workers.evaluate import case, evaluate, values
 from workflow.workers.pool import Answer, Pool
@@ -18,12 +17,12 @@ from workflow.workers.results import Results
 
 
 def declared():
-    """Every study that declares a directory which is resumed, in whatever module of `workflow.studies`."""
+    """Every study that declares a directory, in whatever module of `workflow.studies`."""
     found = {}
     for path in sorted(Path(studies.__file__).parent.glob("*/study.py")):
         module = importlib.import_module(f"workflow.studies.{path.parent.name}.study")
         named = [getattr(one, "study", one) for one in vars(module).values()]
-        found |= {one.command: one for one in named if isinstance(one, Study) and one.resume == RESUMES}
+        found |= {one.command: one for one in named if isinstance(one, Study)}
     return list(found.values())
 
 
@@ -70,7 +69,7 @@ def test_cases_that_use_all_cores_come_last():
 def test_status_says_what_a_directory_is_before_and_after_its_end(study, tmp_path):
     with pytest.raises(KeyboardInterrupt), study.opened(tmp_path / "one"):
         raise KeyboardInterrupt
-    assert f"granchain {study.command}`; the same command resumes it" in status(tmp_path / "one").why
+    assert f"granchain {study.command}`; {study.resume}" in status(tmp_path / "one").why
     with study.opened(tmp_path / "one"):
         pass
     assert f"granchain {study.command}`; {study.result}" in status(tmp_path / "one").why

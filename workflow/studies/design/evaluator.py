@@ -1,14 +1,17 @@
 """Evaluates designs on all cores, each once; what was computed is kept, also by an earlier start."""
 
-from collections.abc import Callable, Iterator, Sequence
+import contextlib
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from lammps_inputs import InputError, library
+from workflow.errors import RunError
 from workflow.studies.design.file import Design
-from workflow.studies.design.measures import MASS, evaluated, mass_of
 from workflow.studies.design.variables import scene_with
-from workflow.workers.pool import Pool, Task
+from workflow.studies.measures import MASS, mass_of
+from workflow.workers import evaluate
+from workflow.workers.pool import Answer, Pool, Task
 from workflow.workers.results import Results, key_of
 
 
@@ -40,7 +43,7 @@ class Evaluator:
     Attributes:
         design: what is evaluated.
         results: where it is kept, by the design's scene.
-        pool: worker processes; with 1 all is done in this process.
+        pool: worker processes.
         tell: called after each.
     """
 
@@ -56,25 +59,39 @@ class Evaluator:
         Args:
             designs: which.
             whole: whether to run also those whose mass rules them out.
+
+        Raises:
+            RunError: a process was killed.
         """
-        wanted: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {}
-        keys = []
-        for values in designs:
-            scene = scene_with(self.design.scene, values)
-            key = key_of(scene)
-            keys.append(key)
-            wanted.setdefault(key, (values, scene))
-        missing = {}
+        scenes = [scene_with(self.design.scene, values) for values in designs]
+        wanted = {key_of(scene): (values, scene) for values, scene in zip(designs, scenes, strict=True)}
+        cases = []
         for key, (values, scene) in wanted.items():
             names = self._needed(scene, whole=whole)
-            if not self._known(key, names):
-                missing[key] = (values, {"plain": scene, "names": names, "source": self.design.source})
-        for key, record in self._computed(missing):
-            self.results.keep(key, asdict(record))
-            self._records[key] = record
-            if self.tell is not None:
-                self.tell(record)
-        return [self._records.setdefault(key, Record(**self.results[key])) for key in keys]
+            if self._known(key, names):
+                continue
+            if names == (MASS,):
+                mass = mass_of(library.from_plain(scene, self.design.source))
+                self._keep(key, Record(values, {MASS: mass}, "", 0.0))
+            else:
+                arguments = {"plain": scene, "names": names, "source": self.design.source}
+                cases.append(evaluate.Case(key, Task("workflow.studies.measures:evaluated", arguments)))
+
+        def take(key: str, answer: Answer) -> None:
+            if answer.failed:
+                raise RunError(answer.failed)
+            found = answer.value
+            quantities, refused = found.get("quantities", {}), found.get("refused", "")
+            self._keep(key, Record(wanted[key][0], quantities, refused, found["seconds"]))
+
+        evaluate.evaluate(cases, pool=self.pool, tell=take)
+        return [self._records.setdefault(key, Record(**self.results[key])) for key in map(key_of, scenes)]
+
+    def _keep(self, key: str, record: Record) -> None:
+        self.results.keep(key, asdict(record))
+        self._records[key] = record
+        if self.tell is not None:
+            self.tell(record)
 
     def _known(self, key: str, names: tuple[str, ...]) -> bool:
         """Whether what is kept of a scene has what is asked for."""
@@ -85,27 +102,7 @@ class Evaluator:
         """Quantities to know: no more than the mass where that rules a design out."""
         limit = self.design.where.get(MASS)
         if limit is not None and not whole:
-            try:
+            with contextlib.suppress(InputError):
                 if limit.violation(mass_of(library.from_plain(scene, self.design.source))) > 0.0:
                     return (MASS,)
-            except InputError:
-                pass
         return self.design.names
-
-    def _computed(self, missing: dict[str, tuple[dict[str, Any], dict[str, Any]]]) -> Iterator[tuple[str, Record]]:
-        runs = {}
-        for key, (values, request) in missing.items():
-            if request["names"] == (MASS,):
-                mass = mass_of(library.from_plain(request["plain"], self.design.source))
-                yield key, Record(values, {MASS: mass}, "", 0.0)
-            elif self.pool.processes == 1:
-                yield key, _record(values, evaluated(**request))
-            else:
-                runs[key] = values
-        tasks = ((key, Task("workflow.studies.design.measures:evaluated", missing[key][1])) for key in runs)
-        for key, answer in self.pool.values(tasks):
-            yield key, _record(runs[key], answer)
-
-
-def _record(values: dict[str, Any], answer: dict[str, Any]) -> Record:
-    return Record(values, answer.get("quantities", {}), answer.get("refused", ""), answer["seconds"])

@@ -28,8 +28,8 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 from lammps_inputs import InputError, library, schema, strict_yaml
 from lammps_inputs.units import REDUCED, SI
-from workflow.studies.design.measures import KNOWN, MASS
 from workflow.studies.design.variables import Variable
+from workflow.studies.measures import KNOWN, MASS
 from workflow.sweep import fields
 from workflow.sweep.file import Range, number, scene_in, scene_of_file
 from workflow.sweep.table import QUANTITIES

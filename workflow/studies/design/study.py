@@ -15,26 +15,25 @@ import io
 import json
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from lammps_inputs import InputError, library, strict_yaml
-from workflow.runs.run import run
-from workflow.runs.study_directory import study_directory
-from workflow.runs.whole_files import write_json, write_text
+from workflow.runs.whole_files import as_json
 from workflow.studies.design.evaluator import Evaluator, Record
 from workflow.studies.design.file import Design
 from workflow.studies.design.found import Found, Verified
 from workflow.studies.design.manufacture import sensitivity
-from workflow.studies.design.measures import by_reference, of_frames, scene_to_run
 from workflow.studies.design.search import RULED_OUT, search, worth
 from workflow.studies.design.variables import scene_with
-from workflow.studies.kept_runs import finished
+from workflow.studies.kept_runs import kept_run
+from workflow.studies.measures import by_reference, of_frames, scene_to_run
+from workflow.studies.study import Study
 from workflow.workers.pool import Pool
-from workflow.workers.results import Results
 
-EVALUATIONS = "evaluations.jsonl"
 REPORT, TABLE, BEST, PAGE, BESIDE = "design.json", "designs.csv", "best.yaml", "index.html", "beside"
+STUDY = Study("design", f"{PAGE} is the report", tables=(REPORT, TABLE, BEST, PAGE), cache="evaluations.jsonl")
 
 Progress = Callable[[int, int, str], None]
 """Called with designs computed, how many there may be, and what is going on."""
@@ -55,37 +54,29 @@ def carry_out(
         InputError: the directory or a scene cannot be used, or nothing fits the limits.
         RunError: LAMMPS failed.
     """
-    files = (EVALUATIONS, REPORT, TABLE, BEST, PAGE, BESIDE, *_best_names(design))
-    with study_directory(directory, "design", files, result=f"{PAGE} is the report"):
-        with Results(directory / EVALUATIONS) as kept, Pool(processes, interrupt=True) as pool:
-            evaluator = Evaluator(design, kept, pool, _teller(design, progress))
+    best_runs = [f"best-{place}" for place in range(1, design.verify + 1)]
+    study = replace(STUDY, others=(BESIDE, *best_runs))
+    with study.opened(directory) as cache:
+        with Pool(processes, interrupt=True) as pool:
+            evaluator = Evaluator(design, cache, pool, _teller(design, progress))
             records = search(design, evaluator)
             good = sorted((r for r in records if worth(design, r) < RULED_OUT), key=lambda r: worth(design, r))
-            write_text(directory / TABLE, _table(design, records))
+            study.write(directory, {TABLE: _table(design, records)})
             if not good:
                 raise InputError(_why_nothing(design, records))
             small = sensitivity(design, evaluator, good[0].values)
         best_scene = library.from_plain(scene_with(design.scene, good[0].values), design.source)
-        write_text(directory / BEST, strict_yaml.dump(best_scene.plain()))
-        verified = [
-            _verified(
-                design, scene_with(design.scene, record.values), record.values, directory / name, record.quantities
-            )
-            for name, record in zip(_best_names(design), good, strict=False)
-        ]
+        study.write(directory, {BEST: strict_yaml.dump(best_scene.plain())})
+        verified = [_verified(design, one, directory / name) for name, one in zip(best_runs, good, strict=False)]
         beside = None if design.beside is None else _beside(design, design.beside, directory / BESIDE)
         timed = [record.seconds for record in records if record.quantities and record.seconds > 0.0]
         mean = sum(timed) / len(timed) if timed else math.nan
         found = Found(design, records, verified, beside, small, mean)
-        write_json(directory / REPORT, found.plain())
+        study.write(directory, {REPORT: as_json(found.plain()) + "\n"})
         from workflow.studies.design.report import page  # matplotlib takes half a second to import
 
-        write_text(directory / PAGE, page(found))
+        study.write(directory, {PAGE: page(found)})
     return found
-
-
-def _best_names(design: Design) -> list[str]:
-    return [f"best-{place}" for place in range(1, design.verify + 1)]
 
 
 def _teller(design: Design, progress: Progress | None) -> Callable[[Record], None] | None:
@@ -109,23 +100,23 @@ def _why_nothing(design: Design, records: list[Record]) -> str:
     return f"{design.source}: where: none of {len(records)} designs keeps the limits and has a {design.objective}"
 
 
+def _verified(design: Design, record: Record, path: Path) -> Verified:
+    return _in_lammps(design, scene_with(design.scene, record.values), path, record)
+
+
 def _beside(design: Design, plain: dict[str, Any], path: Path) -> Verified:
-    source = f"{design.source}: beside"
-    return _verified(design, plain, {}, path, by_reference(plain, design.names, source))
+    known = by_reference(plain, design.names, f"{design.source}: beside")
+    return _in_lammps(design, plain, path, Record({}, known, "", 0.0))
 
 
-def _verified(
-    design: Design, plain: dict[str, Any], values: dict[str, Any], path: Path, known: dict[str, float | None]
-) -> Verified:
-    """A scene run in LAMMPS, or taken from an earlier start."""
+def _in_lammps(design: Design, plain: dict[str, Any], path: Path, record: Record) -> Verified:
+    """A scene run in LAMMPS, or taken from an earlier start, beside its record by the reference."""
     scene = scene_to_run(plain, design.names, design.source)
-    directory = finished(path, scene, "lammps")
-    if directory is None:
-        directory = run(scene, path, overwrite=path.exists()).directory
+    directory = kept_run(scene, "lammps", path)
     check = directory.job.check
     lammps = of_frames(directory.problem, directory.blocks, scene, design.names)
     error = math.nan if check is None or check.velocity is None else check.velocity
-    return Verified(directory, values, known, lammps, error)
+    return Verified(directory, record.values, record.quantities, lammps, error)
 
 
 def _table(design: Design, records: list[Record]) -> str:

@@ -9,6 +9,7 @@ from workflow.cluster.job_arguments import add_job_arguments, job_options
 from workflow.formats import figure_files
 from workflow.screen import Answer, one_line, print_table
 from workflow.studies.fit import study
+from workflow.studies.fit.found import Fit
 from workflow.sweep.command_job import submit_hint, write_job
 
 ANSWERS = "what fit.json holds"
@@ -81,7 +82,7 @@ def _plain(name: str) -> dict[str, object]:
     return library.find(name).plain()
 
 
-def _print(found: study.Fit, arguments: argparse.Namespace) -> None:
+def _print(found: Fit, arguments: argparse.Namespace) -> None:
     print(found.verdict)
     for note in found.notes():
         print(note)

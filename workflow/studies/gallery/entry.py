@@ -285,7 +285,9 @@ class Entry:
         results: dict[str, Runs] = {}
         for name, (plain, engines) in wanted.items():
             scene = library.find(plain) if isinstance(plain, str) else library.from_plain({"name": name, **plain}, name)
-            results[name] = {engine: Ran(kept_run(scene, engine, folder)) for engine in engines}
+            results[name] = {
+                engine: Ran(kept_run(scene, engine, folder / f"{scene.name}-{engine}")) for engine in engines
+            }
         notes = [*self.sources, _own_errors(results)] if self.sources else []
         pictures = [*self.pictures(results)]
         if self.draw is not None:

@@ -21,7 +21,7 @@ from lammps_inputs import InputError, library
 from lammps_inputs.units import REDUCED
 from workflow.engines.reference import engine
 from workflow.prepare import step_search, twin
-from workflow.studies.design.measures import KNOWN, evaluated, scene_to_run
+from workflow.studies.measures import KNOWN, evaluated, scene_to_run
 from workflow.studies.study import Study, to_csv
 from workflow.studies.threshold.bracket import APART, Axis, Crossing, crossings, wanted
 from workflow.sweep import fields
