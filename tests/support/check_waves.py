@@ -144,11 +144,13 @@ def lacking(case: Case, name: str) -> Iterator[str]:
     there = {(int(row["chain"]), int(row["bead"])) for row in case.directory.table(name)}
     needed = plain_pulses(case) if case.opposed else None
     speed_of = np.abs(true.fine[1]).max(axis=1)
+    ahead = [true.way * bead for _, bead, velocity in kicks(scene) if true.way * velocity > 0.0]
+    start = min(ahead, default=-math.inf)
     for chain in range(1, scene.chains + 1):
         for bead in seen_at(case):
             if (chain, bead) in there or (needed is not None and (chain, bead) not in needed):
                 continue
-            if scene.walls and true.way * bead < min((true.way * kick[1] for kick in kicks(scene)), default=-math.inf):
+            if scene.walls and true.way * bead < start:
                 continue  # comes from the wall behind
             for one in true.maxima(chain, bead):
                 enough = one.velocity > SMALLEST + stated.peak and one.prominence > FLOOR + stated.peak
@@ -551,13 +553,19 @@ def judged(as_reference: bool, key: str, value: float | None) -> bool:
     return value is not None or not as_reference if key == "variation" else as_reference
 
 
+def quickest(case: Case) -> float:
+    """Time between frames, in that of the stiffest contact and the lightest bead."""
+    own = case.nature
+    hard = max([1.0, float(np.max(own.strength)), *(float(np.max(wall.strength)) for wall in own.walls)])
+    return case.every * math.sqrt(hard / min(float(np.min(own.mass)), 1.0))
+
+
 def grid(case: Case, peak: float) -> float:
     """Error of a maximum between frames, as documented for the exact wave: falls as the fifth power of their distance.
 
     Of shorter pulses, in stiffer contacts of lighter beads, it is larger; so it is where some beads are recorded.
     """
-    own = case.nature
-    quick = case.every * float(np.sqrt(max(np.max(own.strength), 1.0) / min(np.min(own.mass), 1.0)))
+    quick = quickest(case)
     order = 4 if case.scene.output.beads == "all" else 2  # without accelerations
     return 4e-3 * peak * quick**order + 1e-6
 
@@ -608,6 +616,8 @@ def passages(case: Case, entry: Row, way: int, arrival: float) -> list[tuple[int
 def speed_of(case: Case, entry: Row, way: int, arrival: float) -> Any:
     """From the true maxima at the beads on either side: any of those that may be the pulse's."""
     unit, there = case.unit, tracked(case)
+    if quickest(case) >= 0.5 and case.scene.output.beads != "all":
+        return Unknown("few frames within, without accelerations")
 
     least = 4.0 * (max(case.stated.arrival, FLOOR) + grid(case, 1.0))
 
