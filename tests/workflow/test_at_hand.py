@@ -130,6 +130,7 @@ def test_bash_takes_the_completion_and_offers_commands(capsys):
     assert done.stdout.split() == ["validate"]
 
 
+@pytest.mark.slow
 def test_folders_called_as_the_packages_are_do_not_hide_them(tmp_path):
     for name in ("analysis", "workflow", "lammps_inputs"):
         (tmp_path / name).mkdir()

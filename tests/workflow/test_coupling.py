@@ -137,6 +137,7 @@ def test_the_release_of_2021_computes_the_same(name, by_deck, tmp_path):
     np.testing.assert_allclose(old.velocity, new.velocity, rtol=0, atol=1e-14)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["edges", "cubic ring"])
 def test_a_run_that_was_cut_short_goes_on_bit_for_bit(name, tmp_path, monkeypatch):
     one = scene(name, duration=100.0)

@@ -90,6 +90,7 @@ def test_lammps_agrees_to_second_order_and_measures_its_own_error(tmp_path, expo
     assert errors[0] / errors[1] == pytest.approx(4.0, abs=0.4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("exponent", "amplitude", "coefficient"), [(1.25, 0.57734, 0.94668), (3.0, 0.90128, 0.80476)], ids=str
 )

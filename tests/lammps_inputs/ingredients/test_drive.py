@@ -146,6 +146,7 @@ def test_a_run_that_was_interrupted_goes_on_bit_for_bit(tmp_path):
     goes_on_bit_for_bit(driven(duration=40.0), tmp_path, after=1000)
 
 
+@pytest.mark.slow
 def test_two_ranks_compute_the_same_bits(tmp_path):
     for ranks in (1, 2):
         run(driven(duration=3.0), tmp_path / f"{ranks}", ranks=ranks, check=False)

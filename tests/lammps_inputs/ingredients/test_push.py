@@ -131,6 +131,7 @@ def test_a_kicked_scene_has_no_trace_of_pushes():
     assert "push" not in "".join(deck.render(kicked).values())
 
 
+@pytest.mark.slow
 def test_steps_of_short_pushes_keep_the_default_accuracy(tmp_path):
     case = scene("{peak: 1.0, duration: 0.1, shape: half-sine}")
     assert case.problem().system.loads[0].end < case.problem().every

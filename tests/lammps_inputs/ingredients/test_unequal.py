@@ -83,6 +83,7 @@ def test_the_reference_agrees_with_an_independent_integrator(name):
     assert np.abs(found - exact(name)).max() < 5e-8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", UNEQUAL)
 def test_lammps_agrees_to_second_order_and_measures_its_own_error(tmp_path, name):
     errors = []

@@ -98,6 +98,7 @@ def test_validate_names_a_wall_that_is_not_the_scenes(tmp_path, edit, said):
     assert said in validate(deck_run(case, tmp_path / "run", changed)).causes
 
 
+@pytest.mark.slow
 def test_a_run_that_was_interrupted_goes_on_bit_for_bit(tmp_path):
     goes_on_bit_for_bit(walled(BOTH, duration=100.0), tmp_path)
 

@@ -67,6 +67,7 @@ def test_where_the_force_on_walls_is_read_the_end_waits_for_the_pulse_at_the_far
         assert found.time[released].min() < problem.duration - AFTER + 0.2
 
 
+@pytest.mark.slow
 def test_a_wall_that_is_not_hit_in_time_is_one_line_that_names_it():
     plain = {"name": "a", "beads": 5, "walls": {"right": "bead"}, "kick": {"velocity": 1.0}, "until_bead": 2}
     plain |= {"damping": {"beads": 1.0}, "output": {"forces": {"wall": True}}}

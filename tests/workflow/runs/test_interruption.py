@@ -104,7 +104,9 @@ def frames_of_incomplete_analysis(directory, capsys):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("size", "ranks"), [(1, 1), (2_000_000, 1), pytest.param(100_000, 2, marks=TWO)])
+@pytest.mark.parametrize(
+    ("size", "ranks"), [(1, 1), (2_000_000, 1), pytest.param(100_000, 2, marks=[TWO, pytest.mark.slow])]
+)
 def test_what_a_killed_run_had_dumped_reads_and_analyses_as_incomplete(size, ranks, start, whole, capsys):
     command = start(ranks)
     command.reach("chains.dump.bin", size)
@@ -167,7 +169,7 @@ def test_a_killed_run_can_be_overwritten_by_a_new_one(start):
 # --- Ctrl-C -----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("size", "ranks"), [(1, 1), pytest.param(100_000, 2, marks=TWO)])
+@pytest.mark.parametrize(("size", "ranks"), [(1, 1), pytest.param(100_000, 2, marks=[TWO, pytest.mark.slow])])
 def test_ctrl_c_ends_a_run_with_one_line_and_its_frames(size, ranks, start, whole, capsys):
     command = start(ranks)
     command.reach("chains.dump.bin", size)
