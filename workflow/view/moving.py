@@ -75,44 +75,9 @@ def moving_beads(
     units: Units,
 ) -> tuple[Any, Any]:
     """Beads, springs and contact forces at one time, with a slider and a button that moves it."""
-    chains = len(part.chains)
-    first, last = float(part.places[0]) - part.spacing, float(part.places[-1]) + part.spacing
     sight = BEADS_IN_SIGHT * part.spacing
-    plot = figure(
-        tools="xpan,xwheel_zoom,reset,save",
-        height=110 + 46 * chains,
-        sizing_mode="stretch_width",
-        x_range=(first, min(last, first + sight)),
-        y_range=(-chains + 0.4, 0.9),
-    )
-    label(plot)
-    name_places(plot, part)
-    spacings = "spacings" if part.bead_stride == 1 and part.even else "times the spacing shown"
-    bars = ", bars: contact force" if np.any(np.isfinite(part.force)) else ""
-    plot.xaxis.axis_label += f"; displacements times {_EXAGGERATED:g} {spacings} / L{bars}"
-    plot.yaxis.ticker = [-k for k in range(chains)]
-    plot.yaxis.major_label_overrides = {-k: f"chain {chain}" for k, chain in enumerate(part.chains)}
-    plot.grid.visible = False
-    balls = ColumnDataSource(name="balls", data={name: [] for name in ("x", "y", "v", "d", "bead", "chain")})
-    pushes = ColumnDataSource(name="pushes", data={"x": [], "y": [], "h": []})
-    ties = ColumnDataSource(name="ties", data={"x0": [], "x1": [], "y0": [], "y1": [], "alpha": []})
-    plot.segment("x0", "y0", "x1", "y1", source=ties, line_color="#7a5195", line_alpha="alpha", line_width=2)
-    plot.rect("x", "y", width=0.35 * part.spacing, height="h", source=pushes, fill_color="#e69f00", line_color=None)
-    drawn = plot.scatter(
-        "x", "y", size=13, source=balls, fill_color={"field": "v", "transform": colours}, line_color="#555555"
-    )
-    plot.add_tools(
-        HoverTool(
-            renderers=[drawn],
-            tooltips=[
-                ("bead", "@bead"),
-                ("chain", "@chain"),
-                ("displacement", "@d{custom}"),
-                ("velocity", "@v{custom}"),
-            ],
-            formatters={"@d": number(units["length"]), "@v": number(units["velocity"])},
-        )
-    )
+    plot = _plot(part, sight)
+    sources = _drawn(plot, part, colours, units)
     length = units["length"].worth
     moved = ColumnDataSource(
         name="moved", data={"displacement": [(x / length).astype(np.float32) for x in part.displacement]}
@@ -133,9 +98,7 @@ def moving_beads(
             "time": part.time.tolist(),
             "images": images,
             "moved": moved,
-            "balls": balls,
-            "pushes": pushes,
-            "ties": ties,
+            **sources,
             "range": plot.x_range,
             "springs": [[rows[one], rows[other]] for one, other in edges],
             "strongest": float(np.nanmax(part.force, initial=0.0)) or 1.0,
@@ -150,3 +113,50 @@ def moving_beads(
     button.js_on_change("active", CustomJS(args={"slider": slider, "button": button}, code=_PLAY))
     plot.js_on_change("inner_width", move)  # once, when the page is laid out
     return plot, row(button, slider, sizing_mode="stretch_width")
+
+
+def _plot(part: Thinned, sight: float) -> Any:
+    """Axes along the chains and across them."""
+    chains = len(part.chains)
+    first, last = float(part.places[0]) - part.spacing, float(part.places[-1]) + part.spacing
+    plot = figure(
+        tools="xpan,xwheel_zoom,reset,save",
+        height=110 + 46 * chains,
+        sizing_mode="stretch_width",
+        x_range=(first, min(last, first + sight)),
+        y_range=(-chains + 0.4, 0.9),
+    )
+    label(plot)
+    name_places(plot, part)
+    spacings = "spacings" if part.bead_stride == 1 and part.even else "times the spacing shown"
+    bars = ", bars: contact force" if np.any(np.isfinite(part.force)) else ""
+    plot.xaxis.axis_label += f"; displacements times {_EXAGGERATED:g} {spacings} / L{bars}"
+    plot.yaxis.ticker = [-k for k in range(chains)]
+    plot.yaxis.major_label_overrides = {-k: f"chain {chain}" for k, chain in enumerate(part.chains)}
+    plot.grid.visible = False
+    return plot
+
+
+def _drawn(plot: Any, part: Thinned, colours: LinearColorMapper, units: Units) -> dict[str, ColumnDataSource]:
+    """What of beads, contact forces and springs is drawn in a plot, by the name in the script that moves them."""
+    balls = ColumnDataSource(name="balls", data={name: [] for name in ("x", "y", "v", "d", "bead", "chain")})
+    pushes = ColumnDataSource(name="pushes", data={"x": [], "y": [], "h": []})
+    ties = ColumnDataSource(name="ties", data={"x0": [], "x1": [], "y0": [], "y1": [], "alpha": []})
+    plot.segment("x0", "y0", "x1", "y1", source=ties, line_color="#7a5195", line_alpha="alpha", line_width=2)
+    plot.rect("x", "y", width=0.35 * part.spacing, height="h", source=pushes, fill_color="#e69f00", line_color=None)
+    drawn = plot.scatter(
+        "x", "y", size=13, source=balls, fill_color={"field": "v", "transform": colours}, line_color="#555555"
+    )
+    plot.add_tools(
+        HoverTool(
+            renderers=[drawn],
+            tooltips=[
+                ("bead", "@bead"),
+                ("chain", "@chain"),
+                ("displacement", "@d{custom}"),
+                ("velocity", "@v{custom}"),
+            ],
+            formatters={"@d": number(units["length"]), "@v": number(units["velocity"])},
+        )
+    )
+    return {"balls": balls, "pushes": pushes, "ties": ties}

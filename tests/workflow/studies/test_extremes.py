@@ -327,12 +327,6 @@ def test_the_command_writes_table_and_figure_goes_on_where_it_stopped_and_fails_
     assert main(command) == 0  # measured again
 
 
-def test_an_unwritable_directory_is_refused(tmp_path, capsys):
-    (tmp_path / "file").write_text("")
-    assert main(["extremes", "--quick", "-o", str(tmp_path / "file" / "x")]) == 2
-    assert "cannot be written to" in capsys.readouterr().err
-
-
 @pytest.mark.slow
 def test_ctrl_c_keeps_what_is_done_and_leaves_nothing_behind(tmp_path):
     work, out = tmp_path / "tmp", tmp_path / "out"

@@ -1,13 +1,11 @@
 """Equipartition over coupling and number of chains."""
 
-import json
 from pathlib import Path
 
 import pytest
 
-from lammps_inputs import InputError
 from workflow.cli import main
-from workflow.studies.map.study import make_map, run_case
+from workflow.studies.map.study import run_case
 
 
 @pytest.mark.parametrize(
@@ -38,18 +36,6 @@ def test_every_case_agrees_with_a_window_twice_as_wide() -> None:
 
 
 @pytest.mark.slow
-def test_an_interrupted_map_is_resumed(tmp_path: Path) -> None:
-    make_map(tmp_path, (0.2, 0.5), (2,))
-    kept = tmp_path / "cases.jsonl"
-    first, second = map(json.loads, kept.read_text().splitlines())
-    first["result"]["amplitude"] = 0.123
-    kept.write_text(f"{json.dumps(first)}\n{json.dumps(second)[:30]}")
-    amplitudes = [case.amplitude for case in make_map(tmp_path, (0.2, 0.5), (2,))]
-    assert 0.123 in amplitudes  # taken from the file, not computed again
-    assert len(kept.read_text().splitlines()) == 2
-
-
-@pytest.mark.slow
 def test_the_command_prints_a_table_and_writes_the_figure(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["map", "-o", str(tmp_path / "m"), "--couplings", "0.5,1", "--chains", "2,3"]) == 0
     assert "1% from" in capsys.readouterr().out
@@ -64,9 +50,3 @@ def test_bad_choices_are_one_line_and_exit_code_2(
     assert main(["map", "-o", str(tmp_path / "m"), *bad]) == 2
     assert len(capsys.readouterr().err.splitlines()) == 1
     assert not (tmp_path / "m").exists()
-
-
-def test_an_unwritable_directory_is_refused(tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("")
-    with pytest.raises(InputError, match="cannot be written"):
-        make_map(tmp_path / "file" / "m", (0.5,), (2,))

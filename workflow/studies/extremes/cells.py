@@ -170,43 +170,47 @@ def _five_frames_a_swing() -> Plain:
 
 def corners() -> list[Cell]:
     """Several numbers at once."""
+    return [*_corners_of_motion(), *_corners_of_computation()]
 
-    def corner(value: str, *, like: Plain = BASE, scaling: bool = False, drift: bool = False, **changes: Any) -> Cell:
-        return Cell("corners", value, changed(like, **changes), scaling=scaling, drift=drift)
 
+def _corner(value: str, *, like: Plain = BASE, scaling: bool = False, drift: bool = False, **changes: Any) -> Cell:
+    return Cell("corners", value, changed(like, **changes), scaling=scaling, drift=drift)
+
+
+def _corners_of_motion() -> list[Cell]:
+    """Kicks, springs and gaps."""
     touching = changed(BASE, coupling=springs(1.0))
     head_on = [{"velocity": 1.0}, {"velocity": -1.0, "bead": 30}]
     every_bead = [{"velocity": (-1.0) ** (i + j), "chain": j, "bead": i} for i in range(1, 31) for j in (1, 2)]
     stiff: Plain = {"coupling": springs(1e4), "timestep": 2e-4, "output": {"every": 0.1}}
-    slow: Plain = {"chains": 1, "coupling": None, "material": JELLY}
     return [
-        corner("V 1e-12, springs 0.1", kick={"velocity": 1e-12}, duration=1e3),
-        corner("V 1e12, springs 0.1", kick={"velocity": 1e12}, duration=0.1),
-        corner("V 1e-12, gap 1", kick={"velocity": 1e-12}, gap=1.0, duration=1e4),
-        corner("V 1e12, gap 1e6", like=scaled(changed(BASE, gap=1e6 * 1e12**-0.8), 1e12), scaling=True),
-        corner("V 1e-30", like=scaled(BASE, 1e-30), scaling=True),
-        corner("V 1e30", like=scaled(BASE, 1e30), scaling=True),
-        corner("kappa 1e4, 1000 chains, long step", chains=1000, beads=4, duration=2.0, **stiff),
-        corner("kappa 1e4, 1000 chains, default step", chains=1000, beads=4, duration=0.1, coupling=springs(1e4)),
-        corner(
+        _corner("V 1e-12, springs 0.1", kick={"velocity": 1e-12}, duration=1e3),
+        _corner("V 1e12, springs 0.1", kick={"velocity": 1e12}, duration=0.1),
+        _corner("V 1e-12, gap 1", kick={"velocity": 1e-12}, gap=1.0, duration=1e4),
+        _corner("V 1e12, gap 1e6", like=scaled(changed(BASE, gap=1e6 * 1e12**-0.8), 1e12), scaling=True),
+        _corner("V 1e-30", like=scaled(BASE, 1e-30), scaling=True),
+        _corner("V 1e30", like=scaled(BASE, 1e30), scaling=True),
+        _corner("kappa 1e4, 1000 chains, long step", chains=1000, beads=4, duration=2.0, **stiff),
+        _corner("kappa 1e4, 1000 chains, default step", chains=1000, beads=4, duration=0.1, coupling=springs(1e4)),
+        _corner(
             "kappa 1e4, bead 10,000, long step",
             beads=10_000,
             kick={"bead": 9990, "velocity": 1.0},
             duration=0.5,
             **stiff,
         ),
-        corner("kappa 1e12", coupling=springs(1e12), duration=1e-3, output={"every": 1e-6}),
-        corner("both ends, chain 1", kick=head_on),
-        corner("both ends, two chains", kick=[head_on[0], {**head_on[1], "chain": 2}]),
-        corner("backwards from bead 1", kick={"velocity": -1.0}),
-        corner("backwards from bead 30", kick={"velocity": -1.0, "bead": 30}),
-        corner("backwards, gap", kick={"velocity": -1.0}, gap=1.0),
-        corner("all beads, +1 and -1", kick=every_bead),
-        corner("kicks 1 and 1e-12", kick=[{"velocity": 1.0}, {"velocity": 1e-12, "bead": 20, "chain": 2}]),
-        corner("one recorded bead", output={"beads": [17]}),
-        corner("frames 10 T apart", beads=100, duration=100.0, output={"every": 10.0}),
-        corner("one step", duration=1e-3, timestep=1e-3, output={"every": 1e-3}),
-        corner(
+        _corner("kappa 1e12", coupling=springs(1e12), duration=1e-3, output={"every": 1e-6}),
+        _corner("both ends, chain 1", kick=head_on),
+        _corner("both ends, two chains", kick=[head_on[0], {**head_on[1], "chain": 2}]),
+        _corner("backwards from bead 1", kick={"velocity": -1.0}),
+        _corner("backwards from bead 30", kick={"velocity": -1.0, "bead": 30}),
+        _corner("backwards, gap", kick={"velocity": -1.0}, gap=1.0),
+        _corner("all beads, +1 and -1", kick=every_bead),
+        _corner("kicks 1 and 1e-12", kick=[{"velocity": 1.0}, {"velocity": 1e-12, "bead": 20, "chain": 2}]),
+        _corner("one recorded bead", output={"beads": [17]}),
+        _corner("frames 10 T apart", beads=100, duration=100.0, output={"every": 10.0}),
+        _corner("one step", duration=1e-3, timestep=1e-3, output={"every": 1e-3}),
+        _corner(
             "far, short steps, gap",
             like=touching,
             gap=1e6,
@@ -214,23 +218,32 @@ def corners() -> list[Cell]:
             timestep=1e-5,
             duration=2.0,
         ),
-        corner("suzuki4", scheme="suzuki4"),
-        corner("suzuki4, kappa 100", scheme="suzuki4", coupling=springs(100.0)),
-        corner("suzuki4, step 0.15", scheme="suzuki4", timestep=0.15, output={"every": 0.75}),
-        corner("window, past the end", beads=500, coupling=springs(0.01), window=64, duration=1300.0),
-        corner("window, kappa 0.001", beads=500, coupling=springs(1e-3), window="auto", duration=600.0),
-        corner("window, accuracy 1e-5", beads=200, window="auto", accuracy=1e-5, duration=200.0),
-        corner("accuracy, kappa 1e4", coupling=springs(1e4), accuracy=1e-3, duration=2.0),
-        corner("accuracy, a swing each 5 frames", **_five_frames_a_swing()),
-        corner("accuracy, gap", gap=10.0, beads=6, accuracy=1e-4, duration=200.0),
-        corner("until bead 25", duration=None, until_bead=25),
-        corner("until bead 25, uncoupled", coupling=springs(1e-8), duration=None, until_bead=25),
-        corner("two rows, 1e6 steps", beads=2, duration=1e4, output={"every": 1.0}),
-        corner("ten rows, 1e6 steps", beads=10, duration=1e4, output={"every": 1.0}, drift=True),
-        corner("steel, 1 nm/s", material=STEEL, kick={"velocity": 1e-9}, coupling=springs(6e2), duration=0.024),
-        corner("jelly, 1 um", **slow, kick={"velocity": 1e-3}, duration=1e-2, scaling=True),
-        corner("diamond, 100 m", **{**slow, "material": DIAMOND}, kick={"velocity": 1e-6}, duration=60.0, scaling=True),
-        corner("units overflow", **{**slow, "material": {**STEEL, "density": 1e30, "radius": 1e30}}),
+    ]
+
+
+def _corners_of_computation() -> list[Cell]:
+    """Schemes, windows, accuracies and units."""
+    slow: Plain = {"chains": 1, "coupling": None, "material": JELLY}
+    return [
+        _corner("suzuki4", scheme="suzuki4"),
+        _corner("suzuki4, kappa 100", scheme="suzuki4", coupling=springs(100.0)),
+        _corner("suzuki4, step 0.15", scheme="suzuki4", timestep=0.15, output={"every": 0.75}),
+        _corner("window, past the end", beads=500, coupling=springs(0.01), window=64, duration=1300.0),
+        _corner("window, kappa 0.001", beads=500, coupling=springs(1e-3), window="auto", duration=600.0),
+        _corner("window, accuracy 1e-5", beads=200, window="auto", accuracy=1e-5, duration=200.0),
+        _corner("accuracy, kappa 1e4", coupling=springs(1e4), accuracy=1e-3, duration=2.0),
+        _corner("accuracy, a swing each 5 frames", **_five_frames_a_swing()),
+        _corner("accuracy, gap", gap=10.0, beads=6, accuracy=1e-4, duration=200.0),
+        _corner("until bead 25", duration=None, until_bead=25),
+        _corner("until bead 25, uncoupled", coupling=springs(1e-8), duration=None, until_bead=25),
+        _corner("two rows, 1e6 steps", beads=2, duration=1e4, output={"every": 1.0}),
+        _corner("ten rows, 1e6 steps", beads=10, duration=1e4, output={"every": 1.0}, drift=True),
+        _corner("steel, 1 nm/s", material=STEEL, kick={"velocity": 1e-9}, coupling=springs(6e2), duration=0.024),
+        _corner("jelly, 1 um", **slow, kick={"velocity": 1e-3}, duration=1e-2, scaling=True),
+        _corner(
+            "diamond, 100 m", **{**slow, "material": DIAMOND}, kick={"velocity": 1e-6}, duration=60.0, scaling=True
+        ),
+        _corner("units overflow", **{**slow, "material": {**STEEL, "density": 1e30, "radius": 1e30}}),
     ]
 
 

@@ -175,8 +175,7 @@ def number(
     within: float,
     roughly: float = 0.0,
     correction: str = "",
-    unit: str = "",
-    digits: int = 5,
+    form: str = "5",
 ) -> Statement:
     """A number that was published.
 
@@ -187,15 +186,15 @@ def number(
         within: how far the number may be off, as it was rounded or claimed.
         roughly: how far a number that holds with a correction may be off.
         correction: what to say where it is farther off than ``within``; by default the number found.
-        unit: of the numbers.
-        digits: after the point.
+        form: digits after the point, and the unit of the numbers, such as ``3 beads``.
     """
+    digits, _, unit = form.partition(" ")
     best = found["reference"]
     holds = (
         HOLDS if _all_near(found, published, within) else CORRECTED if _all_near(found, published, roughly) else FAILS
     )
     unit = f" {unit}" if unit else ""
-    lines = engines(found, unit, digits)
+    lines = engines(found, unit, int(digits))
     lines.append(f"{best - published:+.1e}{unit} from what was published ({best / published - 1.0:+.2%})")
     return Statement(says, lines, holds, "" if holds == HOLDS else correction or f"It is {best:.{digits}f}{unit}.")
 

@@ -4,7 +4,7 @@ import os
 import tempfile
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,7 @@ from workflow.studies.study import Study, csv_text
 from workflow.studies.trade import frames, grid, jobs, work_precision
 from workflow.studies.trade.certified import QUANTITIES, Certified, make_truth
 from workflow.studies.trade.jobs import Size
-from workflow.studies.trade.work_precision import Point
+from workflow.studies.trade.work_precision import Limits, Point
 
 # --- tables -----------------------------------------------------------------------------------------------------------
 
@@ -193,7 +193,7 @@ def _measure(found: Findings, directory: Path, work: Path, budget: float, repeat
     follow("reference", 0, 1)
     truth = make_truth(problem, work, seconds=_TRUTH * budget)
     found.truth = truth
-    longest, patience = _LONGEST * budget, _PATIENCE * budget
+    limits = Limits(repeats, _LONGEST * budget, _PATIENCE * budget)
 
     def keep_engines(points: Points, done: int, total: int) -> None:
         found.engines = points
@@ -210,10 +210,8 @@ def _measure(found: Findings, directory: Path, work: Path, budget: float, repeat
         lambda job: jobs.run(job, work),
         lambda done: truth.errors(done.blocks()),
         jobs.Done.costs,
-        follow=keep_engines,
-        repeats=repeats,
-        longest=longest,
-        patience=patience,
+        limits,
+        keep_engines,
     )
     if not any(point.measured and point.setting.what.problem == problem for point in found.engines):
         found.notes.append("Frames and sizes were not measured: a run at the scene's time step takes too long.")
@@ -225,11 +223,8 @@ def _measure(found: Findings, directory: Path, work: Path, budget: float, repeat
             lambda job: frames.run(job, work),
             exact.errors,
             frames.Read.costs,
-            follow=keep_frames,
-            repeats=repeats,
-            longest=longest,
-            patience=patience,
-            budget=_FRAMES * budget,
+            replace(limits, budget=_FRAMES * budget),
+            keep_frames,
         )
         follow("sizes", 0, 1)
         found.sizes = jobs.step_costs(problem, work)

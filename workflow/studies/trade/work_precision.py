@@ -76,18 +76,33 @@ class Point(Generic[What]):
         return statistics.median(self.costs(name))
 
 
+@dataclass(frozen=True)
+class Limits:
+    """How often settings are run, and how long that may take.
+
+    Attributes:
+        repeats: calls after the first.
+        longest: seconds that one call may take; a setting that would take longer, by what others of its group took, is
+            left out.
+        patience: seconds after which a setting is not repeated a second time or more.
+        budget: seconds after which nothing is repeated.
+        clock: seconds.
+    """
+
+    repeats: int = 5
+    longest: float = math.inf
+    patience: float = math.inf
+    budget: float = math.inf
+    clock: Callable[[], float] = time.perf_counter
+
+
 def measure(
     settings: Sequence[Setting[What]],
     run: Callable[[What], Result],
     errors: Callable[[Result], Numbers],
     costs: Callable[[Result], Numbers],
-    *,
-    repeats: int = 5,
-    longest: float = math.inf,
-    patience: float = math.inf,
-    budget: float = math.inf,
+    limits: Limits,
     follow: Callable[[Sequence[Point[What]], int, int], None] | None = None,
-    clock: Callable[[], float] = time.perf_counter,
 ) -> list[Point[What]]:
     """Run every setting once, for its errors, and then up to ``repeats`` times more, in rounds, for its costs.
 
@@ -95,28 +110,25 @@ def measure(
         settings: those of one curve in the order of rising effort, if some are to be left out.
         run: computes what a setting names; `RunError` where that fails, which is noted.
         errors, costs: of a result, which is not kept.
-        repeats: calls after the first.
-        longest: seconds that one call may take; a setting that would take longer, by what others of its group took, is
-            left out.
-        patience: seconds after which a setting is not repeated a second time or more.
-        budget: seconds after which nothing is repeated.
+        limits: of calls and time.
         follow: called after every call with all points, the calls done and an upper bound of all calls.
-        clock: seconds.
 
     Returns:
         a point for each setting, in their order.
     """
     points = [Point(setting) for setting in settings]
-    done, total, started = 0, len(points) * (1 + repeats), clock()
-    for number in range(1 + repeats):
+    done, total, started = 0, len(points) * (1 + limits.repeats), limits.clock()
+    for number in range(1 + limits.repeats):
         for point in points:
             if number == 0:
-                point.left_out = _too_long(point, points, longest)
-            elif (number > 1 and point.spent * (1.0 + 1.0 / number) > patience) or clock() - started > budget:
+                point.left_out = _too_long(point, points, limits.longest)
+            elif (
+                number > 1 and point.spent * (1.0 + 1.0 / number) > limits.patience
+            ) or limits.clock() - started > limits.budget:
                 total -= 1  # this and each later round
                 continue
             if not point.left_out:
-                _call(point, run, errors, costs, clock)
+                _call(point, run, errors, costs, limits.clock)
             done += 1
             if follow is not None:
                 follow(points, done, total)

@@ -33,7 +33,7 @@ def statements(results: Results) -> list[Statement]:
             edge,
             {engine: float(found.measured_bands()[place]) / second[engine] for engine, found in maps.items()},
             within=bin_width,
-            digits=4,
+            form="4",
             correction=f"A bin of frequency is {bin_width:.4f} wide.",
         )
         for (says, edge), place in zip(EDGES.items(), PLACES, strict=True)

@@ -51,7 +51,7 @@ def statements(results: Results) -> list[Statement]:
             when,
             within=0.25,
             roughly=0.1 * OSCILLATORS,
-            digits=2,
+            form="2",
             correction="A little later: contacts press on the beads while the pulse spreads.",
         ),
     ]

@@ -40,7 +40,7 @@ def statements(results: Results) -> list[Statement]:
                 expected,
                 each(runs, lambda run: 0.5 * run.speed(61, 101)),
                 within=2e-3 * expected,
-                digits=4,
+                form="4",
             )
         )
         found.append(
@@ -50,8 +50,7 @@ def statements(results: Results) -> list[Statement]:
                 each(runs, lambda run: run.peak(81)),
                 within=2e-3,
                 roughly=0.01,
-                unit="V",
-                digits=4,
+                form="4 V",
             )
         )
     return found

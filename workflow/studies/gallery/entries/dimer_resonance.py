@@ -50,7 +50,7 @@ def statements(results: Results) -> list[Statement]:
             RESONANCE,
             {"reference": far},
             within=0.01,
-            digits=3,
+            form="3",
             correction="The place drifts with the distance.",
         ),
         claim(

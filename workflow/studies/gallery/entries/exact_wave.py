@@ -75,7 +75,7 @@ def statements(results: Results) -> list[Statement]:
             exact.speed,
             each(runs, lambda run: run.speed(60, 90) / run.peak(75) ** 0.2),
             within=2e-5,
-            digits=6,
+            form="6",
         ),
     ]
 

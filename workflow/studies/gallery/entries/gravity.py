@@ -31,7 +31,7 @@ def statements(results: Results) -> list[Statement]:
             each(runs, lambda run: float(np.polyfit(depth, np.log(_peaks(run)), 1)[0])),
             within=0.005,
             roughly=0.02,
-            digits=4,
+            form="4",
             correction="Down to some 240 beads it falls a little more slowly: the pulse still grows broader.",
         ),
         number(
@@ -40,7 +40,7 @@ def statements(results: Results) -> list[Statement]:
             each(runs, speeds),
             within=0.005,
             roughly=0.02,
-            digits=4,
+            form="4",
         ),
     ]
 

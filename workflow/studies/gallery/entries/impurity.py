@@ -68,7 +68,7 @@ def statements(results: Results) -> list[Statement]:
             slope,
             within=0.02,
             roughly=0.1,
-            digits=3,
+            form="3",
             correction=f"mass^({slope['reference']:.2f}): the lightest stay longest within one wave.",
         ),
         claim(

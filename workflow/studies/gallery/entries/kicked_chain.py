@@ -17,21 +17,21 @@ def statements(results: Results) -> list[Statement]:
             0.682,
             each(runs, lambda run: run.peak(BEAD)),
             within=5e-4,
-            unit="V",
+            form="5 V",
         ),
         number(
             "The last ball flies off with 0.986 V.",
             0.986,
             each(runs, lambda run: float(run.trajectory.velocity[-1, 0, -1])),
             within=5e-4,
-            unit="V",
+            form="5 V",
         ),
         number(
             "The ball that was hit rebounds with 0.071 V.",
             -0.071,
             each(runs, lambda run: float(run.trajectory.velocity[-1, 0, 0])),
             within=5e-4,
-            unit="V",
+            form="5 V",
         ),
     ]
 

@@ -42,8 +42,7 @@ def statements(results: Results) -> list[Statement]:
             each(single, lambda run: run.width(BEAD)),
             within=0.005,
             roughly=0.25,
-            digits=3,
-            unit="beads",
+            form="3 beads",
             correction=f"{exact.width:.3f} beads: the wave of the discrete chain is an eighth narrower.",
         ),
         number(
@@ -51,14 +50,14 @@ def statements(results: Results) -> list[Statement]:
             0.2,
             each(train, lambda run: _slope(*_train(run)[:2])),
             within=0.002,
-            digits=4,
+            form="4",
         ),
         number(
             "Speed grows as the sixth root of the force: exponent 1/6.",
             1.0 / 6.0,
             each(train, lambda run: _slope(_train(run)[2], _train(run)[1])),
             within=0.002,
-            digits=4,
+            form="4",
         ),
     ]
 

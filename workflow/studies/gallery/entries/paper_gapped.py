@@ -32,70 +32,81 @@ def _both_models() -> tuple[dict[float, Impulses], Impulses]:
 
 
 def statements(_: Results) -> list[Statement]:
-    """Rigid and Hertz beads at the gap of eq. 5, a scan over theta, and the rigid limit."""
-    scan, (hertz, rigid), limit = _scan(), _both_models(), rigid_rows.rigid_limit()
-    sensitive = rigid_rows.sensitivity(THETAS[:: len(THETAS) // 100], bead=25)
+    """The gap of eq. 5, rigid beads, Hertz beads, and the one as the limit of the other."""
+    hertz, rigid = _both_models()
+    return [_first_row(), _rigid(rigid), _hertz(hertz), _limit()]
+
+
+def _first_row() -> Statement:
     first = rigid_rows.first_row(THETA_OF_EQ_5)
-    difference = scan.difference()
-    at_25 = scan.agreeing(25)
-    keeping = scan.keeping(20, 30)
-    median = np.median(difference, axis=0)
+    return Statement(
+        "At the gap of eq. 5 the first row has shared its energy equally when it collides.",
+        [
+            f"chain 1 collides at omega t = {first.phase[0] / np.pi:.6f} pi with {first.striker[0]:.6f} V; bead 1 of "
+            f"chain 2 has then gone {first.other_bead:.4f} D",
+            f"chain 2 collides at omega t = {first.phase[1] / np.pi:.6f} pi, with {first.striker[1]:.6f} V against "
+            f"{first.target[1]:.6f} V",
+        ],
+        "does not hold",
+        "At that instant the two velocities are equal but the displacements are not: equal velocities (cos = 0) and "
+        "equal displacements (sin = 0) exclude each other, so chain 2 collides later, unequally.",
+    )
+
+
+def _rigid(rigid: Impulses) -> Statement:
+    scan = _scan()
+    sensitive = rigid_rows.sensitivity(THETAS[:: len(THETAS) // 100], bead=25)
+    at_25, keeping = scan.agreeing(25), scan.keeping(20, 30)
+    median = np.median(scan.difference(), axis=0)
+    return Statement(
+        "Rigid beads: the pulse is partitioned equally among the chains (rows 5 and 25, Figs 8 and 9).",
+        [
+            *(_pair(f"theta = {THETA_OF_EQ_5:.4f}, row {row}", rigid, row) for row in ROWS),
+            f"{len(at_25)} of {len(scan.theta)} gaps ({_share(len(at_25), len(scan.theta))}) agree to 1% at row 25, "
+            f"{len(keeping)} over all of rows 20 to 30",
+            f"median difference over all gaps: {_at(scan, median, 5):.2f} at row 5, {_at(scan, median, 25):.2f} at row 25",
+            f"a change of D by 1e-13 moves the impulses of row 25 by more than 0.01 at "
+            f"{_share(int(np.sum(sensitive > 0.01)), len(sensitive))} of the gaps",
+        ],
+        "does not hold",
+        "Literally rigid rows do not equipartition: single rows agree at single gaps, none keeps it. Late rows magnify "
+        "rounding, so a picture of row 25 shows the arithmetic as much as the model.",
+    )
+
+
+def _hertz(hertz: dict[float, Impulses]) -> Statement:
     modes = {kappa: rigid_rows.relative_mode(found, 10, LAST) for kappa, found in hertz.items()}
-    return [
-        Statement(
-            "At the gap of eq. 5 the first row has shared its energy equally when it collides.",
-            [
-                f"chain 1 collides at omega t = {first.phase[0] / np.pi:.6f} pi with {first.striker[0]:.6f} V; bead 1 of "
-                f"chain 2 has then gone {first.other_bead:.4f} D",
-                f"chain 2 collides at omega t = {first.phase[1] / np.pi:.6f} pi, with {first.striker[1]:.6f} V against "
-                f"{first.target[1]:.6f} V",
-            ],
-            "does not hold",
-            "At that instant the two velocities are equal but the displacements are not: equal velocities (cos = 0) and "
-            "equal displacements (sin = 0) exclude each other, so chain 2 collides later, unequally.",
-        ),
-        Statement(
-            "Rigid beads: the pulse is partitioned equally among the chains (rows 5 and 25, Figs 8 and 9).",
-            [
-                *(_pair(f"theta = {THETA_OF_EQ_5:.4f}, row {row}", rigid, row) for row in ROWS),
-                f"{len(at_25)} of {len(scan.theta)} gaps ({_share(len(at_25), len(scan.theta))}) agree to 1% at row 25, "
-                f"{len(keeping)} over all of rows 20 to 30",
-                f"median difference over all gaps: {_at(scan, median, 5):.2f} at row 5, {_at(scan, median, 25):.2f} at row 25",
-                f"a change of D by 1e-13 moves the impulses of row 25 by more than 0.01 at "
-                f"{_share(int(np.sum(sensitive > 0.01)), len(sensitive))} of the gaps",
-            ],
-            "does not hold",
-            "Literally rigid rows do not equipartition: single rows agree at single gaps, none keeps it. Late rows magnify "
-            "rounding, so a picture of row 25 shows the arithmetic as much as the model.",
-        ),
-        Statement(
-            "Beads with gaps and Hertzian contacts (eq. 2) reach equipartition.",
-            [
-                line
-                for kappa, found in hertz.items()
-                for line in (
-                    *(_pair(f"kappa = {kappa:g}, row {row}", found, row) for row in (*ROWS, 100)),
-                    f"kappa = {kappa:g}: {_within(modes[kappa].equal_from)}",
-                )
-            ],
-            "holds" if all(mode.equal_from is not None for mode in modes.values()) else "does not hold",
-            "Contacts that last let the springs act while beads touch; that is what levels the chains.",
-        ),
-        Statement(
-            "The rigid model stands for the gapped array.",
-            [
-                f"kappa = {kappa:g}: impulses differ by at most {worst:.3f} in rows 2 to {limit.bead[-1]}"
-                for kappa, worst in zip(limit.kappa, limit.difference.max(axis=1), strict=True)
-            ]
-            + [
-                "exponent of the difference in kappa, rows "
-                + ", ".join(f"{bead}: {rate:.2f}" for bead, rate in zip(limit.bead, limit.rate, strict=True))
-            ],
-            "holds with a correction",
-            "As a limit at fixed theta (here 1): early rows tend to the rigid ones as the square root of kappa. At the "
-            "couplings of the figures a contact lasts a good part of a swing, and the two differ in what matters.",
-        ),
-    ]
+    return Statement(
+        "Beads with gaps and Hertzian contacts (eq. 2) reach equipartition.",
+        [
+            line
+            for kappa, found in hertz.items()
+            for line in (
+                *(_pair(f"kappa = {kappa:g}, row {row}", found, row) for row in (*ROWS, 100)),
+                f"kappa = {kappa:g}: {_within(modes[kappa].equal_from)}",
+            )
+        ],
+        "holds" if all(mode.equal_from is not None for mode in modes.values()) else "does not hold",
+        "Contacts that last let the springs act while beads touch; that is what levels the chains.",
+    )
+
+
+def _limit() -> Statement:
+    limit = rigid_rows.rigid_limit()
+    return Statement(
+        "The rigid model stands for the gapped array.",
+        [
+            f"kappa = {kappa:g}: impulses differ by at most {worst:.3f} in rows 2 to {limit.bead[-1]}"
+            for kappa, worst in zip(limit.kappa, limit.difference.max(axis=1), strict=True)
+        ]
+        + [
+            "exponent of the difference in kappa, rows "
+            + ", ".join(f"{bead}: {rate:.2f}" for bead, rate in zip(limit.bead, limit.rate, strict=True))
+        ],
+        "holds with a correction",
+        "As a limit at fixed theta (here 1): early rows tend to the rigid ones as the square root of kappa. At the "
+        "couplings of the figures a contact lasts a good part of a swing, and the two differ in what matters.",
+    )
 
 
 def _pair(label: str, found: Impulses, row: int) -> str:

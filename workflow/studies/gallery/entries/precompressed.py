@@ -36,7 +36,7 @@ def statements(results: Results) -> list[Statement]:
                 {engine: one.over_sound for engine, one in by_engine.items()},
                 within=1e-3,
                 roughly=0.012 * wave.theory,
-                digits=4,
+                form="4",
                 correction="The discrete chain is faster than the long-wave theory, the more so the farther it is "
                 "from sound.",
             )

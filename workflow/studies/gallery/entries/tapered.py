@@ -55,7 +55,7 @@ def statements(results: Results) -> list[Statement]:
                 arrives[taper],
                 within=0.005,
                 roughly=0.06,
-                digits=4,
+                form="4",
                 correction="Hard spheres pass on too much: Hertzian beads share their energy with neighbours.",
             )
             for taper in TAPERS
@@ -73,7 +73,7 @@ def statements(results: Results) -> list[Statement]:
                 each(results[_name(taper)], lambda run: run.peak(LAST) / run.peak(FIRST)),
                 within=0.01 * _growth(taper),
                 roughly=0.2 * _growth(taper),
-                digits=4,
+                form="4",
                 correction="The trend is right, the number too large: beads do not meet two by two.",
             )
             for taper in TAPERS
