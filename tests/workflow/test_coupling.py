@@ -286,6 +286,7 @@ def test_rigid_beads_know_no_other_springs(tmp_path):
         run(scene("ring", gap=0.5), tmp_path / "run", engine="collisions")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("second", [Linear(0.3), Duffing(0.1, 0.7)], ids=["of the same style", "of another style"])
 def test_two_kinds_of_springs_between_chains_act_together_in_the_deck(second, tmp_path):
     problem = scene("ramp", chains=3, timestep=0.01).problem()

@@ -245,6 +245,7 @@ def test_rigid_beads_refuse_damping(tmp_path: Path) -> None:
         run(damped(gap=1.0), tmp_path / "run", engine="collisions")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("felt", "words"),
     [

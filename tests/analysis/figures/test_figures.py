@@ -223,6 +223,7 @@ def test_units_have_the_prefix_that_leaves_one_to_three_digits(velocity, symbol,
     assert unit.worth == pytest.approx(worth)
 
 
+@pytest.mark.slow
 def test_letters_in_a_pdf_can_be_searched_and_embedded(tmp_path):
     with written_as(("pdf",)):
         write_figure(tmp_path, "f", response_figure(history(reference(1, 0.0, 10, 8.0), (5,))))

@@ -53,6 +53,7 @@ def test_chains_agree_from_the_bead_of_the_table(chains, kappa, tolerance, bead)
     assert run(chains, kappa).shared.agrees_from(tolerance) == bead
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("tolerance", "bead"), [(0.1, 265), (0.01, 507)])
 def test_weakly_coupled_chains_agree_from_the_bead_of_the_table_within_one_per_cent(tolerance, bead):
     assert run(2, 0.01).shared.agrees_from(tolerance) == pytest.approx(bead, rel=0.01)

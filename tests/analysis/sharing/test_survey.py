@@ -250,6 +250,7 @@ def test_a_kick_on_a_static_load_is_one_pulse_whatever_sound_follows(force):
     assert (len(found.crests) > 10) == (force >= 1.0)
 
 
+@pytest.mark.slow
 def test_a_train_on_a_static_load_is_as_many_pulses_as_there_are_ahead_of_sound():
     """Three beads that are hit together make three solitary waves."""
     found = under_load(0.003, kick=[{"bead": bead, "velocity": 1.0} for bead in (1, 2, 3)])

@@ -137,6 +137,7 @@ def test_the_2021_release_computes_the_same_bits(tmp_path):
     np.testing.assert_array_equal(new.vx, old.vx)
 
 
+@pytest.mark.slow
 def test_two_ranks_compute_the_same_bits(tmp_path):
     case = on_foundation({"stiffness": [0.5, 0.2], "cubic": 0.3}, beads=40, timestep=0.05)
     one, two = (run_stock(case, tmp_path / str(ranks), ranks=ranks) for ranks in (1, 2))

@@ -110,6 +110,7 @@ def test_the_2021_release_computes_the_same_to_rounding(tmp_path):
     np.testing.assert_allclose(new.vx, old.vx, rtol=0.0, atol=1e-13)
 
 
+@pytest.mark.slow
 def test_two_ranks_compute_the_same_bits(tmp_path):
     case = walled(BOTH, beads=40, duration=80.0, timestep=0.05)
     one, two = (run_stock(case, tmp_path / str(ranks), ranks=ranks) for ranks in (1, 2))

@@ -105,6 +105,7 @@ def test_restarts_that_are_written_on_the_way_change_no_bit(both, tmp_path):
     assert again.dump.read_bytes() == windowed.dump.read_bytes()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("both", ["two chains"], indirect=True)
 def test_figures_are_drawn_of_a_window(both, draw_only):
     draw_only("spacetime")
@@ -125,6 +126,7 @@ def test_stock_lammps_does_without_python_what_the_local_run_does(changes, tmp_p
     assert np.array_equal(by_stock_lammps(case, tmp_path / "stock"), BinaryDump(local.dump).read())
 
 
+@pytest.mark.slow
 def test_two_ranks_give_the_bits_of_one(tmp_path):
     case = long_scene(chains=2, kappa=0.1, window=ROWS, duration=120.0, timestep=0.05)
     one, two = (by_stock_lammps(case, tmp_path / str(ranks), ranks=ranks) for ranks in (1, 2))

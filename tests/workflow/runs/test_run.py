@@ -265,6 +265,7 @@ def test_a_directory_with_any_name_will_do(tmp_path):
 # --- ranks ------------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @two_ranks
 @pytest.mark.parametrize("chains", [pytest.param(1, marks=pytest.mark.slow), 3])
 def test_two_ranks_compute_bit_for_bit_what_one_computes(chains, tmp_path):

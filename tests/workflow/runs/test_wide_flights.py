@@ -17,6 +17,7 @@ from workflow.runs.run import run
 TWO = pytest.mark.skipif(mpi.cores() < 2, reason="needs two cores")
 
 
+@pytest.mark.slow
 def test_contacts_are_not_lost_between_two_segments_of_a_composition(tmp_path):
     kicks = tuple(Kick(bead=bead, velocity=velocity) for bead, velocity in ((1, 0.2), (2, 1.0), (3, 1.0)))
     case = scene(beads=12, gap=15.0, kick=kicks, duration=253.0, every=0.5, scheme="suzuki4")

@@ -411,6 +411,7 @@ def test_what_lies_between_bands_is_shaded():
     assert first < 1.0 < 9.0 < last
 
 
+@pytest.mark.slow
 def test_bands_that_differ_from_case_to_case_are_not_those_of_the_figure(shaken):
     found = collect(shaken)
     one = next(iter(found.bands))

@@ -109,6 +109,7 @@ def test_a_very_short_push_tends_to_the_kick_in_proportion_to_its_duration():
     assert np.all(np.diff(np.log2(away)) < -0.9)
 
 
+@pytest.mark.slow
 def test_the_work_on_frames_is_that_on_their_own_motion():
     """A bead that leaves its chain on a spring: the same push does 2% more on a motion that is 2% larger."""
     one = pushed(Load(1, 8, HalfSine(0.8, 2.03)), steps_per_frame=50, frames=6)
