@@ -120,7 +120,7 @@ def left(found: Survey, chain: int, period: int) -> Left | None:
     cells = (last - int(way[0])) // period
     ends = along_the_way(problem, int(way[0])), along_the_way(problem, last)
     low, high = min(ends) - reach(problem), max(ends) + reach(problem)
-    alone = len(physics.tied_to(problem.system, chain - 1)) == 1 and not dissipates(problem)
+    alone = len(physics.tied_to(problem.system, chain - 1)) == 1 and not dissipates(problem.system)
     if not (cells and alone and repeats_between(problem.system, chain - 1, low, high, period)):
         return Left(*ends, float(share[-1]), math.nan, math.nan, math.nan)
     return Left(*ends, float(share[-1]), float(share[0] - share[-1]) / cells, *_law((way - way[0]) / period, share))
@@ -189,7 +189,7 @@ class FinalEnergy:
 def _only_once(found: Survey, chain: int, bead: int) -> bool:
     """Whether the leading pulse, and nothing else, has come to a bead and passed on, and no energy is lost."""
     problem, here = found.problem, along_the_way(found.problem, bead)
-    alone = len(physics.tied_to(problem.system, chain - 1)) == 1 and not dissipates(problem)
+    alone = len(physics.tied_to(problem.system, chain - 1)) == 1 and not dissipates(problem.system)
     struck = all(
         along_the_way(problem, hit) < here for at, hit, _ in physics.excitations(problem.system) if at == chain
     )

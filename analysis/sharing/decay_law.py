@@ -40,7 +40,7 @@ class DecayFit:
         v0: amplitude at the kick, in units of V; 0.6816315 expected.
         n_star: beads at which the pulse would end, counted from the bead that was hit.
         n_star_error: standard error of the fit.
-        expected: n* from theory.
+        expected: n* from theory, for a kick of the first bead; NaN where another was kicked.
         deviation: largest relative difference of an amplitude from the fitted law.
     """
 
@@ -74,9 +74,9 @@ def stiffness_of_springs(problem: Problem, chain: int) -> float | None:
 
 
 def fit_decay(shared: Sharing, problem: Problem) -> DecayFit | None:
-    """The law fitted where it holds; None if it does not for ten recorded beads, or if several beads were hit.
+    """The law fitted where it holds; None if it does not for ten recorded beads, or unless one bead was kicked.
 
-    It is one of linear springs that are the same in all rows, and of the contacts of spheres.
+    It is one of linear springs that are the same in all rows, of the contacts of spheres, and of chains without losses.
 
     ``(v / v0)**0.4 = 1 - n / n*`` is a straight line.
     """
@@ -85,6 +85,7 @@ def fit_decay(shared: Sharing, problem: Problem) -> DecayFit | None:
         physics.exponent(system) != HERTZ
         or not (physics.alike(system) and system.holds(Fact.PULSE) and system.holds(Fact.SONIC_VACUUM))
         or len(physics.excitations(system)) != 1
+        or physics.exchanges(system)
         or len(shared) == 0
     ):
         return None
@@ -113,6 +114,6 @@ def fit_decay(shared: Sharing, problem: Problem) -> DecayFit | None:
         v0=float(intercept**2.5),
         n_star=n_star,
         n_star_error=n_star * float(np.sqrt(max(relative, 0.0))),
-        expected=expected_n_star(springs),
+        expected=expected_n_star(springs) if hit == 1 else float("nan"),
         deviation=float(np.max(np.abs(law / amplitude - 1.0))),
     )

@@ -7,7 +7,7 @@ below it.
 """
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -15,17 +15,34 @@ from numpy.typing import NDArray
 
 from analysis.shape.exact_wave import SolitaryWave, solitary_wave
 from analysis.shape.loaded_wave import LoadedSpeed, make_speed
+from analysis.shape.pattern import period_of, repeats_between
 from analysis.shape.wave_of import wave_of
 from analysis.tracking.leading_waves import Waves
 from analysis.tracking.pulses import of_one_kind
 from analysis.tracking.undisturbed import CLEAR
 from analysis.trajectory import Floats
-from lammps_inputs import Problem, physics
+from lammps_inputs import Problem, System, physics
+from lammps_inputs.facts import Fact
+from lammps_inputs.limits import rates
 
 Integers = NDArray[np.int64]
 
 AGREEMENTS = (0.1, 0.01, 0.001)
 """Tolerances for which the bead of agreement is stated."""
+
+AGREEMENT = 0.01
+"""Mismatch of amplitudes and of arrivals (in passages of the wave) below which chains count as equal."""
+
+SETTLED = 1e-6
+"""Relative change of an amplitude from one stretch of beads to the next that is none: time steps leave as much."""
+
+CONVERGES = 0.5
+"""Largest ratio of such a change to the one before at which an amplitude approaches a limit."""
+
+RESOLVED = 2.0
+"""Beads between recorded ones, times the square root of kappa, up to which beats are seen as they are: a quarter of the
+shortest, which is that of two chains. Other than in an open row, kappa is that of two chains that swing as fast.
+"""
 
 SMALLEST_BEAT = 1e-5
 """Relative deviation below which a change of sign is no beat."""
@@ -72,6 +89,8 @@ class Sharing:
     exact: SolitaryWave = field(default_factory=solitary_wave)
     loaded: LoadedSpeed | None = None
     """How fast waves run on a static load; None without one."""
+    changing: str = ""
+    """Why amplitudes have no limit, whatever the last of them are; empty where they may have one."""
 
     def __len__(self) -> int:
         return len(self.bead)
@@ -180,15 +199,42 @@ class Sharing:
         return int(self.bead[start])
 
     @cached_property
+    def tail(self) -> int:
+        """First place of the last half beat, or where there is none of the last tenth of the beads."""
+        length = self.half_beat if self.half_beat is not None else 0.1 * (self.bead[-1] - self.bead[0])
+        return min(int(np.searchsorted(self.bead, self.bead[-1] - length)), max(0, len(self) - LEAST_TAIL))
+
+    @cached_property
     def final(self) -> Estimate | None:
-        """Amplitude over the last half beat: mean over beads and chains, and the largest deviation from it, in V."""
+        """Amplitude that the leading waves settle at, in V: mean over chains and the last half beat.
+
+        The uncertainty is the largest deviation from it, or what is still to come where that is more. None where
+        amplitudes have no limit, or do not show one: the mean changes from stretch to stretch of as many beads, by more
+        than half the deviation, and not ever less.
+        """
+        if len(self) == 0 or self.changing:
+            return None
+        amplitude = self.of_tied(self.amplitude)[self.tail :]
+        mean, count = float(np.mean(amplitude)), len(amplitude)
+        varies = max(float(np.max(np.abs(amplitude - mean))), self.noise)
+        starts = [start for start in (self.tail - count, self.tail - 2 * count) if start >= 0]
+        means = [mean, *(float(np.mean(self._mean[start : start + count])) for start in starts)]
+        change, *before = -np.diff(means) if len(means) > 1 else [math.inf]
+        if abs(change) <= max(SETTLED * mean, self.noise, 0.5 * varies):
+            return Estimate(mean, varies)
+        ratio = change / before[0] if before and before[0] != 0.0 else math.inf
+        if not 0.0 <= ratio <= CONVERGES:
+            return None
+        return Estimate(mean, max(varies, abs(change) * ratio / (1.0 - ratio)))
+
+    @cached_property
+    def span(self) -> tuple[int, float, float] | None:
+        """First bead of the second half of the way, least and largest amplitude from there on; None without any."""
         if len(self) == 0:
             return None
-        length = self.half_beat if self.half_beat is not None else 0.1 * (self.bead[-1] - self.bead[0])
-        tail = min(int(np.searchsorted(self.bead, self.bead[-1] - length)), max(0, len(self) - LEAST_TAIL))
-        amplitude = self.of_tied(self.amplitude)[tail:]
-        mean = float(np.mean(amplitude))
-        return Estimate(mean, max(float(np.max(np.abs(amplitude - mean))), self.noise))
+        half = int(np.searchsorted(self.bead, 0.5 * (self.bead[0] + self.bead[-1])))
+        amplitude = self.of_tied(self.amplitude)[half:]
+        return int(self.bead[half]), float(np.min(amplitude)), float(np.max(amplitude))
 
     def expected_agreement(self, tolerance: float) -> Estimate | None:
         """Bead from which on the amplitudes may be expected to agree, by the decay of the last few beats' mismatch.
@@ -251,7 +297,7 @@ def sharing(waves: Waves, problem: Problem, noise: float = 0.0) -> Sharing:
     clear = np.all(np.isfinite(side_by_side(waves.peak_velocity)[:, ~apart]), axis=1)
     clear &= (beads > hit) & (beads <= problem.beads - CLEAR)
     clear &= of_one_kind(problem)[beads - 1]
-    return Sharing(
+    found = Sharing(
         kicked - 1,
         beads[clear],
         side_by_side(waves.arrival),
@@ -263,11 +309,63 @@ def sharing(waves: Waves, problem: Problem, noise: float = 0.0) -> Sharing:
         wave_of(system),
         make_speed(system) if physics.loaded(system) else None,
     )
+    return replace(found, changing=_changing(found, system))
 
 
-def dissipates(problem: Problem) -> bool:
+def _changing(found: Sharing, system: System) -> str:
+    """Why amplitudes have no limit; empty where they may have one."""
+    if not system.holds(Fact.PULSE):
+        return "no pulse stays together"
+    if dissipates(system):
+        return "energy is dissipated"
+    if len(found) == 0:
+        return ""
+    tied, period = physics.tied_to(system, found.kicked), period_of(system)
+    first, last = int(found.bead[found.tail]), int(found.bead[-1])
+    if not all(repeats_between(system, chain, first - CLEAR, last + CLEAR, period) for chain in tied):
+        return "beads, contacts or loads differ along the chain"
+    if len(tied) == 1 or np.max(found.mismatch[found.tail :]) < AGREEMENT:
+        return ""
+    if unlike(system, found.kicked):
+        return "chains of unlike beads are coupled"
+    if last_springs(system, found.kicked) < first:
+        return "the chains are not coupled there"
+    if not resolved(found, system):
+        return "recorded beads are too far apart to show beats"
+    return "" if found.half_beat is not None else "the chains have exchanged energy for less than half a beat"
+
+
+def unlike(system: System, kicked: int) -> bool:
+    """Whether beads of one row differ between the kicked chain, from 0, and those it is tied to."""
+    tied = physics.tied_to(system, kicked)
+    tables = [np.asarray(system.mass), *(np.asarray(value) for link in system.along for value in link.law)]
+    return any(table.ndim == 2 and bool(np.any(np.ptp(table[tied], axis=0))) for table in tables)
+
+
+def last_springs(system: System, kicked: int) -> int:
+    """Last row in which springs tie the kicked chain, from 0, and others to each other; 0 without any."""
+    tied, rows = physics.tied_to(system, kicked), np.arange(1, system.beads + 1)
+    last = 0
+    for link in system.across:
+        edges = [edge for edge, (one, _) in enumerate(link.edges) if one in tied]
+        for value in link.law:
+            there = np.any(np.broadcast_to(value, (len(link.edges), system.beads))[edges] != 0.0, axis=0)
+            last = max(last, int(np.max(rows[there], initial=0)))
+    return last
+
+
+def resolved(shared: Sharing, system: System) -> bool:
+    """Whether the places lie near enough together to show beats."""
+    apart = int(np.diff(shared.bead).max(initial=1))
+    if apart == 1 or not physics.coupled(system):
+        return True
+    kappa = physics.kappa(system) if physics.open_row(system) else 0.5 * rates.swing(system) ** 2
+    return bool(physics.gap(system) == 0.0 and apart <= RESOLVED / math.sqrt(kappa))
+
+
+def dissipates(system: System) -> bool:
     """Whether contacts or beads lose energy, so that every pulse decays as long as it runs."""
-    along, _, ground, _ = physics.dashpot_names(problem.system)
+    along, _, ground, _ = physics.dashpot_names(system)
     return along is not None or ground is not None
 
 

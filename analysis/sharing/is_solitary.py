@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from analysis.mirror import mirrored_bead
 from analysis.shape.wave_of import has_wave, wave_of
 from analysis.shape.waveforms import REACH, Passages
+from analysis.sharing.equipartition import dissipates
 from analysis.tracking.pulses import CONSTANT_OVER, Pulse
 from analysis.tracking.undisturbed import CLEAR
 from analysis.trajectory import Floats
@@ -41,7 +42,9 @@ class Character:
         speed_excess: relative to the exact law at this peak velocity; it and the residual are NaN where beads differ
             or bear a load.
         variation: (largest - smallest) / mean peak velocity over the ten beads up to this one; NaN if it ran less.
-        fails: which of shape, speed, amplitude differ by more than the tolerances, or could not be measured.
+        falls: whether the amplitude is less than ten beads before.
+        fails: which of shape, speed, amplitude differ by more than the tolerances, or could not be measured; and decay,
+            where contacts or beads dissipate energy.
     """
 
     bead: int
@@ -54,6 +57,7 @@ class Character:
     residual: float
     speed_excess: float
     variation: float
+    falls: bool
     fails: tuple[str, ...]
 
     @property
@@ -138,7 +142,11 @@ def characterise(
         **shape,
         speed_excess=excess,
         variation=variation,
-        fails=tuple(name for name, value in differences.items() if not value <= getattr(allowed, name)),
+        falls=bool(recent[-1] < recent[0]),
+        fails=(
+            *(name for name, value in differences.items() if not value <= getattr(allowed, name)),
+            *(("decay",) if dissipates(problem.system) else ()),
+        ),
     )
 
 

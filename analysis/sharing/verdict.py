@@ -6,14 +6,19 @@ from enum import Enum
 
 import numpy as np
 
+from analysis.shape.exact_wave import HERTZ
 from analysis.sharing.decay_law import DecayFit
-from analysis.sharing.equipartition import Estimate, Sharing
+from analysis.sharing.equipartition import (
+    AGREEMENT,
+    Estimate,
+    Sharing,
+    last_springs,
+    resolved,
+    unlike,
+)
+from analysis.tracking.undisturbed import CLEAR
 from lammps_inputs import Problem, physics
 from lammps_inputs.facts import Fact
-from lammps_inputs.limits import rates
-
-AGREEMENT = 0.01
-"""Mismatch of amplitudes and of arrivals (in passages of the wave) below which chains count as equal."""
 
 RULE_CHAINS, RULE_UNSURE, RULE_LEAST_UNSURE = 20, 0.25, 5.0
 """Most chains for which `_by_rule` was measured, and how far it is off at most: a share, but at least so many beads."""
@@ -23,11 +28,6 @@ NEAR, STRONG = 0.5, 0.01
 chains. Farther ahead, and at weaker couplings, it was off by up to 1.3 times the way still to go.
 """
 
-RESOLVED = 2.0
-"""Beads between recorded ones, times the square root of kappa, up to which beats are seen as they are: a quarter of the
-shortest, which is that of two chains. Other than in an open row, kappa is that of two chains that swing as fast.
-"""
-
 
 class State(Enum):
     """What a run shows."""
@@ -35,8 +35,8 @@ class State(Enum):
     EQUAL = "equipartitioned and synchronised"
     BEATING = "still beating"
     SHORT = "too short to tell"
-    ALONE = "nothing to share"
-    UNSURE = "not to be told"
+    ALONE = "no energy exchange"
+    UNSURE = "inconclusive"
     UNLIKE = "of different beads"
     NO_PULSE = "does not apply"
 
@@ -62,36 +62,29 @@ class Verdict:
 def judge(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict:
     """The verdict on a run. Equality must have lasted for half a beat to count."""
     found = _judge(shared, problem, decay)
-    if found.state in (State.BEATING, State.SHORT) and len(shared) and _unlike(problem, shared.kicked):
-        what = f"the chains are {State.UNLIKE.value} and do not come to swing alike: at bead {shared.bead[-1]} "
-        what += f"amplitudes differ by {shared.mismatch[-1]:.1%}"
+    if found.state in (State.BEATING, State.SHORT) and len(shared) and unlike(problem.system, shared.kicked):
+        what = f"the chains are {State.UNLIKE.value}: at bead {shared.bead[-1]} amplitudes differ by "
+        what += f"{shared.mismatch[-1]:.1%}, and no agreement to 1% has lasted for half a beat"
         return Verdict(State.UNLIKE, None, None, what)
     return found
-
-
-def _unlike(problem: Problem, kicked: int) -> bool:
-    """Whether beads of one row differ between the chain that was hit and those it is tied to."""
-    system = problem.system
-    tied = physics.tied_to(system, kicked)
-    tables = [np.asarray(system.mass), *(np.asarray(value) for link in system.along for value in link.law)]
-    return any(table.ndim == 2 and bool(np.any(np.ptp(table[tied], axis=0))) for table in tables)
 
 
 def _judge(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict:
     system = problem.system
     if not system.holds(Fact.PULSE):
         return Verdict(State.NO_PULSE, None, None, f"{State.NO_PULSE.value}: no pulse stays together in this scene")
-    if problem.chains == 1 or not physics.coupled(system):
+    if problem.chains == 1:
+        return Verdict(State.ALONE, None, None, f"{State.ALONE.value}: a single chain")
+    if not physics.coupled(system):
         return Verdict(State.ALONE, None, None, f"{State.ALONE.value}: no chain is coupled to another")
     if len(physics.tied_to(system, shared.kicked)) == 1:
-        return Verdict(State.ALONE, None, None, f"{State.ALONE.value}: the chain that was hit is coupled to no other")
+        return Verdict(State.ALONE, None, None, f"{State.ALONE.value}: the kicked chain is coupled to no other")
     if len(shared) == 0:
-        return _too_short(
-            "no bead was passed in every chain, so amplitudes cannot be compared", _by_rule(problem, 0), None
-        )
+        what = f"no bead between the kick and bead {problem.beads - CLEAR} was passed in every chain, "
+        return _too_short(f"{what}so amplitudes cannot be compared", _by_rule(problem, 0), None)
     last = int(shared.bead[-1])
     expected = _expected(shared, problem)
-    if not _resolved(shared, problem):
+    if not resolved(shared, system):
         apart = int(np.diff(shared.bead).max())
         what = f"recorded beads lie up to {apart} apart, too far to see beats; at bead {last} amplitudes differ by "
         what += f"{shared.mismatch[-1]:.1%}"
@@ -105,7 +98,13 @@ def _judge(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict
             f"from bead {in_step} on (seen to bead {last})"
         )
         return Verdict(State.EQUAL, max(level, in_step), None, sentence)
+    if (end := last_springs(system, shared.kicked)) + CLEAR < last:
+        what = f"beyond row {end}, where springs end; at bead {last} amplitudes differ by {shared.mismatch[-1]:.1%}"
+        return Verdict(State.ALONE, None, None, f"{State.ALONE.value} {what}")
     beat = shared.beat_length
+    if beat is None and (largest := float(np.max(shared.mismatch))) < AGREEMENT:
+        what = f"no beat is seen from bead {shared.bead[0]} to {last}, where amplitudes agree to {largest:.1%}"
+        return _too_short(what, None, None)
     if beat is None:
         what = f"no whole half beat is seen to bead {last}, where amplitudes differ by {shared.mismatch[-1]:.1%}"
         return _too_short(what, expected, decay)
@@ -128,8 +127,8 @@ def _doubt(shared: Sharing) -> str:
         return "beads fly freely when they are fastest, so that arrivals at the maximum are not defined"
     if max(amplitude, arrival) > AGREEMENT:
         return (
-            f"with frames so far apart amplitudes are sure to {amplitude:.1%} and arrivals to {arrival:.1%} of the "
-            "wave's passage only"
+            f"frames are so far apart that the uncertainty of amplitudes is {amplitude:.1%}, and that of arrivals "
+            f"{arrival:.1%} of the wave's passage"
         )
     return ""
 
@@ -137,7 +136,7 @@ def _doubt(shared: Sharing) -> str:
 def _too_short(what: str, expected: Estimate | None, decay: DecayFit | None) -> Verdict:
     fading = ""
     if decay is not None:
-        fading = f"; until then the pulse that was hit fades, as if to end after {decay.n_star:.0f} beads"
+        fading = f"; the pulse in the kicked chain decays, towards zero {decay.n_star:.0f} beads from the kick"
     return Verdict(State.SHORT, None, expected, f"{State.SHORT.value}: {what}{_about(expected)}{fading}")
 
 
@@ -147,10 +146,11 @@ def _expected(shared: Sharing, problem: Problem) -> Estimate | None:
     last = int(shared.bead[-1])
     tried = (
         physics.open_row(system)
+        and physics.alike(system)
         and system.holds(Fact.SONIC_VACUUM)
         and physics.gap(system) == 0.0
         and physics.kappa(system) >= STRONG
-        and _resolved(shared, problem)
+        and resolved(shared, system)
     )
     if problem.chains > 4:  # one hit within many chains first levels with its neighbours, and only later with all
         tried &= all(chain in (1, problem.chains) for chain, _, _ in physics.excitations(system))
@@ -163,14 +163,6 @@ def _expected(shared: Sharing, problem: Problem) -> Estimate | None:
 def _plain(problem: Problem) -> bool:
     """Whether beads just touch, as all of those did that rules were measured with."""
     return physics.gap(problem.system) == 0.0 and problem.system.holds(Fact.SONIC_VACUUM)
-
-
-def _resolved(shared: Sharing, problem: Problem) -> bool:
-    """Whether the places lie near enough together to show beats."""
-    system = problem.system
-    apart = int(np.diff(shared.bead).max(initial=1))
-    kappa = physics.kappa(system) if physics.open_row(system) else 0.5 * rates.swing(system) ** 2
-    return apart == 1 or (physics.gap(system) == 0.0 and apart <= RESOLVED / math.sqrt(kappa))
 
 
 def _by_rule(problem: Problem, last: int) -> Estimate | None:
@@ -187,6 +179,10 @@ def _by_rule(problem: Problem, last: int) -> Estimate | None:
     outer = not more and chain in (1, problem.chains) and bead == 1
     measured = (
         outer
+        and physics.alike(system)
+        and physics.exponent(system) == HERTZ
+        and not physics.acted_on(system)
+        and not system.dampers
         and system.holds(Fact.SONIC_VACUUM)
         and physics.gap(system) == 0.0
         and problem.chains <= RULE_CHAINS

@@ -42,7 +42,7 @@ def front(case: Case) -> Any:
 def energy_drift(case: Case) -> Any:
     """Largest difference of the energy from what was put in less what was lost, over the most that was put in."""
     frames, own = case.of_all, case.nature
-    if frames is None:
+    if frames is None or len(frames) < 2:
         return None
     held = summed(own.held(frames.x, frames.v))
     if not case.exchanges:
@@ -70,7 +70,7 @@ def momentum_drift(case: Case) -> Any:
     holds = not (scene.walls or scene.foundation or own.drag or own.moved)
     if scene.gravity is not None:
         holds = False
-    if frames is None or not holds:
+    if frames is None or len(frames) < 2 or not holds:
         return None
     momentum = np.sum(own.mass * frames.v, axis=(-2, -1))
     start = float(np.sum(own.mass * own.start))

@@ -9,8 +9,9 @@ from collections.abc import Callable
 from typing import Any
 
 from case import Case
+from check_sharing import dissipates
 from comparing import Tally
-from scene_keys import kicks
+from scene_keys import blows, kicks
 
 NUMBER = r"[-+]?(?:\d+\.?\d*(?:[eE][-+]?\d+)?|nan|inf)"
 
@@ -258,29 +259,59 @@ def _beyond(case: Case, match: Any) -> bool:
 
 
 @rule(
-    r"(does not apply|nothing to share|too short to tell|still beating|equipartitioned|not to be told|the chains are of).*"  # noqa: E501
+    r"(does not apply|no energy exchange|too short to tell|still beating|equipartitioned|inconclusive|the chains are).*"
 )
 def _verdict(case: Case, match: Any) -> bool:
-    return bool(match[0] == case.report["equipartition"]["verdict"])
+    return case.scene.chains > 1 and bool(match[0] == case.report["equipartition"]["verdict"])
+
+
+@rule(r"no pulse stays together in this scene")
+def _no_pulse(case: Case, _: Any) -> bool:
+    return case.scene.chains == 1 and not case.pulse
 
 
 @rule(
-    r"amplitude <n> \+- <n> V, <n> (above|below) (the kick|what the push would give a free bead)(?:; <n> of its energy .*)?"  # noqa: E501
+    r"asymptotic amplitude <n> \+- <n> V, <n> (above|below) (the kick|what the push would give a free bead) "
+    r"\(V = <n>(?: m/s)?\)(?:; leading waves have <n> of the energy input)?"
 )
 def _amplitude(case: Case, match: Any) -> Said | bool:
     told = case.report["equipartition"]
     value = told["final"]["value"]
-    if (match[4] == "above") != (value > 1.0) or (match[5] == "the kick") != bool(kicks(case.scene)) or not case.pulse:
+    most = max(abs(blow) for *_, blow in blows(case.scene))
+    by_kick = any(abs(velocity) == most for *_, velocity in kicks(case.scene))
+    if (match[4] == "above") != (value > 1.0) or (match[5] == "the kick") != by_kick or not case.pulse:
         return False
     found = [(match[1], value), (match[2], max(told["final"]["uncertainty"], 1e-6)), (match[3], abs(1.0 - value))]
-    return found + ([(match[6], told["energy_share"]["exact"])] if match[6] else [])
+    found.append((match[6], case.unit.velocity))
+    return found + ([(match[7], told["energy_share"]["measured"])] if match[7] else [])
 
 
-@rule(r"decay as \(1 - n / n\*\)\*\*2\.5 over beads (\d+) to (\d+): n\* = <n> \+- <n>, theory <n>")
+@rule(
+    r"no asymptotic amplitude: (.*); peak velocities of <n> to <n> V over beads (\d+) to (\d+) \(V = <n>(?: m/s)?\)"
+    r"(?:; leading waves have <n> of the energy input)?"
+)
+def _no_amplitude(case: Case, match: Any) -> Said | bool:
+    told = case.report["equipartition"]
+    if told["final"] is not None or (match[1] == "energy is dissipated") != dissipates(case):
+        return False
+    found = [(match[k + 2], told["range"][name]) for k, name in enumerate(("least", "largest", "first", "last"))]
+    found.append((match[6], case.unit.velocity))
+    return found + ([(match[7], told["energy_share"]["measured"])] if match[7] else [])
+
+
+@rule(r"energy at the end: mean bead <n>, standard deviation <n>")
+def _where(case: Case, match: Any) -> Said | bool:
+    told = case.report["energy"]
+    return case.scene.chains == 1 and [(match[1], told["centre"][-1][0]), (match[2], told["spread"][-1][0])]
+
+
+@rule(r"decay as \(1 - n / n\*\)\*\*2\.5 over beads (\d+) to (\d+): n\* = <n> \+- <n>(?:, theory <n>)?")
 def _decay(case: Case, match: Any) -> Said:
     told = case.report["equipartition"]["decay_law"]
     names = ("first", "last", "n_star", "n_star_error", "n_star_expected")
-    return [(match[k + 1], told[name]) for k, name in enumerate(names)]
+    return [
+        (match[k + 1], told[name]) for k, name in enumerate(names) if match[k + 1] is not None or told[name] is not None
+    ]
 
 
 @rule(r"train of (\d+) pulses at bead (\d+) of chain (\d+): (.*?)(?:, \.\.\.)? V; intervals (.*?)(?:, \.\.\.)? (s|T)")
@@ -298,11 +329,13 @@ def _train(case: Case, match: Any) -> Said | bool:
     return found + [(word, gap * time) for word, gap in zip(match[5].split(", "), told["spacing"], strict=False)]
 
 
-@rule(r"chain (\d+): (solitary|not solitary|steady|not steady)(?: \((.*)\))? at bead (\d+): (.*)")
+@rule(r"chain (\d+): (solitary|not solitary|steady|not steady|decaying)(?: \((.*)\))? at bead (\d+): (.*)")
 def _leading(case: Case, match: Any) -> Said | bool:
     chain, bead = int(match[1]), int(match[4])
     entry = next((one for one in _leaders(case) if (one["chain"], one["bead"]) == (chain, bead)), None)
-    if entry is None or entry["solitary"] == match[2].startswith("not"):
+    if entry is None or entry["solitary"] != (match[2] in ("solitary", "steady")):
+        return False
+    if match[2] == "decaying" and not dissipates(case):
         return False
     if match[2].endswith("solitary") and match[3] is not None and match[3].split(", ") != entry["fails"]:
         return False
@@ -311,7 +344,7 @@ def _leading(case: Case, match: Any) -> Said | bool:
     return [(one[1], entry[name]) for name, one in found.items() if one is not None]
 
 
-@rule(r"chain (\d+): at bead (\d+): too few beads of its mass before it to tell whether the pulse is steady")
+@rule(r"chain (\d+): at bead (\d+): fewer than two beads of its mass among the last ten, .*")
 def _few(case: Case, match: Any) -> bool:
     entry = next(one for one in _leaders(case) if (one["chain"], one["bead"]) == (int(match[1]), int(match[2])))
     return entry["speed_excess"] is None and entry["variation"] is None
@@ -337,7 +370,7 @@ def _leaders(case: Case) -> list[dict[str, Any]]:
     return [one for one in case.report["pulses"] if one["leading"]]
 
 
-@rule(r"(?:(\d+) other pulses, the strongest|one other pulse, at most) <n> V \(analysis.json has all\)")
+@rule(r"(?:(\d+) other pulses|one other pulse), with peak velocities up to <n> V \(analysis.json has all\)")
 def _others(case: Case, match: Any) -> Said | bool:
     others = [one for one in case.report["pulses"] if not one["leading"]]
     most = max(one["peak_velocity"] for one in others) / case.unit.velocity
@@ -346,7 +379,7 @@ def _others(case: Case, match: Any) -> Said | bool:
     return [(match[1] or "1", len(others))]
 
 
-@rule(r"sound follows, up to <n> V")
+@rule(r"sound waves, with peak velocities up to <n> V")
 def _crests(case: Case, match: Any) -> Said:
     return [(match[1], case.report["sound"]["crest"] / case.unit.velocity)]
 
@@ -364,7 +397,10 @@ def _free(case: Case, match: Any) -> Said:
     return [(match[1] or "1", len(free))]
 
 
-@rule(r"frames <n> apart: peak velocities are sure to <n> V only \(bead (\d+) of chain (\d+)\), arrivals to <n> T; .*")
+@rule(
+    r"uncertainty by frames <n>(?: s)? apart: of peak velocities up to <n> V \(bead (\d+) of chain (\d+)\)"
+    r"(?:, of arrivals up to <n>(?: s)?)?; of each in waves.csv"
+)
 def _sure(case: Case, match: Any) -> Said | bool:
     rows, unit = case.directory.table("waves.csv"), case.unit
     worst = max(rows, key=lambda row: row["peak_velocity_error"])
@@ -376,16 +412,16 @@ def _sure(case: Case, match: Any) -> Said | bool:
         (match[2], worst["peak_velocity_error"] / unit.velocity),
         (match[3], worst["bead"]),
         (match[4], worst["chain"]),
-        (match[5], late / unit.time),
+        *([(match[5], late)] if late > 0.0 else []),
     ]
 
 
-@rule(r"frames are more than <n> apart: small pulses may be missed between them")
+@rule(r"frames are more than <n>(?: s)? apart: small pulses may be missed between them")
 def _far(case: Case, match: Any) -> bool:
     return says(match[1], 1.4 * case.unit.time) and case.every > 1.4
 
 
-@rule(r"(?:energy within <n>)?(?:, )?(?:momentum within <n>)? of (the kick's|what was put in)")
+@rule(r"(?:energy within <n>)?(?:, )?(?:momentum within <n>)? of (the kick's|the input)")
 def _drifts(case: Case, match: Any) -> Said | bool:
     told = case.report
     if (match[3] == "the kick's") == case.exchanges or (match[1] is not None and case.exchanges):

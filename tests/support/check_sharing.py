@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 from case import Case
 from check_energy import work_input
-from check_waves import Shared, exact_of, shared_of, tied
+from check_waves import CLEAR, Shared, exact_of, period, shared_of, tied
 from comparing import About, Either, Holds
 from own_wave import wave
 from scene_keys import blows, hardest
 
 TOLERANCES = (0.1, 0.01, 0.001)
 EQUAL, BEATING, SHORT = "equipartitioned and synchronised", "still beating", "too short to tell"
-ALONE, UNSURE, UNLIKE, NO_PULSE = "nothing to share", "not to be told", "of different beads", "does not apply"
+ALONE, UNSURE, UNLIKE, NO_PULSE = "no energy exchange", "inconclusive", "of different beads", "does not apply"
 
 
 def expected(case: Case) -> dict[str, Any]:
@@ -68,12 +68,59 @@ class Beats:
             return None
         return int(self.bead[start]) if self.bead[-1] - self.bead[start] >= self.half else None
 
-    def final(self) -> tuple[float, float]:
-        """Mean amplitude over the last half beat, and the largest deviation from it."""
+    @property
+    def tail(self) -> int:
+        """First place of the last half beat, or of the last tenth of the beads."""
         length = self.half if self.half is not None else 0.1 * (self.bead[-1] - self.bead[0])
-        first = int(np.searchsorted(self.bead, self.bead[-1] - length))
-        tail = self.shared.of_tied(self.shared.amplitude)[min(first, max(0, len(self.bead) - 5)) :]
-        return float(tail.mean()), float(np.max(np.abs(tail - tail.mean())))
+        return min(int(np.searchsorted(self.bead, self.bead[-1] - length)), max(0, len(self.bead) - 5))
+
+    def final(self) -> tuple[float, float] | None:
+        """Mean amplitude over the tail, and the largest deviation from it or the change still to come; None without.
+
+        Three stretches of as many places: the last change is small beside the deviation, or half the one before.
+        """
+        if changing(self.case, self):
+            return None
+        last, many = self.shared.of_tied(self.shared.amplitude)[self.tail :], len(self.bead) - self.tail
+        value, off = float(last.mean()), float(np.max(np.abs(last - last.mean())))
+        before = [float(self.mean[k : k + many].mean()) for k in (self.tail - many, self.tail - 2 * many) if k >= 0]
+        changes = [a - b for a, b in itertools.pairwise([*before[::-1], value])][::-1]
+        if changes and abs(changes[0]) <= max(1e-6 * value, 0.5 * off):
+            return value, off
+        ratio = changes[0] / changes[1] if len(changes) > 1 and changes[1] else math.inf
+        if not 0.0 <= ratio <= 0.5:
+            return None
+        return value, max(off, abs(changes[0]) * ratio / (1.0 - ratio))
+
+
+def changing(case: Case, beats: Beats) -> bool:
+    """Whether the leading waves have no steady amplitude: decay, beads that differ, or an exchange not over."""
+    own, chains, cell = case.nature, tied(case), period(case)
+    if not case.pulse or dissipates(case):
+        return True
+    first, last = int(beats.bead[beats.tail]), int(beats.bead[-1])
+    for table in (own.mass[chains, :-1], own.strength[chains], own.load[chains]):
+        part = (table if case.way > 0 else table[:, ::-1])[:, max(first - CLEAR - 1, 0) : last + CLEAR]
+        size = np.maximum(np.abs(part).max(axis=1, keepdims=True), 1e-300)
+        if np.any(np.abs(part[:, cell:] - part[:, :-cell]) > 1e-9 * size):
+            return True
+    if not beats.several or beats.mismatch[beats.tail :].max() < 0.01:
+        return False
+    return unlike(case) or springs_end(case) < first or not resolved(case) or beats.half is None
+
+
+def dissipates(case: Case) -> bool:
+    """Whether contacts or beads lose energy."""
+    return bool(np.any(case.nature.loss[0]) or case.nature.drag)
+
+
+def springs_end(case: Case) -> int:
+    """Last row, along the way, in which springs tie the chains; 0 without."""
+    rows = [
+        np.flatnonzero(np.abs(k) + np.abs(c) * np.ones_like(k)) for a, _, k, c in case.nature.springs if a in tied(case)
+    ]
+    found = np.concatenate([*rows, np.zeros(0, int)]) + 1
+    return int(np.max(found if case.way > 0 else case.scene.beads + 1 - found, initial=0))
 
 
 def passage(case: Case, shared: Shared, amplitude: Any) -> Any:
@@ -108,10 +155,8 @@ def equipartition(case: Case) -> dict[str, Any]:
     """See `workflow.verdicts.analysis_report.equipartition`."""
     shared = shared_of(case)
     none = dict.fromkeys(map(str, TOLERANCES))
-    if len(shared) == 0:
-        amplitudes, arrivals, final, beat = none, none, None, None
-        length = None
-    else:
+    amplitudes, arrivals, final, beat = none, none, None, None
+    if len(shared):
         beats = Beats(case, shared)
         amplitudes = {str(one): beats.holds_from(beats.mismatch < one) for one in TOLERANCES}
         rounded = near(case)
@@ -119,10 +164,12 @@ def equipartition(case: Case) -> dict[str, Any]:
             str(one): Either(tuple(beats.holds_from(beats.spread < one * (1.0 + e)) for e in (-rounded, 0.0, rounded)))
             for one in TOLERANCES
         }
-        length = beats.length
-        value, off = beats.final()
-        final = {"value": About(value), "uncertainty": About(off, 1e-12), "reduction": About(1.0 - value, 1e-12)}
-        beat = estimate(length)
+        beat = estimate(beats.length)
+        if (settled := beats.final()) is not None:
+            value, off = settled
+            final = {"value": About(value), "uncertainty": About(off, 1e-12), "reduction": About(1.0 - value, 1e-12)}
+    if not case.pulse or not resolved(case):
+        amplitudes, arrivals, beat = none, none, None
     return {
         "verdict": Holds("the sentence for its state", lambda found: sentence_fits(case, found)),
         "state": state(case),
@@ -131,9 +178,26 @@ def equipartition(case: Case) -> dict[str, Any]:
         "amplitudes": amplitudes,
         "arrivals": arrivals,
         "final": final,
+        "range": span(case),
         "energy_share": share(case),
         "beat_length": beat,
         "decay_law": decay(case),
+    }
+
+
+def span(case: Case) -> Any:
+    """Least and largest amplitude over the second half of the way."""
+    shared = shared_of(case)
+    if not case.pulse or len(shared) == 0:
+        return None
+    late = shared.count >= 0.5 * (shared.count[0] + shared.count[-1])
+    amplitude = shared.of_tied(shared.amplitude)[late]
+    first = int(shared.count[late][0])
+    return {
+        "first": first,
+        "last": int(shared.count[-1]),
+        "least": About(amplitude.min()),
+        "largest": About(amplitude.max()),
     }
 
 
@@ -150,11 +214,12 @@ def share(case: Case) -> dict[str, Any]:
     """Of the exact waves of the last amplitudes, and of what the frames hold within three beads of the peaks."""
     shared, (energy, off) = shared_of(case), put_in(case)
     exact = None
-    if len(shared) and case.alike and case.pulse and not case.nature.loaded and np.isfinite(energy):
+    plain = case.alike and case.pulse and not (case.nature.loaded or case.nature.gap or dissipates(case))
+    if len(shared) and plain and not case.acted_on:
         exact = float(np.nansum(exact_of(case).energy * shared.amplitude[-1] ** 2)) / energy
     measured = None
     passed = np.flatnonzero(np.all(np.isfinite(shared.of_tied(shared.arrival)), axis=1))
-    if len(passed) and case.scene.output.beads == "all":
+    if len(passed) and case.pulse and case.scene.output.beads == "all":
         rows = [row for row in case.directory.table("waves.csv") if row["bead"] == shared.bead[passed[-1]]]
         if all(row["wave_energy"] is not None for row in rows):  # null where another pulse is as near
             measured = sum(row["wave_energy"] or 0.0 for row in rows) / case.unit.energy / energy
@@ -168,7 +233,7 @@ def decay(case: Case) -> Any:
     springs = [(a, b, k, c) for a, b, k, c in case.nature.springs]
     linear = all(not np.any(c) and np.ptp(k) == 0.0 for _, _, k, c in springs)
     total = sum(float(k[0]) for a, b, k, _ in springs if chain in (a, b))
-    one = len(blows(case.scene)) == 1 and case.nature.exponent == 1.5 and case.alike
+    one = len(blows(case.scene)) == 1 and case.nature.exponent == 1.5 and case.alike and not case.exchanges
     if not (one and case.pulse and not case.nature.loaded and linear and total and len(shared)):
         return None
     start = hardest(case.scene)[1] if case.way > 0 else case.scene.beads + 1 - hardest(case.scene)[1]
@@ -195,7 +260,9 @@ def decay(case: Case) -> Any:
         "v0": About(float(solution[1] ** 2.5), 1e-8),
         "n_star": About(float(n_star), 1e-7 * float(n_star)),
         "n_star_error": About(float(np.sqrt(gradient @ covariance @ gradient)), 1e-6 * float(n_star)),
-        "n_star_expected": About(10.0 * exact.energy / (exact.shift**2 * total) * 0.6816315**0.4, 1e-6),
+        "n_star_expected": About(10.0 * exact.energy / (exact.shift**2 * total) * 0.6816315**0.4, 1e-6)
+        if start == 1
+        else None,
         "first": int(shared.count[used[0]]),
         "last": int(shared.count[used[-1]]),
         "deviation": About(float(np.max(np.abs(line**2.5 / own[used] - 1.0))), 1e-8),
@@ -233,8 +300,10 @@ def open_row(case: Case) -> bool:
 def resolved(case: Case) -> bool:
     """Whether recorded beads lie near enough together to show beats."""
     apart = int(np.diff(shared_of(case).count).max(initial=1))
+    if apart == 1 or not case.nature.springs:
+        return True
     kappa = float(case.nature.springs[0][2][0]) if open_row(case) else swing(case)
-    return apart == 1 or (case.nature.gap == 0.0 and apart <= 2.0 / math.sqrt(kappa))
+    return bool(case.nature.gap == 0.0 and apart <= 2.0 / math.sqrt(kappa))
 
 
 def doubtful(case: Case) -> bool:
@@ -266,6 +335,8 @@ def state(case: Case) -> Any:
         return UNSURE
     if level is not None and step is not None:
         return EQUAL
+    if springs_end(case) + CLEAR < beats.bead[-1]:
+        return ALONE
     if beats.length is None:
         return other or SHORT
     return other or BEATING
@@ -294,14 +365,16 @@ def ahead(case: Case) -> Any:
 
 SENTENCES = {
     NO_PULSE: r"does not apply: no pulse stays together in this scene",
-    ALONE: r"nothing to share: (no chain is coupled to another|the chain that was hit is coupled to no other)",
+    ALONE: r"no energy exchange(: a single chain|: no chain is coupled to another|: the kicked chain is coupled to no "
+    r"other| beyond row (?P<end>\d+), where springs end; at bead (?P<last>\d+) amplitudes differ by "
+    r"(?P<last_mismatch>[\d.]+)%)",
     SHORT: r"too short to tell: .*",
     EQUAL: r"equipartitioned and synchronised: amplitudes within 1% from bead (?P<level>\d+) on, arrivals within 1% of "
     r"the wave's passage from bead (?P<step>\d+) on \(seen to bead (?P<last>\d+)\)",
-    UNSURE: r"not to be told: .*",
+    UNSURE: r"inconclusive: .*",
     BEATING: r"still beating: .*",
-    UNLIKE: r"the chains are of different beads and do not come to swing alike: at bead (?P<last>\d+) amplitudes differ "  # noqa: E501
-    r"by (?P<last_mismatch>[\d.]+)%",
+    UNLIKE: r"the chains are of different beads: at bead (?P<last>\d+) amplitudes differ by "
+    r"(?P<last_mismatch>[\d.]+)%, and no agreement to 1% has lasted for half a beat",
 }
 """Of each state; numbers by name."""
 
@@ -309,11 +382,12 @@ PARTS = (
     r"amplitudes differ by up to (?P<recent>[\d.]+)% over the last half beat to bead (?P<last>\d+)",
     r"at bead (?P<last>\d+) amplitudes differ by (?P<last_mismatch>[\d.]+)%",
     r"no whole half beat is seen to bead (?P<last>\d+), where amplitudes differ by (?P<last_mismatch>[\d.]+)%",
+    r"no beat is seen from bead (?P<first>\d+) to (?P<last>\d+), where amplitudes agree to (?P<largest>[\d.]+)%",
     r"beats of (?P<beat>[\d.]+) \+- (?P<beat_off>[\d.]+) beads",
     r"amplitudes agree to 1% from bead (?P<level>\d+) on",
     r"arrivals differ by up to (?P<recent_step>[\d.]+)% of the wave's passage",
     r"they should agree to 1% from bead (?P<expected>\d+) \+- (?P<expected_off>\d+) on",
-    r"as if to end after (?P<n_star>\d+) beads",
+    r"towards zero (?P<n_star>\d+) beads from the kick",
     r"recorded beads lie up to (?P<apart>\d+) apart",
 )
 
@@ -324,12 +398,14 @@ def sentence_fits(case: Case, text: str) -> bool:
     whole = re.fullmatch(pattern, text)
     if whole is None:
         return False
-    named = dict(whole.groupdict())
+    named = {name: value for name, value in whole.groupdict().items() if value is not None}
     for part in PARTS:
         if (found := re.search(part, text)) is not None:
             named |= found.groupdict()
     if len(shared_of(case)) == 0:
-        return "no bead was passed in every chain" in text if state(case) == SHORT else not named
+        return (
+            f"bead {case.scene.beads - CLEAR} was passed in every chain" in text if state(case) == SHORT else not named
+        )
     due = said_numbers(case)
     return all(abs(float(value) - due[name]) <= printed(value) for name, value in named.items())
 
@@ -347,7 +423,10 @@ def said_numbers(case: Case) -> dict[str, float]:
     found: dict[str, Any] = {
         "level": beats.holds_from(beats.mismatch < 0.01),
         "step": beats.holds_from(beats.spread < 0.01),
+        "first": int(beats.bead[0]),
         "last": int(beats.bead[-1]),
+        "largest": 100.0 * float(beats.mismatch.max()),
+        "end": springs_end(case),
         "last_mismatch": 100.0 * beats.mismatch[-1],
         "apart": int(np.diff(beats.bead).max(initial=0)),
     }

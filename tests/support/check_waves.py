@@ -525,7 +525,7 @@ def pulse(case: Case, rows: list[Row], entry: Row) -> dict[str, Any]:
         name
         for name, key in (("shape", "residual"), ("speed", "speed_excess"), ("amplitude", "variation"))
         if judged(as_reference, key, entry[key]) and not (entry[key] is not None and abs(entry[key]) <= 0.01)
-    ]
+    ] + ["decay"] * bool(np.any(case.nature.loss[0]) or case.nature.drag)
     excess = None if run is None or not as_reference else run / float(exact.speed_at(peak)) - 1.0
     leads = any((row["chain"], row["bead"]) == (chain, entry["last"]) and way == case.way for row in rows)
     return {

@@ -30,13 +30,13 @@ MOST_ROWS = 32
 """Of the table of the leading pulse."""
 
 MOST_PULSES = 6
-"""Of a train, that are told."""
+"""Of a train, that are printed."""
 
 SMALLEST = 1e-6
-"""Uncertainty of an amplitude, in V, below which none is told: time steps leave as much."""
+"""Least uncertainty of an amplitude that is printed, in V: time steps leave as much."""
 
 DOCUMENTED = 1e-4
-"""Error of a peak velocity, in V, above which the user is told."""
+"""Error of a peak velocity, in V, above which it is printed."""
 
 FAR = 1.4
 """Time between frames, in T, from which on small maxima beside larger ones were seen to be missed."""
@@ -138,28 +138,26 @@ def _print_waves(found: Analysis) -> None:
             rows.append([*row, f"{at.peak_velocity[k]:.5f}"] if scale.si else row)
         if len(at) > MOST_CHAINS:
             rows.append(["", f"of {len(at)}", "", "", ""])
-    print_table(f"{found.problem.name}: leading pulse", head, rows)
+    if rows:
+        print_table(f"{found.problem.name}: leading pulse", head, rows)
 
 
 def _print_drifts(found: Analysis) -> None:
-    """Of energy, unless an account of it has been told, and of momentum; what to think of them if they are large."""
+    """Of energy, unless its budget has been printed, and of momentum; what to think of them if they are large."""
     problem, seen = found.problem, found.conservation
+    exchanges = physics.exchanges(problem.system)
     drifts = {"energy": seen.energy_drift, "momentum": seen.momentum_drift}
     known = {name: drift for name, drift in drifts.items() if np.isfinite(drift)}
-    told = [
-        f"{name} within {drift:.1e}"
-        for name, drift in known.items()
-        if name != "energy" or not physics.exchanges(problem.system)
-    ]
-    right = "what was put in" if physics.exchanges(problem.system) else "the kick's"
-    if told:
-        print(f"{', '.join(told)} of {right}")
+    shown = [f"{name} within {drift:.1e}" for name, drift in known.items() if name != "energy" or not exchanges]
+    right = "the input" if exchanges else "the kick's"
+    if shown:
+        print(f"{', '.join(shown)} of {right}")
     if max(known.values(), default=0.0) > ENERGY_TOLERANCE:
         print(found.failure or "that is not this scene: was the deck run with another kappa or kick?")
 
 
 def _print_accuracy(found: Analysis) -> None:
-    """What arrivals are, if not the maxima; and how sure the table is, if less than to `DOCUMENTED`."""
+    """What arrivals are, if not the maxima; and the uncertainty of the table, if more than `DOCUMENTED`."""
     problem, waves = found.problem, found.waves
     scale, clear = problem.scale, problem.beads - CLEAR
     if found.survey.arrival == "impulse":
@@ -172,61 +170,80 @@ def _print_accuracy(found: Analysis) -> None:
     if len(waves) and waves.peak_velocity_error.max() > DOCUMENTED:
         worst = int(np.argmax(waves.peak_velocity_error))
         late = waves.arrival_error[np.isfinite(waves.arrival_error)].max(initial=0.0)
-        why = "the noise" if found.survey.noise else f"frames {problem.every * scale.time:.3g} apart"
-        largest = waves.peak_velocity_error[worst]
+        why = "noise" if found.survey.noise else f"frames {scale.written(problem.every, 'time', '.3g')} apart"
+        arrivals = f", of arrivals up to {scale.written(late, 'time', '.1e')}" if late > 0.0 else ""
         print(
-            f"{why}: peak velocities are sure to {largest:.1e} V only (bead {waves.bead[worst]} of "
-            f"chain {waves.chain[worst]}), arrivals to {late:.1e} T; each one's error is in waves.csv"
+            f"uncertainty by {why}: of peak velocities up to {waves.peak_velocity_error[worst]:.1e} V (bead "
+            f"{waves.bead[worst]} of chain {waves.chain[worst]}){arrivals}; of each in waves.csv"
         )
     if problem.every > FAR:
-        print(f"frames are more than {FAR * scale.time:.3g} apart: small pulses may be missed between them")
+        far = scale.written(FAR, "time", ".3g")
+        print(f"frames are more than {far} apart: small pulses may be missed between them")
 
 
 def _print_pulses(found: Survey) -> None:
-    """The verdict, the decay law where it was fitted, what the leading waves and other pulses are."""
-    print(found.verdict.sentence)
+    """The verdict on several chains, the decay law where it was fitted, what the leading waves and other pulses are."""
+    if found.problem.chains > 1:
+        print(found.verdict.sentence)
     if not found.problem.system.holds(Fact.PULSE):
+        if found.problem.chains == 1:
+            print("no pulse stays together in this scene")
         return
-    final, decay = found.shared.final, found.decay
-    if final is not None:
-        # the energy of exact waves; beads with gaps, that differ or bear a load, carry none of that kind
-        energy = np.sum(found.shared.wave_share[-1])
-        exact = physics.alike(found.problem.system) and found.problem.system.holds(Fact.SONIC_VACUUM)
-        known = np.isfinite(energy) and not physics.gap(found.problem.system) and exact
-        share = f"; {energy:.1%} of its energy in the leading waves" if known else ""
-        uncertainty = max(final.uncertainty, SMALLEST)
-        than = "the kick" if found.problem.system.kicks else "what the push would give a free bead"
-        far = f"{abs(1.0 - final.value):.1%} {'above' if final.value > 1.0 else 'below'} {than}"
-        print(f"amplitude {final.value:.5f} +- {uncertainty:.1g} V, {far}{share}")
-    if decay is not None:
+    _print_amplitude(found)
+    if (decay := found.decay) is not None:
+        expected = f", theory {decay.expected:.1f}" if math.isfinite(decay.expected) else ""
         print(
             f"decay as (1 - n / n*)**2.5 over beads {decay.first} to {decay.last}: n* = {decay.n_star:.1f} "
-            f"+- {decay.n_star_error:.1g}, theory {decay.expected:.1f}"
+            f"+- {decay.n_star_error:.1g}{expected}"
         )
     _print_train(found)
     _print_leading(found)
     others = [pulse for pulse in found.pulses if not found.leads(pulse)]
     if others:
         strongest = max(pulse.peak_velocity.max() for pulse in others)
-        many = f"{len(others)} other pulses, the strongest" if len(others) > 1 else "one other pulse, at most"
-        print(f"{many} {strongest:.3f} V (analysis.json has all)")
+        many = f"{len(others)} other pulses" if len(others) > 1 else "one other pulse"
+        print(f"{many}, with peak velocities up to {strongest:.3f} V (analysis.json has all)")
     if found.crests:
-        print(f"sound follows, up to {max(crest.peak_velocity.max() for crest in found.crests):.3f} V")
+        largest = max(crest.peak_velocity.max() for crest in found.crests)
+        print(f"sound waves, with peak velocities up to {largest:.3f} V")
     if found.noise:
-        print(f"the record is noisy: {found.noise:.1e} V; it was smoothed")
+        print(f"noise of the recorded velocities: standard deviation {found.noise:.1e} V; they were smoothed")
+
+
+def _print_amplitude(found: Survey) -> None:
+    """What the leading waves settle at, or why they do not and between what they vary; the energy in them."""
+    shared, system, scale = found.shared, found.problem.system, found.problem.scale
+    if shared.span is None:
+        return
+    energy = np.sum(found.energies.wave[-1]) if len(found.energies.wave) else math.nan
+    share = f"; leading waves have {energy:.1%} of the energy input" if math.isfinite(energy) else ""
+    final, worth = shared.final, f"V = {scale.written(1.0, 'velocity')}"
+    if final is None:
+        first, least, largest = shared.span
+        why = shared.changing or "it has not settled"
+        numbers = f"{least:.5f} to {largest:.5f} V over beads {first} to {shared.bead[-1]}"
+        print(f"no asymptotic amplitude: {why}; peak velocities of {numbers} ({worth}){share}")
+        return
+    kicked = any(
+        abs(velocity) == max(abs(blow) for *_, blow in physics.excitations(system)) for *_, velocity in system.kicks
+    )
+    than = f"the kick ({worth})" if kicked else f"what the push would give a free bead ({worth})"
+    far = f"{abs(1.0 - final.value):.1%} {'above' if final.value > 1.0 else 'below'} {than}"
+    print(f"asymptotic amplitude {final.value:.5f} +- {max(final.uncertainty, SMALLEST):.1g} V, {far}{share}")
 
 
 def _print_leading(found: Survey) -> None:
-    """What the leading wave of each chain is; in one line where there are many and all are solitary."""
-    leading = [
-        (pulse.chain, character)
-        for pulse, character in zip(found.pulses, found.characters, strict=True)
-        if found.leads(pulse)
-    ]
-    exact = all(character.solitary and math.isfinite(character.residual) for _, character in leading)
-    if exact and len({chain for chain, _ in leading}) > FEW:
+    """What the leading wave of each chain is where it came farthest; one line where there are many, all solitary."""
+    farthest: dict[int, tuple[int, Character]] = {}
+    for pulse, character in zip(found.pulses, found.characters, strict=True):
+        way = found.direction * int(pulse.bead[-1])
+        if found.leads(pulse) and way >= farthest.get(pulse.chain, (way, character))[0]:
+            farthest[pulse.chain] = way, character
+    leading = {chain: character for chain, (_, character) in sorted(farthest.items())}
+    exact = all(character.solitary and math.isfinite(character.residual) for character in leading.values())
+    if exact and len(leading) > FEW:
         shape, speed, variation = (
-            np.nanmax(np.abs([getattr(character, name) for _, character in leading]))
+            np.nanmax(np.abs([getattr(character, name) for character in leading.values()]))
             for name in ("residual", "speed_excess", "variation")
         )
         print(
@@ -234,13 +251,13 @@ def _print_leading(found: Survey) -> None:
             f"amplitude varies by up to {variation:.1e}"
         )
         return
-    for chain, character in leading:
+    for chain, character in leading.items():
         if chain <= MOST_CHAINS:
             print(f"chain {chain}: {_words(character)}")
 
 
 def _print_train(found: Survey) -> None:
-    """The pulses that followed each other in the chain that was hit, if more than one did."""
+    """The pulses that followed each other in the kicked chain, if more than one did."""
     seen = train(found)
     if seen is None or len(seen) < 2 or np.any(np.diff(seen.peak_velocity) > 0.0):  # the faster ones are the higher
         return
@@ -258,18 +275,25 @@ def _print_train(found: Survey) -> None:
 
 def _words(character: Character) -> str:
     """What a pulse is, at the bead where it was measured."""
-    measured = f"shape {character.residual:.1e}, speed {character.speed_excess:+.1e} off the exact wave"
-    if math.isfinite(character.variation):
-        measured += f", amplitude varies by {character.variation:.1e}"
-    if not math.isfinite(character.speed_excess):
-        if not math.isfinite(character.variation):
-            return f"at bead {character.bead}: too few beads of its mass before it to tell whether the pulse is steady"
-        kind = "steady" if character.solitary else "not steady"
-        return f"{kind} at bead {character.bead}: amplitude varies by {character.variation:.1e} over beads of its mass"
-    if not math.isfinite(character.residual):
-        return f"at bead {character.bead}: not recorded long enough around its passage to compare its shape"
-    kind = "solitary" if character.solitary else f"not solitary ({', '.join(character.fails)})"
-    return f"{kind} at bead {character.bead}: {measured}"
+    place, varies = f"at bead {character.bead}", math.isfinite(character.variation)
+    parts = []
+    if math.isfinite(character.speed_excess):
+        if not math.isfinite(character.residual):
+            return f"{place}: not recorded long enough around its passage to compare its shape"
+        parts.append(f"shape {character.residual:.1e}, speed {character.speed_excess:+.1e} off the exact wave")
+    elif not varies:
+        return f"{place}: fewer than two beads of its mass among the last ten, so that nothing says how steady it is"
+    if varies:
+        of_mass = "" if parts else " over beads of its mass"
+        parts.append(f"amplitude varies by {character.variation:.1e}{of_mass}")
+    fails = [name for name in character.fails if name != "decay"]
+    if "decay" in character.fails:
+        kind = "decaying" if character.falls else "not steady"
+    elif parts[0].startswith("shape"):
+        kind = f"not solitary ({', '.join(fails)})" if fails else "solitary"
+    else:
+        kind = "not steady" if fails else "steady"
+    return f"{kind} {place}: {', '.join(parts)}"
 
 
 def _rows(found: Analysis) -> list[int]:
@@ -280,6 +304,15 @@ def _rows(found: Analysis) -> list[int]:
     alike = recorded[of_one_kind(found.problem)[recorded - 1]]
     recorded = alike if len(alike) else recorded
     recorded = along_the_way(found.problem, recorded)
+    # behind the kicked beads first maxima are those of rebounds
+    struck = [
+        along_the_way(found.problem, hit)
+        for _, hit, blow in physics.excitations(found.problem.system)
+        if blow * found.survey.direction > 0.0
+    ]
+    recorded = recorded[recorded >= min(struck)]
+    if len(recorded) == 0:
+        return []
     last = int(along_the_way(found.problem, found.waves.bead)[last_clear_bead(found.waves, found.problem)])
     few = max(2, min(7, MOST_ROWS // min(found.problem.chains, MOST_CHAINS)))
     wanted = [2, 5, 10, 20, 55, 90, last] if last <= 200 else np.geomspace(5, last, 7).round().astype(int).tolist()

@@ -57,8 +57,10 @@ def _run(path: str, label: str = "") -> Quantity:
 
 
 QUANTITIES = {
-    "amplitude": _analysis("equipartition/final/value", "final amplitude [V]"),
-    "amplitude_uncertainty": _analysis("equipartition/final/uncertainty", "uncertainty of the final amplitude [V]"),
+    "amplitude": _analysis("equipartition/final/value", "asymptotic amplitude [V]"),
+    "amplitude_uncertainty": _analysis(
+        "equipartition/final/uncertainty", "uncertainty of the asymptotic amplitude [V]"
+    ),
     "agree_10": _analysis("equipartition/amplitudes/0.1", "bead from which the chains agree to 10%"),
     "agree_1": _analysis("equipartition/amplitudes/0.01", "bead from which the chains agree to 1%"),
     "in_step_1": _analysis("equipartition/arrivals/0.01", "bead from which arrivals agree to 1%"),

@@ -82,7 +82,9 @@ class Analysis:
         return self.waves.measured(self.problem.scale)
 
     def __repr__(self) -> str:
-        return f"<analysis of {self.problem.name}: {self.survey.verdict.sentence}>"
+        several = self.problem.chains > 1
+        what = self.survey.verdict.sentence if several else f"pulses tracked: {len(self.survey.pulses)}"
+        return f"<analysis of {self.problem.name}: {what}>"
 
     def _repr_html_(self) -> str:
         drawn = ", ".join(path.name for path in self.figures)
@@ -148,6 +150,7 @@ def analyse(
         leading=directory.peaks_table() if arrival in (None, usual_arrival(problem)) else None,
         counted=ledger.of,
     )
+    whole = conservation
     if problem.frames_per_snapshot is not None:
         ledger = accountant(directory, problem.snapshots())
         whole = Conservation(ledger.of)
@@ -157,8 +160,10 @@ def analyse(
             if spacetime is not None:
                 spacetime.add(block)
         spacetime = spacetime if whole.frames > 1 else None
-        conservation.energy_drift, conservation.momentum_drift = whole.energy_drift, whole.momentum_drift
-        conservation.budget = whole.budget
+    changes = whole.frames > 1  # one frame alone has no drift
+    conservation.energy_drift = whole.energy_drift if changes else np.nan
+    conservation.momentum_drift = whole.momentum_drift if changes else np.nan
+    conservation.budget = whole.budget if changes else None
     findings = [measure.finish(found) for measure in measures]
     findings.append(budget.closed(directory, conservation, ledger))
     there = {one.key: one for one in findings if one is not None}

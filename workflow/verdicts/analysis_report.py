@@ -7,8 +7,8 @@ import numpy as np
 
 from analysis.conservation import Conservation
 from analysis.mirror import along_the_way
-from analysis.shape.wave_of import wave_of
-from analysis.sharing.equipartition import AGREEMENTS, Estimate
+from analysis.shape.wave_of import has_wave, wave_of
+from analysis.sharing.equipartition import AGREEMENTS, Estimate, dissipates, resolved
 from analysis.sharing.is_solitary import Character, Tolerances
 from analysis.sharing.survey import Survey
 from analysis.tracking.leading_waves import Waves
@@ -73,8 +73,11 @@ def train(found: Survey) -> Train | None:
     """The first pulses of the kicked chain, as many as are steady somewhere; there, at the last such bead.
 
     Each is clear of the ends of the chain and of all other pulses, and its amplitude is constant to `STEADY` over the
-    ten beads before. Only pulses count that ran over a quarter of the chain. None where not even the first is steady.
+    ten beads before. Only pulses count that ran over a quarter of the chain. None where not even the first is steady,
+    and where no pulse stays together.
     """
+    if not found.problem.system.holds(Fact.PULSE):
+        return None
     chain, ahead = found.shared.kicked + 1, found.direction
     steady: dict[int, list[tuple[float, bool]]] = {}
     far: list[Pulse] = []
@@ -137,36 +140,49 @@ def equipartition(found: Survey) -> dict[str, Any]:
     | expected       | bead of 1% agreement where it was not reached, and its uncertainty                        |
     | amplitudes     | bead from which on the mismatch, (largest - smallest) / mean, stays below 0.1, 0.01, 0.001 |
     | arrivals       | the same for the spread of arrivals over the time in which the wave passes (half height)   |
-    | final          | amplitude over the last half beat in V, its uncertainty, and the reduction against V       |
-    | energy_share   | of the waves at the last clear bead: exact waves of these amplitudes; measured                |
+    | final          | asymptotic amplitude in V: mean over chains and the last half beat, its uncertainty, and   |
+    |                | the reduction against V; null where amplitudes have no limit, or do not approach one       |
+    | range          | least and largest amplitude in V from bead ``first`` on, which is half-way, to ``last``    |
+    | energy_share   | of the energy input, in the leading waves at the last clear bead: ``measured``, within     |
+    |                | three beads of their peaks; ``exact``: of exact waves of these amplitudes; null where      |
+    |                | there are none, or another pulse is as near                                                |
     | beat_length    | beads from one excess of a chain to the next, and its scatter                              |
     | decay_law      | v = v0 (1 - n / n_star)**2.5 fitted where neighbours are weak: v0 in V, n_star, its error, |
-    |                | what theory expects, first and last bead, largest relative deviation; null if nowhere      |
+    |                | what theory expects of a kick of the first bead, first and last bead, largest relative     |
+    |                | deviation; null if nowhere                                                                 |
+
+    All but the verdict is null where no pulse stays together; agreement and beats, where recorded beads are too far
+    apart to show beats.
     """
-    shared, decay, verdict = found.shared, found.decay, found.verdict
-    final = shared.final
+    shared, decay, verdict, system = found.shared, found.decay, found.verdict, found.problem.system
+    pulse = system.holds(Fact.PULSE)
+    seen = pulse and resolved(shared, system)
+    final, span = shared.final, shared.span if pulse else None
     measured = np.sum(found.energies.wave, axis=1)
-    exact = physics.alike(found.problem.system) and found.problem.system.holds(Fact.SONIC_VACUUM)
+    exact = has_wave(system) and physics.alike(system) and not physics.gap(system) and not dissipates(system)
     return {
         "verdict": verdict.sentence,
         "state": verdict.state.value,
         "since": verdict.since,
         "expected": _estimate(verdict.expected),
-        "amplitudes": {str(tolerance): shared.agrees_from(tolerance) for tolerance in AGREEMENTS},
-        "arrivals": {str(tolerance): shared.in_step_from(tolerance) for tolerance in AGREEMENTS},
+        "amplitudes": {str(one): shared.agrees_from(one) if seen else None for one in AGREEMENTS},
+        "arrivals": {str(one): shared.in_step_from(one) if seen else None for one in AGREEMENTS},
         "final": None if final is None else {**_with_uncertainty(final), "reduction": 1.0 - final.value},
+        "range": None
+        if span is None
+        else {"first": span[0], "last": int(shared.bead[-1]), "least": span[1], "largest": span[2]},
         "energy_share": {
             "exact": known(float(np.sum(shared.wave_share[-1]))) if len(shared) and exact else None,
-            "measured": known(float(measured[-1])) if len(measured) else None,
+            "measured": known(float(measured[-1])) if len(measured) and pulse else None,
         },
-        "beat_length": _estimate(shared.beat_length),
+        "beat_length": _estimate(shared.beat_length) if seen else None,
         "decay_law": None
         if decay is None
         else {
             "v0": decay.v0,
             "n_star": decay.n_star,
             "n_star_error": decay.n_star_error,
-            "n_star_expected": decay.expected,
+            "n_star_expected": known(decay.expected),
             "first": decay.first,
             "last": decay.last,
             "deviation": decay.deviation,
@@ -187,7 +203,9 @@ def pulse_entry(found: Survey, pulse: Pulse, character: Character) -> dict[str, 
     |                      | wave of this peak velocity, in units of it                                    |
     | speed_excess         | relative to the exact law at this peak velocity                               |
     | variation            | (largest - smallest) / mean peak velocity over the last ten beads             |
-    | solitary, fails      | whether it is the exact wave within the tolerances, and which fail            |
+    | solitary, fails      | whether it is the exact wave within the tolerances, or where beads differ or  |
+    |                      | bear a load steady within them; and which fail: ``shape``, ``speed``,         |
+    |                      | ``amplitude``, or ``decay`` where contacts or beads dissipate energy          |
     """
     scale = found.problem.scale
     return {

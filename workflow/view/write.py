@@ -134,7 +134,8 @@ def _run(path: Path) -> Path:
     try:
         analysis = analyse(directory, figures=False)
         found = analysis.survey
-        lines.append(f"Equipartition: {found.verdict.sentence}.")
+        if problem.chains > 1:
+            lines.append(f"Equipartition: {found.verdict.sentence}.")
         if not analysis.complete:
             lines.append("The run is incomplete; what there is is shown.")
     except InputError as error:

@@ -13,7 +13,9 @@ from analysis.sharing.decay_law import SINGLE_CHAIN, expected_n_star, fit_decay
 from analysis.sharing.equipartition import Sharing
 from analysis.sharing.survey import Survey, survey
 from analysis.sharing.verdict import State, judge
-from lammps_inputs import Coupling, Kick, Output, Scene, physics
+from analysis.trajectory import blocks
+from lammps_inputs import Coupling, Kick, Output, Scene, library, physics
+from workflow.engines.reference import engine
 
 RUNS = {
     (2, 0.5): (120, 192.0),
@@ -281,8 +283,50 @@ def test_chains_are_compared_at_the_beads_after_the_one_hit_and_until_five_befor
     assert found.shared.bead[-1] == found.problem.beads - 5
 
 
-def test_without_a_beat_the_final_amplitude_is_that_of_the_last_tenth_of_the_beads():
-    bead = np.arange(2, 102)
-    amplitude = np.where(bead >= 91, 0.3, 0.6)[:, np.newaxis]
-    final = Sharing(0, bead, np.zeros((100, 1)), amplitude, 0.5).final
-    assert (final.value, final.uncertainty) == pytest.approx((0.3, 0.0))
+def of_one_chain(amplitude, last=101) -> Sharing:
+    bead = np.arange(2, last + 1)
+    return Sharing(0, bead, np.zeros((len(bead), 1)), amplitude(bead)[:, np.newaxis], 0.5)
+
+
+@pytest.mark.parametrize("length", [5.0, 10.0, 14.0])
+def test_an_amplitude_that_approaches_a_limit_is_that_within_its_uncertainty(length):
+    final = of_one_chain(lambda bead: 0.3 * (1.0 + 0.5 * np.exp(-bead / length))).final
+    assert abs(final.value - 0.3) <= final.uncertainty + 1e-12
+    assert final.uncertainty < 1e-3
+
+
+FALLING = {
+    "line": lambda bead: 0.6 - 0.001 * bead,
+    "exponential": lambda bead: 0.6 * np.exp(-bead / 1000.0),
+    "power": lambda bead: 0.6 * bead ** (-1.0 / 6.0),
+    "taper": lambda bead: 0.6 * 1.02**bead,
+}
+
+
+@pytest.mark.parametrize("name", FALLING)
+def test_an_amplitude_that_goes_on_changing_has_no_limit_but_a_range(name):
+    found = of_one_chain(FALLING[name])
+    assert found.final is None
+    first, least, largest = found.span
+    assert first == 52
+    assert sorted((least, largest)) == pytest.approx(sorted(FALLING[name](np.array([52.0, 101.0]))))
+
+
+CHANGING = {
+    "energy is dissipated": {"damping": {"contact": 1e-4}},
+    "beads, contacts or loads differ along the chain": {"disorder": {"mass": 1e-3}},
+    "no pulse stays together": {"foundation": {"stiffness": 0.1}},
+    "chains of unlike beads are coupled": {
+        "chains": 2, "coupling": {"stiffness": 0.1}, "kinds": {"a": {}, "b": {"mass": 2.0}}, "pattern": [["a"], ["b"]],
+    },
+    "the chains are not coupled there": {"chains": 2, "coupling": {"stiffness": 0.1, "rows": [1, 10]}},
+    "the chains have exchanged energy for less than half a beat": {"chains": 2, "coupling": {"stiffness": 1e-3}},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("why", CHANGING)
+def test_where_amplitudes_have_no_limit_the_reason_is_stated(why):
+    plain = {"name": "a", "beads": 40, "kick": {"velocity": 1.0}, "duration": 60.0, "output": {"every": 0.2}}
+    trajectory = engine.run(library.from_plain({**plain, **CHANGING[why]}, "test").problem())
+    found = survey(lambda: blocks(trajectory), trajectory.problem).shared
+    assert (found.changing, found.final) == (why, None)

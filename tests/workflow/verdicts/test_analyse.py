@@ -4,6 +4,7 @@ import csv
 import json
 import math
 import os
+import re
 import shutil
 import struct
 from dataclasses import replace
@@ -13,7 +14,7 @@ import pytest
 
 from analysis.shape.exact_wave import solitary_wave
 from analysis.sharing.verdict import State
-from lammps_inputs import Coupling, Kick, Output, Scene, file_names, find
+from lammps_inputs import Coupling, Kick, Output, Scene, file_names, find, library
 from lammps_inputs.units import make_scale
 from workflow.cli import main
 from workflow.engines.collisions.first_row import THETA_OF_EQ_5
@@ -201,10 +202,10 @@ def test_frames_that_are_not_those_of_the_run_are_told_of(finished, tmp_path, ca
 
 def test_frames_far_apart_are_said_to_leave_peaks_less_sure(finished, tmp_path, capsys):
     main(["analyze", str(finished.path), "--no-figures"])
-    assert "sure to" not in capsys.readouterr().out
+    assert "uncertainty by" not in capsys.readouterr().out
     coarse = run(scene(output=Output(every=1.25)), tmp_path / "coarse", check=False).directory
     assert main(["analyze", str(coarse.path), "--no-figures"]) == 0
-    assert "frames 1.25 apart: peak velocities are sure to" in capsys.readouterr().out
+    assert "uncertainty by frames 1.25 apart: of peak velocities up to" in capsys.readouterr().out
 
 
 def test_frames_so_far_apart_that_agreement_to_one_per_cent_cannot_be_told_get_no_verdict(tmp_path):
@@ -213,6 +214,32 @@ def test_frames_so_far_apart_that_agreement_to_one_per_cent_cannot_be_told_get_n
     ).directory
     told = analyse(coarse, figures=False).survey.verdict
     assert told.state is not State.EQUAL
+
+
+ONE = {"name": "one", "beads": 40, "kick": {"velocity": 1}, "duration": 50, "output": {"every": 0.2}}
+STRIKER = {"kick": None, "striker": {"mass": 60, "velocity": 1}}
+PRINTED = {
+    "tapered": ({"taper": 0.02}, "no asymptotic amplitude: beads, contacts", "amplitude <"),
+    "disordered": ({"disorder": {"mass": 0.1, "seed": 2}}, "no asymptotic amplitude: beads, contacts", "amplitude <"),
+    "struck": (STRIKER, "no asymptotic amplitude: it has not settled; peak velocities of", "above the kick"),
+    "damped": ({"damping": {"contact": 0.01}}, "chain 1: decaying at bead", "steady"),
+    "drag": ({"damping": {"beads": 0.01}}, "chain 1: decaying at bead", "solitary at"),
+    "one snapshot": ({"output": {"every": 0.2, "snapshots": 50, "beads": [10, 20]}}, "momentum within", " 0.0e+00"),
+    "no pulse": ({"foundation": {"stiffness": 0.1}}, "no pulse stays together in this scene", "does not apply"),
+    "plain": ({}, "asymptotic amplitude 0.68", "range"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", PRINTED)
+def test_of_a_single_chain_each_sentence_holds_and_none_is_on_sharing(name, tmp_path, capsys):
+    changes, holds, never = PRINTED[name]
+    plain = {key: value for key, value in {**ONE, **changes}.items() if value is not None}
+    run(library.from_plain(plain, "test"), tmp_path / "one", check=False)
+    assert main(["analyze", str(tmp_path / "one"), "--no-figures"]) == 0
+    said = capsys.readouterr().out
+    assert holds in said
+    assert never not in said
+    assert not re.search("equipartition|energy exchange|share|chain is coupled", said)
 
 
 @pytest.fixture(scope="module")
@@ -237,7 +264,7 @@ def test_gapped_chains_that_reproduce_finds_equal_are_found_equal_and_in_step(ga
 def test_arrivals_at_the_maximum_of_gapped_chains_get_no_verdict_and_no_numbers(gapped, capsys):
     assert main(["analyze", str(gapped.path), "--no-figures", "--arrival", "maximum"]) == 0
     said = capsys.readouterr().out
-    assert "not to be told" in said
+    assert "inconclusive: beads fly freely" in said
     assert "--arrival impulse is" in said
     late = [row for row in rows(gapped.path) if row["bead"] == "115"]
     assert [(row["arrival"], row["speed"]) for row in late] == [("", "")] * 2

@@ -48,6 +48,8 @@ def test_how_chains_share_the_pulse_is_told_key_by_key():
             agrees_from=lambda tolerance: round(1.0 / tolerance),
             in_step_from=lambda tolerance: round(2.0 / tolerance),
             wave_share=np.array([[0.5, 0.4], [0.5, 0.47]]),
+            bead=np.array([6, 7]),
+            span=(6, 0.33, 0.35),
         ),
         decay=decay,
         verdict=Verdict(State.BEATING, None, Estimate(62.0, 5.0), "they beat"),
@@ -60,6 +62,7 @@ def test_how_chains_share_the_pulse_is_told_key_by_key():
     assert told["amplitudes"] == {"0.1": 10, "0.01": 100, "0.001": 1000}
     assert told["arrivals"] == {"0.1": 20, "0.01": 200, "0.001": 2000}
     assert told["final"] == pytest.approx({"value": 0.34, "uncertainty": 0.01, "reduction": 0.66})
+    assert told["range"] == {"first": 6, "last": 7, "least": 0.33, "largest": 0.35}
     assert told["energy_share"] == pytest.approx({"exact": 0.97, "measured": 0.98})
     law = {"v0": 0.6, "n_star": 300.0, "n_star_error": 2.0, "n_star_expected": 270.9, "first": 10, "last": 90}
     assert told["decay_law"] == {**law, "deviation": 0.01}

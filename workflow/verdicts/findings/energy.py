@@ -22,9 +22,12 @@ class Energy(Finding):
 
     found: Flow
 
-    def said(self) -> Iterator[Table]:
-        """How much of it each chain had, and where along the chain, at the least, most and last."""
+    def said(self) -> Iterator[Table | str]:
+        """How much of it each chain had, at the least, most and last, and where along the chain at the end."""
         flow, chains, scale = self.found, self.problem.chains, self.problem.scale
+        if chains == 1:
+            yield f"energy at the end: mean bead {flow.centre[-1, 0]:.1f}, standard deviation {flow.spread[-1, 0]:.1f}"
+            return
         rows = []
         for chain in range(min(chains, MOST_CHAINS)):
             least, most = flow.extremes(chain)
