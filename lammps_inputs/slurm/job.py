@@ -12,6 +12,10 @@
 | job.out       | what the job says                                                                      |
 
 The deck itself is not touched. Every text that comes from a user is checked by a pattern and quoted.
+
+`render_command` is a job that runs one command on the cores of one node, and submits itself until that has come to its
+end. The command is to end with exit code 130 when it is asked to stop, keeping what it has done, and to go on when it
+is started again. What it prints is in ``job.out``.
 """
 
 import hashlib
@@ -100,7 +104,7 @@ def _ranges(numbers: Sequence[int]) -> str:
     return ",".join(str(first) if first == last else f"{first}-{last}" for first, last in found)
 
 
-def head(options: JobOptions, name: str, more: Mapping[str, object]) -> list[str]:
+def _head(options: JobOptions, name: str, more: Mapping[str, object]) -> list[str]:
     """First lines of a job: what it asks Slurm for, ``more`` by option without those that are None.
 
     Raises:
@@ -142,15 +146,46 @@ def _script(options: JobOptions, name: str, listing: str | None = None, tasks: s
         "cases_sum": "" if listing is None else hashlib.sha256(listing.encode()).hexdigest(),
     }
     lines = [
-        *head(options, name, asked),
+        *_head(options, name, asked),
         f"# In this directory: sbatch {file_names.JOB}    How far it is: granchain status .",
         *(f"{key}={shlex.quote(str(value))}" for key, value in values.items()),
         f"launch=({shlex.join(options.launch)})",
         f"modules=({shlex.join(options.modules)})",
         "",
     ]
-    body = Path(str(importlib.resources.files("lammps_inputs.slurm") / "job.sh")).read_text(encoding="utf-8")
-    return "\n".join(lines) + "\n" + body
+    return "\n".join(lines) + "\n" + _body("job.sh")
+
+
+def _body(name: str) -> str:
+    """What is the same in every such job."""
+    return Path(str(importlib.resources.files("lammps_inputs.slurm") / name)).read_text(encoding="utf-8")
+
+
+def render_command(options: JobOptions, name: str, words: Sequence[str], *, cores: int, jobs: int | None = None) -> str:
+    """The text of ``job.sbatch``, to be submitted in the directory that the command works in.
+
+    Args:
+        options: what the job asks for; one node.
+        name: of the job.
+        words: of the command.
+        cores: that it uses.
+        jobs: at most, each submitted by the one before; by default as the options say.
+
+    Raises:
+        InputError: more than one node is asked for.
+    """
+    if options.nodes != 1:
+        raise InputError(f"--nodes: {options.nodes} given; this command works on the cores of one node")
+    asked = {"ntasks": 1, "cpus-per-task": cores, "signal": f"B:TERM@{options.stop_before}"}
+    lines = [
+        *_head(options, name, asked),
+        f"# In this directory: sbatch {file_names.JOB}    What it says: {file_names.JOB_OUTPUT}",
+        f"max_jobs={options.max_jobs if jobs is None else jobs}",
+        f"command=({shlex.join(words)})",
+        f"modules=({shlex.join(options.modules)})",
+        "",
+    ]
+    return "\n".join(lines) + "\n" + _body("command.sh")
 
 
 def render_input(problem: Problem) -> str:

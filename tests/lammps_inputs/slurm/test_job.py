@@ -149,51 +149,40 @@ def test_a_killed_job_goes_on_bit_for_bit_with_either_lammps(lmp, launcher, rank
     np.testing.assert_array_equal(found.velocity, expected.velocity)
 
 
+OTHERS = {
+    "suzuki4": scene(chains=2, beads=100, kappa=0.1, duration=200.0, every=5.0, scheme="suzuki4"),
+    "window": scene(chains=2, beads=200, kappa=0.1, duration=150.0, every=5.0, window=64),
+    "snapshots": scene(chains=3, beads=101, kappa=0.1, duration=120.0).model_copy(
+        update={"output": Output(every=2.0, beads=(1, 50, 101), snapshots=10.0)}
+    ),
+}
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "changes",
-    [{"beads": 100, "duration": 200.0, "scheme": "suzuki4"}, {"beads": 200, "duration": 150.0, "window": 64}],
-    ids=["suzuki4", "window"],
+    ("name", "lmp"), [*((name, WHEEL) for name in OTHERS), ("snapshots", DEBIAN)], ids=[*OTHERS, "snapshots of 2021"]
 )
-def test_a_killed_job_of_another_kind_of_deck_goes_on_bit_for_bit(changes, tmp_path):
-    case = scene(chains=2, kappa=0.1, every=5.0, **changes)
-    whole = tmp_path / "whole"
-    whole.mkdir()
-    deck.write(case, whole)
-    subprocess.run([WHEEL, "-in", file_names.DECK, "-screen", "none"], cwd=whole, check=True, timeout=HANGS)
-    directory = placed(case, tmp_path / "job", ranks_per_node=1, checkpoint=1)
-    restart_often(directory)
-    kill_after_a_restart(directory)
-    go(directory)
-    assert told(directory)["state"] == "done", told(directory)
-    found, expected = RunDirectory(directory).trajectory, RunDirectory(whole).trajectory
-    np.testing.assert_array_equal(found.displacement, expected.displacement)
-    np.testing.assert_array_equal(found.velocity, expected.velocity)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("lmp", [WHEEL, DEBIAN], ids=["wheel", "2021"])
-def test_snapshots_of_all_beads_go_on_beside_the_frames_of_a_few(lmp, tmp_path):
+def test_a_killed_job_of_another_kind_of_deck_goes_on_bit_for_bit(name, lmp, tmp_path):
     if not lmp.exists():
         pytest.skip(f"no {lmp}: apt-get install lammps brings the 2021 release")
-    output = Output(every=2.0, beads=(1, 50, 101), snapshots=10.0)
-    case = scene(chains=3, beads=101, kappa=0.1, duration=120.0).model_copy(update={"output": output})
+    case = OTHERS[name]
     whole = tmp_path / "whole"
     whole.mkdir()
     deck.write(case, whole)
     subprocess.run([WHEEL, "-in", file_names.DECK, "-screen", "none"], cwd=whole, check=True, timeout=HANGS)
     launcher = DEBIANS_MPI if lmp == DEBIAN else f"{MPIEXEC} -n {{ranks}}"
-    directory = placed(case, tmp_path / "job", checkpoint=1, lmp=str(lmp), launcher=launcher)
+    directory = placed(case, tmp_path / "job", ranks_per_node=1, checkpoint=1, lmp=str(lmp), launcher=launcher)
     restart_often(directory)
     kill_after_a_restart(directory)
     go(directory)
     assert told(directory)["state"] == "done", told(directory)
-    for what, kind in ((case.problem(), "dump"), (case.problem().snapshots(), "snapshots")):
+    written = {"dump": case.problem()} | ({"snapshots": case.problem().snapshots()} if name == "snapshots" else {})
+    for kind, what in written.items():
+        assert len(parts(directory, kind)) == 2
         found, expected = (joined(blocks(parts(path, kind), what)) for path in (directory, whole))
         np.testing.assert_array_equal(found.time, expected.time)
         np.testing.assert_array_equal(found.displacement, expected.displacement)
         np.testing.assert_array_equal(found.velocity, expected.velocity)
-    assert len(parts(directory, "snapshots")) == 2
 
 
 @pytest.fixture(scope="module")
@@ -292,12 +281,6 @@ def test_a_run_whose_disk_is_full_is_told_and_goes_on_from_its_restart_when_ther
 
 
 # --- what stands in it ------------------------------------------------------------------------------------------------
-
-
-def test_a_deck_with_a_job_is_byte_for_byte_the_deck_without(tmp_path):
-    case = scene(chains=2, beads=9, kappa=0.1)
-    directory = placed(case, tmp_path / "job")
-    assert {name: (directory / name).read_text() for name in deck.render(case)} == deck.render(case)
 
 
 def test_every_option_stands_in_the_script_once_and_what_was_not_asked_does_not():
@@ -456,15 +439,6 @@ def test_what_a_run_directory_from_someone_else_holds_reaches_no_shell_and_no_ot
 
 
 # --- a site's defaults ------------------------------------------------------------------------------------------------
-
-
-def test_options_win_over_the_site_and_the_site_over_the_defaults(tmp_path):
-    path = tmp_path / "site.yaml"
-    path.write_text("partition: long\ntime: 02:00:00\nmodules: [gcc/13, lammps/2025]\nlauncher: mpirun -np {ranks}\n")
-    found = site.options({"partition": "short", "nodes": 2, "ranks_per_node": 3}, path)
-    assert (found.partition, found.time, found.max_jobs) == ("short", "02:00:00", 100)
-    assert found.modules == ("gcc/13", "lammps/2025")
-    assert found.launch == ("mpirun", "-np", "6")
 
 
 @pytest.mark.parametrize(

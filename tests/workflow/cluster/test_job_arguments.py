@@ -33,33 +33,21 @@ def test_a_job_is_added_and_the_deck_is_byte_for_byte_the_one_without(tmp_path, 
     assert "sbatch job.sbatch    then: granchain status" in said
 
 
-def test_options_stand_in_the_script_and_win_over_the_site(tmp_path):
+def test_options_stand_in_the_script_and_win_over_the_site_that_the_environment_names(tmp_path, monkeypatch):
     sites = tmp_path / "site.yaml"
-    sites.write_text("partition: long\naccount: grains\ntime: 01:00:00\n")
-    words = ["--slurm", "--site", str(sites), "--partition", "short", "--nodes", "2", "--ranks-per-node", "4"]
-    words += [
-        "--module",
-        "gcc/13",
-        "--module",
-        "lammps",
-        "--lmp",
-        "/opt/my lammps/lmp",
-        "--launcher",
-        "mpirun -np {ranks}",
-    ]
+    sites.write_text("partition: long\naccount: grains\ntime: 01:00:00\nmodules: [gcc/12]\n")
+    monkeypatch.setenv(site.VARIABLE, str(sites))
+    assert main(["deck", "two-chains", "-o", str(tmp_path / "site"), "--slurm"]) == 0
+    assert "\nmodules=(gcc/12)\n" in (tmp_path / "site" / file_names.JOB).read_text()
+    words = ["--slurm", "--partition", "short", "--nodes", "2", "--ranks-per-node", "4"]
+    words += ["--module", "gcc/13", "--module", "lammps", "--lmp", "/opt/my lammps/lmp"]
+    words += ["--launcher", "mpirun -np {ranks}"]
     assert main(["deck", "two-chains", "-o", str(tmp_path / "run"), *words]) == 0
     script = (tmp_path / "run" / file_names.JOB).read_text()
     assert {"partition=short", "account=grains", "time=01:00:00", "nodes=2", "ntasks=8"} <= set(asked(script))
     assert "lmp='/opt/my lammps/lmp'\nc" in script
     assert "\nlaunch=(mpirun -np 8)\nmodules=(gcc/13 lammps)\n" in script
-
-
-def test_the_environment_names_a_site(tmp_path, monkeypatch):
-    sites = tmp_path / "site.yaml"
-    sites.write_text("account: grains\n")
-    monkeypatch.setenv(site.VARIABLE, str(sites))
-    assert main(["deck", "two-chains", "-o", str(tmp_path / "run"), "--slurm"]) == 0
-    assert "account=grains" in asked((tmp_path / "run" / file_names.JOB).read_text())
+    assert f"\nmax_jobs={site.JobOptions().max_jobs}\n" in script
 
 
 @pytest.mark.parametrize(

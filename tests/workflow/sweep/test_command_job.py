@@ -8,7 +8,7 @@ from processes import wait_until
 
 from lammps_inputs import strict_yaml
 from lammps_inputs.slurm import site
-from lammps_inputs.slurm.command import render_command
+from lammps_inputs.slurm.job import render_command
 from workflow.cli import main
 
 pytest_plugins = ("slurm",)
