@@ -24,7 +24,7 @@ def shown_by_frames(problem: Problem) -> bool:
     if not physics.one_kind(system):
         strength = max(float(np.max(laws.strength(link.law))) for link in system.along)
         quicker = min(1.0, math.sqrt(float(np.min(system.mass)) / strength))
-    return problem.recorded is None and problem.every <= FARTHEST * quicker * (1.0 + 1e-9)
+    return problem.forces_known and problem.every <= FARTHEST * quicker * (1.0 + 1e-9)
 
 
 class LargestOverlap:

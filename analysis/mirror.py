@@ -43,6 +43,8 @@ def mirrored_problem(problem: Problem) -> Problem:
             links=tuple(link.mirrored() for link in system.links),
             dampers=tuple(link.mirrored() for link in system.dampers),
             mass=physics.mass_of(system, Ellipsis, slice(None, None, -1)),
+            inner_mass=None if system.inner_mass is None else system.inner_mass[:, ::-1],
+            inner_links=tuple(link.mirrored() for link in system.inner_links),
             loads=tuple(load.mirrored(mirrored_bead(problem, load.bead)) for load in system.loads),
             motions=tuple(motion.mirrored(mirrored_bead(problem, motion.bead)) for motion in system.motions),
         ),

@@ -13,4 +13,5 @@ class Fact(Enum):
     REST = "no bead moves before its neighbour has"
     FRONT = "what the leading pulse has left behind never matters again, so that a window may let go of it"
     REVERSIBLE = "forces are smooth, and know neither time nor velocity, so that a scheme may step back in time"
+    FRAMES = "displacements and velocities of the beads tell the forces on them"
     SONIC_VACUUM = "beads at rest bear no load and pass on no sound, so that pulses are exact solitary waves"

@@ -193,6 +193,11 @@ class Across(Link):
         """Largest value of each edge, [edge], from a number or [edge, row]."""
         return np.asarray(np.broadcast_to(np.max(values, axis=-1) if np.ndim(values) else values, len(self.edges)))
 
+    def counted_on(self, chains: int, lines: int) -> Self:
+        """The same links where so many other lines of atoms stand between the chains and the lines that they tie."""
+        shift = [[n if n < chains else n + lines for n in edge] for edge in self.edges]
+        return replace(self, edges=tuple((lower, higher) for lower, higher in shift))
+
     @cached_property
     def open_row(self) -> bool:
         """Whether the chains stand in a row, each tied to the next."""

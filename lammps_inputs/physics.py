@@ -61,9 +61,22 @@ def one_kind(system: System) -> bool:
     return isinstance(system.mass, float) and not any(np.ndim(laws.strength(link.law)) for link in system.along)
 
 
+def lines(system: System) -> int:
+    """Lines of atoms: the chains, and those of inner atoms."""
+    return system.chains + (0 if system.inner_mass is None else len(system.inner_mass))
+
+
+def mass_of_atoms(system: System) -> float | NDArray[np.float64]:
+    """[line, bead] with inner atoms after the chains; the number where all have the same."""
+    if system.inner_mass is None:
+        return system.mass
+    return np.vstack([np.broadcast_to(system.mass, (system.chains, system.beads)), system.inner_mass])
+
+
 def uniform(system: System) -> bool:
     """Whether no law differs from link to link, so that the beads might be more."""
-    return isinstance(system.mass, float) and not any(laws.differs(link.law) for link in system.links)
+    alone = isinstance(system.mass, float) and system.inner_mass is None
+    return alone and not any(laws.differs(link.law) for link in system.links)
 
 
 # --- what sets beads in motion ----------------------------------------------------------------------------------------
@@ -242,7 +255,7 @@ def simply_coupled(system: System) -> bool:
 
     Its beads have the mass 1.
     """
-    free = isinstance(system.mass, float) and not system.ground
+    free = isinstance(system.mass, float) and not system.ground and system.inner_mass is None
     return free and open_row(system) and not acted_on(system) and not system.dampers
 
 

@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from lammps_inputs.facts import Fact
 from lammps_inputs.layout import Layout
 from lammps_inputs.scheme import SchemeName
 from lammps_inputs.system import System
@@ -78,6 +79,11 @@ class Problem:
     def whole(self) -> bool:
         """Whether every frame holds every bead, so that the states obey the conservation laws."""
         return self.recorded is None and self.window is None
+
+    @property
+    def forces_known(self) -> bool:
+        """Whether every frame tells the forces on its beads, but for those at the ends of a window."""
+        return self.recorded is None and self.system.holds(Fact.FRAMES)
 
     @property
     def recorded_beads(self) -> NDArray[np.int64]:

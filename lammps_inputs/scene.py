@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, create_model, field_validator, model_validator
 
 from lammps_inputs import html, physics, strict_yaml
@@ -29,6 +30,7 @@ from lammps_inputs.limits import material as limits_of_material
 from lammps_inputs.limits.closing import never_closes
 from lammps_inputs.limits.hertz import FLATTENED, LARGEST_OVERLAP, overlap_bounds, sound_speed
 from lammps_inputs.limits.timestep import timestep_for
+from lammps_inputs.links import Across
 from lammps_inputs.output.limits import Limits
 from lammps_inputs.output.output import Output
 from lammps_inputs.problem import Problem
@@ -37,6 +39,8 @@ from lammps_inputs.static_load import LoadError, under_load
 from lammps_inputs.system import System
 from lammps_inputs.units import PURE, Scale, Unit, hertz_constant, make_scale, sphere_mass
 from lammps_inputs.window import HEADROOM, LEAST_WINDOW, behind, rows_for
+
+Floats = NDArray[np.float64]
 
 DEFAULT_EVERY = 0.1
 """Dimensionless time between frames: 19 frames in the full width at half maximum of a solitary wave of amplitude 1."""
@@ -160,6 +164,11 @@ class BaseScene(Part):
         system = self.system
         for ingredient in self.ingredients:
             ingredient.refuse_system(self, system)
+        if system.inner_mass is not None and (physics.exchanges(system) or self.wanted):
+            raise ValueError(
+                "atoms inside the beads: no damping, push, drive, window or other scheme than verlet is known beside "
+                "them; leave one out"
+            )
         self._check_motion(system)
         self.output.refuse(self)
         self._check_times()
@@ -386,17 +395,23 @@ class BaseScene(Part):
         loads = tuple(load for ingredient in self.ingredients for load in ingredient.loads(self))
         motions = tuple(motion for ingredient in self.ingredients for motion in ingredient.motions(self))
         taken = {fact for ingredient in self.ingredients for fact in ingredient.lacks(self)}
+        taken |= {Fact.SECOND_ORDER} if any(load.law.jumps for load in loads) else set()
         static = sum((ingredient.static(self, mass) for ingredient in self.ingredients), np.float64(0.0))
+        inner_mass, inner_links = self._inner
+        if inner_mass is not None or any(hasattr(link.law, "remember") for link in touching):
+            taken |= {Fact.FRAMES, Fact.ENERGY, Fact.MOMENTUM, Fact.FRONT, Fact.REVERSIBLE}
         system = System(
             chains=self.chains,
             beads=self.beads,
             kicks=tuple((kick.chain, kick.bead, kick.velocity / scale.velocity) for kick in self.kicks),
             mass=mass,
             links=(*touching, *made),
-            lacks=frozenset(taken | ({Fact.SECOND_ORDER} if any(load.law.jumps for load in loads) else set())),
+            lacks=frozenset(taken),
             loads=loads,
             motions=motions,
             dampers=tuple(link for ingredient in self.ingredients for link in ingredient.dampers(self)),
+            inner_mass=inner_mass,
+            inner_links=inner_links,
         )
         if not np.any(static):
             return system
@@ -404,6 +419,17 @@ class BaseScene(Part):
             return under_load(system, np.broadcast_to(static, (self.chains, self.beads + 1)))
         except LoadError as error:
             raise ValueError(f"{self._loaded_by}: {error}") from None
+
+    @property
+    def _inner(self) -> tuple[Floats | None, tuple[Across, ...]]:
+        """Masses of all atoms beside the beads, and their links; lines of one ingredient after those of another."""
+        masses: list[Floats] = []
+        links: list[Across] = []
+        for ingredient in self.ingredients:
+            if (found := ingredient.inner(self)) is not None:
+                links += [link.counted_on(self.chains, sum(map(len, masses))) for link in found.links]
+                masses.append(found.mass)
+        return (np.vstack(masses) if masses else None), tuple(links)
 
     @property
     def _loaded_by(self) -> str:

@@ -42,6 +42,11 @@ class System:
     dampers: tuple[Link, ...] = ()
     """Forces against velocities: links with laws of damping."""
 
+    inner_mass: NDArray[np.float64] | None = None
+    """[line, bead] of atoms that are no bead of a chain, in lines of as many as a chain has, which no frame shows."""
+    inner_links: tuple[Across, ...] = ()
+    """Links of these lines, which count on from the chains, with chains and each other."""
+
     def __eq__(self, other: object) -> bool:
         """Whether all is the same, to the last number of every array."""
         if type(self) is not type(other):

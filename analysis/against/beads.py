@@ -47,7 +47,7 @@ def identify_beads(trajectory: Trajectory) -> Felt | None:
     """
     problem = trajectory.problem
     system = problem.system
-    if problem.recorded is not None or trajectory.frames < 10 or problem.chains * problem.beads > MOST:
+    if not problem.forces_known or trajectory.frames < 10 or problem.chains * problem.beads > MOST:
         return None
     change = impulses.unexplained(trajectory)
     contacts, others = np.zeros(change[:, :, 1:].shape), []

@@ -123,7 +123,7 @@ def identify_springs(trajectory: Trajectory) -> Springs | None:
     """
     problem = trajectory.problem
     system = problem.system
-    if problem.chains < 2 or not physics.open_row(system) or problem.recorded is not None or trajectory.frames < 10:
+    if problem.chains < 2 or not physics.open_row(system) or not problem.forces_known or trajectory.frames < 10:
         return None
     if system.motions:  # by forces that nobody knows
         return None
@@ -175,7 +175,7 @@ def identify_strengths(trajectory: Trajectory) -> Strengths | None:
     and where the impulses of two kinds of link cannot be told apart.
     """
     problem = trajectory.problem
-    if problem.recorded is not None or trajectory.frames < 10:
+    if not problem.forces_known or trajectory.frames < 10:
         return None
     change = _but_for_driven(impulses.unexplained(trajectory), problem)
     given = [(link, impulses.of_link(link, trajectory)) for link in problem.system.links]
@@ -219,7 +219,7 @@ def identify_load(trajectory: Trajectory) -> StaticLoad | None:
     """
     problem = trajectory.problem
     system = problem.system
-    if not physics.loaded(system) or problem.recorded is not None or trajectory.frames < 10:
+    if not physics.loaded(system) or not problem.forces_known or trajectory.frames < 10:
         return None
     bearing = (*system.along, *physics.walls(system))
     others = [link for link in system.links if link not in bearing]
@@ -265,7 +265,7 @@ def identify_exponent(trajectory: Trajectory) -> float | None:
     if (
         physics.exponent(system) is None
         or not physics.alike(system)
-        or problem.recorded is not None
+        or not problem.forces_known
         or trajectory.frames < 10
     ):
         return None

@@ -181,7 +181,7 @@ class ImpulseMeter:
         states = []
         for at in (frame, frame + 1):
             state = [overlap[at, chain, pair], rate[at, chain, pair]]
-            if self.problem.recorded is None:
+            if self.problem.forces_known:
                 behind = motion.acceleration_and_rate(block, at, chain, pair)[0]
                 ahead = motion.acceleration_and_rate(block, at, chain, pair + 1)[0]
                 state.append(behind - ahead)

@@ -63,7 +63,7 @@ class Brackets:
     kink: Floats
     """How far ``velocity`` and its slope may be off by forces that no polynomial follows, [0 or 1, maximum]."""
     whole: NDArray[np.bool_]
-    """Whether all beads were recorded."""
+    """Whether frames told the forces on all beads."""
 
 
 def bracketed(
@@ -72,7 +72,7 @@ def bracketed(
     """Maxima whose largest frames are given. One at frame 0 stays there but of a bead that is pushed or moved."""
     spacing = block.spacing
     x, v = block.displacement, block.velocity
-    by_equations = block.problem.recorded is None and not noisy
+    by_equations = block.problem.forces_known and not noisy
     if by_equations:
         rising = way * motion.acceleration_and_rate(block, frame, chain, bead)[0] > 0.0
         start = np.maximum(np.where(rising, frame, frame - 1), 0)
@@ -120,7 +120,7 @@ def bracketed(
         velocity=velocity,
         doubt=share * (lower - velocity),
         kink=kink,
-        whole=np.full(len(frame), block.problem.recorded is None),
+        whole=np.full(len(frame), block.problem.forces_known),
     )
 
 

@@ -73,6 +73,7 @@ def render_continuation(problem: Problem) -> str:
             "newton off                       # bit for bit the same on any number of ranks",
             *deck.neighbour_lines(problem),
             "read_restart ${restart}          # beads at rest; vy is where they are",
+            *deck.inner_lines(problem),
         ],
         *deck.interactions(problem),
         [

@@ -26,10 +26,11 @@ from lammps_inputs.decks import at_rest
 from lammps_inputs.laws import dashpot, linear
 from lammps_inputs.limits import rates
 from lammps_inputs.lines import AtomTypes, Lines
-from lammps_inputs.links import Across, Along, WallDamper, words
+from lammps_inputs.links import Across, Along, Link, WallDamper, words
 from lammps_inputs.numbers import text
 from lammps_inputs.problem import Problem
 from lammps_inputs.scene import Scene
+from lammps_inputs.system import System
 from lammps_inputs.units import sphere_density
 
 COLUMNS = ("id", "x", "vx")
@@ -44,10 +45,15 @@ def render(scene: Scene) -> dict[str, str]:
     """
     problem = scene.problem()
     return {
-        file_names.SCENE: strict_yaml.dump(scene.resolved().plain()),
+        file_names.SCENE: render_scene(scene),
         file_names.DECK: render_deck(problem),
         file_names.DATA: render_data(problem),
     }
+
+
+def render_scene(scene: Scene) -> str:
+    """The text of ``scene.yaml``, every default written out."""
+    return strict_yaml.dump(scene.resolved().plain())
 
 
 def write(scene: Scene, directory: Path) -> None:
@@ -69,6 +75,7 @@ def render_deck(problem: Problem) -> str:
             "boundary s f f                   # a bead thrown back is kept; no periodic images",
             *neighbour_lines(problem),
             f"read_data {file_names.DATA}",
+            *inner_lines(problem),
             *_mass_lines(problem),
         ],
         *interactions(problem),
@@ -106,6 +113,17 @@ def neighbour_lines(problem: Problem) -> list[str]:
     ]
 
 
+def inner_lines(problem: Problem) -> list[str]:
+    """Tells inner atoms, which touch nothing, from beads; none where there are none."""
+    if problem.system.inner_mass is None:
+        return []
+    return [
+        f"group beads id 1:{problem.chains * problem.beads}",
+        "group inner subtract all beads",
+        "neigh_modify exclude group inner all   # atoms inside the beads touch nothing",
+    ]
+
+
 def spelling(problem: Problem) -> list[Lines]:
     """What the laws on the links, and the loads, are to LAMMPS, in their order.
 
@@ -115,19 +133,34 @@ def spelling(problem: Problem) -> list[Lines]:
     return [*_of_links(problem), *_from_outside(problem)]
 
 
+def _spelled(system: System) -> tuple[Link, ...]:
+    """The links that have lines of their own, in the order of these; dashpots of contacts and walls are with those."""
+    dampers = (link for link in system.dampers if not isinstance(link, Along | WallDamper))
+    return (*system.links, *dampers, *system.inner_links)
+
+
 @functools.lru_cache(maxsize=1)  # types of atoms that tell contacts apart take a second of many beads
 def _of_links(problem: Problem) -> tuple[Lines, ...]:
-    found = []
-    for link in (
-        *problem.system.links,
-        *(link for link in problem.system.dampers if not isinstance(link, Along | WallDamper)),
-    ):
-        kind = "along" if isinstance(link, Along) else "across" if isinstance(link, Across) else "ground"
-        spell = getattr(link.law, kind, None)
-        if spell is None:
-            raise ValueError(f"{link.name}: LAMMPS does not know this force; use the reference engine")
-        found.append(spell(link if isinstance(link, Across) else link.name, problem.layout))
-    return tuple(found)
+    if why := refusal(problem.system):
+        raise ValueError(why)
+    return tuple(
+        getattr(link.law, _kind(link))(link if isinstance(link, Across) else link.name, problem.layout)
+        for link in _spelled(problem.system)
+    )
+
+
+def refusal(system: System) -> str:
+    """Why there are no words of LAMMPS for a system; empty where there are."""
+    unknown = next((link.name for link in _spelled(system) if not hasattr(link.law, _kind(link))), None)
+    if unknown is not None:
+        return f"{unknown}: LAMMPS does not know this force; use the reference engine"
+    if system.inner_mass is not None and system.ground:
+        return "atoms inside the beads: LAMMPS knows no ground beside them; use the reference engine"
+    return ""
+
+
+def _kind(link: Link) -> str:
+    return "along" if isinstance(link, Along) else "across" if isinstance(link, Across) else "ground"
 
 
 def _from_outside(problem: Problem) -> list[Lines]:
@@ -157,7 +190,7 @@ def motion_lines(problem: Problem, group: str) -> list[str]:
         *at_rest.hold_lines(system),
         *(line for found in _from_outside(problem) for line in found.motion),
     ]
-    if physics.coupled(system):
+    if _tied(system):
         lines.append("fix line all lineforce 1 0 0     # beads move along their chain only")
     return lines
 
@@ -172,9 +205,10 @@ def output_lines(problem: Problem, every: str, dump: str, snapshots: str = file_
 
     The group ``recorded`` exists where not all beads are.
     """
-    recorded = "all" if problem.recorded is None else "recorded"
+    beads = "all" if problem.system.inner_mass is None else "beads"
+    recorded = beads if problem.recorded is None else "recorded"
     whole = [
-        f"dump snapshots all custom $({problem.frames_per_snapshot}*v_every:%.0f) {snapshots} {' '.join(COLUMNS)}",
+        f"dump snapshots {beads} custom $({problem.frames_per_snapshot}*v_every:%.0f) {snapshots} {' '.join(COLUMNS)}",
         "dump_modify snapshots flush yes time yes",
     ]
     return [
@@ -200,6 +234,8 @@ def _mass_lines(problem: Problem) -> list[str]:
         ]
     if not isinstance(problem.system.mass, float):
         return []
+    if problem.system.inner_mass is not None:
+        return ["set group beads mass 1.0         # exact; the data file's density is within rounding"]
     return ["set group all mass 1.0           # exact; the data file's density is within rounding"]
 
 
@@ -223,9 +259,14 @@ def columns(problem: Problem) -> tuple[str, ...]:
     return COLUMNS if problem.window is None else WINDOW_COLUMNS
 
 
+def _tied(system: System) -> bool:
+    """Whether atoms of different lines are bonded."""
+    return bool(system.across or system.inner_links)
+
+
 def _bonded(problem: Problem) -> bool:
     """Whether atoms carry bonds and molecules."""
-    return physics.coupled(problem.system) or problem.window is not None
+    return _tied(problem.system) or problem.window is not None
 
 
 def _atom_style(problem: Problem) -> str:
@@ -286,7 +327,7 @@ def number_lines(problem: Problem) -> list[str]:
 def _bonds(problem: Problem) -> list[tuple[int, int, NDArray[np.int64]]]:
     """Both chains of every edge, from 0, and the types of its bonds in the rows that exist; 0 where there is none."""
     found, before = [], 0
-    for link, lines in zip(problem.system.links, spelling(problem), strict=False):  # loads come last
+    for link, lines in zip(_spelled(problem.system), _of_links(problem), strict=True):
         if isinstance(link, Across) and lines.bonds is not None:
             numbered = np.where(lines.bonds > 0, lines.bonds + before, 0)
             before += len(lines.coefficients)
@@ -316,42 +357,44 @@ def render_data(problem: Problem) -> str:
     The molecule is the chain, or in a window the row.
     """
     system = problem.system
-    chains, beads, spacing = problem.chains, problem.rows, problem.layout.spacing
+    lines, beads, spacing = physics.lines(system), problem.rows, problem.layout.spacing
+    mass = physics.mass_of_atoms(system)
     bonds = _bonds(problem)
     by_contact = _types(problem)
     types = by_contact.count if by_contact is not None else 1 if problem.recorded is None else 2
     out = io.StringIO()
-    out.write(f"granchain: {problem.name}\n\n{chains * beads} atoms\n{types} atom types\n")
-    if physics.coupled(system):
+    out.write(f"granchain: {problem.name}\n\n{lines * beads} atoms\n{types} atom types\n")
+    if _tied(system):
         count, kinds = sum(np.count_nonzero(kind) for *_, kind in bonds), max(int(kind.max()) for *_, kind in bonds)
         out.write(f"{count} bonds\n{kinds} bond types\n")
     apart = 2.0 * (problem.layout.diameter + physics.gap(system))
     side = text(apart)
     out.write(f"\n0 {text((beads + 1) * spacing)} xlo xhi\n")
-    out.write(f"-{side} {text(apart * chains)} ylo yhi\n-{side} {side} zlo zhi\n")
+    out.write(f"-{side} {text(apart * lines)} ylo yhi\n-{side} {side} zlo zhi\n")
     places = [text(x) for x in problem.layout.places[0, :beads]]
-    kind = np.ones(beads, dtype=int)
+    ones = np.ones(beads, dtype=int)
+    kind = ones.copy()
     if problem.recorded is not None:
         kind[problem.recorded_beads - 1] = 2
     diameter, unit = text(problem.layout.diameter), sphere_density(problem.layout.diameter)
     same_size = f"{diameter} {text(unit)}"
     out.write(f"\nAtoms # {_atom_style(problem)}\n\n")
-    for chain in range(chains):
-        first, y = chain * beads + 1, text(apart * chain)
-        of_chain = kind if by_contact is None else by_contact.of[chain]
+    for line in range(lines):
+        first, y = line * beads + 1, text(apart * line)
+        of_line = ones if line >= problem.chains else kind if by_contact is None else by_contact.of[line]
         sizes: Iterator[str] = itertools.repeat(same_size, beads)
-        if not isinstance(system.mass, float):
-            sizes = (f"{diameter} {text(unit * mass)}" for mass in system.mass[chain].tolist())
-        if not physics.even(problem.system):
-            places = [text(x) for x in problem.layout.places[chain]]
-        rows = enumerate(zip(of_chain.tolist(), places, sizes, strict=True))
+        if not isinstance(mass, float):
+            sizes = (f"{diameter} {text(unit * one)}" for one in mass[line].tolist())
+        if not physics.even(system) and line < problem.chains:
+            places = [text(x) for x in problem.layout.places[line]]
+        rows = enumerate(zip(of_line.tolist(), places, sizes, strict=True))
         if problem.window is not None:
             out.writelines(f"{first + i} {t} {x} {y} 0 {size} {i + 1}\n" for i, (t, x, size) in rows)
-        elif physics.coupled(system):
-            out.writelines(f"{first + i} {t} {x} {y} 0 {size} {chain + 1}\n" for i, (t, x, size) in rows)
+        elif _tied(system):
+            out.writelines(f"{first + i} {t} {x} {y} 0 {size} {line + 1}\n" for i, (t, x, size) in rows)
         else:
             out.writelines(f"{first + i} {t} {size} {x} {y} 0\n" for i, (t, x, size) in rows)
-    if physics.coupled(system):
+    if _tied(system):
         out.write("\nBonds\n\n")
         bond = 0
         for one, other, kind_of in bonds:

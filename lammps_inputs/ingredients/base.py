@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from lammps_inputs.facts import Fact
 from lammps_inputs.laws import Law, Parameter
-from lammps_inputs.links import Link
+from lammps_inputs.links import Across, Link
 from lammps_inputs.loads import Load, Motion
 
 if TYPE_CHECKING:
@@ -32,6 +32,18 @@ class Part(BaseModel):
 
     example: ClassVar[str] = ""
     """A valid value in YAML, shown where something else than keys and values is given."""
+
+
+class Inner(NamedTuple):
+    """Atoms that are no bead of a chain, such as a mass inside each bead; no frame or table shows them.
+
+    Attributes:
+        mass: [line, bead], of lines of as many atoms as a chain has.
+        links: of lines, which count on from the chains, with chains and each other.
+    """
+
+    mass: NDArray[np.float64]
+    links: tuple[Across, ...]
 
 
 class Ingredient(Part):
@@ -85,6 +97,10 @@ class Ingredient(Part):
     def dampers(self, scene: "BaseScene") -> tuple[Link, ...]:  # noqa: ARG002
         """Links with laws of damping (`lammps_inputs.laws.dashpot`), dimensionless; they store no energy."""
         return ()
+
+    def inner(self, scene: "BaseScene") -> Inner | None:  # noqa: ARG002
+        """Atoms beside the beads that it adds, dimensionless; frames then do not tell forces (`Fact.FRAMES`)."""
+        return None
 
     def lacks(self, scene: "BaseScene") -> frozenset[Fact]:
         """What no longer holds in this scene."""

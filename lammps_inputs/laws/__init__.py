@@ -10,6 +10,11 @@ in which the law has them, as scalars or arrays:
 - ``reach(energy, ...)``: largest strain to which an energy can bring it;
 - ``stiffest(energy, ...)``, only where `stiffest_of_each` would not find it: largest stiffness at such an energy.
 
+A law whose force depends on the past has two more, of which the reference integrator keeps one number for each contact:
+
+- ``recalled(s, memory, ...)``: force; ``force`` is then that of a contact without a past, where the memory is 0;
+- ``remember(s, memory, ...)``: memory after a time step that ends at a strain.
+
 They are written without branches, so that NumPy takes them as they are and the reference's kernel compiles them into
 vector instructions. Methods ``along``, ``across`` and ``ground``, where a law has them, spell it in LAMMPS on that kind
 of link (`lammps_inputs.links`). They take the link's name, ``across`` the link itself, whose edges become bonds, and

@@ -63,7 +63,7 @@ class Linear(NamedTuple):
         relative displacement at any lateral distance. (With r0 = the distance it would be cubic.)
         """
         values, bonds = bonds_by_value(self, (len(link.edges), layout.beads))
-        one = len(values) == 1 and len(layout.system.across) == 1
+        one = len(values) == 1 and layout.system.across == (link,)
         stiffness = ["$(v_kappa/2:%.17g)"] if one else [text(spring / 2.0) for (spring,) in values]
         return Lines(
             bonds=bonds,

@@ -102,7 +102,19 @@ def _on_beads(system: System, contact: Any) -> NDArray[np.float64]:
 def _springs(system: System) -> float:
     across = (_row(system, link) for link in system.across)
     held = (laws.stiffest(link.law, physics.energy(system)) for link in physics.ground_springs(system))
-    return sum((*across, *held), 0.0) / float(np.min(system.mass))
+    return sum((*across, *held), 0.0) / float(np.min(system.mass)) + _inner(system)
+
+
+def _inner(system: System) -> float:
+    """Bound on what links to inner atoms do to each atom's motion: twice the sum of all at it."""
+    if system.inner_mass is None:
+        return 0.0
+    total = np.zeros((physics.lines(system), system.beads))
+    for link in system.inner_links:
+        stiffest = laws.stiffest_of_each(link.law, physics.energy(system))
+        for ends, of_edge in zip(link.edges, np.broadcast_to(stiffest, (len(link.edges), system.beads)), strict=True):
+            total[list(ends)] += 2.0 * of_edge
+    return float(np.max(total / physics.mass_of_atoms(system)))
 
 
 def _row(system: System, link: Across) -> float:

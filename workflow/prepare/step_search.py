@@ -196,6 +196,8 @@ def _shorter(problem: Problem, share: float) -> Problem:
             links=tuple(link.on(kept) for link in system.links),
             dampers=tuple(link.on(kept) for link in system.dampers),
             mass=physics.mass_of(system, Ellipsis, kept),
+            inner_mass=None if system.inner_mass is None else system.inner_mass[:, kept],
+            inner_links=tuple(link.on(kept) for link in system.inner_links),
             kicks=tuple((chain, place[bead], velocity) for chain, bead, velocity in system.kicks),
             loads=tuple(load.at(place[load.bead]) for load in system.loads),
             motions=tuple(motion.at(place[motion.bead]) for motion in system.motions),

@@ -3,7 +3,7 @@
 import math
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, ClassVar
@@ -13,6 +13,7 @@ from analysis.files.recording import Writer
 from analysis.quantity import csv_of
 from analysis.trajectory import Trajectory
 from lammps_inputs import InputError, Problem, Scene, file_names, physics
+from lammps_inputs.decks import deck
 from workflow.cluster import ranks as model
 from workflow.engines.lammps import engine as lammps_engine
 from workflow.prepare.settings import Settings
@@ -52,12 +53,14 @@ class Engine(ABC):
         name: in commands and records.
         own_step: whether it computes with the time step of the scene, so that its error is measured by the reference.
         deforms: whether beads have overlaps and forces.
+        inputs: names of the files that it begins with.
         files: what it may leave in a run's directory before it is analysed.
     """
 
     name: ClassVar[str]
     own_step: ClassVar[bool] = False
     deforms: ClassVar[bool] = True
+    inputs: ClassVar[tuple[str, ...]] = (file_names.SCENE,)
     files: ClassVar[tuple[str, ...]] = (file_names.SCENE, RECORD, file_names.DUMP, EVENTS)
 
     def refusal(self, scene: Scene) -> str:
@@ -69,9 +72,9 @@ class Engine(ABC):
         """Why it cannot run chains of so many beads on a number of ranks; empty where it can."""
         return "" if ranks == 1 else f"the engine {self.name!r} runs on one core; {ranks} given"
 
-    def begins_with(self, files: Mapping[str, str]) -> dict[str, str]:
-        """What it needs of the files of a deck."""
-        return {file_names.SCENE: files[file_names.SCENE]}
+    def begins_with(self, scene: Scene) -> dict[str, str]:
+        """Name and text of the files that it begins with."""
+        return {file_names.SCENE: deck.render_scene(scene)}
 
     def seconds(self, problem: Problem, ranks: int) -> float | None:  # noqa: ARG002  those that have an estimate use both
         """Estimated time of a run; None where there is no estimate."""
@@ -98,16 +101,17 @@ class Engine(ABC):
 class _Lammps(Engine):
     name = "lammps"
     own_step = True
+    inputs = (file_names.SCENE, file_names.DECK, file_names.DATA)
     files = LAMMPS_FILES
 
-    def refusal(self, scene: Scene) -> str:  # noqa: ARG002  it computes whatever a scene can say
-        return ""
+    def refusal(self, scene: Scene) -> str:
+        return deck.refusal(scene.system)
 
     def refused_ranks(self, ranks: int, beads: int) -> str:
         return lammps_engine.refused_ranks(ranks, beads)
 
-    def begins_with(self, files: Mapping[str, str]) -> dict[str, str]:
-        return dict(files)
+    def begins_with(self, scene: Scene) -> dict[str, str]:
+        return deck.render(scene)
 
     def seconds(self, problem: Problem, ranks: int) -> float | None:
         return model.cost(problem, ranks).seconds

@@ -11,7 +11,7 @@ from pathlib import Path
 from analysis.files import recording
 from analysis.files.binary_dump import BinaryDump, CutDumpWarning, NoFrameError
 from lammps_inputs import InputError, Problem, file_names, library
-from lammps_inputs.decks import continuation, deck
+from lammps_inputs.decks import continuation
 from workflow.engines.lammps import engine as lammps_engine
 from workflow.engines.lammps import live_peaks, restarts
 from workflow.prepare.settings import Settings
@@ -116,17 +116,15 @@ def _with_its_files(path: Path) -> tuple[RunDirectory, Job]:
         InputError: they were changed.
     """
     result = begun(path)
-    job = result.job
-    deck_files = dict.fromkeys((file_names.SCENE, file_names.DECK, file_names.DATA), "")
-    expected = list(ENGINES[result.engine].begins_with(deck_files))
+    job, engine = result.job, ENGINES[result.engine]
     # what is no text is not what was written either
-    files = {name: (path / name).read_text("utf-8", "replace") for name in expected if (path / name).is_file()}
-    missing = [name for name in expected if name not in files]
+    files = {name: (path / name).read_text("utf-8", "replace") for name in engine.inputs if (path / name).is_file()}
+    missing = [name for name in engine.inputs if name not in files]
     if missing and job.scene is not None:  # killed before all were there
-        rendered = deck.render(library.from_plain(job.scene, str(path / RECORD)))
+        rendered = engine.begins_with(library.from_plain(job.scene, str(path / RECORD)))
         files |= {name: rendered[name] for name in missing}
     if fingerprint(files) != job.files_sha256:
-        names = ", ".join(expected)
+        names = ", ".join(engine.inputs)
         raise InputError(
             f"{path}: {names} are not those that the run was begun with; run the scene again with --overwrite"
         )

@@ -12,7 +12,6 @@ from pathlib import Path
 
 from analysis.trajectory import Measured, Trajectory
 from lammps_inputs import InputError, Scene, file_names, html
-from lammps_inputs.decks import deck
 from workflow.engines.lammps import engine as lammps_engine
 from workflow.engines.reference import engine as reference
 from workflow.errors import EndedError, RunError
@@ -111,7 +110,7 @@ def run(
         settings = None
     problem = scene.problem()
     refuse_too_long(scene, scene.name, what, ranks)
-    files = what.begins_with(deck.render(scene))
+    files = what.begins_with(scene)
     with prepared(path, what.files, overwrite=overwrite) as lock:
         with replacing(path, what.files):
             write_text(path / file_names.SCENE, files[file_names.SCENE])

@@ -70,14 +70,14 @@ class Travel:
 
         The first rank may say a word to all: it travels as the lateral velocity of its beads, which is zero otherwise.
         """
-        problem = self._problem
-        shape = (problem.chains, problem.rows, 3)
-        x = np.ctypeslib.as_array(self._lmp.gather_atoms("x", 1, 3)).reshape(shape)[:, :, 0]
+        problem, chains = self._problem, self._problem.chains
+        shape = (physics.lines(problem.system), problem.rows, 3)
+        x = np.ctypeslib.as_array(self._lmp.gather_atoms("x", 1, 3)).reshape(shape)[:chains, :, 0]
         own = self._lmp.numpy.extract_atom("v")[:, 2]
         own[:] = word
         v = np.ctypeslib.as_array(self._lmp.gather_atoms("v", 1, 3)).reshape(shape)
         own[:] = 0.0
-        self.heard, v = float(v[:, :, 2].max()), v[:, :, 0]
+        self.heard, v = float(v[:, :, 2].max()), v[:chains, :, 0]
         row = np.arange(self.first, self.first + problem.rows)
         if self.first > 1:
             place = (row - 1) % problem.rows

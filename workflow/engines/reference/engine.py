@@ -96,7 +96,7 @@ def blocks(
     x, v = state.x, state.v
     chains = problem.chains
     recorded = _recorded(problem, state, 0.0)
-    start = x[recorded].T[np.newaxis].copy(), v[recorded].T[np.newaxis].copy()
+    start = x[recorded, :chains].T[np.newaxis].copy(), v[recorded, :chains].T[np.newaxis].copy()
     counts = scheme is not VERLET and physics.exchanges(problem.system)
     none = np.zeros((1, len(LEDGER))) if counts else None
     yield Trajectory(problem, np.zeros(1), *start, _first(problem, recorded), none)
@@ -200,8 +200,8 @@ def make_state(problem: Problem, window: int | None, *, as_lammps: bool = False,
     least = last - first + 30
     if window is not None and window < least:
         raise ValueError(f"a window of {window} rows is too narrow; at least {least}")
-    x, v = np.zeros((2, problem.beads + 2, problem.chains))
-    v[1:-1] = physics.initial_velocity(system).T
+    x, v = np.zeros((2, problem.beads + 2, physics.lines(problem.system)))
+    v[1:-1, : problem.chains] = physics.initial_velocity(system).T
     span = np.array([first, last, problem.beads if window is None else window, 1])
     made = kernel.make_kernel(system, as_lammps=as_lammps, step=step)
-    return State(x, v, span, made, kernel.make_state(x, v, span, made.room))
+    return State(x, v, span, made, kernel.make_state(x, v, span, made))

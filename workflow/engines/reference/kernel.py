@@ -36,7 +36,7 @@ Integers = NDArray[np.int64]
 
 
 class State(NamedTuple):
-    """What the compiled step advances in place; a law with a memory would have it here, as one more array."""
+    """What the compiled step advances in place."""
 
     x: Floats
     """Displacements, [bead + 2, chain] flat, as all that follows."""
@@ -59,6 +59,8 @@ class State(NamedTuple):
     of one that is dragged along."""
     work: Floats
     """[1]: work of loads, and of beads whose motion is given against forces."""
+    memory: tuple[Floats, ...]
+    """What contacts remember, for each law whose force depends on the past."""
 
 
 class Steps(NamedTuple):
@@ -87,18 +89,17 @@ class Passing(NamedTuple):
     v_before: Floats
 
 
-def make_state(x: Floats, v: Floats, span: Integers, room: int) -> State:
+def make_state(x: Floats, v: Floats, span: Integers, kernel: "Kernel") -> State:
     """A state with displacements and velocities [bead + 2, chain], which are advanced in place.
 
     Args:
         x, v, span: see `State`.
-        room: arrays that the kernel must have room for.
+        kernel: what is to advance it.
     """
     size = x.size
-    spare = tuple(np.zeros(size) for _ in range(room))
-    return State(
-        x.reshape(-1), v.reshape(-1), np.zeros(size), span, x.shape[1], spare, np.zeros((4, size)), np.zeros(1)
-    )
+    room, memory = (tuple(np.zeros(size) for _ in range(count)) for count in (kernel.room, kernel.memories))
+    push, lost, work = np.zeros(size), np.zeros((4, size)), np.zeros(1)
+    return State(x.reshape(-1), v.reshape(-1), push, span, x.shape[1], room, lost, work, memory)
 
 
 @dataclass(frozen=True)
@@ -111,11 +112,13 @@ class Kernel:
             ``follow(state, parameters, scheme, first_step, steps, threshold, passing)``.
         parameters: of the laws.
         room: arrays that the state must have room for.
+        memories: arrays of what contacts remember.
     """
 
     program: Any
     parameters: tuple[Any, ...]
     room: int
+    memories: int
 
 
 def make_kernel(system: System, *, as_lammps: bool = False, step: float = 0.0) -> Kernel:
@@ -127,7 +130,8 @@ def make_kernel(system: System, *, as_lammps: bool = False, step: float = 0.0) -
         step: of LAMMPS, where masses depend on it.
     """
     terms, parameters = make_terms(system, as_lammps=as_lammps, step=step)
-    return Kernel(_program(terms), parameters, len(_ROOM[terms.dashpots].split(", ")) if terms.dampers else 0)
+    room = len(_ROOM[terms.dashpots].split(", ")) if terms.dampers else 0
+    return Kernel(_program(terms), parameters, room, len(terms.memories))
 
 
 _ROOM = {
@@ -218,14 +222,16 @@ class _Writer:
             "counts_lost": terms.counts_lost,
             "counts_work": terms.counts_work,
             "moved_with_loss": terms.moved_with_loss,
+            "remembers": bool(terms.memories),
         }
-        known = {"per_mass": terms.per_mass, "row": terms.row, "rooms": _ROOM[terms.dashpots]}
+        names = {"rooms": _ROOM[terms.dashpots], "memories": "".join(f"{name}, " for name in terms.memories)}
+        known = {"per_mass": terms.per_mass, "row": terms.row, **names}
         return _filled(section, **asked, **known, **places).strip("\n").split("\n")
 
     def _parts_of_a_step(self) -> dict[str, str | list[str]]:
         """Places of the functions that take steps."""
         kind = self._terms.dashpots
-        press = self._lines(template.PRESS, contact=self._sum(self._terms.contacts, "force")[1])
+        press = self._lines(template.PRESS, contact=self._contact_force())
         kick = self._kick("v", "factor")
         if kind == "half step":
             kick += self._lines(template.DRAG_AS_LAMMPS)
@@ -243,6 +249,7 @@ class _Writer:
             kick_by_means=self._kicks_by_means() if self._terms.as_lammps else [],
             hold=self._held_motions() if self._terms.counts_work else [],
             drift=drift,
+            remembered=self._remembered(),
         )
         return {
             "unpacked": self._lines(template.UNPACKED),
@@ -253,6 +260,24 @@ class _Writer:
             "held_by_dashpots": self._held_by_dashpots() if self._terms.moved_with_loss else [],
             "kick": self._kick("a", "1.0"),
         }
+
+    def _contact_force(self) -> str:
+        """Source of the force of all contacts at k, those of laws that remember with their memory."""
+        return " + (".join(
+            self._call(term, "recalled", term.strain, f"{term.memory}[k]")
+            if term.memory
+            else self._call(term, "force", term.strain)
+            for term in self._terms.contacts
+        ) + ")" * (len(self._terms.contacts) - 1)
+
+    def _remembered(self) -> list[str]:
+        """Lines that note, after a step, what contacts remember of it."""
+        lines = []
+        for term in self._terms.contacts:
+            if term.memory:
+                noted = self._call(term, "remember", term.strain, f"{term.memory}[k]")
+                lines += self._lines(template.REMEMBER, memory=term.memory, noted=noted)
+        return lines
 
     def _kick(self, target: str, factor: str) -> list[str]:
         loops, others = self._other_forces()

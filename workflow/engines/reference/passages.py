@@ -74,12 +74,12 @@ def passages(
     steps, kernel = Steps(np.array(scheme.kicks), np.array(scheme.drifts), timestep), state.kernel
     last = problem.beads if until_bead is None else until_bead
     total, chunk, done, let_go = int(np.ceil(problem.duration / timestep)), 1000, 0, 0.0
-    while done < total and np.any(np.isnan(arrival[last])):
+    while done < total and np.any(np.isnan(arrival[last, : problem.chains])):
         count = min(chunk, total - done)
         fastest = kernel.program.follow(state.compiled, kernel.parameters, steps, done, count, threshold, passing)
         let_go = max(let_go, fastest)
         done += count
-    found = ~np.isnan(arrival[1:-1].T)
-    chain, row = np.nonzero(found)
-    waves = with_speeds(chain + 1, row + 1, arrival[1:-1].T[found], peak[1:-1].T[found])
+    arrival, peak = (values[1:-1, : problem.chains].T for values in (arrival, peak))
+    chain, row = np.nonzero(~np.isnan(arrival))
+    waves = with_speeds(chain + 1, row + 1, arrival[chain, row], peak[chain, row])
     return Passages(waves, let_go, done * timestep)

@@ -82,6 +82,14 @@ for stage in range(kicks.shape[0]):
         if first > 1 and last - first + 1 < span[2] and displaced(x, first * chains, (first + 1) * chains):
             first -= 1
         span[0], span[1] = first, last
+{remembered}
+"""
+
+REMEMBER = """
+low, high = uint64(span[0] * chains), uint64((span[1] + 1) * chains)
+for k in range(low + {row}, high):
+    {memory}[k] = {noted}
+span[3] = 1
 """
 
 ADVANCE = '''
@@ -95,7 +103,7 @@ def advance(state, p, scheme, first_step, steps, recorded, frames):
             time = (first_step + number) * h
             {step}
         {velocities}
-        for j in range(chains):
+        for j in range(frames.x.shape[1]):
             for k in range(recorded.shape[0]):
                 frames.x[frame, j, k] = x[recorded[k] * chains + j]
                 frames.v[frame, j, k] = {actual}[recorded[k] * chains + j]
@@ -109,7 +117,8 @@ def advance(state, p, scheme, first_step, steps, recorded, frames):
 '''
 
 UNPACKED = """
-x, v, push, span, chains, room, lost, work = state
+x, v, push, span, chains, room, lost, work, memory = state
+?remembers {memories} = memory
 ?damped {rooms} = room
 kicks, drifts, h = scheme
 """

@@ -6,7 +6,7 @@ systems have the same.
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -33,6 +33,7 @@ class Term:
         parameters: source of each at k.
         over: array that the term is a loop over: distances to other beads, or the places of a law in time.
         sums: room for three sums over distances, [sum, place].
+        memory: array of what the law remembers; empty of one that knows no past.
     """
 
     law: Any
@@ -41,6 +42,7 @@ class Term:
     parameters: tuple[str, ...]
     over: str = ""
     sums: str = ""
+    memory: str = ""
 
 
 @dataclass(frozen=True)
@@ -81,6 +83,11 @@ class Terms:
         return self.counts_lost and self.counts_work and bool(self.motions)
 
     @property
+    def memories(self) -> tuple[str, ...]:
+        """Arrays of what contacts remember."""
+        return tuple(term.memory for term in self.contacts if term.memory)
+
+    @property
     def pushed_in_drifts(self) -> bool:
         """Whether loads or motions act while beads drift."""
         return bool(self.motions or (self.loads and not self.as_lammps))
@@ -89,7 +96,7 @@ class Terms:
 def make_terms(system: System, *, as_lammps: bool, step: float) -> tuple[Terms, tuple[Any, ...]]:
     """The terms of a system and their parameters; arguments as for `kernel.make_kernel`."""
     taken = _Parameters(system)
-    row, gap = taken.add("row", np.uint64(system.chains)), taken.add("gap", physics.gap(system))
+    row, gap = taken.add("row", np.uint64(physics.lines(system))), taken.add("gap", physics.gap(system))
     between = f"x[k - {row}] - x[k] - {gap}", f"v[k - {row}] - v[k]"
     ends = {kind: [link for link in system.dampers if isinstance(link, kind)] for kind in (Along, Across, Ground)}
     walls = [link for link in ends[Ground] if isinstance(link, WallDamper)]
@@ -97,8 +104,11 @@ def make_terms(system: System, *, as_lammps: bool, step: float) -> tuple[Terms, 
     cut = any(dashpot.cut(link.law) for link in system.dampers)
     inverse = _inverse_mass(system, step if as_lammps and physics.centred(system) else 0.0)
     terms = Terms(
-        contacts=tuple(taken.term(link.law, *between, first=2) for link in system.along),
-        across=taken.terms(system.across),
+        contacts=tuple(
+            replace(taken.term(link.law, *between, first=2), memory=f"memory_{n}" * hasattr(link.law, "remember"))
+            for n, link in enumerate(system.along)
+        ),
+        across=taken.terms((*system.across, *system.inner_links)),
         ground=taken.terms(system.ground),
         dampers=(
             tuple(taken.term(link.law, *between, first=2) for link in ends[Along]),
@@ -123,6 +133,7 @@ class _Parameters:
         self.names: list[str] = []
         self.values: list[Any] = []
         self._system = system
+        self._lines = physics.lines(system)
 
     def add(self, label: str, value: Any) -> str:
         """The name of a parameter."""
@@ -133,7 +144,10 @@ class _Parameters:
     def term(self, law: Any, strain: str, rate: str, *, first: int) -> Term:
         """A law on links of which that of the first bead is in row ``first``."""
         found = []
+        chains = self._system.chains
         for label, value in zip(law._fields, law, strict=True):
+            if self._lines > chains:  # inner atoms have none of it: without parameters a law exerts no force
+                value = np.broadcast_to(value, (chains, self._system.beads + 1 - first))
             differs = np.ndim(value) > 0
             name = self.add(label, self._laid(value, first) if differs else float(value))
             found.append(f"{name}[k]" if differs else name)
@@ -154,7 +168,7 @@ class _Parameters:
         found = []
         for _, group in itertools.groupby(loads, _shape):
             alike = list(group)
-            places = [load.bead * self._system.chains + load.chain - 1 for load in alike]
+            places = [load.bead * self._lines + load.chain - 1 for load in alike]
             at = self.add("at", np.array(places, dtype=np.uint64))
             law: Any = alike[0].law
             values = zip(law._fields, zip(*(load.law for load in alike), strict=True), strict=True)
@@ -179,8 +193,8 @@ class _Parameters:
 
     def _laid(self, parameter: Floats, first: int) -> Floats:
         """A parameter that differs, laid out as the state is, that of the first link in row ``first``."""
-        rows = np.zeros((self._system.beads + 2, self._system.chains))
-        rows[first : first + parameter.shape[1]] = parameter.T
+        rows = np.zeros((self._system.beads + 2, self._lines))
+        rows[first : first + parameter.shape[1], : parameter.shape[0]] = parameter.T
         return rows.reshape(-1)
 
 
@@ -196,13 +210,13 @@ def _shape(load: Load | Motion) -> tuple[Any, ...]:
 
 def _inverse_mass(system: System, step: float) -> Floats | None:
     """One over the masses, 0 of beads whose motion is given; None where all are 1. With a step, as in LAMMPS."""
-    mass = system.mass
+    mass = physics.mass_of_atoms(system)
     if step:
         more = sum(float(np.max(dashpot.resistance(link.law, 0.0))) for link in system.dampers)
         mass = np.broadcast_to(mass + 0.5 * step * more, (system.chains, system.beads))
     if isinstance(mass, float) and not system.motions:
         return None
-    rows = np.ones((system.beads + 2, system.chains))
+    rows = np.ones((system.beads + 2, physics.lines(system)))
     rows[1:-1] /= np.transpose(mass)
     for motion in system.motions:
         rows[motion.bead, motion.chain - 1] = 0.0
@@ -218,7 +232,7 @@ def neighbours(link: Across, system: System) -> tuple[NDArray[np.uint64], list[F
     for edge, (lower, higher) in enumerate(link.edges):
         values = [np.broadcast_to(value, system.beads) for value in laws.at(link.law, edge)]
         for here, there in ((higher, lower), (lower, higher)):
-            empty = [np.zeros((system.beads + 2, system.chains)) for _ in values]
+            empty = [np.zeros((system.beads + 2, physics.lines(system))) for _ in values]
             for array, value in zip(found.setdefault(there - here, empty), values, strict=True):
                 array[1:-1, here] += value
     distances = np.array([distance % 2**64 for distance in sorted(found)], dtype=np.uint64)
