@@ -21,7 +21,7 @@
 
 import contextlib
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -96,22 +96,20 @@ class Study:
         mark(directory, self.command, done=done, result=self.result, resume=self.resume)
 
 
-def to_csv(kind: "type[DataclassInstance]", records: "Iterable[DataclassInstance]") -> str:
+def to_csv(kind: "type[DataclassInstance]", records: "Sequence[DataclassInstance]") -> str:
     """One line a record, columns as the fields of their kind."""
     return csv_text([vars(record) for record in records], [field.name for field in fields(kind)])
 
 
 def csv_text(rows: Sequence[Mapping[str, Any]], head: Sequence[str] = ()) -> str:
-    """CSV of rows by column; numbers read back exactly, and what is undefined is empty.
+    """CSV of rows by column; numbers read back exactly, what is undefined is empty, what is infinite is ``inf``.
 
     Args:
         rows: column -> value.
         head: the columns; by default those of the first row.
     """
-    return quantity.to_csv({name: [_written(row[name]) for row in rows] for name in head or rows[0]})
+    return quantity.to_csv({name: [_unbounded(row[name]) for row in rows] for name in head or rows[0]})
 
 
-def _written(value: Any) -> str:
-    if isinstance(value, float):
-        return "" if math.isnan(value) else repr(float(value))
-    return "" if value is None else str(value)
+def _unbounded(value: Any) -> Any:
+    return str(value) if isinstance(value, float) and math.isinf(value) else value

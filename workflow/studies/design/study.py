@@ -10,8 +10,6 @@
 | index.html         | the report                                                                       |
 """
 
-import csv
-import io
 import json
 import math
 from collections.abc import Callable
@@ -29,7 +27,7 @@ from workflow.studies.design.search import RULED_OUT, search, worth
 from workflow.studies.design.variables import scene_with
 from workflow.studies.kept_runs import kept_run
 from workflow.studies.measures import by_reference, of_frames, scene_to_run
-from workflow.studies.study import Study
+from workflow.studies.study import Study, csv_text
 from workflow.workers.pool import Pool
 
 REPORT, TABLE, BEST, PAGE, BESIDE = "design.json", "designs.csv", "best.yaml", "index.html", "beside"
@@ -121,16 +119,16 @@ def _in_lammps(design: Design, plain: dict[str, Any], path: Path, record: Record
 
 def _table(design: Design, records: list[Record]) -> str:
     """All designs as CSV, the best first."""
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    fields = [variable.field for variable in design.variables]
-    writer.writerow([*map(design.heading, [*fields, *design.names]), "fits", "refused"])
-    for record in sorted(records, key=lambda record: worth(design, record)):
-        values = [record.values[field] for field in fields]
-        quantities = ["" if (value := record.quantities.get(name)) is None else repr(value) for name in design.names]
-        fits = "yes" if worth(design, record) < RULED_OUT else "no"
-        writer.writerow([*map(_written, values), *quantities, fits, record.refused])
-    return out.getvalue()
+    rows = [
+        {
+            **{design.heading(one.field): _written(record.values[one.field]) for one in design.variables},
+            **{design.heading(name): record.quantities.get(name) for name in design.names},
+            "fits": "yes" if worth(design, record) < RULED_OUT else "no",
+            "refused": record.refused,
+        }
+        for record in sorted(records, key=lambda record: worth(design, record))
+    ]
+    return csv_text(rows)
 
 
 def _written(value: Any) -> str:
