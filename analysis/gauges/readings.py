@@ -30,7 +30,7 @@ class Reading:
     chain: Annotated[int, Quantity("number of the chain")]
     bead: Annotated[int, Quantity("bead at the wall; the first bead of a contact; the bead with the sensor")]
     largest: Annotated[float, Quantity("largest total force, between frames too", "force", symbol="F_m")]
-    at: Annotated[float, Quantity("time of that force", "time", NOT_ABOVE)]
+    at: Annotated[float, Quantity("time of the largest force", "time", NOT_ABOVE)]
     static: Annotated[float | None, Quantity("force at rest, which ``largest`` includes", "force", NO_LOAD, "F_0")]
     dynamic: Annotated[
         float | None, Quantity("largest force above the static one", "force", f"{NO_LOAD}, or {NOT_ABOVE}")
@@ -46,7 +46,9 @@ class Reading:
             "under a static load, frames are too far apart to show it",
         ),
     ]
-    dwell_ended: Annotated[bool | None, Quantity("whether it had ended by the end of the record", undefined=NOT_ABOVE)]
+    dwell_ended: Annotated[
+        bool | None, Quantity("whether the dwell had ended by the end of the record", undefined=NOT_ABOVE)
+    ]
     last: Annotated[
         float,
         Quantity(

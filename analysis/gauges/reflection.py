@@ -50,7 +50,8 @@ class Reflection:
     uncertainty: Annotated[
         float,
         Quantity(
-            "of that: deviation from the lines, their curvature, half of the correction for the distance, and the "
+            "uncertainty of the ratio: deviation from the lines, their curvature, half of the correction for "
+            "the distance, and the "
             "error of the peak velocities"
         ),
     ]

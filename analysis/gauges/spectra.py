@@ -21,12 +21,13 @@ class DriveLine:
 
     frequency: Annotated[float, Quantity("frequency of the drive", "cycles", symbol="f")]
     amplitude: Annotated[
-        float, Quantity("amplitude of the velocity at that frequency", "velocity", "frames are too far apart for it")
+        float,
+        Quantity("amplitude of the velocity at the drive's frequency", "velocity", "frames are too far apart for it"),
     ]
     transmissibility: Annotated[
         float,
         Quantity(
-            "that over the same of the chain's first chosen bead",
+            "that amplitude over the one of the chain's first chosen bead",
             undefined="that bead does not move, or frames are too far apart",
         ),
     ]
@@ -39,7 +40,7 @@ class HighestLine:
     chain: Annotated[int, Quantity("number of the chain")]
     bead: Annotated[int, Quantity("number of the bead")]
     frequency: Annotated[float, Quantity("frequency of the highest line of the velocity", "cycles", symbol="f")]
-    amplitude: Annotated[float, Quantity("amplitude of that line", "velocity")]
+    amplitude: Annotated[float, Quantity("amplitude of the highest line of the velocity", "velocity")]
     at_drive: Annotated[list[DriveLine], Quantity("of each drive: the line at its frequency")]
 
 

@@ -9,9 +9,11 @@ with v0 = 0.6816315 V, the amplitude in a single chain: n* = 2.709 V**0.4 / kapp
 """
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
+from analysis.quantity import Quantity
 from analysis.shape.exact_wave import HERTZ, solitary_wave
 from analysis.sharing.equipartition import Sharing
 from lammps_inputs import Problem, laws, physics
@@ -33,24 +35,17 @@ LEAST_BEADS = 10
 
 @dataclass(frozen=True)
 class DecayFit:
-    """The law fitted to the leading wave of the chain that was hit, v0 and n* free.
+    """The law fitted to the leading wave of the kicked chain, v0 and n* free."""
 
-    Attributes:
-        first, last: beads of the fit, counted from 1.
-        v0: amplitude at the kick, in units of V; 0.6816315 expected.
-        n_star: beads at which the pulse would end, counted from the bead that was hit.
-        n_star_error: standard error of the fit.
-        expected: n* from theory, for a kick of the first bead; NaN where another was kicked.
-        deviation: largest relative difference of an amplitude from the fitted law.
-    """
-
-    first: int
-    last: int
-    v0: float
-    n_star: float
-    n_star_error: float
-    expected: float
-    deviation: float
+    first: Annotated[int, Quantity("first bead of the fit")]
+    last: Annotated[int, Quantity("last bead of the fit")]
+    v0: Annotated[float, Quantity("amplitude at the kick; 0.6816315 expected", "V", symbol="v_0")]
+    n_star: Annotated[float, Quantity("beads from the kicked one at which the pulse would end", "beads", symbol="n^*")]
+    n_star_error: Annotated[float, Quantity("standard error of ``n_star``", "beads")]
+    n_star_expected: Annotated[
+        float, Quantity("``n_star`` of theory, for a kick of the first bead", "beads", "another bead was kicked")
+    ]
+    deviation: Annotated[float, Quantity("largest relative difference of an amplitude from the fitted law")]
 
 
 def expected_n_star(kappa: float, springs: int = 1) -> float:
@@ -114,6 +109,6 @@ def fit_decay(shared: Sharing, problem: Problem) -> DecayFit | None:
         v0=float(intercept**2.5),
         n_star=n_star,
         n_star_error=n_star * float(np.sqrt(max(relative, 0.0))),
-        expected=expected_n_star(springs) if hit == 1 else float("nan"),
+        n_star_expected=expected_n_star(springs) if hit == 1 else float("nan"),
         deviation=float(np.max(np.abs(law / amplitude - 1.0))),
     )

@@ -42,7 +42,9 @@ class Flow:
     centre: Annotated[
         Floats, Quantity("mean bead number of the chain's energy, [instant][chain]", "beads", undefined=NO_CENTRE)
     ]
-    spread: Annotated[Floats, Quantity("standard deviation of that number", "beads", undefined=NO_CENTRE)]
+    spread: Annotated[
+        Floats, Quantity("standard deviation of the bead number of the chain's energy", "beads", undefined=NO_CENTRE)
+    ]
 
     def extremes(self, chain: int) -> tuple[tuple[float, float], tuple[float, float]]:
         """Least and largest share of a chain (from 0) after the start, each with its time; the start if alone."""

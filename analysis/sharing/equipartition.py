@@ -9,10 +9,12 @@ below it.
 import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.quantity import Quantity
 from analysis.shape.exact_wave import SolitaryWave, solitary_wave
 from analysis.shape.loaded_wave import LoadedSpeed, make_speed
 from analysis.shape.pattern import period_of, repeats_between
@@ -55,8 +57,8 @@ LEAST_TAIL = 5
 class Estimate:
     """A number and its uncertainty, in the unit of the number."""
 
-    value: float
-    uncertainty: float
+    value: Annotated[float, Quantity("the number")]
+    uncertainty: Annotated[float, Quantity("its uncertainty")]
 
 
 @dataclass(frozen=True)

@@ -2,11 +2,13 @@
 
 import math
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis.mirror import mirrored_bead
+from analysis.quantity import Quantity
 from analysis.shape.wave_of import has_wave, wave_of
 from analysis.shape.waveforms import REACH, Passages
 from analysis.sharing.equipartition import dissipates
@@ -15,53 +17,72 @@ from analysis.tracking.undisturbed import CLEAR
 from analysis.trajectory import Floats
 from lammps_inputs import Problem, laws, physics
 
+UNSEEN = "the passage is not recorded whole"
+
 
 @dataclass(frozen=True)
 class Tolerances:
-    """Largest relative differences from the exact wave at which a pulse still counts as one.
+    """Largest relative differences from the exact wave at which a pulse still counts as one."""
 
-    Attributes:
-        shape: velocity over time against the exact wave of the same peak, in units of the peak.
-        speed: against the exact law at this peak velocity.
-        amplitude: (largest - smallest) / mean peak velocity over the last ten beads.
-    """
-
-    shape: float = 0.01
-    speed: float = 0.01
-    amplitude: float = 0.01
+    shape: Annotated[float, Quantity("tolerance of the velocity over time, over the peak velocity")] = 0.01
+    speed: Annotated[float, Quantity("tolerance of the speed against the exact law")] = 0.01
+    amplitude: Annotated[float, Quantity("tolerance of the variation of the peak velocity over ten beads")] = 0.01
 
 
 @dataclass(frozen=True)
 class Character:
-    """What a pulse is at one of its beads, the last at which all of it was seen clear of the chain's ends.
+    """What a pulse is at one of its beads, the last at which all of it was seen clear of the chain's ends."""
 
-    Attributes:
-        bead: where, counted from 1.
-        arrival, peak_velocity, speed: there, in units of T, V, beads / T.
-        width, momentum, energy, residual: see `analysis.shape.waveforms.Shape`.
-        speed_excess: relative to the exact law at this peak velocity; it and the residual are NaN where beads differ
-            or bear a load.
-        variation: (largest - smallest) / mean peak velocity over the ten beads up to this one; NaN if it ran less.
-        falls: whether the amplitude is less than ten beads before.
-        fails: which of shape, speed, amplitude differ by more than the tolerances, or could not be measured; and decay,
-            where contacts or beads dissipate energy.
-    """
-
-    bead: int
-    arrival: float
-    peak_velocity: float
-    speed: float
-    width: float
-    momentum: float
-    energy: float
-    residual: float
-    speed_excess: float
-    variation: float
+    bead: Annotated[int, Quantity("bead at which the following was measured, the last clear of the chain's ends")]
+    arrival: Annotated[float, Quantity("time at which that bead is fastest", "time", symbol="t")]
+    peak_velocity: Annotated[float, Quantity("largest velocity of that bead", "velocity", symbol="v")]
+    speed: Annotated[float, Quantity("speed of the pulse at that bead", "speed", "it was seen at one bead only", "c")]
+    width: Annotated[float, Quantity("full width of the velocity at half its maximum", "beads", UNSEEN)]
+    momentum: Annotated[float, Quantity("momentum: integral of the velocity over the passage", "momentum", UNSEEN)]
+    energy: Annotated[
+        float, Quantity("energy of the beads near the peak", "energy", f"{UNSEEN}, or another pulse is near")
+    ]
+    residual: Annotated[
+        float,
+        Quantity(
+            "largest difference of the velocity from the exact wave of this peak velocity, over that",
+            undefined=f"{UNSEEN}; beads differ or bear a load",
+        ),
+    ]
+    speed_excess: Annotated[
+        float,
+        Quantity(
+            "relative difference of the speed from the exact law at this peak velocity",
+            undefined="beads differ or bear a load",
+        ),
+    ]
+    variation: Annotated[
+        float,
+        Quantity(
+            "(largest - smallest) / mean peak velocity over the ten beads up to this one", undefined="it ran less"
+        ),
+    ]
     falls: bool
-    fails: tuple[str, ...]
+    """Whether the amplitude is less than ten beads before."""
+
+    fails: Annotated[
+        tuple[str, ...],
+        Quantity(
+            "which of ``shape``, ``speed``, ``amplitude`` differ by more than the tolerances or were not measured; "
+            "``decay`` where contacts or beads dissipate energy"
+        ),
+    ]
 
     @property
-    def solitary(self) -> bool:
+    def solitary(
+        self,
+    ) -> Annotated[
+        bool,
+        Quantity(
+            "whether it is the exact wave within the tolerances; where beads differ or bear a load, whether it "
+            "is steady"
+        ),
+    ]:
         """Whether it is the exact wave within the tolerances."""
         return not self.fails
 

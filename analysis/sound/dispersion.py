@@ -128,7 +128,11 @@ class Bands:
     ] = None
     measured: Annotated[
         Floats | None,
-        Quantity("the same as the run shows them", "frequency", f"{WITHOUT_MAP}; of a branch without power in the run"),
+        Quantity(
+            "lowest and highest angular frequency of every branch as the run shows them",
+            "frequency",
+            f"{WITHOUT_MAP}; of a branch without power in the run",
+        ),
     ] = None
     bin: Annotated[float | None, Quantity("resolution of measured frequencies", "frequency", undefined=WITHOUT_MAP)] = (
         None

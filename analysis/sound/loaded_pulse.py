@@ -81,7 +81,11 @@ class Sound:
     ]
     metres: Annotated[
         Floats | None,
-        Quantity("the same in m/s", "m/s", "beads are not all of one material and size, or no long waves run"),
+        Quantity(
+            "least and largest speed of sound of long waves in m/s",
+            "m/s",
+            "beads are not all of one material and size, or no long waves run",
+        ),
     ]
     cutoff: Annotated[
         float,

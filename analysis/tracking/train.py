@@ -2,10 +2,12 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.quantity import Quantity
 from analysis.shape.exact_wave import SolitaryWave, solitary_wave
 from analysis.tracking.pulses import Pulse
 from analysis.trajectory import Floats
@@ -13,20 +15,35 @@ from analysis.trajectory import Floats
 
 @dataclass(frozen=True)
 class Train:
-    """Pulses at one bead of one chain, in the order of their arrival.
+    """Pulses at one bead of one chain, in the order of their arrival."""
 
-    Attributes:
-        chain, bead: counted from 1.
-        arrival: [pulse], in units of T.
-        peak_velocity: [pulse] along their way, in units of V.
-        uncertainty: [pulse] largest difference from that over the ten beads before; NaN where it passed none of them.
-    """
+    chain: Annotated[int, Quantity("number of the chain")]
+    bead: Annotated[int, Quantity("bead at which the pulses were measured")]
+    arrival: Annotated[Floats, Quantity("arrival of each pulse", "time", symbol="t")]
+    peak_velocity: Annotated[
+        Floats, Quantity("peak velocity of each pulse, positive along its way", "velocity", symbol="v")
+    ]
+    uncertainty: Annotated[
+        Floats,
+        Quantity(
+            "of each peak velocity: largest difference from it over the ten beads before",
+            "velocity",
+            "none of them was recorded",
+        ),
+    ]
 
-    chain: int
-    bead: int
-    arrival: Floats
-    peak_velocity: Floats
-    uncertainty: Floats
+    @property
+    def pulses(
+        self,
+    ) -> Annotated[
+        int,
+        Quantity(
+            "number of pulses, from the first on, that are steady there: clear of the ends of the chain and of other "
+            "pulses, and of an amplitude that is constant to 1 % over the ten beads before"
+        ),
+    ]:
+        """How many."""
+        return len(self)
 
     def __len__(self) -> int:
         return len(self.arrival)
@@ -36,12 +53,12 @@ class Train:
         return Train(self.chain, self.bead, self.arrival[:count], self.peak_velocity[:count], self.uncertainty[:count])
 
     @property
-    def ratio(self) -> Floats:
+    def ratio(self) -> Annotated[Floats, Quantity("peak velocity of each over that of the first")]:
         """[pulse] amplitude in that of the first."""
         return np.asarray(self.peak_velocity / self.peak_velocity[0])
 
     @property
-    def spacing(self) -> Floats:
+    def spacing(self) -> Annotated[Floats, Quantity("time from each to the next", "time")]:
         """[pulse after the first] time since the one before."""
         return np.diff(self.arrival)
 

@@ -20,7 +20,7 @@ def expected(case: Case) -> dict[str, Any]:
 
 
 def train(case: Case, found: Any) -> Any:
-    """See `workflow.verdicts.analysis_report.train_report`; each a true maximum, steady over the ten beads before."""
+    """See `workflow.verdicts.analysis_report.train`; each a true maximum, steady over the ten beads before."""
     if found is None:
         return None
     unit, chain, bead, way = case.unit, hardest(case.scene)[0], found["bead"], case.way

@@ -98,7 +98,10 @@ def test_help_explains_keys_and_commands(capsys):
 def test_help_says_where_a_quantity_stands(name, capsys):
     lines = said(capsys, "help", name).splitlines()
     assert name == lines[0]
-    assert QUANTITIES[name].path[-1] in lines[-1]
+    assert any(
+        line.strip().startswith(QUANTITIES[name].file) and line.endswith(QUANTITIES[name].path[-1]) for line in lines
+    )
+    assert any(line.strip().startswith("granchain collect: column") and name in line for line in lines)
 
 
 def test_help_on_a_misspelt_word_says_what_may_be_meant(capsys):

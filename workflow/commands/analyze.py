@@ -191,7 +191,7 @@ def _print_pulses(found: Survey) -> None:
         return
     _print_amplitude(found)
     if (decay := found.decay) is not None:
-        expected = f", theory {decay.expected:.1f}" if math.isfinite(decay.expected) else ""
+        expected = f", theory {decay.n_star_expected:.1f}" if math.isfinite(decay.n_star_expected) else ""
         print(
             f"decay as (1 - n / n*)**2.5 over beads {decay.first} to {decay.last}: n* = {decay.n_star:.1f} "
             f"+- {decay.n_star_error:.1g}{expected}"

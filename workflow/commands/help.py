@@ -7,7 +7,7 @@ from lammps_inputs import InputError, handbook, library
 from workflow import cli
 
 if TYPE_CHECKING:
-    from workflow.sweep.table import Quantity
+    pass
 
 EXAMPLES = (
     "help scene                # all keys; units: reduced, or SI with a material",
@@ -34,23 +34,17 @@ def execute(arguments: argparse.Namespace) -> int:
     elif word in cli.COMMANDS and handbook.of_key(word) is None:
         cli.main([word, "--help"])
     else:
-        from workflow.sweep.table import QUANTITIES  # numpy and more, which other words do not need
+        found = handbook.of_key(word) or "\n".join(filter(None, [_of_quantity(word), handbook.of_word(word)]))
+        if not found:
+            from workflow.sweep.table import QUANTITIES
 
-        found = handbook.of_key(word)
-        if found is None and word in QUANTITIES:
-            found = _quantity(word, QUANTITIES[word])
-        found = found or handbook.of_word(word)
-        if found is None:
             hint = library.suggestion(word[:200], (*handbook.keys(), *cli.COMMANDS, *QUANTITIES))
             raise InputError(f"help: {word[:60]!r} is no key of a scene, no command and no quantity{hint}")
         print(found)
     return 0
 
 
-def _quantity(name: str, quantity: "Quantity") -> str:
-    """What a column of the table of a sweep holds, and where it stands in a run directory."""
-    units = dict.fromkeys(quantity.unit(si=si) for si in (False, True))
-    unit = f"; unit: {', '.join(units)}" if any(units) else ""
-    meaning = f"    {quantity.words}{unit}\n" if quantity.words else ""
-    place = " > ".join("waves of the kicked chain" if key == "hit" else key for key in quantity.path)
-    return f"{name}\n{meaning}    column of `granchain collect`; {quantity.file}: {place}"
+def _of_quantity(word: str) -> str | None:
+    from workflow.verdicts.quantities import explained  # numpy and more, which other words do not need
+
+    return explained(word)

@@ -93,7 +93,7 @@ def of_frames(
     if any(name not in (MASS, *_AT_THE_END, *quick) for name in names):
         seen, allowed, count = Conservation(), Tolerances(), Accountant(problem).of
         surveyed = survey(frames, problem, watchers=[seen], tolerances=allowed, counted=count)
-        found |= report(surveyed, seen, allowed)
+        found |= quantity.plain(report(surveyed, seen, allowed), problem.scale)
     known = {**quantities(found, {}, scene.plain()), **quick, MASS: mass_of(scene)}
     return {name: None if known[name] is None else float(known[name]) for name in names}
 

@@ -12,88 +12,13 @@ from analysis.sharing.verdict import State
 from analysis.trajectory import Floats
 from lammps_inputs import html
 from lammps_inputs.numbers import text
-from lammps_inputs.units import REDUCED, SI
-from workflow.runs.files import RECORD
-from workflow.verdicts.analysis_report import REPORT
+from lammps_inputs.units import REDUCED
+from workflow.verdicts.quantities import OWN, collect_columns
 
-OWN = ("V", "T")
-"""A case's own units: of the fastest kick, and of time (`lammps_inputs.units`)."""
+QUANTITIES = collect_columns()
+"""Columns after the swept fields and the outcome."""
 
-
-@dataclass(frozen=True)
-class Quantity:
-    """A column of the table.
-
-    Attributes:
-        file: where its value stands.
-        path: key by key.
-        label: for an axis; of a number only. A quantity of the scene's units ends in one of `lammps_inputs.units.SI`,
-            what is measured in the case's own velocity or time in one of `OWN`.
-    """
-
-    file: str
-    path: tuple[str, ...]
-    label: str = ""
-
-    @property
-    def words(self) -> str:
-        """The label without its quantity."""
-        return self.label.partition(" [")[0]
-
-    def unit(self, *, si: bool) -> str:
-        """Symbol of what has a unit; empty for anything else."""
-        _, bracket, quantity = self.label.rstrip("]").partition(" [")
-        if not bracket or quantity in OWN:
-            return quantity
-        return SI[quantity] if si else REDUCED
-
-
-def _analysis(path: str, label: str = "") -> Quantity:
-    return Quantity(REPORT, tuple(path.split("/")), label)
-
-
-def _run(path: str, label: str = "") -> Quantity:
-    return Quantity(RECORD, tuple(path.split("/")), label)
-
-
-QUANTITIES = {
-    "amplitude": _analysis("equipartition/final/value", "asymptotic amplitude [V]"),
-    "amplitude_uncertainty": _analysis(
-        "equipartition/final/uncertainty", "uncertainty of the asymptotic amplitude [V]"
-    ),
-    "agree_10": _analysis("equipartition/amplitudes/0.1", "bead from which the chains agree to 10%"),
-    "agree_1": _analysis("equipartition/amplitudes/0.01", "bead from which the chains agree to 1%"),
-    "in_step_1": _analysis("equipartition/arrivals/0.01", "bead from which arrivals agree to 1%"),
-    "beat_length": _analysis("equipartition/beat_length/value", "beat length (beads)"),
-    "beat_length_uncertainty": _analysis(
-        "equipartition/beat_length/uncertainty", "uncertainty of the beat length (beads)"
-    ),
-    "energy_share": _analysis("equipartition/energy_share/measured", "share of the energy in the leading waves"),
-    "state": _analysis("equipartition/state"),
-    "bead": _analysis("hit/bead", "last clear bead"),
-    "arrival": _analysis("hit/arrival", "arrival at the last clear bead [time]"),
-    "peak_velocity": _analysis("hit/peak_velocity", "peak velocity at the last clear bead [velocity]"),
-    "speed": _analysis("hit/speed", "speed at the last clear bead [speed]"),
-    "left_behind": _analysis("cells/left_behind", "residual energy per cell / energy input"),
-    "transmissibility": _analysis("spectra/transmissibility", "velocity at the drive's frequency, last bead / first"),
-    "wall_force": _analysis("far_end/wall_force", "largest force on the far wall [force]"),
-    "wall_force_chain": _analysis("far_end/wall_force_chain", "largest force of a chain on the far wall [force]"),
-    "delay": _analysis("far_end/delay", "delay until the far end [time]"),
-    "transmitted_energy": _analysis("far_end/transmitted_energy", "largest energy at the far end / energy input"),
-    "front": _analysis("front", "largest number of a bead that moved"),
-    "energy_drift": _analysis("energy_drift", "relative drift of the energy"),
-    "error_velocity": _run("check/velocity", "error of velocities [V]"),
-    "error_amplitude": _run("check/amplitude", "error of peak velocities [V]"),
-    "error_arrival": _run("check/arrival", "error of arrivals [T]"),
-    "engine": _run("engine"),
-    "steps": _run("steps", "time steps"),
-    "engine_seconds": _run("engine_seconds", "time of the engine (s)"),
-    "wall_seconds": _run("wall_seconds", "wall time (s)"),
-    "verdict": _analysis("equipartition/verdict"),
-}
-"""Columns after the swept fields and the outcome; `hit` is the chain that was hit hardest."""
-
-UNCERTAINTIES = {"amplitude": "amplitude_uncertainty", "beat_length": "beat_length_uncertainty"}
+UNCERTAINTIES = {name.removesuffix("_uncertainty"): name for name in QUANTITIES if name.endswith("_uncertainty")}
 """Column -> the one that holds its uncertainty, in the same unit."""
 
 UNSETTLED = (State.BEATING.value, State.SHORT.value, State.UNSURE.value)
@@ -185,7 +110,7 @@ class Table:
 
     def label(self, name: str) -> str:
         """What to write at an axis that shows a column."""
-        words = name.replace("_", " ").replace(".", " ") if name in self.fields else QUANTITIES[name].words
+        words = name.replace("_", " ").replace(".", " ") if name in self.fields else QUANTITIES[name].label
         unit = self._unit(name)
         if unit in OWN:
             return f"{words} / ${unit}$"

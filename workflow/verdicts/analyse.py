@@ -12,7 +12,7 @@ from analysis.conservation import Conservation
 from analysis.files.binary_dump import CutDumpWarning
 from analysis.files.recording import FARTHEST
 from analysis.mirror import along_the_way, direction_of
-from analysis.quantity import to_csv
+from analysis.quantity import plain, to_csv
 from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.survey import Survey, survey
 from analysis.tracking.leading_waves import Arrival, Waves, usual_arrival
@@ -29,14 +29,12 @@ from workflow.runs.whole_files import write_figure, write_json, write_text
 from workflow.verdicts.analysis_report import REPORT, last_clear_bead, report
 from workflow.verdicts.findings import FINDINGS, budget
 from workflow.verdicts.findings.finding import Finding
-from workflow.verdicts.waves_table import waves_csv
+from workflow.verdicts.waves_table import WAVES, waves_csv
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["Analysis", "analyse", "default_beads", "last_clear_bead"]
-
-WAVES = "waves.csv"
 
 FIGURES = ("spacetime", "response", "distance", "shape", *(name for one in FINDINGS for name in one.figures))
 """All that an analysis may draw."""
@@ -207,7 +205,7 @@ def _write(
     for name, text in tables.items():
         write_text(directory.path / name, text)
     more = {key: one.plain() for key, one in findings.items()}
-    write_json(directory.path / REPORT, report(found, seen, allowed) | more)
+    write_json(directory.path / REPORT, plain(report(found, seen, allowed), found.problem.scale) | more)
     return tuple(tables), drawn
 
 

@@ -1,13 +1,16 @@
 """What an analysis writes of every scene: the keys of ``analysis.json``."""
 
+from dataclasses import dataclass
 from itertools import accumulate
-from typing import Any
+from typing import Annotated
 
 import numpy as np
 
 from analysis.conservation import Conservation
 from analysis.mirror import along_the_way
+from analysis.quantity import Column, Quantity
 from analysis.shape.wave_of import has_wave, wave_of
+from analysis.sharing.decay_law import DecayFit
 from analysis.sharing.equipartition import AGREEMENTS, Estimate, dissipates, resolved
 from analysis.sharing.is_solitary import Character, Tolerances
 from analysis.sharing.survey import Survey
@@ -17,7 +20,6 @@ from analysis.tracking.train import Train, train_of
 from analysis.tracking.undisturbed import CLEAR, clear_of_others
 from lammps_inputs import Problem, physics
 from lammps_inputs.facts import Fact
-from lammps_inputs.numbers import known
 
 REPORT = "analysis.json"
 
@@ -25,48 +27,288 @@ STEADY = 0.01
 """Relative change of its amplitude over ten beads up to which a pulse of a train is steady."""
 
 
-def report(found: Survey, seen: Conservation, tolerances: Tolerances) -> dict[str, Any]:
-    """The contents of ``analysis.json``. Quantities are in the scene's units unless said otherwise; null is unknown.
+NOT_REACHED = "no recorded bead was reached"
 
-    | key             | what                                                                             |
-    |-----------------|----------------------------------------------------------------------------------|
-    | complete        | whether every frame of the scene is there                                        |
-    | frames          | found, and asked for                                                             |
-    | front           | largest number of a recorded bead that was faster than 1e-3 V; null if none was  |
-    | energy_drift    | largest relative deviation of the energy; null if not all beads were recorded    |
-    | momentum_drift  | the same of the momentum                                                         |
-    | units           | the scene's units: ``SI`` or ``reduced``                                         |
-    | scale           | worth of the dimensionless units of mass, length, time, velocity in the scene's  |
-    | kappa           | dimensionless coupling at V = 1                                                  |
-    | arrival         | what an arrival of a wave is: ``maximum`` or ``impulse``                         |
-    | noise           | standard deviation of the recorded velocities, in V; 0 for none                  |
-    | waves           | per chain: beads reached, and at the last whole one its arrival, peak velocity, speed |
-    | train           | pulses that followed each other in the chain that was hit; see `train_report`    |
-    | equipartition   | see `equipartition`                                                              |
-    | tolerances      | relative differences within which a pulse is called solitary                     |
-    | pulses          | every pulse, the strongest first; see `pulse_entry`                              |
+UNRESOLVED = "no pulse stays together, or recorded beads are too far apart to show beats"
 
-    What only some scenes have has keys of its own, see `workflow.verdicts.findings`.
-    """
+
+@dataclass(frozen=True)
+class ChainSummary:
+    """The leading wave of a chain at the last bead that it passed clear of the end."""
+
+    chain: Annotated[int, Quantity("number of the chain")]
+    beads_reached: Annotated[int, Quantity("number of recorded beads that the wave passed")]
+    bead: Annotated[
+        int | None,
+        Quantity(
+            "last recorded bead, five before the end, that the wave passed",
+            undefined=NOT_REACHED,
+            columns=(Column("bead", "last clear bead"),),
+        ),
+    ] = None
+    arrival: Annotated[
+        float | None,
+        Quantity(
+            "time at which the wave passes that bead",
+            "time",
+            f"{NOT_REACHED}, or the bead flies freely at its largest velocity",
+            "t",
+            (Column("arrival", "arrival at the last clear bead"),),
+        ),
+    ] = None
+    peak_velocity: Annotated[
+        float | None,
+        Quantity(
+            "largest velocity of that bead along the wave's way",
+            "velocity",
+            NOT_REACHED,
+            "v",
+            (Column("peak_velocity", "peak velocity at the last clear bead"),),
+        ),
+    ] = None
+    speed: Annotated[
+        float | None,
+        Quantity(
+            "speed of the wave there, from the arrivals at the recorded beads on either side",
+            "speed",
+            f"{NOT_REACHED}, or one of those arrivals is undefined",
+            "c",
+            (Column("speed", "speed at the last clear bead"),),
+        ),
+    ] = None
+    arrival_error: Annotated[
+        float | None,
+        Quantity("bound on the error of the arrival by the time between frames, or noise", "time", NOT_REACHED),
+    ] = None
+    peak_velocity_error: Annotated[
+        float | None,
+        Quantity(
+            "bound on the error of the peak velocity by the time between frames, or noise", "velocity", NOT_REACHED
+        ),
+    ] = None
+    arrival_reduced: Annotated[float | None, Quantity("the arrival in units of T", "T", "as ``arrival``", "t / T")] = (
+        None
+    )
+    peak_velocity_reduced: Annotated[
+        float | None, Quantity("the peak velocity in units of V", "V", NOT_REACHED, "v / V")
+    ] = None
+
+    @classmethod
+    def of(cls, waves: Waves, problem: Problem, chain: int) -> "ChainSummary":
+        """Of a chain's leading waves."""
+        own = waves.of_chain(chain)
+        if len(own) == 0:
+            return cls(chain, 0)
+        last = last_clear_bead(own, problem)
+        names = ("arrival", "peak_velocity", "speed", "arrival_error", "peak_velocity_error")
+        at = {name: float(getattr(own, name)[last]) for name in names}
+        reduced = {f"{name}_reduced": at[name] for name in ("arrival", "peak_velocity")}
+        return cls(chain, len(own), int(own.bead[last]), **at, **reduced)
+
+
+@dataclass(frozen=True)
+class Final(Estimate):
+    """The asymptotic amplitude."""
+
+    @property
+    def reduction(self) -> Annotated[float, Quantity("reduction of the amplitude against V, 1 - value")]:
+        """Against V."""
+        return 1.0 - self.value
+
+
+@dataclass(frozen=True)
+class Range:
+    """Of amplitudes over some beads."""
+
+    first: Annotated[int, Quantity("first bead of the second half of the way")]
+    last: Annotated[int, Quantity("last bead")]
+    least: Annotated[float, Quantity("least amplitude of any chain between them", "V")]
+    largest: Annotated[float, Quantity("largest amplitude of any chain between them", "V")]
+
+
+@dataclass(frozen=True)
+class EnergyShare:
+    """Of the energy input, in the leading waves at the last clear bead."""
+
+    exact: Annotated[
+        float | None,
+        Quantity(
+            "energy of exact waves of these amplitudes",
+            "energy input",
+            "there is no such wave (gaps, loads, unlike beads, dissipation), or the energy input is not known",
+        ),
+    ]
+    measured: Annotated[
+        float | None,
+        Quantity(
+            "energy within three beads of the peaks",
+            "energy input",
+            "not all beads are recorded, another pulse is as near, or no pulse stays together",
+            columns=(Column("energy_share", "share of the energy in the leading waves"),),
+        ),
+    ]
+
+
+@dataclass(frozen=True)
+class Equipartition:
+    """How the chains share the leading pulse. Beads count from the end that was hit along the pulse's way."""
+
+    verdict: Annotated[str, Quantity("what the run shows of equipartition, in words", columns=(Column("verdict"),))]
+    state: Annotated[str, Quantity("the same in few words", columns=(Column("state"),))]
+    since: Annotated[
+        int | None, Quantity("bead from which on amplitudes and arrivals agree to 1 %", undefined="they do not")
+    ]
+    expected: Annotated[
+        Estimate | None,
+        Quantity(
+            "bead from which on amplitudes are expected to agree to 1 %",
+            undefined="they agree already, or no rule is known for such a scene",
+        ),
+    ]
+    amplitudes: Annotated[
+        dict[str, int | None],
+        Quantity(
+            "bead from which on the difference of the chains' amplitudes, (largest - smallest) / mean, stays "
+            "below 0.1, "
+            "0.01 and 0.001",
+            undefined=f"it does not; {UNRESOLVED}",
+            columns=(
+                Column("agree_10", "bead from which the chains agree to 10%", "0.1"),
+                Column("agree_1", "bead from which the chains agree to 1%", "0.01"),
+            ),
+        ),
+    ]
+    arrivals: Annotated[
+        dict[str, int | None],
+        Quantity(
+            "bead from which on the difference of the chains' arrivals, latest - earliest over the time in "
+            "which the wave "
+            "passes (at half its height), stays below 0.1, 0.01 and 0.001",
+            undefined=f"it does not; {UNRESOLVED}",
+            columns=(Column("in_step_1", "bead from which arrivals agree to 1%", "0.01"),),
+        ),
+    ]
+    final: Annotated[
+        Final | None,
+        Quantity(
+            "asymptotic amplitude of the leading waves: mean over chains and the last half beat",
+            "V",
+            "amplitudes have no limit, or do not approach one; no pulse stays together",
+            "v",
+            (
+                Column("amplitude", "asymptotic amplitude", "value"),
+                Column("amplitude_uncertainty", "uncertainty of the asymptotic amplitude", "uncertainty"),
+            ),
+        ),
+    ]
+    range: Annotated[
+        Range | None,
+        Quantity("range of amplitudes over the second half of the way", undefined="no pulse stays together"),
+    ]
+    energy_share: Annotated[EnergyShare, Quantity("energy in the leading waves at the last clear bead")]
+    beat_length: Annotated[
+        Estimate | None,
+        Quantity(
+            "beads from one excess of a chain to the next, and its scatter",
+            "beads",
+            f"no beat is seen; {UNRESOLVED}",
+            columns=(
+                Column("beat_length", "beat length (beads)", "value"),
+                Column("beat_length_uncertainty", "uncertainty of the beat length (beads)", "uncertainty"),
+            ),
+        ),
+    ]
+    decay_law: Annotated[
+        DecayFit | None,
+        Quantity(
+            "law v = v0 (1 - n / n_star)**2.5 fitted to the kicked chain",
+            undefined="neighbours are nowhere weak over ten beads, springs are not linear and equal, beads are "
+            "unlike or "
+            "loaded, energy is dissipated, or not just one bead was kicked",
+        ),
+    ]
+
+
+@dataclass(frozen=True)
+class PulseEntry(Character):
+    """A pulse: its way, and what it is at the last bead where it was seen whole."""
+
+    chain: Annotated[int, Quantity("number of the chain")]
+    direction: Annotated[int, Quantity("1 towards higher bead numbers, -1 towards lower")]
+    leading: Annotated[bool, Quantity("whether it is the leading wave of its chain where it was last seen")]
+    beads: Annotated[int, Quantity("number of recorded beads at which it was seen")]
+    first: Annotated[int, Quantity("first of these beads")]
+    last: Annotated[int, Quantity("last of these beads")]
+
+
+@dataclass(frozen=True)
+class Report:
+    """The contents of ``analysis.json`` of every run; what only some have is in `workflow.verdicts.findings`."""
+
+    complete: Annotated[bool, Quantity("whether every frame of the scene is there")]
+    frames: Annotated[tuple[int, int], Quantity("number of frames found, and of those asked for")]
+    front: Annotated[
+        int | None,
+        Quantity(
+            "foremost bead (largest number) that moved faster than 1e-3 V",
+            undefined="no recorded bead moved so fast",
+            columns=(Column("front", "foremost bead that moved"),),
+        ),
+    ]
+    energy_drift: Annotated[
+        float,
+        Quantity(
+            "largest deviation of the energy, dissipated energy included, over the energy input",
+            undefined="not all beads are recorded, or what was exchanged is not known",
+            columns=(Column("energy_drift", "relative drift of the energy"),),
+        ),
+    ]
+    momentum_drift: Annotated[
+        float,
+        Quantity(
+            "largest deviation of the momentum over the momentum of kicks and forces from outside",
+            undefined="not all beads are recorded, or momentum is not conserved (ground, walls, weights)",
+        ),
+    ]
+    units: Annotated[str, Quantity("the scene's units: ``SI`` or ``reduced``")]
+    scale: Annotated[
+        dict[str, float], Quantity("dimensionless mass, length, time and velocity of 1 in the scene's units")
+    ]
+    kappa: Annotated[float, Quantity("dimensionless stiffness of the coupling at V = 1, k T**2 / m", symbol="\\kappa")]
+    arrival: Annotated[
+        str, Quantity("definition of arrivals: ``maximum`` of the velocity, or centre of the ``impulse``")
+    ]
+    noise: Annotated[float, Quantity("standard deviation of the recorded velocities' noise; 0 without noise", "V")]
+    waves: Annotated[list[ChainSummary], Quantity("leading wave of each chain at its last clear bead")]
+    train: Annotated[
+        Train | None, Quantity("pulses that follow each other in the kicked chain", undefined="none is steady anywhere")
+    ]
+    equipartition: Annotated[Equipartition, Quantity("how the chains share the leading pulse")]
+    tolerances: Annotated[Tolerances, Quantity("relative differences within which a pulse is called solitary")]
+    pulses: Annotated[list[PulseEntry], Quantity("every pulse, the strongest first")]
+
+
+def report(found: Survey, seen: Conservation, tolerances: Tolerances) -> Report:
+    """What is known of every run, dimensionless."""
     problem, scale = found.problem, found.problem.scale
-    order = np.argsort([-character.peak_velocity for character in found.characters], kind="stable")
-    return {
-        "complete": seen.frames == problem.frames + 1,
-        "frames": [seen.frames, problem.frames + 1],
-        "front": seen.front,
-        "energy_drift": known(seen.energy_drift),
-        "momentum_drift": known(seen.momentum_drift),
-        "units": "SI" if scale.si else "reduced",
-        "scale": {"mass": scale.mass, "length": scale.length, "time": scale.time, "velocity": scale.velocity},
-        "kappa": physics.kappa(problem.system),
-        "arrival": found.arrival,
-        "noise": found.noise,
-        "waves": [_chain_summary(found.waves, problem, chain) for chain in range(1, problem.chains + 1)],
-        "train": train_report(found),
-        "equipartition": equipartition(found),
-        "tolerances": {name: getattr(tolerances, name) for name in ("shape", "speed", "amplitude")},
-        "pulses": [pulse_entry(found, found.pulses[k], found.characters[k]) for k in order],
-    }
+    entries = [pulse_entry(found, *pair) for pair in zip(found.pulses, found.characters, strict=True)]
+    return Report(
+        complete=seen.frames == problem.frames + 1,
+        frames=(seen.frames, problem.frames + 1),
+        front=seen.front,
+        energy_drift=seen.energy_drift,
+        momentum_drift=seen.momentum_drift,
+        units="SI" if scale.si else "reduced",
+        scale={"mass": scale.mass, "length": scale.length, "time": scale.time, "velocity": scale.velocity},
+        kappa=physics.kappa(problem.system),
+        arrival=found.arrival,
+        noise=found.noise,
+        waves=[ChainSummary.of(found.waves, problem, chain) for chain in range(1, problem.chains + 1)],
+        train=train(found),
+        equipartition=equipartition(found),
+        tolerances=tolerances,
+        pulses=sorted(entries, key=lambda entry: -entry.peak_velocity),
+    )
 
 
 def train(found: Survey) -> Train | None:
@@ -100,134 +342,43 @@ def train(found: Survey) -> Train | None:
     return seen.until(most)
 
 
-def train_report(found: Survey) -> dict[str, Any] | None:
-    """What ``analysis.json`` says under ``train``, in the scene's units; null if no pulse was tracked as far.
-
-    | key            | what                                                            |
-    |----------------|-----------------------------------------------------------------|
-    | chain, bead    | where                                                           |
-    | pulses         | number of pulses, from the first on, that are steady there:     |
-    |                | clear of the ends of the chain and of other pulses, and of an   |
-    |                | amplitude that is constant to 1% over the ten beads before      |
-    | arrival        | of each                                                         |
-    | peak_velocity  | of each, positive along its way                                 |
-    | uncertainty    | of each of these: largest difference from it over the ten beads |
-    |                | before; null where none of them was recorded                    |
-    | ratio          | that over the first one's                                       |
-    | spacing        | time from each to the next                                      |
-    """
-    seen, scale = train(found), found.problem.scale
-    if seen is None or len(seen) == 0:
-        return None
-    return {
-        "chain": seen.chain,
-        "bead": seen.bead,
-        "pulses": len(seen),
-        "arrival": (seen.arrival * scale.time).tolist(),
-        "peak_velocity": (seen.peak_velocity * scale.velocity).tolist(),
-        "uncertainty": [known(one * scale.velocity) for one in seen.uncertainty.tolist()],
-        "ratio": seen.ratio.tolist(),
-        "spacing": (seen.spacing * scale.time).tolist(),
-    }
-
-
-def equipartition(found: Survey) -> dict[str, Any]:
-    """How the chains share the leading pulse. Beads count from the end that was hit towards the pulse's direction.
-
-    | key            | what                                                                                      |
-    |----------------|-------------------------------------------------------------------------------------------|
-    | verdict        | in words; ``state`` in one, ``since`` the bead from which on chains are equal and in step  |
-    | expected       | bead of 1% agreement where it was not reached, and its uncertainty                        |
-    | amplitudes     | bead from which on the mismatch, (largest - smallest) / mean, stays below 0.1, 0.01, 0.001 |
-    | arrivals       | the same for the spread of arrivals over the time in which the wave passes (half height)   |
-    | final          | asymptotic amplitude in V: mean over chains and the last half beat, its uncertainty, and   |
-    |                | the reduction against V; null where amplitudes have no limit, or do not approach one       |
-    | range          | least and largest amplitude in V from bead ``first`` on, which is half-way, to ``last``    |
-    | energy_share   | of the energy input, in the leading waves at the last clear bead: ``measured``, within     |
-    |                | three beads of their peaks; ``exact``: of exact waves of these amplitudes; null where      |
-    |                | there are none, or another pulse is as near                                                |
-    | beat_length    | beads from one excess of a chain to the next, and its scatter                              |
-    | decay_law      | v = v0 (1 - n / n_star)**2.5 fitted where neighbours are weak: v0 in V, n_star, its error, |
-    |                | what theory expects of a kick of the first bead, first and last bead, largest relative     |
-    |                | deviation; null if nowhere                                                                 |
-
-    All but the verdict is null where no pulse stays together; agreement and beats, where recorded beads are too far
-    apart to show beats.
-    """
+def equipartition(found: Survey) -> Equipartition:
+    """How the chains share the leading pulse."""
     shared, decay, verdict, system = found.shared, found.decay, found.verdict, found.problem.system
     pulse = system.holds(Fact.PULSE)
     seen = pulse and resolved(shared, system)
     final, span = shared.final, shared.span if pulse else None
     measured = np.sum(found.energies.wave, axis=1)
     exact = has_wave(system) and physics.alike(system) and not physics.gap(system) and not dissipates(system)
-    return {
-        "verdict": verdict.sentence,
-        "state": verdict.state.value,
-        "since": verdict.since,
-        "expected": _estimate(verdict.expected),
-        "amplitudes": {str(one): shared.agrees_from(one) if seen else None for one in AGREEMENTS},
-        "arrivals": {str(one): shared.in_step_from(one) if seen else None for one in AGREEMENTS},
-        "final": None if final is None else {**_with_uncertainty(final), "reduction": 1.0 - final.value},
-        "range": None
-        if span is None
-        else {"first": span[0], "last": int(shared.bead[-1]), "least": span[1], "largest": span[2]},
-        "energy_share": {
-            "exact": known(float(np.sum(shared.wave_share[-1]))) if len(shared) and exact else None,
-            "measured": known(float(measured[-1])) if len(measured) and pulse else None,
-        },
-        "beat_length": _estimate(shared.beat_length) if seen else None,
-        "decay_law": None
-        if decay is None
-        else {
-            "v0": decay.v0,
-            "n_star": decay.n_star,
-            "n_star_error": decay.n_star_error,
-            "n_star_expected": known(decay.expected),
-            "first": decay.first,
-            "last": decay.last,
-            "deviation": decay.deviation,
-        },
-    }
+    return Equipartition(
+        verdict=verdict.sentence,
+        state=verdict.state.value,
+        since=verdict.since,
+        expected=verdict.expected,
+        amplitudes={str(one): shared.agrees_from(one) if seen else None for one in AGREEMENTS},
+        arrivals={str(one): shared.in_step_from(one) if seen else None for one in AGREEMENTS},
+        final=None if final is None else Final(final.value, final.uncertainty),
+        range=None if span is None else Range(span[0], int(shared.bead[-1]), *span[1:]),
+        energy_share=EnergyShare(
+            exact=float(np.sum(shared.wave_share[-1])) if len(shared) and exact else None,
+            measured=float(measured[-1]) if len(measured) and pulse else None,
+        ),
+        beat_length=shared.beat_length if seen else None,
+        decay_law=decay,
+    )
 
 
-def pulse_entry(found: Survey, pulse: Pulse, character: Character) -> dict[str, Any]:
-    """A pulse: its way, and what it is at the last bead where it was seen whole.
-
-    | key                  | what                                                                          |
-    |----------------------|-------------------------------------------------------------------------------|
-    | chain, direction     | chain from 1; 1 towards higher bead numbers, -1 towards lower                 |
-    | leading              | whether it is the first pulse of its chain                                    |
-    | beads, first, last   | recorded beads at which it was seen, the first and the last of them           |
-    | bead ... residual    | at that bead: arrival, peak velocity, speed (beads per unit time), width      |
-    |                      | (full, at half maximum, beads), momentum, energy, residual against the exact  |
-    |                      | wave of this peak velocity, in units of it                                    |
-    | speed_excess         | relative to the exact law at this peak velocity                               |
-    | variation            | (largest - smallest) / mean peak velocity over the last ten beads             |
-    | solitary, fails      | whether it is the exact wave within the tolerances, or where beads differ or  |
-    |                      | bear a load steady within them; and which fail: ``shape``, ``speed``,         |
-    |                      | ``amplitude``, or ``decay`` where contacts or beads dissipate energy          |
-    """
-    scale = found.problem.scale
-    return {
-        "chain": pulse.chain,
-        "direction": pulse.direction,
-        "leading": found.leads(pulse),
-        "beads": len(pulse),
-        "first": int(pulse.bead[0]),
-        "last": int(pulse.bead[-1]),
-        "bead": character.bead,
-        "arrival": character.arrival * scale.time,
-        "peak_velocity": character.peak_velocity * scale.velocity,
-        "speed": known(character.speed / scale.time),
-        "width": known(character.width),
-        "momentum": known(character.momentum * scale.momentum),
-        "energy": known(character.energy * scale.energy),
-        "residual": known(character.residual),
-        "speed_excess": known(character.speed_excess),
-        "variation": known(character.variation),
-        "solitary": character.solitary,
-        "fails": list(character.fails),
-    }
+def pulse_entry(found: Survey, pulse: Pulse, character: Character) -> PulseEntry:
+    """A pulse, and what it is at the last bead where it was seen whole."""
+    return PulseEntry(
+        **vars(character),
+        chain=pulse.chain,
+        direction=pulse.direction,
+        leading=found.leads(pulse),
+        beads=len(pulse),
+        first=int(pulse.bead[0]),
+        last=int(pulse.bead[-1]),
+    )
 
 
 def last_clear_bead(waves: Waves, problem: Problem) -> int:
@@ -238,30 +389,3 @@ def last_clear_bead(waves: Waves, problem: Problem) -> int:
     way = along_the_way(problem, waves.bead)
     clear = np.where(way <= max(problem.beads - CLEAR, 1), way, 0)
     return int(np.argmax(clear)) if clear.any() else int(np.argmin(way))
-
-
-def _chain_summary(waves: Waves, problem: Problem, chain: int) -> dict[str, Any]:
-    own, scale = waves.of_chain(chain), problem.scale
-    if len(own) == 0:
-        return {"chain": chain, "beads_reached": 0}
-    last = last_clear_bead(own, problem)
-    return {
-        "chain": chain,
-        "beads_reached": len(own),
-        "bead": int(own.bead[last]),
-        "arrival": known(float(own.arrival[last] * scale.time)),
-        "peak_velocity": float(own.peak_velocity[last] * scale.velocity),
-        "speed": known(float(own.speed[last] / scale.time)),
-        "peak_velocity_reduced": float(own.peak_velocity[last]),
-        "arrival_reduced": known(float(own.arrival[last])),
-        "peak_velocity_error": known(float(own.peak_velocity_error[last] * scale.velocity)),
-        "arrival_error": known(float(own.arrival_error[last] * scale.time)),
-    }
-
-
-def _estimate(estimate: Estimate | None) -> dict[str, float] | None:
-    return None if estimate is None else _with_uncertainty(estimate)
-
-
-def _with_uncertainty(estimate: Estimate) -> dict[str, float]:
-    return {"value": estimate.value, "uncertainty": estimate.uncertainty}

@@ -11,6 +11,8 @@ from analysis.sharing.survey import Survey
 from analysis.tracking.leading_waves import Waves
 from analysis.trajectory import Floats
 
+WAVES = "waves.csv"
+
 
 @dataclass(frozen=True)
 class WavesTable(Waves):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from small_problems import problem
 
+from analysis.quantity import plain
 from analysis.sharing.decay_law import DecayFit
 from analysis.sharing.equipartition import Estimate
 from analysis.sharing.survey import survey
@@ -17,13 +18,13 @@ from analysis.trajectory import blocks
 from lammps_inputs.units import make_scale
 from workflow.engines.reference import engine
 from workflow.verdicts import analysis_report
+from workflow.verdicts.analysis_report import ChainSummary
 
 
-def test_a_train_is_told_in_the_scenes_units(monkeypatch):
+def test_a_train_is_told_in_the_scenes_units():
     scale = make_scale(2.0, 3.0, 0.1, si=True)
     seen = Train(2, 30, np.array([10.0, 14.0, 15.0]), np.array([0.8, 0.6, 0.2]), np.array([0.1, 0.2, np.nan]))
-    monkeypatch.setattr(analysis_report, "train", lambda _: seen)
-    told = analysis_report.train_report(SimpleNamespace(problem=SimpleNamespace(scale=scale)))
+    told = plain(seen, scale)
     assert (told["chain"], told["bead"], told["pulses"]) == (2, 30, 3)
     assert told["arrival"] == pytest.approx([10.0 * scale.time, 14.0 * scale.time, 15.0 * scale.time])
     assert told["peak_velocity"] == pytest.approx([0.08, 0.06, 0.02])
@@ -40,7 +41,7 @@ class Shared(SimpleNamespace):
 
 
 def test_how_chains_share_the_pulse_is_told_key_by_key():
-    decay = DecayFit(v0=0.6, n_star=300.0, n_star_error=2.0, expected=270.9, first=10, last=90, deviation=0.01)
+    decay = DecayFit(v0=0.6, n_star=300.0, n_star_error=2.0, n_star_expected=270.9, first=10, last=90, deviation=0.01)
     found = SimpleNamespace(
         shared=Shared(
             final=Estimate(0.34, 0.01),
@@ -56,7 +57,7 @@ def test_how_chains_share_the_pulse_is_told_key_by_key():
         energies=SimpleNamespace(wave=np.array([[0.5, 0.4], [0.5, 0.48]])),
         problem=problem(),
     )
-    told = analysis_report.equipartition(found)
+    told = plain(analysis_report.equipartition(found), found.problem.scale)
     assert (told["verdict"], told["state"], told["since"]) == ("they beat", "still beating", None)
     assert told["expected"] == {"value": 62.0, "uncertainty": 5.0}
     assert told["amplitudes"] == {"0.1": 10, "0.01": 100, "0.001": 1000}
@@ -75,7 +76,7 @@ def test_each_chain_is_told_at_its_last_bead_clear_of_the_end(si):
     bead = np.array([14, 15, 16])
     columns = (bead + offset / 10.0 for offset in range(5))
     waves = Waves(np.full(3, 2), bead, *columns, time=bead)
-    told = analysis_report._chain_summary(waves, problem(beads=20, scale=scale), 2)
+    told = plain(ChainSummary.of(waves, problem(beads=20, scale=scale), 2), scale)
     assert told == pytest.approx(
         {
             "chain": 2,
@@ -90,7 +91,8 @@ def test_each_chain_is_told_at_its_last_bead_clear_of_the_end(si):
             "peak_velocity_error": 15.4 * scale.velocity,
         }
     )
-    assert analysis_report._chain_summary(waves, problem(beads=20), 1) == {"chain": 1, "beads_reached": 0}
+    nothing = dict.fromkeys(told) | {"chain": 1, "beads_reached": 0}
+    assert plain(ChainSummary.of(waves, problem(beads=20), 1), scale) == nothing
 
 
 @pytest.mark.parametrize(("first", "bead"), [(4, 6), (7, 7), (2, 6)])
@@ -98,7 +100,7 @@ def test_a_wave_towards_bead_1_is_reported_at_the_last_bead_clear_of_that_end(fi
     number = np.arange(first, 20)
     waves = with_speeds(np.ones(len(number), int), number, 20.0 - number, np.full(len(number), 0.5), direction=-1)
     back = problem(chains=1, beads=20, kicks=((1, 20, -1.0),))
-    assert analysis_report._chain_summary(waves, back, 1)["bead"] == bead
+    assert ChainSummary.of(waves, back, 1).bead == bead
 
 
 @pytest.fixture(scope="module")
@@ -119,9 +121,8 @@ def test_amplitudes_of_a_train_are_those_that_its_pulses_have_far_from_the_ends(
 
 def test_pulses_of_a_train_are_solitary_where_they_are_measured(three):
     assert [character.solitary for character in three.characters] == [True] * 3
-    told = analysis_report.train_report(three)
     solitary = sorted(character.peak_velocity for character in three.characters)
-    assert sorted(told["peak_velocity"]) == pytest.approx(solitary, abs=1e-5)
+    assert sorted(analysis_report.train(three).peak_velocity) == pytest.approx(solitary, abs=1e-5)
 
 
 @pytest.mark.parametrize(("amplitude", "count"), [((0.5, 0.5), 2), ((0.5, 0.6), 1), ((0.6, 0.5), 0)])

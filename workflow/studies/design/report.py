@@ -133,7 +133,7 @@ def _label(found: Found, name: str) -> str:
     if name not in QUANTITIES:
         return found.design.heading(name)
     unit = QUANTITIES[name].unit(si=found.verified[0].directory.problem.scale.si)
-    return f"{QUANTITIES[name].words} ({unit})" if unit else QUANTITIES[name].words
+    return f"{QUANTITIES[name].label} ({unit})" if unit else QUANTITIES[name].label
 
 
 def _of_search(found: Found) -> list[Picture]:

@@ -1,0 +1,244 @@
+"""Every quantity that a run directory holds, as its type declares it: where it is found, for help and the manual.
+
+``python -m workflow.verdicts.quantities`` prints the manual's page, ``analysis/QUANTITIES.md``.
+"""
+
+import textwrap
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from analysis.files.events import Events
+from analysis.quantity import Column, Quantity, walk
+from analysis.tracking.leading_waves import Waves
+from lammps_inputs import file_names
+from lammps_inputs.units import SI
+from workflow.runs.files import EVENTS, RECORD
+from workflow.verdicts.analysis_report import REPORT, Report
+from workflow.verdicts.findings import FINDINGS
+from workflow.verdicts.waves_table import WAVES, WavesTable
+
+OWN = ("V", "T")
+"""A case's own units: of the largest excitation, and of time (`lammps_inputs.units`)."""
+
+WIDTH = 100
+
+
+@dataclass(frozen=True)
+class RunErrors:
+    """Errors of a run in `workflow.runs.job`, which loads no numbers."""
+
+    velocity: Annotated[
+        float,
+        Quantity(
+            "largest error of any velocity in the frames that were compared with the reference",
+            "V",
+            "the run was not checked",
+            columns=(Column("error_velocity", "error of velocities"),),
+        ),
+    ]
+    amplitude: Annotated[
+        float,
+        Quantity(
+            "largest error of a peak velocity of the leading pulse",
+            "V",
+            "the run was not checked, or no pulse was seen",
+            columns=(Column("error_amplitude", "error of peak velocities"),),
+        ),
+    ]
+    arrival: Annotated[
+        float,
+        Quantity(
+            "largest error of an arrival of the leading pulse",
+            "T",
+            "the run was not checked, or no arrival is sharp",
+            columns=(Column("error_arrival", "error of arrivals"),),
+        ),
+    ]
+
+
+@dataclass(frozen=True)
+class Run:
+    """Numbers of a run in `workflow.runs.job`."""
+
+    check: Annotated[RunErrors, Quantity("measured error of the run", undefined="the run was not checked")]
+    engine: Annotated[str, Quantity("what computed the run", columns=(Column("engine"),))]
+    steps: Annotated[int, Quantity("number of time steps", columns=(Column("steps", "time steps"),))]
+    engine_seconds: Annotated[
+        float, Quantity("wall time of the engine", "s", columns=(Column("engine_seconds", "time of the engine (s)"),))
+    ]
+    wall_seconds: Annotated[
+        float, Quantity("wall time of the whole run", "s", columns=(Column("wall_seconds", "wall time (s)"),))
+    ]
+
+
+@dataclass(frozen=True)
+class Place:
+    """A quantity in one of a run's files.
+
+    Attributes:
+        file: its name.
+        path: key by key; the name of the column, in a table.
+    """
+
+    file: str
+    path: tuple[str, ...]
+    quantity: Quantity
+
+    @property
+    def where(self) -> str:
+        """The file and the keys, or the column."""
+        return f"{self.file}: {'column ' if self.file.endswith('.csv') else ''}{' > '.join(self.path)}"
+
+
+@dataclass(frozen=True)
+class CollectColumn:
+    """A column of the table of a sweep.
+
+    Attributes:
+        place: of the quantity that holds its value.
+        column: name, label, and key within the value.
+    """
+
+    place: Place
+    column: Column
+
+    @property
+    def file(self) -> str:
+        """Where its value is found."""
+        return self.place.file
+
+    @property
+    def path(self) -> tuple[str, ...]:
+        """Key by key; ``hit`` is the leading wave of the kicked chain."""
+        first, *others = (*self.place.path, *filter(None, [self.column.key]))
+        return ("hit" if first == "waves" else first, *others)
+
+    @property
+    def label(self) -> str:
+        """Of an axis; empty for text."""
+        return self.column.label
+
+    def unit(self, *, si: bool) -> str:
+        """Symbol of what the scene or the case has a unit for; empty for anything else."""
+        unit = self.place.quantity.unit
+        return self.place.quantity.symbol_of_unit(si=si) if unit in SI or unit in OWN else ""
+
+
+def tables() -> dict[str, Any]:
+    """CSV file -> type whose fields are its columns."""
+    found = {one.table[0]: one.table[1] for one in FINDINGS if one.table is not None}
+    return {WAVES: WavesTable, file_names.PEAKS: Waves, **found, EVENTS: Events}
+
+
+def places() -> Iterator[Place]:
+    """All quantities, file by file."""
+    for file, path, kind in _sections():
+        for keys, quantity in walk(kind, path):
+            yield Place(file, keys, quantity)
+
+
+def _sections() -> list[tuple[str, tuple[str, ...], Any]]:
+    """File, key and type."""
+    of_findings = [(REPORT, (one.key,), one.kind) for one in FINDINGS]
+    return [
+        (REPORT, (), Report),
+        *of_findings,
+        (RECORD, (), Run),
+        *((file, (), kind) for file, kind in tables().items()),
+    ]
+
+
+def collect_columns() -> dict[str, CollectColumn]:
+    """Column of the table of a sweep -> what it holds, in their order: numbers of a run first, then text."""
+    found = [CollectColumn(place, column) for place in places() for column in place.quantity.columns]
+    return {one.column.name: one for one in sorted(found, key=lambda one: one.label == "")}
+
+
+def explained(word: str) -> str | None:
+    """What `granchain help` says of a quantity, by its key or column; None where there is none of that name."""
+    of_column = [place for place in places() if any(column.name == word for column in place.quantity.columns)]
+    found: dict[Quantity, list[Place]] = {}
+    for place in [*of_column, *(place for place in places() if place.path[-1] == word)]:
+        found.setdefault(place.quantity, []).append(place)
+    if not found:
+        return None
+    return "\n".join([word, *(line for quantity, at in found.items() for line in _lines(word, quantity, at))])
+
+
+def _lines(word: str, quantity: Quantity, at: list[Place]) -> Iterator[str]:
+    columns = [column for column in quantity.columns if word in (column.name, at[0].path[-1])]
+    labels = [column.label for column in columns if column.name == word and column.label]
+    yield from _filled("; ".join(dict.fromkeys([*labels, quantity.meaning])), "    ")
+    if quantity.symbol:
+        yield f"      symbol: {quantity.symbol}"
+    if unit := _unit(quantity):
+        yield f"      unit: {unit}"
+    if quantity.undefined:
+        yield from _filled(f"undefined where: {quantity.undefined}", "      ")
+    keys = [column.key for column in columns if column.name == word and column.key]
+    for where in dict.fromkeys(place.where for place in at):
+        yield f"      {' > '.join([where, *keys])}"
+    if columns:
+        yield f"      granchain collect: column {', '.join(column.name for column in columns)}"
+
+
+def _filled(text: str, indent: str) -> list[str]:
+    return textwrap.wrap(text.replace("``", ""), WIDTH, initial_indent=indent, subsequent_indent=indent + "  ")
+
+
+def _unit(quantity: Quantity) -> str:
+    return f"{SI[quantity.unit]} with a material, else reduced" if quantity.unit in SI else quantity.unit
+
+
+INTRODUCTION = """# Quantities
+
+Generated by `python -m workflow.verdicts.quantities` from the types that declare them; `granchain help NAME` prints
+one. Units are those of a scene with a material; scenes without one have reduced units. V is the largest excitation (the
+kick velocity), T the unit of time (`granchain show`). A quantity that is undefined is null in JSON, an empty cell in
+CSV and `-` in printed tables. The last column is the name in the table of `granchain collect`.
+"""
+
+HEAD = """
+| name | symbol | unit | meaning | undefined where | collect |
+|---|---|---|---|---|---|
+"""
+
+
+def manual() -> str:
+    """The manual's page of quantities, in Markdown."""
+    page, last = INTRODUCTION, ""
+    for place in places():
+        grouped = place.file == REPORT and place.path[0] in _GROUPS
+        name = f"{place.file}: {place.path[0]}" if grouped else place.file
+        path = place.path[1:] if grouped else place.path
+        if name != last:
+            page += f"\n## `{name}`\n" + ("" if path else f"\n{_sentence(place.quantity)}\n") + HEAD
+            last = name
+        page += _row(place.quantity, path) if path else ""
+    return page
+
+
+def _sentence(quantity: Quantity) -> str:
+    text = quantity.meaning + (f"; null where {quantity.undefined}" if quantity.undefined else "")
+    return f"{text[0].upper()}{text[1:]}.".replace("``", "`")
+
+
+_GROUPS = {path[0] for _, path, _ in _sections() if path} | {path[0] for path, _ in walk(Report) if len(path) > 1}
+"""Keys of ``analysis.json`` below which others stand."""
+
+
+def _row(quantity: Quantity, path: tuple[str, ...]) -> str:
+    cells = [
+        f"`{'.'.join(path)}`",
+        f"${quantity.symbol}$" if quantity.symbol else "",
+        SI.get(quantity.unit, quantity.unit),
+        quantity.meaning.replace("``", "`"),
+        quantity.undefined.replace("``", "`"),
+        ", ".join(f"`{column.name}`" for column in quantity.columns),
+    ]
+    return f"| {' | '.join(cells)} |\n"
+
+
+if __name__ == "__main__":
+    print(manual(), end="")
