@@ -28,7 +28,9 @@ from typing import TYPE_CHECKING, Any
 
 from analysis import quantity
 from workflow.formats import figure_files
-from workflow.runs.study_directory import RESUMES, mark, study_directory
+from workflow.runs import job
+from workflow.runs.locks import alone
+from workflow.runs.own_files import claim, make_directory
 from workflow.runs.whole_files import write_figure, write_text
 from workflow.workers.results import Results
 
@@ -57,7 +59,7 @@ class Study:
     figures: Sequence[str] = ()
     cache: str = ""
     others: Sequence[str] = ()
-    resume: str = RESUMES
+    resume: str = "the same command resumes it"
 
     @property
     def files(self) -> tuple[str, ...]:
@@ -78,11 +80,13 @@ class Study:
         if directory is None:
             yield Results(None)
             return
-        with (
-            study_directory(directory, self.command, self.files, result=self.result, resume=self.resume),
-            Results(directory / self.cache if self.cache else None) as cache,
-        ):
-            yield cache
+        make_directory(directory)
+        with alone(directory):
+            claim(directory, self.files)
+            self.mark(directory, done=False)
+            with Results(directory / self.cache if self.cache else None) as cache:
+                yield cache
+            self.mark(directory, done=True)
 
     def write(self, directory: Path, tables: Mapping[str, str], figures: "Mapping[str, Figure] | None" = None) -> None:
         """Write tables by name, and figures by name without suffix, whole or not at all."""
@@ -92,8 +96,9 @@ class Study:
             write_figure(directory, name, figure)
 
     def mark(self, directory: Path, *, done: bool) -> None:
-        """Record whether the study is finished, in a directory that was not `opened`."""
-        mark(directory, self.command, done=done, result=self.result, resume=self.resume)
+        """Record in ``run.json`` which command made a directory, and whether it is finished; `opened` does so."""
+        study = job.Study(command=self.command, done=done, result=self.result, resume=self.resume)
+        job.update(directory, study=study.plain())
 
 
 def to_csv(kind: "type[DataclassInstance]", records: "Sequence[DataclassInstance]") -> str:

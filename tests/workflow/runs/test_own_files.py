@@ -19,8 +19,8 @@ from workflow.runs.job import load
 from workflow.runs.own_files import claim, prepared, refuse_unusable, refuse_unwritable, remove_leftovers, replacing
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
-from workflow.runs.study_directory import study_directory
 from workflow.runs.whole_files import write_text
+from workflow.studies.study import Study
 
 
 def scene(duration: float = 1.0) -> Scene:
@@ -116,7 +116,7 @@ def test_a_map_does_not_replace_a_file_of_the_users(tmp_path: Path) -> None:
 
 
 def test_a_run_does_not_overwrite_what_a_study_made(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    with study_directory(tmp_path / "map", "map", ["map.csv"], result=""):
+    with Study("map", "", tables=["map.csv"]).opened(tmp_path / "map"):
         write_text(tmp_path / "map" / "map.csv", "ours")
     before = contents(tmp_path / "map")
     words = ["run", str(scene_file(tmp_path / "s.yaml")), "-o", str(tmp_path / "map"), "--engine", "reference"]
