@@ -326,7 +326,8 @@ def _changing(found: Sharing, system: System) -> str:
     first, last = int(found.bead[found.tail]), int(found.bead[-1])
     if not all(repeats_between(system, chain, first - CLEAR, last + CLEAR, period) for chain in tied):
         return "beads, contacts or loads differ along the chain"
-    if len(tied) == 1 or np.max(found.mismatch[found.tail :]) < AGREEMENT:
+    alone = found.of_tied(found.amplitude).shape[1] == 1
+    if alone or np.max(found.mismatch[found.tail :]) < AGREEMENT:
         return ""
     if unlike(system, found.kicked):
         return "chains of unlike beads are coupled"

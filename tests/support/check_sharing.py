@@ -215,7 +215,7 @@ def share(case: Case) -> dict[str, Any]:
     shared, (energy, off) = shared_of(case), put_in(case)
     exact = None
     plain = case.alike and case.pulse and not (case.nature.loaded or case.nature.gap or dissipates(case))
-    if len(shared) and plain and not case.acted_on:
+    if len(shared) and plain and np.isfinite(energy):
         exact = float(np.nansum(exact_of(case).energy * shared.amplitude[-1] ** 2)) / energy
     measured = None
     passed = np.flatnonzero(np.all(np.isfinite(shared.of_tied(shared.arrival)), axis=1))

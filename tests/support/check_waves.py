@@ -264,15 +264,15 @@ def width(
     bends = 0.125 * np.abs(np.diff(seen, 2))[np.abs(seen[1:-1] - 0.5 * peak) < 0.1 * peak]
     hidden = case.off[1] + case.stated.peak + float(np.max(bends, initial=0.0))
     step = float(case.frames.time[chosen[1]] - case.frames.time[chosen[0]])
-    return Either(
-        tuple(_width_at(case, near, v, top, 0.5 * peak + off, speed, found, step) for off in (0.0, -hidden, hidden))
-    )
+    options = [_width_at(case, near, v, top, 0.5 * peak, off, speed, found, step) for off in (0.0, -hidden, hidden)]
+    return Either(tuple(options))
 
 
 def _width_at(
-    case: Case, near: Any, v: Any, top: int, level: float, speed: float, found: float | None, step: float
+    case: Case, near: Any, v: Any, top: int, half: float, off: float, speed: float, found: float | None, step: float
 ) -> Any:
-    """Time around one of many times, near, at which a velocity is above a level, times the speed."""
+    """Time around one of many times, near, at which a velocity is above about half of its peak, times the speed."""
+    level = half + off
     above = v > level
     left, right = np.flatnonzero(~above[:top]), np.flatnonzero(~above[top:])
     if len(left) == 0 or len(right) == 0:
@@ -286,8 +286,9 @@ def _width_at(
     value = (ends[1] - ends[0]) * speed
     # a polynomial of degree 5 through six frames, finer in short pulses
     quick = case.every * max(1.0, 2.1 / max(ends[1] - ends[0], 1e-9))
-    off = case.off[1] + case.stated.peak
-    within = 4e-6 + 0.2 * quick**5 + 4.0 * off / max(min(slopes), 1e-9) / (ends[1] - ends[0])
+    late = (4.0 * (case.off[1] + case.stated.peak) + 2.0 * abs(off)) / max(min(slopes), 1e-9)
+    kinked = 10.0 if sound(case) else 1.0  # contacts that bear a load open all at once
+    within = 4e-6 + 0.2 * kinked * quick**5 + late / max(ends[1] - ends[0], 1e-9)
     if found is None:
         # of the six frames around the crossing
         edge = ends[0] - near[0] < 3.0 * step or near[-1] - ends[1] < 3.0 * step

@@ -324,6 +324,14 @@ CHANGING = {
 }  # fmt: skip
 
 
+def test_chains_that_nothing_couples_have_no_common_limit():
+    kick = [{"chain": 1, "velocity": 1.0}, {"chain": 2, "velocity": 0.5}]
+    plain = {"name": "a", "chains": 2, "beads": 40, "kick": kick, "duration": 60.0, "output": {"every": 0.2}}
+    trajectory = engine.run(library.from_plain(plain, "test").problem())
+    found = survey(lambda: blocks(trajectory), trajectory.problem).shared
+    assert (found.changing, found.final) == ("the chains are not coupled there", None)
+
+
 @pytest.mark.parametrize("why", CHANGING)
 def test_where_amplitudes_have_no_limit_the_reason_is_stated(why):
     plain = {"name": "a", "beads": 40, "kick": {"velocity": 1.0}, "duration": 60.0, "output": {"every": 0.2}}
