@@ -108,7 +108,7 @@ print(json.dumps({
     "from_step": RunDirectory(Path("cut")).job.resumed[0].from_step,
     "difference": float(np.abs(whole.trajectory.velocity - reference.velocity).max()),
     "quantities": sorted(validate(whole.directory).deviations),
-    "bound": timestep.stability_bound(problem),
+    "bound": timestep.stability_bound(problem.system),
     "ground": float(problem.system.ground[0].energy(reference.displacement).max()),
     "velocity": reference.velocity[-1].tolist(),
 }))
