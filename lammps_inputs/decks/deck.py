@@ -17,6 +17,7 @@ import io
 import itertools
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,21 +30,23 @@ from lammps_inputs.lines import AtomTypes, Lines
 from lammps_inputs.links import Across, Along, Link, WallDamper, words
 from lammps_inputs.numbers import text
 from lammps_inputs.problem import Problem
-from lammps_inputs.scene import Scene
 from lammps_inputs.system import System
 from lammps_inputs.units import sphere_density
+
+if TYPE_CHECKING:
+    from lammps_inputs.scene import Scene
 
 COLUMNS = ("id", "x", "vx")
 WINDOW_COLUMNS = ("id", "mol", "x", "vx")
 
 
-def render(scene: Scene) -> dict[str, str]:
-    """File name -> text of everything LAMMPS needs, and the scene itself.
+def render(scene: "Scene", problem: Problem | None = None) -> dict[str, str]:
+    """File name -> text of everything LAMMPS needs, and the scene itself; the problem is the scene's.
 
     Raises:
         ValueError: the scene ends at a bead, not at a time (see `Scene.problem`).
     """
-    problem = scene.problem()
+    problem = scene.problem() if problem is None else problem
     return {
         file_names.SCENE: render_scene(scene),
         file_names.DECK: render_deck(problem),
@@ -51,12 +54,12 @@ def render(scene: Scene) -> dict[str, str]:
     }
 
 
-def render_scene(scene: Scene) -> str:
+def render_scene(scene: "Scene") -> str:
     """The text of ``scene.yaml``, every default written out."""
     return strict_yaml.dump(scene.resolved().plain())
 
 
-def write(scene: Scene, directory: Path) -> None:
+def write(scene: "Scene", directory: Path) -> None:
     """Write the deck of a scene into an existing directory."""
     for name, content in render(scene).items():
         (directory / name).write_text(content, encoding="utf-8", newline="\n")

@@ -26,7 +26,7 @@ from workflow.runs.whole_files import write_text
 Progress = Callable[[int, int], None]
 
 Start = Callable[..., lammps_engine.Outcome]
-"""Runs the deck in a directory, given ``progress``."""
+"""Runs the deck in a directory, given ``problem`` and ``progress``."""
 
 
 @dataclass(frozen=True)
@@ -72,8 +72,8 @@ class Engine(ABC):
         """Why it cannot run chains of so many beads on a number of ranks; empty where it can."""
         return "" if ranks == 1 else f"the engine {self.name!r} runs on one core; {ranks} given"
 
-    def begins_with(self, scene: Scene) -> dict[str, str]:
-        """Name and text of the files that it begins with."""
+    def begins_with(self, scene: Scene, problem: Problem | None = None) -> dict[str, str]:  # noqa: ARG002  decks need it
+        """Name and text of the files that it begins with; the problem is the scene's."""
         return {file_names.SCENE: deck.render_scene(scene)}
 
     def seconds(self, problem: Problem, ranks: int) -> float | None:  # noqa: ARG002  those that have an estimate use both
@@ -110,14 +110,14 @@ class _Lammps(Engine):
     def refused_ranks(self, ranks: int, beads: int) -> str:
         return lammps_engine.refused_ranks(ranks, beads)
 
-    def begins_with(self, scene: Scene) -> dict[str, str]:
-        return deck.render(scene)
+    def begins_with(self, scene: Scene, problem: Problem | None = None) -> dict[str, str]:
+        return deck.render(scene, problem)
 
     def seconds(self, problem: Problem, ranks: int) -> float | None:
         return model.cost(problem, ranks).seconds
 
     def compute(self, work: Work) -> dict[str, Any]:
-        end = work.start(work.result.path, progress=work.progress)
+        end = work.start(work.result.path, problem=work.result.problem, progress=work.progress)
         return {
             "outcome": "done" if end.end == "done" else "interrupted",
             "steps_done": end.steps,

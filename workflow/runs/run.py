@@ -9,6 +9,7 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypedDict, Unpack
 
 from analysis.trajectory import Measured, Trajectory
 from lammps_inputs import InputError, Scene, file_names, html
@@ -66,19 +67,33 @@ class Run:
         return html.table(repr(self)[1:-1], (), rows) + ("" if self.check is None else self.check._repr_html_())
 
 
+class Options(TypedDict, total=False):
+    """How a scene is run, beside by which engine and where.
+
+    Attributes:
+        ranks: MPI ranks of LAMMPS; 1 by default.
+        force: whether LAMMPS may run with a time step above the stability bound.
+        check: whether to measure the error of a LAMMPS run against the reference when it is done, as by default.
+        restart_every: seconds of LAMMPS's work that a kill may cost: what `workflow.runs.resume` goes on from.
+        lammps: how the deck is run; by default by LAMMPS in a process of its own.
+    """
+
+    ranks: int
+    force: bool
+    check: bool
+    restart_every: float
+    lammps: Start
+
+
 def run(
     scene: Scene,
     directory: Path | str,
     *,
     engine: str = "lammps",
-    ranks: int = 1,
     overwrite: bool = False,
-    force: bool = False,
     settings: Settings | None = None,
-    check: bool = True,
     progress: Progress | None = None,
-    restart_every: float = lammps_engine.RESTART_EVERY,
-    lammps: Start | None = None,
+    **options: Unpack[Options],
 ) -> Run:
     """Run a scene in a new directory.
 
@@ -86,20 +101,17 @@ def run(
         scene: what to compute.
         directory: new or empty, or an earlier run's with ``overwrite``.
         engine: "lammps", "reference" for the in-house integrator, or "collisions" for rigid beads.
-        ranks: MPI ranks of LAMMPS.
         overwrite: whether an earlier run's files may be replaced.
-        force: whether LAMMPS may run with a time step above the stability bound.
         settings: how the scene's time step was chosen, where `workflow.prepare.settings.settle` has done so before.
-        check: whether to measure the error of a LAMMPS run against the reference when it is done.
         progress: called now and then with the steps done and the bead that the front has reached.
-        restart_every: seconds of LAMMPS's work that a kill may cost: what `workflow.runs.resume` goes on from.
-        lammps: how the deck is run; by default by LAMMPS in a process of its own.
+        options: see `Options`.
 
     Raises:
         InputError: the directory, engine, number of ranks or time step cannot be used.
         RunError: the run failed; ``run.json`` says why.
     """
-    path, what = Path(directory), engine_called(engine)
+    path, what, ranks = Path(directory), engine_called(engine), options.get("ranks", 1)
+    force = options.get("force", False)
     refuse(scene, path, engine=engine, ranks=ranks, overwrite=overwrite)
     refuse_beforehand(scene, scene.name, what, ranks)
     if what is LAMMPS:
@@ -108,13 +120,14 @@ def run(
     settings = found_settings or settings
     if settings is not None and not what.own_step and not settings.asked:
         settings = None
+    scene = scene.resolved()
     problem = scene.problem()
-    refuse_too_long(scene, scene.name, what, ranks)
-    files = what.begins_with(scene)
+    refuse_too_long(scene, scene.name, what, ranks, problem)
+    files = what.begins_with(scene, problem)
     with prepared(path, what.files, overwrite=overwrite) as lock:
         with replacing(path, what.files):
             write_text(path / file_names.SCENE, files[file_names.SCENE])
-            result = RunDirectory(path)
+            result = RunDirectory.begun_with(path, scene, problem)
             result.update(
                 outcome="running",
                 engine=engine,
@@ -122,14 +135,16 @@ def run(
                 steps=problem.steps,
                 **provenance(),
                 files_sha256=fingerprint(files),
-                scene=scene.resolved().plain(),
+                scene=scene.plain(),
                 **({"settings": settings.plain()} if settings is not None else {}),
                 **({"force": True} if force else {}),
             )
             for name, text in files.items():
                 write_text(path / name, text)
-        begin = lammps or functools.partial(lammps_engine.run, restart_every=restart_every, lock=lock)
+        every = options.get("restart_every", lammps_engine.RESTART_EVERY)
+        begin = options.get("lammps") or functools.partial(lammps_engine.run, restart_every=every, lock=lock)
         start = functools.partial(begin, ranks=ranks)
+        check = options.get("check", True)
         return carry_out(result, start=start, settings=settings, check=check, progress=progress)
 
 

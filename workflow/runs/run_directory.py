@@ -51,6 +51,13 @@ class RunDirectory:
         if not whole:
             raise InputError(f"{self.path}: not a run directory (it has no {file_names.SCENE})")
 
+    @classmethod
+    def begun_with(cls, path: Path, scene: Scene, problem: Problem) -> "RunDirectory":
+        """The directory of a run whose scene, with every default written out, and problem need not be read."""
+        found = cls(path)
+        vars(found).update(scene=scene, problem=problem)
+        return found
+
     @cached_property
     def scene(self) -> Scene:
         """The scene as it was run."""

