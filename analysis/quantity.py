@@ -147,5 +147,9 @@ def headings(kind: Any, scale: Scale, words: Mapping[str, str] | None = None) ->
 
 def written(found: Any, name: str, scale: Scale, digits: str) -> str:
     """A number of a result as a cell of a printed table, in the scene's units; ``-`` where it is undefined."""
-    value = plain(getattr(found, name), scale, declared(type(found))[name][0].unit)
-    return "-" if value is None else f"{value:{digits}}"
+    return cell(plain(getattr(found, name), scale, declared(type(found))[name][0].unit), digits)
+
+
+def cell(value: float | None, digits: str) -> str:
+    """A number of a printed table; ``-`` where it is undefined."""
+    return "-" if value is None or known(value) is None else f"{value:{digits}}"

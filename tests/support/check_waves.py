@@ -483,7 +483,9 @@ def summary(case: Case, rows: list[Row], chain: int) -> dict[str, Any]:
     """The last bead that the wave of a chain passed clear of the end that it runs to, or its first."""
     own = [row for row in rows if row["chain"] == chain]
     if not own:
-        return {"chain": chain, "beads_reached": 0}
+        names = ("bead", "arrival", "peak_velocity", "speed", "peak_velocity_reduced", "arrival_reduced")
+        nothing = dict.fromkeys((*names, "peak_velocity_error", "arrival_error"))
+        return {"chain": chain, "beads_reached": 0, **nothing}
     along = own[:: case.way]
     far = case.scene.beads - CLEAR
     clear = [row for row in along if (row["bead"] if case.way > 0 else case.scene.beads + 1 - row["bead"]) <= far]

@@ -8,10 +8,11 @@ from pathlib import Path
 import numpy as np
 
 from analysis.mirror import along_the_way
+from analysis.quantity import cell, headings
 from analysis.sharing.is_solitary import Character
 from analysis.sharing.survey import Survey
 from analysis.sound.dispersion import NO_SOUND
-from analysis.tracking.leading_waves import ARRIVALS
+from analysis.tracking.leading_waves import ARRIVALS, Waves
 from analysis.tracking.pulses import of_one_kind
 from analysis.tracking.undisturbed import CLEAR
 from lammps_inputs import InputError, physics
@@ -120,20 +121,21 @@ def _print(found: Analysis) -> None:
 def _print_waves(found: Analysis) -> None:
     """The leading pulse at some beads."""
     waves, scale = found.waves, found.problem.scale
-    unit = {name: f" ({scale.symbol(name)})" if scale.si else "" for name in ("time", "velocity", "speed")}
-    head = ["bead", "chain", f"arrival{unit['time']}", f"peak velocity{unit['velocity']}", f"speed{unit['speed']}"]
+    words = {"arrival": "arrival", "peak_velocity": "peak velocity", "speed": "speed"}
+    head = ["bead", "chain", *headings(Waves, scale, words)]
     if scale.si:
         head.append("peak velocity / V")
     rows = []
     for bead in _rows(found):
         at = waves.at(bead)
+        measured = at.measured(scale)
         for k in range(min(len(at), MOST_CHAINS)):
             row = [
                 str(bead) if k == 0 else "",
                 str(at.chain[k]),
-                f"{at.arrival[k] * scale.time:.7g}",
-                f"{at.peak_velocity[k] * scale.velocity:.5g}",
-                f"{at.speed[k] / scale.time:.5g}",
+                cell(measured.arrival[k], ".7g"),
+                cell(measured.peak_velocity[k], ".5g"),
+                cell(measured.speed[k], ".5g"),
             ]
             rows.append([*row, f"{at.peak_velocity[k]:.5f}"] if scale.si else row)
         if len(at) > MOST_CHAINS:

@@ -38,7 +38,7 @@ class Spectra(Finding):
         for one in sorted(found.beads, key=lambda line: (spectra.beads.index(line.bead), line.chain)):
             if one.chain <= MOST_CHAINS:
                 line = [quantity.written(one, name, scale, ".5g") for name in words]
-                passed_on = [f"{drive.transmissibility:.5g}" for drive in one.at_drive]
+                passed_on = [quantity.cell(drive.transmissibility, ".5g") for drive in one.at_drive]
                 rows.append([str(one.bead) if one.chain == 1 else "", str(one.chain), *line, *passed_on])
         start = scale.written(found.after, "time", ".5g")
         yield Table(f"{self.problem.name}: spectra from t = {start} on", head, rows)
