@@ -220,9 +220,9 @@ def test_a_quantity_is_drawn_over_one_field_and_over_two(copied, capsys):
     [
         (
             ["--plot", "amplitud", "--over", "beads"],
-            "'amplitud' given (did you mean `amplitude`?); should be one of amplitude, ",
+            "'amplitud' given (did you mean `amplitude`?); should be one of front, ",
         ),
-        (["--plot", "verdict", "--over", "beads"], "--plot: 'verdict' given; should be one of amplitude, "),
+        (["--plot", "verdict", "--over", "beads"], "--plot: 'verdict' given; should be one of front, "),
         (["--plot", "amplitude", "--over", "bead"], "--over: 'bead' is not varied here; beads, coupling.stiffness"),
         (["--plot", "amplitude", "--over", "beads"], "--where coupling.stiffness=VALUE"),
         (["--plot", "amplitude", "--over", "beads", "--and", "gap"], "--and: 'gap' is not varied"),
