@@ -5,7 +5,7 @@
 | job.sbatch    | asks for nodes and time, checks before it computes, goes on until done (``job.sh``)    |
 | in.job        | the deck, or its continuation, for as long as the time limit lets it; then a restart    |
 | in.continue   | see `continuation`                                                                    |
-| cases.txt     | of an array: one directory a line                                                     |
+| cases.txt     | of an array: the directories of one task a line                                       |
 | job.state     | left by the job: what state the run is in, for `granchain status`                      |
 | job.step      | left by the job: the step that the run has safely reached                              |
 | job.frames    | left by the job: which frames belong to the restart                                    |
@@ -20,6 +20,7 @@ is started again. What it prints is in ``job.out``.
 
 import hashlib
 import importlib.resources
+import itertools
 import re
 import shlex
 from collections.abc import Mapping, Sequence
@@ -61,7 +62,11 @@ def case_files(problem: Problem) -> dict[str, str]:
 
 
 def render_array(
-    options: JobOptions, cases: Sequence[str], *, name: str = "sweep", tasks: Sequence[int] | None = None
+    options: JobOptions,
+    cases: Sequence[str | tuple[str, ...]],
+    *,
+    name: str = "sweep",
+    tasks: Sequence[int] | None = None,
 ) -> dict[str, str]:
     """File name -> text of one array over directories that each hold a deck and `case_files`.
 
@@ -70,9 +75,9 @@ def render_array(
 
     Args:
         options: what every task asks for.
-        cases: directories, relative, with `/` between their parts.
+        cases: of each task its directory, or several, relative, with `/` between their parts.
         name: of the job.
-        tasks: numbers of the cases to do, from 0; all by default.
+        tasks: numbers of the tasks to do, from 0; all by default.
 
     Raises:
         InputError: no cases, too many, one twice, or a directory with another name than letters, digits and ``._=,+-``.
@@ -80,7 +85,8 @@ def render_array(
     if not 0 < len(cases) <= _MAX_CASES:
         raise InputError(f"an array of {len(cases)} cases; 1 to {_MAX_CASES} are possible")
     seen = set()
-    for case in cases:
+    lines = [(line,) if isinstance(line, str) else line for line in cases]
+    for case in itertools.chain(*lines):
         if not all(_DIRECTORY.fullmatch(part) for part in case.split("/")):
             raise InputError(f"{case!r}: not a relative directory of letters, digits and `._=,+-`")
         if case in seen:
@@ -89,7 +95,7 @@ def render_array(
     numbers = range(len(cases)) if tasks is None else sorted(set(tasks))
     if not numbers or numbers[0] < 0 or numbers[-1] >= len(cases):
         raise InputError(f"tasks of an array: numbers from 0 to {len(cases) - 1}, {list(numbers)[:5]} given")
-    listing = "".join(f"{case}\n" for case in cases)
+    listing = "".join(f"{' '.join(line)}\n" for line in lines)
     return {file_names.JOB: _script(options, name, listing, _ranges(numbers)), file_names.CASES: listing}
 
 

@@ -28,11 +28,29 @@ state() {  # STATE REASON
 fail() { state failed "$1"; exit 1; }
 refuse() { echo "granchain: $1" >&2; exit 1; }  # and leave everything as it is
 
-if [ -n "$cases" ]; then  # one task of an array: its directory is a line of a list
-    [ "$(sha256sum <"$cases")" = "$cases_sum  -" ] || refuse "$cases is not the list that this array was made for"
-    cd -- "$(sed -n "$((task + 1))p" "$cases")" || exit 1
-    exec >>job.out 2>&1
+if [ -n "$cases" ] && [ "$(sha256sum <"$cases")" != "$cases_sum  -" ]; then
+    refuse "$cases is not the list that this array was made for"
 fi
+
+again() {  # submit the next job of this run, and end
+    [ "$number" -lt "$max_jobs" ] || { state incomplete "stopped after $number jobs (--max-jobs)"; exit 1; }
+    state waiting "for the next job to be submitted"
+    self=${SLURM_ARRAY_JOB_ID:+${SLURM_ARRAY_JOB_ID}_$task}
+    cd -- "$home"
+    next=$(sbatch --parsable ${task:+--array=$task} --dependency="afterany:${self:-$job}" job.sbatch $((number + 1)) 2>&1)
+    code=$?
+    cd - >/dev/null
+    if [ $code -eq 0 ]; then
+        job=${next%%;*} number=$((number + 1))
+        state waiting "to go on"
+        exit "$onwards"
+    else
+        state incomplete "the next job could not be submitted: $next"
+        exit 1
+    fi
+}
+
+one() {  # compute in this directory
 [ -f in.chains ] && [ -f data.chains ] && [ -f in.job ] || refuse "no deck here; submit in its directory"
 for file in log.lammps chains.* job.state job.step job.frames; do
     [ ! -L "$file" ] || refuse "$file is a link, and nothing is written through one"
@@ -45,7 +63,7 @@ steps=$(sed -n 's/^variable steps index \([0-9]*\).*/\1/p' in.chains)
 atoms=$(sed -n 's/^\([0-9]*\) atoms$/\1/p;10q' data.chains)
 [ -n "$steps" ] && [ -n "$atoms" ] || refuse "in.chains or data.chains is not what granchain wrote"
 was=$(last_word job.state state) other=$(last_word job.state job)
-if [ "$was" = done ]; then echo "granchain: this run is done"; exit 0; fi
+if [ "$was" = done ]; then echo "granchain: this run is done"; exit "$past"; fi
 if [ -n "$other" ] && [ "$other" != "$job" ] && squeue -h -j "$other" -t R 2>/dev/null | grep -q .; then
     refuse "job $other computes here"
 fi
@@ -66,6 +84,7 @@ set -u
 quietly() { timeout 300 "$@" </dev/null >.job.check 2>&1 & wait $!; }
 complaint() { grep -h -m 1 -e ERROR -e 'Fatal error' "$@" 2>/dev/null || grep -h . "$@" 2>/dev/null | tail -n 1; }
 
+if [ "$checked" = no ]; then
 # the executable and what it can do
 quietly "${launch[@]}" "$lmp" -h || fail "$lmp cannot be started: $(complaint .job.check)"
 for package in GRANULAR $(grep -q '^bond_style' in.chains && echo MOLECULE) $(grep -q ' dpd/ext' in.chains && echo DPD-BASIC); do
@@ -78,6 +97,7 @@ quietly "${launch[@]}" "$lmp" -in .job.in -log none || fail "a run of nothing fa
 found=$(sed -n 's/^ *\([0-9]* by [0-9]* by [0-9]*\) MPI processor grid.*/\1/p' .job.check)
 [ "$found" = "$ranks by 1 by 1" ] ||
     fail "$ranks ranks asked, found: $(echo $found); '${launch[*]}' does not belong to the MPI library of $lmp"
+fi
 
 # A restart counts when it and the frames before it are on the disk, which LAMMPS itself may not notice.
 echo kept >.job.yes
@@ -126,7 +146,8 @@ fi
 
 left=$((ends - $(date +%s) - margin))
 checks=$(($(date +%s) - started))
-[ $left -gt 0 ] || fail "nothing is left of the time limit after $checks s of checks and a margin of $margin s"
+[ $left -gt 0 ] || [ "$first" = no ] || fail "nothing is left of the time limit after $checks s of checks and a margin of $margin s"
+[ $left -gt 0 ] || again
 pace=$((checkpoint / 60 * 20 < margin || checkpoint < 60 ? checkpoint * 1000 / 60 : margin * 50))  # ms, or more
 look=$((pace * 1000000 / (20 * atoms / ranks + 15000) + 1))  # steps, at some 20 ns a bead and messages
 head -c 16384 /dev/zero >.job.reserve  # room to say that there is none
@@ -154,18 +175,33 @@ if [ "$step" -ge "$steps" ]; then
     rm -f chains.restart .job.check .job.in .job.keep .job.yes .job.no .job.kept job.frames
     exit 0
 fi
-[ "$step" -gt "$before" ] || fail "no progress beyond step $step in $left s; ask for more --time"
-[ "$number" -lt "$max_jobs" ] || { state incomplete "stopped after $number jobs (--max-jobs)"; exit 1; }
-state waiting "for the next job to be submitted"
-self=${SLURM_ARRAY_JOB_ID:+${SLURM_ARRAY_JOB_ID}_$task}
-cd -- "$home"
-next=$(sbatch --parsable ${task:+--array=$task} --dependency="afterany:${self:-$job}" job.sbatch $((number + 1)) 2>&1)
-code=$?
-cd - >/dev/null
-if [ $code -eq 0 ]; then
-    job=${next%%;*} number=$((number + 1))
-    state waiting "to go on"
-else
-    state incomplete "the next job could not be submitted: $next"
-    exit 1
+[ "$step" -gt "$before" ] || [ "$first" = no ] || fail "no progress beyond step $step in $left s; ask for more --time"
+again
+}
+
+# first: whether nothing has been computed by this job; past, onwards: exit codes of a run that was done, or continues
+first=yes checked=no past=0 onwards=0
+if [ -z "$cases" ]; then
+    one
+    exit
 fi
+read -r -a directories < <(sed -n "$((task + 1))p" "$cases")  # one task of an array: those in a line of the list
+if [ ${#directories[@]} -le 1 ]; then
+    cd -- "${directories[0]:-}" || exit 1
+    exec >>job.out 2>&1
+    one
+    exit
+fi
+past=3 onwards=4 failed=0
+for directory in "${directories[@]}"; do
+    ( cd -- "$directory" && exec >>job.out 2>&1 && one ) &
+    running=$!
+    trap 'kill -TERM "$running" 2>/dev/null; wait "$running"; exit 1' TERM
+    wait "$running"
+    code=$?
+    [ $code -ne $onwards ] || exit $failed  # the next job does the rest
+    [ $code -eq $past ] || first=no
+    [ $code -ne 0 ] || checked=yes
+    [ $code -eq 0 ] || [ $code -eq $past ] || failed=1
+done
+exit $failed

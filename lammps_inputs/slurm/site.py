@@ -94,6 +94,8 @@ class JobOptions(BaseModel):
     """Jobs, each submitted by the one before, after which a run stops."""
     array_limit: Count | None = None
     """Tasks of an array that may run at once."""
+    cases_per_task: Count = 1
+    """Cases that a task of an array computes, one after the other."""
     partition: Names | None = None
     account: Name | None = None
     qos: Name | None = None

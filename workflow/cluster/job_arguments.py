@@ -9,8 +9,8 @@ from lammps_inputs.slurm import site
 from workflow.cluster import ranks
 
 
-def add_job_arguments(parser: argparse.ArgumentParser) -> None:
-    """What a job asks of a cluster."""
+def add_job_arguments(parser: argparse.ArgumentParser) -> "argparse._ArgumentGroup":
+    """What a job asks of a cluster; the group that they are in."""
     group = parser.add_argument_group(
         "Slurm", f"defaults: --site FILE, else ${site.VARIABLE}, else ~/{site.DEFAULT_FILE}"
     )
@@ -25,6 +25,7 @@ def add_job_arguments(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--module", metavar="M", dest="modules", action="append", help="module to load; may be repeated")
     group.add_argument("--lmp", metavar="PATH", help="the executable (default lmp)")
     group.add_argument("--launcher", metavar="COMMAND", help="what starts the ranks (default srun)")
+    return group
 
 
 def job_options(arguments: argparse.Namespace) -> site.JobOptions | None:

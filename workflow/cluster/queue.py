@@ -54,18 +54,19 @@ def ask() -> Queue | None:
 
 
 def parse(cluster: str, text: str) -> Queue:
-    """The queue as ``squeue`` prints it; a task works in its line of the list of cases."""
+    """The queue as ``squeue`` prints it; a task works in the directories of its line of the list."""
     queue = Queue(cluster)
     lists: dict[Path, list[str]] = {}
     for line in text.splitlines():
         number, state, task, directory = [*line.split("|", 3), "", "", ""][:4]
         where = Path(directory)
+        places = [where]
         if task.isdigit():
             if where not in lists:
                 lists[where] = _lines(where / file_names.CASES)
             if int(task) < len(lists[where]):
-                where = where / lists[where][int(task)]
-        queue.jobs.append(Queued(number, state in _WAITING, where.resolve()))
+                places = [where / name for name in lists[where][int(task)].split()]
+        queue.jobs.extend(Queued(number, state in _WAITING, place.resolve()) for place in places)
     return queue
 
 

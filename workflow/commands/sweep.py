@@ -25,7 +25,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--jobs", metavar="N", type=int, default=cores(), help="cases at a time (default all cores)")
     parser.add_argument("--figures", action="store_true", help="draw every case")
     parser.add_argument("--no-check", action="store_true", help="do not measure the errors against the reference")
-    add_job_arguments(parser)
+    group = add_job_arguments(parser)
+    group.add_argument(
+        "--cases-per-task", metavar="N", type=int, help="cases of a task of the array, one after the other (default 1)"
+    )
 
 
 def execute(arguments: argparse.Namespace) -> Answer:

@@ -72,7 +72,7 @@ def _cases(directory: Path) -> list[Path]:
         if (directory / file_names.SCENE).exists() or not directory.is_dir():
             return [directory]
         listed = directory / file_names.CASES
-        names = listed.read_text(encoding="utf-8").splitlines() if listed.is_file() else []
+        names = listed.read_text(encoding="utf-8").split() if listed.is_file() else []
         cases = [directory / name for name in names if name]
         others = (path for path in sorted(directory.iterdir()) if (path / file_names.SCENE).is_file())
         return [*cases, *(path for path in others if path not in cases)] or [directory]

@@ -35,7 +35,7 @@ class Written:
         tasks: how many of them the array will do.
         under_way: how many wait in the queue or run.
         ranks: MPI ranks of each.
-        numbers: entries of the list that the array's numbers count, from 0.
+        numbers: lines of the list that the array's numbers count, from 0.
     """
 
     cases: int
@@ -68,29 +68,32 @@ def write_array(
         todo = [case for case in cases if states[case.name] not in ("done", "waiting", "running")]
         if not todo:
             return Written(len(cases), 0, len(under_way), 0, 0)
-        before = _listed(directory)
-        names = [*before, *sorted(states.keys() - set(before))]
-        if before and len(names) > len(before):
-            _refuse_if_queued(directory, before, known)
+        lines = _lines(directory)
+        listed = [name for line in lines for name in line]
+        new = sorted(states.keys() - set(listed))
+        if listed and new:
+            _refuse_if_queued(directory, listed, known)
+        count = options.cases_per_task
+        lines += [tuple(new[first : first + count]) for first in range(0, len(new), count)]
         problems = []
         for count, case in enumerate(todo, 1):
             problems.append(_write_case(what, case, directory / case.name))
             if progress is not None:
                 progress(count, len(todo))
         options = _for_all(options, problems)
-        place = {name: number for number, name in enumerate(names)}
+        place = {name: number for number, line in enumerate(lines) for name in line}
         tasks = [place[case.name] for case in todo]
-        files = job.render_array(options, names, name=problems[0].name, tasks=tasks)
+        files = job.render_array(options, lines, name=problems[0].name, tasks=tasks)
         claim(directory, files)
         for name, text in files.items():
             write_text(directory / name, text)
-    return Written(len(cases), len(tasks), len(under_way), options.ranks, len(names))
+    return Written(len(cases), len(tasks), len(under_way), options.ranks, len(lines))
 
 
-def _listed(directory: Path) -> list[str]:
-    """Cases of an array that was written before; they keep their numbers."""
+def _lines(directory: Path) -> list[tuple[str, ...]]:
+    """Tasks of an array that was written before, each with its cases; they keep their numbers."""
     path = directory / file_names.CASES
-    return path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
+    return [tuple(line.split()) for line in path.read_text(encoding="utf-8").splitlines()] if path.is_file() else []
 
 
 def _refuse_if_queued(directory: Path, listed: list[str], known: queue.Queue | None) -> None:

@@ -92,14 +92,14 @@ def told(directory):
     return dict(line.partition(" ")[::2] for line in (directory / file_names.JOB_STATE).read_text().splitlines())
 
 
-def cut(directory, path=os.environ["PATH"]):
+def cut(directory, path=os.environ["PATH"], **environment):
     """Run the script until its time limit cuts it, a second after its checks: until then its clock stands still."""
     clock = directory.with_name("clock")
     clock.mkdir()
     (clock / "date").write_text(f'#!/bin/sh\n[ "$*" != +%s ] || exec echo 1000000\nexec {shutil.which("date")} "$@"\n')
     (clock / "date").chmod(0o755)
     margin = re.search(r"^margin=(.*)", (directory / file_names.JOB).read_text(), flags=re.MULTILINE)[1]
-    go(directory, SLURM_JOB_END_TIME=1_000_001 + int(margin), PATH=f"{clock}:{path}")
+    go(directory, SLURM_JOB_END_TIME=1_000_001 + int(margin), PATH=f"{clock}:{path}", **environment)
 
 
 def kill_after_a_restart(directory):
@@ -238,6 +238,57 @@ def test_a_job_out_of_time_leaves_a_restart_and_says_that_no_other_could_be_subm
     assert told(directory)["reason"].startswith("the next job could not be submitted:")
     assert (directory / file_names.RESTART).exists()
     assert 0 < int(told(directory)["step"]) < ENDLESS.problem().steps
+
+
+def placed_task(directory, cases, **options):
+    """An array of one task with some cases by name, in a new directory."""
+    directory.mkdir()
+    for name, case in cases.items():
+        placed(case, directory / name)
+        (directory / name / file_names.JOB).unlink()
+    chosen = JobOptions(**{"lmp": str(WHEEL), "launcher": f"{MPIEXEC} -n {{ranks}}", "checkpoint": 2, **options})
+    for name, text in job.render_array(chosen, [tuple(cases)]).items():
+        (directory / name).write_text(text)
+    return directory
+
+
+SHORT = scene(chains=2, beads=8, kappa=0.1, duration=2.0)
+
+
+@pytest.mark.slow
+def test_a_task_of_several_cases_does_each_once_also_those_after_one_that_fails(tmp_path):
+    directory = placed_task(tmp_path / "array", {"one": SHORT, "bad": SHORT, "two": SHORT})
+    bad = directory / "bad" / file_names.DECK
+    whole = bad.read_text()
+    bad.write_text(whole.replace("fix motion all nve", "fix motion all nonsense"))
+    go(directory, SLURM_ARRAY_TASK_ID=0)
+    assert [told(directory / name)["state"] for name in ("one", "bad", "two")] == ["done", "failed", "done"]
+    assert "the deck cannot be read" in told(directory / "bad")["reason"]
+    alone = placed(SHORT, tmp_path / "alone")
+    go(alone)
+    frames = (alone / file_names.DUMP).read_bytes()
+    assert all((directory / name / file_names.DUMP).read_bytes() == frames for name in ("one", "two"))
+    bad.write_text(whole)
+    before = (directory / "one" / file_names.JOB_STATE).stat().st_mtime_ns
+    go(directory, SLURM_ARRAY_TASK_ID=0)
+    assert told(directory / "bad")["state"] == "done"
+    assert (directory / "one" / file_names.JOB_STATE).stat().st_mtime_ns == before
+
+
+@pytest.mark.slow
+def test_what_the_time_limit_leaves_of_a_task_is_done_by_the_next_job(tmp_path):
+    said = tmp_path / "said"
+    (tmp_path / "sbatch").write_text(f'#!/bin/sh\necho "$@" >>{said}\necho 17\n')
+    (tmp_path / "sbatch").chmod(0o755)
+    directory = placed_task(tmp_path / "array", {"long": ENDLESS, "after": SHORT}, checkpoint=1)
+    cut(directory, f"{tmp_path}:{os.environ['PATH']}", SLURM_ARRAY_TASK_ID=0, SLURM_JOB_ID=16)
+    assert said.read_text() == "--parsable --array=0 --dependency=afterany:16 job.sbatch 2\n"
+    assert told(directory / "long")["state"] == "waiting"
+    assert (directory / "long" / file_names.RESTART).exists()
+    assert not (directory / "after" / file_names.JOB_STATE).exists()
+    (directory / "long" / file_names.JOB_STATE).write_text("state done\n")
+    go(directory, SLURM_ARRAY_TASK_ID=0)
+    assert told(directory / "after")["state"] == "done"
 
 
 @pytest.mark.slow

@@ -7,8 +7,10 @@ from sweeps import SMALL, UNTIL, sweep, sweep_file
 
 from lammps_inputs import library
 from workflow.cli import main
+from workflow.cluster import queue
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
+from workflow.runs.status import statuses
 
 pytest_plugins = ("slurm",)
 
@@ -32,6 +34,19 @@ def test_added_cases_keep_the_numbers_of_those_before_and_done_ones_are_left_out
         assert main(["sweep", str(path), "-o", str(tmp_path / "s"), "--slurm"]) == 0
     assert (tmp_path / "s" / "cases.txt").read_text() == "beads=12\nbeads=13\nbeads=10\n"
     assert "#SBATCH --array=1-2\n" in (tmp_path / "s" / "job.sbatch").read_text()
+
+
+def test_tasks_of_several_cases_are_lines_of_the_list(tmp_path):
+    for beads, task in ([10, 11, 12, 13, 14], "0-2"), ([9], "3"):
+        path = sweep_file(tmp_path, beads=beads)
+        words = ["sweep", str(path), "-o", str(tmp_path / "s"), "--slurm", "--cases-per-task", "2"]
+        assert main(words) == 0
+        assert f"#SBATCH --array={task}\n" in (tmp_path / "s" / "job.sbatch").read_text()
+    lines = (tmp_path / "s" / "cases.txt").read_text().splitlines()
+    assert lines == ["beads=10 beads=11", "beads=12 beads=13", "beads=14", "beads=9"]
+    known = queue.parse("c", f"7|PD|1|{tmp_path / 's'}")
+    assert [job.directory.name for job in known.jobs] == ["beads=12", "beads=13"]
+    assert [one.directory.name for one in statuses([tmp_path / "s"], known)] == " ".join(lines).split()
 
 
 @pytest.mark.parametrize("name", ["scene.yaml", "in.chains", "data.chains"])
