@@ -7,7 +7,7 @@ the step to the order of the scheme, and grow in proportion to time.
 import itertools
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from lammps_inputs.facts import Fact
 from workflow import screen
 from workflow.engines.reference import engine
 from workflow.prepare import twin
-from workflow.prepare.twin import UnreachableError
+from workflow.prepare.twin import Found, UnreachableError
 
 MOST_WORK = 3e9
 """Forces on beads that one measurement may take, some five seconds; each that fails leaves the next half as many."""
@@ -47,29 +47,6 @@ _FEWEST = 20
 
 _TRIALS = 2.0
 """Work of a measurement over that of its first trial, about."""
-
-
-@dataclass(frozen=True)
-class Found:
-    """Steps for an accuracy; dimensionless.
-
-    Attributes:
-        timestep: mean Verlet step of LAMMPS.
-        reference_timestep: step of a reference that is surer than the accuracy.
-        error: largest error of any velocity that is to be expected.
-        measured_error: error that was measured: the same, or a larger one from which it was carried over.
-        measured: share of the run's time over which it was measured; 0 where the rule gave it.
-        limited: whether the step could not be longer for the frames, the energy or the stability bound.
-        reference: of the pilot run, where that was the run itself.
-    """
-
-    timestep: float
-    reference_timestep: float
-    error: float
-    measured_error: float
-    measured: float
-    limited: bool
-    reference: twin.Kept | None = None
 
 
 def search(problem: Problem, accuracy: float, *, most_work: float = MOST_WORK) -> Found:
@@ -103,8 +80,7 @@ def _found(problem: Problem, accuracy: float, most_work: float) -> Found:
         if measured is None:
             limit, budget = expected / 4.0, budget / 2.0  # what is hardly cheaper would not do either
         elif (share, asked) == (1.0, accuracy):
-            step, reference = measured.timestep, measured.reference_timestep
-            return Found(step, reference, measured.error, measured.error, 1.0, measured.limited, measured.reference)
+            return measured
         elif share < 1.0:
             _refuse_chaos(problem, trial, share, accuracy, most_work)
             return _carried_over(measured, problem, share, asked, accuracy)
@@ -159,7 +135,7 @@ def _refuse_chaos(problem: Problem, shorter: Problem, share: float, accuracy: fl
         raise UnreachableError(f"errors grow {certificate / usual:.0f} times as much as they usually do: {twin.CHAOS}")
 
 
-def _carried_over(measured: twin.Measured, problem: Problem, share: float, asked: float, accuracy: float) -> Found:
+def _carried_over(measured: Found, problem: Problem, share: float, asked: float, accuracy: float) -> Found:
     """From a cheaper measurement to the run itself."""
     ratio = accuracy * share / _MARGIN / asked
     order = _LEAST_ORDER if problem.scheme != "verlet" else 2.0 if problem.system.holds(Fact.SECOND_ORDER) else 1.0

@@ -75,20 +75,24 @@ class Kept:
 
 
 @dataclass(frozen=True)
-class Measured:
-    """Steps that keep an accuracy in a problem, as measured; dimensionless.
+class Found:
+    """Steps that keep an accuracy in a problem; dimensionless.
 
     Attributes:
         timestep: mean Verlet step of LAMMPS.
-        reference_timestep: step of the reference, which is sure to `SURE` of the accuracy.
-        error: largest error of any velocity.
+        reference_timestep: step of the reference, whose uncertainty is `SURE` of the accuracy.
+        error: largest error of any velocity that is to be expected.
+        measured_error: error that was measured: the same, or a larger one from which it was carried over.
+        measured: share of the run's time over which it was measured; 0 where the rule gave it.
         limited: whether the step could not be longer for the frames, the energy or the stability bound.
-        reference: the run with the reference's step, where it fits into memory.
+        reference: the run with the reference's step, where it fits into memory and is of the whole problem.
     """
 
     timestep: float
     reference_timestep: float
     error: float
+    measured_error: float
+    measured: float
     limited: bool
     reference: Kept | None = None
 
@@ -103,7 +107,7 @@ def load(problem: Problem) -> None:
         engine.run(replace(problem, frames=1), scheme=table, steps_per_frame=2)
 
 
-def measure(problem: Problem, accuracy: float, most_work: float) -> Measured | None:
+def measure(problem: Problem, accuracy: float, most_work: float) -> Found | None:
     """Measure the error at a first guess of the step, carry that to the accuracy by the order, measure again.
 
     Args:
@@ -126,7 +130,7 @@ def measure(problem: Problem, accuracy: float, most_work: float) -> Measured | N
     steps = guessed_reference_steps(problem, accuracy)
     errors: dict[int, float] = {}
     certificates: dict[int, float] = {}
-    good: dict[int, Measured] = {}
+    good: dict[int, Found] = {}
     kept: dict[int, Kept] = {}
     spent = 0.0
     for _ in range(_MOST_TRIALS):
@@ -141,7 +145,7 @@ def measure(problem: Problem, accuracy: float, most_work: float) -> Measured | N
         if sure and error <= _HIGHEST * accuracy:
             limited = cycles == fewest
             step, own = problem.every / (cycles * cycle), problem.every / steps
-            good[cycles] = Measured(step, own, error, limited, kept.get(steps))
+            good[cycles] = Found(step, own, error, error, 1.0, limited, kept.get(steps))
             if error >= _LOWEST * accuracy or cycles == fewest:
                 break
         if error > 2.0 * certificates[steps] or sure:
