@@ -87,9 +87,7 @@ def render_continuation(problem: Problem) -> str:
         [
             *deck.recorded_lines(problem),
             *deck.output_lines(problem, "${every}", "${dump}", "${snapshots}"),
-            "# no frame before the beads are where they were",
-            *(f"dump_modify {dump} delay $(step)" for dump in dumps),
-            *(f'if "$(version) < {_TIMED_SINCE}" then "dump_modify {dump} time no"' for dump in dumps),
+            *_delayed(dumps),
         ],
         [
             "# neighbours, ranks and order of the beads are settled at rest; then the forces where they are",
@@ -108,6 +106,14 @@ def render_continuation(problem: Problem) -> str:
         onward_lines(problem),
     ]
     return "\n\n".join("\n".join(lines) for lines in sections) + "\n"
+
+
+def _delayed(dumps: list[str]) -> list[str]:
+    return [
+        "# no frame before the beads are where they were",
+        *(f"dump_modify {dump} delay $(step)" for dump in dumps),
+        *(f'if "$(version) < {_TIMED_SINCE}" then "dump_modify {dump} time no"' for dump in dumps),
+    ]
 
 
 def _rest(problem: Problem) -> str:

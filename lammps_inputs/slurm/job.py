@@ -211,6 +211,9 @@ def render_input(problem: Problem) -> str:
     ]
     cycle = scheme.cycle(problem.scheme)
     grain = cycle if problem.window is None else window.look_steps(problem.timestep, cycle, rates.pace(problem.system))
+    sizes = _size_lines("dump", "v_every", _frame_bytes(problem))
+    if whole is not None:
+        sizes += _size_lines("snapshots", f"({whole}*v_every)", _frame_bytes(problem.snapshots()))
     tell = f'print "$(step:%.0f)" file {file_names.JOB_STEP} screen no'
     sections = [
         [
@@ -224,12 +227,7 @@ def render_input(problem: Problem) -> str:
         ],
         [
             "variable untimed equal $((step>0)&&(version<20230802))   # such a part has frames without their time",
-            *_size_lines("dump", "v_every", _frame_bytes(problem)),
-            *(
-                []
-                if whole is None
-                else _size_lines("snapshots", f"({whole}*v_every)", _frame_bytes(problem.snapshots()))
-            ),
+            *sizes,
             "variable kept string none",
             f"variable left equal {problem.steps}-step",
             f"variable stride equal $(ceil(v_look/{grain})*{grain})",

@@ -66,16 +66,7 @@ def with_duration(scene: Scene, *, wall: bool = False) -> Scene:
     cadence = 0.1 / rates.pace(system) if physics.loaded(system) else 0.1  # sound may be faster
     limit = (_SLOWEST * (last + 10) * (1.0 + gap) + pushed) * scene.scale.time
     beads = {scene.until_bead} if far is None else {scene.until_bead, far.bead}
-    trial = scene.model_copy(
-        update={
-            "until_bead": None,
-            "duration": limit,
-            "timestep": None,
-            "accuracy": None,
-            "window": None,
-            "output": Output(every=cadence * scene.scale.time, beads=tuple(sorted(beads))),
-        }
-    )
+    trial = _trial(scene, limit, cadence, tuple(sorted(beads)))
     problem = trial.problem()
     still = np.ones(problem.chains, dtype=bool)
     for chain, _, _ in physics.excitations(problem.system):
@@ -105,14 +96,32 @@ def with_duration(scene: Scene, *, wall: bool = False) -> Scene:
                     after += min(float(time), 2.0 * math.pi / slowest) if slowest else float(time)
                 duration = math.ceil((float(time) + after) * scene.scale.time / every) * every
                 return scene.model_copy(update={"until_bead": None, "duration": duration})
+    raise _not_ended(scene, limit, None if not reached.all() else far.name if far else "wall")
+
+
+def _not_ended(scene: Scene, limit: float, wall: str | None) -> InputError:
+    """Says that a bead is not passed in time, or that the pulse at a wall has not ended."""
     until = f"in every chain by t = {scene.scale.written(limit / scene.scale.time, 'time', '.4g')}"
-    if not reached.all():
-        raise InputError(
+    if wall is None:
+        return InputError(
             f"until_bead: bead {scene.until_bead} is not passed {until} (weakly coupled pulses decay); give a duration"
         )
-    name = far.name if far else "wall"
-    raise InputError(
-        f"until_bead: the pulse at the {name}, whose force is read, has not ended {until}; give a duration"
+    return InputError(
+        f"until_bead: the pulse at the {wall}, whose force is read, has not ended {until}; give a duration"
+    )
+
+
+def _trial(scene: Scene, duration: float, cadence: float, beads: tuple[int, ...]) -> Scene:
+    """The scene over a duration, with few beads recorded that often in units of T, and no time step of its own."""
+    return scene.model_copy(
+        update={
+            "until_bead": None,
+            "duration": duration,
+            "timestep": None,
+            "accuracy": None,
+            "window": None,
+            "output": Output(every=cadence * scene.scale.time, beads=beads),
+        }
     )
 
 

@@ -143,8 +143,7 @@ def run(
                 write_text(path / name, text)
         every = options.get("restart_every", lammps_engine.RESTART_EVERY)
         begin = options.get("lammps") or functools.partial(lammps_engine.run, restart_every=every, lock=lock)
-        start = functools.partial(begin, ranks=ranks)
-        check = options.get("check", True)
+        start, check = functools.partial(begin, ranks=ranks), options.get("check", True)
         return carry_out(result, start=start, settings=settings, check=check, progress=progress)
 
 
