@@ -41,6 +41,7 @@ class Lines:
         types: of the atoms, where contacts differ; else recorded beads are of type 2 and others of type 1.
         beside: a second pair style with its arguments, and the lines that give its coefficients.
         heavier: variable of what masses are larger by, over half a time step.
+        damped: whether the dashpots of contacts are in the lines of these.
     """
 
     variables: tuple[str, ...] = ()
@@ -53,6 +54,7 @@ class Lines:
     types: AtomTypes | None = None
     heavier: str | None = None
     beside: tuple[str, ...] = ()
+    damped: bool = False
 
 
 def types_by_contact(strength: NDArray[np.float64]) -> AtomTypes:

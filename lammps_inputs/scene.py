@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, create_model, field_validator, model_validator
 
-from lammps_inputs import html, physics, strict_yaml
+from lammps_inputs import html, laws, physics, strict_yaml
 from lammps_inputs import scheme as schemes
 from lammps_inputs.errors import InputError
 from lammps_inputs.facts import Fact
@@ -389,8 +389,9 @@ class BaseScene(Part):
         """Beads, links and kicks, dimensionless at V = 1."""
         scale = self.scale
         mass, strength = masses_and_strengths(self)
-        laws = (ingredient.contact_law(strength) for ingredient in self.ingredients)
-        touching = contacts(self.gap / scale.length, strength, next((law for law in laws if law is not None), None))
+        named = (ingredient.contact_law(strength) for ingredient in self.ingredients)
+        law = next((laws.dimensionless(law, scale) for law in named if law is not None), None)
+        touching = contacts(self.gap / scale.length, strength, law)
         made = [link for ingredient in self.ingredients for link in ingredient.links(self)]
         loads = tuple(load for ingredient in self.ingredients for load in ingredient.loads(self))
         motions = tuple(motion for ingredient in self.ingredients for motion in ingredient.motions(self))

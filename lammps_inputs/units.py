@@ -40,6 +40,27 @@ class Unit:
         return found if si or self.always or not found else REDUCED
 
 
+@dataclass(frozen=True)
+class Dimension:
+    """Of a law's parameter: stands in its type, ``Annotated[Parameter, Dimension("stiffness", length=-2)]``.
+
+    Attributes:
+        unit: one of `Scale`; ``one`` of a number without unit.
+        over: another, by which that is divided.
+        length: power of the length, as a factor.
+    """
+
+    unit: str = "one"
+    over: str = "one"
+    length: float = 0.0
+
+    def worth(self, scale: "Scale") -> float:
+        """Of one dimensionless unit, in the scene's units."""
+        found = getattr(scale, self.unit) / getattr(scale, self.over)
+        length = scale.length ** abs(self.length)
+        return float(found / length if self.length < 0.0 else found * length)
+
+
 PURE = Unit("")
 """Of shares, and of what has the same number in all units."""
 
@@ -52,6 +73,9 @@ class Scale:
     length: float
     velocity: float
     si: bool
+
+    one = 1.0
+    """Of what has no unit."""
 
     @property
     def time(self) -> float:

@@ -16,21 +16,22 @@ TESTS = Path(__file__).parent
 OWN = '''
 """A spring to the ground whose force is the fifth power of the displacement."""
 
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from pydantic import Field
 
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Ingredient
-from lammps_inputs.lines import Lines
+from lammps_inputs.laws import Parameter, Pure, dimensionless, formula
 from lammps_inputs.links import Ground
+from lammps_inputs.units import Dimension
 
 
 class Quintic(NamedTuple):
     """``q s**5``."""
 
-    quintic: Any
+    quintic: Annotated[Parameter, Dimension("stiffness", length=-4)]
 
     @staticmethod
     def force(s, quintic):
@@ -48,14 +49,7 @@ class Quintic(NamedTuple):
     def reach(energy, quintic):
         return (6.0 * energy / quintic) ** (1.0 / 6.0)
 
-    def ground(self, name, problem):
-        place = f"((id-1)%{problem.beads}+1)*{problem.spacing!r}"
-        return Lines(
-            motion=(
-                f"variable {name} atom -{float(self.quintic)!r}*(x-{place})^5",
-                f"fix {name} all addforce v_{name} 0.0 0.0",
-            )
-        )
+    ground = formula.ground("quintic*s^5")
 
 
 class Bed(Ingredient):
@@ -64,10 +58,45 @@ class Bed(Ingredient):
     quintic: Annotated[float, Field(gt=0)]
 
     def links(self, scene):
-        return (Ground("bed", Quintic(self.quintic / scene.scale.stiffness * scene.scale.length**4)),)
+        return (Ground("bed", dimensionless(Quintic(self.quintic), scene.scale)),)
 
 
-INGREDIENTS = {"bed": Bed}
+class Stiffening(NamedTuple):
+    """``A s**1.5 (1 + b s)``."""
+
+    strength: Pure
+    b: Annotated[Parameter, Dimension(length=-1)]
+
+    @staticmethod
+    def force(s, strength, b):
+        closed = np.maximum(s, 0.0)
+        return strength * closed**1.5 * (1.0 + b * closed)
+
+    @staticmethod
+    def energy(s, strength, b):
+        closed = np.maximum(s, 0.0)
+        return strength * (0.4 * closed**2.5 + b / 3.5 * closed**3.5)
+
+    @staticmethod
+    def stiffness(s, strength, b):
+        closed = np.maximum(s, 0.0)
+        return strength * (1.5 * closed**0.5 + 2.5 * b * closed**1.5)
+
+    @staticmethod
+    def reach(energy, strength, b):
+        return (2.5 * energy / strength) ** 0.4
+
+    along = formula.along("strength*(0.4*s^2.5+b/3.5*s^3.5)")
+
+
+class Stiffer(Ingredient):
+    b: Annotated[float, Field(gt=0)]
+
+    def contact_law(self, strength):
+        return Stiffening(strength, self.b)
+
+
+INGREDIENTS = {"bed": Bed, "stiffer": Stiffer}
 '''
 
 SCENE = """
@@ -78,6 +107,17 @@ coupling: {stiffness: 0.2}
 bed: {quintic: 1.5}
 kick: {velocity: 1.0}
 duration: 40
+output: {every: 0.1}
+"""
+
+CONTACT = """
+name: stiffer
+beads: 8
+stiffer: {b: 0.5}
+damping: {contact: 0.2}
+kick: {velocity: 4.0}
+duration: 10
+timestep: 0.001
 output: {every: 0.1}
 """
 
@@ -101,6 +141,7 @@ run(scene, "cut", check=False, lammps=here.interrupted_after(500))
 resumed = resume("cut", check=False)
 again = RunDirectory(Path("cut")).trajectory.velocity
 reference = engine.run(problem)
+damped = run(find("contact.yaml"), "damped")
 print(json.dumps({
     "error": whole.check.velocity,
     "sure": whole.check.reference.velocity,
@@ -110,6 +151,8 @@ print(json.dumps({
     "quantities": sorted(validate(whole.directory).deviations),
     "bound": timestep.stability_bound(problem.system),
     "ground": float(problem.system.ground[0].energy(reference.displacement).max()),
+    "damped": damped.check.velocity,
+    "own_contacts": (damped.trajectory.velocity[-1] * 4.0).tolist(),
     "velocity": reference.velocity[-1].tolist(),
 }))
 """
@@ -120,6 +163,7 @@ def found(tmp_path_factory):
     path = tmp_path_factory.mktemp("own")
     (path / "bed.py").write_text(OWN)
     (path / "bed.yaml").write_text(SCENE)
+    (path / "contact.yaml").write_text(CONTACT)
     paths = [str(path), str(TESTS / "support"), str(TESTS.parent)]
     own = {"GRANCHAIN_INGREDIENTS": "bed", "PYTHONPATH": os.pathsep.join(paths)}
     command = [sys.executable, "-c", PROGRAM]
@@ -174,6 +218,24 @@ def test_the_reference_agrees_with_an_independent_integrator(found):
     start[16] = 1.0
     exact = solve_ivp(rate, (0.0, 40.0), start, method="DOP853", rtol=1e-12, atol=1e-14).y[16:, -1].reshape(2, 8)
     np.testing.assert_allclose(found[1]["velocity"], exact, atol=2e-5)
+
+
+def test_own_contacts_are_scaled_and_damped_like_built_in_ones(found):
+    """In the scene's units, at V = 4: a force s**1.5 (1 + 0.5 s) and a dashpot 0.2 s' while beads touch."""
+    import numpy as np
+
+    def acceleration(x, v):
+        s = np.maximum(x[:-1] - x[1:], 0.0)
+        push = s**1.5 * (1.0 + 0.5 * s) + 0.2 * (s > 0.0) * (v[:-1] - v[1:])
+        return np.append(0.0, push) - np.append(push, 0.0)
+
+    step, x, v = 5e-4, np.zeros(8), np.zeros(8)
+    v[0] = 4.0
+    for _ in range(20_000):  # the midpoint rule
+        half = v + 0.5 * step * acceleration(x, v)
+        x, v = x + step * half, v + step * acceleration(x + 0.5 * step * v, half)
+    assert found[1]["damped"] < 5e-4
+    np.testing.assert_allclose(found[1]["own_contacts"][0], v, atol=4.0 * found[1]["damped"] + 1e-5)
 
 
 def granchain(*words, cwd, **environment):

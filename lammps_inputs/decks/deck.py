@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from lammps_inputs import file_names, laws, loads, physics, scheme, strict_yaml, window
 from lammps_inputs.decks import at_rest
 from lammps_inputs.laws import dashpot, linear
+from lammps_inputs.layout import Layout
 from lammps_inputs.limits import rates
 from lammps_inputs.lines import AtomTypes, Lines
 from lammps_inputs.links import Across, Along, Link, WallDamper, words
@@ -146,10 +147,14 @@ def _spelled(system: System) -> tuple[Link, ...]:
 def _of_links(problem: Problem) -> tuple[Lines, ...]:
     if why := refusal(problem.system):
         raise ValueError(why)
-    return tuple(
-        getattr(link.law, _kind(link))(link if isinstance(link, Across) else link.name, problem.layout)
-        for link in _spelled(problem.system)
-    )
+    return tuple(_of_link(link, problem.layout) for link in _spelled(problem.system))
+
+
+def _of_link(link: Link, layout: Layout) -> Lines:
+    """The law's own lines; contacts whose law spells no dashpots of its own have them beside."""
+    lines: Lines = getattr(link.law, _kind(link))(link if isinstance(link, Across) else link.name, layout)
+    damped = isinstance(link, Along) and layout.contact_loss is not None
+    return dashpot.beside(lines, layout) if damped and not lines.damped else lines
 
 
 def refusal(system: System) -> str:

@@ -82,6 +82,8 @@ class Ingredient(Part):
     def contact_law(self, strength: Parameter) -> Law | None:  # noqa: ARG002
         """The law of the contacts between beads, where it makes them other than those of spheres.
 
+        Its parameters are in the scene's units, but for those without unit (`lammps_inputs.laws.dimensionless`).
+
         Args:
             strength: in that of two reference beads, a number or [chain, contact].
         """

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from lammps_inputs import physics
+from lammps_inputs import laws, physics
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Ingredient
 from lammps_inputs.ingredients.contact import HERTZ
@@ -117,6 +117,12 @@ class Damping(Ingredient):
                     "damping.law: of contacts of this exponent LAMMPS has one dashpot for all, and restitution needs "
                     "others where masses differ; take linear"
                 )
+        if self.contact and physics.exponent(system) is None and (self.law == "restitution" or self.tension == "cut"):
+            key = "law" if self.law == "restitution" else "tension"
+            raise ValueError(
+                f"damping.{key}: {getattr(self, key)} is known for contacts whose force is a power of the overlap, "
+                "which those of this scene are not; take linear or viscoelastic, and leave tension out"
+            )
         if self.coupling and not (physics.open_row(system) and physics.one_kind(system)):
             raise ValueError(
                 "damping.coupling: LAMMPS damps equal linear springs between each chain and the next, of equal beads, "
@@ -137,12 +143,11 @@ class Damping(Ingredient):
         if loss is not None:
             found.append(Along("contact_damping", loss, gap=scene.gap / scene.scale.length))  # type: ignore[arg-type]
             found += [WallDamper(f"{wall.name}_damping", self._at_wall(wall, scene)) for wall in _walls(scene)]
-        unit = scene.scale.force / scene.scale.velocity
         if self.coupling:
-            law = Dashpot(self.coupling / unit)
-            found += [replace(link, name="coupling_damping", law=law) for link in _springs(scene)]  # type: ignore[arg-type]
+            law = laws.dimensionless(Dashpot(self.coupling), scene.scale)
+            found += [replace(link, name="coupling_damping", law=law) for link in _springs(scene)]
         if self.beads:
-            found.append(Ground("bead_damping", Dashpot(self.beads / unit)))  # type: ignore[arg-type]
+            found.append(Ground("bead_damping", laws.dimensionless(Dashpot(self.beads), scene.scale)))
         return tuple(found)
 
     def lacks(self, scene: "BaseScene") -> frozenset[Fact]:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, field_validator
 
-from lammps_inputs import strict_yaml
+from lammps_inputs import laws, strict_yaml
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Ingredient
 from lammps_inputs.laws import Law
@@ -59,8 +59,12 @@ class Foundation(Ingredient):
                 )
             if isinstance(given, tuple) and len(set(given)) > MOST_GROUPS:
                 raise ValueError(f"foundation.{key}: LAMMPS has room for {MOST_GROUPS} different values")
-            if np.max(given) / self._unit(key, scene) > MOST:
-                raise ValueError(f"foundation.{key}: so stiff that the beads do not move; at most 1e12, dimensionless")
+        for link in self.links(scene):
+            for key, values in zip(("stiffness", "cubic"), link.law, strict=False):
+                if np.max(values) > MOST:
+                    raise ValueError(
+                        f"foundation.{key}: so stiff that the beads do not move; at most 1e12, dimensionless"
+                    )
         if self.rows is not None and not self.rows[0] <= self.rows[1] <= scene.beads:
             first, last = self.rows
             raise ValueError(
@@ -71,18 +75,16 @@ class Foundation(Ingredient):
         """One spring a bead; linear where it is."""
         stiffness, cubic = self._values("stiffness", scene), self._values("cubic", scene)
         law: Law = Duffing(stiffness, cubic) if np.any(cubic) else Linear(stiffness)
-        return (Ground("foundation", law),) if np.any(stiffness) or np.any(cubic) else ()
-
-    def _unit(self, key: str, scene: "BaseScene") -> float:
-        scale = scene.scale
-        return scale.stiffness if key == "stiffness" else scale.stiffness / scale.length**2
+        return (
+            (Ground("foundation", laws.dimensionless(law, scene.scale)),) if np.any(stiffness) or np.any(cubic) else ()
+        )
 
     def _values(self, key: str, scene: "BaseScene") -> float | NDArray[np.float64]:
-        """A number, or [chain, bead] where it differs."""
+        """A number, or [chain, bead] where it differs, in the scene's units."""
         given = getattr(self, key)
         if self.rows is None and (not isinstance(given, tuple) or len(set(given)) == 1):
-            return float(np.max(given)) / self._unit(key, scene)
+            return float(np.max(given))
         values = np.zeros((scene.chains, scene.beads))
         first, last = self.rows or (1, scene.beads)
-        values[:, first - 1 : last] = (np.array(given) / self._unit(key, scene)).reshape(-1, 1)
+        values[:, first - 1 : last] = np.array(given).reshape(-1, 1)
         return values

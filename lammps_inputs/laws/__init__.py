@@ -1,7 +1,8 @@
 """Laws of force on a link, one a file: plain scalar functions, and how LAMMPS spells them.
 
 A law is a `NamedTuple` of its parameters. Each parameter is a number, or an array where it differs from link to link;
-with all of them 0 a law exerts no force. Its functions take the strain ``s`` of a link and the parameters, in the order
+with all of them 0 a law exerts no force. Each declares its unit (`Dimension`), by which `dimensionless` converts a law
+whose parameters are in a scene's units. Its functions take the strain ``s`` of a link and the parameters, in the order
 in which the law has them, as scalars or arrays:
 
 - ``force(s, ...)``: what drives the link's first bead back and its second forward;
@@ -23,13 +24,22 @@ the layout of the beads in LAMMPS. Nothing here knows of scenes or problems.
 
 import functools
 from collections.abc import Callable, Iterator
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Annotated, Any, Protocol, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lammps_inputs.units import Dimension
+
+if TYPE_CHECKING:
+    from lammps_inputs.units import Scale
+
 Parameter = float | NDArray[np.float64]
 """A number, or an array over links: [chain, contact], [edge, row] or [chain, bead]."""
+
+
+Pure = Annotated[Parameter, Dimension()]
+"""A parameter without a unit, or one that is dimensionless from the start: a strength over that of reference beads."""
 
 
 class Law(Protocol):
@@ -115,6 +125,24 @@ def whole_force(law: Law, overlap: Any) -> Any:
 def strength(law: Law) -> Any:
     """Of a contact's law: its first parameter, 1 for two reference beads."""
     return next(iter(law))
+
+
+def dimensionless(law: Any, scale: "Scale") -> Any:
+    """A law whose parameters are in a scene's units, as one of dimensionless strain, rate and force.
+
+    Raises:
+        TypeError: a parameter declares no `Dimension`.
+    """
+    kind = type(law)
+    hints = get_type_hints(kind, include_extras=True)
+    for name in kind._fields:
+        if not isinstance(next(iter(getattr(hints[name], "__metadata__", ())), None), Dimension):
+            raise TypeError(
+                f"{kind.__name__}.{name}: declares no unit; valid: `{name}: Annotated[Parameter, "
+                f"Dimension('stiffness')]`, or `{name}: Pure` for one without"
+            )
+    units = (hints[name].__metadata__[0].worth(scale) for name in kind._fields)
+    return kind(*(value / unit for value, unit in zip(law, units, strict=True)))
 
 
 def differs(law: Law) -> bool:

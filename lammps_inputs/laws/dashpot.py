@@ -17,7 +17,8 @@ contact's strength, and is `NO_FLOOR` where beads may stick.
 """
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from dataclasses import replace
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
 
@@ -25,6 +26,7 @@ from lammps_inputs import laws
 from lammps_inputs.laws import Parameter
 from lammps_inputs.lines import AtomTypes, Lines
 from lammps_inputs.numbers import text
+from lammps_inputs.units import Dimension
 
 if TYPE_CHECKING:
     from lammps_inputs.layout import Layout
@@ -40,7 +42,7 @@ LEAST = 1e-4
 class Dashpot(NamedTuple):
     """``c s'`` at any strain."""
 
-    coefficient: Parameter
+    coefficient: Annotated[Parameter, Dimension("force", "velocity")]
     """c, in units of m / T."""
 
     @staticmethod
@@ -235,14 +237,30 @@ def at_reach(law: Any, elastic: laws.Law, energy: float) -> Any:
     return resistance(law, elastic.reach(energy, *elastic))
 
 
-def alone(layout: "Layout") -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Contacts' dashpots beside a pair style that knows none: lines at the top, and `Lines.beside`."""
+def beside(elastic: Lines, layout: "Layout") -> Lines:
+    """The lines of contacts whose pair style knows no dashpots, with these beside them.
+
+    Raises:
+        ValueError: contacts that are no single pair style.
+    """
     assert layout.contact_loss is not None
+    styles = [line.split() for line in elastic.interactions if line.startswith("pair_style ")]
+    if len(styles) != 1 or styles[0][1].startswith("hybrid"):
+        raise ValueError(
+            "damping.contact: LAMMPS has dashpots beside contacts that are one pair style, not hybrid; use the "
+            "reference engine"
+        )
     coefficient, model = layout.contact_loss.granular(layout)
-    return (f"variable contact_damping index {text(coefficient)}   # {model}",), (
-        "granular",
-        "# dashpots of contacts: those of spheres of no stiffness",
-        f"pair_coeff * * granular hertz 0 ${{contact_damping}} tangential linear_nohistory 0 0 {model}",
+    says, *lines = elastic.interactions
+    return replace(
+        elastic,
+        variables=(*elastic.variables, f"variable contact_damping index {text(coefficient)}   # {model}"),
+        interactions=(says.replace("no loss", "with a dashpot beside it"), *lines),
+        beside=(
+            "granular",
+            "# dashpots of contacts: those of spheres of no stiffness",
+            f"pair_coeff * * granular hertz 0 ${{contact_damping}} tangential linear_nohistory 0 0 {model}",
+        ),
     )
 
 

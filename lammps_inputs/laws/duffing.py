@@ -1,12 +1,13 @@
 """A spring that stiffens (or softens) with its strain: linear and cubic (Duffing 1918)."""
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
 
 from lammps_inputs.laws import Parameter
 from lammps_inputs.lines import Lines, atoms_by_value, bonds_by_value, whole_contacts
 from lammps_inputs.numbers import text
+from lammps_inputs.units import Dimension
 
 if TYPE_CHECKING:
     from lammps_inputs.layout import Layout
@@ -16,9 +17,9 @@ if TYPE_CHECKING:
 class Duffing(NamedTuple):
     """``k s + c s**3`` with c >= 0."""
 
-    spring: Parameter
+    spring: Annotated[Parameter, Dimension("stiffness")]
     """k, in units of m / T**2."""
-    cubic: Parameter
+    cubic: Annotated[Parameter, Dimension("stiffness", length=-2)]
     """c, in units of m / (L T)**2."""
 
     @staticmethod

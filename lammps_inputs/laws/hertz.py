@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from lammps_inputs.laws import Parameter
+from lammps_inputs.laws import Pure
 from lammps_inputs.lines import AtomTypes, Lines, types_by_contact
 from lammps_inputs.numbers import text
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 class Hertz(NamedTuple):
     """``A (s)+^1.5`` with the overlap as strain (Starosvetsky, Hasan & Vakakis, eq. 1: A = 1)."""
 
-    strength: Parameter = 1.0
+    strength: Pure = 1.0
     """A, in units of the scale's contact constant."""
 
     @property
@@ -76,6 +76,7 @@ class Hertz(NamedTuple):
             types=types,
             variables=(f"variable contact_damping index {text(coefficient)}   # {model}", *_since(model)),
             interactions=(says, *_granular(strength, types, "${contact_damping}", model)),
+            damped=True,
         )
 
 

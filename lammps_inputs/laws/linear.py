@@ -1,6 +1,6 @@
 """The linear spring: a force in proportion to the strain."""
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
 
@@ -8,6 +8,7 @@ from lammps_inputs import laws
 from lammps_inputs.laws import Parameter
 from lammps_inputs.lines import Lines, atoms_by_value, bonds_by_value, whole_contacts
 from lammps_inputs.numbers import text
+from lammps_inputs.units import Dimension
 
 if TYPE_CHECKING:
     from lammps_inputs.layout import Layout
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 class Linear(NamedTuple):
     """``k s``."""
 
-    spring: Parameter
+    spring: Annotated[Parameter, Dimension("stiffness")]
     """k, in units of m / T**2."""
 
     @staticmethod

@@ -3,28 +3,25 @@
 Nesterenko, Dynamics of Heterogeneous Materials (Springer, 2001), 1.2: chains of any exponent above 1 are sonic vacua.
 """
 
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
 
-from lammps_inputs.laws import Parameter, dashpot
+from lammps_inputs.laws import Pure, formula
 from lammps_inputs.lines import Lines
 from lammps_inputs.numbers import text
+from lammps_inputs.units import Dimension
 
 if TYPE_CHECKING:
     from lammps_inputs.layout import Layout
-
-_SINCE = 20230615
-"""Earlier releases of LAMMPS have no contacts from a formula of beads' radii."""
 
 
 class Power(NamedTuple):
     """``A (s)+^p`` with the overlap as strain, p >= 1."""
 
-    strength: Parameter
+    strength: Pure
     """A, in units of the scale's contact constant."""
-    exponent: float
+    exponent: Annotated[float, Dimension()]
     """p."""
 
     @staticmethod
@@ -56,17 +53,7 @@ class Power(NamedTuple):
         """
         if np.ndim(self.strength) > 0:
             raise ValueError(f"{name}: LAMMPS has one strength for contacts of this law; use the reference engine")
-        elastic = self._linear() if self.exponent == 1.0 else self._by_formula(text(layout.diameter))
-        if layout.contact_loss is None:
-            return elastic
-        says, *lines = elastic.interactions
-        variables, beside = dashpot.alone(layout)
-        return replace(
-            elastic,
-            variables=(*elastic.variables, *variables),
-            interactions=(says.replace("no loss", "with a dashpot beside it"), *lines),
-            beside=beside,
-        )
+        return self._linear() if self.exponent == 1.0 else self._by_formula(layout)
 
     def _linear(self) -> Lines:
         return Lines(
@@ -77,17 +64,7 @@ class Power(NamedTuple):
             )
         )
 
-    def _by_formula(self, diameter: str) -> Lines:
+    def _by_formula(self, layout: "Layout") -> Lines:
         power = self.exponent + 1.0
-        factor = text(float(self.strength) / power)
-        return Lines(
-            variables=(
-                f'if "$(version) < {_SINCE}" then "print \'contacts of any exponent need LAMMPS of 15Jun2023 or later'
-                '\'" "quit 1"',
-            ),
-            interactions=(
-                f"# contacts: force = overlap^{text(self.exponent)}, from its energy; no friction, no loss",
-                f"pair_style lepton/sphere {diameter}",
-                f'pair_coeff * * "{factor}*({diameter}-r)^{text(power)}"',
-            ),
-        )
+        energy = f"{text(float(self.strength) / power)}*({text(layout.diameter)}-r)^{text(power)}"
+        return formula.contacts(energy, f"= overlap^{text(self.exponent)}, from its energy", layout)

@@ -1,0 +1,91 @@
+"""Laws that LAMMPS computes from a formula: an energy (along chains, between them) or a force (to the ground).
+
+``s`` in a formula is the strain, names of a law's parameters are these, each one number. In the body of a law:
+``along = formula.along("strength*(0.4*s^2.5+b*s^3.5/3.5)")``.
+"""
+
+import re
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lammps_inputs.lines import Lines, whole_contacts
+from lammps_inputs.numbers import text
+
+if TYPE_CHECKING:
+    from lammps_inputs.layout import Layout
+    from lammps_inputs.links import Across
+
+SINCE = (
+    'if "$(version) < 20230615" then "print \'contacts of any exponent need LAMMPS of 15Jun2023 or later\'" "quit 1"'
+)
+"""Earlier releases of LAMMPS have no contacts from a formula of beads' radii."""
+
+
+def along(energy: str) -> "Callable[[Any, str, Layout], Lines]":
+    """Method of contacts that act while beads overlap, from their energy."""
+
+    def spell(law: Any, name: str, layout: "Layout") -> Lines:
+        return contacts(
+            _filled(law, name, energy, f"({text(layout.diameter)}-r)"), "= minus the slope of an energy", layout
+        )
+
+    return spell
+
+
+def contacts(energy: str, says: str, layout: "Layout") -> Lines:
+    """Contacts whose energy is a formula of the distance ``r``."""
+    diameter = text(layout.diameter)
+    return Lines(
+        variables=(SINCE,),
+        interactions=(
+            f"# contacts: force {says}; no friction, no loss",
+            f"pair_style lepton/sphere {diameter}",
+            f'pair_coeff * * "{energy}"',
+        ),
+    )
+
+
+def across(energy: str) -> "Callable[[Any, Across, Layout], Lines]":
+    """Method of springs between chains, from their energy; it must be even: a formula of ``q``, the strain squared."""
+
+    def spell(law: Any, link: "Across", layout: "Layout") -> Lines:
+        apart = np.array([2.0 * (layout.diameter + layout.gap) * (higher - lower) for lower, higher in link.edges])
+        kinds, bonds = np.unique(apart, return_inverse=True)
+        squares = (f"(r^2-{text(distance * distance)})" for distance in kinds.tolist())
+        return Lines(
+            bonds=np.broadcast_to(bonds.reshape(-1, 1) + 1, (len(link.edges), layout.beads)),
+            style="lepton",
+            coefficients=tuple(f'0 "{_filled(law, link.name, energy, square, "q")}"' for square in squares),
+            interactions=("# springs between chains, from their energy", *whole_contacts(link)),
+        )
+
+    return spell
+
+
+def ground(force: str) -> "Callable[[Any, str, Layout], Lines]":
+    """Method of springs to the ground, from the force that drives beads back."""
+
+    def spell(law: Any, name: str, layout: "Layout") -> Lines:
+        return Lines(
+            motion=(
+                f"variable {name}strain atom x-{layout.place_formula}",
+                f"variable {name} atom -({_filled(law, name, force, f'v_{name}strain')})",
+                f"fix {name} all addforce v_{name} 0.0 0.0",
+            )
+        )
+
+    return spell
+
+
+def _filled(law: Any, name: str, formula: str, strain: str, variable: str = "s") -> str:
+    """A formula with numbers and the strain in place of their names.
+
+    Raises:
+        ValueError: a parameter that differs from link to link.
+    """
+    if any(np.ndim(value) for value in law):
+        raise ValueError(f"{name}: LAMMPS has one formula for all links of this law; use the reference engine")
+    numbers = {key: text(float(value)) for key, value in zip(law._fields, law, strict=True)}
+    return re.sub(r"[A-Za-z_]\w*", lambda word: ({variable: strain} | numbers).get(word[0], word[0]), formula)
