@@ -99,11 +99,11 @@ ROWS = (
     Row("two-0.1-shorter", SHORT, 2, 20, 0.1, 30.0, 62, foretold=True),
     Row("two-0.05", BEATING, 2, 90, 0.05, 125.0, 115, foretold=True),
     Row("two-0.01", BEATING, 2, 150, 0.01, 205.0, 507, foretold=True),
-    Row("two-0.003", SHORT, 2, 100, 0.003, 135.0, 1606, foretold=True, says=("fades",)),
-    Row("two-0.001", SHORT, 2, 100, 0.001, 130.0, says=("fades",), never=("beats of",)),
+    Row("two-0.003", SHORT, 2, 100, 0.003, 135.0, 1606, foretold=True, says=("decays",)),
+    Row("two-0.001", SHORT, 2, 100, 0.001, 130.0, says=("decays",), never=("beats of",)),
     Row("two-0", ALONE, 2, 30, 0.0, 45.0),
     Row("one", ALONE, 1, 60, 0.0, 80.0, says=("solitary at bead 55",)),
-    Row("barely-begun", SHORT, 2, 40, 0.1, 3.0, 62, foretold=True, says=("no bead was passed in every chain",)),
+    Row("barely-begun", SHORT, 2, 40, 0.1, 3.0, 62, foretold=True, says=("was passed in every chain",)),
     # more chains
     Row("three-0.1", BEATING, 3, 120, 0.1, 170.0, 105, never=("within 1% from",)),
     Row("three-0.1-short", BEATING, 3, 90, 0.1, 130.0, 105, foretold=True),
@@ -139,7 +139,7 @@ ROWS = (
     Row("gap-strong", EQUAL, 2, 60, 1.0, 200.0, more={"gap": GAP}, never=("should agree",)),
     Row("gap-weak", EQUAL, 2, 100, 0.1, 720.0, more={"gap": GAP * 10**0.5}, never=("should agree",)),
     Row("gap-one", ALONE, 1, 40, 0.0, 100.0, more={"gap": 1.0}),
-    Row("gap-wide", SHORT, 2, 10, 1.0, 30.0, more={"gap": 100.0}, says=("no bead was passed",), never=("should",)),
+    Row("gap-wide", SHORT, 2, 10, 1.0, 30.0, more={"gap": 100.0}, says=("was passed in every",), never=("should",)),
     Row("rigid", BEATING, 2, 60, 1.0, 200.0, more={"gap": GAP}, engine="collisions", never=("equipartitioned",)),
 )
 
@@ -164,7 +164,7 @@ def test_what_is_said_holds(told):
     row, printed, report = told
     shared = report["equipartition"]
     assert shared["state"] == row.state.value
-    assert printed.count(shared["verdict"]) == 1
+    assert printed.count(shared["verdict"]) == (row.chains > 1)
     for pattern in row.says:
         assert re.search(pattern, printed)
     for pattern in row.never:
