@@ -5,9 +5,6 @@ import subprocess
 
 import numpy as np
 import pytest
-from independent import integrated
-from kill_many import frames
-from plain_scene import goes_on_bit_for_bit
 from processes import HANGS
 from stock_lammps import DEBIAN
 from wrong_runs import deck_run
@@ -19,7 +16,6 @@ from lammps_inputs.facts import Fact
 from lammps_inputs.laws.hertz import Hertz
 from lammps_inputs.laws.power import Power
 from lammps_inputs.limits import rates
-from workflow.engines.reference import certify
 from workflow.runs.run import run
 from workflow.sweep.fields import all_fields
 from workflow.verdicts.analyse import analyse
@@ -68,29 +64,6 @@ def test_the_exponent_of_spheres_leaves_deck_and_problem_as_they_are():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("exponent", [1.0, 1.25, 3.0])
-def test_the_reference_is_as_near_to_an_independent_integrator_as_it_says(exponent):
-    problem = touching(exponent).problem()
-    certifier = certify.certified(problem, 1e-7)
-    found = np.concatenate([block.velocity for block in certifier.blocks()])
-    exact = integrated(problem, exponent=exponent, rtol=1e-13)
-    assert np.abs(found - exact).max() < certifier.certificate.velocity
-    assert certifier.certificate.energy < 1e-7
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("exponent", [1.0, 1.25, 3.0])
-def test_lammps_agrees_to_second_order_and_measures_its_own_error(tmp_path, exponent):
-    exact = integrated(touching(exponent).problem(), exponent=exponent)
-    errors = []
-    for step in (0.01, 0.005):
-        found = run(touching(exponent, timestep=step), tmp_path / f"{step}")
-        errors.append(np.abs(found.trajectory.velocity - exact).max())
-        assert found.check.velocity == pytest.approx(errors[-1], rel=0.1)
-    assert errors[0] / errors[1] == pytest.approx(4.0, abs=0.4)
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("exponent", "amplitude", "coefficient"), [(1.25, 0.57734, 0.94668), (3.0, 0.90128, 0.80476)], ids=str
 )
@@ -122,18 +95,6 @@ def test_a_pulse_is_no_faster_than_a_bead_a_unit_of_time_whatever_the_exponent()
 def test_an_accuracy_is_kept_with_another_exponent(tmp_path):
     asked = touching(2.0, accuracy=1e-3, duration=10.0)
     assert run(asked, tmp_path / "run").check.velocity <= 1e-3
-
-
-@pytest.mark.slow
-def test_a_run_that_was_interrupted_goes_on_bit_for_bit(tmp_path):
-    goes_on_bit_for_bit(touching(2.0, duration=20.0), tmp_path, after=500)
-
-
-@pytest.mark.slow
-def test_two_ranks_compute_the_same_bits(tmp_path):
-    for ranks in (1, 2):
-        run(touching(1.25, duration=2.0), tmp_path / f"{ranks}", ranks=ranks, check=False)
-    np.testing.assert_array_equal(frames(tmp_path / "1"), frames(tmp_path / "2"))
 
 
 @pytest.mark.skipif(not DEBIAN.exists(), reason="needs Debian's LAMMPS")

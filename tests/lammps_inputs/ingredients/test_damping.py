@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from independent import integrated
 from pydantic import ValidationError
 from stock_lammps import run, scene
 
@@ -25,86 +24,9 @@ from lammps_inputs.limits.timestep import stability_bound
 
 SLOW = pytest.mark.slow
 
-LOSSES: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
-    "linear": ({"contact": 0.2}, {"loss": lambda _: 0.2}),
-    "linear, cut": ({"contact": 0.2, "tension": "cut"}, {"loss": lambda _: 0.2, "tension": False}),
-    "viscoelastic": ({"contact": 0.3, "law": "viscoelastic"}, {"loss": lambda s: 0.3 * s**0.5}),
-    "viscoelastic, cut": (
-        {"contact": 0.3, "law": "viscoelastic", "tension": "cut"},
-        {"loss": lambda s: 0.3 * s**0.5, "tension": False},
-    ),
-    "restitution": (
-        {"contact": 0.7, "law": "restitution"},
-        {"loss": lambda s: alpha(0.7) * 0.5**0.5 * s**0.25},
-    ),
-    "coupling": ({"coupling": 0.2}, {"drag_across": 0.2}),
-    "all": (
-        {"contact": 0.1, "beads": 0.05, "coupling": 0.1},
-        {"loss": lambda _: 0.1, "drag": 0.05, "drag_across": 0.1},
-    ),
-}
-
 
 def damped(**keys: Any) -> Scene:
     return scene(chains=2, beads=3, kappa=0.5, duration=3.0, every=0.5, timestep=0.002, damping=Damping(**keys))
-
-
-def errors(
-    keys: dict[str, Any], physics: dict[str, Any], steps: tuple[float, ...], directory: Path, **changes: Any
-) -> list[float]:
-    asked = Scene.model_validate({**dict(damped(**keys)), **changes})
-    right = integrated(asked.problem(), **physics, max_step=0.02, rtol=1e-9)
-    runs = (run(asked.model_copy(update={"timestep": step}), directory / f"{step}") for step in steps)
-    return [float(np.max(np.abs(found.velocity - right))) for found in runs]
-
-
-_QUICK = ("linear", "coupling")
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", [name if name in _QUICK else pytest.param(name, marks=SLOW) for name in LOSSES])
-def test_lammps_computes_each_law_with_an_error_of_first_order(name: str, tmp_path: Path) -> None:
-    coarse, fine = errors(*LOSSES[name], (0.01, 0.0025), tmp_path)
-    assert coarse < 2e-3
-    assert 3.2 < coarse / fine < 4.8
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", [name if name in _QUICK else pytest.param(name, marks=SLOW) for name in LOSSES])
-def test_lammps_computes_each_law_under_a_static_load(name: str, tmp_path: Path) -> None:
-    keys, physics = LOSSES[name]
-    load = {"precompression": Precompression(force=0.3)}
-    coarse, fine = errors(keys, {**physics, "static": 0.3}, (0.01, 0.0025), tmp_path, **load)
-    assert coarse < 2e-3
-    assert 3.2 < coarse / fine < 4.8
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("exponent", "name", "load"),
-    [
-        (2.0, "linear", 0.3),
-        pytest.param(1.0, "linear", None, marks=SLOW),
-        pytest.param(3.0, "viscoelastic", None, marks=SLOW),
-        pytest.param(1.0, "viscoelastic", 0.3, marks=SLOW),
-        pytest.param(2.0, "all", 0.3, marks=SLOW),
-    ],
-)
-def test_lammps_computes_dashpots_of_contacts_of_any_exponent(
-    exponent: float, name: str, load: float | None, tmp_path: Path
-) -> None:
-    keys, physics = LOSSES[name]
-    changes = {"contact": Contact(exponent=exponent), "precompression": load and Precompression(force=load)}
-    physics = {**physics, "exponent": exponent, "static": load or 0.0}
-    coarse, fine = errors(keys, physics, (0.01, 0.0025), tmp_path, **changes)
-    assert coarse < 3e-3
-    assert 3.2 < coarse / fine < 4.8
-
-
-def test_lammps_computes_drag_on_beads_with_an_error_of_second_order(tmp_path: Path) -> None:
-    coarse, fine = errors({"beads": 0.3}, {"drag": 0.3}, (0.02, 0.005), tmp_path)
-    assert coarse < 2e-4
-    assert 12.0 < coarse / fine < 20.0
 
 
 @pytest.mark.parametrize("load", [None, 4.94])

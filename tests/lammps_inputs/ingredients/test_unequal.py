@@ -1,22 +1,18 @@
 """Beads that differ: kinds, patterns, replacements, tapers, disorder, strikers; against an integrator of their own."""
 
-import functools
 import itertools
 import json
 import re
 from dataclasses import replace
 
+import ingredient_scenes
 import numpy as np
 import plain_scene
 import pytest
-from independent import integrated
-from stock_lammps import DEBIAN
-from stock_lammps import run as run_stock
 
 from analysis import motion
 from analysis.gauges.forces import ForceMeter
 from analysis.gauges.gauge import gauges
-from analysis.mirror import mirrored_problem
 from analysis.shape.exact_wave import solitary_wave
 from analysis.shape.pattern import period_of
 from analysis.sharing.cells import FinalEnergy, left
@@ -42,16 +38,6 @@ pytestmark = pytest.mark.usefixtures("lammps_here")
 
 DIMER = {"kinds": {"heavy": {"mass": 1.0}, "light": {"mass": 0.3428}}, "pattern": ["heavy", "light"]}
 
-UNEQUAL = {
-    "dimer": DIMER,
-    "dimer of sizes": {"kinds": {"big": {}, "small": {"radius": 0.7}}, "pattern": ["big", "big", "small"]},
-    "another pattern in each chain": {**DIMER, "pattern": [["heavy", "light"], ["light", "heavy", "heavy"]]},
-    "impurity": {"kinds": {"steel": {"mass": 8.0, "stiffness": 2.0}}, "replace": {"bead": 6, "kind": "steel"}},
-    "taper": {"taper": 0.05},
-    "disorder": {"disorder": {"mass": 0.1, "radius": 0.1, "stiffness": 0.3, "seed": 5}},
-    "striker": {"striker": {"mass": 3.0, "velocity": 1.0}, "kick": None},
-}
-
 PUSHED_BEFORE_WALLS = {
     "kinds": {"big": {}, "small": {"radius": 0.7}},
     "pattern": [["big"], ["small", "small"]],
@@ -69,57 +55,13 @@ def strengths(problem):
     return problem.system.along[0].law.strength
 
 
-@functools.cache
-def exact(name):
-    """Velocities by an integrator of their own."""
-    problem = scene(**UNEQUAL[name]).problem()
-    return integrated(problem, mass=problem.system.mass, strength=strengths(problem))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", UNEQUAL)
-def test_the_reference_agrees_with_an_independent_integrator(name):
-    found = engine.run(scene(**UNEQUAL[name]).problem(), steps_per_frame=200).velocity
-    assert np.abs(found - exact(name)).max() < 5e-8
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", UNEQUAL)
-def test_lammps_agrees_to_second_order_and_measures_its_own_error(tmp_path, name):
-    errors = []
-    for step in (0.01, 0.005):
-        found = run(scene(**UNEQUAL[name], timestep=step), tmp_path / f"{step}", check=step == 0.005)
-        errors.append(np.abs(found.trajectory.velocity - exact(name)).max())
-    assert found.check.velocity == pytest.approx(errors[-1], rel=0.1)
-    assert errors[0] / errors[1] == pytest.approx(4.0, abs=0.4)
-    assert errors[1] < 3e-4
-
-
-@pytest.mark.parametrize("beads", UNEQUAL.values(), ids=UNEQUAL)
-def test_energy_and_momentum_are_kept(beads):
-    problem = scene(**beads).problem()
-    found = engine.run(problem, steps_per_frame=400)
-    energy = motion.energy(problem.system, found.displacement, found.velocity)
-    assert energy == pytest.approx(physics.energy(problem.system), rel=1e-8)
-    assert motion.momentum(problem.system, found.velocity) == pytest.approx(physics.momentum(problem.system), rel=1e-12)
-
-
-@pytest.mark.parametrize("beads", UNEQUAL.values(), ids=UNEQUAL)
-def test_acceleration_and_its_rate_at_chosen_beads_are_those_of_all(beads):
-    found = engine.run(scene(**beads).problem())
+@pytest.mark.parametrize("name", ["dimer", "another pattern in each chain", "disorder"])
+def test_acceleration_and_its_rate_at_chosen_beads_are_those_of_all(name):
+    found = engine.run(ingredient_scenes.scene(name, beads=12, duration=16.0).problem())
     frame, chain, bead = np.array([9, 20, 30]), np.array([0, 1, 0]), np.array([3, 5, 0])
     chosen, _ = motion.acceleration_and_rate(found, frame, chain, bead)
     everywhere = motion.acceleration(found.problem.system, found.displacement)
     np.testing.assert_allclose(chosen, everywhere[frame, chain, bead], rtol=1e-12, atol=1e-14)
-
-
-@pytest.mark.parametrize("beads", UNEQUAL.values(), ids=UNEQUAL)
-def test_the_mirror_of_a_problem_moves_as_its_mirror_image(beads):
-    problem = scene(**beads).problem()
-    image = mirrored_problem(problem)
-    assert mirrored_problem(image) == problem
-    one, other = engine.run(problem), engine.run(image)
-    np.testing.assert_allclose(one.velocity, -other.velocity[..., ::-1], atol=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -150,18 +92,6 @@ def test_walls_are_as_hard_as_the_beads_before_them_make_them():
     np.testing.assert_allclose(right[:, -1], [2.0**0.5, 1.4 * 2.0**0.5], rtol=1e-15)
     (outright,) = physics.walls(scene(**beads, walls={"right": {"stiffness": 3.0}}).system)
     assert outright.law.strength[:, -1].tolist() == [3.0, 3.0]
-
-
-@pytest.mark.slow
-def test_pushed_before_walls_that_differ_lammps_is_right_to_its_stated_error(tmp_path):
-    case = scene(**PUSHED_BEFORE_WALLS)
-    problem, scale = case.problem(), case.scale
-    walls = [2.0**0.5 * np.array([1.0, 0.7**0.5]), np.array([1.0, 0.7**0.5])]
-    push = (1, 2, 0.8 / scale.force, 2.0 / scale.time)
-    exact = integrated(problem, walls=walls, mass=problem.system.mass, strength=strengths(problem), push=push)
-    assert np.abs(engine.run(problem, steps_per_frame=400).velocity - exact).max() < 5e-8
-    found = run(case, tmp_path / "run")
-    assert np.abs(found.trajectory.velocity - exact).max() == pytest.approx(found.check.velocity, rel=0.1)
 
 
 @pytest.mark.slow
@@ -339,37 +269,6 @@ def test_types_that_tell_contacts_apart_are_found_once_for_a_deck(monkeypatch):
     monkeypatch.setattr(hertz, "types_by_contact", lambda strength: found.append(1) or types_by_contact(strength))
     deck.render(scene(disorder={"radius": 0.1, "seed": 7}, timestep=0.005))
     assert found == [1]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["dimer", "dimer of sizes", "disorder"])
-def test_a_run_that_was_interrupted_goes_on_bit_for_bit(tmp_path, name):
-    plain_scene.goes_on_bit_for_bit(scene(**UNEQUAL[name], duration=80.0), tmp_path)
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(not DEBIAN.exists(), reason="needs Debian's LAMMPS")
-@pytest.mark.parametrize("name", ["dimer", "dimer of sizes"])
-def test_the_2021_release_computes_the_same(tmp_path, name):
-    case = scene(**UNEQUAL[name])
-    new, old = run_stock(case, tmp_path / "new"), run_stock(case, tmp_path / "old", executable=DEBIAN)
-    np.testing.assert_allclose(new.vx, old.vx, atol=1e-9)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["dimer", "disorder"])
-def test_two_ranks_compute_the_same_bits(tmp_path, name):
-    case = scene(**UNEQUAL[name], beads=40, timestep=0.05)
-    one, two = (run_stock(case, tmp_path / str(ranks), ranks=ranks) for ranks in (1, 2))
-    np.testing.assert_array_equal(one.vx, two.vx)
-
-
-@pytest.mark.parametrize("name", ["dimer", "disorder"])
-def test_recorded_beads_are_those_that_were_asked_for(tmp_path, name):
-    case = {**UNEQUAL[name], "timestep": 0.005}
-    whole = run(scene(**case), tmp_path / "whole", check=False).trajectory
-    some = run(scene(**case, output={"every": 0.5, "beads": [3, 7]}), tmp_path / "some", check=False)
-    np.testing.assert_array_equal(some.trajectory.velocity, whole.velocity[:, :, [2, 6]])
 
 
 def test_energy_of_a_pulse_behind_a_heavy_bead_is_its_own_wherever_it_is_stated(tmp_path):

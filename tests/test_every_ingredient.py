@@ -1,0 +1,139 @@
+"""Every ingredient, in every way that it can be given: deck, LAMMPS, reference and resume do what its keys say.
+
+The cases are in `ingredient_scenes`; the exact motion is by the integrator that shares no code with the product.
+"""
+
+import functools
+
+import numpy as np
+import pytest
+from ingredient_scenes import CASES, exact, scene
+from plain_scene import goes_on_bit_for_bit
+from stock_lammps import DEBIAN
+from stock_lammps import run as run_deck
+
+from analysis.mirror import mirrored_problem
+from lammps_inputs.decks import deck
+from lammps_inputs.facts import Fact
+from lammps_inputs.slurm import job
+from lammps_inputs.slurm.site import JobOptions
+from workflow.engines.reference import engine
+from workflow.engines.reference.verlet import VERLET
+from workflow.runs.run import run
+from workflow.verdicts.analyse import analyse
+from workflow.verdicts.validate import validate
+
+pytestmark = pytest.mark.usefixtures("lammps_here")
+
+QUICK = {"cubic ring", "dimer of sizes", "cubic foundation", "walls", "pressed between walls", "damping linear"}
+ALL = [name if name in QUICK else pytest.param(name, marks=pytest.mark.slow) for name in CASES]
+ELASTIC = [name for name in CASES if not CASES[name].keys() & {"damping", "precompression", "gravity"}]
+ELASTIC = [name if name in QUICK else pytest.param(name, marks=pytest.mark.slow) for name in ELASTIC]
+
+BY_BOND = {"ramp", "lattice", "cubic ring"}
+"""Ranks may add up the springs of a row on their border in another order."""
+RANKS = [*sorted(BY_BOND), "foundation by chain", "dimer", "disorder", "exponent 1.25"]
+OLD = [*sorted(BY_BOND), "foundation by chain", "dimer", "dimer of sizes", "exponent 1"]
+
+
+@pytest.fixture(scope="module")
+def done(tmp_path_factory):
+    """Case -> its run with the measured error."""
+    return functools.cache(lambda name: run(scene(name), tmp_path_factory.mktemp("done") / "run"))
+
+
+def error(result, name):
+    return float(np.max(np.abs(result.trajectory.velocity - exact(name))))
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_lammps_tends_to_the_exact_motion_with_its_order(name, done, tmp_path):
+    coarse = error(run(scene(name, timestep=0.02), tmp_path / "coarse", check=False), name)
+    fine = error(done(name), name)
+    order = 2 if scene(name).problem().system.holds(Fact.SECOND_ORDER) else 1
+    # linear contacts begin with a kink, whose error depends on where it lies in a step
+    linear = CASES[name].get("contact") == {"exponent": 1.0}
+    assert np.log2(coarse / fine) == pytest.approx(order, abs=0.25 if linear else 0.05)
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_a_run_states_its_error(name, done):
+    check, second = done(name).check, scene(name).problem().system.holds(Fact.SECOND_ORDER)
+    assert check.velocity < (3e-4 if second else 2e-3)
+    assert check.velocity == pytest.approx(error(done(name), name), abs=check.reference.velocity)
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_the_reference_is_within_its_stated_uncertainty_of_the_exact_motion(name, done):
+    stated = done(name).check.reference.velocity
+    assert np.max(np.abs(engine.run(scene(name).problem()).velocity - exact(name))) < stated < 5e-5
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_the_reference_with_the_scheme_of_lammps_is_lammps_to_rounding(name, done):
+    problem = scene(name).problem()
+    found = engine.run(problem, scheme=VERLET, steps_per_frame=problem.steps_per_frame)
+    np.testing.assert_allclose(found.velocity, done(name).trajectory.velocity, rtol=0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", ELASTIC)
+def test_energy_and_momentum_are_balanced(name, done):
+    result = done(name)
+    seen, problem = analyse(result.directory, figures=False).conservation, scene(name).problem()
+    assert seen.energy_drift < 4.0 * result.check.velocity
+    assert result.check.reference.energy < 1e-5
+    assert seen.momentum_drift < 1e-12 if problem.system.holds(Fact.MOMENTUM) else np.isnan(seen.momentum_drift)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["foundation", "edges", "walls"])
+def test_a_good_run_is_valid(name, tmp_path):
+    case = scene(name, timestep=0.005, output={"every": 0.1})
+    assert validate(run(case, tmp_path / "run", check=False).directory).passed
+
+
+@pytest.mark.parametrize("name", ELASTIC)
+def test_the_mirror_image_of_a_problem_moves_as_its_mirror_image(name):
+    problem = scene(name).problem()
+    image = mirrored_problem(problem)
+    assert mirrored_problem(image) == problem
+    one, other = engine.run(problem), engine.run(image)
+    np.testing.assert_allclose(other.velocity, -one.velocity[..., ::-1], rtol=0.0, atol=1e-11)
+
+
+@pytest.mark.parametrize("name", ELASTIC)
+def test_a_run_that_was_interrupted_goes_on_bit_for_bit(name, tmp_path):
+    goes_on_bit_for_bit(scene(name, duration=60.0), tmp_path, after=500)
+
+
+@pytest.mark.parametrize("name", ELASTIC)
+def test_recorded_beads_are_that_part_of_the_whole_bit_for_bit(name, done, tmp_path):
+    some = run(scene(name, output={"every": 0.5, "beads": [3, 7]}), tmp_path / "some", check=False).trajectory
+    whole = done(name).trajectory
+    np.testing.assert_array_equal(some.velocity, whole.velocity[:, :, [2, 6]])
+    np.testing.assert_array_equal(some.displacement, whole.displacement[:, :, [2, 6]])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", RANKS)
+def test_two_ranks_compute_the_same_bits(name, tmp_path):
+    one, two = (run_deck(scene(name, timestep=0.05), tmp_path / str(ranks), ranks=ranks) for ranks in (1, 2))
+    assert "2 by 1 by 1 MPI processor grid" in two.log
+    assert "cutoff" not in "".join(line for line in two.log.splitlines() if "WARNING" in line)
+    np.testing.assert_allclose(two.vx, one.vx, rtol=0.0, atol=1e-15 if name in BY_BOND else 0.0)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not DEBIAN.exists(), reason="no lmp of the distribution")
+@pytest.mark.parametrize("name", OLD)
+def test_the_release_of_2021_computes_the_same(name, done, tmp_path):
+    old = run_deck(scene(name), tmp_path / "old", executable=DEBIAN)
+    np.testing.assert_allclose(old.velocity, done(name).trajectory.velocity, rtol=0.0, atol=1e-11)
+
+
+def test_resumed_and_slurm_jobs_have_every_force_of_the_deck():
+    for name in CASES:
+        problem = scene(name).problem()
+        forces = [line for line in deck.render_deck(problem).splitlines() if line.startswith(("fix", "bond", "pair"))]
+        continued = job.render_job(JobOptions(), problem)["in.continue"].splitlines()
+        assert [line for line in forces if line not in continued] == ["fix motion all nve"], name
