@@ -97,6 +97,13 @@ CASES: dict[str, dict[str, Any]] = {
         "walls": {"right": {"stiffness": 5.0}},
     },
     "damped column": {**COLUMN, "damping": {"contact": 0.1, "coupling": 0.1}},
+    "pushed before unlike walls": {
+        **SIZES,
+        "pattern": [["big"], ["small", "small"]],
+        "walls": {"left": "flat", "right": "bead"},
+        "push": {"bead": 2, "peak": 0.8, "duration": 2.0, "shape": "half-sine"},
+        "kick": None,
+    },
 }
 
 
