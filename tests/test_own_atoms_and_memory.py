@@ -14,12 +14,13 @@ pytestmark = pytest.mark.slow
 TESTS = Path(__file__).parent
 
 OWN = '''
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Ingredient, Inner, Positive
+from lammps_inputs.laws import Pure
 from lammps_inputs.laws.linear import Linear
 from lammps_inputs.links import Across
 
@@ -44,8 +45,8 @@ class Resonators(Ingredient):
 class Worn(NamedTuple):
     """``s**1.5`` at first; what was pressed to d falls to nothing at ``share * d``."""
 
-    strength: Any
-    share: Any
+    strength: Pure
+    share: Pure
 
     @staticmethod
     def force(s, strength, share):
