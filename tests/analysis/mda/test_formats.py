@@ -299,6 +299,7 @@ def test_beads_that_differ_are_atoms_with_their_masses(
     np.testing.assert_allclose(universe.atoms.masses, masses.ravel(), rtol=4e-16)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scene", [SOME, LOOSE_SOME], ids=["springs", "no springs"])
 def test_only_recorded_beads_are_atoms_and_lie_on_their_chains(tmp_path: Path, scene: Scene) -> None:
     run_lammps(tmp_path, scene)

@@ -96,6 +96,7 @@ def test_more_ranks_even_than_cores_change_no_bit(changes, count, tmp_path):
     assert (more.vx == one.vx).all()
 
 
+@pytest.mark.slow
 def test_a_row_on_the_border_of_two_ranks_may_add_up_its_springs_in_another_order(tmp_path):
     """Only with four chains or more, whose inner beads have two springs and two contacts: rounding, and no more."""
     case = scene(chains=5, beads=61, kappa=0.1, duration=100.0, every=1.0, timestep=0.05)
