@@ -332,7 +332,12 @@ def _train(case: Case, match: Any) -> Said | bool:
 @rule(r"chain (\d+): (solitary|not solitary|steady|not steady|decaying)(?: \((.*)\))? at bead (\d+): (.*)")
 def _leading(case: Case, match: Any) -> Said | bool:
     chain, bead = int(match[1]), int(match[4])
-    entry = next((one for one in _leaders(case) if (one["chain"], one["bead"]) == (chain, bead)), None)
+    varies = re.search(f"amplitude varies by ({NUMBER})", match[5])
+    there = [one for one in _leaders(case) if (one["chain"], one["bead"]) == (chain, bead)]
+    # pulses of either way may lead at one bead
+    entry = min(
+        there, key=lambda one: abs((one["variation"] or 0.0) - float(varies[1] if varies else 0.0)), default=None
+    )
     if entry is None or entry["solitary"] != (match[2] in ("solitary", "steady")):
         return False
     if match[2] == "decaying" and not dissipates(case):
