@@ -3,13 +3,10 @@
 All in units of m V**2, from frames of all beads. What was exchanged between frames is in their ledger.
 """
 
-from dataclasses import dataclass
-from typing import Annotated
-
 import numpy as np
 
 from analysis import motion
-from analysis.quantity import Quantity
+from analysis.quantity import declare, derived, result
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem, physics
 from lammps_inputs.units import Scale
@@ -39,22 +36,23 @@ _LITTLE = 1e-3
 """Share of the most that was put in, at the end, from which on shares of it are told."""
 
 
-@dataclass(frozen=True)
+@result
 class Account:
     """Energy over time, each [instant]."""
 
-    time: Annotated[Floats, Quantity("time of some frames", "time", symbol="t")]
-    put_in: Annotated[Floats, Quantity("energy input until then, by kicks and by forces from outside", "energy")]
-    kinetic: Annotated[Floats, Quantity("kinetic energy", "energy")]
-    contacts: Annotated[Floats, Quantity("energy of the contacts", "energy")]
-    springs: Annotated[Floats, Quantity("energy of the springs between chains", "energy")]
-    ground: Annotated[Floats, Quantity("energy of the springs to the ground, and of weights", "energy")]
-    walls: Annotated[Floats, Quantity("energy of the contacts with walls", "energy")]
-    lost: Annotated[dict[str, Floats], Quantity("energy dissipated until then, by the name of the dashpots", "energy")]
+    time: Floats = declare("time of some frames", "time", symbol="t")
+    put_in: Floats = declare("energy input until then, by kicks and by forces from outside", "energy")
+    kinetic: Floats = declare("kinetic energy", "energy")
+    contacts: Floats = declare("energy of the contacts", "energy")
+    springs: Floats = declare("energy of the springs between chains", "energy")
+    ground: Floats = declare("energy of the springs to the ground, and of weights", "energy")
+    walls: Floats = declare("energy of the contacts with walls", "energy")
+    lost: dict[str, Floats] = declare("energy dissipated until then, by the name of the dashpots", "energy")
 
     @property
-    def missing(self) -> Annotated[Floats, Quantity("energy input that is nowhere", "energy")]:
-        """What was put in and is nowhere."""
+    @derived("energy")
+    def missing(self) -> Floats:
+        """Energy input that is nowhere."""
         return np.asarray(self.put_in - sum(self.held.values()) - sum(self.lost.values()))
 
     def sentence(self, scale: Scale) -> str:
@@ -83,17 +81,13 @@ class Account:
         return float(np.max(np.abs(self.put_in)))
 
 
-@dataclass(frozen=True)
+@result
 class ClosedAccount(Account):
     """The account, and how well it is known."""
 
-    closed: Annotated[
-        float, Quantity("largest ``missing`` over the largest ``put_in``", undefined="of a run that blew up")
-    ]
-    between_frames: Annotated[
-        float, Quantity("uncertainty of what was exchanged between frames over the largest ``put_in``")
-    ]
-    stated: Annotated[float | None, Quantity("error of the velocities that the run states", "V", "it states none")]
+    closed: float = declare("largest ``missing`` over the largest ``put_in``", undefined="of a run that blew up")
+    between_frames: float = declare("uncertainty of what was exchanged between frames over the largest ``put_in``")
+    stated: float | None = declare("error of the velocities that the run states", "V", "it states none")
 
 
 class Budget:

@@ -1,8 +1,15 @@
-"""Quantities: what a field of a result means stands once, in its type; JSON, CSV heads, help and the manual follow.
+"""Quantities: what a field of a result means stands once, in its class; JSON, CSV heads, help and the manual follow.
 
-A result is a dataclass whose fields and properties carry a `Quantity`::
+A result is a frozen dataclass whose fields `declare` a `Quantity`; so may properties, whose docstring is the meaning::
 
-    time: Annotated[Floats, Quantity("time of the frame", "time", symbol="t")]
+    @result
+    class Passage:
+        time: float = declare("time of the passage", "time", symbol="t")
+
+        @property
+        @derived("time")  # its docstring is the meaning
+        def doubled(self) -> float:
+            "Twice the time of the passage."
 
 Their values are dimensionless where the unit is one of the scene's, and converted in `in_units`, once.
 """
@@ -10,16 +17,18 @@ Their values are dimensionless where the unit is one of the scene's, and convert
 import csv
 import io
 import typing
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, is_dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import MISSING, dataclass, field, fields, is_dataclass, replace
 from enum import Enum
 from functools import cache
-from typing import Annotated, Any
+from typing import Any, TypeVar, dataclass_transform
 
 import numpy as np
 
 from lammps_inputs.numbers import known
 from lammps_inputs.units import REDUCED, SI, Scale
+
+Kind = TypeVar("Kind")
 
 
 @dataclass(frozen=True)
@@ -48,6 +57,7 @@ class Quantity:
         undefined: under which condition there is no value: NaN or None, null in JSON.
         symbol: in equations.
         columns: of a sweep's table.
+        column: label of a column that has the field's own name; None where there is none.
     """
 
     meaning: str
@@ -55,6 +65,7 @@ class Quantity:
     undefined: str = ""
     symbol: str = ""
     columns: tuple[Column, ...] = ()
+    column: str | None = None
 
     def symbol_of_unit(self, *, si: bool) -> str:
         """Such as ``m/s`` or ``reduced``; empty where there is no unit."""
@@ -63,23 +74,58 @@ class Quantity:
         return SI[self.unit] if si else REDUCED
 
 
-def declared(kind: Any) -> dict[str, tuple[Quantity, Any]]:
-    """Name -> quantity and type, of all fields and properties that declare one."""
-    return _declared(kind)
+_DECLARED = "quantity"
+"""Key of a field's metadata, and attribute of a property's function."""
 
 
-@cache
+def declare(
+    meaning: str,
+    unit: str = "",
+    undefined: str = "",
+    symbol: str = "",
+    columns: tuple[Column, ...] = (),
+    *,
+    column: str | None = None,
+    default: Any = MISSING,
+) -> Any:
+    """A field of a result, and the `Quantity` that it holds."""
+    return field(
+        default=default, metadata={_DECLARED: Quantity(meaning, unit, undefined, symbol, columns, column=column)}
+    )
+
+
+def derived(unit: str = "", undefined: str = "", symbol: str = "") -> Callable[[Kind], Kind]:
+    """A property of a result, and the `Quantity` that it holds; the docstring says the meaning."""
+
+    def mark(function: Kind) -> Kind:
+        said = " ".join((function.__doc__ or "").split()).removesuffix(".")
+        setattr(function, _DECLARED, Quantity(said[:1].lower() + said[1:], unit, undefined, symbol))
+        return function
+
+    return mark
+
+
+@dataclass_transform(frozen_default=True, field_specifiers=(declare, field))
+def result(kind: type[Kind]) -> type[Kind]:
+    """A frozen dataclass whose fields declare what they hold."""
+    return dataclass(frozen=True)(kind)
+
+
 def _declared(kind: Any) -> dict[str, tuple[Quantity, Any]]:
-    hints = typing.get_type_hints(kind, include_extras=True)
+    types = typing.get_type_hints(kind)
+    found = {one.name: (one.metadata[_DECLARED], types[one.name]) for one in fields(kind) if one.metadata}
     for base in reversed(kind.__mro__):
         for name, value in vars(base).items():
-            if isinstance(value, property) and value.fget is not None:
-                hints[name] = typing.get_type_hints(value.fget, include_extras=True).get("return")
-    found: dict[str, tuple[Quantity, Any]] = {}
-    for name, hint in hints.items():
-        if typing.get_origin(hint) is Annotated:
-            found |= {str(name): (one, hint.__origin__) for one in hint.__metadata__ if isinstance(one, Quantity)}
+            if isinstance(value, property) and hasattr(value.fget, _DECLARED):
+                found[name] = getattr(value.fget, _DECLARED), typing.get_type_hints(value.fget)["return"]
+    for name, (one, kind_of_value) in found.items():
+        if one.column is not None:
+            found[name] = replace(one, columns=(Column(name, one.column),)), kind_of_value
     return found
+
+
+declared: Callable[[Any], dict[str, tuple[Quantity, Any]]] = cache(_declared)
+"""Name -> quantity and type, of all fields and properties of a result that declare one."""
 
 
 def walk(kind: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Quantity]]:

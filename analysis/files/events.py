@@ -1,31 +1,29 @@
 """Collisions of rigid beads as a list, and as the table ``events.csv``."""
 
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.quantity import Quantity, declared, headings
+from analysis.quantity import declare, declared, headings, result
 from analysis.trajectory import Floats
 from lammps_inputs import InputError
 from lammps_inputs.units import Scale
 
 
-@dataclass(frozen=True)
+@result
 class Events:
     """Collisions in the order in which they happen, [collision]; bead ``row`` of a chain strikes bead ``row + 1``."""
 
-    time: Annotated[Floats, Quantity("time of the collision", "time", symbol="t")]
-    chain: Annotated[NDArray[np.int64], Quantity("number of the chain")]
-    row: Annotated[NDArray[np.int64], Quantity("number of the striking bead, which strikes the next")]
-    striker: Annotated[
-        Floats, Quantity("velocity of bead ``row`` before the collision, and of bead ``row + 1`` after it", "velocity")
-    ]
-    target: Annotated[
-        Floats, Quantity("velocity of bead ``row + 1`` before the collision, and of bead ``row`` after it", "velocity")
-    ]
+    time: Floats = declare("time of the collision", "time", symbol="t")
+    chain: NDArray[np.int64] = declare("number of the chain")
+    row: NDArray[np.int64] = declare("number of the striking bead, which strikes the next")
+    striker: Floats = declare(
+        "velocity of bead ``row`` before the collision, and of bead ``row + 1`` after it", "velocity"
+    )
+    target: Floats = declare(
+        "velocity of bead ``row + 1`` before the collision, and of bead ``row`` after it", "velocity"
+    )
 
     def __len__(self) -> int:
         return len(self.time)

@@ -5,8 +5,6 @@ exceed the numerical noise, and its largest value must lie before the last frame
 """
 
 import math
-from dataclasses import dataclass
-from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +15,7 @@ from analysis.gauges.between_frames import Curve, crossing, maximum, top
 from analysis.gauges.forces import at_frames, strain_at_frames, strain_between
 from analysis.gauges.gauge import Gauge, far_wall
 from analysis.mirror import direction_of
-from analysis.quantity import Column, Quantity
+from analysis.quantity import declare, result
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem
 
@@ -40,47 +38,35 @@ LEVEL = 1e-3
 UNPASSED = "nothing has arrived, or the record ends inside the pulse"
 
 
-@dataclass(frozen=True)
+@result
 class Transmitted:
     """What has arrived at the far end."""
 
-    wall_force: Annotated[
-        float,
-        Quantity(
-            "largest force on the far wall, of all chains together, static load included",
-            "force",
-            f"there is no wall, {UNPASSED}",
-            columns=(Column("wall_force", "largest force on the far wall"),),
-        ),
-    ]
-    wall_force_chain: Annotated[
-        float,
-        Quantity(
-            "largest force of any one chain on the far wall, static load included",
-            "force",
-            f"there is no wall, {UNPASSED}",
-            columns=(Column("wall_force_chain", "largest force of a chain on the far wall"),),
-        ),
-    ]
-    delay: Annotated[
-        float,
-        Quantity(
-            "time at which the force on the far wall is largest; without a wall, at which the energy at the far end "
-            "first reaches half of its largest value",
-            "time",
-            UNPASSED,
-            columns=(Column("delay", "delay until the far end"),),
-        ),
-    ]
-    transmitted_energy: Annotated[
-        float,
-        Quantity(
-            "largest share at any time of the energy input until then (kicks, work of pushes and drives) that is in "
-            "the last tenth of the beads, the contacts between them and that of the wall",
-            undefined=f"{UNPASSED}, or the work is not known",
-            columns=(Column("transmitted_energy", "largest energy at the far end / energy input"),),
-        ),
-    ]
+    wall_force: float = declare(
+        "largest force on the far wall, of all chains together, static load included",
+        "force",
+        f"there is no wall, {UNPASSED}",
+        column="largest force on the far wall",
+    )
+    wall_force_chain: float = declare(
+        "largest force of any one chain on the far wall, static load included",
+        "force",
+        f"there is no wall, {UNPASSED}",
+        column="largest force of a chain on the far wall",
+    )
+    delay: float = declare(
+        "time at which the force on the far wall is largest; without a wall, at which the energy at the far end first "
+        "reaches half of its largest value",
+        "time",
+        UNPASSED,
+        column="delay until the far end",
+    )
+    transmitted_energy: float = declare(
+        "largest share at any time of the energy input until then (kicks, work of pushes and drives) that is in the "
+        "last tenth of the beads, the contacts between them and that of the wall",
+        undefined=f"{UNPASSED}, or the work is not known",
+        column="largest energy at the far end / energy input",
+    )
 
 
 class FarEnd:

@@ -2,14 +2,13 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis.gauges.gauge import Gauge
 from analysis.gauges.reflection import Reflection
-from analysis.quantity import Quantity
+from analysis.quantity import declare, result
 from analysis.trajectory import Floats
 from lammps_inputs.units import Scale
 
@@ -21,69 +20,51 @@ NOT_ABOVE = "the force never exceeds the static one by more than the numerical n
 NO_LOAD = "there is no static load"
 
 
-@dataclass(frozen=True)
+@result
 class Reading:
     """What one gauge has read at one chain."""
 
-    kind: Annotated[str, Quantity("``wall``, ``contact`` or ``sensor``")]
-    name: Annotated[str, Quantity("name of the gauge, with which its columns in ``forces.csv`` begin")]
-    chain: Annotated[int, Quantity("number of the chain")]
-    bead: Annotated[int, Quantity("bead at the wall; the first bead of a contact; the bead with the sensor")]
-    largest: Annotated[float, Quantity("largest total force, between frames too", "force", symbol="F_m")]
-    at: Annotated[float, Quantity("time of the largest force", "time", NOT_ABOVE)]
-    static: Annotated[float | None, Quantity("force at rest, which ``largest`` includes", "force", NO_LOAD, "F_0")]
-    dynamic: Annotated[
-        float | None, Quantity("largest force above the static one", "force", f"{NO_LOAD}, or {NOT_ABOVE}")
-    ]
-    impulse: Annotated[float, Quantity("integral over time of the total force minus the static one", "momentum")]
-    dwell: Annotated[
-        float,
-        Quantity(
-            "duration of the contact in which the force was largest; under a static load, of the time around the "
-            "maximum in which the force exceeded the static one by 1 % of its largest excess; until the end of the "
-            "record where it had not ended",
-            "time",
-            "under a static load, frames are too far apart to show it",
-        ),
-    ]
-    dwell_ended: Annotated[
-        bool | None, Quantity("whether the dwell had ended by the end of the record", undefined=NOT_ABOVE)
-    ]
-    last: Annotated[
-        float,
-        Quantity(
-            "force above the static one at the end of the record over the largest: from 0.01 on the record ends inside "
-            "a pulse, and ``impulse`` is that until then",
-            undefined=NOT_ABOVE,
-        ),
-    ]
-    contacts: Annotated[
-        int, Quantity("number of times that the contact has closed; one that is closed at the start counts")
-    ]
-    reflected: Annotated[
-        Reflection | None,
-        Quantity(
-            "at a wall: what it reflects of the first pulse that meets it",
-            undefined="not at a wall; there is a static load, a foundation or unlike beads; a pulse was not seen at "
-            "enough beads; or the uncertainty exceeds 0.05",
-        ),
-    ]
+    kind: str = declare("``wall``, ``contact`` or ``sensor``")
+    name: str = declare("name of the gauge, with which its columns in ``forces.csv`` begin")
+    chain: int = declare("number of the chain")
+    bead: int = declare("bead at the wall; the first bead of a contact; the bead with the sensor")
+    largest: float = declare("largest total force, between frames too", "force", symbol="F_m")
+    at: float = declare("time of the largest force", "time", NOT_ABOVE)
+    static: float | None = declare("force at rest, which ``largest`` includes", "force", NO_LOAD, "F_0")
+    dynamic: float | None = declare("largest force above the static one", "force", f"{NO_LOAD}, or {NOT_ABOVE}")
+    impulse: float = declare("integral over time of the total force minus the static one", "momentum")
+    dwell: float = declare(
+        "duration of the contact in which the force was largest; under a static load, of the time around the maximum "
+        "in which the force exceeded the static one by 1 % of its largest excess; until the end of the record where it "
+        "had not ended",
+        "time",
+        "under a static load, frames are too far apart to show it",
+    )
+    dwell_ended: bool | None = declare("whether the dwell had ended by the end of the record", undefined=NOT_ABOVE)
+    last: float = declare(
+        "force above the static one at the end of the record over the largest: from 0.01 on the record ends inside a "
+        "pulse, and ``impulse`` is that until then",
+        undefined=NOT_ABOVE,
+    )
+    contacts: int = declare("number of times that the contact has closed; one that is closed at the start counts")
+    reflected: Reflection | None = declare(
+        "at a wall: what it reflects of the first pulse that meets it",
+        undefined="not at a wall; there is a static load, a foundation or unlike beads; a pulse was not seen at enough "
+        "beads; or the uncertainty exceeds 0.05",
+    )
 
 
-@dataclass(frozen=True)
+@result
 class ForceTable:
     """Table of forces over time."""
 
-    time: Annotated[Floats, Quantity("time of the frame", "time", symbol="t")]
-    force: Annotated[
-        Floats,
-        Quantity(
-            "force at each gauge and chain, in columns such as ``contact 10 chain 1``; under a static load ``total``, "
-            "and ``dynamic`` without it",
-            "force",
-            symbol="F",
-        ),
-    ]
+    time: Floats = declare("time of the frame", "time", symbol="t")
+    force: Floats = declare(
+        "force at each gauge and chain, in columns such as ``contact 10 chain 1``; under a static load ``total``, and "
+        "``dynamic`` without it",
+        "force",
+        symbol="F",
+    )
 
 
 @dataclass(frozen=True)

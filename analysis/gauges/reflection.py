@@ -5,12 +5,9 @@ recorded beads in a row, where its peak velocity changes least, and extrapolated
 logarithm.
 """
 
-from dataclasses import dataclass
-from typing import Annotated
-
 import numpy as np
 
-from analysis.quantity import Quantity
+from analysis.quantity import declare, result
 from analysis.tracking.pulses import Pulse
 from analysis.trajectory import Floats
 from lammps_inputs import Problem, physics
@@ -40,25 +37,17 @@ LARGEST_UNCERTAINTY = 0.05
 """Uncertainty beyond which a ratio is not given."""
 
 
-@dataclass(frozen=True)
+@result
 class Reflection:
     """Of the first pulse that meets a wall; beads in the order in which it met them."""
 
-    ratio: Annotated[
-        float, Quantity("peak velocity of the reflected over that of the incident pulse, extrapolated to the wall")
-    ]
-    uncertainty: Annotated[
-        float,
-        Quantity(
-            "uncertainty of the ratio: deviation from the lines, their curvature, half of the correction for "
-            "the distance, and the "
-            "error of the peak velocities"
-        ),
-    ]
-    incident_beads: Annotated[tuple[int, int], Quantity("first and last bead at which the incident pulse was measured")]
-    reflected_beads: Annotated[
-        tuple[int, int], Quantity("first and last bead at which the reflected pulse was measured")
-    ]
+    ratio: float = declare("peak velocity of the reflected over that of the incident pulse, extrapolated to the wall")
+    uncertainty: float = declare(
+        "uncertainty of the ratio: deviation from the lines, their curvature, half of the correction for the distance, "
+        "and the error of the peak velocities"
+    )
+    incident_beads: tuple[int, int] = declare("first and last bead at which the incident pulse was measured")
+    reflected_beads: tuple[int, int] = declare("first and last bead at which the reflected pulse was measured")
 
 
 def reflections(

@@ -1,11 +1,10 @@
 """Spectra of beads' velocities, and how much of a drive's motion reaches them."""
 
 from dataclasses import dataclass
-from typing import Annotated
 
 import numpy as np
 
-from analysis.quantity import Column, Quantity
+from analysis.quantity import declare, result
 from analysis.sound.loaded_pulse import bands
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem
@@ -15,76 +14,61 @@ from lammps_inputs.units import Scale
 LEAST_FRAMES = 16
 
 
-@dataclass(frozen=True)
+@result
 class DriveLine:
     """Of one bead, at the frequency of a drive."""
 
-    frequency: Annotated[float, Quantity("frequency of the drive", "cycles", symbol="f")]
-    amplitude: Annotated[
-        float,
-        Quantity("amplitude of the velocity at the drive's frequency", "velocity", "frames are too far apart for it"),
-    ]
-    transmissibility: Annotated[
-        float,
-        Quantity(
-            "that amplitude over the one of the chain's first chosen bead",
-            undefined="that bead does not move, or frames are too far apart",
-        ),
-    ]
+    frequency: float = declare("frequency of the drive", "cycles", symbol="f")
+    amplitude: float = declare(
+        "amplitude of the velocity at the drive's frequency", "velocity", "frames are too far apart for it"
+    )
+    transmissibility: float = declare(
+        "that amplitude over the one of the chain's first chosen bead",
+        undefined="that bead does not move, or frames are too far apart",
+    )
 
 
-@dataclass(frozen=True)
+@result
 class HighestLine:
     """Of the spectrum of one bead."""
 
-    chain: Annotated[int, Quantity("number of the chain")]
-    bead: Annotated[int, Quantity("number of the bead")]
-    frequency: Annotated[float, Quantity("frequency of the highest line of the velocity", "cycles", symbol="f")]
-    amplitude: Annotated[float, Quantity("amplitude of the highest line of the velocity", "velocity")]
-    at_drive: Annotated[list[DriveLine], Quantity("of each drive: the line at its frequency")]
+    chain: int = declare("number of the chain")
+    bead: int = declare("number of the bead")
+    frequency: float = declare("frequency of the highest line of the velocity", "cycles", symbol="f")
+    amplitude: float = declare("amplitude of the highest line of the velocity", "velocity")
+    at_drive: list[DriveLine] = declare("of each drive: the line at its frequency")
 
 
-@dataclass(frozen=True)
+@result
 class Lines:
     """What is found in the spectra of a run."""
 
-    after: Annotated[float, Quantity("time from which on frames were taken", "time")]
-    resolution: Annotated[
-        float, Quantity("distance of two lines; frequencies nearer than two of it are not resolved", "cycles")
-    ]
-    beads: Annotated[list[HighestLine], Quantity("chosen beads of every chain")]
-    transmissibility: Annotated[
-        float,
-        Quantity(
-            "of the last chosen bead in the chain of the first drive, at its frequency: amplitude of the velocity over "
-            "that of the first chosen bead",
-            undefined="there is no drive, the first chosen bead does not move, or frames are too far apart",
-            columns=(Column("transmissibility", "velocity at the drive's frequency, last bead / first"),),
-        ),
-    ]
-    bands: Annotated[
-        Floats | None,
-        Quantity(
-            "lowest and highest frequency of every branch of small waves, exact",
-            "cycles",
-            "the chains pass on no sound, or nothing repeats along them",
-        ),
-    ]
+    after: float = declare("time from which on frames were taken", "time")
+    resolution: float = declare("distance of two lines; frequencies nearer than two of it are not resolved", "cycles")
+    beads: list[HighestLine] = declare("chosen beads of every chain")
+    transmissibility: float = declare(
+        "of the last chosen bead in the chain of the first drive, at its frequency: amplitude of the velocity over "
+        "that of the first chosen bead",
+        undefined="there is no drive, the first chosen bead does not move, or frames are too far apart",
+        column="velocity at the drive's frequency, last bead / first",
+    )
+    bands: Floats | None = declare(
+        "lowest and highest frequency of every branch of small waves, exact",
+        "cycles",
+        "the chains pass on no sound, or nothing repeats along them",
+    )
 
 
-@dataclass(frozen=True)
+@result
 class SpectrumTable:
     """Table of spectra."""
 
-    frequency: Annotated[Floats, Quantity("frequency of the line", "cycles", symbol="f")]
-    amplitude: Annotated[
-        Floats,
-        Quantity(
-            "amplitude of the velocity of each chosen bead, in columns such as ``chain 1 bead 10``: that of a sine "
-            "whose frequency falls on a line is the height of the line (Hann's window)",
-            "velocity",
-        ),
-    ]
+    frequency: Floats = declare("frequency of the line", "cycles", symbol="f")
+    amplitude: Floats = declare(
+        "amplitude of the velocity of each chosen bead, in columns such as ``chain 1 bead 10``: that of a sine whose "
+        "frequency falls on a line is the height of the line (Hann's window)",
+        "velocity",
+    )
 
 
 @dataclass(frozen=True)

@@ -5,15 +5,13 @@ is the least piece of a pattern that repeats, one bead without one.
 """
 
 import math
-from dataclasses import dataclass
-from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis import motion
 from analysis.mirror import along_the_way, direction_of
-from analysis.quantity import Column, Quantity
+from analysis.quantity import declare, result
 from analysis.shape.pattern import repeats_between
 from analysis.shape.waveforms import reach
 from analysis.sharing.equipartition import dissipates
@@ -33,75 +31,59 @@ INPUT = "energy input"
 UNLIKE_CELLS = "cells there are unlike, energy also goes to other chains or is dissipated, or the pulse ran no cell"
 
 
-@dataclass(frozen=True)
+@result
 class Left:
     """What one chain's leading pulse carries, and loses from cell to cell."""
 
-    first: Annotated[int, Quantity("first bead at which the pulse was compared")]
-    last: Annotated[int, Quantity("last bead at which the pulse was compared, whole cells from the first")]
-    carried: Annotated[
-        float,
-        Quantity("energy of the leading pulse at the last bead (of the beads within three cells of its peak)", INPUT),
-    ]
-    per_cell: Annotated[
-        float, Quantity("residual energy: lost from one cell to the next between them", INPUT, UNLIKE_CELLS)
-    ]
-    rate: Annotated[
-        float,
-        Quantity(
-            "share of its own energy that the pulse loses in a cell, by the exponential law fitted between them",
-            undefined=f"{UNLIKE_CELLS}; fewer than three cells",
-        ),
-    ]
-    deviation: Annotated[
-        float, Quantity("largest relative difference of the energy from that law", undefined="as ``rate``")
-    ]
+    first: int = declare("first bead at which the pulse was compared")
+    last: int = declare("last bead at which the pulse was compared, whole cells from the first")
+    carried: float = declare(
+        "energy of the leading pulse at the last bead (of the beads within three cells of its peak)", INPUT
+    )
+    per_cell: float = declare("residual energy: lost from one cell to the next between them", INPUT, UNLIKE_CELLS)
+    rate: float = declare(
+        "share of its own energy that the pulse loses in a cell, by the exponential law fitted between them",
+        undefined=f"{UNLIKE_CELLS}; fewer than three cells",
+    )
+    deviation: float = declare("largest relative difference of the energy from that law", undefined="as ``rate``")
 
 
-@dataclass(frozen=True)
+@result
 class Split:
     """Where the energy of a chain is at the end, seen from one of its beads."""
 
-    chain: Annotated[int, Quantity("number of the chain")]
-    bead: Annotated[int, Quantity("number of the replaced bead")]
-    before: Annotated[
-        float,
-        Quantity("energy of the chain in beads of lower numbers at the end; half of a contact is each bead's", INPUT),
-    ]
-    at: Annotated[float, Quantity("energy of that bead at the end", INPUT)]
-    beyond: Annotated[float, Quantity("energy of the chain in beads of higher numbers at the end", INPUT)]
-    incident: Annotated[float, Quantity("energy of the leading pulse before the bead", INPUT, "it was not seen there")]
-    reflected: Annotated[
-        float,
-        Quantity(
-            "part of the incident energy that is on its side at the end",
-            INPUT,
-            "chains are coupled or lose energy; anything but that pulse has crossed the bead or is about to; or the "
-            "bead still has part of it",
-        ),
-    ]
+    chain: int = declare("number of the chain")
+    bead: int = declare("number of the replaced bead")
+    before: float = declare(
+        "energy of the chain in beads of lower numbers at the end; half of a contact is each bead's", INPUT
+    )
+    at: float = declare("energy of that bead at the end", INPUT)
+    beyond: float = declare("energy of the chain in beads of higher numbers at the end", INPUT)
+    incident: float = declare("energy of the leading pulse before the bead", INPUT, "it was not seen there")
+    reflected: float = declare(
+        "part of the incident energy that is on its side at the end",
+        INPUT,
+        "chains are coupled or lose energy; anything but that pulse has crossed the bead or is about to; or the bead "
+        "still has part of it",
+    )
 
 
-@dataclass(frozen=True)
+@result
 class CellEnergies:
     """What the leading pulses carry through unlike beads, and leave."""
 
-    beads: Annotated[int, Quantity("beads of a cell, what the pattern repeats", "beads")]
-    left_behind: Annotated[
-        float,
-        Quantity(
-            "residual energy per cell: lost by the pulse of the kicked chain from one cell to the next",
-            INPUT,
-            UNLIKE_CELLS,
-            columns=(Column("left_behind", "residual energy per cell / energy input"),),
-        ),
-    ]
-    chains: Annotated[tuple[Left | None, ...], Quantity("of each chain", undefined="no pulse ran there")]
-    last_bead: Annotated[
-        tuple[float | None, ...],
-        Quantity("largest kinetic energy of the last bead of each chain", INPUT, "no pulse came there"),
-    ]
-    replaced: Annotated[tuple[Split, ...], Quantity("of each replaced bead")]
+    beads: int = declare("beads of a cell, what the pattern repeats", "beads")
+    left_behind: float = declare(
+        "residual energy per cell: lost by the pulse of the kicked chain from one cell to the next",
+        INPUT,
+        UNLIKE_CELLS,
+        column="residual energy per cell / energy input",
+    )
+    chains: tuple[Left | None, ...] = declare("of each chain", undefined="no pulse ran there")
+    last_bead: tuple[float | None, ...] = declare(
+        "largest kinetic energy of the last bead of each chain", INPUT, "no pulse came there"
+    )
+    replaced: tuple[Split, ...] = declare("of each replaced bead")
 
 
 def left(found: Survey, chain: int, period: int) -> Left | None:

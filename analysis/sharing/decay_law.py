@@ -8,12 +8,9 @@ the shift ``1.840249 v**0.8`` and the energy ``1.069323 v**2``. Equating the los
 with v0 = 0.6816315 V, the amplitude in a single chain: n* = 2.709 V**0.4 / kappa for a chain with one neighbour.
 """
 
-from dataclasses import dataclass
-from typing import Annotated
-
 import numpy as np
 
-from analysis.quantity import Quantity
+from analysis.quantity import declare, result
 from analysis.shape.exact_wave import HERTZ, solitary_wave
 from analysis.sharing.equipartition import Sharing
 from lammps_inputs import Problem, laws, physics
@@ -33,19 +30,19 @@ LEAST_BEADS = 10
 """Recorded beads needed for a fit."""
 
 
-@dataclass(frozen=True)
+@result
 class DecayFit:
     """The law fitted to the leading wave of the kicked chain, v0 and n* free."""
 
-    first: Annotated[int, Quantity("first bead of the fit")]
-    last: Annotated[int, Quantity("last bead of the fit")]
-    v0: Annotated[float, Quantity("amplitude at the kick; 0.6816315 expected", "V", symbol="v_0")]
-    n_star: Annotated[float, Quantity("beads from the kicked one at which the pulse would end", "beads", symbol="n^*")]
-    n_star_error: Annotated[float, Quantity("standard error of ``n_star``", "beads")]
-    n_star_expected: Annotated[
-        float, Quantity("``n_star`` of theory, for a kick of the first bead", "beads", "another bead was kicked")
-    ]
-    deviation: Annotated[float, Quantity("largest relative difference of an amplitude from the fitted law")]
+    first: int = declare("first bead of the fit")
+    last: int = declare("last bead of the fit")
+    v0: float = declare("amplitude at the kick; 0.6816315 expected", "V", symbol="v_0")
+    n_star: float = declare("beads from the kicked one at which the pulse would end", "beads", symbol="n^*")
+    n_star_error: float = declare("standard error of ``n_star``", "beads")
+    n_star_expected: float = declare(
+        "``n_star`` of theory, for a kick of the first bead", "beads", "another bead was kicked"
+    )
+    deviation: float = declare("largest relative difference of an amplitude from the fitted law")
 
 
 def expected_n_star(kappa: float, springs: int = 1) -> float:

@@ -3,14 +3,11 @@
 For problems in which no pulse stays together, such as chains on a foundation; makes sense of any.
 """
 
-from dataclasses import dataclass
-from typing import Annotated
-
 import numpy as np
 
 from analysis import motion
 from analysis.budget import energy_input
-from analysis.quantity import Quantity
+from analysis.quantity import declare, result
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem
 
@@ -23,28 +20,20 @@ LEAST = 1e-9
 NO_CENTRE = "the chain has no energy"
 
 
-@dataclass(frozen=True)
+@result
 class Flow:
     """Energy at some instants."""
 
-    time: Annotated[Floats, Quantity("time of some frames", "time", symbol="t")]
-    share: Annotated[
-        Floats,
-        Quantity("energy of each chain (kinetic, contacts, ground) over that of all chains, [instant][chain]"),
-    ]
-    between: Annotated[
-        Floats,
-        Quantity(
-            "energy in the springs between chains over the energy input until then (kicks, work of pushes and drives)",
-            undefined="the input is not positive, or that work is not known",
-        ),
-    ]
-    centre: Annotated[
-        Floats, Quantity("mean bead number of the chain's energy, [instant][chain]", "beads", undefined=NO_CENTRE)
-    ]
-    spread: Annotated[
-        Floats, Quantity("standard deviation of the bead number of the chain's energy", "beads", undefined=NO_CENTRE)
-    ]
+    time: Floats = declare("time of some frames", "time", symbol="t")
+    share: Floats = declare(
+        "energy of each chain (kinetic, contacts, ground) over that of all chains, [instant][chain]"
+    )
+    between: Floats = declare(
+        "energy in the springs between chains over the energy input until then (kicks, work of pushes and drives)",
+        undefined="the input is not positive, or that work is not known",
+    )
+    centre: Floats = declare("mean bead number of the chain's energy, [instant][chain]", "beads", NO_CENTRE)
+    spread: Floats = declare("standard deviation of the bead number of the chain's energy", "beads", NO_CENTRE)
 
     def extremes(self, chain: int) -> tuple[tuple[float, float], tuple[float, float]]:
         """Least and largest share of a chain (from 0) after the start, each with its time; the start if alone."""

@@ -9,12 +9,11 @@ below it.
 import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.quantity import Quantity
+from analysis.quantity import declare, result
 from analysis.shape.exact_wave import SolitaryWave, solitary_wave
 from analysis.shape.loaded_wave import LoadedSpeed, make_speed
 from analysis.shape.pattern import period_of, repeats_between
@@ -53,12 +52,12 @@ LEAST_TAIL = 5
 """Places over which the final amplitude is taken at least."""
 
 
-@dataclass(frozen=True)
+@result
 class Estimate:
     """A number and its uncertainty, in the unit of the number."""
 
-    value: Annotated[float, Quantity("the number")]
-    uncertainty: Annotated[float, Quantity("its uncertainty")]
+    value: float = declare("the number")
+    uncertainty: float = declare("its uncertainty")
 
 
 @dataclass(frozen=True)

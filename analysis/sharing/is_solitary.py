@@ -1,14 +1,12 @@
 """Whether a pulse is the exact solitary wave: its shape, its speed and its constancy, each against a tolerance."""
 
 import math
-from dataclasses import dataclass
-from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis.mirror import mirrored_bead
-from analysis.quantity import Quantity
+from analysis.quantity import declare, derived, result
 from analysis.shape.wave_of import has_wave, wave_of
 from analysis.shape.waveforms import REACH, Passages
 from analysis.sharing.equipartition import dissipates
@@ -20,70 +18,51 @@ from lammps_inputs import Problem, laws, physics
 UNSEEN = "the passage is not recorded whole"
 
 
-@dataclass(frozen=True)
+@result
 class Tolerances:
     """Largest relative differences from the exact wave at which a pulse still counts as one."""
 
-    shape: Annotated[float, Quantity("tolerance of the velocity over time, over the peak velocity")] = 0.01
-    speed: Annotated[float, Quantity("tolerance of the speed against the exact law")] = 0.01
-    amplitude: Annotated[float, Quantity("tolerance of the variation of the peak velocity over ten beads")] = 0.01
+    shape: float = declare("tolerance of the velocity over time, over the peak velocity", default=0.01)
+    speed: float = declare("tolerance of the speed against the exact law", default=0.01)
+    amplitude: float = declare("tolerance of the variation of the peak velocity over ten beads", default=0.01)
 
 
-@dataclass(frozen=True)
+@result
 class Character:
     """What a pulse is at one of its beads, the last at which all of it was seen clear of the chain's ends."""
 
-    bead: Annotated[int, Quantity("bead at which the following was measured, the last clear of the chain's ends")]
-    arrival: Annotated[float, Quantity("time at which that bead is fastest", "time", symbol="t")]
-    peak_velocity: Annotated[float, Quantity("largest velocity of that bead", "velocity", symbol="v")]
-    speed: Annotated[float, Quantity("speed of the pulse at that bead", "speed", "it was seen at one bead only", "c")]
-    width: Annotated[float, Quantity("full width of the velocity at half its maximum", "beads", UNSEEN)]
-    momentum: Annotated[float, Quantity("momentum: integral of the velocity over the passage", "momentum", UNSEEN)]
-    energy: Annotated[
-        float, Quantity("energy of the beads near the peak", "energy", f"{UNSEEN}, or another pulse is near")
-    ]
-    residual: Annotated[
-        float,
-        Quantity(
-            "largest difference of the velocity from the exact wave of this peak velocity, over that",
-            undefined=f"{UNSEEN}; beads differ or bear a load",
-        ),
-    ]
-    speed_excess: Annotated[
-        float,
-        Quantity(
-            "relative difference of the speed from the exact law at this peak velocity",
-            undefined="beads differ or bear a load",
-        ),
-    ]
-    variation: Annotated[
-        float,
-        Quantity(
-            "(largest - smallest) / mean peak velocity over the ten beads up to this one", undefined="it ran less"
-        ),
-    ]
+    bead: int = declare("bead at which the following was measured, the last clear of the chain's ends")
+    arrival: float = declare("time at which that bead is fastest", "time", symbol="t")
+    peak_velocity: float = declare("largest velocity of that bead", "velocity", symbol="v")
+    speed: float = declare("speed of the pulse at that bead", "speed", "it was seen at one bead only", "c")
+    width: float = declare("full width of the velocity at half its maximum", "beads", UNSEEN)
+    momentum: float = declare("momentum: integral of the velocity over the passage", "momentum", UNSEEN)
+    energy: float = declare("energy of the beads near the peak", "energy", f"{UNSEEN}, or another pulse is near")
+    residual: float = declare(
+        "largest difference of the velocity from the exact wave of this peak velocity, over that",
+        undefined=f"{UNSEEN}; beads differ or bear a load",
+    )
+    speed_excess: float = declare(
+        "relative difference of the speed from the exact law at this peak velocity",
+        undefined="beads differ or bear a load",
+    )
+    variation: float = declare(
+        "(largest - smallest) / mean peak velocity over the ten beads up to this one", undefined="it ran less"
+    )
     falls: bool
     """Whether the amplitude is less than ten beads before."""
 
-    fails: Annotated[
-        tuple[str, ...],
-        Quantity(
-            "which of ``shape``, ``speed``, ``amplitude`` differ by more than the tolerances or were not measured; "
-            "``decay`` where contacts or beads dissipate energy"
-        ),
-    ]
+    fails: tuple[str, ...] = declare(
+        "which of ``shape``, ``speed``, ``amplitude`` differ by more than the tolerances or were not measured; "
+        "``decay`` where contacts or beads dissipate energy"
+    )
 
     @property
-    def solitary(
-        self,
-    ) -> Annotated[
-        bool,
-        Quantity(
-            "whether it is the exact wave within the tolerances; where beads differ or bear a load, whether it "
-            "is steady"
-        ),
-    ]:
-        """Whether it is the exact wave within the tolerances."""
+    @derived()
+    def solitary(self) -> bool:
+        """Whether it is the exact wave within the tolerances; where beads differ or bear a load, whether it is
+        steady.
+        """
         return not self.fails
 
 

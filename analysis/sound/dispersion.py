@@ -7,13 +7,12 @@ Brillouin, Wave Propagation in Periodic Structures, 1946).
 
 import math
 from dataclasses import dataclass
-from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis.mirror import direction_of
-from analysis.quantity import Quantity
+from analysis.quantity import declare, result
 from analysis.shape.loaded_wave import repeats
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem, System, laws, physics
@@ -114,39 +113,32 @@ def cell_of(system: System) -> Cell:
 WITHOUT_MAP = "there is no map"
 
 
-@dataclass(frozen=True)
+@result
 class Bands:
     """Of small waves; or why they are not known."""
 
-    why: Annotated[str | None, Quantity("reason why there is no map", undefined="there is one")]
-    beads: Annotated[
-        int | None, Quantity("beads of a cell, what repeats along the chains", "beads", undefined=WITHOUT_MAP)
-    ] = None
-    bands: Annotated[
-        Floats | None,
-        Quantity("lowest and highest angular frequency of every branch, exact", "frequency", WITHOUT_MAP, "\\omega"),
-    ] = None
-    measured: Annotated[
-        Floats | None,
-        Quantity(
-            "lowest and highest angular frequency of every branch as the run shows them",
-            "frequency",
-            f"{WITHOUT_MAP}; of a branch without power in the run",
-        ),
-    ] = None
-    bin: Annotated[float | None, Quantity("resolution of measured frequencies", "frequency", undefined=WITHOUT_MAP)] = (
-        None
+    why: str | None = declare("reason why there is no map", undefined="there is one")
+    beads: int | None = declare("beads of a cell, what repeats along the chains", "beads", WITHOUT_MAP, default=None)
+    bands: Floats | None = declare(
+        "lowest and highest angular frequency of every branch, exact", "frequency", WITHOUT_MAP, "\\omega", default=None
     )
+    measured: Floats | None = declare(
+        "lowest and highest angular frequency of every branch as the run shows them",
+        "frequency",
+        f"{WITHOUT_MAP}; of a branch without power in the run",
+        default=None,
+    )
+    bin: float | None = declare("resolution of measured frequencies", "frequency", WITHOUT_MAP, default=None)
 
 
-@dataclass(frozen=True)
+@result
 class Branches:
     """Table of the branches: an entry for each wavenumber and branch."""
 
-    wavenumber: Annotated[Floats, Quantity("wavenumber, radians a bead", "rad/bead", symbol="q")]
-    branch: Annotated[NDArray[np.int64], Quantity("number of the branch, from the lowest")]
-    frequency: Annotated[Floats, Quantity("exact angular frequency", "frequency", symbol="\\omega")]
-    measured: Annotated[Floats, Quantity("angular frequency of the run", "frequency", "the run has no power there")]
+    wavenumber: Floats = declare("wavenumber, radians a bead", "rad/bead", symbol="q")
+    branch: NDArray[np.int64] = declare("number of the branch, from the lowest")
+    frequency: Floats = declare("exact angular frequency", "frequency", symbol="\\omega")
+    measured: Floats = declare("angular frequency of the run", "frequency", "the run has no power there")
 
 
 @dataclass(frozen=True)

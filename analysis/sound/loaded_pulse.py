@@ -1,15 +1,13 @@
 """The leading pulse on top of a static load: how fast it runs, and how much more than at rest contacts bear in it."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis import hermite, motion
 from analysis.mirror import direction_of
-from analysis.quantity import Quantity
+from analysis.quantity import declare, derived, result
 from analysis.shape.loaded_wave import cell_beads, sound_speed, speed_over_sound
 from analysis.sound.dispersion import NoDispersionError, cell_of
 from analysis.tracking.pulses import Pulse
@@ -31,82 +29,64 @@ SMALLEST = 1e-3
 """Velocity, in units of V, of a pulse whose overlap counts."""
 
 
-@dataclass(frozen=True)
+@result
 class LoadedWave:
     """The leading pulse of the kicked chain, where it was last clear of the ends."""
 
-    chain: Annotated[int, Quantity("number of the chain")]
-    first: Annotated[int, Quantity("first contact between which speed and force were measured")]
-    last: Annotated[int, Quantity("last contact between which speed and force were measured")]
-    force_ratio: Annotated[
-        float, Quantity("mean of the largest total force of a contact over that at rest", symbol="f = F_m / F_0")
-    ]
-    speed: Annotated[float, Quantity("speed of the pulse", "speed", symbol="c")]
-    sound: Annotated[float, Quantity("speed of sound there", "speed", symbol="c_0")]
-    theory: Annotated[
-        float,
-        Quantity(
-            "speed of the long-wave theory's solitary wave of this force ratio over that of sound (Nesterenko)",
-            undefined="beads differ",
-        ),
-    ]
+    chain: int = declare("number of the chain")
+    first: int = declare("first contact between which speed and force were measured")
+    last: int = declare("last contact between which speed and force were measured")
+    force_ratio: float = declare(
+        "mean of the largest total force of a contact over that at rest", symbol="f = F_m / F_0"
+    )
+    speed: float = declare("speed of the pulse", "speed", symbol="c")
+    sound: float = declare("speed of sound there", "speed", symbol="c_0")
+    theory: float = declare(
+        "speed of the long-wave theory's solitary wave of this force ratio over that of sound (Nesterenko)",
+        undefined="beads differ",
+    )
 
     @property
-    def over_sound(self) -> Annotated[float, Quantity("speed of the pulse over that of sound", symbol="c / c_0")]:
-        """Speed over that of sound."""
+    @derived(symbol="c / c_0")
+    def over_sound(self) -> float:
+        """Speed of the pulse over that of sound."""
         return self.speed / self.sound
 
     @property
-    def over_theory(
-        self,
-    ) -> Annotated[float, Quantity("speed of the pulse over that of the theory's wave", undefined="beads differ")]:
-        """Speed over that of the theory's wave."""
+    @derived(undefined="beads differ")
+    def over_theory(self) -> float:
+        """Speed of the pulse over that of the theory's wave."""
         return self.over_sound / self.theory
 
 
-@dataclass(frozen=True)
+@result
 class Sound:
     """Sound of chains under a static load, and the leading pulse."""
 
-    load: Annotated[Floats, Quantity("least and largest force of a contact at rest", "force", symbol="F_0")]
-    overlap: Annotated[Floats, Quantity("least and largest overlap at rest", "length")]
-    speed: Annotated[
-        Floats | None,
-        Quantity(
-            "least and largest speed of sound of long waves along the chains",
-            "speed",
-            "springs to the ground hold beads, so that long waves do not run",
-            "c_0",
-        ),
-    ]
-    metres: Annotated[
-        Floats | None,
-        Quantity(
-            "least and largest speed of sound of long waves in m/s",
-            "m/s",
-            "beads are not all of one material and size, or no long waves run",
-        ),
-    ]
-    cutoff: Annotated[
-        float,
-        Quantity(
-            "highest angular frequency of small motions; an upper bound of it where beads, springs or loads do not "
-            "repeat along the chains",
-            "frequency",
-        ),
-    ]
-    crest: Annotated[
-        float | None,
-        Quantity(
-            "largest velocity of crests of sound, which are no pulses (analysis/README.md)", "velocity", "there is none"
-        ),
-    ]
-    pulse: Annotated[
-        LoadedWave | None,
-        Quantity(
-            "the leading pulse of the kicked chain", undefined="it did not run far enough, or does not stay together"
-        ),
-    ]
+    load: Floats = declare("least and largest force of a contact at rest", "force", symbol="F_0")
+    overlap: Floats = declare("least and largest overlap at rest", "length")
+    speed: Floats | None = declare(
+        "least and largest speed of sound of long waves along the chains",
+        "speed",
+        "springs to the ground hold beads, so that long waves do not run",
+        "c_0",
+    )
+    metres: Floats | None = declare(
+        "least and largest speed of sound of long waves in m/s",
+        "m/s",
+        "beads are not all of one material and size, or no long waves run",
+    )
+    cutoff: float = declare(
+        "highest angular frequency of small motions; an upper bound of it where beads, springs or loads do not repeat "
+        "along the chains",
+        "frequency",
+    )
+    crest: float | None = declare(
+        "largest velocity of crests of sound, which are no pulses (analysis/README.md)", "velocity", "there is none"
+    )
+    pulse: LoadedWave | None = declare(
+        "the leading pulse of the kicked chain", undefined="it did not run far enough, or does not stay together"
+    )
 
     @classmethod
     def of(

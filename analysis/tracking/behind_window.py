@@ -5,35 +5,29 @@ in it move more slowly than any of these waves is high.
 """
 
 import math
-from dataclasses import dataclass
-from typing import Annotated
 
-from analysis.quantity import Quantity
+from analysis.quantity import declare, derived, result
 from analysis.tracking.leading_waves import Waves
 from analysis.trajectory import Trajectory
 
 
-@dataclass(frozen=True)
+@result
 class Residual:
     """What the window has left."""
 
-    rows: Annotated[int | None, Quantity("rows of the window", "rows")]
-    left_behind: Annotated[
-        float, Quantity("largest velocity along the chain of a bead when the window left it; 0 if it left none", "V")
-    ]
-    bead: Annotated[int, Quantity("number of that bead; 0 if the window left none")]
-    slowest_wave: Annotated[
-        float,
-        Quantity(
-            "amplitude of the lowest leading wave, which ``left_behind`` must not exceed",
-            "V",
-            "the window has not moved",
-        ),
-    ]
+    rows: int | None = declare("rows of the window", "rows")
+    left_behind: float = declare(
+        "largest velocity along the chain of a bead when the window left it; 0 if it left none", "V"
+    )
+    bead: int = declare("number of that bead; 0 if the window left none")
+    slowest_wave: float = declare(
+        "amplitude of the lowest leading wave, which ``left_behind`` must not exceed", "V", "the window has not moved"
+    )
 
     @property
-    def sentence(self) -> Annotated[str, Quantity("whether anything could have caught up, in words")]:
-        """Whether anything could have caught up."""
+    @derived()
+    def sentence(self) -> str:
+        """Whether anything could have caught up, in words."""
         if self.bead == 0:
             return "window: nothing was left behind"
         found = f"window: beads left behind move at {self.left_behind:.2g} V or less"

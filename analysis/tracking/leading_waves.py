@@ -2,14 +2,14 @@
 
 import csv
 import io
-from dataclasses import dataclass, fields, replace
-from typing import Annotated, Literal
+from dataclasses import fields, replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from analysis.mirror import mirrored_bead
-from analysis.quantity import Quantity, declared, table
+from analysis.quantity import declare, declared, result, table
 from analysis.tracking.peaks import Peaks
 from analysis.tracking.pulses import local_speed
 from analysis.trajectory import Floats
@@ -17,40 +17,33 @@ from lammps_inputs import Problem, physics
 from lammps_inputs.units import Scale
 
 
-@dataclass(frozen=True)
+@result
 class Waves:
     """Leading pulse of each chain at each bead that it reached, [wave], sorted by chain, then bead."""
 
-    chain: Annotated[NDArray[np.int64], Quantity("number of the chain")]
-    bead: Annotated[NDArray[np.int64], Quantity("number of the bead")]
-    arrival: Annotated[
-        Floats,
-        Quantity(
-            "time at which the pulse passes the bead: that of the largest velocity, or the centre of the impulse",
-            "time",
-            "the largest velocity is reached on a plateau (a bead that flies freely)",
-            "t",
-        ),
-    ]
-    peak_velocity: Annotated[
-        Floats, Quantity("largest velocity of the bead, positive along the pulse's way", "velocity", symbol="v")
-    ]
-    speed: Annotated[
-        Floats,
-        Quantity(
-            "speed of the pulse along its way, from the arrivals at the recorded beads on either side (at an end: one)",
-            "speed",
-            "one bead of the chain was reached, or an arrival is undefined",
-            "c",
-        ),
-    ]
-    arrival_error: Annotated[
-        Floats,
-        Quantity("bound on the error of the arrival by the time between frames, or noise", "time", "so is the arrival"),
-    ]
-    peak_velocity_error: Annotated[
-        Floats, Quantity("bound on the error of the peak velocity by the time between frames, or noise", "velocity")
-    ]
+    chain: NDArray[np.int64] = declare("number of the chain")
+    bead: NDArray[np.int64] = declare("number of the bead")
+    arrival: Floats = declare(
+        "time at which the pulse passes the bead: that of the largest velocity, or the centre of the impulse",
+        "time",
+        "the largest velocity is reached on a plateau (a bead that flies freely)",
+        "t",
+    )
+    peak_velocity: Floats = declare(
+        "largest velocity of the bead, positive along the pulse's way", "velocity", symbol="v"
+    )
+    speed: Floats = declare(
+        "speed of the pulse along its way, from the arrivals at the recorded beads on either side (at an end: one)",
+        "speed",
+        "one bead of the chain was reached, or an arrival is undefined",
+        "c",
+    )
+    arrival_error: Floats = declare(
+        "bound on the error of the arrival by the time between frames, or noise", "time", "so is the arrival"
+    )
+    peak_velocity_error: Floats = declare(
+        "bound on the error of the peak velocity by the time between frames, or noise", "velocity"
+    )
     time: Floats
     """Time at which the bead is fastest, in units of T, whether or not that is sharp."""
 

@@ -1,48 +1,36 @@
 """A train of pulses: those that follow each other past a bead, as when several beads are hit or one is for long."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.quantity import Quantity
+from analysis.quantity import declare, derived, result
 from analysis.shape.exact_wave import SolitaryWave, solitary_wave
 from analysis.tracking.pulses import Pulse
 from analysis.trajectory import Floats
 
 
-@dataclass(frozen=True)
+@result
 class Train:
     """Pulses at one bead of one chain, in the order of their arrival."""
 
-    chain: Annotated[int, Quantity("number of the chain")]
-    bead: Annotated[int, Quantity("bead at which the pulses were measured")]
-    arrival: Annotated[Floats, Quantity("arrival of each pulse", "time", symbol="t")]
-    peak_velocity: Annotated[
-        Floats, Quantity("peak velocity of each pulse, positive along its way", "velocity", symbol="v")
-    ]
-    uncertainty: Annotated[
-        Floats,
-        Quantity(
-            "of each peak velocity: largest difference from it over the ten beads before",
-            "velocity",
-            "none of them was recorded",
-        ),
-    ]
+    chain: int = declare("number of the chain")
+    bead: int = declare("bead at which the pulses were measured")
+    arrival: Floats = declare("arrival of each pulse", "time", symbol="t")
+    peak_velocity: Floats = declare("peak velocity of each pulse, positive along its way", "velocity", symbol="v")
+    uncertainty: Floats = declare(
+        "of each peak velocity: largest difference from it over the ten beads before",
+        "velocity",
+        "none of them was recorded",
+    )
 
     @property
-    def pulses(
-        self,
-    ) -> Annotated[
-        int,
-        Quantity(
-            "number of pulses, from the first on, that are steady there: clear of the ends of the chain and of other "
-            "pulses, and of an amplitude that is constant to 1 % over the ten beads before"
-        ),
-    ]:
-        """How many."""
+    @derived()
+    def pulses(self) -> int:
+        """Number of pulses, from the first on, that are steady there: clear of the ends of the chain and of other
+        pulses, and of an amplitude that is constant to 1 % over the ten beads before.
+        """
         return len(self)
 
     def __len__(self) -> int:
@@ -53,13 +41,15 @@ class Train:
         return Train(self.chain, self.bead, self.arrival[:count], self.peak_velocity[:count], self.uncertainty[:count])
 
     @property
-    def ratio(self) -> Annotated[Floats, Quantity("peak velocity of each over that of the first")]:
-        """[pulse] amplitude in that of the first."""
+    @derived()
+    def ratio(self) -> Floats:
+        """Peak velocity of each over that of the first."""
         return np.asarray(self.peak_velocity / self.peak_velocity[0])
 
     @property
-    def spacing(self) -> Annotated[Floats, Quantity("time from each to the next", "time")]:
-        """[pulse after the first] time since the one before."""
+    @derived("time")
+    def spacing(self) -> Floats:
+        """Time from each to the next."""
         return np.diff(self.arrival)
 
 

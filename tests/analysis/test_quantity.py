@@ -1,31 +1,42 @@
 """JSON, CSV and printed cells follow from what the fields of a result declare."""
 
-from dataclasses import dataclass
-from typing import Annotated
-
 import numpy as np
 import pytest
 
-from analysis.quantity import Quantity, headings, plain, table, to_csv, walk, written
+from analysis.quantity import (
+    Quantity,
+    declare,
+    declared,
+    derived,
+    headings,
+    plain,
+    result,
+    table,
+    to_csv,
+    walk,
+    written,
+)
 from lammps_inputs.units import make_scale
 
 
-@dataclass(frozen=True)
+@result
 class Passage:
-    bead: Annotated[int, Quantity("number of the bead")]
-    time: Annotated[float, Quantity("when", "time", "never")]
+    bead: int = declare("number of the bead")
+    time: float = declare("when", "time", "never")
     undeclared: float = 1.0
 
     @property
-    def double(self) -> Annotated[float, Quantity("twice that", "time")]:
+    @derived("time")
+    def double(self) -> float:
+        """Twice that."""
         return 2.0 * self.time
 
 
-@dataclass(frozen=True)
+@result
 class Result:
-    passages: Annotated[list[Passage | None], Quantity("of each chain")]
-    speed: Annotated[np.ndarray, Quantity("speed", "speed", "unknown")]
-    size: Annotated[float, Quantity("amplitude", "V")]
+    passages: list[Passage | None] = declare("of each chain")
+    speed: np.ndarray = declare("speed", "speed", "unknown")
+    size: float = declare("amplitude", "V")
 
 
 SCALE = make_scale(2.0, 3.0, 0.1, si=True)
@@ -57,6 +68,10 @@ def test_a_printed_cell_is_in_the_unit_of_its_heading_and_a_dash_where_undefined
     assert headings(Passage, SCALE, {"time": "arrival", "bead": "bead"}) == ["arrival (s)", "bead"]
     assert written(RESULT.passages[0], "time", SCALE, ".3g") == f"{5.0 * SCALE.time:.3g}"
     assert written(RESULT.passages[2], "time", SCALE, ".3g") == "-"
+
+
+def test_a_property_means_what_its_docstring_says():
+    assert declared(Passage)["double"][0] == Quantity("twice that", "time")
 
 
 def test_a_type_is_walked_to_the_quantities_within_its_quantities():

@@ -1,12 +1,12 @@
 """How hard the beads of an SI scene press on each other, and whether that is still Hertz's law."""
 
-from dataclasses import asdict, dataclass
-from typing import Annotated, Any
+from dataclasses import asdict
+from typing import Any
 
 import numpy as np
 
 from analysis.largest_overlap import LargestOverlap, shown_by_frames
-from analysis.quantity import Quantity
+from analysis.quantity import declare, result
 from lammps_inputs import Scene, laws, physics
 from lammps_inputs.ingredients.unequal import sizes_and_moduli
 from lammps_inputs.limits import hertz
@@ -14,21 +14,18 @@ from workflow.runs.engines import ENGINES
 from workflow.runs.run_directory import RunDirectory
 
 
-@dataclass(frozen=True)
+@result
 class Contacts:
     """The hardest contact of a run."""
 
-    measured: Annotated[
-        bool, Quantity("whether the frames show it; else the numbers are what energy and momentum allow at most")
-    ]
-    radius: Annotated[float, Quantity("radius of the reference bead", "m", symbol="R")]
-    overlap: Annotated[
-        float,
-        Quantity("largest approach of two centres over the radius; of beads that differ, over their harmonic mean"),
-    ]
-    force: Annotated[float, Quantity("largest force of a contact", "N", symbol="F")]
-    pressure: Annotated[float, Quantity("largest pressure in the middle of a contact", "Pa", symbol="p_0")]
-    yield_strength: Annotated[float, Quantity("least yield strength with which beads stay elastic", "Pa")]
+    measured: bool = declare("whether the frames show it; else the numbers are what energy and momentum allow at most")
+    radius: float = declare("radius of the reference bead", "m", symbol="R")
+    overlap: float = declare(
+        "largest approach of two centres over the radius; of beads that differ, over their harmonic mean"
+    )
+    force: float = declare("largest force of a contact", "N", symbol="F")
+    pressure: float = declare("largest pressure in the middle of a contact", "Pa", symbol="p_0")
+    yield_strength: float = declare("least yield strength with which beads stay elastic", "Pa")
 
     def plain(self) -> dict[str, Any]:
         """For ``run.json`` and ``analysis.json``."""

@@ -1,14 +1,12 @@
 """What an analysis writes of every scene: the keys of ``analysis.json``."""
 
-from dataclasses import dataclass
 from itertools import accumulate
-from typing import Annotated
 
 import numpy as np
 
 from analysis.conservation import Conservation
 from analysis.mirror import along_the_way
-from analysis.quantity import Column, Quantity
+from analysis.quantity import Column, declare, derived, result
 from analysis.shape.wave_of import has_wave, wave_of
 from analysis.sharing.decay_law import DecayFit
 from analysis.sharing.equipartition import AGREEMENTS, Estimate, dissipates, resolved
@@ -32,73 +30,58 @@ NOT_REACHED = "no recorded bead was reached"
 UNRESOLVED = "no pulse stays together, or recorded beads are too far apart to show beats"
 
 
-@dataclass(frozen=True)
+@result
 class ChainSummary:
     """The leading wave of a chain at the last bead that it passed clear of the end."""
 
-    chain: Annotated[int, Quantity("number of the chain")]
-    beads_reached: Annotated[int, Quantity("number of recorded beads that the wave passed")]
-    bead: Annotated[
-        int | None,
-        Quantity(
-            "last recorded bead, five before the end, that the wave passed",
-            undefined=NOT_REACHED,
-            columns=(Column("bead", "last clear bead"),),
-        ),
-    ] = None
-    arrival: Annotated[
-        float | None,
-        Quantity(
-            "time at which the wave passes that bead",
-            "time",
-            f"{NOT_REACHED}, or the bead flies freely at its largest velocity",
-            "t",
-            (Column("arrival", "arrival at the last clear bead"),),
-        ),
-    ] = None
-    peak_velocity: Annotated[
-        float | None,
-        Quantity(
-            "largest velocity of that bead along the wave's way",
-            "velocity",
-            NOT_REACHED,
-            "v",
-            (Column("peak_velocity", "peak velocity at the last clear bead"),),
-        ),
-    ] = None
-    speed: Annotated[
-        float | None,
-        Quantity(
-            "speed of the wave there, from the arrivals at the recorded beads on either side",
-            "speed",
-            f"{NOT_REACHED}, or one of those arrivals is undefined",
-            "c",
-            (Column("speed", "speed at the last clear bead"),),
-        ),
-    ] = None
-    arrival_error: Annotated[
-        float | None,
-        Quantity("bound on the error of the arrival by the time between frames, or noise", "time", NOT_REACHED),
-    ] = None
-    peak_velocity_error: Annotated[
-        float | None,
-        Quantity(
-            "bound on the error of the peak velocity by the time between frames, or noise", "velocity", NOT_REACHED
-        ),
-    ] = None
-    arrival_reduced: Annotated[float | None, Quantity("the arrival in units of T", "T", "as ``arrival``", "t / T")] = (
-        None
+    chain: int = declare("number of the chain")
+    beads_reached: int = declare("number of recorded beads that the wave passed")
+    bead: int | None = declare(
+        "last recorded bead, five before the end, that the wave passed", undefined=NOT_REACHED, column="last clear bead"
     )
-    peak_velocity_reduced: Annotated[
-        float | None, Quantity("the peak velocity in units of V", "V", NOT_REACHED, "v / V")
-    ] = None
+    arrival: float | None = declare(
+        "time at which the wave passes that bead",
+        "time",
+        f"{NOT_REACHED}, or the bead flies freely at its largest velocity",
+        "t",
+        column="arrival at the last clear bead",
+    )
+    peak_velocity: float | None = declare(
+        "largest velocity of that bead along the wave's way",
+        "velocity",
+        NOT_REACHED,
+        "v",
+        column="peak velocity at the last clear bead",
+    )
+    speed: float | None = declare(
+        "speed of the wave there, from the arrivals at the recorded beads on either side",
+        "speed",
+        f"{NOT_REACHED}, or one of those arrivals is undefined",
+        "c",
+        column="speed at the last clear bead",
+    )
+    arrival_error: float | None = declare(
+        "bound on the error of the arrival by the time between frames, or noise",
+        "time",
+        NOT_REACHED,
+    )
+    peak_velocity_error: float | None = declare(
+        "bound on the error of the peak velocity by the time between frames, or noise", "velocity", NOT_REACHED
+    )
+    arrival_reduced: float | None = declare("the arrival in units of T", "T", "as ``arrival``", "t / T")
+    peak_velocity_reduced: float | None = declare(
+        "the peak velocity in units of V",
+        "V",
+        NOT_REACHED,
+        "v / V",
+    )
 
     @classmethod
     def of(cls, waves: Waves, problem: Problem, chain: int) -> "ChainSummary":
         """Of a chain's leading waves."""
         own = waves.of_chain(chain)
         if len(own) == 0:
-            return cls(chain, 0)
+            return cls(chain, 0, *[None] * 8)
         last = last_clear_bead(own, problem)
         names = ("arrival", "peak_velocity", "speed", "arrival_error", "peak_velocity_error")
         at = {name: float(getattr(own, name)[last]) for name in names}
@@ -106,186 +89,144 @@ class ChainSummary:
         return cls(chain, len(own), int(own.bead[last]), **at, **reduced)
 
 
-@dataclass(frozen=True)
+@result
 class Final(Estimate):
     """The asymptotic amplitude."""
 
     @property
-    def reduction(self) -> Annotated[float, Quantity("reduction of the amplitude against V, 1 - value")]:
-        """Against V."""
+    @derived()
+    def reduction(self) -> float:
+        """Reduction of the amplitude against V, 1 - value."""
         return 1.0 - self.value
 
 
-@dataclass(frozen=True)
+@result
 class Range:
     """Of amplitudes over some beads."""
 
-    first: Annotated[int, Quantity("first bead of the second half of the way")]
-    last: Annotated[int, Quantity("last bead")]
-    least: Annotated[float, Quantity("least amplitude of any chain between them", "V")]
-    largest: Annotated[float, Quantity("largest amplitude of any chain between them", "V")]
+    first: int = declare("first bead of the second half of the way")
+    last: int = declare("last bead")
+    least: float = declare("least amplitude of any chain between them", "V")
+    largest: float = declare("largest amplitude of any chain between them", "V")
 
 
-@dataclass(frozen=True)
+@result
 class EnergyShare:
     """Of the energy input, in the leading waves at the last clear bead."""
 
-    exact: Annotated[
-        float | None,
-        Quantity(
-            "energy of exact waves of these amplitudes",
-            "energy input",
-            "there is no such wave (gaps, loads, unlike beads, dissipation), or the energy input is not known",
-        ),
-    ]
-    measured: Annotated[
-        float | None,
-        Quantity(
-            "energy within three beads of the peaks",
-            "energy input",
-            "not all beads are recorded, another pulse is as near, or no pulse stays together",
-            columns=(Column("energy_share", "share of the energy in the leading waves"),),
-        ),
-    ]
+    exact: float | None = declare(
+        "energy of exact waves of these amplitudes",
+        "energy input",
+        "there is no such wave (gaps, loads, unlike beads, dissipation), or the energy input is not known",
+    )
+    measured: float | None = declare(
+        "energy within three beads of the peaks",
+        "energy input",
+        "not all beads are recorded, another pulse is as near, or no pulse stays together",
+        columns=(Column("energy_share", "share of the energy in the leading waves"),),
+    )
 
 
-@dataclass(frozen=True)
+@result
 class Equipartition:
     """How the chains share the leading pulse. Beads count from the end that was hit along the pulse's way."""
 
-    verdict: Annotated[str, Quantity("what the run shows of equipartition, in words", columns=(Column("verdict"),))]
-    state: Annotated[str, Quantity("the same in few words", columns=(Column("state"),))]
-    since: Annotated[
-        int | None, Quantity("bead from which on amplitudes and arrivals agree to 1 %", undefined="they do not")
-    ]
-    expected: Annotated[
-        Estimate | None,
-        Quantity(
-            "bead from which on amplitudes are expected to agree to 1 %",
-            undefined="they agree already, or no rule is known for such a scene",
+    verdict: str = declare("what the run shows of equipartition, in words", column="")
+    state: str = declare("the same in few words", column="")
+    since: int | None = declare("bead from which on amplitudes and arrivals agree to 1 %", undefined="they do not")
+    expected: Estimate | None = declare(
+        "bead from which on amplitudes are expected to agree to 1 %",
+        undefined="they agree already, or no rule is known for such a scene",
+    )
+    amplitudes: dict[str, int | None] = declare(
+        "bead from which on the difference of the chains' amplitudes, (largest - smallest) / mean, stays below 0.1, "
+        "0.01 and 0.001",
+        undefined=f"it does not; {UNRESOLVED}",
+        columns=(
+            Column("agree_10", "bead from which the chains agree to 10%", "0.1"),
+            Column("agree_1", "bead from which the chains agree to 1%", "0.01"),
         ),
-    ]
-    amplitudes: Annotated[
-        dict[str, int | None],
-        Quantity(
-            "bead from which on the difference of the chains' amplitudes, (largest - smallest) / mean, stays "
-            "below 0.1, "
-            "0.01 and 0.001",
-            undefined=f"it does not; {UNRESOLVED}",
-            columns=(
-                Column("agree_10", "bead from which the chains agree to 10%", "0.1"),
-                Column("agree_1", "bead from which the chains agree to 1%", "0.01"),
-            ),
+    )
+    arrivals: dict[str, int | None] = declare(
+        "bead from which on the difference of the chains' arrivals, latest - earliest over the time in which the wave "
+        "passes (at half its height), stays below 0.1, 0.01 and 0.001",
+        undefined=f"it does not; {UNRESOLVED}",
+        columns=(Column("in_step_1", "bead from which arrivals agree to 1%", "0.01"),),
+    )
+    final: Final | None = declare(
+        "asymptotic amplitude of the leading waves: mean over chains and the last half beat",
+        "V",
+        "amplitudes have no limit, or do not approach one; no pulse stays together",
+        "v",
+        columns=(
+            Column("amplitude", "asymptotic amplitude", "value"),
+            Column("amplitude_uncertainty", "uncertainty of the asymptotic amplitude", "uncertainty"),
         ),
-    ]
-    arrivals: Annotated[
-        dict[str, int | None],
-        Quantity(
-            "bead from which on the difference of the chains' arrivals, latest - earliest over the time in "
-            "which the wave "
-            "passes (at half its height), stays below 0.1, 0.01 and 0.001",
-            undefined=f"it does not; {UNRESOLVED}",
-            columns=(Column("in_step_1", "bead from which arrivals agree to 1%", "0.01"),),
+    )
+    range: Range | None = declare(
+        "range of amplitudes over the second half of the way", undefined="no pulse stays together"
+    )
+    energy_share: EnergyShare = declare("energy in the leading waves at the last clear bead")
+    beat_length: Estimate | None = declare(
+        "beads from one excess of a chain to the next, and its scatter",
+        "beads",
+        f"no beat is seen; {UNRESOLVED}",
+        columns=(
+            Column("beat_length", "beat length (beads)", "value"),
+            Column("beat_length_uncertainty", "uncertainty of the beat length (beads)", "uncertainty"),
         ),
-    ]
-    final: Annotated[
-        Final | None,
-        Quantity(
-            "asymptotic amplitude of the leading waves: mean over chains and the last half beat",
-            "V",
-            "amplitudes have no limit, or do not approach one; no pulse stays together",
-            "v",
-            (
-                Column("amplitude", "asymptotic amplitude", "value"),
-                Column("amplitude_uncertainty", "uncertainty of the asymptotic amplitude", "uncertainty"),
-            ),
-        ),
-    ]
-    range: Annotated[
-        Range | None,
-        Quantity("range of amplitudes over the second half of the way", undefined="no pulse stays together"),
-    ]
-    energy_share: Annotated[EnergyShare, Quantity("energy in the leading waves at the last clear bead")]
-    beat_length: Annotated[
-        Estimate | None,
-        Quantity(
-            "beads from one excess of a chain to the next, and its scatter",
-            "beads",
-            f"no beat is seen; {UNRESOLVED}",
-            columns=(
-                Column("beat_length", "beat length (beads)", "value"),
-                Column("beat_length_uncertainty", "uncertainty of the beat length (beads)", "uncertainty"),
-            ),
-        ),
-    ]
-    decay_law: Annotated[
-        DecayFit | None,
-        Quantity(
-            "law v = v0 (1 - n / n_star)**2.5 fitted to the kicked chain",
-            undefined="neighbours are nowhere weak over ten beads, springs are not linear and equal, beads are "
-            "unlike or "
-            "loaded, energy is dissipated, or not just one bead was kicked",
-        ),
-    ]
+    )
+    decay_law: DecayFit | None = declare(
+        "law v = v0 (1 - n / n_star)**2.5 fitted to the kicked chain",
+        undefined="neighbours are nowhere weak over ten beads, springs are not linear and equal, beads are unlike or "
+        "loaded, energy is dissipated, or not just one bead was kicked",
+    )
 
 
-@dataclass(frozen=True)
+@result
 class PulseEntry(Character):
     """A pulse: its way, and what it is at the last bead where it was seen whole."""
 
-    chain: Annotated[int, Quantity("number of the chain")]
-    direction: Annotated[int, Quantity("1 towards higher bead numbers, -1 towards lower")]
-    leading: Annotated[bool, Quantity("whether it is the leading wave of its chain where it was last seen")]
-    beads: Annotated[int, Quantity("number of recorded beads at which it was seen")]
-    first: Annotated[int, Quantity("first of these beads")]
-    last: Annotated[int, Quantity("last of these beads")]
+    chain: int = declare("number of the chain")
+    direction: int = declare("1 towards higher bead numbers, -1 towards lower")
+    leading: bool = declare("whether it is the leading wave of its chain where it was last seen")
+    beads: int = declare("number of recorded beads at which it was seen")
+    first: int = declare("first of these beads")
+    last: int = declare("last of these beads")
 
 
-@dataclass(frozen=True)
+@result
 class Report:
     """The contents of ``analysis.json`` of every run; what only some have is in `workflow.verdicts.findings`."""
 
-    complete: Annotated[bool, Quantity("whether every frame of the scene is there")]
-    frames: Annotated[tuple[int, int], Quantity("number of frames found, and of those asked for")]
-    front: Annotated[
-        int | None,
-        Quantity(
-            "foremost bead (largest number) that moved faster than 1e-3 V",
-            undefined="no recorded bead moved so fast",
-            columns=(Column("front", "foremost bead that moved"),),
-        ),
-    ]
-    energy_drift: Annotated[
-        float,
-        Quantity(
-            "largest deviation of the energy, dissipated energy included, over the energy input",
-            undefined="not all beads are recorded, or what was exchanged is not known",
-            columns=(Column("energy_drift", "relative drift of the energy"),),
-        ),
-    ]
-    momentum_drift: Annotated[
-        float,
-        Quantity(
-            "largest deviation of the momentum over the momentum of kicks and forces from outside",
-            undefined="not all beads are recorded, or momentum is not conserved (ground, walls, weights)",
-        ),
-    ]
-    units: Annotated[str, Quantity("the scene's units: ``SI`` or ``reduced``")]
-    scale: Annotated[
-        dict[str, float], Quantity("dimensionless mass, length, time and velocity of 1 in the scene's units")
-    ]
-    kappa: Annotated[float, Quantity("dimensionless stiffness of the coupling at V = 1, k T**2 / m", symbol="\\kappa")]
-    arrival: Annotated[
-        str, Quantity("definition of arrivals: ``maximum`` of the velocity, or centre of the ``impulse``")
-    ]
-    noise: Annotated[float, Quantity("standard deviation of the recorded velocities' noise; 0 without noise", "V")]
-    waves: Annotated[list[ChainSummary], Quantity("leading wave of each chain at its last clear bead")]
-    train: Annotated[
-        Train | None, Quantity("pulses that follow each other in the kicked chain", undefined="none is steady anywhere")
-    ]
-    equipartition: Annotated[Equipartition, Quantity("how the chains share the leading pulse")]
-    tolerances: Annotated[Tolerances, Quantity("relative differences within which a pulse is called solitary")]
-    pulses: Annotated[list[PulseEntry], Quantity("every pulse, the strongest first")]
+    complete: bool = declare("whether every frame of the scene is there")
+    frames: tuple[int, int] = declare("number of frames found, and of those asked for")
+    front: int | None = declare(
+        "foremost bead (largest number) that moved faster than 1e-3 V",
+        undefined="no recorded bead moved so fast",
+        column="foremost bead that moved",
+    )
+    energy_drift: float = declare(
+        "largest deviation of the energy, dissipated energy included, over the energy input",
+        undefined="not all beads are recorded, or what was exchanged is not known",
+        column="relative drift of the energy",
+    )
+    momentum_drift: float = declare(
+        "largest deviation of the momentum over the momentum of kicks and forces from outside",
+        undefined="not all beads are recorded, or momentum is not conserved (ground, walls, weights)",
+    )
+    units: str = declare("the scene's units: ``SI`` or ``reduced``")
+    scale: dict[str, float] = declare("dimensionless mass, length, time and velocity of 1 in the scene's units")
+    kappa: float = declare("dimensionless stiffness of the coupling at V = 1, k T**2 / m", symbol="\\kappa")
+    arrival: str = declare("definition of arrivals: ``maximum`` of the velocity, or centre of the ``impulse``")
+    noise: float = declare("standard deviation of the recorded velocities' noise; 0 without noise", "V")
+    waves: list[ChainSummary] = declare("leading wave of each chain at its last clear bead")
+    train: Train | None = declare(
+        "pulses that follow each other in the kicked chain", undefined="none is steady anywhere"
+    )
+    equipartition: Equipartition = declare("how the chains share the leading pulse")
+    tolerances: Tolerances = declare("relative differences within which a pulse is called solitary")
+    pulses: list[PulseEntry] = declare("every pulse, the strongest first")
 
 
 def report(found: Survey, seen: Conservation, tolerances: Tolerances) -> Report:

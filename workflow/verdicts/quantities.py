@@ -6,10 +6,10 @@
 import textwrap
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Any
 
 from analysis.files.events import Events
-from analysis.quantity import Column, Quantity, walk
+from analysis.quantity import Column, Quantity, declare, result, walk
 from analysis.tracking.leading_waves import Waves
 from lammps_inputs import file_names
 from lammps_inputs.units import SI
@@ -24,52 +24,39 @@ OWN = ("V", "T")
 WIDTH = 100
 
 
-@dataclass(frozen=True)
+@result
 class RunErrors:
     """Errors of a run in `workflow.runs.job`, which loads no numbers."""
 
-    velocity: Annotated[
-        float,
-        Quantity(
-            "largest error of any velocity in the frames that were compared with the reference",
-            "V",
-            "the run was not checked",
-            columns=(Column("error_velocity", "error of velocities"),),
-        ),
-    ]
-    amplitude: Annotated[
-        float,
-        Quantity(
-            "largest error of a peak velocity of the leading pulse",
-            "V",
-            "the run was not checked, or no pulse was seen",
-            columns=(Column("error_amplitude", "error of peak velocities"),),
-        ),
-    ]
-    arrival: Annotated[
-        float,
-        Quantity(
-            "largest error of an arrival of the leading pulse",
-            "T",
-            "the run was not checked, or no arrival is sharp",
-            columns=(Column("error_arrival", "error of arrivals"),),
-        ),
-    ]
+    velocity: float = declare(
+        "largest error of any velocity in the frames that were compared with the reference",
+        "V",
+        "the run was not checked",
+        columns=(Column("error_velocity", "error of velocities"),),
+    )
+    amplitude: float = declare(
+        "largest error of a peak velocity of the leading pulse",
+        "V",
+        "the run was not checked, or no pulse was seen",
+        columns=(Column("error_amplitude", "error of peak velocities"),),
+    )
+    arrival: float = declare(
+        "largest error of an arrival of the leading pulse",
+        "T",
+        "the run was not checked, or no arrival is sharp",
+        columns=(Column("error_arrival", "error of arrivals"),),
+    )
 
 
-@dataclass(frozen=True)
+@result
 class Run:
     """Numbers of a run in `workflow.runs.job`."""
 
-    check: Annotated[RunErrors, Quantity("measured error of the run", undefined="the run was not checked")]
-    engine: Annotated[str, Quantity("what computed the run", columns=(Column("engine"),))]
-    steps: Annotated[int, Quantity("number of time steps", columns=(Column("steps", "time steps"),))]
-    engine_seconds: Annotated[
-        float, Quantity("wall time of the engine", "s", columns=(Column("engine_seconds", "time of the engine (s)"),))
-    ]
-    wall_seconds: Annotated[
-        float, Quantity("wall time of the whole run", "s", columns=(Column("wall_seconds", "wall time (s)"),))
-    ]
+    check: RunErrors = declare("measured error of the run", undefined="the run was not checked")
+    engine: str = declare("what computed the run", column="")
+    steps: int = declare("number of time steps", column="time steps")
+    engine_seconds: float = declare("wall time of the engine", "s", column="time of the engine (s)")
+    wall_seconds: float = declare("wall time of the whole run", "s", column="wall time (s)")
 
 
 @dataclass(frozen=True)
@@ -208,8 +195,9 @@ HEAD = """
 def manual() -> str:
     """The manual's page of quantities, in Markdown."""
     page, last = INTRODUCTION, ""
+    inside = {path[0] for path, _ in walk(Report) if len(path) > 1} | {one.key for one in FINDINGS}
     for place in places():
-        grouped = place.file == REPORT and place.path[0] in _GROUPS
+        grouped = place.file == REPORT and place.path[0] in inside
         name = f"{place.file}: {place.path[0]}" if grouped else place.file
         path = place.path[1:] if grouped else place.path
         if name != last:
@@ -222,10 +210,6 @@ def manual() -> str:
 def _sentence(quantity: Quantity) -> str:
     text = quantity.meaning + (f"; null where {quantity.undefined}" if quantity.undefined else "")
     return f"{text[0].upper()}{text[1:]}.".replace("``", "`")
-
-
-_GROUPS = {path[0] for _, path, _ in _sections() if path} | {path[0] for path, _ in walk(Report) if len(path) > 1}
-"""Keys of ``analysis.json`` below which others stand."""
 
 
 def _row(quantity: Quantity, path: tuple[str, ...]) -> str:

@@ -1,12 +1,9 @@
 """The table that an analysis writes, ``waves.csv``."""
 
-from dataclasses import dataclass
-from typing import Annotated
-
 import numpy as np
 
 from analysis.mirror import mirrored_bead
-from analysis.quantity import Quantity, table, to_csv
+from analysis.quantity import declare, result, table, to_csv
 from analysis.sharing.survey import Survey
 from analysis.tracking.leading_waves import Waves
 from analysis.trajectory import Floats
@@ -14,39 +11,28 @@ from analysis.trajectory import Floats
 WAVES = "waves.csv"
 
 
-@dataclass(frozen=True)
+@result
 class WavesTable(Waves):
     """The leading wave of each chain at each bead."""
 
-    lag: Annotated[
-        Floats, Quantity("arrival behind the wave of the kicked chain", "time", "either arrival is undefined")
-    ]
-    width: Annotated[
-        Floats, Quantity("full width of the velocity at half its maximum", "beads", "the passage is not recorded whole")
-    ]
-    residual: Annotated[
-        Floats,
-        Quantity(
-            "largest difference from the velocity of the exact wave of this peak velocity, over that",
-            undefined="the passage is not recorded whole, or there is no exact wave",
-        ),
-    ]
-    chain_energy: Annotated[
-        Floats,
-        Quantity(
-            "energy of the chain, with half of its springs', when the waves (on average) pass this bead",
-            "energy",
-            "not all beads are recorded, or not all waves passed",
-        ),
-    ]
-    wave_energy: Annotated[
-        Floats,
-        Quantity(
-            "energy within 3 beads of the wave's peak at that time",
-            "energy",
-            "not all beads are recorded, not all waves passed, or another pulse is as near",
-        ),
-    ]
+    lag: Floats = declare("arrival behind the wave of the kicked chain", "time", "either arrival is undefined")
+    width: Floats = declare(
+        "full width of the velocity at half its maximum", "beads", "the passage is not recorded whole"
+    )
+    residual: Floats = declare(
+        "largest difference from the velocity of the exact wave of this peak velocity, over that",
+        undefined="the passage is not recorded whole, or there is no exact wave",
+    )
+    chain_energy: Floats = declare(
+        "energy of the chain, with half of its springs', when the waves (on average) pass this bead",
+        "energy",
+        "not all beads are recorded, or not all waves passed",
+    )
+    wave_energy: Floats = declare(
+        "energy within 3 beads of the wave's peak at that time",
+        "energy",
+        "not all beads are recorded, not all waves passed, or another pulse is as near",
+    )
 
 
 def waves_csv(found: Survey) -> str:
