@@ -1,4 +1,4 @@
-"""What this folder's README says about scenes, key by key: one text for readers of the repository and of a terminal."""
+"""The scene reference `SCENES.md` as text for a terminal, section by section."""
 
 import importlib.resources
 import re
@@ -6,75 +6,96 @@ import textwrap
 from collections.abc import Iterator
 
 WIDTH = 100
+INDENT = " " * 6
+
+
+def page() -> str:
+    """The page, in Markdown."""
+    return (importlib.resources.files("lammps_inputs") / "SCENES.md").read_text(encoding="utf-8")
 
 
 def scenes() -> str:
-    """The part about scenes, its tables as text."""
-    lines = []
-    for line in _section():
-        cells = _cells(line)
-        if cells is None:
-            lines.append(_plain(line))
-        elif cells[0] != "key":
-            lines.append(_entry(cells))
-    return "\n".join(lines).strip()
+    """The whole page."""
+    return _plain(page())
 
 
 def keys() -> list[str]:
-    """All keys of a scene that have an entry."""
-    return [key for cells in _rows() for key in re.findall(r"`([a-z_]+)`", cells[0])]
+    """All keys of a scene that have a section."""
+    return [key for names, _ in _sections() for key in names]
 
 
 def of_key(name: str) -> str | None:
-    """The entry of a key, or of that which a key such as ``coupling.rows`` stands in; None where there is none."""
-    for cells in _rows():
-        if re.fullmatch(r"[a-z_]+([.\[][a-z0-9_.\]]*)?", name) and f"`{re.split(r'[.[]', name)[0]}`" in cells[0]:
-            return _entry(cells)
-    return None
+    """The section of a key, or of that which a key such as ``coupling.rows`` belongs to; None where there is none."""
+    if not re.fullmatch(r"[a-z_]+([.\[][a-z0-9_.\]]*)?", name):
+        return None
+    key = re.split(r"[.[]", name)[0]
+    return next((_plain(section) for names, section in _sections() if key in names), None)
 
 
 def of_word(word: str) -> str | None:
-    """The entries that have a word in code, such as a key within a part or one of its values.
+    """The section that has a word in its tables or code, such as a key within a key or one of its values.
 
-    Where there are several, the keys that they stand at; None where there are none.
+    Where there are several, the keys of these sections; None where there are none.
     """
     if not re.fullmatch(r"[a-z][a-z0-9_-]{2,}", word):  # shorter ones are symbols
         return None
-    whole = re.compile(rf"\b{word}\b")
-    found = [cells for cells in _rows() if any(whole.search(code) for code in re.findall(r"`([^`]*)`", cells[1]))]
+    whole = re.compile(rf"(?<![\w-]){word}(?![\w-])")
+    found = [
+        (names, section)
+        for names, section in _sections()
+        if any(whole.search(code) for code in re.findall(r"^\| `[^|]*", section, re.M))
+    ] or [
+        (names, section)
+        for names, section in _sections()
+        if any(whole.search(code) for code in re.findall(r"`([^`\n]*)`", section))
+    ]
     if len(found) == 1:
-        return _entry(found[0])
-    places = ", ".join(_plain(cells[0]) for cells in found)
+        return _plain(found[0][1])
+    places = ", ".join(names[0] for names, _ in found)
     return f"{word}\n    part of {places}; `granchain help KEY` explains each" if found else None
 
 
-def _section() -> list[str]:
-    text = (importlib.resources.files("lammps_inputs") / "README.md").read_text(encoding="utf-8")
-    return text.split("\n## Scenes\n", 1)[1].split("\n## ", 1)[0].splitlines()
+def _sections() -> Iterator[tuple[list[str], str]]:
+    """Keys and text of every section."""
+    for section in re.split(r"^(?=##? [^\n]*\n\n)", page(), flags=re.M):  # not comments in code
+        head, _, _ = section.partition("\n")
+        if head.startswith("## "):
+            yield head.removeprefix("## ").split(", "), section
 
 
-def _rows() -> Iterator[list[str]]:
-    for line in _section():
-        cells = _cells(line)
-        if cells is not None and cells[0] != "key":
-            yield cells
+def _plain(markdown: str) -> str:
+    """Markdown as it is read in a terminal: wrapped, rows of tables as entries, without marks."""
+    lines: list[str] = []
+    code = False
+    for block in re.split(r"\n\n+", re.sub(r"<!--.*?-->\n?", "", markdown).strip()):
+        if lines and not code:
+            lines.append("")
+        if block.startswith("```") or code:
+            code = not block.endswith("```")
+            lines += [f"    {line}" for line in block.splitlines() if not line.startswith("```")]
+        elif block.startswith("|"):
+            lines += _entries(block.splitlines())
+        elif block.startswith("#"):
+            lines.append(block.lstrip("# "))
+        else:
+            lines += textwrap.wrap(_unmarked(block), WIDTH, break_on_hyphens=False)
+    return "\n".join(lines)
 
 
-def _cells(line: str) -> list[str] | None:
-    """Cells of a table's row; None of other lines; of the line below a head nothing but the key column's name."""
-    if not line.startswith("|"):
-        return None
-    cells = [cell.strip() for cell in line.strip("|").split(" | ")]
-    return ["key"] if set(line) <= set("|-") else cells
+def _entries(rows: list[str]) -> list[str]:
+    """Rows of a table: the first cell; the meaning, where there is one; the others with their heads."""
+    (_, *heads), _, *rest = ([_unmarked(cell) for cell in row.strip("|").split(" | ")] for row in rows)
+    lines = []
+    for first, *cells in rest:
+        row = dict(zip(heads, cells, strict=True))
+        meaning = row.pop("meaning", "")
+        text = "; ".join(f"{head}: {cell}" for head, cell in row.items() if cell)
+        lines.append(f"  {first}")
+        for part in filter(None, (meaning, text)):
+            lines += textwrap.wrap(part, WIDTH, initial_indent=INDENT, subsequent_indent=INDENT, break_on_hyphens=False)
+    return lines
 
 
-def _entry(cells: list[str]) -> str:
-    default = f" (default: {_plain(cells[2])})" if len(cells) > 2 else ""
-    return f"{_plain(cells[0])}\n" + textwrap.fill(
-        _plain(cells[1]) + default, WIDTH, initial_indent="    ", subsequent_indent="    ", break_on_hyphens=False
-    )
-
-
-def _plain(text: str) -> str:
-    """Markdown as it is read in a terminal."""
-    return re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", text).replace("`", "").strip("|").rstrip()
+def _unmarked(text: str) -> str:
+    """Without links and code marks."""
+    return " ".join(re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", text).replace("`", "").split())

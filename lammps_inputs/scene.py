@@ -74,8 +74,11 @@ class Kick(Part):
     example: ClassVar[str] = "{velocity: 1}"
 
     chain: Count = 1
+    """Chain of the kicked bead."""
     bead: Count = 1
+    """Number of the kicked bead."""
     velocity: Annotated[float, Field(ge=-1e30, le=1e30), Unit("m/s")]
+    """Initial velocity, positive towards higher bead numbers."""
 
     @field_validator("velocity")
     @classmethod
@@ -91,9 +94,13 @@ class Material(Part):
     example: ClassVar[str] = "{radius: 4.76e-3, density: 8000, youngs_modulus: 193e9, poisson_ratio: 0.3}"
 
     radius: Annotated[Positive, Unit("m")]
+    """Radius R of the beads."""
     density: Annotated[Positive, Unit("kg/m3")]
+    """Mass density of the beads, which are solid spheres."""
     youngs_modulus: Annotated[Positive, Unit("Pa")]
+    """Young's modulus E."""
     poisson_ratio: Annotated[float, Field(gt=-1, le=0.5), PURE]
+    """Poisson's ratio."""
 
 
 class BaseScene(Part):
@@ -103,30 +110,50 @@ class BaseScene(Part):
     """
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$")]
+    """Name of the scene: letters, digits, `.`, `_` and `-`, at most 64."""
     description: Annotated[str, Field(max_length=200, pattern=r"^[^\x00-\x1f\x7f-\x9f\u2028\u2029]*$")] = ""
+    """One line that `granchain scenes` prints."""
     chains: Annotated[int, Field(ge=1, le=10**6)] = 1
+    """Number of chains."""
     beads: Annotated[int, Field(ge=2, le=10**8)]
+    """Number of beads of each chain."""
     gap: Annotated[float, Field(ge=0, le=1e30), Unit("m")] = 0.0
+    """Clear distance between neighbouring beads at rest; 0: they just touch."""
     kinds: Kinds | None = None
+    """Kinds of beads by name, for `pattern` and `replace`."""
     pattern: Pattern | None = None
+    """Kinds along every chain, repeated; or a list of such lists, one for each chain."""
     replace: Replacements | None = None
+    """Single beads of another kind."""
     taper: Taper | None = None
+    """Fraction by which the radius of each bead is smaller than that of the bead before."""
     disorder: Disorder | None = None
+    """Random differences between the beads."""
     striker: Striker | None = None
+    """First bead of a chain, with its own mass or radius and an initial velocity."""
     kick: tuple[Kick, ...] = ()
+    """Initial velocities; all other beads start at rest."""
     material: Material | None = None
+    """Material of the beads; with it every number of the scene is in SI units."""
     duration: Annotated[Positive, Unit("s")] | None = None
+    """Time at which the run ends; or give `until_bead`."""
     until_bead: Count | None = None
+    """The run ends shortly after the pulse has passed this bead in every chain."""
     timestep: Annotated[Positive, Unit("s")] | None = None
+    """Time step of velocity Verlet, which must divide `output.every`; in place of `accuracy`."""
     accuracy: Annotated[float, Field(ge=1e-10, le=0.1), PURE] | None = None
-    """Largest error of any recorded velocity, in units of V; `DEFAULT_ACCURACY` where no time step is named either.
-    `workflow.prepare.settings` finds the time step that keeps it."""
+    """Largest error of any recorded velocity in units of V, kept by the time step that a pilot run finds; 2e-4 if
+    neither `accuracy` nor `timestep` is given.
+    """
     scheme: SchemeName | None = None
-    """Velocity Verlet if none is named; the time step is the mean Verlet step of a cycle."""
+    """Velocity Verlet, or Suzuki's composition of order 4, whose mean Verlet step is `timestep`; `verlet` if omitted.
+    """
     window: Literal["auto"] | Annotated[int, Field(ge=LEAST_WINDOW, le=10**8)] | None = None
-    """Rows that exist, near the front; all if none are named."""
+    """Number of rows near the front that are simulated, or `auto`; all rows if omitted."""
     limits: Limits | None = None
+    """Size beyond which `granchain run` refuses to start."""
     output: Output = Output()
+    """What is recorded, and how often."""
 
     @field_validator("kick", mode="before")
     @classmethod

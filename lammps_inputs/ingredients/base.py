@@ -143,7 +143,9 @@ class OnBead(Ingredient):
     )
 
     chain: Count = 1
+    """Chain of the bead."""
     bead: Count = 1
+    """Number of the bead."""
 
     def refuse(self, scene: "BaseScene") -> None:
         """Refuse a bead outside the array."""

@@ -40,8 +40,10 @@ class Contact(Ingredient):
     )
 
     exponent: Annotated[float, Field(ge=1, le=3), PURE]
+    """Exponent p."""
     stiffness: Annotated[Positive, Unit("N/m^p")] | None = None
-    """1 in reduced units; with a material it is that one's own for the exponent 1.5 alone."""
+    """Constant A. Reduced units: 1 if omitted. With a material: required unless p = 1.5, where the material gives it.
+    """
 
     def refuse(self, scene: "BaseScene") -> None:
         """Refuse units that do not fit, and what is known of spheres only."""

@@ -41,12 +41,16 @@ class _Ramp(Part):
     """Stiffness that changes evenly from bead ``rows[0]`` to ``rows[1]``, and stays as it is before and after."""
 
     rows: Rows
+    """First and last bead of the ramp; the stiffness is constant before and after."""
 
     _from_list = field_validator("rows", mode="before")(strict_yaml.as_tuple)
 
 
 # `from` is a word of Python's, so it cannot be written as an attribute
-_ENDS: dict[str, Any] = {"from": (Stiffness, ...), "to": (Stiffness, ...)}
+_ENDS: dict[str, Any] = {
+    "from": (Annotated[Stiffness, Field(description="Stiffness up to the first bead of `rows`.")], ...),
+    "to": (Annotated[Stiffness, Field(description="Stiffness from the last bead of `rows` on.")], ...),
+}
 if TYPE_CHECKING:
     Ramp = _Ramp
 else:
@@ -57,9 +61,9 @@ class Graph(Part):
     """Which chains are tied: one of the two."""
 
     lattice: tuple[Count, Count] | None = None
-    """Rows and columns; chains are numbered row by row, and each is tied to those above, below and beside it."""
+    """Rows and columns of a lattice of chains, numbered row by row; each chain is coupled to its neighbours."""
     edges: tuple[Edge, ...] | None = None
-    """Pairs of chains, counted from 1; one with a third number has a stiffness of its own."""
+    """Pairs of coupled chains; a third number is the stiffness of that pair."""
 
     _from_list = field_validator("lattice", "edges", mode="before")(strict_yaml.as_tuple)
 
@@ -80,13 +84,18 @@ class Coupling(Ingredient):
     example: ClassVar[str] = "{stiffness: 0.1}"
 
     model: Literal["linear"] = "linear"
+    """Kind of spring."""
     stiffness: _Stiffness | None = None
-    """The paper's epsilon * alpha (kappa)."""
+    """Linear stiffness k: a number, or a ramp `{from, to, rows}`. Required unless every edge has its own."""
     rows: Rows | None = None
-    """First and last bead that has springs; all by default."""
+    """First and last row with springs; all rows if omitted."""
     topology: _Topology | None = None
-    """Which chains are tied; each to the next (open) by default."""
+    """Which chains are coupled: each to the next (`open`), also the last to the first (`ring`), a `{lattice: [rows,
+    columns]}`, or `{edges: [[1, 3], [2, 3, 0.4]]}`, where a third number is the stiffness of that pair; `open` if
+    omitted.
+    """
     cubic: Annotated[float, Field(ge=0, le=1e30), Unit("N/m3")] | None = None
+    """Cubic stiffness c; none if omitted."""
 
     _from_list = field_validator("rows", mode="before")(strict_yaml.as_tuple)
 

@@ -60,16 +60,15 @@ class Damping(Ingredient):
     )
 
     contact: Annotated[Number, Unit(_of_law)] | None = None
-    """Of contacts, over the rate of overlap (linear), that times overlap**0.5 (viscoelastic), or the share of its speed
-    with which a bead comes back from another (restitution)."""
+    """Coefficient g of the contacts; of the law `restitution` the coefficient of restitution e, 0 to 1."""
     law: Literal["linear", "viscoelastic", "restitution"] | None = None
-    """Of contacts; linear if none is named."""
+    """Law of the contacts' dashpots; `linear` if omitted."""
     tension: Literal["allowed", "cut"] | None = None
-    """Whether contacts that open fast may pull; allowed by default."""
+    """Whether the sum of elastic and dashpot force may be tensile while a contact opens; `allowed` if omitted."""
     beads: Coefficient | None = None
-    """Of every bead, over its velocity."""
+    """Coefficient c of the drag force on every bead."""
     coupling: Coefficient | None = None
-    """Of springs between chains, over the relative velocity."""
+    """Coefficient c of a dashpot parallel to every spring between chains."""
 
     def refuse(self, scene: "BaseScene") -> None:
         """Refuse what says nothing, or more than there is, and what runs in pieces that begin anew."""

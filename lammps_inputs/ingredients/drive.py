@@ -24,12 +24,13 @@ class Drive(OnBead):
     key = "drive"
 
     displacement: Annotated[Positive, Unit("m")] | None = None
-    """Amplitude of the bead's motion about its place, which is given whatever pushes it."""
+    """Amplitude of the prescribed displacement; or give `force`."""
     force: Annotated[Positive, Unit("N")] | None = None
-    """Amplitude of a force on the bead."""
+    """Amplitude of the force on the bead; or give `displacement`."""
     frequency: Annotated[Positive, Unit("Hz")]
-    """Cycles in a unit of time."""
+    """Frequency f, in cycles per unit time."""
     phase: Annotated[float, Field(ge=-360, le=360), Unit("degrees", always=True)] = 0.0
+    """Phase; with -90 the bead starts at rest and moves towards higher bead numbers."""
 
     @model_validator(mode="after")
     def _one_of_the_two(self) -> Self:

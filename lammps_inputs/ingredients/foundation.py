@@ -41,11 +41,11 @@ class Foundation(Ingredient):
     why = MappingProxyType({Fact.FRONT: "beads that a window leaves behind swing on for ever"})
 
     stiffness: Stiffness | tuple[Stiffness, ...] = 0.0
-    """Of all chains, or one for each."""
+    """Linear stiffness k of all chains, or a list with one for each chain."""
     cubic: Cubic | tuple[Cubic, ...] = 0.0
-    """Likewise."""
+    """Cubic stiffness c of all chains, or a list with one for each chain."""
     rows: tuple[Row, Row] | None = None
-    """First and last bead that has a spring; all by default."""
+    """First and last bead with springs; all beads if omitted."""
 
     _from_list = field_validator("stiffness", "cubic", "rows", mode="before")(strict_yaml.as_tuple)
 

@@ -66,7 +66,7 @@ class Precompression(_Load):
     key: ClassVar[str] = "precompression"
 
     force: Annotated[Positive, Unit("N")]
-    """F0."""
+    """Static force F0 at both ends of every chain."""
 
     def static(self, scene: "BaseScene", mass: float | NDArray[np.float64]) -> float | NDArray[np.float64]:  # noqa: ARG002
         """The same everywhere."""
@@ -80,6 +80,7 @@ class Gravity(_Load):
     alone: ClassVar[str | None] = "acceleration"
 
     acceleration: Annotated[Positive, Unit("m/s2")]
+    """Acceleration towards higher bead numbers."""
 
     @model_validator(mode="before")
     @classmethod

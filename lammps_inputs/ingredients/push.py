@@ -40,12 +40,13 @@ class Push(OnBead):
     key = "push"
 
     peak: Force | None = None
-    """Largest force."""
+    """Largest force, positive towards higher bead numbers; with `duration` and `shape`."""
     duration: Annotated[Positive, Unit("s")] | None = None
     """Time from the start to the end of the force."""
     shape: Literal["half-sine", "rectangular"] | None = None
+    """Shape of the force over time."""
     table: tuple[Point, ...] | None = None
-    """(time, force), linear in between, no force before and after; in a scene's file also the name of a CSV file."""
+    """Points [time, force], linear in between and 0 outside; or the name of a CSV file beside the scene."""
 
     @classmethod
     def from_files(cls, value: Any, folder: Path) -> Any:

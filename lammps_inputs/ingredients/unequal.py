@@ -34,16 +34,17 @@ class Kind(Part):
     example: ClassVar[str] = "{mass: 0.5}"
 
     mass: Annotated[Positive, Unit("kg")] | None = None
-    """By default that of a sphere of this radius and density."""
+    """Mass; that of a sphere of this radius and density if omitted."""
     radius: Annotated[Positive, Unit("m")] | None = None
+    """Radius; the reference bead's if omitted."""
     density: Annotated[Positive, Unit("kg/m3")] | None = None
-    """With a material only."""
+    """Mass density; with a material only."""
     youngs_modulus: Annotated[Positive, Unit("Pa")] | None = None
-    """With a material only."""
+    """Young's modulus; with a material only."""
     poisson_ratio: Annotated[float, Field(gt=-1, le=0.5), PURE] | None = None
-    """With a material only."""
+    """Poisson's ratio; with a material only."""
     stiffness: Annotated[Positive, PURE] | None = None
-    """Plane modulus in that of the reference bead; without a material only."""
+    """Plane modulus E / (1 - nu^2) relative to the reference bead's; without a material only."""
 
     def refuse(self, key: str, material: "Material | None") -> None:
         """Refuse what does not go with the scene's units.
@@ -84,8 +85,11 @@ class Replacement(Part):
     example: ClassVar[str] = "{bead: 40, kind: heavy}"
 
     chain: Count = 1
+    """Chain of the bead."""
     bead: Count
+    """Number of the bead."""
     kind: Name
+    """Its kind, one of `kinds`."""
 
 
 class Disorder(Part):
@@ -94,11 +98,13 @@ class Disorder(Part):
     example: ClassVar[str] = "{mass: 0.01}"
 
     mass: Spread = 0.0
+    """Largest relative deviation of the mass."""
     radius: Spread = 0.0
-    """The mass follows as the cube."""
+    """Largest relative deviation of the radius; the mass follows with its cube."""
     stiffness: Spread = 0.0
+    """Largest relative deviation of the plane modulus."""
     seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = 1
-    """The same beads on any machine."""
+    """Seed of the random numbers; the same beads on any machine."""
 
     def factors(self, name: str, shape: tuple[int, int]) -> Floats:
         """Of one of the three, [chain, bead]; 53 bits of a generator whose stream NumPy keeps as it is."""
@@ -113,7 +119,9 @@ class Striker(Kind):
     example: ClassVar[str] = "{mass: 2, velocity: 1}"
 
     chain: Count = 1
+    """Chain whose bead 1 is the striker."""
     velocity: Annotated[Positive, Unit("m/s")]
+    """Initial velocity of the striker."""
 
 
 def _kinds_in_order(value: Any) -> Any:

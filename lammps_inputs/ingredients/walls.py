@@ -44,7 +44,7 @@ class Face(Part):
     """A wall of any strength."""
 
     stiffness: Annotated[Positive, Unit(_of_exponent)]
-    """Force over ``overlap**p``, p being the exponent of the contacts: 1.5, or that in ``contact``."""
+    """Constant of the wall's contact: force over overlap^p."""
 
 
 Kind = Literal["bead", "flat", "rigid"] | Face
@@ -59,9 +59,9 @@ class Walls(Ingredient):
     why = MappingProxyType({Fact.FRONT: "a window lets go of the rows that pulses come back through"})
 
     left: Kind | None = None
-    """Before the first beads."""
+    """Wall before the first beads; none if omitted."""
     right: Kind | None = None
-    """Behind the last beads."""
+    """Wall behind the last beads; none if omitted."""
 
     def refuse(self, scene: "BaseScene") -> None:
         """Refuse what is no wall."""

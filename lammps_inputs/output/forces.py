@@ -18,11 +18,11 @@ class Forces(Part):
     example: ClassVar[str] = "{contacts: [10]}"
 
     wall: Literal[True] | None = None
-    """On the walls."""
+    """Forces on the walls."""
     contacts: tuple[Count, ...] | None = None
-    """Between bead n and the next; of damped contacts with the force of the dashpot."""
+    """Force between bead n and bead n + 1, for each n in the list; in damped contacts with the dashpot's."""
     sensors: tuple[Count, ...] | None = None
-    """Inside bead n: the mean of its two contacts, as an embedded sensor gives it."""
+    """Force inside bead n: the mean of its two contacts, as an embedded sensor measures it."""
 
     _from_list = field_validator("contacts", "sensors", mode="before")(strict_yaml.as_tuple)
 

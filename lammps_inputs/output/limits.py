@@ -12,6 +12,6 @@ class Limits(Part):
     example: ClassVar[str] = "{gigabytes: 200, hours: 100}"
 
     gigabytes: Annotated[Positive, Unit("GB", always=True)] | None = None
-    """Of all frames; 20 by default."""
+    """Size of all frames; 20 if omitted."""
     hours: Annotated[Positive, Unit("h", always=True)] | None = None
-    """Estimated; 24 by default."""
+    """Estimated time of the run; 24 if omitted."""

@@ -21,17 +21,17 @@ class Output(Part):
     example: ClassVar[str] = "{every: 0.1}"
 
     every: Annotated[Positive, Unit("s")] | None = None
-    """Time between frames."""
+    """Time between frames; 0.1 T if omitted."""
     beads: Literal["all"] | tuple[Count, ...] = "all"
     """Recorded beads of every chain."""
     snapshots: Annotated[Positive, Unit("s")] | None = None
-    """Time between snapshots of all beads, beside the frames of the recorded ones."""
+    """Time between snapshots of all beads, in addition to the frames of the recorded ones."""
     peaks: Literal[True] | None = None
-    """Whether the leading pulse is found at every bead while LAMMPS runs, from all beads at every frame's time."""
+    """Find the leading pulse at every bead during a local run of LAMMPS, from all beads at the times of the frames."""
     forces: Forces | None = None
-    """Where force is read."""
+    """Where forces are evaluated."""
     spectra: Spectra | None = None
-    """Beads whose spectra are wanted."""
+    """Beads whose velocity spectra are computed."""
 
     _from_list = field_validator("beads", mode="before")(strict_yaml.as_tuple)
 

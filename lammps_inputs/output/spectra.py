@@ -19,9 +19,9 @@ class Spectra(Part):
     example: ClassVar[str] = "{beads: [1, 20]}"
 
     beads: tuple[Count, ...]
-    """The first is that which the others are compared with."""
+    """Beads whose spectra are computed; the others are compared with the first."""
     after: Annotated[float, Field(ge=0, le=1e30), Unit("s")] | None = None
-    """Time from which on the motion counts; half of the duration if left out."""
+    """Start of the analysed part of the record; half of the duration if omitted."""
 
     _from_list = field_validator("beads", mode="before")(strict_yaml.as_tuple)
 

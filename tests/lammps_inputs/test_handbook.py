@@ -1,31 +1,66 @@
-"""What `granchain help` prints is what the folder's README says."""
+"""What `granchain help` prints is the scene reference, whose tables are those of the types."""
+
+import re
 
 import pytest
 
-from lammps_inputs import handbook
+from lammps_inputs import handbook, key_tables, library
 from lammps_inputs.ingredients import INGREDIENTS
 from lammps_inputs.scene import BaseScene, Scene
 
 
-def test_every_key_of_a_scene_has_an_entry():
+def test_every_key_of_a_scene_has_a_section():
     assert set(Scene.model_fields) - set(handbook.keys()) == set()
+
+
+def test_tables_of_keys_are_those_of_the_types():
+    assert key_tables.renewed(handbook.page()) == handbook.page(), "run `python -m lammps_inputs.key_tables`"
+
+
+@pytest.mark.parametrize("name", [*key_tables.PARTS, " ".join(BaseScene.model_fields)])
+def test_every_key_has_a_meaning(name):
+    assert all(row.split(" | ")[-1].strip(" |") for row in key_tables.table(name).splitlines())
 
 
 @pytest.mark.parametrize("key", ["coupling", "coupling.rows", "coupling.stiffness.from"])
 def test_a_key_within_another_is_explained_there(key):
-    assert "springs between the beads of a row" in handbook.of_key(key)
+    assert "Springs between the beads of one row" in handbook.of_key(key)
 
 
-def test_a_default_is_told():
-    assert handbook.of_key("gap").endswith("(default: they touch)")
+def test_unit_bounds_and_default_are_printed():
+    found = " ".join(handbook.of_key("gap").split())
+    assert "unit: m; valid: number >= 0; default: 0" in found
 
 
 @pytest.mark.parametrize("word", ["no_such", "", "a b", "gap`", ".", "[1]"])
-def test_what_is_no_key_has_no_entry(word):
+def test_what_is_no_key_has_no_section(word):
     assert handbook.of_key(word) is None
 
 
-def test_the_whole_part_holds_every_entry_without_markdown():
+def test_the_whole_page_holds_every_section_without_markdown():
     whole = handbook.scenes()
     assert "`" not in whole
     assert all(handbook.of_key(key) in whole for key in (*BaseScene.model_fields, *INGREDIENTS))
+
+
+EXAMPLES = {
+    "\n".join(chosen)
+    for block in re.findall(r"```yaml\n(.*?)```", handbook.page(), re.S)
+    for chosen in (
+        [line for line in block.splitlines() if not line.startswith("# ")],
+        *([line.removeprefix("# ")] for line in block.splitlines() if line.startswith("# ")),
+    )
+}
+
+
+@pytest.mark.parametrize("example", sorted(EXAMPLES))
+def test_examples_are_valid_scenes(example, tmp_path):
+    (tmp_path / "hammer.csv").write_text("0, 0\n1, 0.5\n2, 0\n", encoding="utf-8")
+    (tmp_path / "scene.yaml").write_text(example, encoding="utf-8")
+    has = set(re.findall(r"[\w.]+", example))
+    base = {"name": "example", "chains": 3 if "ring" in has else 2, "beads": 1000 if "snapshots" in has else 120}
+    base |= {"until_bead": 60} | ({} if has & {"striker", "drive"} else {"kick": {"velocity": 1}})
+    steel = {"radius": 4.76e-3, "density": 8e3, "youngs_modulus": 2e11, "poisson_ratio": 0.3}
+    base |= {"material": steel} if "9.81" in has else {}
+    scene = base | library.load_plain(tmp_path / "scene.yaml")
+    assert library.from_plain(scene, "SCENES.md").beads

@@ -84,10 +84,10 @@ def test_json_of_status_is_a_list(capsys):
 
 
 def test_help_explains_keys_and_commands(capsys):
-    assert "springs between" in said(capsys, "help", "coupling.rows")
-    assert "clear distance" in said(capsys, "help", "scene")
+    assert "Springs between" in said(capsys, "help", "coupling.rows")
+    assert "Clear distance" in said(capsys, "help", "scene")
     assert said(capsys, "help", "restitution").startswith("damping\n")
-    assert "part of contact, coupling," in said(capsys, "help", "stiffness")
+    assert "part of contact, kinds, disorder, coupling," in said(capsys, "help", "stiffness")
     assert "COMMAND" in said(capsys, "help")
     with pytest.raises(SystemExit):
         main(["help", "run"])

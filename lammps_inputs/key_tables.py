@@ -1,0 +1,132 @@
+"""Tables of keys in the scene reference, made from the types; ``python -m lammps_inputs.key_tables`` renews them."""
+
+import ast
+import importlib.resources
+import inspect
+import re
+import textwrap
+import typing
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel
+
+from lammps_inputs import handbook, schema
+from lammps_inputs.ingredients import INGREDIENTS, coupling, unequal
+from lammps_inputs.ingredients.preload import Gravity
+from lammps_inputs.output.forces import Forces
+from lammps_inputs.output.limits import Limits
+from lammps_inputs.output.output import Output
+from lammps_inputs.output.spectra import Spectra
+from lammps_inputs.scene import Kick, Material, Scene
+from lammps_inputs.units import Unit
+
+_TYPES: list[type[BaseModel]] = [Material, Kick, Output, Forces, Spectra, Limits, coupling.Ramp]
+_TYPES += [unequal.Kind, unequal.Replacement, unequal.Disorder, unequal.Striker, *INGREDIENTS.values()]
+PARTS = {model.__name__: model for model in _TYPES if model is not Gravity}  # which is a number
+"""Types whose keys have a table, by name."""
+
+_UNBOUNDED = 1e6
+"""Bounds beyond it guard against overflow only."""
+
+
+def renewed(page: str) -> str:
+    """The page with every table between ``<!-- keys: NAME -->`` and ``<!-- end -->`` made from the types.
+
+    NAME is one of `PARTS`, or keys of a scene, separated by spaces.
+    """
+    mark = re.compile(r"(<!-- keys: ([\w ]+) -->\n).*?(<!-- end -->)", re.S)
+    return mark.sub(lambda found: found[1] + table(found[2]) + found[3], page)
+
+
+def table(name: str) -> str:
+    """Rows of key, unit, valid values, default and meaning."""
+    model: type[BaseModel] = PARTS.get(name, Scene)
+    chosen = list(model.model_fields) if name in PARTS else name.split()
+    if model is unequal.Striker:
+        chosen = [key for key in chosen if key not in unequal.Kind.model_fields]
+    described, meaning = schema.of(model, name), meanings(model)
+    defs = described.get("$defs", {})
+    rows = ["| key | unit | valid | default | meaning |", "|---|---|---|---|---|"]
+    for key in chosen:
+        field, spelled = model.model_fields[key], described["properties"][key]
+        default = "required" if field.is_required() else _value(spelled.get("default"))
+        cells = (f"`{key}`", _unit(field), _valid(spelled, defs), default, meaning[key])
+        rows.append(f"| {' | '.join(cells)} |")
+    return "\n".join(rows) + "\n"
+
+
+def meanings(model: type[BaseModel]) -> dict[str, str]:
+    """What stands below each field of a type and the types it is made from, or in the field itself."""
+    found = {key: field.description or "" for key, field in model.model_fields.items()}
+    for parent in reversed([base for base in model.__mro__ if base.__module__.startswith("lammps_inputs")]):
+        try:
+            (tree,) = ast.parse(textwrap.dedent(inspect.getsource(parent))).body
+        except (OSError, TypeError):  # made at run time
+            continue
+        assert isinstance(tree, ast.ClassDef)
+        for field, text in zip(tree.body, tree.body[1:], strict=False):
+            if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name) and isinstance(text, ast.Expr):
+                found[field.target.id] = " ".join(str(ast.literal_eval(text.value)).split())
+    return found
+
+
+def _unit(field: Any) -> str:
+    """Of a number, or of the numbers in a list; with a material."""
+    units = [part for part in (*field.metadata, *_annotated(field.annotation)) if isinstance(part, Unit)]
+    return next((unit.si if isinstance(unit.si, str) else unit.si({"contact": {}}) for unit in units), "")
+
+
+def _annotated(annotation: Any) -> list[Any]:
+    """All that annotations within a type hold, but for those of the keys of parts."""
+    own = list(getattr(annotation, "__metadata__", ()))
+    return own + [found for part in typing.get_args(annotation) for found in _annotated(part)]
+
+
+def _valid(spelled: dict[str, Any], defs: dict[str, Any]) -> str:
+    """What a JSON schema allows, in few words."""
+    if "$ref" in spelled:
+        name = spelled["$ref"].rpartition("/")[2]
+        return _valid(defs[name], defs) if name in defs else name
+    options = spelled.get("anyOf") or spelled.get("oneOf")
+    if options:
+        return " or ".join(dict.fromkeys(_valid(option, defs) for option in options))
+    if "const" in spelled or "enum" in spelled:
+        return ", ".join(f"`{_value(value)}`" for value in spelled.get("enum", [spelled.get("const")]))
+    kind = spelled.get("type")
+    if kind == "object":
+        keys = spelled.get("properties")
+        return f"`{{{', '.join(keys)}}}`" if keys else "`{name: kind}`"
+    if kind == "array":
+        prefix = spelled.get("prefixItems")
+        if prefix:
+            return f"[{', '.join(_valid(item, defs) for item in prefix)}]"
+        return (
+            f"list of {_valid(spelled['items'], defs)}".replace("number", "numbers") if "items" in spelled else "list"
+        )
+    return _bounds(spelled) if kind in ("number", "integer") else "text"
+
+
+def _bounds(spelled: dict[str, Any]) -> str:
+    """Of a number: the type, and what is more than a guard against overflow."""
+    word = "whole number" if spelled["type"] == "integer" else "number"
+    least, above = spelled.get("minimum"), spelled.get("exclusiveMinimum")
+    most, below = spelled.get("maximum"), spelled.get("exclusiveMaximum")
+    said = [
+        f"{sign} {bound:g}"
+        for sign, bound in ((">=", least), (">", above), ("<=", most), ("<", below))
+        if bound is not None and abs(bound) <= _UNBOUNDED
+    ]
+    return " ".join([word, ", ".join(said)]).strip()
+
+
+def _value(value: Any) -> str:
+    """As in YAML; nothing for what has no plain default."""
+    if value is None or isinstance(value, dict | list):
+        return ""
+    return str(value).lower() if isinstance(value, bool) else f"{value:g}" if isinstance(value, float) else str(value)
+
+
+if __name__ == "__main__":
+    place = Path(str(importlib.resources.files("lammps_inputs") / "SCENES.md"))
+    place.write_text(renewed(handbook.page()), encoding="utf-8")
