@@ -24,7 +24,7 @@ from pydantic import Field
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Ingredient
 from lammps_inputs.laws import Parameter, Pure, dimensionless, formula
-from lammps_inputs.links import Ground
+from lammps_inputs.links import Across, Ground
 from lammps_inputs.units import Dimension
 
 
@@ -50,6 +50,15 @@ class Quintic(NamedTuple):
         return (6.0 * energy / quintic) ** (1.0 / 6.0)
 
     ground = formula.ground("quintic*s^5")
+    across = formula.across("quintic/6*q^3")
+
+
+class Tie(Ingredient):
+    quintic: Annotated[float, Field(gt=0)]
+
+    def links(self, scene):
+        law = dimensionless(Quintic(self.quintic), scene.scale)
+        return (Across("tie", law, edges=tuple((chain, chain + 1) for chain in range(scene.chains - 1))),)
 
 
 class Bed(Ingredient):
@@ -96,7 +105,7 @@ class Stiffer(Ingredient):
         return Stiffening(strength, self.b)
 
 
-INGREDIENTS = {"bed": Bed, "stiffer": Stiffer}
+INGREDIENTS = {"bed": Bed, "stiffer": Stiffer, "tie": Tie}
 '''
 
 SCENE = """
@@ -121,6 +130,15 @@ timestep: 0.001
 output: {every: 0.1}
 """
 
+TIED = """
+name: tied
+chains: 3
+beads: 8
+tie: {quintic: 1.5}
+kick: {velocity: 1.0}
+duration: 40
+"""
+
 PROGRAM = """
 import json
 from pathlib import Path
@@ -142,6 +160,7 @@ resumed = resume("cut", check=False)
 again = RunDirectory(Path("cut")).trajectory.velocity
 reference = engine.run(problem)
 damped = run(find("contact.yaml"), "damped")
+tied = run(find("tied.yaml"), "tied")
 print(json.dumps({
     "error": whole.check.velocity,
     "sure": whole.check.reference.velocity,
@@ -154,6 +173,8 @@ print(json.dumps({
     "damped": damped.check.velocity,
     "own_contacts": (damped.trajectory.velocity[-1] * 4.0).tolist(),
     "velocity": reference.velocity[-1].tolist(),
+    "tied": tied.check.velocity,
+    "passed_on": float(np.abs(tied.trajectory.velocity[:, 2]).max()),
 }))
 """
 
@@ -164,6 +185,7 @@ def found(tmp_path_factory):
     (path / "bed.py").write_text(OWN)
     (path / "bed.yaml").write_text(SCENE)
     (path / "contact.yaml").write_text(CONTACT)
+    (path / "tied.yaml").write_text(TIED)
     paths = [str(path), str(TESTS / "support"), str(TESTS.parent)]
     own = {"GRANCHAIN_INGREDIENTS": "bed", "PYTHONPATH": os.pathsep.join(paths)}
     command = [sys.executable, "-c", PROGRAM]
@@ -190,6 +212,20 @@ def test_it_shortens_the_stability_bound(found):
     largest = (6.0 * 0.5 / 1.5) ** (1.0 / 6.0)
     omega = (6.0 * 1.25**0.2 + 0.4 + 7.5 * largest**4) ** 0.5
     assert found[1]["bound"] == pytest.approx(2.0 / omega, rel=1e-12)
+
+
+def test_springs_across_from_a_formula_agree_with_the_reference(found):
+    assert found[1]["tied"] < 5e-4
+    assert found[1]["passed_on"] > 0.1
+
+
+@pytest.mark.parametrize(("damping", "key"), [("law: restitution", "law"), ("tension: cut", "tension")])
+def test_dashpots_that_need_a_power_of_the_overlap_are_refused_beside_own_contacts(found, damping, key):
+    (found[0] / "refused.yaml").write_text(CONTACT.replace("contact: 0.2", f"contact: 0.2, {damping}"))
+    done = granchain("show", "refused.yaml", cwd=found[0], GRANCHAIN_INGREDIENTS="bed", PYTHONPATH=own_path(found[0]))
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
+    assert f"damping.{key}: " in done.stderr
+    assert "a power of the overlap" in done.stderr
 
 
 def test_an_interrupted_run_goes_on_bit_for_bit(found):
@@ -238,6 +274,11 @@ def test_own_contacts_are_scaled_and_damped_like_built_in_ones(found):
     np.testing.assert_allclose(found[1]["own_contacts"][0], v, atol=4.0 * found[1]["damped"] + 1e-5)
 
 
+def own_path(place):
+    """Python's path with the module of own ingredients."""
+    return os.pathsep.join([str(place), str(TESTS.parent)])
+
+
 def granchain(*words, cwd, **environment):
     """How a command ended, beside the scene; no path but that of the package unless another is given."""
     return subprocess.run(
@@ -264,7 +305,7 @@ def test_a_module_that_is_not_there_is_one_line(found):
 
 
 def test_lammps_finds_the_module_on_a_relative_path(found):
-    path = os.pathsep.join([".", str(TESTS.parent)])
+    path = own_path(".")
     words = ("run", "bed.yaml", "-o", "relative", "--no-check")
     done = granchain(*words, cwd=found[0], GRANCHAIN_INGREDIENTS="bed", PYTHONPATH=path)
     assert (done.returncode, done.stderr) == (0, "")

@@ -34,9 +34,6 @@ except (ImportError, SyntaxError):
         f"`pip uninstall {names}`, then `pip install --force-reinstall --no-deps granchain`"
     )
 
-_COMMANDS = Path(__file__).parent / "commands"
-_STUDIES = Path(__file__).parent / "studies"
-
 _HERE = Path(__file__).parent
 
 COMMANDS = (

@@ -56,12 +56,6 @@ def pace(system: System) -> float:
     return 1.0 if plain else max(1.0, 0.5 * float(np.sqrt(_contacts(system))))
 
 
-def stiffest_spring(system: System) -> float:
-    """Largest stiffness of any spring, those across and those to the ground; 0 where there are none."""
-    springs = (*system.across, *physics.ground_springs(system))
-    return max((laws.stiffest(link.law, physics.energy(system)) for link in springs), default=0.0)
-
-
 def drag(system: System) -> float:
     """Rate, at most, at which dashpots stop any motion."""
     contacts, others = np.zeros(1), 0.0

@@ -1,13 +1,9 @@
 """Say what a key of a scene or a quantity means, or how a command is used."""
 
 import argparse
-from typing import TYPE_CHECKING
 
 from lammps_inputs import InputError, handbook, library
 from workflow import cli
-
-if TYPE_CHECKING:
-    pass
 
 EXAMPLES = (
     "help scene                # all keys; units: reduced, or SI with a material",
