@@ -85,6 +85,17 @@ def test_the_front_half_of_a_window_that_moves_on_is_the_whole_run_to_the_last_b
     assert moved
 
 
+def test_until_a_window_moves_its_error_is_that_of_the_whole_chains(tmp_path):
+    kicks = (Kick(chain=1, bead=11, velocity=1.0), Kick(chain=1, bead=19, velocity=0.4))
+    case = scene(beads=BEADS, gap=0.137, kick=kicks, duration=57.5, every=0.5, timestep=0.5 / 55, scheme="suzuki4")
+    whole, windowed = (
+        run(case.model_copy(update={"window": rows}), tmp_path / str(rows)).check for rows in (None, ROWS)
+    )
+    # largest where the second pulse meets what trails behind the first, 40 beads behind the front
+    assert whole.where.bead < 20
+    assert (windowed.velocity, windowed.where) == (whole.velocity, whole.where)
+
+
 @pytest.mark.slow
 def test_the_leading_waves_are_those_of_the_whole_chains(analysed):
     whole, windowed = (found.waves for found in analysed)

@@ -80,7 +80,7 @@ def blocks(
         scheme: how; its order and cost are in the scheme.
         steps_per_frame: steps between frames; by default as many as `default_steps_per_frame` says.
         window: integrate this many rows at most, letting go of those farthest behind; by default all, or twice the
-            rows of the problem's own window, of which the frames then show what is near the front.
+            rows of the problem's own window: until that moves frames show all rows, then those near the front.
 
     Raises:
         ValueError: a window that is too narrow, or not for this problem.
@@ -136,7 +136,8 @@ def _recorded(problem: Problem, state: "State", ahead: float) -> NDArray[np.int6
     if problem.window is None:
         return problem.recorded_beads
     front = int(state.span[1])
-    first = max(1, front - problem.window // 2)  # see `analysis.against.pairing.near_the_front`
+    # see `analysis.against.pairing.near_the_front`: a window has moved before the front reaches its head
+    first = 1 if front < problem.window else front - problem.window // 2
     return np.arange(
         first, min(problem.beads, front + math.ceil(rates.pace(problem.system) * ahead) + problem.window) + 1
     )
