@@ -18,6 +18,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import bytecode  # noqa: F401  (first: what follows is then compiled once)
 import pytest
 from hypothesis import HealthCheck, settings
 from lammps_here import run
