@@ -40,6 +40,7 @@ __all__ = [
     "Run",
     "RunError",
     "analyse",
+    "analyze",
     "collect",
     "design",
     "fit",
@@ -137,6 +138,9 @@ def analyse(run: AnyRun, *, figures: bool = False) -> Analysis:
         InputError: there are no frames, or they are damaged.
     """
     return analysing.analyse(_directory(run), figures=figures)
+
+
+analyze = analyse
 
 
 def validate(

@@ -11,6 +11,7 @@ import io
 import os
 import signal
 import sys
+import textwrap
 import threading
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
@@ -36,26 +37,25 @@ except (ImportError, SyntaxError):
 
 _HERE = Path(__file__).parent
 
-COMMANDS = (
-    "scenes",
-    "show",
-    "help",
-    "new",
-    "deck",
-    "run",
-    "rerun",
-    "status",
-    "analyze",
-    "view",
-    "validate",
-    "sweep",
-    "collect",
-    *sorted(path.parent.name for path in _HERE.glob("studies/*/command.py")),
-    "reproduce",
-    "schema",
-    "completion",
-)
-"""Those of `workflow.commands`, and the studies: each folder of `workflow.studies` that has a ``command.py``."""
+GROUPS: dict[str, tuple[str, ...]] = {
+    "Scenes": ("scenes", "show", "new", "help"),
+    "Runs": ("run", "deck", "status", "rerun"),
+    "Analysis": ("analyze", "view", "validate"),
+    "Studies": (
+        *("sweep", "collect"),
+        *sorted(path.parent.name for path in _HERE.glob("studies/*/command.py")),
+        "reproduce",
+    ),
+    "Setting up": ("schema", "completion"),
+}
+"""Commands by job: those of `workflow.commands`, and the folders of `workflow.studies` that have a ``command.py``."""
+
+COMMANDS = tuple(name for names in GROUPS.values() for name in names)
+
+FIRST = ("show", "run", "analyze", "view", "sweep")
+"""Commands to start with."""
+
+ALIASES = {"analyse": "analyze"}
 
 PRINTED = ("scenes", "show", "help", "status", "bench", "schema", "completion")
 """Commands that make nothing but what they print."""
@@ -64,6 +64,14 @@ PRINTED = ("scenes", "show", "help", "status", "bench", "schema", "completion")
 class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         raise InputError(f"{message}; `{self.prog} --help` tells more")
+
+
+class _Grouped(argparse.RawDescriptionHelpFormatter):
+    """Without argparse's own list of commands."""
+
+    def add_argument(self, action: argparse.Action) -> None:
+        if not isinstance(action, argparse._SubParsersAction):
+            super().add_argument(action)
 
 
 class _Version(argparse.Action):
@@ -98,6 +106,7 @@ def command() -> int:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code; its own also where standard output takes less than it prints."""
     words = list(sys.argv[1:] if argv is None else argv)
+    words[:1] = [ALIASES.get(word, word) for word in words[:1]]
     output: Any = Output(sys.stdout, "standard output", needed=True)
     complaints: Any = Output(sys.stderr, "standard error", needed=False)
     with contextlib.redirect_stdout(output), contextlib.redirect_stderr(complaints):
@@ -160,10 +169,10 @@ def _execute(arguments: argparse.Namespace) -> int:
 
 def parser(names: Sequence[str]) -> argparse.ArgumentParser:
     """The parser with the arguments of these commands; of none it has all by name, for some take long to import."""
-    whole = _Parser(prog="granchain", description="Shock pulses in weakly coupled, uncompressed granular chains.")
+    known = [name for name in names if name in COMMANDS]
+    whole = _Parser(prog="granchain", description=None if known else _listed(), formatter_class=_Grouped)
     whole.add_argument("--version", action=_Version, nargs=0, help="print versions and exit")
     subparsers = whole.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    known = [name for name in names if name in COMMANDS]
     for name in names:
         if name not in COMMANDS and not name.startswith("-"):
             from lammps_inputs import library  # what a scene may be takes a while to load
@@ -178,6 +187,17 @@ def parser(names: Sequence[str]) -> argparse.ArgumentParser:
         if name in known:
             _fill(one, module_of(name))
     return whole
+
+
+def _listed() -> str:
+    """All commands by job."""
+    lines = ["Shock pulses in weakly coupled, uncompressed granular chains.", ""]
+    lines += [f"Start with {', '.join(FIRST)}. `granchain COMMAND --help` lists options and examples."]
+    for job, names in GROUPS.items():
+        lines += ["", job]
+        for name in names:
+            lines += textwrap.wrap(f"  {name:<12}{_summary(name)}", 100, subsequent_indent=" " * 14)
+    return "\n".join(lines)
 
 
 def module_of(name: str) -> Any:

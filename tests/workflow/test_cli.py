@@ -4,6 +4,7 @@ import contextlib
 import importlib
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -16,7 +17,7 @@ from stock_lammps import scene
 
 from lammps_inputs import library, shipped, strict_yaml
 from workflow import cli, screen
-from workflow.cli import COMMANDS, main
+from workflow.cli import ALIASES, COMMANDS, GROUPS, main
 from workflow.engines.lammps import mpi
 from workflow.prepare.settings import settle
 from workflow.runs.run import run
@@ -126,7 +127,7 @@ def test_a_pulse_that_does_not_arrive_is_one_line_and_nothing_is_written(tmp_pat
     [
         ([], "COMMAND; `granchain --help` tells more"),
         (["simulate"], "'simulate' is no command; `granchain --help` lists all"),
-        (["analyse", "run"], "'analyse' is no command (did you mean `analyze`?)"),
+        (["analyzes", "run"], "'analyzes' is no command (did you mean `analyze`?)"),
         (["run"], "run: needs a SCENE and -o DIR, or --resume DIR; `granchain run --help` tells more"),
         (["run", "two-chains"], "run: needs a SCENE and -o DIR, or --resume DIR"),
         (["run", "two-chains", "-o"], "expected one argument"),
@@ -154,12 +155,20 @@ def test_more_ranks_than_rows_are_refused(tmp_path, capsys):
     assert "ranks divide the 2 rows" in refusal(["run", short, "-o", tmp_path / "out", "--ranks", 3], capsys)
 
 
-@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("command", [*COMMANDS, *ALIASES])
 def test_every_command_explains_itself(command, capsys):
     with pytest.raises(SystemExit) as left:
         main([command, "--help"])
     assert left.value.code == 0
-    assert f"usage: granchain {command}" in capsys.readouterr().out
+    assert f"usage: granchain {ALIASES.get(command, command)}" in capsys.readouterr().out
+
+
+def test_help_lists_every_command_with_its_job(capsys):
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    listed = capsys.readouterr().out
+    assert re.findall(r"^  ([a-z]+) +[A-Z]", listed, re.M) == list(COMMANDS)
+    assert re.findall(r"^([A-Z][a-z ]+)$", listed, re.M) == list(GROUPS)
 
 
 # --- where to write ---------------------------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""Find the waves in a run and draw them."""
+"""Find the pulses in a run, measure them and draw them."""
 
 import argparse
 import json

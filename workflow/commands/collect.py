@@ -1,4 +1,4 @@
-"""Gather a sweep's analyses into one table, and plot a quantity over what was varied."""
+"""Collect the analyses of a sweep in one table, and plot a quantity over the varied fields."""
 
 import argparse
 import math

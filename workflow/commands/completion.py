@@ -1,4 +1,4 @@
-"""Print what makes a shell complete commands, options and scenes' names."""
+"""Print a shell script that completes commands, options and names of scenes."""
 
 import argparse
 

@@ -1,4 +1,4 @@
-"""Write the LAMMPS deck of a scene, to run with any lmp, and a Slurm job for it."""
+"""Write the LAMMPS deck of a scene, for any lmp, and a Slurm job for it."""
 
 import argparse
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Say what a key of a scene or a quantity means, or how a command is used."""
+"""Explain a key of a scene, a quantity or a command."""
 
 import argparse
 

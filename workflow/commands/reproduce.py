@@ -1,4 +1,4 @@
-"""Compute the paper's figures and statements from scratch, as one HTML page."""
+"""Compute the paper's figures and statements, as an HTML page."""
 
 import argparse
 from pathlib import Path

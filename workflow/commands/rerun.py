@@ -1,4 +1,4 @@
-"""Compute a run again from its run.json, here and today, and say whether the result is the same bit for bit."""
+"""Repeat a run from its run.json and test whether the result is bitwise the same."""
 
 import argparse
 import tempfile

@@ -1,4 +1,4 @@
-"""Run a scene with LAMMPS, with the reference integrator, or as rigid beads that collide."""
+"""Run a scene with LAMMPS, the reference integrator, or the model of rigid beads."""
 
 import argparse
 import math

@@ -1,4 +1,4 @@
-"""List the scenes that come with granchain."""
+"""List the installed scenes."""
 
 import argparse
 

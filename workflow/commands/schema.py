@@ -1,4 +1,4 @@
-"""Print the JSON schema of scenes, sweeps, designs or sites, which editors use for completion and checking."""
+"""Print the JSON schema of scenes, sweeps, designs or sites, for completion and checks in editors."""
 
 import argparse
 

@@ -1,4 +1,4 @@
-"""Print a scene with every default written out."""
+"""Print a scene with every default, its units and the size of its run."""
 
 import argparse
 

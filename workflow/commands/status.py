@@ -1,4 +1,4 @@
-"""Say in what state directories are: waiting, running, done, failed or incomplete, and why.
+"""Print the state of run directories: waiting, running, done, failed or incomplete, and why.
 
 Exit code 1 if one has failed or holds no run, 2 if one does not exist.
 """

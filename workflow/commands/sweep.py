@@ -1,4 +1,4 @@
-"""Run a scene for lists or ranges of any of its fields, on all cores or as one Slurm array."""
+"""Run a scene for lists or ranges of any of its fields, locally or as a Slurm array."""
 
 import argparse
 from pathlib import Path

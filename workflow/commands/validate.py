@@ -1,4 +1,4 @@
-"""Compare a run with the certified reference, or with a trajectory of your own."""
+"""Compare a run with the reference integrator, or with a trajectory of your own."""
 
 import argparse
 import json

@@ -1,4 +1,4 @@
-"""Make a page to look at a run, sweep or comparison with: one HTML file that needs no network."""
+"""Write an interactive HTML page of a run, sweep or comparison."""
 
 import argparse
 import os

@@ -1,4 +1,4 @@
-"""Run a scene with several engines and show them side by side: what rigid beads keep, and what they lose."""
+"""Run a scene with several engines and compare the results, such as rigid and Hertzian beads."""
 
 import argparse
 import tempfile

@@ -1,4 +1,4 @@
-"""Find the scene that does something best within bounds, such as passing the least force to a wall."""
+"""Find the scene that minimises or maximises a quantity within bounds, such as the force on a wall."""
 
 import argparse
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Run scenes at the extremes of every number and report what is right, refused, stopped or silently wrong."""
+"""Run scenes at the extremes of every number and check that errors are reported."""
 
 import argparse
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Find unknown fields of a scene from measured forces or velocities, with confidence intervals where the model fits."""
+"""Estimate fields of a scene from measured forces or velocities, with confidence intervals."""
 
 import argparse
 import math

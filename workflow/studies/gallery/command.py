@@ -1,4 +1,4 @@
-"""The field's canonical results, each run anew and compared with what was published, as one HTML page."""
+"""Compute canonical results of the literature and compare them with the published values, as an HTML page."""
 
 import argparse
 from pathlib import Path

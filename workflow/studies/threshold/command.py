@@ -1,4 +1,4 @@
-"""Find where a quantity of a scene crosses a value as a field varies, with its uncertainty, by bisection."""
+"""Find where a quantity crosses a value as a field of the scene varies, with its uncertainty."""
 
 import argparse
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Measure error against cost on this machine: time steps, schemes, ranks, windows, frames; and say which to take."""
+"""Measure error against cost on this machine: time steps, schemes, ranks, windows, frames."""
 
 import argparse
 import math
