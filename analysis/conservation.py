@@ -1,14 +1,146 @@
-"""How well a run conserves energy and momentum, from its trajectory (LAMMPS reports neither for these chains)."""
+"""How well a run conserves energy and momentum, and its energy budget, from its trajectory.
+
+LAMMPS reports neither for these chains. The budget is what was put in, where it is, and what dashpots have taken, by
+source: in units of m V**2, from frames of all beads. What was exchanged between frames is in their ledger.
+"""
 
 from collections.abc import Callable
 
 import numpy as np
 
 from analysis import motion
-from analysis.budget import Budget
+from analysis.quantity import declare, derived, result
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem, physics
 from lammps_inputs.facts import Fact
+from lammps_inputs.units import Scale
+
+MOST_INSTANTS = 500
+
+
+def energy_input(block: Trajectory) -> Floats:
+    """[frame] energy put in until each: that of the kicks, and the work of pushes and drives since then.
+
+    NaN where that work is not known: nobody has counted it in the frames' ledger.
+    """
+    problem = block.problem
+    if not physics.acted_on(problem.system):
+        return np.full(block.frames, physics.energy(problem.system))
+    if block.ledger is None:
+        return np.full(block.frames, np.nan)
+    return np.asarray(kinetic_energy_at_start(problem) + block.ledger[:, -1])
+
+
+def kinetic_energy_at_start(problem: Problem) -> float:
+    """Of the kicked beads, and of those whose motion is given."""
+    return 0.5 * float(np.sum(problem.system.mass * physics.initial_velocity(problem.system) ** 2))
+
+
+_LITTLE = 1e-3
+"""Share of the most that was put in, at the end, from which on shares of it are told."""
+
+
+@result
+class Account:
+    """Energy over time, each [instant]."""
+
+    time: Floats = declare("time of some frames", "time", symbol="t")
+    put_in: Floats = declare("energy input until then, by kicks and by forces from outside", "energy")
+    kinetic: Floats = declare("kinetic energy", "energy")
+    contacts: Floats = declare("energy of the contacts", "energy")
+    springs: Floats = declare("energy of the springs between chains", "energy")
+    ground: Floats = declare("energy of the springs to the ground, and of weights", "energy")
+    walls: Floats = declare("energy of the contacts with walls", "energy")
+    lost: dict[str, Floats] = declare("energy dissipated until then, by the name of the dashpots", "energy")
+
+    @property
+    @derived("energy")
+    def missing(self) -> Floats:
+        """Energy input that is nowhere."""
+        return np.asarray(self.put_in - sum(self.held.values()) - sum(self.lost.values()))
+
+    def sentence(self, scale: Scale) -> str:
+        """Where the energy is at the last instant, largest part first."""
+        total = float(self.put_in[-1])
+        parts = {name: float(part[-1]) for name, part in (*self.held.items(), *self.losses.items())}
+        named = sorted(((part, name) for name, part in parts.items() if part > 0.0), reverse=True)
+        said = f"energy: {scale.written(total, 'energy')} put in until t = {scale.written(self.time[-1], 'time')}"
+        if not total > _LITTLE * self.most:  # a drive may have taken back what it gave
+            return f"{said}, at most {scale.written(self.most, 'energy')} before"
+        return f"{said}, of which {', '.join(f'{part / total:.2%} {name}' for part, name in named)}"
+
+    @property
+    def held(self) -> dict[str, Floats]:
+        """Where the energy is."""
+        return {name: getattr(self, name) for name in HELD}
+
+    @property
+    def losses(self) -> dict[str, Floats]:
+        """What was lost, by names for people: ``lost in contact damping``."""
+        return {f"lost in {name.replace('_', ' ')}": part for name, part in self.lost.items()}
+
+    @property
+    def most(self) -> float:
+        """That was put in until any instant."""
+        return float(np.max(np.abs(self.put_in)))
+
+
+@result
+class ClosedAccount(Account):
+    """The account, and how well it is known."""
+
+    closed: float = declare("largest ``missing`` over the largest ``put_in``", undefined="of a run that blew up")
+    between_frames: float = declare("uncertainty of what was exchanged between frames over the largest ``put_in``")
+    stated: float | None = declare("error of the velocities that the run states", "V", "it states none")
+
+
+class Budget:
+    """Adds up a run of all beads that is given block by block, with its ledger, from its first frame on."""
+
+    def __init__(self, problem: Problem) -> None:
+        self._problem = problem
+        self._kicked = kinetic_energy_at_start(problem)
+        self._stride = -(-(problem.frames + 1) // MOST_INSTANTS)
+        self._seen = 0
+        self._found: list[tuple[Floats, ...]] = []
+        self._last: tuple[Floats, ...] = ()
+
+    def add(self, block: Trajectory) -> tuple[Floats, Floats]:
+        """Take the next frames; what was put in, and what was lost, until each of them, [frame]."""
+        ledger = block.ledger
+        assert ledger is not None
+        put_in, lost = self._kicked + ledger[:, -1], ledger[:, :-1]
+
+        def at(frames: slice) -> tuple[Floats, ...]:
+            held = _held(self._problem, block.displacement[frames], block.velocity[frames])
+            return block.time[frames], put_in[frames], *held.values(), *lost[frames].T
+
+        self._found.append(at(slice(-self._seen % self._stride, None, self._stride)))
+        self._last = at(slice(-1, None))
+        self._seen += block.frames
+        return put_in, np.sum(lost, axis=1)
+
+    def result(self) -> Account:
+        """Of the frames so far, some of them and the last."""
+        time, put_in, *parts = (np.concatenate(part) for part in zip(*self._found, strict=True))
+        if time[-1] < self._last[0][0]:
+            time, put_in, *parts = map(np.append, (time, put_in, *parts), self._last)
+        held, lost = parts[: len(HELD)], parts[len(HELD) :]
+        sinks = physics.dashpot_names(self._problem.system)
+        by_sink = {name: part for name, part in zip(sinks, lost, strict=True) if name is not None}
+        return Account(time, put_in, **dict(zip(HELD, held, strict=True)), lost=by_sink)
+
+
+HELD = ("kinetic", "contacts", "springs", "ground", "walls")
+"""Where energy may be."""
+
+
+def _held(problem: Problem, x: Floats, v: Floats) -> dict[str, Floats]:
+    system = problem.system
+    kinetic = motion.kinetic_energy(system, v).sum(axis=(-2, -1))
+    kinds = (system.along, system.across, physics.ground_springs(system), physics.walls(system))
+    stored = [sum((link.energy(x).sum(axis=(-2, -1)) for link in links), np.zeros(len(x))) for links in kinds]
+    return dict(zip(HELD, [kinetic, *stored], strict=True))
 
 
 class Conservation:

@@ -7,9 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.conservation import Conservation
-from analysis.tracking.leading_waves import Waves
+from analysis.tracking.leading_waves import Waves, leading_finder, leading_passages
 from analysis.tracking.peaks import THRESHOLD, PeakFinder, Peaks, sharp
-from analysis.tracking.which_leads import leading_finder, leading_passages
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem
 from lammps_inputs.facts import Fact

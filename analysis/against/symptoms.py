@@ -2,19 +2,159 @@
 
 What is measured: to how many digits the numbers were rounded (`precision`), by how much a quantity is shifted in time
 (`time_shift`; displacement and velocity may be so by different amounts), and, from the change of momentum between
-frames, how strong each kind of link was (`identify_strengths`) and which springs the chains felt (`identify_springs`).
-What follows from the measurements is for others to say.
+frames against the impulses of all links, how heavy each bead was felt to be and how strong its contacts
+(`identify_beads`), how strong each kind of link was (`identify_strengths`) and which springs the chains felt
+(`identify_springs`). What follows from the measurements is for others to say.
+
+Impulses are [interval, chain, bead], the intervals between two frames. Every bead must be recorded.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from analysis.against import impulses
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem, laws, physics
 from lammps_inputs.laws.preloaded import pressed
-from lammps_inputs.links import Link
+from lammps_inputs.links import Along, Link
+from lammps_inputs.loads import Load
+
+
+def integral(value: Floats, rate: Floats, intervals: Floats) -> Floats:
+    """Integral between consecutive frames from values and rates there (corrected trapezoid, order 4)."""
+    ends = 0.5 * intervals * (value[1:] + value[:-1])
+    return np.asarray(ends + intervals**2 / 12.0 * (rate[:-1] - rate[1:]))
+
+
+def intervals(trajectory: Trajectory) -> Floats:
+    """Time between two frames, [interval, 1, 1]."""
+    return np.diff(trajectory.time)[:, np.newaxis, np.newaxis]
+
+
+def of_link(link: Link, trajectory: Trajectory) -> Floats:
+    """Impulse of each of some links, by their forces and how these change at the frames."""
+    x, v = trajectory.displacement, trajectory.velocity
+    return integral(link.force(x), link.force_rate(x, v), intervals(trajectory))
+
+
+def of_damper(damper: Link, trajectory: Trajectory) -> Floats:
+    """Impulse of each of some dampers, which have given one for every strain."""
+    return np.diff(damper.given(trajectory.displacement), axis=0)
+
+
+def on_beads(link: Link, impulse: Floats, trajectory: Trajectory) -> Floats:
+    """What impulses of links, or of dampers, give the beads."""
+    column = np.zeros_like(trajectory.velocity[1:])
+    link.drive(column, impulse)
+    return column
+
+
+def unexplained(
+    trajectory: Trajectory, links: Iterable[Link] = (), dampers: Iterable[Link] = (), *, loads: bool = True
+) -> Floats:
+    """Change of momentum but for what these links and dampers and, if so, the forces from outside gave."""
+    problem = trajectory.problem
+    change: Floats = np.diff(trajectory.velocity, axis=0) * problem.system.mass
+    for load in problem.system.loads if loads else ():
+        change[:, load.chain - 1, load.bead - 1] -= np.diff(load.impulse(trajectory.time))
+    for link in links:
+        link.drive(change, -of_link(link, trajectory))
+    for damper in dampers:
+        damper.drive(change, -of_damper(damper, trajectory))
+    return change
+
+
+MOST = 4000
+"""Beads in all chains that are looked at one by one."""
+
+TELLING = 1e-3
+"""Share of the largest squared impulses of a chain's contacts that those of a contact must have."""
+
+SAME = 0.01
+"""How near factors must be to count as the same."""
+
+
+@dataclass(frozen=True)
+class Felt:
+    """Factors on the problem's own numbers, 1 being right; NaN where too little moved.
+
+    The masses and contacts of a chain could all be so many times larger without a difference. As many as possible are
+    taken to be right.
+
+    Attributes:
+        mass: [chain, bead].
+        strength: of the contacts, [chain, contact].
+    """
+
+    mass: Floats
+    strength: Floats
+
+
+def identify_beads(trajectory: Trajectory) -> Felt | None:
+    """Fit masses and contacts bead by bead; None for fewer than ten frames, not all beads, or more than `MOST`.
+
+    On a bead the two contacts are felt as ``A / m``. So a mass that is wrong shows on one bead in both of its contacts,
+    a contact that is wrong on both of its beads.
+    """
+    problem = trajectory.problem
+    system = problem.system
+    if not problem.forces_known or trajectory.frames < 10 or problem.chains * problem.beads > MOST:
+        return None
+    change = unexplained(trajectory)
+    contacts, others = np.zeros(change[:, :, 1:].shape), []
+    for link in system.links:
+        impulse = of_link(link, trajectory)
+        if isinstance(link, Along):
+            contacts += impulse
+        else:
+            others.append(on_beads(link, impulse, trajectory))
+    for damper in system.dampers:
+        others.append(on_beads(damper, of_damper(damper, trajectory), trajectory))
+    # of every contact, as felt by the bead behind it and by the one before it
+    behind, ahead = np.full((2, problem.chains, problem.beads - 1), np.nan)
+    power = np.sum(contacts**2, axis=0)
+    telling = power > TELLING * power.max(axis=1, keepdims=True)
+    told = {(motion.chain, motion.bead) for motion in system.motions}  # how they move, whatever they weigh
+    for chain, bead in np.ndindex(problem.chains, problem.beads):
+        columns = [column[:, chain, bead] for column in others]
+        sides = [(ahead, bead - 1, 1.0)] if bead > 0 else []
+        sides += [(behind, bead, -1.0)] if bead < problem.beads - 1 else []
+        columns += [sign * contacts[:, chain, contact] for _, contact, sign in sides]
+        factors = np.linalg.lstsq(np.array(columns).T, change[:, chain, bead], rcond=1e-9)[0]
+        for (side, contact, _), factor in zip(sides, factors[len(others) :], strict=True):
+            if telling[chain, contact] and (chain + 1, bead + 1) not in told:
+                side[chain, contact] = factor
+    mass, strength = np.full(change.shape[1:], np.nan), np.full(behind.shape, np.nan)
+    for chain in range(problem.chains):
+        mass[chain], strength[chain] = _apart(behind[chain], ahead[chain])
+    return Felt(mass, strength)
+
+
+def _apart(behind: Floats, ahead: Floats) -> tuple[Floats, Floats]:
+    """Masses, [bead], and contacts of one chain, from ``A / m`` as felt behind and ahead of each contact, [contact]."""
+    mass, strength = np.full(len(behind) + 1, np.nan), np.full(len(behind), np.nan)
+    good = np.flatnonzero((behind > 0.0) & (ahead > 0.0))
+    if len(good) == 0:
+        return mass, strength
+    # from the first contact that tells on, as far as all of them do
+    run = good[: int(np.argmax(np.r_[np.diff(good) > 1, True])) + 1]
+    steps = np.log(behind[run]) - np.log(ahead[run])
+    heavy = np.r_[0.0, np.cumsum(steps)]
+    strong = np.log(behind[run]) + heavy[:-1]
+    both = np.concatenate([heavy, strong])
+    near = np.abs(both[:, np.newaxis] - both) < SAME
+    usual = float(np.median(both[near[int(np.argmax(near.sum(axis=1)))]]))
+    mass[run[0] : run[-1] + 2], strength[run] = np.exp(heavy - usual), np.exp(strong - usual)
+    return mass, strength
+
+
+def impulse_given(trajectory: Trajectory, load: Load) -> Floats:
+    """Impulse from outside until each frame, [frame], on the bead of a load: what the links on it do not explain."""
+    problem = trajectory.problem
+    change = unexplained(trajectory, problem.system.links, problem.system.dampers, loads=False)
+    return np.concatenate([[0.0], np.cumsum(change[:, load.chain - 1, load.bead - 1])])
+
 
 SINGLE = "single precision"
 
@@ -128,14 +268,14 @@ def identify_springs(trajectory: Trajectory) -> Springs | None:
     if system.motions:  # by forces that nobody knows
         return None
     x, v = trajectory.displacement, trajectory.velocity
-    change = impulses.unexplained(trajectory, (*system.along, *system.ground), system.dampers)
+    change = unexplained(trajectory, (*system.along, *system.ground), system.dampers)
     felt = np.cumsum(change, axis=1)[:, :-1]
     relative, relative_rate = x[:, 1:] - x[:, :-1], v[:, 1:] - v[:, :-1]
     if np.max(np.abs(relative)) < _APART:
         return None
-    spacing = impulses.spacing(trajectory)
-    stretch = impulses.integral(relative, relative_rate, spacing)
-    cube = impulses.integral(relative**3, 3.0 * relative**2 * relative_rate, spacing)
+    spacing = intervals(trajectory)
+    stretch = integral(relative, relative_rate, spacing)
+    cube = integral(relative**3, 3.0 * relative**2 * relative_rate, spacing)
     power = np.sum(stretch * stretch, axis=0)
     moved = power > 1e-4 * power.max()
     with np.errstate(divide="ignore", invalid="ignore"):  # rows that never moved
@@ -177,11 +317,11 @@ def identify_strengths(trajectory: Trajectory) -> Strengths | None:
     problem = trajectory.problem
     if not problem.forces_known or trajectory.frames < 10:
         return None
-    change = _but_for_driven(impulses.unexplained(trajectory), problem)
-    given = [(link, impulses.of_link(link, trajectory)) for link in problem.system.links]
-    given += [(damper, impulses.of_damper(damper, trajectory)) for damper in problem.system.dampers]
+    change = _but_for_driven(unexplained(trajectory), problem)
+    given = [(link, of_link(link, trajectory)) for link in problem.system.links]
+    given += [(damper, of_damper(damper, trajectory)) for damper in problem.system.dampers]
     columns = np.array(
-        [_but_for_driven(impulses.on_beads(link, impulse, trajectory), problem).reshape(-1) for link, impulse in given]
+        [_but_for_driven(on_beads(link, impulse, trajectory), problem).reshape(-1) for link, impulse in given]
     )
     size = np.linalg.norm(columns, axis=1)
     felt = np.flatnonzero(size > _TELLING * np.max(size))
@@ -223,13 +363,13 @@ def identify_load(trajectory: Trajectory) -> StaticLoad | None:
         return None
     bearing = (*system.along, *physics.walls(system))
     others = [link for link in system.links if link not in bearing]
-    change = impulses.unexplained(trajectory, others, system.dampers)
+    change = unexplained(trajectory, others, system.dampers)
 
     def left(factor: float) -> Floats:
         total = change.copy()
         for link in bearing:
             other = replace(link, law=pressed(link.law, factor)) if np.any(laws.load(link.law)) else link
-            other.drive(total, -impulses.of_link(other, trajectory))
+            other.drive(total, -of_link(other, trajectory))
         return _but_for_driven(total, problem)
 
     start = trajectory.displacement[0]
@@ -270,24 +410,24 @@ def identify_exponent(trajectory: Trajectory) -> float | None:
     ):
         return None
     (contact,) = system.along
-    left = impulses.unexplained(trajectory, (*system.across, *system.ground), system.dampers)
-    spacing, v = impulses.spacing(trajectory), trajectory.velocity
+    left = unexplained(trajectory, (*system.across, *system.ground), system.dampers)
+    spacing, v = intervals(trajectory), trajectory.velocity
     overlap, closing = np.maximum(contact.overlap(trajectory.displacement), 0.0), v[..., :-1] - v[..., 1:]
     rest = laws.rest(contact.law)
     closed = overlap > 0.0
     pressed = np.where(closed, overlap, 1.0)  # below an exponent of 1 the rate of a contact that just opens has no end
 
-    def unexplained(exponent: float) -> float:
+    def left_by(exponent: float) -> float:
         force = overlap**exponent - rest**exponent
         rate = exponent * pressed ** (exponent - 1.0) * closing * closed
-        column = impulses.on_beads(contact, impulses.integral(force, rate, spacing), trajectory)
+        column = on_beads(contact, integral(force, rate, spacing), trajectory)
         return float(np.sum(_but_for_driven(left - column, problem) ** 2))
 
-    found = minimize_scalar(unexplained, (1.0, 2.0), (0.9, 4.0), method="bounded", options={"xatol": 1e-6})
+    found = minimize_scalar(left_by, (1.0, 2.0), (0.9, 4.0), method="bounded", options={"xatol": 1e-6})
     explains = found.fun < _UNEXPLAINED * float(np.sum(_but_for_driven(left, problem) ** 2))
     stated = physics.exponent(system)
     assert stated is not None
-    return float(found.x) if explains and found.fun < _BETTER * unexplained(stated) else stated
+    return float(found.x) if explains and found.fun < _BETTER * left_by(stated) else stated
 
 
 def _but_for_driven(values: Floats, problem: Problem) -> Floats:

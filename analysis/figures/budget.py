@@ -4,7 +4,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from analysis.budget import Account
+from analysis.conservation import Account
 from analysis.figures.style import STYLE, axis_unit, title
 from lammps_inputs import Problem
 

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from analysis.figures.style import STYLE, axis_unit, chain_legend, draw_chain, shown_chains, title
-from analysis.sharing.energy_shares import EnergyShares
+from analysis.sharing.energies import EnergyShares
 from analysis.sharing.equipartition import Sharing
 from lammps_inputs import Problem, physics
 from lammps_inputs.facts import Fact

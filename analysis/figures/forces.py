@@ -5,7 +5,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from analysis.figures.style import STYLE, axis_unit, chain_legend, draw_chain, shown_chains, title
-from analysis.gauges.readings import Readings
+from analysis.gauges.forces import Readings
 from lammps_inputs import Problem
 
 MOST_GAUGES = 8

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from analysis.figures.style import CHAIN_COLOURS, STYLE, shown_chains, title
-from analysis.shape.wave_of import wave_of
+from analysis.shape.exact_wave import wave_of
 from analysis.shape.waveforms import COMPARED, Waveforms
 from lammps_inputs import Problem
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from analysis.against import resample
+from analysis.against import common_times
 from analysis.files.traces import Channel
 from analysis.gauges.forces import at_frames
 from analysis.gauges.gauge import Gauge, gauges
@@ -64,7 +64,7 @@ def read_at(run: Trajectory, channels: tuple[Channel, ...], times: Floats) -> Fl
     values = np.zeros((len(times), len(channels)))
     started = times >= 0.0
     if started.any():
-        values[started] = read(resample.at_times(run, times[started] / scale.time), channels) * worth
+        values[started] = read(common_times.at_times(run, times[started] / scale.time), channels) * worth
     return values
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis import motion
-from analysis.budget import energy_input
+from analysis.conservation import energy_input
 from analysis.gauges.between_frames import Curve, crossing, maximum, top
 from analysis.gauges.forces import at_frames, strain_at_frames, strain_between
 from analysis.gauges.gauge import Gauge, far_wall

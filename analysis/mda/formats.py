@@ -11,12 +11,364 @@ MDAnalysis has positions and velocities in float32, which is good for viewing; c
     universe = mda.Universe("DIR/data.chains", "DIR/chains.dump.bin")
     for ts in universe.trajectory[::10]:
         print(ts.time, ts.data["velocity"].max())
+    universe.atoms.write("part.bin", frames=universe.trajectory[::10])
 
 A run that was continued has several dumps; see `analysis.mda.universe` for all of a run at once.
+
+A box is [axis, end or tilt]: xlo xhi xy, ylo yhi xz, zlo zhi yz, or without tilt. The bounds are those of the whole
+sheared box, as LAMMPS writes them.
 """
 
-from analysis.mda.reader import BinaryDumpReader
+from collections.abc import Sequence
+from io import BufferedWriter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from MDAnalysis.coordinates.base import ReaderBase, WriterBase
+from MDAnalysis.lib.mdamath import triclinic_box, triclinic_vectors
+from MDAnalysis.lib.util import store_init_arguments
+from numpy.typing import ArrayLike
+
+from analysis.files.binary_dump import BinaryDump, Parts
+from analysis.files.dump_layout import header
 from analysis.mda.topology import ChainsParser
-from analysis.mda.writer import BinaryDumpWriter
+from analysis.trajectory import Floats, Measured
+from lammps_inputs import InputError
+from lammps_inputs.units import Scale
+
+FORMAT = ["BIN", "LAMMPSBIN"]
+UNITS = {"time": None, "length": None, "velocity": None}
+"""Numbers are dimensionless, so that MDAnalysis converts none."""
+
+POSITION = {"x": 0, "y": 1, "z": 2}
+VELOCITY = {"vx": 0, "vy": 1, "vz": 2}
+"""Column -> axis."""
+
+DERIVED = ("velocity", "displacement")
+"""Arrays in ``ts.data`` that are no columns of a dump."""
+
+
+def dimensions(box: Floats) -> Any:
+    """[frame, 6] lengths and angles of boxes [frame, axis, end or tilt]."""
+    lengths = box[:, :, 1] - box[:, :, 0]
+    if box.shape[2] == 2:
+        return np.concatenate([lengths, np.full_like(lengths, 90.0)], axis=1, dtype=np.float32, casting="same_kind")
+    xy, xz, yz = box[:, :, 2].T
+    zero = np.zeros_like(xy)
+    x = lengths[:, 0] - np.ptp([zero, xy, xz, xy + xz], axis=0)
+    y = lengths[:, 1] - np.ptp([zero, yz], axis=0)
+    edges = np.array([[x, zero, zero], [xy, y, zero], [xz, yz, lengths[:, 2]]]).transpose(2, 0, 1)
+    return np.array([triclinic_box(*vectors) for vectors in edges])
+
+
+def bounds(lengths_and_angles: Any) -> Floats:
+    """The box, from 0 on, of 6 lengths and angles."""
+    edges = np.asarray(triclinic_vectors(lengths_and_angles, dtype=np.float64))
+    high = np.diagonal(edges).copy()
+    if not np.any(edges - np.diag(high)):
+        return np.stack([np.zeros(3), high], axis=1)
+    xy, xz, yz = edges[1, 0], edges[2, 0], edges[2, 1]
+    shear_x, shear_y = (0.0, xy, xz, xy + xz), (0.0, yz)
+    low = np.array([min(shear_x), min(shear_y), 0.0])
+    high += [max(shear_x), max(shear_y), 0.0]
+    return np.stack([low, high, [xy, xz, yz]], axis=1)
+
+
+def lines(box: Floats, n_atoms: int) -> Floats | None:
+    """[atom] y of its chain; None for a box that is not of a ``data.chains``, see
+    `lammps_inputs.decks.deck.render_data`.
+
+    There the box ends one chain's distance beside the first and last chain; each chain has as many atoms, in a row.
+    """
+    (y_low, y_high), (z_low, z_high) = box[1:, :2]
+    if box.shape[1] == 3 or y_low >= 0.0 or (z_low, z_high) != (y_low, -y_low):
+        return None
+    chains = round(float(-y_high / y_low))
+    if chains < 1 or y_high != -y_low * chains or n_atoms % chains:
+        return None
+    return np.repeat(-y_low * np.arange(chains), n_atoms // chains)
+
+
+_FIRST = ("mol", *POSITION, *VELOCITY)
+
+
+class BinaryDumpWriter(WriterBase):  # type: ignore[misc]  # MDAnalysis has no types
+    """LAMMPS binary dumps of style custom, of some or all atoms, each frame with its step, time and box.
+
+    Columns are ``id`` and the arrays [atom] in ``ts.data``, to the last bit. Positions and velocities that are not
+    there (all of them, where another reader has read) are written as MDAnalysis has them, in float32; so is y where
+    fewer atoms are written than there were, as it then says which chain a bead is in.
+    """
+
+    format = FORMAT
+    multiframe = True
+    units = UNITS
+
+    def __init__(self, filename: Any, n_atoms: int | None = None, **_: Any) -> None:
+        """Write to a file, which is replaced when the first frame comes.
+
+        Args:
+            filename: the file.
+            n_atoms: how many atoms every frame has.
+
+        Raises:
+            TypeError: the number of atoms is not given.
+        """
+        if n_atoms is None:
+            raise TypeError("BinaryDumpWriter needs n_atoms")
+        self.filename = str(filename)
+        self.n_atoms = n_atoms
+        self._file: BufferedWriter | None = None
+        self._names = ""
+
+    def _write_next_frame(self, obj: Any) -> None:
+        """Write the current frame of an AtomGroup or a Universe.
+
+        Raises:
+            TypeError: it is neither.
+            ValueError: it has another number of atoms, atoms twice, or other columns than the frame before; ``ts.data``
+                and ``ts.positions`` (or velocities) disagree; or it is being read from the same file.
+        """
+        try:
+            atoms, trajectory = obj.atoms, obj.universe.trajectory
+        except AttributeError:
+            raise TypeError(f"{self.filename}: an AtomGroup or a Universe can be written, no {type(obj)}") from None
+        ids = atoms.ids if hasattr(atoms, "ids") else atoms.ix + 1
+        if len(ids) != self.n_atoms or len(np.unique(ids)) < len(ids):
+            raise ValueError(f"{self.filename}: {self.n_atoms} atoms are to be written, each once; not {len(ids)}")
+        ts = trajectory.ts
+        box = _box(ts)
+        columns = _columns(ts, atoms.ix, box)
+        names = " ".join(("id", *columns))
+        if self._file is None:
+            self._file = self._opened(trajectory)
+            self._names = names
+        if self._names != names:
+            raise ValueError(f"{self.filename}: a frame has columns {names}; before it was {self._names}")
+        rows = np.stack([ids, *columns.values()], axis=1).astype("<f8")
+        step = int(ts.data.get("step", ts.frame))
+        head = header(step, float(ts.time), len(ids), box[:, :2].reshape(-1), box[:, 2:].reshape(-1), names)
+        self._file.write(head + rows.tobytes())
+        self._file.flush()
+
+    def _opened(self, trajectory: Any) -> BufferedWriter:
+        path = Path(self.filename)
+        sources = getattr(trajectory, "filenames", None)
+        for source in (trajectory.filename,) if sources is None else sources:
+            if path.exists() and source is not None and Path(str(source)).exists() and path.samefile(str(source)):
+                raise ValueError(f"{path}: is what is being read; write to another file")
+        return path.open("wb")
+
+    def close(self) -> None:
+        """Close the file."""
+        if getattr(self, "_file", None) is not None:
+            self._file.close()  # type: ignore[union-attr]
+            self._file = None
+
+
+def _box(ts: Any) -> Floats:
+    """The box as it was read, unless it was changed; around the atoms where there is none."""
+    if ts.dimensions is None:
+        return np.stack([ts.positions.min(axis=0), ts.positions.max(axis=0)], axis=1).astype(np.float64)
+    read = ts.data.get("box")
+    if read is not None and np.array_equal(dimensions(read[np.newaxis])[0], ts.dimensions):
+        return np.asarray(read)
+    return bounds(ts.dimensions)
+
+
+def _columns(ts: Any, chosen: Any, box: Floats) -> dict[str, Any]:
+    """Name -> [atom] of all columns but ``id``."""
+    found = {
+        name: values[chosen]
+        for name, values in ts.data.items()
+        if name not in DERIVED and isinstance(values, np.ndarray) and values.shape == (ts.n_atoms,)
+    }
+    seen = [(name, ts.positions[chosen, axis]) for name, axis in POSITION.items()]
+    if ts.has_velocities:
+        seen += [(name, ts.velocities[chosen, axis]) for name, axis in VELOCITY.items()]
+    ours = "x" in found
+    for name, values in seen:
+        if name not in found:
+            implied = lines(box, len(chosen)) if name == "y" else None
+            if ours and np.array_equal(values, np.zeros(len(chosen)) if implied is None else np.float32(implied)):
+                continue
+            found[name] = values
+        elif not np.array_equal(np.float32(found[name]), values, equal_nan=True):
+            which = "positions" if name in POSITION else "velocities"
+            raise ValueError(
+                f"ts.data[{name!r}] and ts.{which} disagree: what changes one of them must change the other, or "
+                f"`del ts.data[{name!r}]`"
+            )
+    return dict(sorted(found.items(), key=lambda item: _FIRST.index(item[0]) if item[0] in _FIRST else len(_FIRST)))
+
+
+_AHEAD_BYTES = 1 << 17  # frames read ahead when they are asked for one after the other
+
+
+class BinaryDumpReader(ReaderBase):  # type: ignore[misc]  # MDAnalysis has no types
+    """LAMMPS binary dumps of style custom, frame by frame in any order.
+
+    In ``ts.data``, in ascending order of atom id, float64:
+
+    - each column of the dump by its name (``x``, ``vx``, ...);
+    - ``velocity``: the column ``vx``;
+    - ``displacement``: ``x`` minus the positions at rest, if these are known; in a window those of the rows in ``mol``;
+    - ``si``: time, displacement and velocity in the scene's units, if the scale is given;
+
+    and ``step``, ``time``, ``dt`` (time between the first two frames) and ``box`` (bounds, see `analysis.mda.formats`).
+
+    Numbers are dimensionless (V = 1) and are never converted: to MDAnalysis they have no unit.
+
+    Frames of ours have no y, as chains are lines; positions then get the y of the chain, as in ``data.chains``, so that
+    chains are seen side by side, also in what MDAnalysis writes (XYZ, DCD, PDB, ...) for VMD or OVITO.
+    """
+
+    format = FORMAT
+    units = UNITS
+
+    @store_init_arguments  # type: ignore[untyped-decorator]
+    def __init__(
+        self,
+        filename: Any,
+        timestep: float | None = None,
+        rest: ArrayLike | None = None,
+        parts: Sequence[Path | str] = (),
+        scale: Scale | None = None,
+        **kwargs: Any,
+    ) -> None:
+        """Open a dump.
+
+        Args:
+            filename: the dump.
+            timestep: time per step; by default the times in the dump if LAMMPS wrote them, else 1.
+            rest: [atom] x of the atoms at rest; by default x of step 0, if that is the first frame.
+            parts: further dumps, of a run that was continued; a step that several hold comes from the first of them.
+            scale: what one dimensionless unit is worth, the ``scale`` of a problem.
+            **kwargs: those of all MDAnalysis readers; ``dt``, the time between the first two frames, is another way to
+                give the timestep.
+
+        Raises:
+            OSError: a file cannot be read as a binary dump; the text names it and says why.
+            ValueError: ``rest`` does not fit the atoms, or both timestep and dt are given.
+
+        Warns:
+            CutDumpWarning: the last file ends within a frame, which is left out.
+        """
+        super().__init__(filename, **kwargs)
+        self.filenames = (self.filename, *(str(part) for part in parts))
+        try:
+            self._dump = Parts(self.filenames)
+            self._times = self._frame_times(timestep, self._ts_kwargs.pop("dt", None))
+            self._rest = self._rest_positions(rest)
+            self._row = self._row_length()
+        except InputError as error:  # a ValueError, whose text MDAnalysis would swallow in a list of files
+            raise OSError(str(error)) from error
+        self._scale = scale
+        self._dimensions = dimensions(self._dump.box)
+        self._y = None if "y" in self._dump.columns else lines(self._dump.box[0], self._dump.n_atoms)
+        self.n_atoms = self._dump.n_atoms
+        has_velocities = "vx" in self._dump.columns
+        self.ts = self._Timestep(self.n_atoms, velocities=has_velocities, reader=self, **self._ts_kwargs)
+        self.ts.positions = np.zeros((self.n_atoms, 3), dtype=np.float32)
+        if has_velocities:
+            self.ts.velocities = np.zeros((self.n_atoms, 3), dtype=np.float32)
+        self.ts.dt = float(self._times[1] - self._times[0]) if self.n_frames > 1 else 1.0
+        self._reopen()
+        self._read_next_timestep()
+
+    @classmethod
+    def parse_n_atoms(cls, filename: Any, **_: Any) -> int:
+        """Number of atoms in a dump."""
+        return BinaryDump(filename).n_atoms
+
+    @property
+    def n_frames(self) -> int:
+        """Number of whole frames."""
+        return self._dump.n_frames
+
+    def close(self) -> None:
+        """Nothing stays open between two frames."""
+
+    def Writer(self, filename: Any, n_atoms: int | None = None, **kwargs: Any) -> BinaryDumpWriter:  # noqa: N802
+        """A writer of the same format, and of as many atoms unless another number is given."""
+        return BinaryDumpWriter(filename, n_atoms=self.n_atoms if n_atoms is None else n_atoms, **kwargs)
+
+    def _frame_times(self, timestep: float | None, dt: float | None) -> Floats:
+        if timestep is not None and dt is not None:
+            raise ValueError("give either timestep (time per step) or dt (time per frame)")
+        steps = self._dump.steps
+        if dt is not None:
+            timestep = dt / float(steps[1] - steps[0]) if len(steps) > 1 else dt
+        if timestep is None and self._dump.times is not None:
+            return self._dump.times
+        return np.asarray(steps * (1.0 if timestep is None else timestep), dtype=np.float64)
+
+    def _rest_positions(self, rest: ArrayLike | None) -> Floats | None:
+        columns = self._dump.columns
+        if "x" not in columns:
+            return None
+        if rest is None:
+            return self._dump.read(0, 1)[0, columns.index("x")] if self._dump.steps[0] == 0 else None
+        positions = np.array(rest, dtype=np.float64).reshape(-1)
+        if len(positions) != self._dump.n_atoms:
+            raise ValueError(f"rest holds {len(positions)} positions; {self.filename} has {self._dump.n_atoms} atoms")
+        return positions
+
+    def _row_length(self) -> float | None:
+        """Distance between rows in a window, whose molecules are its rows: where they are at rest. None elsewhere."""
+        columns = self._dump.columns
+        if self._rest is None or "mol" not in columns or self._dump.steps[0] != 0:
+            return None
+        x, row = (self._dump.read(0, 1)[0, columns.index(name)] for name in ("x", "mol"))
+        length = float(x[0] / row[0]) if row[0] else 0.0
+        return length if np.array_equal(x, row * length) else None
+
+    def _reopen(self) -> None:
+        self.ts.frame = -1
+        self.ts.data["time"] = float(self._times[0]) - self.ts.dt
+        self._first = 0
+        self._ahead: Floats = np.empty((0, len(self._dump.columns), self.n_atoms))
+
+    def _read_next_timestep(self) -> Any:
+        if self.ts.frame + 1 >= self.n_frames:
+            raise EOFError
+        return self._read_frame(self.ts.frame + 1)
+
+    def _read_frame(self, frame: int) -> Any:
+        if not self._first <= frame < self._first + len(self._ahead):
+            in_a_row = frame == self._first + len(self._ahead)
+            count = max(1, _AHEAD_BYTES // (8 * len(self._dump.columns) * self.n_atoms)) if in_a_row else 1
+            self._ahead = self._dump.read(frame, count)
+            self._first = frame
+        self._fill(frame, self._ahead[frame - self._first].copy())
+        return self.ts
+
+    def _fill(self, frame: int, values: Floats) -> None:
+        """Put a frame into the timestep; values are [column, atom]."""
+        ts, data = self.ts, self.ts.data
+        ts.frame = frame
+        ts.dimensions = self._dimensions[frame]
+        data["step"] = int(self._dump.steps[frame])
+        data["time"] = float(self._times[frame])
+        data["box"] = self._dump.box[frame].copy()
+        for name, column in zip(self._dump.columns, values, strict=True):
+            data[name] = column
+            if name in POSITION:
+                ts.positions[:, POSITION[name]] = column
+            elif name in VELOCITY and ts.has_velocities:
+                ts.velocities[:, VELOCITY[name]] = column
+        if self._y is not None:
+            ts.positions[:, 1] = self._y
+        if ts.has_velocities:
+            data["velocity"] = data["vx"]
+        if self._rest is not None:
+            data["displacement"] = data["x"] - (self._rest if self._row is None else data["mol"] * self._row)
+        if self._scale is not None and {"velocity", "displacement"} <= data.keys():
+            scale = self._scale
+            data["si"] = Measured(
+                data["time"] * scale.time, data["displacement"] * scale.length, data["velocity"] * scale.velocity
+            )
+
 
 __all__ = ["BinaryDumpReader", "BinaryDumpWriter", "ChainsParser"]

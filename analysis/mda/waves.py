@@ -8,9 +8,8 @@ from MDAnalysis.analysis.results import Results, ResultsGroup
 
 import analysis.mda.formats  # noqa: F401  registers the readers
 from analysis.files import recording
-from analysis.tracking.leading_waves import leading_waves, usual_arrival
+from analysis.tracking.leading_waves import beyond_kicks, leading_waves, usual_arrival
 from analysis.tracking.peaks import THRESHOLD, PeakFinder
-from analysis.tracking.which_leads import beyond_kicks
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem
 

@@ -20,7 +20,8 @@ the grid's spacing.
 | energy               | ``energy``         | m (L / T)**2    | ``energy * v**2``                     |
 | width, form          | ``width``, methods | beads           | the same                              |
 
-Mass and contact constant are 1. Nothing here knows of runs: waves found in a trajectory are compared elsewhere.
+Mass and contact constant are 1. Nothing here knows of runs: waves found in a trajectory are compared elsewhere. The
+wave of a system's contacts, where they have one, is `wave_of`.
 """
 
 from dataclasses import dataclass, field
@@ -30,6 +31,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from analysis import hermite
+from lammps_inputs import System, physics
+from lammps_inputs.facts import Fact
 
 Floats = NDArray[np.float64]
 
@@ -264,3 +267,14 @@ def _checked(exponent: float) -> float:
     if not 1.0 < exponent < np.inf:
         raise ValueError(f"exponent is {exponent!r}: a solitary wave needs a contact force overlap**n with n > 1")
     return float(exponent)
+
+
+def has_wave(system: System) -> bool:
+    """Whether there is an exact wave to compare pulses with: contacts are a power of the overlap, and carry one."""
+    return physics.exponent(system) is not None and system.holds(Fact.PULSE) and system.holds(Fact.SONIC_VACUUM)
+
+
+def wave_of(system: System) -> SolitaryWave:
+    """The exact wave of the contacts; that of spheres where there is none, as a measure of how long a pulse takes."""
+    exponent = physics.exponent(system) if has_wave(system) else None
+    return solitary_wave(HERTZ if exponent is None else exponent)

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis import hermite, motion
+from analysis.shape.exact_wave import wave_of
 from analysis.shape.pattern import length_of
-from analysis.shape.wave_of import wave_of
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem, physics
 
@@ -54,7 +54,7 @@ class Shape:
 
     Attributes:
         width: full width at half maximum of the velocity, in beads: its duration times the local speed; NaN where that
-            is not positive. How well, says `analysis.tracking.accuracy.width_error`: on coarse grids far worse than the
+            is not positive. How well, says `analysis.tracking.noise.width_error`: on coarse grids far worse than the
             rest.
         momentum: in units of m V; NaN where beads differ.
         energy: kinetic and of the contacts, within `reach` beads of the one that is passed, in units of m V**2; where

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from analysis.mirror import mirrored_bead
 from analysis.quantity import declare, derived, result
-from analysis.shape.wave_of import has_wave, wave_of
+from analysis.shape.exact_wave import has_wave, wave_of
 from analysis.shape.waveforms import REACH, Passages
 from analysis.sharing.equipartition import dissipates
 from analysis.tracking.pulses import CONSTANT_OVER, Pulse

@@ -10,23 +10,30 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.budget import energy_input
+from analysis.conservation import energy_input
 from analysis.mirror import direction_of, mirrored, mirrored_bead, mirrored_problem
+from analysis.shape.exact_wave import wave_of
 from analysis.shape.loaded_wave import make_speed
-from analysis.shape.wave_of import wave_of
 from analysis.shape.waveforms import Passages, Shape, Waveforms, reach
 from analysis.sharing.decay_law import DecayFit, fit_decay
-from analysis.sharing.energy_shares import EnergyShares
+from analysis.sharing.energies import EnergyShares
 from analysis.sharing.equipartition import Sharing, sharing
 from analysis.sharing.is_solitary import Character, Tolerances, characterise, measured_at, passages_of
 from analysis.sharing.verdict import Verdict, judge
-from analysis.tracking.accuracy import peak_error
-from analysis.tracking.leading_waves import Arrival, Waves, leading_waves, mirrored_waves, usual_arrival
-from analysis.tracking.noise import distinct, left_by_smoothing, noise_at_start, smoothed
+from analysis.tracking.leading_waves import (
+    Arrival,
+    Waves,
+    beyond_kicks,
+    leading_waves,
+    mirrored_waves,
+    of_pulses,
+    opposed,
+    usual_arrival,
+)
+from analysis.tracking.noise import distinct, left_by_smoothing, noise_at_start, peak_error, smoothed
 from analysis.tracking.peaks import THRESHOLD, PeakFinder
 from analysis.tracking.pulses import SMALLEST, Pulse, ahead_of_sound, track_pulses
 from analysis.tracking.undisturbed import clear_of_ends, clear_of_others, once_each, returns
-from analysis.tracking.which_leads import beyond_kicks, of_pulses, opposed
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem, physics
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from small_problems import written_down
 
-from analysis.budget import HELD, Account, Budget
-from analysis.conservation import Conservation
+from analysis.conservation import HELD, Account, Budget, Conservation
 from analysis.figures import budget_figure
 from analysis.quantity import plain
 from lammps_inputs import library

@@ -14,8 +14,7 @@ from plain_scene import goes_on_bit_for_bit
 from stock_lammps import DEBIAN, scene
 from stock_lammps import run as stock_run
 
-from analysis.budget import Account
-from analysis.conservation import Conservation
+from analysis.conservation import Account, Conservation
 from analysis.tracking.peaks import PeakFinder
 from analysis.trajectory import Trajectory, joined
 from lammps_inputs import Coupling, InputError, Kick, Scene, laws

@@ -5,9 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from analysis.gauges.forces import at_frames
+from analysis.gauges.forces import PULSE, at_frames
 from analysis.gauges.gauge import far_wall
-from analysis.gauges.readings import PULSE
 from lammps_inputs import InputError, Output, Problem, Scene, physics
 from lammps_inputs.limits import rates
 from lammps_inputs.limits.closing import slowest_swing

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from analysis.against.pairing import on_common_rows
+from analysis.against.common_times import on_common_rows
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem, physics, scheme
 from lammps_inputs.facts import Fact

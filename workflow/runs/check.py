@@ -7,10 +7,9 @@ from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 
+from analysis.against.common_times import paired
 from analysis.against.difference import Deviation, Difference, Place, waves_apart
-from analysis.against.pairing import paired
-from analysis.tracking.leading_waves import Waves, leading_waves, usual_arrival
-from analysis.tracking.which_leads import leading_finder, leading_passages
+from analysis.tracking.leading_waves import Waves, leading_finder, leading_passages, leading_waves, usual_arrival
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem, html
 from workflow.engines.reference import engine

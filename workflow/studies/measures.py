@@ -14,9 +14,8 @@ from analysis.mirror import direction_of
 from analysis.sharing.equipartition import sharing
 from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.survey import survey
-from analysis.tracking.leading_waves import leading_waves, usual_arrival
+from analysis.tracking.leading_waves import beyond_kicks, leading_waves, opposed, usual_arrival
 from analysis.tracking.peaks import PeakFinder
-from analysis.tracking.which_leads import beyond_kicks, opposed
 from analysis.trajectory import Trajectory, blocks
 from lammps_inputs import InputError, Problem, Scene, library, physics
 from workflow.engines.reference import engine

@@ -7,14 +7,13 @@ import numpy as np
 from analysis.conservation import Conservation
 from analysis.mirror import along_the_way
 from analysis.quantity import Column, declare, derived, result
-from analysis.shape.wave_of import has_wave, wave_of
+from analysis.shape.exact_wave import has_wave, wave_of
 from analysis.sharing.decay_law import DecayFit
 from analysis.sharing.equipartition import AGREEMENTS, Estimate, dissipates, resolved
 from analysis.sharing.is_solitary import Character, Tolerances
 from analysis.sharing.survey import Survey
 from analysis.tracking.leading_waves import Waves
-from analysis.tracking.pulses import Pulse
-from analysis.tracking.train import Train, train_of
+from analysis.tracking.pulses import Pulse, Train, train_of
 from analysis.tracking.undisturbed import CLEAR, clear_of_others
 from lammps_inputs import Problem, physics
 from lammps_inputs.facts import Fact

@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from analysis import motion
-from analysis.against import beads, symptoms
+from analysis.against import symptoms
 from analysis.files.recording import rest_positions
 from analysis.trajectory import Trajectory
 from lammps_inputs import laws, physics
@@ -123,7 +123,7 @@ def _beads(own: Trajectory, reference: Trajectory) -> list[str]:
     system = problem.system
     if rates.drag(system) > rates.fastest(system):
         return []
-    felt, right = beads.identify_beads(own), beads.identify_beads(reference)
+    felt, right = symptoms.identify_beads(own), symptoms.identify_beads(reference)
     if felt is None or right is None:
         return []
     found = []
@@ -139,7 +139,7 @@ def _beads(own: Trajectory, reference: Trajectory) -> list[str]:
         single = wrong.copy()
         for kind in np.unique(kind_of[wrong]).tolist():
             members = (kind_of == kind) & np.isfinite(factor)
-            if np.count_nonzero(members) > 1 and np.all(wrong[members]) and np.ptp(factor[members]) < beads.SAME:
+            if np.count_nonzero(members) > 1 and np.all(wrong[members]) and np.ptp(factor[members]) < symptoms.SAME:
                 single[members] = False
                 name = names[1] if np.ptp(kind_of) == 0.0 else names[0].format(f"{kind:.4g}")
                 found.append(f"{name} are {np.median(factor[members]):.4g} times as {what} as the scene says")

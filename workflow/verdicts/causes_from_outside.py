@@ -5,7 +5,7 @@ from collections import Counter
 
 import numpy as np
 
-from analysis.against import beads
+from analysis.against import symptoms
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs.laws.in_time import HalfSine, Rectangular, Sine, TimeLaw
 from lammps_inputs.loads import Load, Motion
@@ -102,7 +102,7 @@ def pushes(own: Trajectory, reference: Trajectory) -> list[str]:
         if places[load.chain, load.bead] > 1:  # which of them is wrong, nobody can tell
             continue
         right = load.impulse(own.time)
-        off, method = (beads.given(one, load) - right for one in (own, reference))
+        off, method = (symptoms.impulse_given(one, load) - right for one in (own, reference))
         most, furthest = (float(np.max(np.abs(values))) for values in (right, off))
         felt = right + off - method
         if most == 0.0 or np.max(np.abs(felt - right)) < _PUSH_DOUBT * most or furthest < np.max(np.abs(method)):

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from analysis.against import resample
+from analysis.against import common_times
+from analysis.against.common_times import OtherFramesError, paired
 from analysis.against.difference import Deviation, Difference
-from analysis.against.pairing import OtherFramesError, paired
-from analysis.files import table, text_dump
+from analysis.files import table
 from analysis.files.binary_dump import CutDumpWarning
 from analysis.trajectory import Trajectory, joined
 from lammps_inputs import InputError, Problem, html, physics
@@ -230,7 +230,7 @@ def validate_against(
 ) -> Validation:
     """Compare a run with a user's own trajectory in a file; writes what `validate` writes.
 
-    Files: see `analysis.files.table` and `analysis.files.text_dump`.
+    Files: see `analysis.files.table` and `analysis.files.table`.
 
     The run is interpolated to the table's times. Peaks and arrivals are compared where the table has displacement and
     velocity at evenly spaced times. That the table's numbers are rounded is remarked, and is the cause where a
@@ -247,9 +247,9 @@ def validate_against(
     """
     problem = directory.problem
     limits = _limits(problem, tolerances)
-    if text_dump.is_one(path):
+    if table.is_text_dump(path):
         step = problem.timestep if dimensionless else problem.timestep * problem.scale.time
-        given = text_dump.load(path, problem.beads, step)
+        given = table.load_dump(path, problem.beads, step)
     else:
         given = table.load(path)
     given_table.check_places(path, given, problem)
@@ -264,7 +264,7 @@ def validate_against(
         velocity=own.velocity[:, :, columns],
     )
     try:
-        resampled = resample.at_times(own_part, theirs.time)
+        resampled = common_times.at_times(own_part, theirs.time)
     except InputError as error:
         if own.frames < problem.frames + 1:
             raise InputError(f"{path}: {error}; the run is incomplete") from None
@@ -292,7 +292,7 @@ def validate_against(
         causes=tuple(found),
         remarks=(*digits, *given_table.remarks(path, theirs, own)),
         certificate=None,
-        interpolation=None if given_table.are_frames(theirs, own) else resample.interpolation_error(own_part),
+        interpolation=None if given_table.are_frames(theirs, own) else common_times.interpolation_error(own_part),
         frames=own.frames,
         compared=len(theirs.time),
     )

@@ -62,7 +62,7 @@ def _lag(found: Survey) -> Floats:
 
 
 def _energies(found: Survey) -> tuple[Floats, Floats]:
-    """[wave] shares of the energy, see `analysis.sharing.energy_shares`; NaN where not measured."""
+    """[wave] shares of the energy, see `analysis.sharing.energies`; NaN where not measured."""
     waves, problem = found.waves, found.problem
     bead = found.shared.bead[found.energies.place]
     if found.direction < 0:

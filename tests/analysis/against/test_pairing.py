@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from small_problems import problem, written_down
 
-from analysis.against.pairing import OtherFramesError, paired
+from analysis.against.common_times import OtherFramesError, paired
 from analysis.trajectory import joined
 
 RUN = written_down(problem(frames=30), lambda t: (np.sin(t), np.cos(t)))

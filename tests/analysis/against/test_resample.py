@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from small_problems import problem, written_down
 
 from analysis import hermite
-from analysis.against.resample import MARGIN, at_times, interpolation_error
+from analysis.against.common_times import MARGIN, at_times, interpolation_error
 from lammps_inputs import InputError
 from workflow.engines.reference import engine
 

@@ -8,7 +8,7 @@ import pytest
 from small_problems import problem as small
 from synthetic_waves import reader, reference
 
-from analysis.budget import Account
+from analysis.conservation import Account
 from analysis.figures import (
     CHAIN_DASHES,
     MAX_PANELS,

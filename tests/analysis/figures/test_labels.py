@@ -16,12 +16,12 @@ from analysis.figures.searched import Objective, front_figure, history_figure
 from analysis.figures.style import CHAIN_COLOURS, shown_chains
 from analysis.figures.traces import residual_figure
 from analysis.files.traces import Channel, Traces
+from analysis.gauges.forces import Readings
 from analysis.gauges.gauge import gauges
-from analysis.gauges.readings import Readings
 from analysis.gauges.spectra import Spectra
 from analysis.shape.exact_wave import solitary_wave
 from analysis.shape.waveforms import Passages
-from analysis.sharing.energy_flow import Flow
+from analysis.sharing.energies import Flow
 from analysis.sound.dispersion import Cell, Map
 from lammps_inputs import Kick, Material
 

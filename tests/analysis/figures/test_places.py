@@ -9,7 +9,7 @@ from stock_lammps import scene
 from analysis.figures import BeadHistory, SpaceTime, distance_figure, response_figure, spacetime_figure
 from analysis.figures.engines import Curve, engines_figure
 from analysis.figures.style import shown_chains, title
-from analysis.sharing.energy_shares import EnergyShares
+from analysis.sharing.energies import EnergyShares
 from analysis.sharing.equipartition import Sharing
 from analysis.trajectory import Trajectory
 from lammps_inputs import Kick, Material, library, physics

@@ -17,7 +17,6 @@ import lammps_inputs
 from analysis import trajectory
 from analysis.files.binary_dump import CutDumpWarning
 from analysis.files.recording import atom_ids, blocks, rest_positions
-from analysis.mda import reader
 from lammps_inputs import Coupling, Kick, Output, Scene, file_names
 from lammps_inputs.decks import deck
 
@@ -92,7 +91,7 @@ def test_random_access_and_slices_give_the_same_frames(universe: mda.Universe, e
 def test_iteration_beyond_what_is_read_ahead_misses_nothing(
     universe: mda.Universe, expected: trajectory.Trajectory, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(reader, "_AHEAD_BYTES", 7 * 8 * 2 * 30)
+    monkeypatch.setattr(formats, "_AHEAD_BYTES", 7 * 8 * 2 * 30)
     universe.trajectory.rewind()
     for number, ts in enumerate(universe.trajectory):
         check(ts, expected, number)

@@ -8,12 +8,10 @@ import numpy as np
 import pytest
 from MDAnalysis.analysis.base import AnalysisFromFunction
 
-from analysis.files.binary_dump import CutDumpWarning
-from analysis.files.parts import Parts
+from analysis.files.binary_dump import CutDumpWarning, Parts
 from analysis.files.recording import Writer, blocks
-from analysis.mda.reader import BinaryDumpReader
+from analysis.mda.formats import BinaryDumpReader, BinaryDumpWriter
 from analysis.mda.universe import universe
-from analysis.mda.writer import BinaryDumpWriter
 from analysis.trajectory import joined
 from lammps_inputs import InputError, Kick, Material, Output, Scene
 

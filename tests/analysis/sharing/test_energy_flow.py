@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from small_problems import problem
 
-from analysis.sharing.energy_flow import EnergyFlow, Flow
+from analysis.sharing.energies import EnergyFlow, Flow
 from analysis.trajectory import Trajectory
 
 

@@ -16,9 +16,8 @@ from analysis.shape.loaded_wave import sound_speed
 from analysis.shape.waveforms import Passages, Waveforms
 from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.survey import survey
-from analysis.tracking.accuracy import peak_error, width_error
 from analysis.tracking.leading_waves import from_csv, leading_waves, usual_arrival
-from analysis.tracking.noise import noise_at_start, smoothed
+from analysis.tracking.noise import noise_at_start, peak_error, smoothed, width_error
 from analysis.tracking.peaks import find_peaks
 from analysis.trajectory import Trajectory, blocks, joined
 from lammps_inputs import Kick, library

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import BPoly
 
-from analysis.tracking.kinks import DOUBT, MARGIN, unfollowed
+from analysis.tracking.brackets import DOUBT, MARGIN, unfollowed
 from analysis.tracking.peaks import Peaks, find_peaks
 from lammps_inputs import Scene
 from workflow.engines.reference import engine

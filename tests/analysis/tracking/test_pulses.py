@@ -8,8 +8,7 @@ from small_problems import problem
 from synthetic_waves import arrivals, exact_waves, reference
 
 from analysis.shape.exact_wave import solitary_wave
-from analysis.tracking.accuracy import peak_error
-from analysis.tracking.noise import distinct, left_by_smoothing, smoothed
+from analysis.tracking.noise import distinct, left_by_smoothing, peak_error, smoothed
 from analysis.tracking.peaks import PeakFinder, find_peaks
 from analysis.tracking.pulses import Pulse, local_speed, of_one_kind, track_pulses
 from analysis.trajectory import Trajectory, blocks

@@ -4,7 +4,7 @@ import pytest
 from small_problems import problem
 
 from analysis.sharing.survey import survey
-from analysis.tracking.train import train_of
+from analysis.tracking.pulses import train_of
 from analysis.trajectory import blocks
 from workflow.engines.reference import engine
 

@@ -7,7 +7,7 @@ import pytest
 from plain_scene import scene
 from wrong_runs import deck_run
 
-from analysis.sharing.energy_flow import EnergyFlow
+from analysis.sharing.energies import EnergyFlow
 from lammps_inputs import InputError, file_names, find
 from lammps_inputs.decks import deck
 from workflow.engines.reference import engine

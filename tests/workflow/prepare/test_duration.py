@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from stock_lammps import scene
 
-from analysis.gauges.forces import ForceMeter
+from analysis.gauges.forces import PULSE, ForceMeter
 from analysis.gauges.gauge import far_wall
-from analysis.gauges.readings import PULSE
 from lammps_inputs import InputError, library
 from workflow.engines.reference import engine
 from workflow.prepare.duration import with_duration

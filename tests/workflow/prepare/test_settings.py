@@ -9,7 +9,7 @@ import pytest
 from pydantic import ValidationError
 from small_problems import problem as small_problem
 
-from analysis.against.pairing import on_common_rows
+from analysis.against.common_times import on_common_rows
 from lammps_inputs import Coupling, InputError, Kick, Output, Scene, find, strict_yaml
 from lammps_inputs.limits.timestep import stability_bound, timestep_for
 from lammps_inputs.scene import DEFAULT_ACCURACY

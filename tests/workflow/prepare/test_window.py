@@ -9,7 +9,7 @@ import pytest
 from processes import HANGS
 from stock_lammps import DEBIAN, MPIEXEC, WHEEL, scene
 
-from analysis.against.pairing import near_the_front
+from analysis.against.common_times import near_the_front
 from analysis.files import recording
 from analysis.files.binary_dump import BinaryDump
 from lammps_inputs import Kick, file_names, load

@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 from stock_lammps import scene
 
+from analysis.against.common_times import paired
 from analysis.against.difference import Difference
-from analysis.against.pairing import paired
-from analysis.tracking.leading_waves import leading_waves
+from analysis.tracking.leading_waves import leading_passages, leading_waves
 from analysis.tracking.peaks import find_peaks
-from analysis.tracking.which_leads import leading_passages
 from lammps_inputs import Kick, Material, Output, strict_yaml
 from workflow.cli import main
 from workflow.commands.run import _judged

@@ -12,8 +12,7 @@ from analysis.sharing.equipartition import Estimate
 from analysis.sharing.survey import survey
 from analysis.sharing.verdict import State, Verdict
 from analysis.tracking.leading_waves import Waves, with_speeds
-from analysis.tracking.pulses import Pulse
-from analysis.tracking.train import Train
+from analysis.tracking.pulses import Pulse, Train
 from analysis.trajectory import blocks
 from lammps_inputs.units import make_scale
 from workflow.engines.reference import engine

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from small_problems import written_down
 
-from analysis.against import beads, symptoms
+from analysis.against import symptoms
 from lammps_inputs import library, physics
 from workflow.engines.reference.certify import Certificate
 from workflow.verdicts import validate
@@ -40,26 +40,25 @@ def exponent(factor):
 def mass(factor):
     one = np.ones((2, 8))
     one[1, 4] = factor
-    return beads, "identify_beads", lambda _: beads.Felt(one, np.ones((2, 7)))
+    return symptoms, "identify_beads", lambda _: symptoms.Felt(one, np.ones((2, 7)))
 
 
 def contact(factor):
     one = np.ones((2, 7))
     one[1, 4] = factor
-    return beads, "identify_beads", lambda _: beads.Felt(np.ones((2, 8)), one)
+    return symptoms, "identify_beads", lambda _: symptoms.Felt(np.ones((2, 8)), one)
 
 
 def push(factor):
-    return beads, "given", lambda trajectory, load: factor * load.impulse(trajectory.time)
+    return symptoms, "impulse_given", lambda trajectory, load: factor * load.impulse(trajectory.time)
 
 
 def without_symptoms(keys, monkeypatch):
     """Two trajectories in which nothing is measured to be wrong."""
     problem = library.from_plain({**PLAIN, **keys}, "test").problem()
-    for name in ("identify_springs", "identify_strengths", "identify_load", "identify_exponent"):
+    for name in ("identify_springs", "identify_strengths", "identify_load", "identify_exponent", "identify_beads"):
         monkeypatch.setattr(symptoms, name, lambda _: None)
-    monkeypatch.setattr(beads, "identify_beads", lambda _: None)
-    monkeypatch.setattr(beads, "given", lambda trajectory, load: load.impulse(trajectory.time))
+    monkeypatch.setattr(symptoms, "impulse_given", lambda trajectory, load: load.impulse(trajectory.time))
     return [
         written_down(problem, lambda t: (0.0 * t, physics.initial_velocity(problem.system) + 0.0 * t)) for _ in "ab"
     ]

@@ -11,11 +11,11 @@ import pytest
 from stock_lammps import scene
 
 from analysis.gauges.far_end import Transmitted
+from analysis.gauges.forces import Readings
 from analysis.gauges.gauge import gauges
-from analysis.gauges.readings import Readings
 from analysis.gauges.spectra import Spectra
 from analysis.quantity import to_csv
-from analysis.sharing.energy_flow import Flow
+from analysis.sharing.energies import Flow
 from analysis.sound.dispersion import Cell, Map
 from analysis.sound.loaded_pulse import LoadedWave
 from analysis.sound.loaded_pulse import Sound as Measured

@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 
 from analysis.quantity import csv_of
-from analysis.tracking.leading_waves import leading_waves, usual_arrival
+from analysis.tracking.leading_waves import leading_finder, leading_passages, leading_waves, usual_arrival
 from analysis.tracking.peaks import PeakFinder
-from analysis.tracking.which_leads import leading_finder, leading_passages
 from analysis.trajectory import Floats, Trajectory, frames_per_block
 from lammps_inputs import Problem, file_names
 from workflow.engines.lammps.restarts import write_whole

@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from analysis.against.common_times import on_common_rows
 from analysis.against.difference import matched
-from analysis.against.pairing import on_common_rows
 from analysis.conservation import Conservation
+from analysis.tracking.leading_waves import leading_finder, leading_passages
 from analysis.tracking.peaks import sharp
-from analysis.tracking.which_leads import leading_finder, leading_passages
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem
 from lammps_inputs.limits import rates

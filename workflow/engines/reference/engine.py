@@ -136,7 +136,7 @@ def _recorded(problem: Problem, state: "State", ahead: float) -> NDArray[np.int6
     if problem.window is None:
         return problem.recorded_beads
     front = int(state.span[1])
-    # see `analysis.against.pairing.near_the_front`: a window has moved before the front reaches its head
+    # see `analysis.against.common_times.near_the_front`: a window has moved before the front reaches its head
     first = 1 if front < problem.window else front - problem.window // 2
     return np.arange(
         first, min(problem.beads, front + math.ceil(rates.pace(problem.system) * ahead) + problem.window) + 1

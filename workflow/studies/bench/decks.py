@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis.against.pairing import near_the_front
+from analysis.against.common_times import near_the_front
 from analysis.files import recording
 from lammps_inputs import Coupling, Kick, Output, Scene, file_names, library
 from lammps_inputs.decks import deck

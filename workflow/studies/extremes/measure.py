@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis.against.pairing import paired
+from analysis.against.common_times import paired
 from analysis.conservation import Conservation
 from lammps_inputs import InputError, library, physics
 from lammps_inputs.layout import Layout

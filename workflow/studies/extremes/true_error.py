@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from analysis.against.common_times import paired
 from analysis.against.difference import Difference
-from analysis.against.pairing import paired
 from analysis.conservation import Conservation
 from analysis.tracking.leading_waves import Waves, leading_waves
 from analysis.tracking.peaks import THRESHOLD, PeakFinder

@@ -17,16 +17,14 @@ from matplotlib.figure import Figure
 
 from analysis.figures.style import CHAIN_COLOURS as COLOURS
 from analysis.figures.style import STYLE
-from analysis.gauges.forces import ForceMeter
+from analysis.gauges.forces import ForceMeter, Readings
 from analysis.gauges.gauge import gauges
-from analysis.gauges.readings import Readings
 from analysis.sharing.cells import left
-from analysis.sharing.energy_flow import EnergyFlow, Flow
+from analysis.sharing.energies import EnergyFlow, Flow
 from analysis.sharing.survey import survey
 from analysis.tracking.leading_waves import Waves, leading_waves
 from analysis.tracking.peaks import PeakFinder, Peaks
-from analysis.tracking.pulses import Pulse, track_pulses
-from analysis.tracking.train import Train, train_of
+from analysis.tracking.pulses import Pulse, Train, track_pulses, train_of
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem, library
 from workflow.runs.run_directory import RunDirectory

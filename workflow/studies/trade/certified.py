@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.against.common_times import paired
 from analysis.against.difference import matched
-from analysis.against.pairing import paired
 from analysis.files import recording
 from analysis.tracking.peaks import THRESHOLD, PeakFinder, Peaks, sharp
 from analysis.trajectory import Trajectory
@@ -55,7 +55,7 @@ class Certified:
     def errors(self, blocks: Iterable[Trajectory]) -> Errors:
         """Largest errors of a run whose frames are among this problem's; its passages are found in the same frames.
 
-        Of a window, only the rows count that `analysis.against.pairing.near_the_front` takes to be right.
+        Of a window, only the rows count that `analysis.against.common_times.near_the_front` takes to be right.
         """
         first, blocks = peeked(blocks)
         stride = max(1, round(first.problem.every / self.problem.every))

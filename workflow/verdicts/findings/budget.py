@@ -4,8 +4,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from analysis.budget import ClosedAccount
-from analysis.conservation import Conservation
+from analysis.conservation import ClosedAccount, Conservation
 from workflow.engines.reference.accountant import Accountant
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.findings.finding import Finding

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from analysis.sharing.energy_flow import EnergyFlow, Flow
+from analysis.sharing.energies import EnergyFlow, Flow
 from lammps_inputs.facts import Fact
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import Table

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from analysis import quantity
-from analysis.gauges.forces import ForceMeter
+from analysis.gauges.forces import PULSE, ForceMeter, ForceTable, Reading, Readings
 from analysis.gauges.gauge import gauges
-from analysis.gauges.readings import PULSE, ForceTable, Reading, Readings
 from analysis.gauges.reflection import Reflection, reflections
 from analysis.sharing.survey import Survey
 from lammps_inputs import physics

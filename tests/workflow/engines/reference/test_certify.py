@@ -11,8 +11,8 @@ import pytest
 from scipy.integrate import solve_ivp
 from small_problems import problem
 
+from analysis.against.common_times import paired
 from analysis.against.difference import Difference
-from analysis.against.pairing import paired
 from analysis.motion import acceleration
 from analysis.trajectory import joined
 from lammps_inputs import find, physics

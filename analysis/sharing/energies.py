@@ -1,0 +1,146 @@
+"""Where the energy is: over time, and in the leading waves as they run.
+
+`EnergyFlow` has the share of each chain, its centre along the chain, and how far it is spread, for problems in which no
+pulse stays together, such as chains on a foundation; it makes sense of any. `EnergyShares` has the energy in each
+chain, and inside the waves, at the instants at which the waves pass chosen beads; they are picked out while the run is
+read a second time. The energy of a spring is shared by its two chains there. Inside a wave are the beads within
+`analysis.shape.waveforms.reach` of its peak, with the contacts between them.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from analysis import motion
+from analysis.conservation import energy_input
+from analysis.quantity import declare, result
+from analysis.shape.waveforms import reach
+from analysis.sharing.equipartition import Sharing
+from analysis.trajectory import Floats, Trajectory
+from lammps_inputs import Problem
+
+MOST_INSTANTS = 500
+
+LEAST = 1e-9
+"""Share of a chain below which it has no centre."""
+
+
+NO_CENTRE = "the chain has no energy"
+
+
+@result
+class Flow:
+    """Energy at some instants."""
+
+    time: Floats = declare("time of some frames", "time", symbol="t")
+    share: Floats = declare(
+        "energy of each chain (kinetic, contacts, ground) over that of all chains, [instant][chain]"
+    )
+    between: Floats = declare(
+        "energy in the springs between chains over the energy input until then (kicks, work of pushes and drives)",
+        undefined="the input is not positive, or that work is not known",
+    )
+    centre: Floats = declare("mean bead number of the chain's energy, [instant][chain]", "beads", NO_CENTRE)
+    spread: Floats = declare("standard deviation of the bead number of the chain's energy", "beads", NO_CENTRE)
+
+    def extremes(self, chain: int) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Least and largest share of a chain (from 0) after the start, each with its time; the start if alone."""
+        later = slice(1, None) if len(self.time) > 1 else slice(None)
+        share, time = self.share[later, chain], self.time[later]
+        least, most = int(np.argmin(share)), int(np.argmax(share))
+        return (float(share[least]), float(time[least])), (float(share[most]), float(time[most]))
+
+
+class EnergyFlow:
+    """Collects a `Flow` from a run of all beads that is given block by block."""
+
+    def __init__(self, problem: Problem) -> None:
+        self._stride = -(-(problem.frames + 1) // MOST_INSTANTS)
+        self._seen = 0
+        self._found: list[tuple[Floats, ...]] = []
+
+    def add(self, block: Trajectory) -> None:
+        """Take the next frames, from the first of the run on."""
+        chosen = slice(-self._seen % self._stride, None, self._stride)
+        self._seen += block.frames
+        x, v = block.displacement[chosen], block.velocity[chosen]
+        energy = motion.bead_energy(block.problem.system, x, v, block.first)
+        of_chain = energy.sum(axis=-1, keepdims=True)
+        total = of_chain.sum(axis=-2, keepdims=True)
+        share = (of_chain / np.where(total > 0.0, total, np.inf))[..., 0]  # a drive may begin with none
+        between = np.zeros(len(x))
+        for link in block.problem.system.across:
+            between += np.sum(link.energy(x, block.first), axis=(-2, -1))
+        put_in = energy_input(block)[chosen]
+        between /= np.where(put_in > 0.0, put_in, np.nan)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            weight = np.where(share > LEAST, 1.0, np.nan)[..., np.newaxis] * energy / of_chain
+        centre = np.sum(weight * block.beads, axis=-1)
+        spread = np.sqrt(np.sum(weight * (block.beads - centre[..., np.newaxis]) ** 2, axis=-1))
+        self._found.append((block.time[chosen], share, between, centre, spread))
+
+    def result(self) -> Flow:
+        """Of the frames so far.
+
+        Raises:
+            ValueError: there was none.
+        """
+        if not self._found:
+            raise ValueError("no frames to measure")
+        return Flow(*(np.concatenate(part) for part in zip(*self._found, strict=True)))
+
+
+MAX_PLACES = 400
+
+
+class EnergyShares:
+    """Collects energies when the chains' waves pass beads; for runs in which every bead is recorded.
+
+    Attributes:
+        place: [instant] positions in the `Sharing`, of those at which all arrivals are defined.
+        chain: [instant, chain] energy of a chain, in that put in; NaN where not seen, as in a window.
+        wave: [instant, chain] energy inside its leading wave, in that put in; likewise, and NaN where another pulse is
+            as near. 0 where the chain has none that counts.
+    """
+
+    def __init__(self, problem: Problem, shared: Sharing) -> None:
+        self.problem = problem
+        self._shared = shared
+        arrival = shared.of_tied(shared.arrival)
+        known = np.flatnonzero(np.all(np.isfinite(arrival), axis=1)) if problem.recorded is None else np.arange(0)
+        count = min(len(known), MAX_PLACES)
+        self.place = known[np.unique(np.linspace(0, max(len(known) - 1, 0), count).round().astype(np.int64))]
+        self._known = known
+        instant = np.mean(arrival[self.place], axis=1) if count else np.zeros(0)
+        self._frame = np.round(instant / problem.every).astype(np.int64)
+        self.chain = np.full((len(self.place), problem.chains), np.nan)
+        self.wave = np.full((len(self.place), problem.chains), np.nan)
+        self._seen, self._reach = 0, reach(problem)
+
+    def add(self, block: Trajectory) -> None:
+        """Take the next frames, from the first of the run on."""
+        start, self._seen = self._seen, self._seen + block.frames
+        for row in np.flatnonzero((self._frame >= start) & (self._frame < self._seen)):
+            frame = self._frame[row] - start
+            self.chain[row], self.wave[row] = self._energies(block, int(frame))
+
+    def forget(self, waves: NDArray[np.bool_]) -> None:
+        """Leave out the energies of some waves, [instant, chain]."""
+        self.wave[waves] = np.nan
+
+    def _energies(self, block: Trajectory, frame: int) -> tuple[Floats, Floats]:
+        x, v = block.displacement[frame], block.velocity[frame]
+        kinetic = motion.kinetic_energy(self.problem.system, v, block.first)
+        contacts = motion.contact_energy(self.problem.system, x, block.first)
+        total = np.sum(kinetic, axis=1) + np.sum(contacts, axis=1)
+        for link in (*self.problem.system.across, *self.problem.system.ground):
+            link.add_chain_energy(total, link.energy(x, block.first))
+        inside = np.empty_like(total)
+        for chain in range(self.problem.chains):
+            arrivals = np.maximum.accumulate(self._shared.arrival[self._known, chain])
+            peak = np.interp(block.time[frame], arrivals, self._shared.bead[self._known])
+            near = np.abs(block.beads - np.rint(peak)) <= self._reach  # nowhere in a chain whose arrivals are NaN
+            between = near[:-1] & near[1:]
+            inside[chain] = np.sum(kinetic[chain, near]) + np.sum(contacts[chain, between])
+        if self.problem.window is not None:
+            total[:] = np.nan
+        return total / self._shared.energy, inside / self._shared.energy
