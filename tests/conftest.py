@@ -66,8 +66,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 def _no_figure_of_a_validation(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     """Validations in this process leave no figure, which takes them longer than all else."""
     if "drawn" not in request.fixturenames:
-        for module in ("validate", "validate_traces"):
-            monkeypatch.setattr(f"workflow.verdicts.{module}.write_figure", lambda *_: ())
+        monkeypatch.setattr("workflow.verdicts.validate.write_figure", lambda *_: ())
 
 
 @pytest.fixture

@@ -27,6 +27,7 @@ from workflow.verdicts import analyse as analysing
 from workflow.verdicts import validate as validating
 from workflow.verdicts.analyse import Analysis
 from workflow.verdicts.validate import Validation
+from workflow.verdicts.validate_table import validate_against
 from workflow.view import need_bokeh
 
 if TYPE_CHECKING:
@@ -164,9 +165,7 @@ def validate(
     limits = dict(tolerances or {})
     if against is None:
         return validating.validate(_directory(run), limits)
-    return validating.validate_against(
-        _directory(run), Path(against), dimensionless=units == "dimensionless", tolerances=limits
-    )
+    return validate_against(_directory(run), Path(against), dimensionless=units == "dimensionless", tolerances=limits)
 
 
 def universe(run: AnyRun) -> Any:

@@ -1,11 +1,14 @@
-"""What all figures share: colours, dashes, sizes, labels."""
+"""What all figures share: colours, dashes, sizes, labels, and how one becomes the content of a file."""
 
+import io
 import math
 from dataclasses import dataclass
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
@@ -214,3 +217,33 @@ def name_columns(axis: Axes, beads: NDArray[np.int64]) -> None:
     named = np.unique(np.linspace(0, len(beads) - 1, min(len(beads), _MOST_LABELS)).round().astype(int))
     axis.set_xticks(named.tolist(), labels=[str(beads[place]) for place in named])
     axis.set_xlabel("recorded bead")
+
+
+_PACKED = {"compress_level": 3}
+"""Half the time of the usual 6, for files that are a tenth larger."""
+
+
+def picture(figure: Figure, suffix: str, dpi: float = STYLE["savefig.dpi"]) -> bytes:
+    """What a file of this kind holds.
+
+    Figures are laid out once, and PNG is drawn once; matplotlib on its own draws each file twice.
+
+    Args:
+        figure: what to draw.
+        suffix: ``png``, ``pdf`` or ``svg``.
+        dpi: dots per inch of what is not drawn with lines.
+    """
+    out = io.BytesIO()
+    with mpl.rc_context(STYLE):  # fonts are settings of saving, too
+        engine = figure.get_layout_engine()
+        if engine is not None:
+            figure.set_dpi(dpi)
+            engine.execute(figure)
+            figure.set_layout_engine("none")
+        if suffix == "png":
+            figure.set_dpi(dpi)
+            canvas: Any = FigureCanvasAgg(figure)
+            canvas.print_png(out, pil_kwargs=_PACKED)
+        else:
+            figure.savefig(out, format=suffix, dpi=dpi)
+    return out.getvalue()

@@ -15,11 +15,10 @@ from analysis.mirror import direction_of, mirrored, mirrored_bead, mirrored_prob
 from analysis.shape.exact_wave import wave_of
 from analysis.shape.loaded_wave import make_speed
 from analysis.shape.waveforms import Passages, Shape, Waveforms, reach
-from analysis.sharing.decay_law import DecayFit, fit_decay
 from analysis.sharing.energies import EnergyShares
 from analysis.sharing.equipartition import Sharing, sharing
 from analysis.sharing.is_solitary import Character, Tolerances, characterise, measured_at, passages_of
-from analysis.sharing.verdict import Verdict, judge
+from analysis.sharing.verdict import DecayFit, Verdict, fit_decay, judge
 from analysis.tracking.leading_waves import (
     Arrival,
     Waves,

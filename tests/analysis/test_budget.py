@@ -7,7 +7,7 @@ import pytest
 from small_problems import written_down
 
 from analysis.conservation import HELD, Account, Budget, Conservation
-from analysis.figures import budget_figure
+from analysis.figures.energy import budget_figure
 from analysis.quantity import plain
 from lammps_inputs import library
 from lammps_inputs.units import make_scale

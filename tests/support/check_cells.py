@@ -21,7 +21,7 @@ def expected(case: Case) -> dict[str, Any]:
 
 
 def cells(case: Case) -> dict[str, Any]:
-    """See `workflow.verdicts.findings.cells`."""
+    """See `workflow.verdicts.findings.pulses`."""
     chains = range(1, case.scene.chains + 1)
 
     def left_behind(found: Any) -> Any:  # noqa: ARG001

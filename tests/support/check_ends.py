@@ -123,7 +123,7 @@ def unsettled(series: Floats) -> bool:
 
 
 def window(case: Case) -> dict[str, Any]:
-    """See `workflow.verdicts.findings.window`."""
+    """See `workflow.verdicts.findings.pulses`."""
     rows, frames = case.scene.window, case.frames
     tails = [int(np.flatnonzero(np.isfinite(v[0]))[0]) for v in frames.v]
     worst, bead = 0.0, 0

@@ -87,7 +87,7 @@ def _given(push: Any, time: Any) -> Any:
 
 
 def budget(case: Case) -> dict[str, Any]:
-    """See `workflow.verdicts.findings.budget`."""
+    """See `workflow.verdicts.findings.energy`."""
     frames, own, unit = case.of_all, case.nature, case.unit
     assert frames is not None
     chosen = instants(frames, last=True)

@@ -77,7 +77,7 @@ def forces_table(case: Case) -> list[dict[str, Any]]:
 
 
 def entry(case: Case, kind: str, name: str, bead: int, chain: int) -> dict[str, Any]:
-    """See `workflow.verdicts.findings.forces`."""
+    """See `workflow.verdicts.findings.gauges`."""
     unit, truth = case.unit, case.truth
     force, rest = force_of(case.nature, kind, chain, bead), static(case, kind, chain, bead)
     when, most = truth.largest(force)
@@ -198,7 +198,7 @@ def lines_of(case: Case) -> tuple[Floats, Floats, Floats]:
 
 
 def spectra(case: Case) -> dict[str, Any] | None:
-    """See `workflow.verdicts.findings.spectra`."""
+    """See `workflow.verdicts.findings.gauges`."""
     wanted, unit = case.scene.output.spectra, case.unit
     frequency, amplitude, velocity = lines_of(case)
     count = len(velocity)

@@ -237,7 +237,7 @@ def stride(case: Case) -> int:
 
 
 def dispersion(case: Case) -> Any:
-    """See `workflow.verdicts.findings.dispersion`."""
+    """See `workflow.verdicts.findings.sound`."""
     why = why_none(case)
     if why is not None:
         none = dict.fromkeys(("beads", "bands", "measured", "bin"))

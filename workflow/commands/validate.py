@@ -14,7 +14,7 @@ from workflow.runs import run as running
 from workflow.runs.run_directory import RunDirectory
 from workflow.screen import Answer, one_line, print_table, progress_bar
 from workflow.verdicts import validate as validation
-from workflow.verdicts.validate_traces import validate_traces
+from workflow.verdicts.validate_table import validate_against, validate_traces
 
 ANSWERS = "what validation.json holds"
 DRAWS = True
@@ -59,7 +59,7 @@ def execute(arguments: argparse.Namespace) -> Answer:
         found = validation.validate(directory, tolerances)
     else:
         dimensionless = arguments.units == "dimensionless"
-        compare = validate_traces if traces.are_in(arguments.against) else validation.validate_against
+        compare = validate_traces if traces.are_in(arguments.against) else validate_against
         found = compare(directory, arguments.against, dimensionless=dimensionless, tolerances=tolerances)
     _print(found)
     print(f"{one_line(directory.path)}: {', '.join((validation.REPORT, *figure_files(validation.FIGURE)))}")

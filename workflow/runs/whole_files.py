@@ -47,7 +47,7 @@ def write_figure(directory: Path, name: str, figure: "Figure") -> tuple[Path, ..
     Raises:
         RunError: it holds numbers that cannot be drawn.
     """
-    from analysis.figures.picture import picture
+    from analysis.figures.style import picture
 
     paths = tuple(directory / file for file in figure_files(name))
     for path in paths:

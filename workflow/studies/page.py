@@ -9,7 +9,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from analysis.figures.picture import picture as content_of
+from analysis.figures.style import picture as content_of
 from workflow.runs.own_files import claim
 from workflow.runs.whole_files import write_bytes, write_text
 

@@ -26,10 +26,9 @@ from workflow.runs.references import accountant
 from workflow.runs.results import Fingerprint
 from workflow.runs.run_directory import RunDirectory
 from workflow.runs.whole_files import write_figure, write_json, write_text
-from workflow.verdicts.analysis_report import REPORT, last_clear_bead, report
-from workflow.verdicts.findings import FINDINGS, budget
+from workflow.verdicts.analysis_report import REPORT, WAVES, last_clear_bead, report, waves_csv
+from workflow.verdicts.findings import FINDINGS, energy
 from workflow.verdicts.findings.finding import Finding
-from workflow.verdicts.waves_table import WAVES, waves_csv
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -133,7 +132,8 @@ def analyse(
     watchers: list[Any] = [conservation, fingerprint, *measures]
     spacetime = history = None
     if figures:
-        from analysis.figures import BeadHistory, SpaceTime  # matplotlib takes half a second to import
+        from analysis.figures.spacetime import SpaceTime
+        from analysis.figures.waves import BeadHistory  # matplotlib takes half a second to import
 
         history = BeadHistory(problem, shown)
         spacetime = SpaceTime(problem if problem.frames_per_snapshot is None else problem.snapshots())
@@ -163,7 +163,7 @@ def analyse(
     conservation.momentum_drift = whole.momentum_drift if changes else np.nan
     conservation.budget = whole.budget if changes else None
     findings = [measure.finish(found) for measure in measures]
-    findings.append(budget.closed(directory, conservation, ledger))
+    findings.append(energy.closed(directory, conservation, ledger))
     there = {one.key: one for one in findings if one is not None}
     tables, drawn = _write(directory, found, conservation, allowed, there, (spacetime, history) if figures else None)
     return Analysis(
@@ -246,7 +246,8 @@ def default_beads(problem: Problem) -> tuple[int, ...]:
 
 def _makers(found: Survey, spacetime: Any, history: Any) -> "dict[str, Callable[[], Figure]]":
     """Name -> what draws the figure of what every run has; those that there is something to show in."""
-    from analysis.figures import distance_figure, response_figure, shape_figure, spacetime_figure
+    from analysis.figures.spacetime import spacetime_figure
+    from analysis.figures.waves import distance_figure, response_figure, shape_figure
 
     problem = found.problem
     system = problem.system

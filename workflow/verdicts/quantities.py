@@ -14,9 +14,8 @@ from analysis.tracking.leading_waves import Waves
 from lammps_inputs import file_names
 from lammps_inputs.units import SI
 from workflow.runs.files import EVENTS, RECORD
-from workflow.verdicts.analysis_report import REPORT, Report
+from workflow.verdicts.analysis_report import REPORT, WAVES, Report, WavesTable
 from workflow.verdicts.findings import FINDINGS
-from workflow.verdicts.waves_table import WAVES, WavesTable
 
 OWN = ("V", "T")
 """A case's own units: of the largest excitation, and of time (`lammps_inputs.units`)."""

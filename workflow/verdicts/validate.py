@@ -1,17 +1,13 @@
-"""Is a run right? Compared with the certified reference, or with a user's own trajectory, quantity by quantity."""
+"""Is a run right? Compared with the certified reference, quantity by quantity."""
 
 import warnings
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from analysis.against import common_times
 from analysis.against.common_times import OtherFramesError, paired
 from analysis.against.difference import Deviation, Difference
-from analysis.files import table
 from analysis.files.binary_dump import CutDumpWarning
 from analysis.trajectory import Trajectory, joined
 from lammps_inputs import InputError, Problem, html, physics
@@ -22,7 +18,7 @@ from workflow.runs.own_files import claim
 from workflow.runs.references import accountant
 from workflow.runs.run_directory import RunDirectory
 from workflow.runs.whole_files import write_figure, write_json
-from workflow.verdicts import causes, given_table
+from workflow.verdicts import causes
 
 TOLERANCES = {
     "velocity": 5e-4,
@@ -146,13 +142,13 @@ def validate(directory: RunDirectory, tolerances: dict[str, float] | None = None
         InputError: the run has no frames, or not those that its scene asks for.
     """
     problem = directory.problem
-    limits = _limits(problem, tolerances)
+    limits = limits_of(problem, tolerances)
     certifier = _sure_enough(problem, limits)
     difference = Difference(limits, accountant(directory, problem).of)
     kept: list[tuple[Trajectory, Trajectory]] = []
     kept_bytes = 0
     try:
-        for block, reference in paired(_blocks(directory), certifier.blocks()):
+        for block, reference in paired(blocks(directory), certifier.blocks()):
             difference.add(block, reference)
             if kept_bytes < _DIAGNOSED_BYTES:
                 kept.append((block, reference))
@@ -163,7 +159,7 @@ def validate(directory: RunDirectory, tolerances: dict[str, float] | None = None
         ) from None
     deviations = difference.deviations()
     own, right = (joined(pair[side] for pair in kept) for side in (0, 1))
-    exceeded = _any_exceeded(deviations, limits)
+    exceeded = any_exceeded(deviations, limits)
     found = causes.rounded(own, right)
     if exceeded and problem.whole and not directory.failure:
         found += causes.causes(own, right)
@@ -179,7 +175,7 @@ def validate(directory: RunDirectory, tolerances: dict[str, float] | None = None
         frames=difference.frames,
         compared=difference.frames,
     )
-    _write(directory.path, result, difference, "the reference")
+    write(directory.path, result, error_figure(result, difference, "the reference"))
     return result
 
 
@@ -189,7 +185,7 @@ def _half(problem: Problem) -> tuple[str, ...]:
     return ("compared is the front half of the window; the rows behind it lack what was left behind",)
 
 
-def _limits(problem: Problem, tolerances: dict[str, float] | None) -> dict[str, float]:
+def limits_of(problem: Problem, tolerances: dict[str, float] | None) -> dict[str, float]:
     """Those that were asked for, or the usual: where energy comes and goes, its budget misses what velocities do."""
     exchanged = {"energy": TOLERANCES["velocity"]} if physics.exchanges(problem.system) else {}
     first_order = {} if problem.system.holds(Fact.SECOND_ORDER) else FIRST_ORDER
@@ -225,96 +221,27 @@ def _sure_enough(problem: Problem, limits: dict[str, float]) -> Certifier:
     return Certifier(problem, steps_per_frame=steps)
 
 
-def validate_against(
-    directory: RunDirectory, path: Path, *, dimensionless: bool = False, tolerances: dict[str, float] | None = None
-) -> Validation:
-    """Compare a run with a user's own trajectory in a file; writes what `validate` writes.
-
-    Files: see `analysis.files.table` and `analysis.files.table`.
-
-    The run is interpolated to the table's times. Peaks and arrivals are compared where the table has displacement and
-    velocity at evenly spaced times. That the table's numbers are rounded is remarked, and is the cause where a
-    tolerance is exceeded for no other reason.
-
-    Args:
-        directory: the run.
-        path: the table.
-        dimensionless: whether the table is in units of V = 1; else it is in the scene's own units.
-        tolerances: quantity -> largest difference let pass, in place of the one in `TOLERANCES`, dimensionless.
-
-    Raises:
-        InputError: the table cannot be read, or has chains, beads or times that the run has not.
-    """
-    problem = directory.problem
-    limits = _limits(problem, tolerances)
-    if table.is_text_dump(path):
-        step = problem.timestep if dimensionless else problem.timestep * problem.scale.time
-        given = table.load_dump(path, problem.beads, step)
-    else:
-        given = table.load(path)
-    given_table.check_places(path, given, problem)
-    own = joined(_blocks(directory))
-    own = own[: problem.frames + 1]
-    theirs = given_table.as_trajectory(given, problem, dimensionless=dimensionless)
-    columns = np.searchsorted(problem.recorded_beads, given.beads)
-    own_part = replace(
-        own,
-        problem=theirs.problem,
-        displacement=own.displacement[:, :, columns],
-        velocity=own.velocity[:, :, columns],
-    )
-    try:
-        resampled = common_times.at_times(own_part, theirs.time)
-    except InputError as error:
-        if own.frames < problem.frames + 1:
-            raise InputError(f"{path}: {error}; the run is incomplete") from None
-        raise InputError(f"{path}: {error}; if the table is in other units, see --units") from None
-    difference = Difference(limits)
-    difference.add(given_table.only_where_known(resampled, theirs), given_table.only_where_known(theirs, theirs))
-    deviations = difference.deviations()
-    wanted = [name for name in table.VALUES if getattr(given, name) is not None]
-    whole = not any(np.isnan(values[:, given.chains - 1]).any() for values in (theirs.displacement, theirs.velocity))
-    if whole and len(theirs.time) > 8 and given_table.evenly_spaced(theirs.time):
-        wanted += ["amplitude", "arrival"]
-    deviations = {name: deviations[name] for name in wanted if name in deviations}
-    exceeded = _any_exceeded(deviations, limits)
-    found: list[str] = []
-    if exceeded and theirs.problem.recorded is None:
-        found = [f"{path}: {cause}" for cause in causes.causes(theirs, resampled)] or causes.causes(resampled, theirs)
-    digits = list(given_table.rounded(path, theirs))
-    if exceeded and not found:  # nothing else explains it
-        found, digits = digits, []
-    result = Validation(
-        problem=problem,
-        against=str(path),
-        deviations=deviations,
-        tolerances=limits,
-        causes=tuple(found),
-        remarks=(*digits, *given_table.remarks(path, theirs, own)),
-        certificate=None,
-        interpolation=None if given_table.are_frames(theirs, own) else common_times.interpolation_error(own_part),
-        frames=own.frames,
-        compared=len(theirs.time),
-    )
-    _write(directory.path, result, difference, path.name)
-    return result
-
-
-def _blocks(directory: RunDirectory) -> Iterable[Trajectory]:
+def blocks(directory: RunDirectory) -> Iterable[Trajectory]:
     """The frames there are; that the file ends within a frame is nothing to warn of, for the report says it."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", CutDumpWarning)
         yield from directory.blocks()
 
 
-def _any_exceeded(deviations: dict[str, Deviation], limits: dict[str, float]) -> bool:
+def any_exceeded(deviations: dict[str, Deviation], limits: dict[str, float]) -> bool:
+    """Whether any quantity is further off than its tolerance (NaN is)."""
     return any(not found.largest <= limits[name] for name, found in deviations.items())
 
 
-def _write(path: Path, result: Validation, difference: Difference, against: str) -> None:
-    from analysis.figures.error import validation_figure  # matplotlib takes half a second to import
-
+def write(path: Path, result: Validation, figure: Any) -> None:
+    """Write ``validation.json`` and a figure into a run directory."""
     claim(path, (REPORT, *figure_files(FIGURE)))
     write_json(path / REPORT, result.plain())
-    figure = validation_figure(result.problem, difference.error_map, result.deviations, result.tolerances, against)
     write_figure(path, FIGURE, figure)
+
+
+def error_figure(result: Validation, difference: Difference, against: str) -> Any:
+    """Errors over space and time, and each quantity against its tolerance."""
+    from analysis.figures.validation import validation_figure  # matplotlib takes half a second to import
+
+    return validation_figure(result.problem, difference.error_map, result.deviations, result.tolerances, against)

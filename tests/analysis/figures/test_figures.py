@@ -9,19 +9,10 @@ from small_problems import problem as small
 from synthetic_waves import reader, reference
 
 from analysis.conservation import Account
-from analysis.figures import (
-    CHAIN_DASHES,
-    MAX_PANELS,
-    BeadHistory,
-    SpaceTime,
-    axis_unit,
-    budget_figure,
-    distance_figure,
-    response_figure,
-    shape_figure,
-    shown_chains,
-    spacetime_figure,
-)
+from analysis.figures.energy import budget_figure
+from analysis.figures.spacetime import SpaceTime, spacetime_figure
+from analysis.figures.style import CHAIN_DASHES, MAX_PANELS, axis_unit, shown_chains
+from analysis.figures.waves import BeadHistory, distance_figure, response_figure, shape_figure
 from analysis.sharing.survey import survey
 from lammps_inputs import Kick
 from lammps_inputs.units import make_scale

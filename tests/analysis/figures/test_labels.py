@@ -8,13 +8,15 @@ import pytest
 from stock_lammps import scene
 
 from analysis.against.difference import Deviation, ErrorMap
-from analysis.figures import dispersion_figure, energy_figure, force_figure, shape_figure, spectra_figure
-from analysis.figures.error import BAD, GOOD, validation_figure
-from analysis.figures.map import map_figure
-from analysis.figures.partition import scan_figure
+from analysis.figures.dispersion import dispersion_figure
+from analysis.figures.energy import energy_figure
+from analysis.figures.engines import scan_figure
+from analysis.figures.gauges import force_figure, spectra_figure
 from analysis.figures.searched import Objective, front_figure, history_figure
 from analysis.figures.style import CHAIN_COLOURS, shown_chains
-from analysis.figures.traces import residual_figure
+from analysis.figures.swept import map_figure
+from analysis.figures.validation import BAD, GOOD, residual_figure, validation_figure
+from analysis.figures.waves import shape_figure
 from analysis.files.traces import Channel, Traces
 from analysis.gauges.forces import Readings
 from analysis.gauges.gauge import gauges

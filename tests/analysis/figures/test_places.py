@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from stock_lammps import scene
 
-from analysis.figures import BeadHistory, SpaceTime, distance_figure, response_figure, spacetime_figure
 from analysis.figures.engines import Curve, engines_figure
+from analysis.figures.spacetime import SpaceTime, spacetime_figure
 from analysis.figures.style import shown_chains, title
+from analysis.figures.waves import BeadHistory, distance_figure, response_figure
 from analysis.sharing.energies import EnergyShares
 from analysis.sharing.equipartition import Sharing
 from analysis.trajectory import Trajectory

@@ -9,10 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from synthetic_waves import problem, reader, reference
 
-from analysis.sharing.decay_law import SINGLE_CHAIN, expected_n_star, fit_decay
 from analysis.sharing.equipartition import Sharing
 from analysis.sharing.survey import Survey, survey
-from analysis.sharing.verdict import State, judge
+from analysis.sharing.verdict import SINGLE_CHAIN, State, expected_n_star, fit_decay, judge
 from analysis.trajectory import blocks
 from lammps_inputs import Coupling, Kick, Output, Scene, library, physics
 from workflow.engines.reference import engine

@@ -22,7 +22,7 @@ from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 from workflow.studies.gallery.rigid_rows import hertz_impulses, problem_at, relative_mode
 from workflow.verdicts.analyse import analyse
-from workflow.verdicts.waves_table import waves_csv
+from workflow.verdicts.analysis_report import waves_csv
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 

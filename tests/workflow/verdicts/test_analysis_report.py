@@ -7,10 +7,9 @@ import pytest
 from small_problems import problem
 
 from analysis.quantity import plain
-from analysis.sharing.decay_law import DecayFit
 from analysis.sharing.equipartition import Estimate
 from analysis.sharing.survey import survey
-from analysis.sharing.verdict import State, Verdict
+from analysis.sharing.verdict import DecayFit, State, Verdict
 from analysis.tracking.leading_waves import Waves, with_speeds
 from analysis.tracking.pulses import Pulse, Train
 from analysis.trajectory import blocks

@@ -145,5 +145,5 @@ def test_the_reference_takes_more_steps_until_it_is_four_times_surer_than_a_tole
 def test_where_energy_is_exchanged_it_may_miss_what_velocities_may():
     for keys, energy in (({}, 1e-4), ({"damping": {"beads": 0.1}}, 5e-4), (PUSH, 5e-4)):
         problem = library.from_plain({**PLAIN, **keys}, "test").problem()
-        assert validate._limits(problem, None) == {**validate.TOLERANCES, "energy": energy}
-        assert validate._limits(problem, {"energy": 1.0})["energy"] == 1.0
+        assert validate.limits_of(problem, None) == {**validate.TOLERANCES, "energy": energy}
+        assert validate.limits_of(problem, {"energy": 1.0})["energy"] == 1.0

@@ -12,7 +12,7 @@ from stock_lammps import scene
 
 from analysis.gauges.far_end import Transmitted
 from analysis.gauges.forces import Readings
-from analysis.gauges.gauge import gauges
+from analysis.gauges.gauge import gauges as places_of
 from analysis.gauges.spectra import Spectra
 from analysis.quantity import to_csv
 from analysis.sharing.energies import Flow
@@ -21,7 +21,7 @@ from analysis.sound.loaded_pulse import LoadedWave
 from analysis.sound.loaded_pulse import Sound as Measured
 from lammps_inputs import Kick, Material, library
 from workflow.screen import print_table
-from workflow.verdicts.findings import dispersion, energy, far_end, forces, sound, spectra
+from workflow.verdicts.findings import energy, gauges, sound
 
 STEEL = {"radius": 4.76e-3, "density": 8000.0, "youngs_modulus": 193e9, "poisson_ratio": 0.3}
 
@@ -36,7 +36,7 @@ def problem(request):
 
 def readings(problem, static):
     """Two frames of three gauges: force 10 * gauge + chain (from 1) above rest in the second."""
-    places = gauges(problem.system, wall=False, contacts=(2, 7), sensors=(5,))
+    places = places_of(problem.system, wall=False, contacts=(2, 7), sensors=(5,))
     number = np.add.outer(np.arange(1.0, 3.0), 10.0 * np.arange(1.0, 4.0))  # [chain, gauge]
     rest = np.full((2, 3), static)
     force = np.stack([rest, rest + number])
@@ -46,7 +46,7 @@ def readings(problem, static):
 
 
 def finding_of(seen, problem):
-    return forces.Forces(problem, seen.entries({}), seen)
+    return gauges.Forces(problem, seen.entries({}), seen)
 
 
 @pytest.mark.parametrize("static", [0.0, 5.0])
@@ -90,7 +90,7 @@ def test_each_gauge_and_chain_has_its_column_in_forces_csv(problem, static):
 def test_what_comes_through_is_in_the_scenes_units_and_energy_a_share(problem):
     found = Transmitted(wall_force=2.0, wall_force_chain=1.5, delay=30.0, transmitted_energy=0.25)
     force, time = problem.scale.force, problem.scale.time
-    assert far_end.FarEnd(problem, found).plain() == pytest.approx(
+    assert gauges.FarEnd(problem, found).plain() == pytest.approx(
         {"wall_force": 2.0 * force, "wall_force_chain": 1.5 * force, "delay": 30.0 * time, "transmitted_energy": 0.25}
     )
 
@@ -108,7 +108,7 @@ def test_spectra_say_what_the_last_bead_has_of_the_drive_in_the_chain_that_is_dr
     at_drive = np.array([[[0.5, 0.1], [0.8, 0.2]]])
     here = frequency * scale.time
     seen = Spectra((1, 8), 4.0, np.array([0.0, 0.5, 1.0]), lines, np.array([here]), at_drive)
-    found = spectra.Spectra(driven, seen.found(driven), seen).plain()
+    found = gauges.Spectra(driven, seen.found(driven), seen).plain()
     assert found["transmissibility"] == pytest.approx(0.25)
     assert (found["after"], found["resolution"]) == pytest.approx((4.0 * scale.time, 0.5 / scale.time))
     entries = {(one["chain"], one["bead"]): one for one in found["beads"]}
@@ -172,7 +172,7 @@ def test_bands_and_their_bin_are_in_the_scenes_units(problem):
     frequency = np.array([0.0, 0.25])
     folded, exact = np.array([0.1, 0.2]), np.zeros((2, 1))
     found = Map(1, folded, frequency, np.zeros((2, 2)), cell, folded, exact, np.array([[np.nan], [0.4]]))
-    told, unit = dispersion.Dispersion(problem, found.bands(), found).plain(), problem.scale.time
+    told, unit = sound.Dispersion(problem, found.bands(), found).plain(), problem.scale.time
     assert np.array(told["bands"]) == pytest.approx(np.array([[0.0, 3.0 / unit]]), abs=1e-6 / unit)
     assert np.array(told["measured"]) == pytest.approx(np.array([[0.4 / unit, 0.4 / unit]]))
     assert told["bin"] == pytest.approx(0.25 / unit)
@@ -210,7 +210,7 @@ def numbers(words):
 
 def test_of_a_gauge_force_time_impulse_and_dwell_are_told(problem, printed):
     scale = problem.scale
-    places = gauges(problem.system, wall=False, contacts=(2, 7), sensors=())
+    places = places_of(problem.system, wall=False, contacts=(2, 7), sensors=())
     most = np.add.outer(np.arange(1.0, 3.0), np.array([10.0, 20.0]))  # [chain, gauge]
     force = np.stack([0.0 * most, most])
     there = np.ones((2, 2), dtype=np.int64)
@@ -275,7 +275,7 @@ def test_of_spectra_the_highest_line_and_what_is_passed_on_are_told(si, printed)
     lines[1, 0], lines[2, 1] = [0.1, 0.2], [0.3, 0.4]  # [line, chain, bead]
     at_drive = np.array([[[0.5, 0.1], [0.8, 0.2]]])
     seen = Spectra((1, 8), 4.0, np.array([0.0, 0.5, 1.0]), lines, np.array([frequency * scale.time]), at_drive)
-    out = printed(spectra.Spectra(problem, seen.found(problem), seen))
+    out = printed(gauges.Spectra(problem, seen.found(problem), seen))
     assert f"from t = {4.0 * scale.time:.5g}{' s' if si else ''} on" in out
     assert f"{frequency:.5g}" in out
     half, whole, velocity = 0.5 / scale.time, 1.0 / scale.time, scale.velocity

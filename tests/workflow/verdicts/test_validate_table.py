@@ -13,7 +13,8 @@ from workflow.cli import main
 from workflow.engines.reference import engine
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
-from workflow.verdicts.validate import REPORT, validate_against
+from workflow.verdicts.validate import REPORT
+from workflow.verdicts.validate_table import validate_against
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 

@@ -9,7 +9,7 @@ import pytest
 from small_problems import problem
 
 from analysis.tracking.leading_waves import with_speeds
-from workflow.verdicts.waves_table import waves_csv
+from workflow.verdicts.analysis_report import waves_csv
 
 
 @pytest.mark.parametrize("direction", [1, -1])

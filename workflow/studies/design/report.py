@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from analysis.figures import SpaceTime, spacetime_figure
 from analysis.figures.searched import Objective, front_figure, history_figure, members_figure, wall_figure
+from analysis.figures.spacetime import SpaceTime, spacetime_figure
 from analysis.gauges.forces import at_frames
 from analysis.gauges.gauge import gauges
 from analysis.mirror import direction_of

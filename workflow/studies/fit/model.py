@@ -14,7 +14,7 @@ from lammps_inputs import InputError, Problem, library
 from lammps_inputs.units import REDUCED, SI
 from workflow.engines.reference import engine
 from workflow.engines.reference.verlet import VERLET
-from workflow.verdicts.given_table import check_channels
+from workflow.verdicts.validate_table import check_channels
 
 _LATER = 8
 """Frames beyond the last time, which the interpolation leans on."""

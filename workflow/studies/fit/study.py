@@ -143,7 +143,7 @@ def _in_lammps(fitted: dict[str, Any], search: Search, found: Estimate, director
 
 
 def _figure(search: Search, fit: Fit) -> "Figure":
-    from analysis.figures.traces import residual_figure  # matplotlib takes half a second to import
+    from analysis.figures.validation import residual_figure  # matplotlib takes half a second to import
 
     own, run = search.traces(fit.found.parameters), search.trajectory(fit.found.parameters)
     assert own is not None

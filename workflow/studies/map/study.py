@@ -157,7 +157,7 @@ def make_map(
     planned = plan(couplings, chains, most_beads)
     with STUDY.opened(directory) as cache:
         cases = [Case(**value) for value in evaluate.values(planned, cache, progress=progress)]
-        from analysis.figures.map import map_figure  # matplotlib takes half a second to import
+        from analysis.figures.swept import map_figure  # matplotlib takes half a second to import
 
         columns = {
             field.name: np.array([getattr(case, field.name) for case in cases], dtype=float) for field in fields(Case)

@@ -4,17 +4,11 @@ Each class says for a run directory what to measure, and declares its quantities
 analysis (`workflow.verdicts.analyse`) and of what `analyze` prints does not know which there are.
 """
 
-from workflow.verdicts.findings.budget import Budget
-from workflow.verdicts.findings.cells import Cells
-from workflow.verdicts.findings.contacts import Contacts
-from workflow.verdicts.findings.dispersion import Dispersion
-from workflow.verdicts.findings.energy import Energy
-from workflow.verdicts.findings.far_end import FarEnd
+from workflow.verdicts.findings.energy import Budget, Energy
 from workflow.verdicts.findings.finding import Finding
-from workflow.verdicts.findings.forces import Forces
-from workflow.verdicts.findings.sound import Sound
-from workflow.verdicts.findings.spectra import Spectra
-from workflow.verdicts.findings.window import Window
+from workflow.verdicts.findings.gauges import Contacts, FarEnd, Forces, Spectra
+from workflow.verdicts.findings.pulses import Cells, Window
+from workflow.verdicts.findings.sound import Dispersion, Sound
 
 FINDINGS: tuple[type[Finding], ...] = (
     Energy,

@@ -4,8 +4,7 @@ from functools import cache
 
 import numpy as np
 
-from analysis.figures.engines import Curve, engines_figure
-from analysis.figures.partition import relative_mode_figure, scan_figure
+from analysis.figures.engines import Curve, engines_figure, relative_mode_figure, scan_figure
 from analysis.sharing.impulses import Impulses
 from workflow.engines.collisions.first_row import THETA_OF_EQ_5
 from workflow.studies.gallery import rigid_rows

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from analysis.figures import BeadHistory, SpaceTime, response_figure, spacetime_figure
+from analysis.figures.spacetime import SpaceTime, spacetime_figure
+from analysis.figures.waves import BeadHistory, response_figure
 from analysis.sharing.equipartition import Estimate, sharing
 from workflow.studies.gallery.entry import NAMES, Entry, Ran, Results, Runs, Statement
 from workflow.studies.map.study import run_case

@@ -1,4 +1,4 @@
-"""The energy that pulses carry where beads differ."""
+"""What pulses leave: energy in unlike beads, and motion behind a window."""
 
 import math
 from collections.abc import Iterator
@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from analysis.shape.pattern import period_of
 from analysis.sharing.cells import CellEnergies, FinalEnergy, left
 from analysis.sharing.survey import Survey
+from analysis.tracking.behind_window import BehindWindow, Residual
 from lammps_inputs import physics
 from lammps_inputs.facts import Fact
 from workflow.runs.run_directory import RunDirectory
@@ -73,3 +74,25 @@ class Cells(Finding):
             return cls(problem, energies)
 
         return Measure(finish, final.add)
+
+
+@dataclass(frozen=True)
+class Window(Finding):
+    """Whether it could catch up."""
+
+    key, kind = "window", Residual
+
+    found: Residual
+
+    def said(self) -> Iterator[str]:
+        """The sentence."""
+        yield self.found.sentence
+
+    @classmethod
+    def measure(cls, directory: RunDirectory) -> Measure | None:
+        """Where there is a window."""
+        problem = directory.problem
+        if problem.window is None:
+            return None
+        behind = BehindWindow()
+        return Measure(lambda found: cls(problem, behind.result(found.waves)), behind.add)

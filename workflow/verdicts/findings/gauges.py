@@ -1,4 +1,4 @@
-"""What the gauges that a scene names have read: walls, contacts, sensors."""
+"""What gauges have read: those that a scene names, spectra of beads, the far end of the chains, the largest overlap."""
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
@@ -19,7 +19,18 @@ from workflow.verdicts.findings.finding import MOST_CHAINS, Finding, Measure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+from typing import TYPE_CHECKING
 
+from analysis.gauges.spectra import HighestLine, Lines, SpectrumMeter, SpectrumTable
+from analysis.gauges.spectra import Spectra as Measured
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+from analysis.gauges.far_end import FarEnd as Collected
+from analysis.gauges.far_end import Transmitted
+from analysis.largest_overlap import LargestOverlap, shown_by_frames
+from workflow.runs.contacts import Contacts as Hardest
+from workflow.runs.contacts import has_contacts, of_overlap
 
 _WORDS = {"largest": "largest", "at": "at", "impulse": "impulse", "dwell": "dwell"}
 
@@ -105,7 +116,7 @@ class Forces(Finding):
 
     def drawn(self) -> "dict[str, Callable[[], Figure]]":
         """Over time."""
-        from analysis.figures import force_figure
+        from analysis.figures.gauges import force_figure
 
         return {"forces": lambda: force_figure(self.problem, self.readings)}
 
@@ -139,3 +150,101 @@ def _said(found: Reflection, *, coupled: bool) -> str:
         f"the first pulse is reflected at {found.ratio:.4f} +- {found.uncertainty:.1g} of its peak velocity (incident: "
         f"beads {read[0]}, reflected: {read[1]}, extrapolated to the wall{among})"
     )
+
+
+@dataclass(frozen=True)
+class Spectra(Finding):
+    """Of the velocity."""
+
+    key, kind, figures = "spectra", Lines, ("spectra",)
+    table = "spectra.csv", SpectrumTable
+
+    found: Lines
+    spectra: Measured
+
+    def said(self) -> Iterator[Table]:
+        """The highest line of every bead, and what it has of the drives."""
+        spectra, found, scale = self.spectra, self.found, self.problem.scale
+        words = {"frequency": "highest line at", "amplitude": "its velocity"}
+        head = ["bead", "chain", *quantity.headings(HighestLine, scale, words)]
+        for frequency in spectra.drive:
+            at = scale.heading(f"at {frequency / scale.time:.5g}", "cycles")
+            head.append(f"{at}, over bead {spectra.beads[0]}")
+        rows = []
+        for one in sorted(found.beads, key=lambda line: (spectra.beads.index(line.bead), line.chain)):
+            if one.chain <= MOST_CHAINS:
+                line = [quantity.written(one, name, scale, ".5g") for name in words]
+                passed_on = [quantity.cell(drive.transmissibility, ".5g") for drive in one.at_drive]
+                rows.append([str(one.bead) if one.chain == 1 else "", str(one.chain), *line, *passed_on])
+        start = scale.written(found.after, "time", ".5g")
+        yield Table(f"{self.problem.name}: spectra from t = {start} on", head, rows)
+
+    def columns(self) -> dict[str, Any]:
+        """All lines."""
+        return self.spectra.columns(self.problem.scale)
+
+    def drawn(self) -> "dict[str, Callable[[], Figure]]":
+        """All lines."""
+        from analysis.figures.gauges import spectra_figure
+
+        return {"spectra": lambda: spectra_figure(self.problem, self.spectra)}
+
+    @classmethod
+    def measure(cls, directory: RunDirectory) -> Measure | None:
+        """Of what the scene names."""
+        wanted, problem = directory.scene.output.spectra, directory.problem
+        if wanted is None:
+            return None
+        after = None if wanted.after is None else wanted.after / problem.scale.time
+        meter = SpectrumMeter(problem, wanted.beads, after)
+
+        def finish(_: Survey) -> Spectra | None:
+            spectra = meter.result()
+            return None if spectra is None else cls(problem, spectra.found(problem), spectra)
+
+        return Measure(finish, meter.add)
+
+
+@dataclass(frozen=True)
+class FarEnd(Finding):
+    """Force, delay and energy."""
+
+    key, kind = "far_end", Transmitted
+
+    found: Transmitted
+
+    @classmethod
+    def measure(cls, directory: RunDirectory) -> Measure | None:
+        """Of all beads, if they are elastic."""
+        problem = directory.problem
+        if not problem.whole or not ENGINES[directory.engine].deforms:
+            return None
+        end = Collected(problem)
+        return Measure(lambda _: cls(problem, end.result()), end.add)
+
+
+@dataclass(frozen=True)
+class Contacts(Finding):
+    """The hardest contact."""
+
+    key, kind = "contacts", Hardest
+
+    found: Hardest
+
+    def said(self) -> Iterator[str]:
+        """With a warning where Hertz's law ends."""
+        yield from self.found.lines()
+
+    @classmethod
+    def measure(cls, directory: RunDirectory) -> Measure | None:
+        """Of elastic spheres with a material; where frames do not show overlaps, what they may be at most."""
+        problem = directory.problem
+        if not has_contacts(directory):
+            return None
+        overlap = LargestOverlap()
+
+        def finish(_: Survey) -> Contacts | None:
+            hardest = of_overlap(directory.scene, overlap)
+            return None if hardest is None else cls(problem, hardest)
+
+        return Measure(finish, overlap.add) if shown_by_frames(problem) else Measure(finish)

@@ -1,0 +1,248 @@
+"""The leading waves: how the chains share them over the distance run, their shape, and velocities of a few beads."""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from analysis.figures.style import CHAIN_COLOURS, STYLE, axis_unit, chain_legend, draw_chain, shown_chains, title
+from analysis.shape.exact_wave import wave_of
+from analysis.shape.waveforms import COMPARED, Waveforms
+from analysis.sharing.energies import EnergyShares
+from analysis.sharing.equipartition import Sharing
+from analysis.trajectory import Floats, Trajectory
+from lammps_inputs import Problem, physics
+from lammps_inputs.facts import Fact
+
+AGREED = 0.01
+
+FEW = 3
+"""Chains up to which the energy of each is drawn: whole chains swing to and fro, and more cannot be told apart."""
+
+
+def distance_figure(problem: Problem, shared: Sharing, energies: EnergyShares, direction: int = 1) -> Figure:
+    """Leading waves over the bead that they pass, one line per chain (of many, see `shown_chains`).
+
+    From the top, each where there is something to draw: peak velocities in units of the kick, and the bead from which
+    on they agree to 1%; shares of the energy in each wave, in all of them as measured, and as exact waves of their
+    amplitudes would hold; shares of each whole chain (half of its springs' counted; two to `FEW` chains); arrival
+    behind the chain that was hit.
+    """
+    panels: list[Callable[[Axes], None]] = [
+        lambda axis: _draw_amplitude(axis, problem, shared),
+        lambda axis: _draw_waves(axis, problem, shared, energies),
+    ]
+    if 1 < problem.chains <= FEW and np.any(np.isfinite(energies.chain)):
+        panels.append(lambda axis: _draw_chains(axis, problem, shared, energies))
+    if problem.chains > 1:
+        panels.append(lambda axis: _draw_lag(axis, problem, shared))
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(7.0, 0.8 + 2.0 * len(panels)), layout="constrained")
+        axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
+        for panel, axis, letter in zip(panels, axes, "abcd", strict=False):
+            panel(axis)
+            axis.set_title(f"({letter})", loc="left")
+        axes[-1].set_xlabel("bead" if direction > 0 else f"bead, counted from bead {problem.beads}")
+        axes[-1].xaxis.get_major_locator().set_params(integer=True)
+        chain_legend(figure, axes[0])
+        figure.suptitle(title(problem, each_chain=True))
+    return figure
+
+
+def _draw_amplitude(axis: Axes, problem: Problem, shared: Sharing) -> None:
+    for place, chain in enumerate(shown_chains(problem)):
+        draw_chain(axis, place, chain, shared.bead.astype(np.float64), shared.amplitude[:, chain])
+    axis.set_ylabel("peak velocity / $V$")
+    axis.set_ylim(bottom=0.0)
+    bead = shared.agrees_from(AGREED)
+    if bead is not None:
+        axis.axvline(bead, color="0.6", linewidth=0.8, zorder=0)
+        axis.set_title(f"within 1% from bead {bead} on", loc="right", fontsize=8, color="0.3")
+
+
+def _draw_waves(axis: Axes, problem: Problem, shared: Sharing, energies: EnergyShares) -> None:
+    system = problem.system
+    bead = shared.bead[energies.place].astype(np.float64)
+    measured = bool(np.any(np.isfinite(energies.wave)))
+    if measured and problem.chains > 1:
+        for place, chain in enumerate(shown_chains(problem)):
+            draw_chain(axis, place, chain, bead, energies.wave[:, chain])
+    few: dict[str, Any] = {"marker": ".", "markersize": 4} if len(shared) <= FEW else {}
+    lines = []
+    if (
+        not physics.gap(system) and physics.alike(system) and system.holds(Fact.SONIC_VACUUM)
+    ):  # what runs down other beads, or with gaps, is no exact wave
+        exact = np.sum(shared.wave_share, axis=1)
+        lines += axis.plot(shared.bead, exact, color="0.65", linewidth=3.0, label="all waves, if exact", **few)
+    if measured:
+        lines += axis.plot(bead, np.sum(energies.wave, axis=1), color="black", linewidth=1.0, label="all waves")
+    axis.set_ylabel("energy of waves / all")
+    axis.set_ylim(0.0, 1.05)
+    axis.legend(handles=lines, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.0)
+
+
+def _draw_chains(axis: Axes, problem: Problem, shared: Sharing, energies: EnergyShares) -> None:
+    bead = shared.bead[energies.place].astype(np.float64)
+    for place, chain in enumerate(shown_chains(problem)):
+        draw_chain(axis, place, chain, bead, energies.chain[:, chain])
+    axis.set_ylabel("energy of chains / all")
+    axis.set_ylim(0.0, 1.05)
+
+
+def _draw_lag(axis: Axes, problem: Problem, shared: Sharing) -> None:
+    unit = axis_unit(problem, "time", float(np.nanmax(np.abs(shared.lag), initial=0.0)))
+    for place, chain in enumerate(shown_chains(problem)):
+        draw_chain(axis, place, chain, shared.bead.astype(np.float64), shared.lag[:, chain] * unit.worth)
+    axis.set_ylabel(f"lag behind chain {shared.kicked + 1} ({unit.symbol})")
+
+
+MARKERS = "os^DvP*Xp"
+
+
+def shape_figure(problem: Problem, waveforms: Waveforms, beads: Sequence[int]) -> Figure:
+    """Velocity of chosen beads as the waves pass them, scaled to the exact wave of their peak; differences below.
+
+    Args:
+        problem: what was run.
+        waveforms: of the leading waves.
+        beads: one panel each.
+    """
+    exact, passages, chains = wave_of(problem.system), waveforms.passages, shown_chains(problem)
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(1.0 + 3.2 * len(beads), 4.4), layout="constrained")
+        axes = figure.subplots(2, len(beads), sharex=True, squeeze=False, height_ratios=(2.2, 1.0))
+        for column, bead in enumerate(beads):
+            above, below = axes[:, column]
+            xi = np.linspace(-COMPARED, COMPARED, 241)
+            above.plot(xi, exact.velocity(xi), color="black", linewidth=1.0, label="exact wave")
+            below.axhline(0.0, color="black", linewidth=1.0)
+            for place, chain in enumerate(chains):
+                found = np.flatnonzero((passages.chain == chain + 1) & (passages.bead == bead))
+                if len(found) == 0:
+                    continue
+                row, peak = found[0], passages.peak_velocity[found[0]]
+                ahead = exact.speed_at(peak) * (passages.arrival[row] - waveforms.time[row])
+                inside = np.isfinite(waveforms.velocity[row]) & (np.abs(ahead) <= COMPARED)
+                ahead, velocity = ahead[inside], waveforms.velocity[row, inside] / peak
+                look = {
+                    "color": CHAIN_COLOURS[place % len(CHAIN_COLOURS)],
+                    "marker": MARKERS[place % len(MARKERS)],
+                    "linestyle": "none",
+                    "markersize": 3.5,
+                    "markerfacecolor": "none" if place % 2 else None,
+                    "markevery": (place, len(chains)),
+                }
+                above.plot(ahead, velocity, label=f"chain {chain + 1}", **look)
+                below.plot(ahead, velocity - exact.velocity(ahead), **look)
+            above.set_title(f"bead {bead}", loc="left")
+            if column == len(beads) - 1:
+                above.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), handletextpad=0.3)
+            below.set_xlabel("distance ahead of the peak (beads)")
+            below.ticklabel_format(axis="y", scilimits=(-2, 2))
+        axes[0, 0].set_ylabel("velocity / peak")
+        axes[1, 0].set_ylabel("minus exact wave")
+        figure.suptitle(title(problem, each_chain=True))
+    return figure
+
+
+class BeadHistory:
+    """Velocity of a few beads over time, in all chains or, where there are many, those of `shown_chains`."""
+
+    def __init__(self, problem: Problem, beads: Sequence[int]) -> None:
+        self.problem = problem
+        self.beads = tuple(beads)
+        self._columns = [int(np.flatnonzero(problem.recorded_beads == bead)[0]) for bead in beads]
+        self._time: list[Floats] = []
+        self._velocity: list[Floats] = []
+
+    def add(self, block: Trajectory) -> None:
+        """Take the next frames of the run."""
+        chains = shown_chains(self.problem)
+        self._time.append(block.time)
+        column = np.array(self._columns) - (block.first - 1)
+        there = (column >= 0) & (column < block.velocity.shape[2])
+        velocity = np.where(column < 0, np.nan, np.zeros((block.frames, len(chains), len(column))))
+        velocity[..., there] = block.velocity[:, chains][:, :, column[there]]
+        self._velocity.append(velocity)
+
+    @property
+    def time(self) -> Floats:
+        """[frame], in units of T."""
+        return np.concatenate(self._time)
+
+    @property
+    def velocity(self) -> Floats:
+        """[frame, chain, bead], in units of V; NaN where a window has left."""
+        return np.concatenate(self._velocity)
+
+
+def response_figure(data: BeadHistory) -> Figure:
+    """Velocity of chosen beads over time, all chains in one row per bead (the paper's Figs 2, 4 and 6).
+
+    Left over the whole run, right the passage of the fastest pulse, its time from the instant when the bead is fastest
+    in any chain. Beads that have not moved are named below, and not drawn.
+    """
+    problem = data.problem
+    size = np.abs(np.nan_to_num(data.velocity)).max(axis=1, initial=0.0)  # [frame, bead]
+    moved = np.flatnonzero(size.max(axis=0, initial=0.0) > STILL)
+    drawn: list[int] = moved.tolist() or [0]
+    time = axis_unit(problem, "time", data.time[-1])
+    velocity = axis_unit(problem, "velocity", float(size.max(initial=0.0)))
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(7.0, 1.2 + 1.9 * len(drawn)), layout="constrained")
+        axes = figure.subplots(len(drawn), 2, sharex="col", sharey="row", squeeze=False, width_ratios=(2.0, 1.0))
+        spans = [_passage(data.time, size[:, number]) for number in drawn]
+        close = max((axis_unit(problem, "time", high - low) for _, low, high in spans), key=lambda unit: -unit.worth)
+        then = f" {time.symbol}" if problem.scale.si else ""
+        for (whole, near), number, (middle, low, high) in zip(axes, drawn, spans, strict=True):
+            _draw(whole, data, number, data.time * time.worth, velocity.worth)
+            inside = (data.time >= low) & (data.time <= high)
+            _draw(near, data, number, (data.time - middle) * close.worth, velocity.worth, inside)
+            near.set_title(f"around $t$ = {middle * time.worth:.4g}{then}", loc="left")
+            whole.set_title(f"bead {data.beads[number]}", loc="left")
+            whole.set_ylabel(f"$v$ ({velocity.symbol})")
+        axes[-1, 0].set_xlabel(f"time $t$ ({time.symbol})")
+        axes[-1, 1].set_xlabel(f"time from then ({close.symbol})")
+        chain_legend(figure, axes[0, 0])
+        figure.suptitle(title(problem, each_chain=True, until=float(data.time[-1])) + _still(data, moved))
+    return figure
+
+
+STILL = 1e-9
+"""Velocity, in units of V, below which a bead has not moved."""
+
+_CLOSE = 0.1
+"""Share of its largest velocity above which a bead counts as being passed."""
+
+_MARGIN = 2.0
+"""Time shown before and after a passage at least, in units of T."""
+
+
+def _passage(time: Floats, size: Floats) -> tuple[float, float, float]:
+    """When a bead is fastest, and the time around in which it is fast; ``size`` is [frame]."""
+    top = int(np.argmax(size))
+    slow = np.flatnonzero(size <= _CLOSE * size[top])
+    first, last = slow[slow < top], slow[slow > top]
+    low = time[first[-1]] if len(first) else time[0]
+    high = time[last[0]] if len(last) else time[-1]
+    margin = max(_MARGIN, 0.3 * float(high - low))
+    return float(time[top]), float(low) - margin, float(high) + margin
+
+
+def _draw(
+    axis: Axes, data: BeadHistory, number: int, x: Floats, worth: float, inside: NDArray[np.bool_] | None = None
+) -> None:
+    chosen = slice(None) if inside is None else inside
+    for place, chain in enumerate(shown_chains(data.problem)):
+        draw_chain(axis, place, chain, x[chosen], data.velocity[chosen, place, number] * worth)
+
+
+def _still(data: BeadHistory, moved: NDArray[np.int64]) -> str:
+    still = [str(bead) for number, bead in enumerate(data.beads) if number not in moved]
+    if not still:
+        return ""
+    return f"\nbead{'s' * (len(still) > 1)} {', '.join(still)} {'have' if len(still) > 1 else 'has'} not moved"

@@ -1,0 +1,248 @@
+"""Is a run right? Compared with a user's own trajectory in a file, quantity by quantity, or with measured traces."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from analysis.against import common_times, symptoms
+from analysis.against.difference import Deviation, Difference, Place
+from analysis.files import table, traces
+from analysis.files.table import Table
+from analysis.files.traces import Channel
+from analysis.gauges.channels import beads_of, complaint, read_at
+from analysis.trajectory import Floats, Trajectory, joined
+from lammps_inputs import InputError, Problem
+from workflow.runs.run_directory import RunDirectory
+from workflow.verdicts import causes
+from workflow.verdicts.validate import TOLERANCES, Validation, any_exceeded, blocks, error_figure, limits_of, write
+
+
+def validate_against(
+    directory: RunDirectory, path: Path, *, dimensionless: bool = False, tolerances: dict[str, float] | None = None
+) -> Validation:
+    """Compare a run with a user's own trajectory in a file; writes what `validate` writes.
+
+    Files: see `analysis.files.table` and `analysis.files.table`.
+
+    The run is interpolated to the table's times. Peaks and arrivals are compared where the table has displacement and
+    velocity at evenly spaced times. That the table's numbers are rounded is remarked, and is the cause where a
+    tolerance is exceeded for no other reason.
+
+    Args:
+        directory: the run.
+        path: the table.
+        dimensionless: whether the table is in units of V = 1; else it is in the scene's own units.
+        tolerances: quantity -> largest difference let pass, in place of the one in `TOLERANCES`, dimensionless.
+
+    Raises:
+        InputError: the table cannot be read, or has chains, beads or times that the run has not.
+    """
+    problem = directory.problem
+    limits = limits_of(problem, tolerances)
+    if table.is_text_dump(path):
+        step = problem.timestep if dimensionless else problem.timestep * problem.scale.time
+        given = table.load_dump(path, problem.beads, step)
+    else:
+        given = table.load(path)
+    check_places(path, given, problem)
+    own = joined(blocks(directory))
+    own = own[: problem.frames + 1]
+    theirs = as_trajectory(given, problem, dimensionless=dimensionless)
+    columns = np.searchsorted(problem.recorded_beads, given.beads)
+    own_part = replace(
+        own,
+        problem=theirs.problem,
+        displacement=own.displacement[:, :, columns],
+        velocity=own.velocity[:, :, columns],
+    )
+    try:
+        resampled = common_times.at_times(own_part, theirs.time)
+    except InputError as error:
+        if own.frames < problem.frames + 1:
+            raise InputError(f"{path}: {error}; the run is incomplete") from None
+        raise InputError(f"{path}: {error}; if the table is in other units, see --units") from None
+    difference = Difference(limits)
+    difference.add(only_where_known(resampled, theirs), only_where_known(theirs, theirs))
+    deviations = difference.deviations()
+    wanted = [name for name in table.VALUES if getattr(given, name) is not None]
+    whole = not any(np.isnan(values[:, given.chains - 1]).any() for values in (theirs.displacement, theirs.velocity))
+    if whole and len(theirs.time) > 8 and evenly_spaced(theirs.time):
+        wanted += ["amplitude", "arrival"]
+    deviations = {name: deviations[name] for name in wanted if name in deviations}
+    exceeded = any_exceeded(deviations, limits)
+    found: list[str] = []
+    if exceeded and theirs.problem.recorded is None:
+        found = [f"{path}: {cause}" for cause in causes.causes(theirs, resampled)] or causes.causes(resampled, theirs)
+    digits = list(rounded(path, theirs))
+    if exceeded and not found:  # nothing else explains it
+        found, digits = digits, []
+    result = Validation(
+        problem=problem,
+        against=str(path),
+        deviations=deviations,
+        tolerances=limits,
+        causes=tuple(found),
+        remarks=(*digits, *remarks(path, theirs, own)),
+        certificate=None,
+        interpolation=None if are_frames(theirs, own) else common_times.interpolation_error(own_part),
+        frames=own.frames,
+        compared=len(theirs.time),
+    )
+    write(directory.path, result, error_figure(result, difference, path.name))
+    return result
+
+
+def validate_traces(
+    directory: RunDirectory, path: Path, *, dimensionless: bool = False, tolerances: dict[str, float] | None = None
+) -> Validation:
+    """Compare a run with traces in a file (see `analysis.files.traces`); writes ``validation.json`` and a figure.
+
+    Args:
+        directory: the run.
+        path: the table, whose times are those of the run; zero before its start.
+        dimensionless: whether the table is in units of V = 1; else it is in the scene's own units.
+        tolerances: quantity -> largest difference let pass, in place of the one in `TOLERANCES`, dimensionless.
+
+    Raises:
+        InputError: the table cannot be read, or is of chains, beads, walls or times that the run has not.
+    """
+    limits = {**TOLERANCES, **(tolerances or {})}
+    problem, given = directory.problem, traces.load(path)
+    if given.units and (dimensionless or not problem.scale.si):
+        raise InputError(f"{path}: names units, but is to be in others (the scene has no material, or --units)")
+    check_channels(path, given.channels, problem)
+    beads = beads_of(given.channels, problem)
+    missing = sorted(set(beads) - set(problem.recorded_beads.tolist()))
+    if problem.window is not None or missing:
+        raise InputError(f"{path}: needs the motion of bead {(missing or beads)[0]}, which the run did not record")
+    worth = np.array([getattr(problem.scale, channel.quantity) for channel in given.channels])
+    if dimensionless:
+        given = replace(given, time=given.time * problem.scale.time, values=given.values * worth)
+    whole = joined(directory.blocks())[: problem.frames + 1]
+    columns = np.searchsorted(problem.recorded_beads, beads)
+    run = replace(
+        whole,
+        problem=replace(problem, recorded=beads),
+        displacement=whole.displacement[:, :, columns],
+        velocity=whole.velocity[:, :, columns],
+    )
+    try:
+        found = read_at(run, given.channels, given.time)
+    except InputError as error:
+        raise InputError(f"{path}: {error}; if the table is in other units, see --units") from None
+    apart = (found - given.values) / worth
+    times = given.time / problem.scale.time
+    kinds = {"length": "displacement"}
+    own = {channel.name: limits[kinds.get(channel.quantity, channel.quantity)] for channel in given.channels}
+    result = Validation(
+        problem=problem,
+        against=str(path),
+        deviations={
+            channel.name: _deviation(channel, column, times, own[channel.name], problem)
+            for channel, column in zip(given.channels, apart.T, strict=True)
+        },
+        tolerances=own,
+        causes=(),
+        remarks=(),
+        certificate=None,
+        interpolation=None,
+        frames=whole.frames,
+        compared=len(given.time),
+    )
+    from analysis.figures.validation import residual_figure  # matplotlib takes half a second to import
+
+    allowed = np.array(list(own.values())) * worth
+    write(directory.path, result, residual_figure(problem, given, found, allowed, "tolerance"))
+    return result
+
+
+def _deviation(channel: Channel, apart: Floats, times: Floats, tolerance: float, problem: Problem) -> Deviation:
+    size = np.abs(apart[np.isfinite(apart)])
+    when = times[np.isfinite(apart)]
+    bead = channel.bead or (problem.beads if channel.right else 1)
+    exceeding = np.flatnonzero(~(size <= tolerance))
+    return Deviation(
+        float(size.max()),
+        float(np.sqrt(np.mean(size**2))),
+        Place(channel.chain, bead, float(when[np.argmax(size)])),
+        Place(channel.chain, bead, float(when[exceeding[0]])) if len(exceeding) else None,
+    )
+
+
+def as_trajectory(given: Table, problem: Problem, *, dimensionless: bool) -> Trajectory:
+    """A table made dimensionless, for every chain of the scene; NaN where the table has nothing."""
+    scale = problem.scale
+    units = (1.0, 1.0, 1.0) if dimensionless else (scale.time, scale.length, scale.velocity)
+    values = []
+    for column, unit in ((given.displacement, units[1]), (given.velocity, units[2])):
+        full = np.full((len(given.time), problem.chains, len(given.beads)), np.nan)
+        if column is not None:
+            full[:, given.chains - 1] = column / unit
+        values.append(full)
+    everything = len(given.beads) == problem.beads and not np.isnan(values).any()
+    recorded = None if everything else tuple(int(bead) for bead in given.beads)
+    displacement, velocity = values
+    return Trajectory(replace(problem, recorded=recorded), given.time / units[0], displacement, velocity)
+
+
+def check_places(path: Path, given: Table, problem: Problem) -> None:
+    """Refuse a table with chains or beads that the run has not.
+
+    Raises:
+        InputError: naming the first of them.
+    """
+    chains = np.setdiff1d(given.chains, np.arange(1, problem.chains + 1))
+    if len(chains):
+        raise InputError(f"{path}: has chain {chains[0]}, but the scene has chains 1 to {problem.chains}")
+    beads = np.setdiff1d(given.beads, problem.recorded_beads)
+    if len(beads):
+        raise InputError(f"{path}: has bead {beads[0]}, which the run did not record")
+
+
+def only_where_known(trajectory: Trajectory, table: Trajectory) -> Trajectory:
+    """A trajectory with zeros where a table has nothing, so that nothing differs there."""
+    return replace(
+        trajectory,
+        displacement=np.where(np.isnan(table.displacement), 0.0, trajectory.displacement),
+        velocity=np.where(np.isnan(table.velocity), 0.0, trajectory.velocity),
+    )
+
+
+def evenly_spaced(time: Floats) -> bool:
+    """Whether all of some times are within a hundredth of a step of where even steps would put them."""
+    even = np.linspace(time[0], time[-1], len(time))
+    return bool(np.max(np.abs(time - even)) <= 0.01 * (even[1] - even[0]))
+
+
+def are_frames(theirs: Trajectory, own: Trajectory) -> bool:
+    """Whether all times of one are times of the other."""
+    nearest = own.time[np.clip(np.round(theirs.time / own.problem.every).astype(int), 0, own.frames - 1)]
+    return bool(np.all(np.abs(theirs.time - nearest) <= 1e-9 * own.problem.every))
+
+
+def rounded(path: Path, theirs: Trajectory) -> Iterator[str]:
+    """Which of a table's numbers are rounded."""
+    for name, values in (("displacements", theirs.displacement), ("velocities", theirs.velocity)):
+        precision = symptoms.precision(values)
+        if precision is not None:
+            yield f"{name} in {path} have only {precision}"
+
+
+def remarks(path: Path, theirs: Trajectory, own: Trajectory) -> Iterator[str]:
+    """What a table's owner may not know of it beside: that it ends soon after the start."""
+    if theirs.time[-1] < 0.01 * own.time[-1]:
+        yield f"{path} ends at {theirs.time[-1] / own.time[-1]:.2g} of the run: is it in other units? (see --units)"
+
+
+def check_channels(path: Path, channels: tuple[Channel, ...], problem: Problem) -> None:
+    """Refuse traces of what the scene has not.
+
+    Raises:
+        InputError: naming the first of them.
+    """
+    for channel in channels:
+        wrong = complaint(channel, problem)
+        if wrong is not None:
+            raise InputError(f"{path}: has {channel.name}, but {wrong}")
