@@ -96,7 +96,22 @@ CASES: dict[str, dict[str, Any]] = {
         **PRESSED,
         "walls": {"right": {"stiffness": 5.0}},
     },
+    "damping restitution, wall, gap": {
+        "damping": LOSSES["restitution"],
+        "walls": {"right": {"stiffness": 5.0}},
+        "gap": 0.3,
+    },
+    "damped column of exponent 2": exponent(
+        2.0, gravity=0.05, walls={"right": {"stiffness": 5.0}}, damping=LOSSES["viscoelastic"]
+    ),
     "damped column": {**COLUMN, "damping": {"contact": 0.1, "coupling": 0.1}},
+    "pushed": {
+        "kick": None,
+        "push": [
+            {"peak": 0.6, "duration": 20.3, "shape": "half-sine"},
+            {"chain": 2, "bead": 3, "table": [[0, 0.2], [0.7, 0.5], [2, -0.1], [3, 0]]},
+        ],
+    },
     "pushed before unlike walls": {
         **SIZES,
         "pattern": [["big"], ["small", "small"]],

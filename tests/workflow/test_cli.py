@@ -129,6 +129,7 @@ def test_a_pulse_that_does_not_arrive_is_one_line_and_nothing_is_written(tmp_pat
         (["simulate"], "'simulate' is no command; `granchain --help` lists all"),
         (["analyzes", "run"], "'analyzes' is no command (did you mean `analyze`?)"),
         (["run"], "run: needs a SCENE and -o DIR, or --resume DIR; `granchain run --help` tells more"),
+        (["run", "-o", "x"], "run: needs a SCENE and -o DIR, or --resume DIR"),
         (["run", "two-chains"], "run: needs a SCENE and -o DIR, or --resume DIR"),
         (["run", "two-chains", "-o"], "expected one argument"),
         (["run", "two-chains", "-o", "out", "--rank", "two"], "invalid int value: 'two'"),

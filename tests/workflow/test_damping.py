@@ -9,27 +9,23 @@ from typing import Any
 
 import numpy as np
 import pytest
-from independent import integrated
-from plain_scene import goes_on_bit_for_bit
-from stock_lammps import DEBIAN, scene
 from stock_lammps import run as stock_run
+from stock_lammps import scene
 
 from analysis.conservation import Account, Conservation
 from analysis.tracking.peaks import PeakFinder
 from analysis.trajectory import Trajectory, joined
-from lammps_inputs import Coupling, InputError, Kick, Scene, laws
+from lammps_inputs import Kick, Scene, laws
 from lammps_inputs.ingredients.contact import Contact
 from lammps_inputs.ingredients.damping import Damping
 from lammps_inputs.ingredients.preload import Gravity, Precompression
 from lammps_inputs.ingredients.walls import Face, Walls
-from lammps_inputs.laws.dashpot import alpha
 from lammps_inputs.limits import rates
 from lammps_inputs.output.forces import Forces
 from lammps_inputs.scene import DEFAULT_ACCURACY, Output
 from workflow.cli import main
 from workflow.engines.reference import engine
 from workflow.engines.reference.accountant import Accountant
-from workflow.engines.reference.verlet import VERLET
 from workflow.prepare.instants import stride
 from workflow.runs.references import closing
 from workflow.runs.run import Run, run
@@ -37,8 +33,6 @@ from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.analyse import analyse
 from workflow.verdicts.causes import causes
 from workflow.verdicts.validate import TOLERANCES, validate
-
-SLOW = pytest.mark.slow
 
 
 def damped(**changes: Any) -> Scene:
@@ -48,25 +42,6 @@ def damped(**changes: Any) -> Scene:
 @pytest.fixture(scope="module")
 def done(tmp_path_factory: pytest.TempPathFactory) -> Run:
     return run(damped(), tmp_path_factory.mktemp("damped") / "run")
-
-
-@pytest.mark.slow
-def test_the_twin_steps_as_lammps_does(done: Run) -> None:
-    own = joined(done.directory.blocks())
-    problem = done.directory.problem
-    twin = engine.run(problem, scheme=VERLET, steps_per_frame=problem.steps_per_frame)
-    np.testing.assert_allclose(twin.velocity, own.velocity, rtol=0.0, atol=1e-12)
-
-
-@pytest.mark.slow
-def test_the_reference_knows_the_damped_run_to_its_certificate(done: Run) -> None:
-    problem = done.directory.problem
-    right = integrated(problem, loss=lambda _: 0.1, max_step=0.02, rtol=1e-10)
-    assert done.check is not None
-    sure = done.check.reference.velocity
-    assert sure < 1e-6
-    assert np.max(np.abs(engine.run(problem).velocity - right)) < sure
-    assert done.check.velocity < 2e-4
 
 
 def budget(blocks: Iterable[Trajectory], keeper: Accountant | None = None) -> tuple[float, Account]:
@@ -104,9 +79,17 @@ def test_the_analysis_says_how_well_the_budget_is_closed(done: Run) -> None:
     assert found.conservation.momentum_drift < 1e-12
 
 
+LAWS_OF_LOSS = [
+    {"contact": 0.1},
+    {"beads": 0.05},
+    {"contact": 0.2, "tension": "cut"},
+    {"contact": 0.3, "law": "viscoelastic"},
+    {"contact": 0.7, "law": "restitution"},
+]
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("every", [0.05, 2.5])
-@pytest.mark.parametrize("keys", [{"contact": 0.1}, {"beads": 0.05}], ids=["contacts", "beads"])
+@pytest.mark.parametrize(("keys", "every"), [*((keys, 2.5) for keys in LAWS_OF_LOSS), ({"contact": 0.1}, 0.05)])
 def test_the_budget_of_the_reference_closes_to_1e_9_however_far_apart_frames_are(
     keys: dict[str, Any], every: float
 ) -> None:
@@ -114,21 +97,6 @@ def test_the_budget_of_the_reference_closes_to_1e_9_however_far_apart_frames_are
     missing, account = budget(engine.blocks(problem, steps_per_frame=round(400 * every)))
     assert missing < 1e-9
     assert sum(lost[-1] for lost in account.lost.values()) > 0.05
-
-
-@pytest.mark.slow
-@SLOW
-@pytest.mark.parametrize(
-    "keys",
-    [
-        {"contact": 0.2, "tension": "cut"},
-        {"contact": 0.3, "law": "viscoelastic"},
-        {"contact": 0.7, "law": "restitution"},
-    ],
-)
-def test_the_budget_of_every_law_closes_to_1e_9(keys: dict[str, Any]) -> None:
-    missing, _ = budget(engine.blocks(damped(damping=Damping(**keys), every=2.5).problem(), steps_per_frame=1000))
-    assert missing < 1e-9
 
 
 @pytest.mark.slow
@@ -193,22 +161,6 @@ def test_frames_that_are_followed_by_the_reference_have_the_ledger_of_its_own_ru
     np.testing.assert_allclose(again.ledger, own.ledger, rtol=0.0, atol=1e-10)
 
 
-@pytest.mark.slow
-@SLOW
-@pytest.mark.parametrize(
-    ("keys", "physics"),
-    [
-        ({"contact": 0.2, "tension": "cut"}, {"loss": lambda _: 0.2, "tension": False}),
-        ({"contact": 0.3, "law": "viscoelastic"}, {"loss": lambda s: 0.3 * s**0.5}),
-        ({"contact": 0.7, "law": "restitution"}, {"loss": lambda s: alpha(0.7) * 0.5**0.5 * s**0.25}),
-    ],
-)
-def test_the_reference_knows_every_law(keys: dict[str, Any], physics: dict[str, Any]) -> None:
-    problem = damped(damping=Damping(**keys), beads=6, every=0.5).problem()
-    right = integrated(problem, **physics, max_step=0.02, rtol=1e-10)
-    assert np.max(np.abs(engine.run(problem).velocity - right)) < 1e-5
-
-
 LAWS = {
     "on-site": ({"beads": 0.01}, 0.2, -0.12244, 0.004),
     "linear": ({"contact": 0.002}, 0.2, -0.10586, 0.011),
@@ -218,7 +170,6 @@ LAWS = {
 
 
 @pytest.mark.slow
-@SLOW
 @pytest.mark.parametrize("name", LAWS)
 def test_weak_damping_slows_the_pulse_by_its_law(name: str, tmp_path: Path) -> None:
     """From the energy of the exact wave: amplitude to this power changes evenly from bead to bead."""
@@ -239,11 +190,6 @@ def test_weak_damping_slows_the_pulse_by_its_law(name: str, tmp_path: Path) -> N
         assert amplitude[-1] == pytest.approx(0.33306, abs=5e-6 + found.check.amplitude)
 
 
-def test_rigid_beads_refuse_damping(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="damping"):
-        run(damped(gap=1.0), tmp_path / "run", engine="collisions")
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("felt", "words"),
@@ -251,7 +197,7 @@ def test_rigid_beads_refuse_damping(tmp_path: Path) -> None:
         ({"contact": 0.0}, "the contact damping is missing"),
         ({"contact": 0.12}, "the contact damping is 1.2 times as strong"),
         ({"contact": 0.2}, "the contact damping is 2 times as strong"),
-        pytest.param({"contact": 0.1, "law": "viscoelastic"}, "the contact damping follows another law", marks=SLOW),
+        ({"contact": 0.1, "law": "viscoelastic"}, "the contact damping follows another law"),
     ],
     ids=str,
 )
@@ -299,15 +245,6 @@ def test_a_gauge_reads_the_whole_force_of_a_damped_contact(pressed: Run) -> None
 
 
 @pytest.mark.slow
-@SLOW
-def test_the_twin_steps_as_lammps_does_under_load(pressed: Run) -> None:
-    problem = pressed.directory.problem
-    twin = engine.run(problem, scheme=VERLET, steps_per_frame=problem.steps_per_frame)
-    own = joined(pressed.directory.blocks())
-    np.testing.assert_allclose(twin.velocity, own.velocity, rtol=0.0, atol=1e-11)
-
-
-@pytest.mark.slow
 def test_a_small_standing_wave_under_load_decays_at_its_exact_complex_frequency(tmp_path: Path) -> None:
     """x ~ exp(s t) cos(q (n - 1/2)): m s^2 + 2 (1 - cos q) (g s + k) = 0, so its rate is g (1 - cos q) / m."""
     beads, mode, g = 12, 4, 0.2
@@ -335,44 +272,6 @@ def test_a_small_standing_wave_under_load_decays_at_its_exact_complex_frequency(
     assert fall[-1] < 0.6
 
 
-@pytest.mark.slow
-def test_a_damped_run_under_load_goes_on_bit_for_bit(tmp_path: Path) -> None:
-    case = damped(precompression=PRESSED, damping=Damping(contact=0.1, beads=0.01), duration=20.0, timestep=0.002)
-    goes_on_bit_for_bit(case, tmp_path, after=500)
-
-
-@pytest.mark.slow
-@SLOW
-def test_a_damped_column_goes_on_bit_for_bit(tmp_path: Path) -> None:
-    """Where springs across are damped, too, by forces that know all velocities of a restart."""
-    case = damped(
-        chains=2,
-        coupling=Coupling(stiffness=0.1),
-        gravity=Gravity(acceleration=0.02),
-        walls=Walls(right="flat"),
-        damping=Damping(contact=0.1, coupling=0.1),
-        duration=20.0,
-        timestep=0.002,
-    )
-    goes_on_bit_for_bit(case, tmp_path, after=500)
-
-
-@pytest.mark.slow
-@SLOW
-def test_damped_contacts_of_another_exponent_go_on_bit_for_bit(tmp_path: Path) -> None:
-    case = damped(
-        chains=2,
-        coupling=Coupling(stiffness=0.1),
-        contact=Contact(exponent=2.0),
-        precompression=PRESSED,
-        damping=Damping(contact=0.1, coupling=0.1),
-        beads=6,
-        duration=8.0,
-        timestep=0.002,
-    )
-    goes_on_bit_for_bit(case, tmp_path, after=200)
-
-
 def test_damped_chains_under_load_rest_exactly(tmp_path: Path) -> None:
     still = damped(chains=2, precompression=PRESSED, kick=(Kick(chain=2, velocity=1e-3),), duration=2.0)
     found = stock_run(still, tmp_path / "run", ranks=2)
@@ -382,60 +281,19 @@ def test_damped_chains_under_load_rest_exactly(tmp_path: Path) -> None:
 
 # --- walls ------------------------------------------------------------------------------------------------------------
 
-WALL = {"walls": Walls(right=Face(stiffness=5.0)), "beads": 6, "duration": 10.0}
-
-AT_WALLS: dict[str, tuple[dict[str, Any], dict[str, Any], dict[str, Any]]] = {
-    "cut, pressed": (
-        {**WALL, "precompression": PRESSED},
-        {"contact": 0.1, "tension": "cut"},
-        {"loss": lambda _: 0.1, "wall_loss": lambda _: 0.1, "tension": False, "static": 0.3},
-    ),
-    "restitution, gap": (
-        {**WALL, "gap": 0.3},
-        {"contact": 0.7, "law": "restitution"},
-        {"loss": lambda s: alpha(0.7) * 0.5**0.5 * s**0.25, "wall_loss": lambda s: alpha(0.7) * 5.0**0.5 * s**0.25},
-    ),
-    "square column": (
-        {**WALL, "contact": Contact(exponent=2.0), "gravity": Gravity(acceleration=0.05)},
-        {"contact": 0.1, "law": "viscoelastic"},
-        {"loss": lambda s: 0.1 * s**0.5, "wall_loss": lambda s: 0.5 * s**0.5}
-        | {"static": 0.05 * np.arange(7), "exponent": 2.0},
-    ),
+COLUMN = {
+    "walls": Walls(right=Face(stiffness=5.0)),
+    "beads": 6,
+    "contact": Contact(exponent=2.0),
+    "gravity": Gravity(acceleration=0.05),
+    "damping": Damping(contact=0.1, law="viscoelastic"),
 }
-
-
-def at_wall(name: str, **changes: Any) -> Scene:
-    keys, losses, _ = AT_WALLS[name]
-    return damped(**{**keys, "damping": Damping(**losses), **changes})
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", AT_WALLS)
-def test_lammps_has_the_dashpots_of_walls_with_an_error_of_first_order(name: str, tmp_path: Path) -> None:
-    steps = (0.02, 0.005)
-    found = [stock_run(at_wall(name, timestep=step, every=0.5), tmp_path / f"{step}") for step in steps]
-    exact = integrated(found[0].problem, walls=(0.0, 5.0), **AT_WALLS[name][2], max_step=0.02, rtol=1e-9)
-    coarse, fine = (np.max(np.abs(one.velocity - exact)) for one in found)
-    assert coarse < 1e-2
-    assert 3.0 < coarse / fine < 5.0
 
 
 @pytest.fixture(scope="module")
 def column(tmp_path_factory: pytest.TempPathFactory) -> Run:
     output = Output(forces=Forces(wall=True))
-    return run(at_wall("square column", output=output, timestep=0.005), tmp_path_factory.mktemp("wall") / "run")
-
-
-@pytest.mark.slow
-def test_the_twin_and_the_reference_know_the_dashpots_of_walls(column: Run) -> None:
-    problem, own = column.directory.problem, joined(column.directory.blocks()).velocity
-    twin = engine.run(problem, scheme=VERLET, steps_per_frame=problem.steps_per_frame)
-    np.testing.assert_allclose(twin.velocity, own, rtol=0.0, atol=1e-11)
-    exact = integrated(problem, walls=(0.0, 5.0), **AT_WALLS["square column"][2], max_step=0.02, rtol=1e-11)
-    assert column.check is not None
-    sure = column.check.reference.velocity
-    assert np.max(np.abs(engine.run(problem).velocity - exact)) < sure < 1e-6
-    assert np.max(np.abs(own - exact)) == pytest.approx(column.check.velocity, abs=2.0 * sure)
+    return run(damped(**COLUMN, output=output, timestep=0.005), tmp_path_factory.mktemp("wall") / "run")
 
 
 @pytest.mark.slow
@@ -478,24 +336,9 @@ def test_a_wall_with_another_dashpot_is_named_as_the_cause(factor: float, words:
     assert causes(replace(wrong, problem=problem), right) == [f"the right wall damping {words}"]
 
 
-@pytest.mark.slow
-def test_a_run_with_damped_walls_goes_on_bit_for_bit(tmp_path: Path) -> None:
-    goes_on_bit_for_bit(at_wall("square column", timestep=0.01), tmp_path, after=200)
-
-
-@pytest.mark.slow
-def test_damped_walls_compute_the_same_bits_on_two_ranks_and_the_same_in_the_2021_release(tmp_path: Path) -> None:
-    case = at_wall("cut, pressed", timestep=0.01)
-    one, two = (stock_run(case, tmp_path / str(ranks), ranks=ranks) for ranks in (1, 2))
-    np.testing.assert_array_equal(one.vx, two.vx)
-    if DEBIAN.exists():
-        old = stock_run(case, tmp_path / "old", executable=DEBIAN)
-        np.testing.assert_allclose(one.vx, old.vx, rtol=0.0, atol=1e-11)
-
-
 def test_a_damped_column_rests_exactly_on_its_damped_wall(tmp_path: Path) -> None:
     hit = (Kick(chain=2, velocity=1e-3),)
-    found = stock_run(at_wall("square column", chains=2, kick=hit, duration=2.0, timestep=0.01), tmp_path / "run")
+    found = stock_run(damped(**COLUMN, chains=2, kick=hit, duration=2.0, timestep=0.01), tmp_path / "run")
     assert not np.any(found.displacement[:, 0])
     assert np.any(found.velocity[-1, 1])
 

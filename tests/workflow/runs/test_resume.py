@@ -351,13 +351,6 @@ def test_what_a_resumed_run_cannot_be_told_is_refused(words, tmp_path, capsys):
     assert "--resume: goes on as the run was begun, so leave out" in line
 
 
-@pytest.mark.parametrize("words", [[], ["two-chains"], ["-o", "x"]])
-def test_a_run_needs_a_scene_and_a_directory(words, capsys):
-    code, line = said(["run", *words], capsys)
-    assert code == 2
-    assert "needs a SCENE and -o DIR, or --resume DIR" in line
-
-
 # --- one at a time ----------------------------------------------------------------------------------------------------
 
 

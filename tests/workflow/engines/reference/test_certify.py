@@ -8,26 +8,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 from small_problems import problem
 
 from analysis.against.common_times import paired
 from analysis.against.difference import Difference
-from analysis.motion import acceleration
 from analysis.trajectory import joined
-from lammps_inputs import find, physics
+from lammps_inputs import find
 from workflow.engines.reference import engine
-from workflow.engines.reference.blanes_moan import BLANES_MOAN
 from workflow.engines.reference.certify import SAFETY, Certifier, certified
 from workflow.engines.reference.verlet import VERLET
 from workflow.errors import RunError
-from workflow.runs.run_directory import RunDirectory
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
 PAPER = find("two-chains").problem()
-
-extended = pytest.mark.skipif(np.finfo(np.longdouble).eps > 1e-18, reason="longdouble is no longer than float64 here")
 
 
 @pytest.fixture(scope="module")
@@ -57,79 +51,6 @@ def test_two_chains_certified_to_1e_9_are_found_so_by_velocity_verlet_at_very_fi
     left = 0.25 * np.max(np.abs(fine - coarse)) / 3.0
     assert left < 1e-9
     assert np.max(np.abs(reference.velocity - (4.0 * fine - coarse) / 3.0)) <= certificate.velocity + left
-
-
-def test_a_small_case_is_that_of_dop853(small):
-    reference, certificate = small
-    count = reference.velocity[0].size
-
-    def rates(_, state):
-        x = state[:count].reshape(reference.velocity[0].shape)
-        return np.concatenate([state[count:], acceleration(reference.problem.system, x).ravel()])
-
-    start = np.concatenate([np.zeros(count), physics.initial_velocity(reference.problem.system).ravel()])
-    end = reference.time[-1]
-    found = solve_ivp(rates, (0.0, end), start, "DOP853", reference.time, rtol=1e-13, atol=1e-15, max_step=0.01)
-    velocity = found.y[count:].T.reshape(reference.velocity.shape)
-    # its dense output is of order 7 within steps of at most 0.01, and of order 2.5 where contacts open
-    assert np.max(np.abs(velocity[-1] - reference.velocity[-1])) <= certificate.velocity + 1e-11
-
-
-@pytest.fixture(scope="module")
-def small():
-    """Two chains of five beads to t = 10, certified to 1e-10."""
-    certifier = certified(problem(beads=5), 1e-10)
-    return joined(certifier.blocks()), certifier.certificate
-
-
-@pytest.mark.slow
-@extended
-def test_a_small_case_is_that_of_another_scheme_in_extended_precision(small):
-    reference, certificate = small
-    # Suzuki's fourth order composition of Verlet steps (Phys. Lett. A 146 (1990) 319)
-    weight = 1.0 / (np.longdouble(4.0) - np.longdouble(4.0) ** (np.longdouble(1.0) / 3.0))
-    parts = [weight, weight, 1.0 - 4.0 * weight, weight, weight]
-    ends = []
-    for steps in (6000, 12000):
-        x = np.zeros(reference.velocity[0].shape, np.longdouble)
-        v = physics.initial_velocity(reference.problem.system).astype(np.longdouble)
-        h = np.longdouble(10.0) / steps
-        a = acceleration(reference.problem.system, x)
-        for _ in range(steps):
-            for part in parts:
-                v += 0.5 * part * h * a
-                x += part * h * v
-                a = acceleration(reference.problem.system, x)
-                v += 0.5 * part * h * a
-        ends.append(v)
-    left = float(np.max(np.abs(ends[1] - ends[0])))  # more than the error of the finer run
-    assert left < 1e-9
-    assert np.max(np.abs(ends[1] - reference.velocity[-1])) <= certificate.velocity + left
-
-
-@extended
-def test_the_compiled_loop_loses_rounding_only():
-    small = problem(beads=5, chains=3, gap=0.3, frames=50)
-    compiled = engine.run(small, steps_per_frame=4)
-    x = np.zeros((3, 5), np.longdouble)
-    v = physics.initial_velocity(small.system).astype(np.longdouble)
-    h = np.longdouble(small.every / 4)
-    for _ in range(50 * 4):
-        for kick, drift in zip(BLANES_MOAN.kicks, (*BLANES_MOAN.drifts, 0.0), strict=True):
-            v += kick * h * acceleration(small.system, x)
-            x += drift * h * v
-    # 200 steps of 6 stages, each rounding numbers below 8 a few times; what was lost grows at most with the time, 5
-    assert np.max(np.abs(v - compiled.velocity[-1])) < 1200 * 5.0 * 4.0 * np.finfo(float).eps
-    assert np.max(np.abs(x - compiled.displacement[-1])) < 1200 * 5.0 * 4.0 * 8.0 * np.finfo(float).eps
-
-
-def test_lammps_is_off_by_0_149_of_the_step_squared_at_the_end(to_1e_9, paper):
-    reference, certificate = to_1e_9
-    last = RunDirectory(paper("two-chains")).trajectory[-1:]
-    assert last.time[0] == pytest.approx(192.0)
-    error = np.max(np.abs(last.velocity - reference.velocity[-1:]))
-    square = last.problem.timestep**2
-    assert 0.14 * square < error <= 0.15 * square + certificate.velocity
 
 
 # --- certificates -----------------------------------------------------------------------------------------------------

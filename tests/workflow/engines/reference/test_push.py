@@ -10,7 +10,6 @@ from small_problems import problem
 
 from analysis import motion
 from analysis.conservation import Conservation
-from analysis.mirror import mirrored, mirrored_problem
 from lammps_inputs.laws.in_time import HalfSine, Rectangular, make_table
 from lammps_inputs.loads import Load
 from workflow.engines.reference import engine
@@ -30,9 +29,8 @@ def pushed(*loads, **changes):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", LAWS)
-def test_it_is_the_solution_that_scipy_finds(name):
-    one = pushed(Load(1, 1, LAWS[name]), Load(2, 3, HalfSine(-0.2, 1.0)), frames=60)
+def test_it_is_the_solution_that_scipy_finds():
+    one = pushed(Load(1, 1, LAWS["rectangular"]), Load(2, 3, HalfSine(-0.2, 1.0)), frames=60)
     shape = (one.chains, one.beads)
 
     def slope(t, state):
@@ -126,14 +124,6 @@ def test_nothing_moves_that_the_push_has_not_reached():
     narrow = engine.run(one, window=34)
     np.testing.assert_array_equal(whole.velocity, narrow.velocity)
     assert not whole.velocity[10, 0, 35:].any()
-
-
-@pytest.mark.slow
-def test_in_the_mirror_the_push_comes_from_the_other_side():
-    one = pushed(Load(1, 1, HalfSine(0.8, 2.0)), Load(2, 3, LAWS["table"]))
-    other = engine.run(mirrored_problem(one))
-    np.testing.assert_allclose(mirrored(other).velocity, engine.run(one).velocity, rtol=0, atol=1e-13)
-    assert mirrored_problem(mirrored_problem(one)) == one
 
 
 @pytest.mark.slow
