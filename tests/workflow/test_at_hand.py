@@ -104,11 +104,6 @@ def test_help_says_where_a_quantity_stands(name, capsys):
     assert any(line.strip().startswith("granchain collect: column") and name in line for line in lines)
 
 
-def test_help_on_a_misspelt_word_says_what_may_be_meant(capsys):
-    assert main(["help", "coupliing"]) == 2
-    assert "did you mean `coupling`?" in capsys.readouterr().err
-
-
 @pytest.mark.parametrize(
     ("of", "made"), [("scene", schema.scene), ("sweep", schema_of_file), ("design", design.schema_of_file)]
 )

@@ -11,42 +11,20 @@ import sys
 from pathlib import Path
 
 import pytest
-from bad_scenes import BAD_SCENES, scene_text
+from bad_scenes import scene_text
 from processes import HANGS
+from refusals import refusal, tree
 from stock_lammps import scene
 
 from lammps_inputs import library, shipped, strict_yaml
-from workflow import cli, screen
+from workflow import cli
 from workflow.cli import ALIASES, COMMANDS, GROUPS, main
-from workflow.engines.lammps import mpi
 from workflow.prepare.settings import settle
 from workflow.runs.run import run
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
 GRANCHAIN = str(Path(sys.executable).with_name("granchain"))
-
-
-def refusal(arguments, capsys):
-    """The one line that a command ends with, without the name in front."""
-    with screen.without_bars():  # nor hints, which depend on what was compiled before
-        assert main([str(word) for word in arguments]) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.startswith("granchain: ")
-    assert err.endswith("\n")
-    assert len(err.splitlines()) == 1
-    assert err[:-1].isprintable()
-    return err.removeprefix("granchain: ").rstrip("\n")
-
-
-def tree(directory):
-    """Everything below a directory with its contents, so that nothing can be written unseen."""
-    return {
-        path.relative_to(directory): path.read_bytes() if path.is_file() and not path.is_symlink() else None
-        for path in directory.rglob("*")
-        if not path.is_symlink()
-    }
 
 
 @pytest.fixture(scope="module")
@@ -86,20 +64,6 @@ def locked(tmp_path):
 # --- scenes -----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("command", ["run", "deck", "show"])
-@pytest.mark.parametrize("case", BAD_SCENES, ids=lambda case: case.kind)
-def test_a_bad_scene_is_one_line_and_nothing_is_written(case, command, tmp_path, capsys):
-    if not case.possible:
-        pytest.skip("not possible for this user or on this system (root reads every file)")
-    path = case.place(tmp_path)
-    before = tree(tmp_path)
-    output = [] if command == "show" else ["-o", tmp_path / "out"]
-    message = refusal([command, path, *output], capsys)
-    assert message.startswith(f"{path}: {case.key}")
-    assert case.says in message
-    assert tree(tmp_path) == before
-
-
 def test_a_scene_without_permission_is_one_line(locked, capsys):
     assert refusal(["show", locked / "a.yaml"], capsys) == f"{locked}/a.yaml: cannot be read (Permission denied)"
 
@@ -120,40 +84,6 @@ def test_a_pulse_that_does_not_arrive_is_one_line_and_nothing_is_written(tmp_pat
 
 
 # --- options ----------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("arguments", "says"),
-    [
-        ([], "COMMAND; `granchain --help` tells more"),
-        (["simulate"], "'simulate' is no command; `granchain --help` lists all"),
-        (["analyzes", "run"], "'analyzes' is no command (did you mean `analyze`?)"),
-        (["run"], "run: needs a SCENE and -o DIR, or --resume DIR; `granchain run --help` tells more"),
-        (["run", "-o", "x"], "run: needs a SCENE and -o DIR, or --resume DIR"),
-        (["run", "two-chains"], "run: needs a SCENE and -o DIR, or --resume DIR"),
-        (["run", "two-chains", "-o"], "expected one argument"),
-        (["run", "two-chains", "-o", "out", "--rank", "two"], "invalid int value: 'two'"),
-        (["run", "two-chains", "-o", "out", "--fast"], "unrecognized arguments: --fast"),
-        (["run", "two-chains", "three-chains", "-o", "out"], "unrecognized arguments: three-chains"),
-        (["show", "two-chains", "\x1b[31m\n"], r"unrecognized arguments: \x1b[31m"),
-        (["run", "two-chains", "-o", "out", "--ranks", "0"], "--ranks: 0 given; at least 1"),
-        (["run", "two-chains", "-o", "out", "--ranks", "-1"], "--ranks: -1 given; at least 1"),
-        (["run", "two-chains", "-o", "out", "--ranks", str(mpi.cores() + 1)], "cores are available"),
-    ],
-    ids=lambda value: " ".join(value) if isinstance(value, list) else "",
-)
-def test_a_command_line_that_makes_no_sense_is_one_line(arguments, says, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    assert says in refusal(arguments, capsys)
-    assert tree(tmp_path) == {}
-
-
-def test_more_ranks_than_rows_are_refused(tmp_path, capsys):
-    if mpi.cores() < 3:
-        pytest.skip("two rows and three ranks need three cores")
-    short = tmp_path / "short.yaml"
-    short.write_text(scene_text(beads="2"))
-    assert "ranks divide the 2 rows" in refusal(["run", short, "-o", tmp_path / "out", "--ranks", 3], capsys)
 
 
 @pytest.mark.parametrize("command", [*COMMANDS, *ALIASES])

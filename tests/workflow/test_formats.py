@@ -35,8 +35,3 @@ def test_a_figure_of_the_users_own_stays(ran):
     assert main(["analyze", str(ran), "--quiet"]) == 0
     assert (ran / "response.pdf").read_text() == "mine"
     assert main(["analyze", str(ran), "--quiet", "--formats", "pdf"]) == 2
-
-
-def test_a_format_that_is_none_is_one_line(capsys):
-    assert main(["analyze", "run", "--formats", "png,tiff"]) == 2
-    assert "'png,tiff' given; of png, pdf, svg, with commas between" in capsys.readouterr().err

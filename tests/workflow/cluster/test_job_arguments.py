@@ -50,26 +50,6 @@ def test_options_stand_in_the_script_and_win_over_the_site_that_the_environment_
     assert f"\nmax_jobs={site.JobOptions().max_jobs}\n" in script
 
 
-@pytest.mark.parametrize(
-    ("words", "says"),
-    [
-        (["--nodes", "2"], "--nodes: is for a job; add --slurm"),
-        (["--module", "gcc"], "--module: is for a job; add --slurm"),
-        (["--site", "x.yaml"], "--site: is for a job; add --slurm"),
-        (["--slurm", "--site", "nowhere.yaml"], "nowhere.yaml: no such file"),
-        (["--slurm", "--time", "90"], "--time: should be HH:MM:SS or D-HH:MM:SS, from a minute to a year ('90' given)"),
-        (["--slurm", "--module", "a b"], "--module: a module should be one word such as lammps/2025.07"),
-        (["--slurm", "--nodes", "100", "--ranks-per-node", "100"], "--ranks-per-node: 10000 ranks in all"),
-    ],
-)
-def test_a_mistake_is_one_line_and_nothing_is_written(words, says, tmp_path, capsys):
-    assert main(["deck", "two-chains", "-o", str(tmp_path / "run"), *words]) == 2
-    said = capsys.readouterr().err
-    assert said.startswith(f"granchain: {says}")
-    assert len(said.splitlines()) == 1
-    assert not (tmp_path / "run").exists()
-
-
 def test_a_deck_is_not_written_over_a_job_unless_asked_and_then_nothing_of_it_is_left(tmp_path):
     directory = tmp_path / "run"
     assert main(["deck", "two-chains", "-o", str(directory), "--slurm"]) == 0

@@ -344,13 +344,6 @@ def test_a_record_that_a_loss_of_power_left_empty_is_told(content, tmp_path, cap
     assert "run the scene again with another -o" in line
 
 
-@pytest.mark.parametrize("words", [["two-chains"], ["-o", "x"], ["--engine", "lammps"], ["--overwrite"], ["--force"]])
-def test_what_a_resumed_run_cannot_be_told_is_refused(words, tmp_path, capsys):
-    code, line = said(["run", "--resume", tmp_path, *words], capsys)
-    assert code == 2
-    assert "--resume: goes on as the run was begun, so leave out" in line
-
-
 # --- one at a time ----------------------------------------------------------------------------------------------------
 
 

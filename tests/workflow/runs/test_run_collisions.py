@@ -98,12 +98,6 @@ def test_the_command_says_how_many_collisions_there_were(tmp_path, capsys):
     assert main(["analyze", str(tmp_path / "run"), "--no-figures"]) == 0
 
 
-def test_beads_that_touch_are_refused_before_anything_runs(tmp_path, capsys):
-    assert main(["run", "two-chains", "--engine", "collisions", "-o", str(tmp_path / "run")]) == 2
-    assert "--engine: `collisions` moves rigid beads, which need a gap" in capsys.readouterr().err
-    assert not (tmp_path / "run").exists()
-
-
 def test_ranks_are_for_lammps(tmp_path):
     with pytest.raises(InputError, match="--ranks"):
         run(gapped(), tmp_path / "run", engine="collisions", ranks=2)

@@ -277,48 +277,6 @@ def test_a_design_that_is_no_scene_says_why_and_is_worse_than_any_other(tmp_path
     assert worth(design, refused) == np.inf
 
 
-@pytest.mark.parametrize(
-    ("changes", "says"),
-    [
-        ({"minimize": "wall_farce"}, "minimize: 'wall_farce' is no quantity (did you mean `wall_force`?)"),
-        ({"maximize": "delay"}, "give either minimize or maximize"),
-        ({"vary": {"couplng.stiffness": [1, 2]}}, "did you mean `coupling.stiffness`?"),
-        ({"vary": {"beads": {"from": 8, "to": 10.5}}}, "vary.beads: takes whole numbers"),
-        ({"vary": {"beads": {"from": 9, "to": 8}}}, "the smaller first"),
-        ({"vary": {"beads": [9]}}, "two choices or more"),
-        ({"vary": {"pattern": {"of": ["a", "b"]}}}, "{of: [a, b], places: 4}"),
-        ({"vary": {"coupling.rows": {"from": 1, "to": 4, "places": 0}}}, "places: '0' given"),
-        ({"where": {"mass": {}}}, "where.mass: give from, to or both"),
-        ({"where": {"mass": {"from": 160, "to": 152}}}, "where.mass: goes from 160 to 152; the smaller first"),
-        ({"where": {"weight": {"to": 1}}}, "where: 'weight' is no quantity"),
-        ({"scene": "two-chain"}, "did you mean `two-chains`?"),
-        ({"vary": {"gap": {"from": 0.1, "to": 1}}, "search": {"method": "exhaustive"}}, "without end"),
-    ],
-)
-def test_a_mistake_is_one_line_that_names_the_file_and_the_key(changes, says, tmp_path, capsys):
-    path = written(tmp_path, **changes)
-    assert main(["design", str(path), "-o", str(tmp_path / "d")]) == 2
-    err = capsys.readouterr().err
-    assert err.startswith(f"granchain: {path}: ")
-    assert says in err
-    assert err.count("\n") == 1
-
-
-@pytest.mark.parametrize(
-    ("text", "says"),
-    [
-        ("", "is empty; a design needs a `scene`, what may `vary`, and what to `minimize` or `maximize`"),
-        ("name: a\nbeads: 9\n", "looks like a scene, not a design; `granchain run FILE -o DIR` takes it"),
-        ("scene: two-chains\nvary: {gap: [1, 2]}\nminimise: delay\n", "did you mean `minimize`?"),
-    ],
-)
-def test_what_is_no_design_is_told_what_it_is_or_lacks(text, says, tmp_path, capsys):
-    path = tmp_path / "design.yaml"
-    path.write_text(text)
-    assert main(["design", str(path), "-o", str(tmp_path / "d")]) == 2
-    assert says in capsys.readouterr().err
-
-
 def test_where_nothing_fits_the_reason_is_said(tmp_path, capsys):
     path = written(tmp_path, where={"mass": {"from": 1000}})
     assert main(["design", str(path), "-o", str(tmp_path / "d"), "--jobs", "1"]) == 2

@@ -287,12 +287,8 @@ def test_the_quick_report_has_cells_of_every_axis_and_leaves_the_long_ones_out()
     assert len(quick) < len(grid())
 
 
-def test_parts_are_chosen_by_name_and_others_refused_in_one_line(capsys):
+def test_parts_are_chosen_by_name():
     assert {cell.axis for cell in grid(["exponents", "masses"])} == {"exponent", "dimer", "impurity", "taper"}
-    assert main(["extremes", "exponent"]) == 2
-    err = capsys.readouterr().err
-    assert err.startswith("granchain: extremes: 'exponent' given (did you mean `exponents`?)")
-    assert err.count("\n") == 1
 
 
 def test_every_kind_has_a_colour_and_is_drawn():

@@ -152,24 +152,6 @@ def test_a_model_that_does_not_fit_gets_no_intervals_and_the_cause_is_named(
     assert (tmp_path / "out" / "fitted.yaml").read_text().startswith("# the model does not fit") == (fits is False)
 
 
-@pytest.mark.parametrize(
-    ("free", "says"),
-    [
-        ("coupling.stifness", "did you mean `coupling.stiffness`?"),
-        ("beads", "counts something"),
-        ("gap", "gap: is not there"),
-        ("walls.right", "walls.right: is 'rigid'"),
-        ("kick.velocity,kick.velocity", "named twice"),
-        (",", "name at least one field"),
-    ],
-)
-def test_what_cannot_be_free_is_one_line(free, says, tmp_path, capsys):
-    assert fit(tmp_path, free=free) == 2
-    err = capsys.readouterr().err
-    assert says in err
-    assert err.count("\n") == 1
-
-
 def line(seed=3, wrong=0.0):
     """Two parameters of a straight line in two channels, one with half of the noise and a hole; what is wrong adds."""
     time = np.linspace(0.0, 1.0, 400)

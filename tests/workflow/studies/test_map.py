@@ -41,12 +41,3 @@ def test_the_command_prints_a_table_and_writes_the_figure(tmp_path: Path, capsys
     assert "1% from" in capsys.readouterr().out
     assert (tmp_path / "m" / "map.png").stat().st_size > 10_000
     assert len((tmp_path / "m" / "map.csv").read_text().splitlines()) == 5
-
-
-@pytest.mark.parametrize("bad", [["--couplings", "x"], ["--chains", "1"], ["--couplings", "-1"], ["--most-beads", "3"]])
-def test_bad_choices_are_one_line_and_exit_code_2(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], bad: list[str]
-) -> None:
-    assert main(["map", "-o", str(tmp_path / "m"), *bad]) == 2
-    assert len(capsys.readouterr().err.splitlines()) == 1
-    assert not (tmp_path / "m").exists()

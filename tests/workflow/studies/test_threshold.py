@@ -169,27 +169,3 @@ def test_ctrl_c_keeps_what_was_computed_and_the_same_command_resumes(tmp_path, m
 def test_no_threshold_is_one_line_and_exit_code_1(where, says, tmp_path, capsys):
     assert asked(tmp_path, *BY_MASS, "--where", where, scene=STRUCK) == (1, [])
     assert says in capsys.readouterr().out.splitlines()
-
-
-@pytest.mark.parametrize(
-    ("words", "says"),
-    [
-        (["--where", "agre_1=3", "--vary", "gap=0:1"], "did you mean"),
-        (["--where", "agree_1", "--vary", "gap=0:1"], "--where: 'agree_1' given; such as agree_1=100"),
-        (["--where", "mass=much", "--vary", "gap=0:1"], "--where: 'much' is no number"),
-        (["--where", "mass=1", "--vary", "gap=1:0"], "--vary: 1:0 given; the smaller number first"),
-        (["--where", "mass=1", "--vary", "gap=0:1", "--log"], "both above 0 with --log"),
-        (["--where", "mass=1", "--vary", "beads=4.5:9"], "--vary: beads takes whole numbers"),
-        (["--where", "mass=1", "--vary", "gaps=0:1"], "a scene has no field 'gaps'"),
-        (["--where", "mass=1", "--vary", "gap=0:1", "--over", "gap=1,2"], "--over gap: is the field"),
-        (["--where", "mass=1", "--vary", "gap=0:1", "--over", "beads=9,9"], "--over: '9,9' given; different values"),
-        (["--where", "mass=1", "--vary", "gap=0:1", "--points", "1"], "--points: 1 given"),
-        (["--where", "mass=1", "--vary", "gap=0:1", "--tolerance", "0"], "--tolerance: 0 given"),
-    ],
-)
-def test_a_question_that_is_none_is_one_line_and_exit_code_2(words, says, tmp_path, capsys):
-    assert asked(tmp_path, *words)[0] == 2
-    said = capsys.readouterr()
-    assert says in said.err
-    assert len(said.err.splitlines()) == 1
-    assert not (tmp_path / "found").exists()

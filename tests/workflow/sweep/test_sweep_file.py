@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from sweeps import SMALL, sweep, sweep_file
+from sweeps import SMALL, sweep_file
 
 from lammps_inputs import InputError, strict_yaml
 from workflow.sweep.cases import LONGEST_NAME, all_cases, case_name, scene_of
@@ -119,66 +119,6 @@ def test_whatever_the_value_a_name_is_one_safe_word(value):
 
 
 # --- mistakes ---------------------------------------------------------------------------------------------------------
-
-BAD = {
-    "empty": ("", "is empty; a sweep needs a `scene` and what to `vary`"),
-    "scene": ("name: a\nbeads: 9\nkick: {velocity: 1}", "looks like a scene, not a sweep; `granchain run FILE -o DIR`"),
-    "design": ("scene: two-chains\nvary: {gap: [1, 2]}\nminimize: delay", "looks like a design, not a sweep;"),
-    "no scene": ("vary: {gap: [1]}", "scene: is missing"),
-    "nothing to vary": ("scene: two-chains\nvary: {}", "vary: names no field"),
-    "misspelt key": ("scene: two-chains\nvarry: {gap: [1]}", "did you mean `vary`?"),
-    "misspelt scene": ("scene: two-chain\nvary: {gap: [1]}", "did you mean `two-chains`?"),
-    "scene that is no file": ("scene: /dev/zero\nvary: {gap: [1]}", "neither a file nor an installed scene"),
-    "last key of a field": ("scene: two-chains-steel\nvary: {youngs_modulus: [1]}", "`material.youngs_modulus`?"),
-    "misspelt field": ("scene: two-chains\nvary: {kick.velocty: [1]}", "did you mean `kick.velocity`?"),
-    "unknown field": ("scene: two-chains\nvary: {colour: [1]}", "a scene has no field 'colour'"),
-    "number of a field without parts": ('scene: two-chains\nvary: {"beads[2]": [1]}', "`beads` is not a list"),
-    "kick that is not there": ('scene: two-chains\nvary: {"kick[2].velocity": [1]}', "no `kick[2]`"),
-    "part of what is varied": ("scene: two-chains\nvary: {kick: [1], kick.velocity: [2]}", "lies within `kick`"),
-    "field twice": ('scene: two-chains\nvary: {kick.velocity: [1], "kick[1].velocity": [2]}', "is the same field"),
-    "single value": ("scene: two-chains\nvary: {gap: 3}", "vary.gap: should be a list, or a range"),
-    "no values": ("scene: two-chains\nvary: {gap: []}", "vary.gap: is an empty list"),
-    "value twice": ("scene: two-chains\nvary: {beads: [10, 20, 10]}", "beads=10 is there twice"),
-    "range without end": ("scene: two-chains\nvary: {gap: {from: 1, count: 3}}", "vary.gap.to: is missing"),
-    "range of text": (
-        "scene: two-chains\nvary: {gap: {from: a, to: 1, count: 3}}",
-        "vary.gap.from: should be a number",
-    ),
-    "range to nowhere": (
-        "scene: two-chains\nvary: {gap: {from: 1, to: .inf, count: 3}}",
-        "vary.gap.to: should be a fin",
-    ),
-    "range of one": ("scene: two-chains\nvary: {gap: {from: 1, to: 1, count: 3}}", "same as from"),
-    "range without a count": ("scene: two-chains\nvary: {gap: {from: 1, to: 2.5}}", "count: is missing"),
-    "endless whole numbers": ("scene: two-chains\nvary: {beads: {from: 2, to: 900000}}", "to: too far"),
-    "logarithm of 0": ("scene: two-chains\nvary: {gap: {from: 0, to: 1, count: 3, spacing: log}}", "above 0"),
-    "unequal zip": ("scene: two-chains\nvary: {gap: [1, 2], beads: [9]}\ncombine: zip", "gap has 2"),
-    "case that is no scene": (
-        "scene: two-chains\nvary: {beads: [10, 20.5]}",
-        "case beads=20.5: beads: should be a whole",
-    ),
-    "not a number": ("scene: two-chains\nvary: {gap: [.nan]}", "case gap=nan: gap: should be a finite number"),
-    "frames too far apart": ("scene: two-chains\nvary: {output.every: [3.0]}", "waves between frames are missed"),
-    "unstable time step": (
-        "scene: two-chains\nvary: {timestep: [2.0], output.every: [2.0]}",
-        "timestep: 2 is unstable",
-    ),
-    "rigid beads that touch": ("scene: two-chains\nvary: {beads: [20]}\nengine: collisions", "rigid beads"),
-    "object of Python": ("scene: two-chains\nvary: !!python/object/apply:os.system [ls]", "tags"),
-}
-
-
-@pytest.mark.parametrize("kind", BAD)
-def test_a_bad_sweep_is_one_line_and_nothing_is_written(kind, tmp_path, capsys):
-    text, says = BAD[kind]
-    path = tmp_path / "sweep.yaml"
-    path.write_text(text)
-    assert sweep(path, tmp_path / "out") == 2
-    out, err = capsys.readouterr()
-    assert (out, err.count("\n")) == ("", 1)
-    assert err.startswith(f"granchain: {path}: ")
-    assert says in err
-    assert not (tmp_path / "out").exists()
 
 
 def test_a_product_of_too_many_cases_is_refused_before_it_is_built():

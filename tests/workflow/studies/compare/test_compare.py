@@ -154,20 +154,6 @@ def test_a_run_that_is_too_short_for_any_contact_says_so(tmp_path):
     assert "No row was struck in both models" in result.answer[0]
 
 
-@pytest.mark.parametrize(
-    ("engines", "says"),
-    [
-        ("collisions,gromacs", "'gromacs' given"),
-        ("collisions,collisions", "named twice"),
-        ("", "'' given"),
-    ],
-)
-def test_engines_that_cannot_be_used_are_refused(engines, says, tmp_path, capsys):
-    assert main(["compare", "two-chains-gapped", "--engines", engines, "-o", str(tmp_path / "out")]) == 2
-    assert says in capsys.readouterr().err
-    assert not (tmp_path / "out").exists()
-
-
 def test_rigid_beads_that_touch_are_refused():
     with pytest.raises(InputError, match="`collisions` moves rigid beads, which need a gap"):
         engines_for(find("two-chains"), ("reference", "collisions"))

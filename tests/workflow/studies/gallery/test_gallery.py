@@ -76,14 +76,6 @@ def test_a_second_start_runs_nothing_again_and_keeps_what_is_not_asked_for_on_th
     assert "A kicked chain" in (page / "index.html").read_text()
 
 
-def test_an_entry_that_is_not_there_is_one_line(tmp_path, capsys):
-    assert main(["gallery", "-o", str(tmp_path), "--only", "dimer"]) == 2
-    said = capsys.readouterr().err
-    assert "did you mean `dimers`?" in said
-    assert said.count("\n") == 1
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_every_entry_is_listed(capsys):
     assert main(["gallery", "--list"]) == 0
     assert capsys.readouterr().out.split() == list(ENTRIES)

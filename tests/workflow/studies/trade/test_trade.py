@@ -177,18 +177,6 @@ def test_seldom_frames_find_arrivals_worse(found):
     assert float(rows[0]["arrival_error"]) > 10.0 * float(rows[-1]["arrival_error"])
 
 
-@pytest.mark.parametrize(
-    ("options", "says"),
-    [(["--budget", "0"], "above 0"), (["--budget", "nan"], "above 0"), (["--repeats", "-1"], "0 or more")],
-)
-def test_bad_choices_are_one_line_and_exit_code_2(options, says, tmp_path, capsys):
-    assert main(["trade", written(tmp_path), "-o", str(tmp_path / "out"), *options]) == 2
-    err = capsys.readouterr().err
-    assert says in err
-    assert len(err.splitlines()) == 1
-    assert not (tmp_path / "out").exists()
-
-
 def test_a_directory_that_holds_something_is_refused(tmp_path, capsys):
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "mine").write_text("kept")
