@@ -1,22 +1,15 @@
 """What a study says, in sentences: which setting for which accuracy, and what else is worth choosing."""
 
 import math
-from collections.abc import Sequence
-from typing import Any
 
 from lammps_inputs import Problem
-from workflow.runs.engines import LAMMPS
-from workflow.studies.trade import grid, work_precision
+from workflow.runs.engines import LAMMPS, REFERENCE
+from workflow.studies.trade import settings, work_precision
 from workflow.studies.trade.certified import Certified
-from workflow.studies.trade.study import Findings
-from workflow.studies.trade.work_precision import Point
+from workflow.studies.trade.study import WELL_ABOVE, Findings
+from workflow.studies.trade.work_precision import Point, Points
 
 ACCURACIES = (1e-2, 1e-4, 1e-6, 1e-8)
-
-WELL_ABOVE = 10.0
-"""Errors over the reference's own from which on they are told by the measurement."""
-
-Points = Sequence[Point[Any]]
 
 
 def sentences(study: Findings) -> list[str]:
@@ -31,26 +24,21 @@ def sentences(study: Findings) -> list[str]:
     return found + study.notes
 
 
-def comparable(points: Points) -> list[Point[Any]]:
-    """Measured points whose errors are those of all beads."""
-    return [point for point in points if point.measured and grid.is_whole(point.setting.curve)]
-
-
 def certificate(study: Findings, truth: Certified) -> str:
-    """How sure the reference is, and which errors are not well above that."""
+    """The uncertainty of the reference, and which errors are not well above it."""
     floor = truth.floors["velocity"]
     near = [point for point in study.engines if point.measured and point.errors["velocity"] < WELL_ABOVE * floor]
-    said = f"The reference is sure to {floor:.1e} V and {truth.floors['arrival']:.1e} T"
+    said = f"Uncertainty of the reference: {floor:.1e} V and {truth.floors['arrival']:.1e} T"
     if not near:
         return f"{said}, less than a tenth of every error of velocities."
-    return f"{said}; errors of velocities that are less than ten times that, and so not well known, are marked ~."
+    return f"{said}; errors of velocities below ten times that, which are not well known, are marked ~."
 
 
 def advice(study: Findings, truth: Certified, accuracy: float) -> str:
     """Which engine and settings are the cheapest that keep an accuracy of all velocities; and in LAMMPS."""
     floor = truth.floors["velocity"]
-    points = comparable(study.engines)
-    own = [point for point in points if point.setting.curve.startswith(grid.LAMMPS)]
+    points = study.comparable
+    own = [point for point in points if point.setting.curve.startswith(settings.LAMMPS)]
     best, lammps = (
         work_precision.cheapest(group, accuracy, "velocity", "seconds", floor=floor) for group in (points, own)
     )
@@ -67,7 +55,7 @@ def advice(study: Findings, truth: Certified, accuracy: float) -> str:
     return f"{said}." if lammps is best else f"{said}; with LAMMPS {_says(lammps, study.problem)}."
 
 
-def _says(point: Point[Any], problem: Problem) -> str:
+def _says(point: Point, problem: Problem) -> str:
     """A setting as a user would ask for it, its error, and its cost."""
     job, scale = point.setting.what, problem.scale
     unit = scale.after("time")
@@ -76,10 +64,10 @@ def _says(point: Point[Any], problem: Problem) -> str:
         scheme = "" if job.problem.scheme == "verlet" else f"scheme: {job.problem.scheme}, "
         how = f"`{scheme}timestep: {step}`{unit}"
         how += f" on {job.ranks} ranks" if job.ranks > 1 else ""
-    elif job.scheme is not None:
+    elif job.engine == REFERENCE.name:
         how = f"reference {job.scheme.name} at a step of {step}{unit}"
     else:
-        how = grid.RIGID
+        how = settings.RIGID
     if job.problem.every > problem.every * (1.0 + 1e-9):
         how += f" and frames {job.problem.every * scale.time:.6g} apart"
     return f"{how} ({point.errors['velocity']:.1e} V, {point.cost('seconds'):.2g} s)"
@@ -96,9 +84,8 @@ def _dividing(step: float, count: int) -> str:
 def left_out(study: Findings) -> list[str]:
     """What was not measured, and why, a sentence for each method."""
     said = []
-    everything = [*study.engines, *study.frames]
-    for name in dict.fromkeys(point.setting.curve for point in everything):
-        points = [point for point in everything if point.setting.curve == name and point.left_out]
+    for name, several in study.curves.items():
+        points = [point for point in several if point.left_out]
         if points:
             first = points[0]
             more = f", and {len(points) - 1} more" if len(points) > 1 else ""
@@ -107,39 +94,20 @@ def left_out(study: Findings) -> list[str]:
 
 
 def suzuki(study: Findings, truth: Certified) -> list[str]:
-    """From which accuracy and size on suzuki4 beats Verlet in LAMMPS."""
+    """From which accuracy on suzuki4 beats Verlet in LAMMPS."""
     floor = WELL_ABOVE * truth.floors["velocity"]
-    curves = {
-        name: [point for point in study.engines if point.setting.curve == f"{grid.LAMMPS}{name}"]
+    first, second = (
+        work_precision.pairs(study.curves.get(settings.LAMMPS + name, ()), "velocity", "seconds", floor)
         for name in ("suzuki4", "verlet")
-    }
+    )
     atoms = study.problem.chains * study.problem.beads
-    measured = [work_precision.pairs(points, "velocity", "seconds", floor) for points in curves.values()]
-    found = work_precision.better_from(measured[0], measured[1])
-    said = [f"In LAMMPS suzuki4 {_where(found)}, for the {atoms} beads of this scene."]
-    # the reference makes the same errors with the same forces, and is not too dear to be run at the finest steps
-    forces = {
-        name: work_precision.pairs(
-            [*points, *_curve(study.engines, f"{grid.REFERENCE}{name}")], "velocity", "forces", floor
-        )
-        for name, points in curves.items()
-    }
-    for size in study.sizes if found is None or found[0] == 0.0 else study.sizes[1:]:
-        costs = [[(error, count * size.seconds[name]) for error, count in forces[name]] for name in curves]
-        said.append(
-            f"By the cost of its steps with {size.atoms} beads, {_ratio(size.seconds)} that of Verlet's, and errors as "
-            f"here, it {_where(work_precision.better_from(*costs))}."
-        )
-    return said
-
-
-def _ratio(seconds: dict[str, float]) -> str:
-    return f"{seconds['suzuki4'] / seconds['verlet']:.2g} times"
+    found = _where(work_precision.better_from(first, second))
+    return [f"In LAMMPS suzuki4 {found}, for the {atoms} beads of this scene."]
 
 
 def _where(found: tuple[float, float, float] | None) -> str:
     if found is None:
-        return "and Verlet have no error in common here, so which is cheaper is not told"
+        return "and Verlet have no error in common here, so it is undetermined which is cheaper"
     start, low, high = found
     if start == 0.0:
         return f"does not beat Verlet down to an error of {low:.1e} V, the least that both reach here"
@@ -150,7 +118,7 @@ def _where(found: tuple[float, float, float] | None) -> str:
 
 def ranks(study: Findings) -> list[str]:
     """What more ranks gain."""
-    points = _curve(study.engines, f"{grid.LAMMPS}{grid.RANKS}")
+    points = _curve(study, f"{settings.LAMMPS}{settings.RANKS}")
     if len(points) < 2:
         return []
     one, best = points[0], min(points, key=lambda point: point.cost("seconds"))
@@ -168,8 +136,8 @@ def _times(points: Points) -> str:
 def windows(study: Findings) -> list[str]:
     """What windows gain, and lose, near the front."""
     said = []
-    for engine in (grid.LAMMPS, grid.REFERENCE):
-        points = _curve(study.engines, f"{engine}{grid.WINDOW}")
+    for engine in (settings.LAMMPS, settings.REFERENCE):
+        points = _curve(study, f"{engine}{settings.WINDOW}")
         if len(points) < 2 or points[-1].setting.value < study.problem.beads:
             continue
         *narrow, whole = points
@@ -186,7 +154,7 @@ def windows(study: Findings) -> list[str]:
 
 def rigid(study: Findings) -> list[str]:
     """What the collision model is worth."""
-    points = _curve(study.engines, grid.RIGID)
+    points = _curve(study, settings.RIGID)
     if not points:
         return []
     error = points[0].errors
@@ -199,29 +167,20 @@ def rigid(study: Findings) -> list[str]:
 
 
 def frames(study: Findings) -> list[str]:
-    """What seldom frames and text lose, and text costs."""
+    """What seldom frames lose."""
     said = []
-    points = _curve(study.frames, "frames")
-    for accuracy in (1e-2, 1e-4) if points else ():
-        good = [point for point in points if max(point.errors["amplitude"], point.errors["arrival"]) <= accuracy]
+    for accuracy in (1e-2, 1e-4) if study.frames else ():
+        good = [one for one in study.frames if max(one.amplitude_error, one.arrival_error) <= accuracy]
         if good:
-            widest = max(good, key=lambda point: point.setting.value)
-            every = widest.setting.value * study.problem.scale.time
+            widest = max(good, key=lambda one: one.every)
             said.append(
-                f"Frames {every:.4g} apart show amplitudes and arrivals to {accuracy:.0e} "
-                f"({widest.cost('bytes') / 1e6:.2g} MB)."
+                f"Frames {widest.every * study.problem.scale.time:.4g} apart show amplitudes and arrivals to "
+                f"{accuracy:.0e} ({widest.bytes / 1e6:.2g} MB)."
             )
         else:
             said.append(f"No frames measured show amplitudes and arrivals of all beads to {accuracy:.0e}.")
-    formats = _curve(study.frames, "format")
-    for text in formats[1:]:
-        binary = formats[0]
-        ratio = text.cost("seconds") / binary.cost("seconds")
-        moved = text.errors != binary.errors
-        lost = f"and arrivals read to {text.errors['arrival']:.1e} T" if moved else "and nothing is lost"
-        said.append(f"As {text.setting.label}, running and reading take {ratio:.2g} times as long as binary, {lost}.")
     return said
 
 
-def _curve(points: Points, name: str) -> list[Point[Any]]:
-    return [point for point in points if point.setting.curve == name and point.measured]
+def _curve(study: Findings, name: str) -> list[Point]:
+    return [point for point in study.curves.get(name, ()) if point.measured]

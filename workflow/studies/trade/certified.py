@@ -2,7 +2,7 @@
 
 import math
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from itertools import chain
 from pathlib import Path
@@ -57,30 +57,21 @@ class Certified:
 
         Of a window, only the rows count that `analysis.against.common_times.near_the_front` takes to be right.
         """
-        first, blocks = peeked(blocks)
+        stream = iter(blocks)
+        first = next(stream)
         stride = max(1, round(first.problem.every / self.problem.every))
         own = replace(self.problem, window=first.problem.window)
         reference = recording.blocks([self.path], self.problem, stride)
-        return deviation(blocks, (replace(block, problem=own) for block in reference))
+        return deviation(chain([first], stream), (replace(block, problem=own) for block in reference))
 
 
-def peeked(blocks: Iterable[Trajectory]) -> tuple[Trajectory, Iterator[Trajectory]]:
-    """The first block, and all of them."""
-    stream = iter(blocks)
-    first = next(stream)
-    return first, chain([first], stream)
-
-
-def make_truth(
-    problem: Problem, directory: Path, *, seconds: float, follow: Callable[[float], None] | None = None
-) -> Certified:
+def make_truth(problem: Problem, directory: Path, *, seconds: float) -> Certified:
     """Refine the reference until its certificate is below `GOAL`, or the next refinement would take too long.
 
     Args:
         problem: with the scene's frames.
         directory: for its frames.
         seconds: wall time that the last refinement may take.
-        follow: called after each with its certificate of velocities.
     """
     path, steps = directory / "reference.bin", None
     engine.run(replace(problem, frames=1))  # compiles what it takes
@@ -89,8 +80,6 @@ def make_truth(
         certifier = Certifier(problem, steps_per_frame=steps)
         write(path, problem, certifier.blocks())
         found = Certified(problem, path, certifier.certificate, time.perf_counter() - started)
-        if follow is not None:
-            follow(found.certificate.velocity)
         if found.certificate.velocity <= GOAL or REFINEMENT * found.seconds > seconds:
             return found
         steps = REFINEMENT * certifier.steps_per_frame

@@ -6,11 +6,11 @@ import sys
 from pathlib import Path
 
 from lammps_inputs import InputError, library
+from workflow.formats import figure_files
 from workflow.screen import count_bar, one_line, print_table
-from workflow.studies.trade import advice, report, study
-from workflow.studies.trade import study as studying
+from workflow.studies.trade import study
+from workflow.studies.trade.advice import sentences
 from workflow.studies.trade.study import Findings
-from workflow.studies.trade.work_precision import pareto
 
 LARGE = 1e9
 """Bytes of frames above which a scene is said to be large."""
@@ -31,15 +31,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--budget",
         metavar="SECONDS",
         type=float,
-        default=studying.BUDGET,
-        help=f"about how long it may take; runs that would take much of it are left out (default {studying.BUDGET:g})",
+        default=study.BUDGET,
+        help=f"about how long it may take; runs that would take much of it are left out (default {study.BUDGET:g})",
     )
     parser.add_argument(
         "--repeats",
         metavar="N",
         type=int,
-        default=studying.REPEATS,
-        help=f"timed runs of each setting after its first (default {studying.REPEATS})",
+        default=study.REPEATS,
+        help=f"timed runs of each setting after its first (default {study.REPEATS})",
     )
 
 
@@ -49,8 +49,8 @@ def execute(arguments: argparse.Namespace) -> int:
         raise InputError(f"--budget: {arguments.budget:g} given; a number of seconds above 0")
     if arguments.repeats < 0:
         raise InputError(f"--repeats: {arguments.repeats} given; 0 or more")
-    problem = studying.plain_problem(library.find(arguments.scene))
-    seconds, size = studying.expected(problem)
+    problem = study.plain_problem(library.find(arguments.scene))
+    seconds, size = study.expected(problem)
     if seconds > arguments.budget or size > LARGE:
         print(
             f"granchain: a large scene: the reference alone takes some {seconds:.0f} s, and frames "
@@ -58,86 +58,73 @@ def execute(arguments: argparse.Namespace) -> int:
             file=sys.stderr,
         )
     with count_bar("trade") as progress:
-        found = studying.study(
+        found = study.study(
             problem,
             arguments.output,
             budget=arguments.budget,
             repeats=arguments.repeats,
-            follow=lambda _, done, total: progress(done, total),
+            follow=progress,
         )
-    _print(found)
-    written = [name for name in (study.ENGINES, study.FRAMES) if (arguments.output / name).exists()]
-    print(f"{one_line(arguments.output)}: {', '.join(written + report.write(found, arguments.output))}")
+    advice = sentences(found)
+    _print(found, advice)
+    study.write(found, arguments.output, advice)
+    names = [study.ENGINES, study.FRAMES, study.REPORT, *figure_files(study.FIGURE)]
+    print(f"{one_line(arguments.output)}: {', '.join(name for name in names if (arguments.output / name).exists())}")
     if not found.whole:
         raise KeyboardInterrupt
     return 0
 
 
-def _print(found: Findings) -> None:
-    truth = found.truth
-    if truth is None:
+def _print(found: Findings, sentences: list[str]) -> None:
+    if found.truth is None:
         return
-    front = {id(point) for point in pareto(advice.comparable(found.engines), "velocity", "seconds")}
-    rows = []
-    for point in found.engines:
-        if not point.measured:
-            continue
-        seconds, unsure = point.costs("seconds"), advice.WELL_ABOVE * truth.floors["velocity"]
-        rows.append(
-            [
-                point.setting.curve,
-                point.setting.label,
-                f"{'~' if point.errors['velocity'] < unsure else ''}{_error(point.errors['velocity'])}",
-                _error(point.errors["amplitude"]),
-                _error(point.errors["arrival"]),
-                "" if math.isnan(point.cost("forces")) else f"{point.cost('forces'):.3g}",
-                f"{point.cost('seconds'):.3g}",
-                f"{min(seconds):.2g}-{max(seconds):.2g}",
-                f"{point.first['start'] + point.first['seconds']:.2g}",
-                "*" if id(point) in front else "",
-            ]
-        )
-    head = ["method", "at", "velocity", "amplitude", "arrival", "forces", "s", "spread", "first", "front"]
-    print_table(
-        f"{found.problem.name}: largest errors (V, V, T), and wall time of the time loop with its frames; steps in T",
-        head,
-        rows,
-    )
-    _print_orders(found)
-    _print_frames(found)
-    for sentence in advice.sentences(found):
-        print(sentence)
-
-
-def _print_orders(found: Findings) -> None:
-    assert found.truth is not None
-    rows = []
-    for name, by in report.orders(found, found.truth).items():
-        order = by["velocity"]
-        if order is not None:
-            spread = "" if math.isnan(order.spread) else f"{order.spread:.2f}"
-            rows.append([name, f"{order.value:.2f}", spread, f"{order.low:.4g} - {order.high:.4g}", str(order.points)])
-    if rows:
-        print_table("measured orders, of velocities", ["method", "order", "+-", "over steps", "points"], rows)
-
-
-def _print_frames(found: Findings) -> None:
+    front, floor = {id(point) for point in found.front("velocity")}, study.WELL_ABOVE * found.truth.floors["velocity"]
     rows = [
         [
             point.setting.curve,
             point.setting.label,
-            *(_error(point.errors[name]) for name in ("velocity", "amplitude", "arrival")),
-            f"{point.cost('run'):.3g}",
-            f"{point.cost('read'):.3g}",
-            f"{point.cost('bytes') / 1e6:.3g}",
+            f"{'~' if point.errors['velocity'] < floor else ''}{point.errors['velocity']:.1e}",
+            f"{point.errors['amplitude']:.1e}",
+            f"{point.errors['arrival']:.1e}",
+            "" if math.isnan(point.cost("forces")) else f"{point.cost('forces'):.3g}",
+            f"{point.cost('seconds'):.3g}",
+            f"{min(point.costs('seconds')):.2g}-{max(point.costs('seconds')):.2g}",
+            f"{point.first['start'] + point.first['seconds']:.2g}",
+            "*" if id(point) in front else "",
         ]
-        for point in found.frames
+        for point in found.engines
         if point.measured
     ]
-    if rows:
-        head = ["recorded", "as", "velocity", "amplitude", "arrival", "run (s)", "read (s)", "MB"]
-        print_table("what is lost in the frames of one LAMMPS run, at the scene's time step", head, rows)
-
-
-def _error(value: float) -> str:
-    return f"{value:.1e}"
+    print_table(
+        f"{found.problem.name}: largest errors (V, V, T), and wall time of the time loop with its frames; steps in T",
+        ["method", "at", "velocity", "amplitude", "arrival", "forces", "s", "spread", "first", "front"],
+        rows,
+    )
+    orders = [(name, order) for name, by in found.orders().items() if (order := by["velocity"]) is not None]
+    if orders:
+        print_table(
+            "measured orders, of velocities",
+            ["method", "order", "+-", "over steps", "points"],
+            [
+                [
+                    name,
+                    f"{order.value:.2f}",
+                    "" if math.isnan(order.spread) else f"{order.spread:.2f}",
+                    f"{order.low:.4g} - {order.high:.4g}",
+                    str(order.points),
+                ]
+                for name, order in orders
+            ],
+        )
+    if found.frames:
+        rows = [
+            [f"{one.every:.4g}", f"{one.amplitude_error:.1e}", f"{one.arrival_error:.1e}", f"{one.bytes / 1e6:.3g}"]
+            for one in found.frames
+        ]
+        print_table(
+            "errors of reading one LAMMPS run, by the time between frames (T)",
+            ["every", "amplitude", "arrival", "MB"],
+            rows,
+        )
+    for sentence in sentences:
+        print(sentence)

@@ -10,20 +10,17 @@ import statistics
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Generic, TypeVar
+from typing import Any
 
 import numpy as np
 
 from workflow.errors import RunError
 
-What = TypeVar("What")
-Result = TypeVar("Result")
-
 Numbers = Mapping[str, float]
 
 
 @dataclass(frozen=True)
-class Setting(Generic[What]):
+class Setting:
     """One choice of the user's.
 
     Attributes:
@@ -39,12 +36,12 @@ class Setting(Generic[What]):
     value: float
     label: str
     effort: float
-    what: What
+    what: Any
     group: str = ""
 
 
 @dataclass
-class Point(Generic[What]):
+class Point:
     """What a setting was found to do.
 
     Attributes:
@@ -55,7 +52,7 @@ class Point(Generic[What]):
         spent: seconds that all calls took, with everything around them.
     """
 
-    setting: Setting[What]
+    setting: Setting
     errors: dict[str, float] = field(default_factory=dict)
     first: dict[str, float] = field(default_factory=dict)
     repeats: list[dict[str, float]] = field(default_factory=list)
@@ -74,6 +71,9 @@ class Point(Generic[What]):
     def cost(self, name: str) -> float:
         """Median of one cost."""
         return statistics.median(self.costs(name))
+
+
+Points = Sequence[Point]
 
 
 @dataclass(frozen=True)
@@ -97,13 +97,13 @@ class Limits:
 
 
 def measure(
-    settings: Sequence[Setting[What]],
-    run: Callable[[What], Result],
-    errors: Callable[[Result], Numbers],
-    costs: Callable[[Result], Numbers],
+    settings: Sequence[Setting],
+    run: Callable[[Any], Any],
+    errors: Callable[[Any], Numbers],
+    costs: Callable[[Any], Numbers],
     limits: Limits,
-    follow: Callable[[Sequence[Point[What]], int, int], None] | None = None,
-) -> list[Point[What]]:
+    follow: Callable[[Points, int, int], None] | None = None,
+) -> list[Point]:
     """Run every setting once, for its errors, and then up to ``repeats`` times more, in rounds, for its costs.
 
     Args:
@@ -135,7 +135,7 @@ def measure(
     return points
 
 
-def _too_long(point: Point[What], points: Sequence[Point[What]], longest: float) -> str:
+def _too_long(point: Point, points: Points, longest: float) -> str:
     """Why a setting is not run; empty if it is."""
     setting = point.setting
     before = [other for other in points if other.measured and other.setting.effort <= setting.effort]
@@ -159,10 +159,10 @@ def _extrapolated(known: Sequence[tuple[float, float]], effort: float) -> float:
 
 
 def _call(
-    point: Point[What],
-    run: Callable[[What], Result],
-    errors: Callable[[Result], Numbers],
-    costs: Callable[[Result], Numbers],
+    point: Point,
+    run: Callable[[Any], Any],
+    errors: Callable[[Any], Numbers],
+    costs: Callable[[Any], Numbers],
     clock: Callable[[], float],
 ) -> None:
     started = clock()
@@ -202,17 +202,17 @@ class Order:
     high: float
 
 
-def pareto(points: Sequence[Point[Any]], error: str, cost: str) -> list[Point[Any]]:
+def pareto(points: Points, error: str, cost: str) -> list[Point]:
     """The points that no other beats in both error and cost, in the order of rising cost."""
     known = [point for point in points if point.measured and math.isfinite(point.errors[error])]
-    front: list[Point[Any]] = []
+    front: list[Point] = []
     for point in sorted(known, key=lambda point: (point.cost(cost), point.errors[error])):
         if not front or point.errors[error] < front[-1].errors[error]:
             front.append(point)
     return front
 
 
-def order(points: Sequence[Point[Any]], error: str, floor: float) -> Order | None:
+def order(points: Points, error: str, floor: float) -> Order | None:
     """Order of one curve whose values are steps; None where fewer than two steps have an error that tells it.
 
     Args:
@@ -233,9 +233,7 @@ def order(points: Sequence[Point[Any]], error: str, floor: float) -> Order | Non
     return Order(float(slope), spread, len(x), float(steps.min()), float(steps.max()))
 
 
-def cheapest(
-    points: Sequence[Point[Any]], accuracy: float, error: str, cost: str, *, floor: float = 0.0
-) -> Point[Any] | None:
+def cheapest(points: Points, accuracy: float, error: str, cost: str, *, floor: float = 0.0) -> Point | None:
     """The cheapest point whose error is within the accuracy, the reference's own error added; None if none is."""
     within = [point for point in points if point.measured and point.errors[error] + floor <= accuracy]
     return min(within, key=lambda point: point.cost(cost), default=None)
@@ -244,7 +242,7 @@ def cheapest(
 Pair = tuple[float, float]
 
 
-def pairs(points: Sequence[Point[Any]], error: str, cost: str, floor: float) -> list[Pair]:
+def pairs(points: Points, error: str, cost: str, floor: float) -> list[Pair]:
     """(error, cost) of those points of a curve that no other of it beats and whose error tells something."""
     return [
         (point.errors[error], point.cost(cost))

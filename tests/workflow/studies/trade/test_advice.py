@@ -10,9 +10,9 @@ from small_problems import REDUCED, problem
 from lammps_inputs import Scene
 from lammps_inputs.units import Scale
 from workflow.engines.reference.certify import Certificate
-from workflow.studies.trade import advice, grid
+from workflow.studies.trade import advice, settings
 from workflow.studies.trade.certified import Certified
-from workflow.studies.trade.jobs import Job, Size
+from workflow.studies.trade.settings import Job
 from workflow.studies.trade.study import Findings
 from workflow.studies.trade.work_precision import Point, Setting
 
@@ -30,7 +30,7 @@ def point(setting, error, seconds):
 def by_law(curve, factor, power, seconds, own=None):
     """Points of a curve with errors ``factor * step**power`` at so many seconds a force."""
     found = []
-    for setting in grid.settings(own or problem()):
+    for setting in settings.settings(own or problem()):
         if setting.curve == curve:
             found.append(point(setting, factor * setting.value**power, seconds * setting.what.problem.steps))
     assert found
@@ -107,15 +107,6 @@ def test_one_sentence_says_from_where_suzuki4_wins(times, says):
     assert "16 beads" in sentences[0]
 
 
-def test_the_size_from_which_on_suzuki4_wins_follows_from_the_cost_of_its_steps():
-    points = [*VERLET, *by_law("LAMMPS suzuki4", 2.0, 3.0, 1e-3)]
-    sizes = [Size(16, {"verlet": 1e-5, "suzuki4": 1e-3}), Size(160, {"verlet": 1e-4, "suzuki4": 1e-4})]
-    small, large = (sentence for sentence in said(points, sizes=sizes) if sentence.startswith("By the cost"))
-    assert "does not beat" in small
-    assert "160 beads" in large
-    assert "beats Verlet at all errors" in large
-
-
 def test_windows_are_in_no_advice_for_all_beads_but_have_a_sentence_of_their_own():
     own = problem(beads=100)
     windows = by_law("LAMMPS window", 1e-9, 0.0, 1e-9, own)
@@ -136,7 +127,7 @@ def test_ranks_that_change_an_error_are_told():
 
 
 def test_rigid_beads_whose_pulse_stops_say_so():
-    rigid = point(Setting(grid.RIGID, 1.0, "exact", 1.0, Job("collisions", problem(gap=1.0))), 0.8, 0.1)
+    rigid = point(Setting(settings.RIGID, 1.0, "exact", 1.0, Job("collisions", problem(gap=1.0))), 0.8, 0.1)
     rigid.errors["arrival"] = math.inf
     assert any("their pulse does not reach all beads" in sentence for sentence in said([rigid]))
 

@@ -14,9 +14,10 @@ from lammps_inputs import InputError, library
 from lammps_inputs.limits.timestep import stability_bound
 from workflow.engines.lammps import mpi
 from workflow.engines.reference import engine
-from workflow.studies.trade import frames, grid, jobs
+from workflow.errors import RunError
+from workflow.studies.trade import settings as choices
 from workflow.studies.trade.certified import deviation, make_truth
-from workflow.studies.trade.frames import text_blocks
+from workflow.studies.trade.study import intervals
 
 
 @pytest.fixture(scope="module")
@@ -32,8 +33,8 @@ def curve(settings, name):
 @pytest.mark.parametrize("kappa", [0.1, 100.0])
 def test_steps_are_stable_and_frames_and_ends_are_the_scenes(every, kappa):
     own = problem(kappa=kappa, timestep=every / 300, steps_per_frame=300, frames=400)
-    longest = grid.COARSEST * stability_bound(own.system)
-    settings = grid.settings(own)
+    longest = choices.COARSEST * stability_bound(own.system)
+    settings = choices.settings(own)
     for name in ("LAMMPS verlet", "LAMMPS suzuki4", "reference blanes-moan"):
         several = curve(settings, name)
         assert len(several) >= 3
@@ -52,12 +53,12 @@ def test_steps_are_stable_and_frames_and_ends_are_the_scenes(every, kappa):
 
 def test_the_scenes_own_step_is_among_those_of_lammps():
     own = problem(timestep=0.1 / 7, steps_per_frame=7)
-    assert own.timestep in [setting.value for setting in curve(grid.settings(own), "LAMMPS verlet")]
+    assert own.timestep in [setting.value for setting in curve(choices.settings(own), "LAMMPS verlet")]
 
 
 def test_rigid_beads_are_measured_where_there_is_a_gap():
-    assert curve(grid.settings(problem(gap=0.5)), grid.RIGID)
-    assert not curve(grid.settings(problem()), grid.RIGID)
+    assert curve(choices.settings(problem(gap=0.5)), choices.RIGID)
+    assert not curve(choices.settings(problem()), choices.RIGID)
 
 
 @pytest.mark.parametrize(
@@ -71,7 +72,7 @@ def test_rigid_beads_are_measured_where_there_is_a_gap():
     ],
 )
 def test_windows_of_lammps_are_measured_where_a_scene_may_have_one(changes, there):
-    assert bool(curve(grid.settings(problem(**changes)), "LAMMPS window")) is there
+    assert bool(curve(choices.settings(problem(**changes)), "LAMMPS window")) is there
 
 
 OTHERS = {
@@ -90,7 +91,7 @@ OTHERS = {
 @pytest.mark.parametrize("name", OTHERS)
 def test_schemes_and_windows_are_measured_where_a_scene_may_have_them(name):
     plain = {"name": "a", "beads": 100, "kick": {"velocity": 1.0}, "duration": 10.0, **OTHERS[name]}
-    settings = grid.settings(library.from_plain(plain, "a").problem())
+    settings = choices.settings(library.from_plain(plain, "a").problem())
     for curve_name, choice in (("LAMMPS suzuki4", {"scheme": "suzuki4"}), ("LAMMPS window", {"window": 64})):
         try:
             library.from_plain({**plain, **choice}, "a")
@@ -101,15 +102,15 @@ def test_schemes_and_windows_are_measured_where_a_scene_may_have_them(name):
 
 
 def test_more_ranks_than_cores_are_not_tried():
-    ranks = [setting.value for setting in curve(grid.settings(problem()), "LAMMPS ranks")]
+    ranks = [setting.value for setting in curve(choices.settings(problem()), "LAMMPS ranks")]
     assert all(1 <= count <= mpi.cores() for count in ranks)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["LAMMPS window", "reference window"])
 def test_a_window_has_the_errors_of_all_rows_near_the_front(name, truth, tmp_path):
-    several = curve(grid.settings(truth.problem), name)
-    found = [truth.errors(jobs.run(setting.what, tmp_path).blocks()) for setting in several]
+    several = curve(choices.settings(truth.problem), name)
+    found = [truth.errors(choices.run(setting.what, tmp_path).blocks()) for setting in several]
     assert len(found) >= 2
     # bit for bit at this coupling; the arrivals of beads that had left the window before are not among the first
     for each in found[:-1]:
@@ -118,33 +119,26 @@ def test_a_window_has_the_errors_of_all_rows_near_the_front(name, truth, tmp_pat
 
 
 def test_a_reference_window_too_narrow_is_left_out_with_its_reason(truth, tmp_path):
-    job = curve(grid.settings(truth.problem), "reference window")[0].what
-    with pytest.raises(jobs.RunError, match="too narrow"):
-        jobs.run(replace(job, window=3), tmp_path)
+    job = curve(choices.settings(truth.problem), "reference window")[0].what
+    with pytest.raises(RunError, match="too narrow"):
+        choices.run(replace(job, window=3), tmp_path)
 
 
 @pytest.mark.slow
 def test_rigid_beads_are_far_from_hertz_beads(tmp_path):
     own = problem(gap=2.874, beads=30, frames=800)
     truth = make_truth(own, tmp_path, seconds=HANGS)
-    done = jobs.run(curve(grid.settings(own), grid.RIGID)[0].what, tmp_path)
+    done = choices.run(curve(choices.settings(own), choices.RIGID)[0].what, tmp_path)
     assert truth.errors(done.blocks())["velocity"] > 0.1
-    assert math.isnan(done.forces)
+    assert math.isnan(done.costs["forces"])
 
 
-def test_a_deck_that_fails_says_so(tmp_path):
-    with pytest.raises(jobs.RunError, match="exit code 1"):
-        jobs.lammps(problem(), tmp_path, change=lambda text: text.replace("fix motion", "fux motion"))
-
-
-def test_the_reference_is_refined_until_it_is_sure_or_the_time_is_up(tmp_path):
-    own = problem()
-    steps = []
-    sure = make_truth(own, tmp_path, seconds=HANGS, follow=steps.append)
-    assert sure.certificate.velocity <= 1e-10
-    assert steps == sorted(steps, reverse=True)
-    unsure = make_truth(own, tmp_path, seconds=0.0)
-    assert unsure.certificate.velocity == pytest.approx(steps[0])
+def test_the_reference_is_refined_until_its_uncertainty_is_small_or_the_time_is_up(tmp_path):
+    fine = make_truth(problem(), tmp_path, seconds=HANGS).certificate
+    assert fine.velocity <= 1e-10
+    coarse = make_truth(problem(), tmp_path, seconds=0.0).certificate
+    assert coarse.velocity > fine.velocity
+    assert coarse.steps_per_frame < fine.steps_per_frame
 
 
 # --- errors -----------------------------------------------------------------------------------------------------------
@@ -185,42 +179,22 @@ def test_numbers_that_are_none_are_an_infinite_error():
 # --- frames -----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("recorded", [None, (2, 5)])
-def test_a_text_dump_reads_as_the_binary_one(recorded, tmp_path):
-    own = problem(recorded=recorded)
-    found = {}
-    for name in (frames.BINARY, "text %.17g"):
-        read = frames.run(frames.Recording(own, name), tmp_path)
-        found[name] = trajectory.joined(read.blocks())
-    one, other = found.values()
-    np.testing.assert_array_equal(one.displacement, other.displacement)
-    np.testing.assert_array_equal(one.velocity, other.velocity)
-    np.testing.assert_allclose(one.time, other.time, rtol=1e-12)
-
-
-def test_a_text_dump_that_is_cut_is_refused(tmp_path):
-    own = problem()
-    read = frames.run(frames.Recording(own, "text %g"), tmp_path)
-    cut = tmp_path / "cut.txt"
-    cut.write_bytes(read.path.read_bytes()[:-20])
-    with pytest.raises(jobs.RunError, match="ends within a frame"):
-        list(text_blocks(cut, own))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("steps", [1, 7, 10, 25, 100])
-def test_every_recording_has_frames_of_the_exact_one(steps, tmp_path):
-    own = problem(timestep=0.1 / steps, steps_per_frame=steps, frames=40, beads=4)
-    exact = frames.make_exact(own, tmp_path)
-    for setting in frames.settings(own):
-        assert setting.what.problem.steps_per_frame % exact.problem.steps_per_frame == 0
-        assert setting.what.problem.timestep == own.timestep
+@pytest.mark.parametrize("steps", [1, 7, 10])
+def test_the_longer_the_time_between_frames_the_less_is_read_from_them(steps, tmp_path):
+    own = problem(timestep=0.1 / steps, steps_per_frame=steps, beads=4)
+    found = intervals(own, tmp_path)
+    every = [one.every for one in found]
+    assert every == sorted(every, reverse=True)
+    assert pytest.approx(own.every) in every
+    assert found[0].arrival_error > found[-1].arrival_error
+    # 24 bytes a bead and frame
+    assert [one.bytes * one.every for one in found] == pytest.approx([24.0 * 8 * own.duration] * len(found), rel=0.2)
 
 
 def test_frames_of_the_reference_are_written_and_read_without_a_change(tmp_path):
     own = problem()
-    done = jobs.run(curve(grid.settings(own), "reference blanes-moan")[2].what, tmp_path)
-    again = trajectory.joined(engine.blocks(done.problem, steps_per_frame=done.problem.steps_per_frame))
+    done = choices.run(curve(choices.settings(own), "reference blanes-moan")[2].what, tmp_path)
+    again = trajectory.joined(engine.blocks(done.job.problem, steps_per_frame=done.job.problem.steps_per_frame))
     np.testing.assert_array_equal(
-        trajectory.joined(recording.blocks([done.dump], done.problem)).velocity, again.velocity
+        trajectory.joined(recording.blocks([done.dump], done.job.problem)).velocity, again.velocity
     )
