@@ -4,23 +4,31 @@ from pathlib import Path
 
 from lammps_inputs import InputError, Scene, file_names
 from lammps_inputs.scene import DEFAULT_ACCURACY
+from workflow.prepare.settings import Settings
 from workflow.runs.engines import ENGINES
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 
 
-def kept_run(scene: Scene, engine: str, path: Path) -> RunDirectory:
+def kept_run(scene: Scene, engine: str, path: Path, settings: Settings | None = None) -> RunDirectory:
     """Run a scene, or take the run that an earlier start finished.
 
     Args:
         scene: what to run.
-        engine: "lammps" or "reference".
+        engine: its name.
         path: of its run directory.
+        settings: how the scene's time step was chosen, where it was before.
 
     Raises:
         RunError: the run failed.
     """
-    return _finished(path, scene, engine) or run(scene, path, engine=engine, overwrite=True).directory
+    kept = _finished(path, scene, engine)
+    if kept is not None:
+        return kept
+    done = run(scene, path, engine=engine, overwrite=True, settings=settings)
+    if done.outcome != "done":
+        raise KeyboardInterrupt
+    return done.directory
 
 
 def errors(directory: RunDirectory) -> tuple[float, float]:
@@ -39,7 +47,7 @@ def _finished(path: Path, scene: Scene, engine: str) -> RunDirectory | None:
         return None
     directory = RunDirectory(path)
     job = directory.job
-    checked = ENGINES[engine].errors(job) is not None
+    checked = ENGINES[engine].errors(job) is not None or not ENGINES[engine].deforms
     done = checked and job.outcome == "done" and job.engine == engine
     return directory if done and _is_of(directory, scene) else None
 

@@ -9,8 +9,7 @@ from lammps_inputs import library, physics
 from workflow.formats import figure_files
 from workflow.prepare.settings import refuse_unstable
 from workflow.runs.engines import ENGINES
-from workflow.runs.own_files import refuse_to_overwrite
-from workflow.screen import one_line, print_table, progress_bar
+from workflow.screen import count_bar, one_line, print_table
 from workflow.studies.compare.measure import Result, arrival
 from workflow.studies.compare.study import FIGURE, REPORT, Comparison, compare, engines_for
 
@@ -24,13 +23,12 @@ EXAMPLES = (
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The scene, where to, and with what."""
     parser.add_argument("scene", metavar="SCENE", help="a YAML file, or the name of an installed scene")
-    parser.add_argument("-o", "--output", metavar="DIR", type=Path, help="directory to make; without, nothing is kept")
+    parser.add_argument("-o", "--output", metavar="DIR", type=Path, help="made, or resumed; without, nothing is kept")
     parser.add_argument(
         "--engines",
         metavar="NAME,NAME",
         help=f"of {', '.join(ENGINES)} (default all that can do the scene)",
     )
-    parser.add_argument("--overwrite", action="store_true", help="replace an earlier comparison's files in DIR")
 
 
 def execute(arguments: argparse.Namespace) -> int:
@@ -39,11 +37,10 @@ def execute(arguments: argparse.Namespace) -> int:
     engines = None if arguments.engines is None else tuple(arguments.engines.split(","))
     if "lammps" in engines_for(scene, engines):
         refuse_unstable(scene, arguments.scene)
-    if arguments.output is not None:
-        refuse_to_overwrite(arguments.scene, arguments.output)
     with tempfile.TemporaryDirectory(prefix="granchain-compare-") as name:
         directory = Path(name) / "compare" if arguments.output is None else arguments.output
-        found = compare(scene, directory, engines=engines, overwrite=arguments.overwrite, progress=progress_bar)
+        with count_bar("compare") as progress:
+            found = compare(scene, directory, engines, progress)
     _print(found)
     if arguments.output is not None:
         names = [REPORT, *figure_files(FIGURE)]

@@ -4,10 +4,8 @@ Each engine's run has a directory of its name; ``compare.json`` and a figure are
 """
 
 import math
-import tempfile
-from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager, ExitStack, nullcontext
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,16 +14,13 @@ import numpy as np
 from lammps_inputs import InputError, Problem, Scene, file_names, physics, strict_yaml
 from lammps_inputs.numbers import known
 from workflow.engines.reference import engine as reference
-from workflow.errors import RunError
 from workflow.prepare.settings import settle
-from workflow.runs import run as running
-from workflow.runs.engines import ENGINES, LAMMPS, REFERENCE, RIGID, Progress, engine_called
-from workflow.runs.files import RECORD
-from workflow.runs.locks import alone
-from workflow.runs.own_files import prepared, refuse_unusable, replacing
+from workflow.runs.engines import ENGINES, LAMMPS, REFERENCE, RIGID, engine_called
 from workflow.runs.whole_files import as_json
 from workflow.studies.compare.measure import Result, answer, last_row, measure
+from workflow.studies.kept_runs import kept_run
 from workflow.studies.study import Study
+from workflow.workers.evaluate import Progress
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -38,7 +33,6 @@ STUDY = Study(
     f"{REPORT} holds what was found, and each engine's run has a directory in it",
     tables=(file_names.SCENE, REPORT),
     figures=(FIGURE,),
-    resume="the same command with --overwrite compares again",
 )
 
 
@@ -57,10 +51,6 @@ class Comparison:
     rows: tuple[int, ...]
     last: int
     answer: tuple[str, ...]
-
-    def of(self, engine: str) -> Result | None:
-        """The result of one engine, if it ran."""
-        return next((result for result in self.results if result.engine == engine), None)
 
 
 def plain(found: Comparison) -> dict[str, Any]:
@@ -121,8 +111,6 @@ def _figure(found: Comparison) -> "Figure":
 
 MOST_SHOWN = 7
 
-MakeProgress = Callable[[str, Problem], AbstractContextManager[Progress | None]]
-
 
 def engines_for(scene: Scene, asked: Sequence[str] | None) -> tuple[str, ...]:
     """The engines to run: those asked for, or all that can do the scene.
@@ -131,8 +119,7 @@ def engines_for(scene: Scene, asked: Sequence[str] | None) -> tuple[str, ...]:
         InputError: an engine that does not exist, is named twice, or cannot do what the scene names.
     """
     if asked is None:
-        able = [name for name in (RIGID.name, REFERENCE.name, LAMMPS.name) if not ENGINES[name].refusal(scene)]
-        return tuple(able)
+        return tuple(engine.name for engine in (RIGID, REFERENCE, LAMMPS) if not engine.refusal(scene))
     for name in asked:
         if refusal := engine_called(name, "--engines").refusal(scene):
             raise InputError(f"--engines: {refusal}")
@@ -144,23 +131,20 @@ def engines_for(scene: Scene, asked: Sequence[str] | None) -> tuple[str, ...]:
 def compare(
     scene: Scene,
     directory: Path,
-    *,
     engines: Sequence[str] | None = None,
-    overwrite: bool = False,
-    progress: MakeProgress = lambda name, problem: nullcontext(),  # noqa: ARG005
+    progress: Progress | None = None,
 ) -> Comparison:
     """Run a scene with each engine in a directory of its own, and write what they found beside.
 
     Args:
         scene: what to compute; every bead is recorded.
-        directory: new or empty, or an earlier comparison's with ``overwrite``.
+        directory: made if need be; runs of the same scene in it are kept.
         engines: of `workflow.runs.engines.ENGINES`; by default all that can do the scene.
-        overwrite: whether earlier files may be replaced.
-        progress: makes what follows each run.
+        progress: called with the runs done, their total, and 0.
 
     Raises:
         InputError: the directory or an engine cannot be used.
-        RunError: a run failed or was interrupted.
+        RunError: a run failed.
     """
     if scene.window is not None:
         raise InputError("window: only lammps follows the pulse with one; leave it out to compare engines")
@@ -169,48 +153,23 @@ def compare(
     scene = scene.model_copy(update={"output": scene.output.model_copy(update=whole)})
     scene, settings = settle(scene, source=scene.name, own_step=LAMMPS.name in names)
     problem = scene.problem()
-    rows = shown_rows(problem)
-    own = (RECORD, *STUDY.files)
-    refuse_unusable(directory, own, overwrite=overwrite)
-    for name in names:
-        if (directory / name).exists():
-            refuse_unusable(directory / name, ENGINES[name].files, overwrite=overwrite)
+    rows, results = shown_rows(problem), []
+    text = strict_yaml.dump(scene.resolved().plain())
+    study = replace(STUDY, others=tuple(ENGINES))
     reference.load()  # compiled before any clock runs
-    # nothing of an earlier comparison is touched before the whole new one is there
-    with (
-        prepared(directory, own, overwrite=overwrite),
-        tempfile.TemporaryDirectory(prefix=".running-", dir=directory) as work,
-    ):
-        results = []
-        for name in names:
-            path = Path(work) / name
-            with progress(name, problem) as follow:
-                ran = running.run(scene, path, engine=name, settings=settings, check=False, progress=follow)
-            if ran.outcome != "done":
-                raise RunError(f"{directory / name}: {ran.outcome}; nothing to compare")
-            results.append(measure(ran.directory, rows))
+    with study.opened(directory):
+        path = directory / file_names.SCENE
+        if path.is_file() and path.read_text(encoding="utf-8") != text:
+            raise InputError(f"{path}: is another scene than the one to compare; choose another -o")
+        study.write(directory, {file_names.SCENE: text})
+        for count, name in enumerate(names):  # one at a time, for each is timed
+            if progress is not None:
+                progress(count, len(names), 0)
+            results.append(measure(kept_run(scene, name, directory / name, settings), rows))
         last = last_row(results)
         found = Comparison(problem, tuple(results), rows, last, answer(results, last))
-        texts = {file_names.SCENE: strict_yaml.dump(scene.resolved().plain()), REPORT: as_json(plain(found)) + "\n"}
-        STUDY.write(Path(work), texts, {FIGURE: _figure(found)})
-        _put_in_place(Path(work), directory, own, names)
-    STUDY.mark(directory, done=True)
+        study.write(directory, {REPORT: as_json(plain(found)) + "\n"}, {FIGURE: _figure(found)})
     return found
-
-
-def _put_in_place(work: Path, directory: Path, own: tuple[str, ...], names: Sequence[str]) -> None:
-    """Take all or nothing to where it belongs, in a directory that others are kept out of."""
-    with ExitStack() as all_of_them:
-        places = [(work, directory, [name for name in own if name != RECORD])]
-        for name in names:
-            (directory / name).mkdir(exist_ok=True)
-            all_of_them.enter_context(alone(directory / name))
-            places.append((work / name, directory / name, sorted(path.name for path in (work / name).iterdir())))
-        for _, place, files in places:
-            all_of_them.enter_context(replacing(place, files))
-        for source, place, files in places:
-            for file in files:
-                (source / file).replace(place / file)
 
 
 def shown_rows(problem: Problem) -> tuple[int, ...]:

@@ -159,11 +159,18 @@ def test_rigid_beads_that_touch_are_refused():
         engines_for(find("two-chains"), ("reference", "collisions"))
 
 
-def test_a_comparison_is_overwritten_only_when_asked(tmp_path, capsys):
-    path = tmp_path / "scene.yaml"
-    path.write_text("name: a\nbeads: 9\ngap: 0.5\nkick: {velocity: 1.0}\nduration: 9\n")
-    command = ["compare", str(path), "-o", str(tmp_path / "out"), "--engines", "collisions,reference"]
+def test_a_comparison_keeps_its_runs_and_refuses_the_directory_of_another_scene(tmp_path, capsys):
+    path, out = tmp_path / "scene.yaml", tmp_path / "out"
+    text = "name: a\nbeads: 9\ngap: 0.5\nkick: {velocity: 1.0}\nduration: 9\n"
+    path.write_text(text)
+    command = ["compare", str(path), "-o", str(out), "--engines", "collisions,reference"]
     assert main(command) == 0
+    dumps = [out / engine / "chains.dump" for engine in ("collisions", "reference")]
+    before = [dump.stat().st_mtime_ns for dump in dumps]
+    assert main(command) == 0
+    assert [dump.stat().st_mtime_ns for dump in dumps] == before
+    capsys.readouterr()
+    path.write_text(text.replace("0.5", "0.6"))
     assert main(command) == 2
-    assert "--overwrite" in capsys.readouterr().err
-    assert main([*command, "--overwrite"]) == 0
+    assert "another scene" in capsys.readouterr().err
+    assert [dump.stat().st_mtime_ns for dump in dumps] == before
