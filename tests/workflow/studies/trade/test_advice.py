@@ -74,7 +74,7 @@ def test_what_lammps_does_not_reach_is_said():
 
 def test_a_reference_that_is_no_surer_than_the_errors_says_so_and_advises_nothing_beyond():
     sentences = said([point(REFERENCE[-1].setting, 1e-9, 1.0)], sure=1e-7)
-    assert "less than ten times" in sentences[0]
+    assert "below ten times" in sentences[0]
     assert "nothing measured reaches it" in about(1e-8, sentences)
 
 
