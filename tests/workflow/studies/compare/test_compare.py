@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from stock_lammps import scene
 
-from lammps_inputs import InputError, find
+from lammps_inputs import InputError, file_names, find
 from workflow.cli import main
 from workflow.formats import figure_files
 from workflow.runs.run_directory import RunDirectory
@@ -165,7 +165,7 @@ def test_a_comparison_keeps_its_runs_and_refuses_the_directory_of_another_scene(
     path.write_text(text)
     command = ["compare", str(path), "-o", str(out), "--engines", "collisions,reference"]
     assert main(command) == 0
-    dumps = [out / engine / "chains.dump" for engine in ("collisions", "reference")]
+    dumps = [out / engine / file_names.DUMP for engine in ("collisions", "reference")]
     before = [dump.stat().st_mtime_ns for dump in dumps]
     assert main(command) == 0
     assert [dump.stat().st_mtime_ns for dump in dumps] == before
