@@ -6,13 +6,10 @@ The equations do not change: the last bead becomes bead 1, and displacements and
 from dataclasses import replace
 from typing import TypeVar
 
-import numpy as np
-from numpy.typing import NDArray
-
-from analysis.trajectory import Trajectory
+from analysis.trajectory import Integers, Trajectory
 from lammps_inputs import Problem, physics
 
-Number = TypeVar("Number", int, NDArray[np.int64])
+Number = TypeVar("Number", int, Integers)
 
 
 def direction_of(problem: Problem) -> int:

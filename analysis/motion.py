@@ -7,12 +7,9 @@ All dimensionless. Which links there are, and their laws, is the problem's (`lam
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from analysis.trajectory import Floats, Trajectory
+from analysis.trajectory import Floats, Integers, Trajectory
 from lammps_inputs import System, laws, physics
-
-Integers = NDArray[np.int64]
 
 
 def overlaps(system: System, displacement: Floats, first: int = 1) -> Floats:

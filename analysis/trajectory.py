@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from lammps_inputs import Problem
 
 Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+Flags = NDArray[np.bool_]
 
 BLOCK_BYTES = 1 << 20
 LEAST_FRAMES = 8
@@ -70,7 +72,7 @@ class Trajectory:
         return f"<trajectory of {self.problem.name}: {_size(self.velocity)}, {until}, in units of T, L and V>"
 
     @property
-    def beads(self) -> NDArray[np.int64]:
+    def beads(self) -> Integers:
         """Numbers of the beads along the last axis, counted from 1."""
         if self.problem.window is None:
             return self.problem.recorded_beads

@@ -4,12 +4,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.conservation import Conservation
 from analysis.tracking.leading_waves import Waves, leading_finder, leading_passages
 from analysis.tracking.peaks import THRESHOLD, PeakFinder, Peaks, sharp
-from analysis.trajectory import Floats, Trajectory
+from analysis.trajectory import Floats, Integers, Trajectory
 from lammps_inputs import Problem
 from lammps_inputs.facts import Fact
 
@@ -222,6 +221,6 @@ class ErrorMap:
     """
 
     time: Floats
-    bead: NDArray[np.int64]
+    bead: Integers
     velocity: Floats
     each: bool = True

@@ -17,6 +17,7 @@ HIGHEST = 1.25
 """Largest frequency shown, over the highest of the exact branches."""
 
 
+@mpl.rc_context(STYLE)
 def dispersion_figure(problem: Problem, found: Map) -> Figure:
     """The map of the chain that was hit hardest; branches as lines, borders of the bands dotted."""
     worth = 1.0 / problem.scale.time
@@ -24,37 +25,36 @@ def dispersion_figure(problem: Problem, found: Map) -> Figure:
     bands = found.cell.bands() * worth
     shown = found.frequency * worth <= HIGHEST * bands.max()
     step = found.wavenumber[1] - found.wavenumber[0]
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(6.4, 4.8), layout="constrained")
-        axis = figure.subplots()
-        image = axis.imshow(
-            np.log10(np.maximum(found.power[shown], 10.0**-DECADES)),
-            origin="lower",
-            aspect="auto",
-            interpolation="nearest",
-            extent=(
-                found.wavenumber[0] - 0.5 * step,
-                found.wavenumber[-1] + 0.5 * step,
-                -0.5 * found.bin * worth,
-                (found.frequency[shown][-1] + 0.5 * found.bin) * worth,
-            ),
-            cmap="magma",
-            vmin=-DECADES,
-            vmax=0.0,
-            rasterized=True,
-        )
-        q = np.linspace(-math.pi, math.pi, 401)
-        axis.plot(q, found.cell.branches(q) * worth, color="white", linestyle="--", linewidth=0.9)
-        for edge in np.unique(bands.round(12)):
-            axis.axhline(edge, color="0.7", linestyle=":", linewidth=0.8)
-        axis.set_xlim(-math.pi, math.pi)
-        axis.set_ylim(0.0, min(HIGHEST * bands.max(), float(found.frequency[-1]) * worth))
-        axis.set_xticks(
-            [-math.pi, -math.pi / 2, 0.0, math.pi / 2, math.pi], [r"$-\pi$", r"$-\pi/2$", "0", r"$\pi/2$", r"$\pi$"]
-        )
-        axis.set_xlabel("wavenumber $q$ (rad/bead)")
-        axis.set_ylabel(rf"angular frequency $\omega$ ({symbol})")
-        bar = figure.colorbar(image, ax=axis)
-        bar.set_label("power of velocity, decades below the largest")
-        figure.suptitle(f"{title(problem)}; chain {found.chain}")
+    figure = Figure(figsize=(6.4, 4.8), layout="constrained")
+    axis = figure.subplots()
+    image = axis.imshow(
+        np.log10(np.maximum(found.power[shown], 10.0**-DECADES)),
+        origin="lower",
+        aspect="auto",
+        interpolation="nearest",
+        extent=(
+            found.wavenumber[0] - 0.5 * step,
+            found.wavenumber[-1] + 0.5 * step,
+            -0.5 * found.bin * worth,
+            (found.frequency[shown][-1] + 0.5 * found.bin) * worth,
+        ),
+        cmap="magma",
+        vmin=-DECADES,
+        vmax=0.0,
+        rasterized=True,
+    )
+    q = np.linspace(-math.pi, math.pi, 401)
+    axis.plot(q, found.cell.branches(q) * worth, color="white", linestyle="--", linewidth=0.9)
+    for edge in np.unique(bands.round(12)):
+        axis.axhline(edge, color="0.7", linestyle=":", linewidth=0.8)
+    axis.set_xlim(-math.pi, math.pi)
+    axis.set_ylim(0.0, min(HIGHEST * bands.max(), float(found.frequency[-1]) * worth))
+    axis.set_xticks(
+        [-math.pi, -math.pi / 2, 0.0, math.pi / 2, math.pi], [r"$-\pi$", r"$-\pi/2$", "0", r"$\pi/2$", r"$\pi$"]
+    )
+    axis.set_xlabel("wavenumber $q$ (rad/bead)")
+    axis.set_ylabel(rf"angular frequency $\omega$ ({symbol})")
+    bar = figure.colorbar(image, ax=axis)
+    bar.set_label("power of velocity, decades below the largest")
+    figure.suptitle(f"{title(problem)}; chain {found.chain}")
     return figure

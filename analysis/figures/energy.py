@@ -18,6 +18,7 @@ _NOTICED = 1e-3
 """Share of all energy that a layer must once have to be drawn."""
 
 
+@mpl.rc_context({**STYLE, "hatch.linewidth": 0.6})
 def budget_figure(problem: Problem, account: Account) -> Figure:
     """Energy held, and above it energy lost, by where and by source, in layers; what was put in as a line."""
     most = account.most
@@ -25,47 +26,42 @@ def budget_figure(problem: Problem, account: Account) -> Figure:
     layers = [(name, account.held[name], colour, "") for name, colour in _HELD.items()]
     lost = zip(account.losses.items(), _LOST, strict=False)  # there are four at most
     layers += [(name, part, colour, "////") for (name, part), colour in lost]
-    with mpl.rc_context({**STYLE, "hatch.linewidth": 0.6}):
-        figure = Figure(figsize=(7.0, 4.2), layout="constrained")
-        axis = figure.subplots()
-        below, t = np.zeros_like(account.time), account.time * time.worth
-        for name, part, colour, hatch in layers:
-            if np.max(np.abs(part)) <= _NOTICED * most:
-                continue
-            above = below + part * energy.worth
-            axis.fill_between(
-                t, below, above, facecolor=colour, hatch=hatch, edgecolor="white", linewidth=0.0, label=name
-            )
-            below = above
-        axis.plot(t, account.put_in * energy.worth, color="black", label="put in")
-        axis.set_xlim(t[0], t[-1])
-        least = min(0.0, float(np.min(account.put_in)))  # a drive may begin by taking up energy
-        axis.set_ylim(1.06 * least * energy.worth, 1.06 * most * energy.worth)
-        axis.set_xlabel(f"time $t$ ({time.symbol})")
-        axis.set_ylabel(f"energy ({energy.symbol})")
-        figure.suptitle(title(problem, until=float(account.time[-1])))
-        handles, labels = axis.get_legend_handles_labels()
-        figure.legend(handles[::-1], labels[::-1], loc="outside right center", handleheight=1.4)  # as the layers lie
+    figure = Figure(figsize=(7.0, 4.2), layout="constrained")
+    axis = figure.subplots()
+    below, t = np.zeros_like(account.time), account.time * time.worth
+    for name, part, colour, hatch in layers:
+        if np.max(np.abs(part)) <= _NOTICED * most:
+            continue
+        above = below + part * energy.worth
+        axis.fill_between(t, below, above, facecolor=colour, hatch=hatch, edgecolor="white", linewidth=0.0, label=name)
+        below = above
+    axis.plot(t, account.put_in * energy.worth, color="black", label="put in")
+    axis.set_xlim(t[0], t[-1])
+    least = min(0.0, float(np.min(account.put_in)))  # a drive may begin by taking up energy
+    axis.set_ylim(1.06 * least * energy.worth, 1.06 * most * energy.worth)
+    axis.set_xlabel(f"time $t$ ({time.symbol})")
+    axis.set_ylabel(f"energy ({energy.symbol})")
+    figure.suptitle(title(problem, until=float(account.time[-1])))
+    handles, labels = axis.get_legend_handles_labels()
+    figure.legend(handles[::-1], labels[::-1], loc="outside right center", handleheight=1.4)  # as the layers lie
     return figure
 
 
+@mpl.rc_context(STYLE)
 def energy_figure(problem: Problem, flow: Flow) -> Figure:
     """Share of the energy of each chain (those drawn in other figures too), its centre and its spread, over time."""
     time = axis_unit(problem, "time", float(flow.time[-1]))
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(7.0, 6.0), layout="constrained")
-        share, place = figure.subplots(2, 1, sharex=True)
-        for position, chain in enumerate(shown_chains(problem)):
-            draw_chain(share, position, chain, flow.time * time.worth, flow.share[:, chain])
-            draw_chain(place, position, chain, flow.time * time.worth, flow.centre[:, chain])
-            near = (flow.centre[:, chain] - flow.spread[:, chain], flow.centre[:, chain] + flow.spread[:, chain])
-            place.fill_between(
-                flow.time * time.worth, *near, alpha=0.15, color=place.lines[-1].get_color(), linewidth=0
-            )
-        share.set_ylabel("share of the energy")
-        share.set_ylim(0.0, max(1.0, 1.05 * float(np.nanmax(flow.share))))
-        place.set_ylabel("centre of the energy (bead),\nband: its spread")
-        place.set_xlabel(f"time $t$ ({time.symbol})")
-        figure.suptitle(title(problem, each_chain=True, until=float(flow.time[-1])))
-        chain_legend(figure, share)
+    figure = Figure(figsize=(7.0, 6.0), layout="constrained")
+    share, place = figure.subplots(2, 1, sharex=True)
+    for position, chain in enumerate(shown_chains(problem)):
+        draw_chain(share, position, chain, flow.time * time.worth, flow.share[:, chain])
+        draw_chain(place, position, chain, flow.time * time.worth, flow.centre[:, chain])
+        near = (flow.centre[:, chain] - flow.spread[:, chain], flow.centre[:, chain] + flow.spread[:, chain])
+        place.fill_between(flow.time * time.worth, *near, alpha=0.15, color=place.lines[-1].get_color(), linewidth=0)
+    share.set_ylabel("share of the energy")
+    share.set_ylim(0.0, max(1.0, 1.05 * float(np.nanmax(flow.share))))
+    place.set_ylabel("centre of the energy (bead),\nband: its spread")
+    place.set_xlabel(f"time $t$ ({time.symbol})")
+    figure.suptitle(title(problem, each_chain=True, until=float(flow.time[-1])))
+    chain_legend(figure, share)
     return figure

@@ -10,10 +10,9 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
 from analysis.figures.style import CHAIN_COLOURS, CHAIN_DASHES, STYLE, axis_unit, shown_chains, title
-from analysis.trajectory import Floats
+from analysis.trajectory import Floats, Integers
 from lammps_inputs import Problem
 
 ENGINE_LOOKS: tuple[dict[str, Any], ...] = (
@@ -40,10 +39,11 @@ class Curve:
     engine: str
     time: Floats
     velocity: Floats
-    bead: NDArray[np.int64]
+    bead: Integers
     first: Floats
 
 
+@mpl.rc_context(STYLE)
 def engines_figure(problem: Problem, rows: Sequence[int], curves: Sequence[Curve]) -> Figure:
     """First impulses of all rows above, one panel an engine; below the velocities of up to three rows.
 
@@ -57,37 +57,34 @@ def engines_figure(problem: Problem, rows: Sequence[int], curves: Sequence[Curve
     velocity = axis_unit(
         problem, "velocity", max(float(np.abs(curve.velocity[:, :, chosen]).max(initial=0.0)) for curve in curves)
     )
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(7.5, 3.0 + 1.8 * len(chosen)), layout="constrained")
-        grid = figure.add_gridspec(1 + len(chosen), len(curves), height_ratios=[1.3] + [1.0] * len(chosen))
-        first = None
-        for column, curve in enumerate(curves):
-            first = figure.add_subplot(grid[0, column], sharey=first)
+    figure = Figure(figsize=(7.5, 3.0 + 1.8 * len(chosen)), layout="constrained")
+    grid = figure.add_gridspec(1 + len(chosen), len(curves), height_ratios=[1.3] + [1.0] * len(chosen))
+    first = None
+    for column, curve in enumerate(curves):
+        first = figure.add_subplot(grid[0, column], sharey=first)
+        for place, chain in enumerate(chains):
+            struck = np.where(curve.first[chain] > 0.0, curve.first[chain], np.nan)
+            first.plot(curve.bead, struck, **_chain_marks(place))
+        first.set_title(curve.engine, loc="left")
+        first.set_xlabel("bead")
+        if column == 0:
+            first.set_ylabel("first impulse / ($m V$)")
+        first.set_xlim(0, problem.beads + 1)
+    for line, (position, span) in enumerate(zip(chosen, spans, strict=True), 1):
+        axis = figure.add_subplot(grid[line, :])
+        for number, curve in enumerate(curves):
             for place, chain in enumerate(chains):
-                struck = np.where(curve.first[chain] > 0.0, curve.first[chain], np.nan)
-                first.plot(curve.bead, struck, **_chain_marks(place))
-            first.set_title(curve.engine, loc="left")
-            first.set_xlabel("bead")
-            if column == 0:
-                first.set_ylabel("first impulse / ($m V$)")
-            first.set_xlim(0, problem.beads + 1)
-        for line, (position, span) in enumerate(zip(chosen, spans, strict=True), 1):
-            axis = figure.add_subplot(grid[line, :])
-            for number, curve in enumerate(curves):
-                for place, chain in enumerate(chains):
-                    values = curve.velocity[:, chain, position] * velocity.worth
-                    axis.plot(
-                        curve.time * time.worth, values, color=_colour(place), label=curve.engine, **_look(number)
-                    )
-            axis.set_xlim(span[0] * time.worth, span[1] * time.worth)
-            axis.set_title(f"bead {rows[position]}", loc="left")
-            axis.set_ylabel(f"$v$ ({velocity.symbol})")
-        axis.set_xlabel(f"time $t$ ({time.symbol})")
-        handles = [Line2D([], [], color="black", label=curve.engine, **_look(k)) for k, curve in enumerate(curves)]
-        if len(chains) > 1:
-            handles += [Line2D([], [], label=f"chain {chain + 1}", **_chain_marks(k)) for k, chain in enumerate(chains)]
-        figure.legend(handles=handles, loc="outside lower center", ncols=min(len(handles), 6))
-        figure.suptitle(title(problem, each_chain=True))
+                values = curve.velocity[:, chain, position] * velocity.worth
+                axis.plot(curve.time * time.worth, values, color=_colour(place), label=curve.engine, **_look(number))
+        axis.set_xlim(span[0] * time.worth, span[1] * time.worth)
+        axis.set_title(f"bead {rows[position]}", loc="left")
+        axis.set_ylabel(f"$v$ ({velocity.symbol})")
+    axis.set_xlabel(f"time $t$ ({time.symbol})")
+    handles = [Line2D([], [], color="black", label=curve.engine, **_look(k)) for k, curve in enumerate(curves)]
+    if len(chains) > 1:
+        handles += [Line2D([], [], label=f"chain {chain + 1}", **_chain_marks(k)) for k, chain in enumerate(chains)]
+    figure.legend(handles=handles, loc="outside lower center", ncols=min(len(handles), 6))
+    figure.suptitle(title(problem, each_chain=True))
     return figure
 
 
@@ -126,6 +123,7 @@ def _window(curves: Sequence[Curve], position: int) -> tuple[float, float]:
     return max(0.0, low - margin), min(high + margin, float(curves[0].time[-1]))
 
 
+@mpl.rc_context(STYLE)
 def scan_figure(theta: Floats, differences: Floats, rows: Sequence[int], agree: float) -> Figure:
     """Difference of the chains' first impulses over theta, a panel for each row.
 
@@ -135,40 +133,39 @@ def scan_figure(theta: Floats, differences: Floats, rows: Sequence[int], agree: 
         rows: numbers of the rows.
         agree: below which chains count as equal; drawn as a line.
     """
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(8.0, 1.0 + 1.7 * len(rows)), layout="constrained")
-        axes = figure.subplots(len(rows), 1, sharex=True, squeeze=False)[:, 0]
-        for axis, row, difference in zip(axes, rows, differences.T, strict=True):
-            axis.plot(theta, np.maximum(difference, 1e-4), ".", markersize=2, color=CHAIN_COLOURS[0])
-            axis.axhline(agree, color="black", linewidth=0.8)
-            axis.set_yscale("log")
-            axis.set_ylim(8e-5, 3.0)
-            axis.set_title(f"row {row}", loc="left")
-        figure.supylabel("difference of the chains' first impulses / mean")
-        axes[-1].set_xlabel(r"$\theta = \omega D / V$")
+    figure = Figure(figsize=(8.0, 1.0 + 1.7 * len(rows)), layout="constrained")
+    axes = figure.subplots(len(rows), 1, sharex=True, squeeze=False)[:, 0]
+    for axis, row, difference in zip(axes, rows, differences.T, strict=True):
+        axis.plot(theta, np.maximum(difference, 1e-4), ".", markersize=2, color=CHAIN_COLOURS[0])
+        axis.axhline(agree, color="black", linewidth=0.8)
+        axis.set_yscale("log")
+        axis.set_ylim(8e-5, 3.0)
+        axis.set_title(f"row {row}", loc="left")
+    figure.supylabel("difference of the chains' first impulses / mean")
+    axes[-1].set_xlabel(r"$\theta = \omega D / V$")
     return figure
 
 
-def relative_mode_figure(curves: Sequence[tuple[str, NDArray[np.int64], Floats]]) -> Figure:
+@mpl.rc_context(STYLE)
+def relative_mode_figure(curves: Sequence[tuple[str, Integers, Floats]]) -> Figure:
     """|I1 - I2| / (I1 + I2) of first impulses along the chains.
 
     Args:
         curves: label, row numbers and values of each model.
     """
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(7.0, 3.6), layout="constrained")
-        axis = figure.subplots()
-        for k, (label, bead, difference) in enumerate(curves):
-            axis.plot(
-                bead,
-                np.abs(difference),
-                color=CHAIN_COLOURS[k % len(CHAIN_COLOURS)],
-                linestyle=CHAIN_DASHES[k % len(CHAIN_DASHES)],
-                label=label,
-            )
-        axis.set_yscale("log")
-        axis.set_ylim(1e-5, 1.5)
-        axis.set_xlabel("row")
-        axis.set_ylabel("$|I_1 - I_2| / (I_1 + I_2)$")
-        figure.legend(loc="outside lower center", ncols=len(curves))  # the curves fill the axes
+    figure = Figure(figsize=(7.0, 3.6), layout="constrained")
+    axis = figure.subplots()
+    for k, (label, bead, difference) in enumerate(curves):
+        axis.plot(
+            bead,
+            np.abs(difference),
+            color=CHAIN_COLOURS[k % len(CHAIN_COLOURS)],
+            linestyle=CHAIN_DASHES[k % len(CHAIN_DASHES)],
+            label=label,
+        )
+    axis.set_yscale("log")
+    axis.set_ylim(1e-5, 1.5)
+    axis.set_xlabel("row")
+    axis.set_ylabel("$|I_1 - I_2| / (I_1 + I_2)$")
+    figure.legend(loc="outside lower center", ncols=len(curves))  # the curves fill the axes
     return figure

@@ -12,31 +12,29 @@ from lammps_inputs import Problem
 MOST_GAUGES = 8
 
 
+@mpl.rc_context(STYLE)
 def force_figure(problem: Problem, readings: Readings) -> Figure:
     """One panel a gauge (the first eight), a line for each chain that other figures show too."""
     time = axis_unit(problem, "time", float(readings.time[-1]))
     force = axis_unit(problem, "force", float(np.max(readings.largest)))
     count = min(len(readings.gauges), MOST_GAUGES)
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(7.0, 1.2 + 1.6 * count), layout="constrained")
-        axes = np.atleast_1d(figure.subplots(count, 1, sharex=True, sharey=True))
-        for place, axis in enumerate(axes):
-            for position, chain in enumerate(shown_chains(problem)):
-                draw_chain(
-                    axis, position, chain, readings.time * time.worth, readings.force[:, chain, place] * force.worth
-                )
-            axis.set_ylabel(f"{'total ' if readings.loaded else ''}force ({force.symbol})")
-            largest = f"largest {float(np.max(readings.largest[:, place])) * force.worth:.4g}"
-            if readings.loaded:
-                dynamic = float(np.fmax.reduce(readings.dynamic[:, place])) * force.worth
-                largest += f", dynamic {dynamic:.4g}" if np.isfinite(dynamic) else ", never above the static force"
-            axis.set_title(readings.gauges[place].name, loc="left")
-            axis.set_title(largest, loc="right", fontsize=8, color="0.3")
-        axes[-1].set_xlabel(f"time $t$ ({time.symbol})")
-        left_out = len(readings.gauges) - count
-        more = f"; {left_out} more gauges are in forces.csv" if left_out else ""
-        figure.suptitle(title(problem, each_chain=True, until=float(readings.time[-1])) + more)
-        chain_legend(figure, axes[0])
+    figure = Figure(figsize=(7.0, 1.2 + 1.6 * count), layout="constrained")
+    axes = np.atleast_1d(figure.subplots(count, 1, sharex=True, sharey=True))
+    for place, axis in enumerate(axes):
+        for position, chain in enumerate(shown_chains(problem)):
+            draw_chain(axis, position, chain, readings.time * time.worth, readings.force[:, chain, place] * force.worth)
+        axis.set_ylabel(f"{'total ' if readings.loaded else ''}force ({force.symbol})")
+        largest = f"largest {float(np.max(readings.largest[:, place])) * force.worth:.4g}"
+        if readings.loaded:
+            dynamic = float(np.fmax.reduce(readings.dynamic[:, place])) * force.worth
+            largest += f", dynamic {dynamic:.4g}" if np.isfinite(dynamic) else ", never above the static force"
+        axis.set_title(readings.gauges[place].name, loc="left")
+        axis.set_title(largest, loc="right", fontsize=8, color="0.3")
+    axes[-1].set_xlabel(f"time $t$ ({time.symbol})")
+    left_out = len(readings.gauges) - count
+    more = f"; {left_out} more gauges are in forces.csv" if left_out else ""
+    figure.suptitle(title(problem, each_chain=True, until=float(readings.time[-1])) + more)
+    chain_legend(figure, axes[0])
     return figure
 
 
@@ -46,6 +44,7 @@ DEEPEST = 1e-8
 """Smallest amplitude that is drawn, over the largest."""
 
 
+@mpl.rc_context(STYLE)
 def spectra_figure(problem: Problem, spectra: Spectra) -> Figure:
     """One panel a bead (the first eight), a line for each chain that other figures show too; drives are dotted."""
     velocity = axis_unit(problem, "velocity", float(np.max(spectra.amplitude)))
@@ -53,19 +52,18 @@ def spectra_figure(problem: Problem, spectra: Spectra) -> Figure:
     worth = 1.0 / problem.scale.time
     count = min(len(spectra.beads), MOST_BEADS)
     top = float(np.max(spectra.amplitude, initial=1e-30)) * velocity.worth
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(7.0, 1.2 + 1.6 * count), layout="constrained")
-        axes = np.atleast_1d(figure.subplots(count, 1, sharex=True, sharey=True))
-        for place, axis in enumerate(axes):
-            for frequency in spectra.drive:
-                axis.axvline(frequency * worth, color="0.5", linewidth=0.8, linestyle=":")
-            for position, chain in enumerate(shown_chains(problem)):
-                height = np.maximum(spectra.amplitude[:, chain, place] * velocity.worth, DEEPEST * top)
-                draw_chain(axis, position, chain, spectra.frequency * worth, height)
-            axis.set_yscale("log")
-            axis.set_ylabel(f"bead {spectra.beads[place]}\n({velocity.symbol})")
-        axes[0].set_ylim(DEEPEST * top, 2.0 * top)
-        axes[-1].set_xlabel(f"frequency ({unit})")
-        figure.suptitle(title(problem, each_chain=True, until=problem.duration))
-        chain_legend(figure, axes[0])
+    figure = Figure(figsize=(7.0, 1.2 + 1.6 * count), layout="constrained")
+    axes = np.atleast_1d(figure.subplots(count, 1, sharex=True, sharey=True))
+    for place, axis in enumerate(axes):
+        for frequency in spectra.drive:
+            axis.axvline(frequency * worth, color="0.5", linewidth=0.8, linestyle=":")
+        for position, chain in enumerate(shown_chains(problem)):
+            height = np.maximum(spectra.amplitude[:, chain, place] * velocity.worth, DEEPEST * top)
+            draw_chain(axis, position, chain, spectra.frequency * worth, height)
+        axis.set_yscale("log")
+        axis.set_ylabel(f"bead {spectra.beads[place]}\n({velocity.symbol})")
+    axes[0].set_ylim(DEEPEST * top, 2.0 * top)
+    axes[-1].set_xlabel(f"frequency ({unit})")
+    figure.suptitle(title(problem, each_chain=True, until=problem.duration))
+    chain_legend(figure, axes[0])
     return figure

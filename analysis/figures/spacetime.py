@@ -6,10 +6,9 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.colors import FuncNorm
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from analysis.figures.style import STYLE, axis_unit, evenly_spaced, grid, name_columns, shown_chains, title
-from analysis.trajectory import Floats, Trajectory
+from analysis.trajectory import Flags, Floats, Integers, Trajectory
 from lammps_inputs import Problem, physics
 
 MAX_PIXELS = 1200
@@ -61,12 +60,12 @@ class SpaceTime:
         return np.concatenate(self._velocity)
 
     @property
-    def beads(self) -> NDArray[np.int64]:
+    def beads(self) -> Integers:
         """Numbers of the beads along the last axis."""
         return self.problem.recorded_beads[:: self._thin]
 
 
-def largest_afar(problem: Problem, beads: NDArray[np.int64], velocity: Floats) -> float:
+def largest_afar(problem: Problem, beads: Integers, velocity: Floats) -> float:
     """Largest |velocity| [..., bead] of beads farther than `NEAR` from those that were hit; of all if that is 0."""
     size = np.abs(np.nan_to_num(velocity))
     far = np.all([np.abs(beads - bead) > NEAR for _, bead, _ in physics.excitations(problem.system)], axis=0)
@@ -82,6 +81,7 @@ def _panels(problem: Problem, chains: int) -> tuple[int, int]:
     return rows, -(-chains // rows)
 
 
+@mpl.rc_context(STYLE)
 def spacetime_figure(data: SpaceTime) -> Figure:
     """Velocity in space and time, the chains side by side (the paper's Figs 1, 3 and 5), those of a lattice as in it.
 
@@ -104,49 +104,46 @@ def spacetime_figure(data: SpaceTime) -> Figure:
     if even:
         step = data.beads[1] - data.beads[0]
         places = (data.beads[0] - 0.5 * step, data.beads[-1] + 0.5 * step)
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(2.2 + 2.4 * columns, 0.6 + 3.6 * rows), layout="constrained")
-        axes = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
-        for axis in axes.flat[len(chains) :]:
-            axis.remove()
-        for place, chain in enumerate(chains):
-            axis = axes.flat[place]
-            image = axis.imshow(
-                data.velocity[:, place] * unit.worth,
-                origin="lower",
-                aspect="auto",
-                interpolation="nearest",
-                extent=(*places, *instants),
-                cmap="RdBu_r",
-                norm=FuncNorm((_root, _square), -top, top),
-                rasterized=True,
-            )
-            axis.set_facecolor("0.75")
-            axis.set_title(f"chain {chain + 1}")
-            if place + columns >= len(chains):
-                axis.set_xlabel("bead")
-                axis.xaxis.set_tick_params(labelbottom=True)
-            if not even:
-                name_columns(axis, data.beads)
-        if even:
-            axes[0, 0].xaxis.get_major_locator().set_params(integer=True)
-            axes[0, 0].set_xlim(*moving_part(data.beads, np.max(size, axis=(0, 1)) > STILL * largest, places))
-        for axis in axes[:, 0]:
-            axis.set_ylabel(f"time $t$ ({time.symbol})")
-        shape: dict[str, Any] = {"aspect": 20 * rows, "extendfrac": 0.05 / rows, "fraction": 0.15 / columns}
-        beyond = "both" if float(np.max(size)) > largest else "neither"
-        bar = figure.colorbar(image, ax=list(axes.flat[: len(chains)]), ticks=_ticks(top), extend=beyond, **shape)
-        bar.ax.yaxis.set_major_formatter("{x:.4g}")
-        bar.ax.minorticks_off()
-        bar.set_label(f"velocity $v$ ({unit.symbol})")
-        grey = "\ngrey: the window has left" if np.isnan(data.velocity).any() else ""
-        figure.suptitle(title(problem, each_chain=True, panels=True, until=data.until) + grey)
+    figure = Figure(figsize=(2.2 + 2.4 * columns, 0.6 + 3.6 * rows), layout="constrained")
+    axes = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+    for axis in axes.flat[len(chains) :]:
+        axis.remove()
+    for place, chain in enumerate(chains):
+        axis = axes.flat[place]
+        image = axis.imshow(
+            data.velocity[:, place] * unit.worth,
+            origin="lower",
+            aspect="auto",
+            interpolation="nearest",
+            extent=(*places, *instants),
+            cmap="RdBu_r",
+            norm=FuncNorm((_root, _square), -top, top),
+            rasterized=True,
+        )
+        axis.set_facecolor("0.75")
+        axis.set_title(f"chain {chain + 1}")
+        if place + columns >= len(chains):
+            axis.set_xlabel("bead")
+            axis.xaxis.set_tick_params(labelbottom=True)
+        if not even:
+            name_columns(axis, data.beads)
+    if even:
+        axes[0, 0].xaxis.get_major_locator().set_params(integer=True)
+        axes[0, 0].set_xlim(*moving_part(data.beads, np.max(size, axis=(0, 1)) > STILL * largest, places))
+    for axis in axes[:, 0]:
+        axis.set_ylabel(f"time $t$ ({time.symbol})")
+    shape: dict[str, Any] = {"aspect": 20 * rows, "extendfrac": 0.05 / rows, "fraction": 0.15 / columns}
+    beyond = "both" if float(np.max(size)) > largest else "neither"
+    bar = figure.colorbar(image, ax=list(axes.flat[: len(chains)]), ticks=_ticks(top), extend=beyond, **shape)
+    bar.ax.yaxis.set_major_formatter("{x:.4g}")
+    bar.ax.minorticks_off()
+    bar.set_label(f"velocity $v$ ({unit.symbol})")
+    grey = "\ngrey: the window has left" if np.isnan(data.velocity).any() else ""
+    figure.suptitle(title(problem, each_chain=True, panels=True, until=data.until) + grey)
     return figure
 
 
-def moving_part(
-    beads: NDArray[np.int64] | Floats, moves: NDArray[np.bool_], whole: tuple[float, float]
-) -> tuple[float, float]:
+def moving_part(beads: Integers | Floats, moves: Flags, whole: tuple[float, float]) -> tuple[float, float]:
     """Ends of the axis of beads: all, or those that move with as many around if they are less than half."""
     seen = np.flatnonzero(moves)
     if len(seen) == 0 or 2 * (seen[-1] + 1 - seen[0]) >= len(beads):

@@ -10,9 +10,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
-from analysis.trajectory import Floats
+from analysis.trajectory import Floats, Integers
 from lammps_inputs import Problem, laws, physics
 
 CHAIN_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#882255", "#7F7F7F")
@@ -120,7 +119,7 @@ def shown_chains(problem: Problem, *, panels: bool = False) -> list[int]:
     return sorted(chosen)
 
 
-def _distances(problem: Problem, chain: int) -> NDArray[np.int64]:
+def _distances(problem: Problem, chain: int) -> Integers:
     """[chain] how many springs away from a chain; as far as can be, and in numbers, if no spring leads there."""
     row = np.abs(np.arange(problem.chains) - chain)
     far = np.full(problem.chains, -1)
@@ -206,13 +205,13 @@ def chain_legend(figure: Figure, axis: Axes) -> None:
         figure.legend(handles, labels, loc="outside lower center", ncols=min(len(handles), 4))
 
 
-def evenly_spaced(beads: NDArray[np.int64]) -> bool:
+def evenly_spaced(beads: Integers) -> bool:
     """Whether all beads are equally far apart; a single one is not."""
     steps = np.diff(beads)
     return len(steps) > 0 and bool(np.all(steps == steps[0]))
 
 
-def name_columns(axis: Axes, beads: NDArray[np.int64]) -> None:
+def name_columns(axis: Axes, beads: Integers) -> None:
     """Write bead numbers under columns of one width, or under some of them: beads that are not evenly spaced."""
     named = np.unique(np.linspace(0, len(beads) - 1, min(len(beads), _MOST_LABELS)).round().astype(int))
     axis.set_xticks(named.tolist(), labels=[str(beads[place]) for place in named])
@@ -223,6 +222,7 @@ _PACKED = {"compress_level": 3}
 """Half the time of the usual 6, for files that are a tenth larger."""
 
 
+@mpl.rc_context(STYLE)  # fonts are settings of saving, too
 def picture(figure: Figure, suffix: str, dpi: float = STYLE["savefig.dpi"]) -> bytes:
     """What a file of this kind holds.
 
@@ -234,16 +234,15 @@ def picture(figure: Figure, suffix: str, dpi: float = STYLE["savefig.dpi"]) -> b
         dpi: dots per inch of what is not drawn with lines.
     """
     out = io.BytesIO()
-    with mpl.rc_context(STYLE):  # fonts are settings of saving, too
-        engine = figure.get_layout_engine()
-        if engine is not None:
-            figure.set_dpi(dpi)
-            engine.execute(figure)
-            figure.set_layout_engine("none")
-        if suffix == "png":
-            figure.set_dpi(dpi)
-            canvas: Any = FigureCanvasAgg(figure)
-            canvas.print_png(out, pil_kwargs=_PACKED)
-        else:
-            figure.savefig(out, format=suffix, dpi=dpi)
+    engine = figure.get_layout_engine()
+    if engine is not None:
+        figure.set_dpi(dpi)
+        engine.execute(figure)
+        figure.set_layout_engine("none")
+    if suffix == "png":
+        figure.set_dpi(dpi)
+        canvas: Any = FigureCanvasAgg(figure)
+        canvas.print_png(out, pil_kwargs=_PACKED)
+    else:
+        figure.savefig(out, format=suffix, dpi=dpi)
     return out.getvalue()

@@ -11,10 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.axis import XAxis, YAxis
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from analysis.figures.style import STYLE
-from analysis.trajectory import Floats
+from analysis.trajectory import Flags, Floats
 
 MOST_LINES = 8
 
@@ -43,10 +43,10 @@ class Axis:
     label: str
     values: Floats
     error: Floats | None = None
-    unsettled: NDArray[np.bool_] | None = None
+    unsettled: Flags | None = None
 
     @property
-    def open(self) -> NDArray[np.bool_]:
+    def open(self) -> Flags:
         """Cases that have a number which may yet change."""
         found = np.isfinite(self.values)
         return found & self.unsettled if self.unsettled is not None else np.zeros_like(found)
@@ -62,6 +62,7 @@ def logarithmic(values: ArrayLike) -> bool:
     return bool(factors.max() / factors.min() < differences.max() / differences.min())
 
 
+@mpl.rc_context(STYLE)
 def swept_figure(
     quantity: Axis, over: Axis, beside: Axis | None = None, title: str = "", passed: Floats | None = None
 ) -> Figure:
@@ -77,42 +78,41 @@ def swept_figure(
         title: for the top.
         passed: ranges of the horizontal axis, [band, 2], that let small waves pass; all else is shaded.
     """
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(5.5 if beside is None else 6.5, 3.8), layout="constrained")
-        axis = figure.subplots()
-        notes = [title] if title else []
-        is_map = beside is not None and len(np.unique(beside.values)) > MOST_LINES
-        if np.any(quantity.open):
-            notes.append(f"{'crossed' if is_map else 'hollow'}: not settled")
-        holes: int  # lines that lack numbers
-        if beside is None:
-            holes = _line(axis, quantity, over, np.ones(len(over.values), dtype=bool), color="#0072B2", marker="o")
-        elif is_map:
-            holes = _map(figure, axis, quantity, over, beside)
+    figure = Figure(figsize=(5.5 if beside is None else 6.5, 3.8), layout="constrained")
+    axis = figure.subplots()
+    notes = [title] if title else []
+    is_map = beside is not None and len(np.unique(beside.values)) > MOST_LINES
+    if np.any(quantity.open):
+        notes.append(f"{'crossed' if is_map else 'hollow'}: not settled")
+    holes: int  # lines that lack numbers
+    if beside is None:
+        holes = _line(axis, quantity, over, np.ones(len(over.values), dtype=bool), color="#0072B2", marker="o")
+    elif is_map:
+        holes = _map(figure, axis, quantity, over, beside)
+    else:
+        holes = _lines(axis, quantity, over, beside)
+    if holes:
+        notes.append(f"{'grey' if is_map else 'ticks at the foot'}: no number")
+    if not is_map:
+        axis.set_ylabel(quantity.label)
+        finite = quantity.values[np.isfinite(quantity.values)]
+        if len(finite) and finite.min() > 0.0 and finite.max() / finite.min() > 30.0:
+            axis.set_yscale("log")
         else:
-            holes = _lines(axis, quantity, over, beside)
+            axis.ticklabel_format(axis="y", scilimits=(-3, 6), useMathText=True)
+            _whole(axis.yaxis, finite)
         if holes:
-            notes.append(f"{'grey' if is_map else 'ticks at the foot'}: no number")
-        if not is_map:
-            axis.set_ylabel(quantity.label)
-            finite = quantity.values[np.isfinite(quantity.values)]
-            if len(finite) and finite.min() > 0.0 and finite.max() / finite.min() > 30.0:
-                axis.set_yscale("log")
-            else:
-                axis.ticklabel_format(axis="y", scilimits=(-3, 6), useMathText=True)
-                _whole(axis.yaxis, finite)
-            if holes:
-                _leave_room(axis, holes * _LEVEL)
-        _scale(axis, over, "x")
-        if passed is not None:
-            _shade_between(axis, passed)
-            notes.append("shaded: no small waves pass")
-        axis.set_xlabel(over.label)
-        axis.set_title("\n".join(textwrap.wrap("; ".join(notes), _TITLE)))
+            _leave_room(axis, holes * _LEVEL)
+    _scale(axis, over, "x")
+    if passed is not None:
+        _shade_between(axis, passed)
+        notes.append("shaded: no small waves pass")
+    axis.set_xlabel(over.label)
+    axis.set_title("\n".join(textwrap.wrap("; ".join(notes), _TITLE)))
     return figure
 
 
-def _line(axis: Axes, quantity: Axis, over: Axis, here: NDArray[np.bool_], level: int = 0, **look: Any) -> bool:
+def _line(axis: Axes, quantity: Axis, over: Axis, here: Flags, level: int = 0, **look: Any) -> bool:
     """The cases here; where they have no number, ticks at the foot, on a level for each line. Whether there are any."""
     chosen = np.flatnonzero(here)[np.argsort(over.values[here], kind="stable")]
     x, y = over.values[chosen], quantity.values[chosen]
@@ -229,41 +229,39 @@ DECAY_LENGTH = 2.709
 """n* kappa: where a pulse that leaves half the energy of its springs behind has spent itself (V = 1, two chains)."""
 
 
+@mpl.rc_context(STYLE)
 def map_figure(columns: dict[str, Floats]) -> Figure:
     """Distance (beads to 1%) and final amplitude over kappa.
 
     Args:
         columns: ``chains``, ``kappa``, ``ten``, ``one``, ``amplitude``, one number a case; NaN where there is none.
     """
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(9.0, 4.0), layout="constrained")
-        distance, amplitude = figure.subplots(1, 2)
-        numbers = np.unique(columns["chains"])
-        colours = mpl.colormaps["viridis"](np.linspace(0.0, 0.85, len(numbers)))
-        markers = "osD^v<>"
-        for k, number in enumerate(numbers):
-            here = columns["chains"] == number
-            order = np.argsort(columns["kappa"][here])
-            kappa = columns["kappa"][here][order]
-            look = {"color": colours[k], "marker": markers[k % len(markers)], "markersize": 4}
-            distance.plot(kappa, columns["one"][here][order], label=f"$N$ = {int(number)}", **look)
-            distance.plot(kappa, columns["ten"][here][order], **{**look, "marker": "", "linestyle": ":"})
-            reached = ~np.isnan(columns["ten"][here][order])
-            amplitude.plot(kappa, columns["amplitude"][here][order], label=f"$N$ = {int(number)}", **look)
-            amplitude.plot(
-                kappa[~reached], columns["amplitude"][here][order][~reached], "x", color="black", markersize=6
-            )
-        kappa = np.geomspace(columns["kappa"].min(), columns["kappa"].max(), 50)
-        distance.plot(kappa, DECAY_LENGTH / kappa, color="black", linewidth=1.0, linestyle=(0, (5, 2)))
-        distance.text(kappa[34], DECAY_LENGTH / kappa[34], "decay law:\n$n^* = 2.709/\\kappa$  ", ha="right", va="top")
-        for axis in (distance, amplitude):
-            axis.set_xscale("log")
-            axis.set_xlabel("coupling $\\kappa$ (at $V$ = 1)")
-        distance.set_yscale("log")
-        distance.set_ylabel("bead from which the chains agree")
-        distance.set_title("distance to 1% (solid) and 10% (dotted)")
-        amplitude.set_ylabel("mean leading peak / $V$")
-        amplitude.set_title("amplitude at the end (x: not level there)")
-        amplitude.set_ylim(bottom=0.0)
-        amplitude.legend(ncols=2)
+    figure = Figure(figsize=(9.0, 4.0), layout="constrained")
+    distance, amplitude = figure.subplots(1, 2)
+    numbers = np.unique(columns["chains"])
+    colours = mpl.colormaps["viridis"](np.linspace(0.0, 0.85, len(numbers)))
+    markers = "osD^v<>"
+    for k, number in enumerate(numbers):
+        here = columns["chains"] == number
+        order = np.argsort(columns["kappa"][here])
+        kappa = columns["kappa"][here][order]
+        look = {"color": colours[k], "marker": markers[k % len(markers)], "markersize": 4}
+        distance.plot(kappa, columns["one"][here][order], label=f"$N$ = {int(number)}", **look)
+        distance.plot(kappa, columns["ten"][here][order], **{**look, "marker": "", "linestyle": ":"})
+        reached = ~np.isnan(columns["ten"][here][order])
+        amplitude.plot(kappa, columns["amplitude"][here][order], label=f"$N$ = {int(number)}", **look)
+        amplitude.plot(kappa[~reached], columns["amplitude"][here][order][~reached], "x", color="black", markersize=6)
+    kappa = np.geomspace(columns["kappa"].min(), columns["kappa"].max(), 50)
+    distance.plot(kappa, DECAY_LENGTH / kappa, color="black", linewidth=1.0, linestyle=(0, (5, 2)))
+    distance.text(kappa[34], DECAY_LENGTH / kappa[34], "decay law:\n$n^* = 2.709/\\kappa$  ", ha="right", va="top")
+    for axis in (distance, amplitude):
+        axis.set_xscale("log")
+        axis.set_xlabel("coupling $\\kappa$ (at $V$ = 1)")
+    distance.set_yscale("log")
+    distance.set_ylabel("bead from which the chains agree")
+    distance.set_title("distance to 1% (solid) and 10% (dotted)")
+    amplitude.set_ylabel("mean leading peak / $V$")
+    amplitude.set_title("amplitude at the end (x: not level there)")
+    amplitude.set_ylim(bottom=0.0)
+    amplitude.legend(ncols=2)
     return figure

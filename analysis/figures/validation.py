@@ -18,6 +18,7 @@ DECADES = 1e-6
 """Errors that much below the largest are drawn like nothing."""
 
 
+@mpl.rc_context(STYLE)
 def validation_figure(
     problem: Problem, errors: ErrorMap, deviations: dict[str, Deviation], tolerances: dict[str, float], against: str
 ) -> Figure:
@@ -31,12 +32,11 @@ def validation_figure(
         deviations, tolerances: by quantity, dimensionless.
         against: name of what the run was compared with.
     """
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(8.0, 3.8), layout="constrained")
-        space, bars = figure.subplots(1, 2, width_ratios=(1.6, 1.0))
-        _draw_map(figure, space, problem, errors)
-        _draw_bars(bars, deviations, tolerances)
-        figure.suptitle(f"{problem.name}: against {against}")
+    figure = Figure(figsize=(8.0, 3.8), layout="constrained")
+    space, bars = figure.subplots(1, 2, width_ratios=(1.6, 1.0))
+    _draw_map(figure, space, problem, errors)
+    _draw_bars(bars, deviations, tolerances)
+    figure.suptitle(f"{problem.name}: against {against}")
     return figure
 
 
@@ -91,6 +91,7 @@ MOST_POINTS = 4000
 """Of a trace; of longer ones every second, every third, ..."""
 
 
+@mpl.rc_context(STYLE)
 def residual_figure(
     problem: Problem, given: Traces, found: Floats, size: Floats, unit: str = "sigma", mark: str = ""
 ) -> Figure:
@@ -108,22 +109,21 @@ def residual_figure(
     thin = slice(None, None, max(1, len(given.time) // MOST_POINTS))
     scale = problem.scale
     time = axis_unit(problem, "time", float(given.time[-1]) / scale.time)
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(7.0, 0.8 + 2.2 * count), layout="constrained")
-        axes = figure.subplots(2 * count, 1, sharex=True, squeeze=False, height_ratios=[2, 1] * count)[:, 0]
-        for place, channel in enumerate(given.channels[:count]):
-            own = float(getattr(scale, channel.quantity))
-            axis = axis_unit(problem, channel.quantity, float(np.nanmax(np.abs(given.values[:, place]))) / own)
-            at, worth = given.time[thin] / scale.time * time.worth, axis.worth / own
-            traces, left = axes[2 * place], axes[2 * place + 1]
-            traces.plot(at, given.values[thin, place] * worth, ".", color="0.6", markersize=2, label="data")
-            traces.plot(at, found[thin, place] * worth, color=CHAIN_COLOURS[0], label="run")
-            traces.set_ylabel(f"{channel.name.replace('_', ' ')}\n({axis.symbol})", fontsize=8)
-            left.plot(at, ((given.values - found)[:, place] / size[place])[thin], ".", color="0.3", markersize=2)
-            left.axhline(0.0, color=CHAIN_COLOURS[0], linewidth=0.8)
-            left.set_ylabel(f"residual\n/ {unit}", fontsize=8)
-        axes[-1].set_xlabel(f"time ({time.symbol})")
-        axes[0].legend(loc="upper right")
-        more = f"; {len(given.channels) - count} more channels" if len(given.channels) > count else ""
-        figure.suptitle(f"{problem.name}: data and run{more}{mark}")
+    figure = Figure(figsize=(7.0, 0.8 + 2.2 * count), layout="constrained")
+    axes = figure.subplots(2 * count, 1, sharex=True, squeeze=False, height_ratios=[2, 1] * count)[:, 0]
+    for place, channel in enumerate(given.channels[:count]):
+        own = float(getattr(scale, channel.quantity))
+        axis = axis_unit(problem, channel.quantity, float(np.nanmax(np.abs(given.values[:, place]))) / own)
+        at, worth = given.time[thin] / scale.time * time.worth, axis.worth / own
+        traces, left = axes[2 * place], axes[2 * place + 1]
+        traces.plot(at, given.values[thin, place] * worth, ".", color="0.6", markersize=2, label="data")
+        traces.plot(at, found[thin, place] * worth, color=CHAIN_COLOURS[0], label="run")
+        traces.set_ylabel(f"{channel.name.replace('_', ' ')}\n({axis.symbol})", fontsize=8)
+        left.plot(at, ((given.values - found)[:, place] / size[place])[thin], ".", color="0.3", markersize=2)
+        left.axhline(0.0, color=CHAIN_COLOURS[0], linewidth=0.8)
+        left.set_ylabel(f"residual\n/ {unit}", fontsize=8)
+    axes[-1].set_xlabel(f"time ({time.symbol})")
+    axes[0].legend(loc="upper right")
+    more = f"; {len(given.channels) - count} more channels" if len(given.channels) > count else ""
+    figure.suptitle(f"{problem.name}: data and run{more}{mark}")
     return figure

@@ -7,14 +7,13 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from analysis.figures.style import CHAIN_COLOURS, STYLE, axis_unit, chain_legend, draw_chain, shown_chains, title
 from analysis.shape.exact_wave import wave_of
 from analysis.shape.waveforms import COMPARED, Waveforms
 from analysis.sharing.energies import EnergyShares
 from analysis.sharing.equipartition import Sharing
-from analysis.trajectory import Floats, Trajectory
+from analysis.trajectory import Flags, Floats, Integers, Trajectory
 from lammps_inputs import Problem, physics
 from lammps_inputs.facts import Fact
 
@@ -24,6 +23,7 @@ FEW = 3
 """Chains up to which the energy of each is drawn: whole chains swing to and fro, and more cannot be told apart."""
 
 
+@mpl.rc_context(STYLE)
 def distance_figure(problem: Problem, shared: Sharing, energies: EnergyShares, direction: int = 1) -> Figure:
     """Leading waves over the bead that they pass, one line per chain (of many, see `shown_chains`).
 
@@ -40,16 +40,15 @@ def distance_figure(problem: Problem, shared: Sharing, energies: EnergyShares, d
         panels.append(lambda axis: _draw_chains(axis, problem, shared, energies))
     if problem.chains > 1:
         panels.append(lambda axis: _draw_lag(axis, problem, shared))
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(7.0, 0.8 + 2.0 * len(panels)), layout="constrained")
-        axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
-        for panel, axis, letter in zip(panels, axes, "abcd", strict=False):
-            panel(axis)
-            axis.set_title(f"({letter})", loc="left")
-        axes[-1].set_xlabel("bead" if direction > 0 else f"bead, counted from bead {problem.beads}")
-        axes[-1].xaxis.get_major_locator().set_params(integer=True)
-        chain_legend(figure, axes[0])
-        figure.suptitle(title(problem, each_chain=True))
+    figure = Figure(figsize=(7.0, 0.8 + 2.0 * len(panels)), layout="constrained")
+    axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
+    for panel, axis, letter in zip(panels, axes, "abcd", strict=False):
+        panel(axis)
+        axis.set_title(f"({letter})", loc="left")
+    axes[-1].set_xlabel("bead" if direction > 0 else f"bead, counted from bead {problem.beads}")
+    axes[-1].xaxis.get_major_locator().set_params(integer=True)
+    chain_legend(figure, axes[0])
+    figure.suptitle(title(problem, each_chain=True))
     return figure
 
 
@@ -103,6 +102,7 @@ def _draw_lag(axis: Axes, problem: Problem, shared: Sharing) -> None:
 MARKERS = "os^DvP*Xp"
 
 
+@mpl.rc_context(STYLE)
 def shape_figure(problem: Problem, waveforms: Waveforms, beads: Sequence[int]) -> Figure:
     """Velocity of chosen beads as the waves pass them, scaled to the exact wave of their peak; differences below.
 
@@ -112,40 +112,39 @@ def shape_figure(problem: Problem, waveforms: Waveforms, beads: Sequence[int]) -
         beads: one panel each.
     """
     exact, passages, chains = wave_of(problem.system), waveforms.passages, shown_chains(problem)
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(1.0 + 3.2 * len(beads), 4.4), layout="constrained")
-        axes = figure.subplots(2, len(beads), sharex=True, squeeze=False, height_ratios=(2.2, 1.0))
-        for column, bead in enumerate(beads):
-            above, below = axes[:, column]
-            xi = np.linspace(-COMPARED, COMPARED, 241)
-            above.plot(xi, exact.velocity(xi), color="black", linewidth=1.0, label="exact wave")
-            below.axhline(0.0, color="black", linewidth=1.0)
-            for place, chain in enumerate(chains):
-                found = np.flatnonzero((passages.chain == chain + 1) & (passages.bead == bead))
-                if len(found) == 0:
-                    continue
-                row, peak = found[0], passages.peak_velocity[found[0]]
-                ahead = exact.speed_at(peak) * (passages.arrival[row] - waveforms.time[row])
-                inside = np.isfinite(waveforms.velocity[row]) & (np.abs(ahead) <= COMPARED)
-                ahead, velocity = ahead[inside], waveforms.velocity[row, inside] / peak
-                look = {
-                    "color": CHAIN_COLOURS[place % len(CHAIN_COLOURS)],
-                    "marker": MARKERS[place % len(MARKERS)],
-                    "linestyle": "none",
-                    "markersize": 3.5,
-                    "markerfacecolor": "none" if place % 2 else None,
-                    "markevery": (place, len(chains)),
-                }
-                above.plot(ahead, velocity, label=f"chain {chain + 1}", **look)
-                below.plot(ahead, velocity - exact.velocity(ahead), **look)
-            above.set_title(f"bead {bead}", loc="left")
-            if column == len(beads) - 1:
-                above.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), handletextpad=0.3)
-            below.set_xlabel("distance ahead of the peak (beads)")
-            below.ticklabel_format(axis="y", scilimits=(-2, 2))
-        axes[0, 0].set_ylabel("velocity / peak")
-        axes[1, 0].set_ylabel("minus exact wave")
-        figure.suptitle(title(problem, each_chain=True))
+    figure = Figure(figsize=(1.0 + 3.2 * len(beads), 4.4), layout="constrained")
+    axes = figure.subplots(2, len(beads), sharex=True, squeeze=False, height_ratios=(2.2, 1.0))
+    for column, bead in enumerate(beads):
+        above, below = axes[:, column]
+        xi = np.linspace(-COMPARED, COMPARED, 241)
+        above.plot(xi, exact.velocity(xi), color="black", linewidth=1.0, label="exact wave")
+        below.axhline(0.0, color="black", linewidth=1.0)
+        for place, chain in enumerate(chains):
+            found = np.flatnonzero((passages.chain == chain + 1) & (passages.bead == bead))
+            if len(found) == 0:
+                continue
+            row, peak = found[0], passages.peak_velocity[found[0]]
+            ahead = exact.speed_at(peak) * (passages.arrival[row] - waveforms.time[row])
+            inside = np.isfinite(waveforms.velocity[row]) & (np.abs(ahead) <= COMPARED)
+            ahead, velocity = ahead[inside], waveforms.velocity[row, inside] / peak
+            look = {
+                "color": CHAIN_COLOURS[place % len(CHAIN_COLOURS)],
+                "marker": MARKERS[place % len(MARKERS)],
+                "linestyle": "none",
+                "markersize": 3.5,
+                "markerfacecolor": "none" if place % 2 else None,
+                "markevery": (place, len(chains)),
+            }
+            above.plot(ahead, velocity, label=f"chain {chain + 1}", **look)
+            below.plot(ahead, velocity - exact.velocity(ahead), **look)
+        above.set_title(f"bead {bead}", loc="left")
+        if column == len(beads) - 1:
+            above.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), handletextpad=0.3)
+        below.set_xlabel("distance ahead of the peak (beads)")
+        below.ticklabel_format(axis="y", scilimits=(-2, 2))
+    axes[0, 0].set_ylabel("velocity / peak")
+    axes[1, 0].set_ylabel("minus exact wave")
+    figure.suptitle(title(problem, each_chain=True))
     return figure
 
 
@@ -180,6 +179,7 @@ class BeadHistory:
         return np.concatenate(self._velocity)
 
 
+@mpl.rc_context(STYLE)
 def response_figure(data: BeadHistory) -> Figure:
     """Velocity of chosen beads over time, all chains in one row per bead (the paper's Figs 2, 4 and 6).
 
@@ -192,23 +192,22 @@ def response_figure(data: BeadHistory) -> Figure:
     drawn: list[int] = moved.tolist() or [0]
     time = axis_unit(problem, "time", data.time[-1])
     velocity = axis_unit(problem, "velocity", float(size.max(initial=0.0)))
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(7.0, 1.2 + 1.9 * len(drawn)), layout="constrained")
-        axes = figure.subplots(len(drawn), 2, sharex="col", sharey="row", squeeze=False, width_ratios=(2.0, 1.0))
-        spans = [_passage(data.time, size[:, number]) for number in drawn]
-        close = max((axis_unit(problem, "time", high - low) for _, low, high in spans), key=lambda unit: -unit.worth)
-        then = f" {time.symbol}" if problem.scale.si else ""
-        for (whole, near), number, (middle, low, high) in zip(axes, drawn, spans, strict=True):
-            _draw(whole, data, number, data.time * time.worth, velocity.worth)
-            inside = (data.time >= low) & (data.time <= high)
-            _draw(near, data, number, (data.time - middle) * close.worth, velocity.worth, inside)
-            near.set_title(f"around $t$ = {middle * time.worth:.4g}{then}", loc="left")
-            whole.set_title(f"bead {data.beads[number]}", loc="left")
-            whole.set_ylabel(f"$v$ ({velocity.symbol})")
-        axes[-1, 0].set_xlabel(f"time $t$ ({time.symbol})")
-        axes[-1, 1].set_xlabel(f"time from then ({close.symbol})")
-        chain_legend(figure, axes[0, 0])
-        figure.suptitle(title(problem, each_chain=True, until=float(data.time[-1])) + _still(data, moved))
+    figure = Figure(figsize=(7.0, 1.2 + 1.9 * len(drawn)), layout="constrained")
+    axes = figure.subplots(len(drawn), 2, sharex="col", sharey="row", squeeze=False, width_ratios=(2.0, 1.0))
+    spans = [_passage(data.time, size[:, number]) for number in drawn]
+    close = max((axis_unit(problem, "time", high - low) for _, low, high in spans), key=lambda unit: -unit.worth)
+    then = f" {time.symbol}" if problem.scale.si else ""
+    for (whole, near), number, (middle, low, high) in zip(axes, drawn, spans, strict=True):
+        _draw(whole, data, number, data.time * time.worth, velocity.worth)
+        inside = (data.time >= low) & (data.time <= high)
+        _draw(near, data, number, (data.time - middle) * close.worth, velocity.worth, inside)
+        near.set_title(f"around $t$ = {middle * time.worth:.4g}{then}", loc="left")
+        whole.set_title(f"bead {data.beads[number]}", loc="left")
+        whole.set_ylabel(f"$v$ ({velocity.symbol})")
+    axes[-1, 0].set_xlabel(f"time $t$ ({time.symbol})")
+    axes[-1, 1].set_xlabel(f"time from then ({close.symbol})")
+    chain_legend(figure, axes[0, 0])
+    figure.suptitle(title(problem, each_chain=True, until=float(data.time[-1])) + _still(data, moved))
     return figure
 
 
@@ -233,15 +232,13 @@ def _passage(time: Floats, size: Floats) -> tuple[float, float, float]:
     return float(time[top]), float(low) - margin, float(high) + margin
 
 
-def _draw(
-    axis: Axes, data: BeadHistory, number: int, x: Floats, worth: float, inside: NDArray[np.bool_] | None = None
-) -> None:
+def _draw(axis: Axes, data: BeadHistory, number: int, x: Floats, worth: float, inside: Flags | None = None) -> None:
     chosen = slice(None) if inside is None else inside
     for place, chain in enumerate(shown_chains(data.problem)):
         draw_chain(axis, place, chain, x[chosen], data.velocity[chosen, place, number] * worth)
 
 
-def _still(data: BeadHistory, moved: NDArray[np.int64]) -> str:
+def _still(data: BeadHistory, moved: Integers) -> str:
     still = [str(bead) for number, bead in enumerate(data.beads) if number not in moved]
     if not still:
         return ""

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from analysis.figures.style import CHAIN_COLOURS, STYLE, title
-from analysis.trajectory import Floats
+from analysis.trajectory import Flags, Floats
 from lammps_inputs import Problem
 
 MARKERS = "osD^v<>Px*h"
@@ -42,6 +42,7 @@ class Curve:
     forces: Floats
 
 
+@mpl.rc_context(STYLE)
 def work_precision_figure(
     problem: Problem, curves: Sequence[Curve], fronts: Mapping[str, Floats], floors: Mapping[str, float]
 ) -> Figure:
@@ -53,32 +54,31 @@ def work_precision_figure(
         fronts: by quantity, the Pareto front over wall time as rows of (seconds, error).
         floors: by quantity, the error of the reference.
     """
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(9.5, 7.6), layout="constrained")
-        (velocity, forces), (amplitude, arrival) = figure.subplots(2, 2)
-        for axis, quantity in ((velocity, "velocity"), (amplitude, "amplitude"), (arrival, "arrival")):
-            _draw_front(axis, fronts[quantity])
-            for number, curve in enumerate(curves):
-                _draw(axis, number, curve, quantity, curve.seconds)
-                spread = np.abs([curve.seconds - curve.low, curve.high - curve.seconds])
-                y, shown = _shown(curve.error[quantity])
-                axis.errorbar(
-                    curve.seconds[shown],
-                    y[shown],
-                    xerr=spread[:, shown],
-                    fmt="none",
-                    ecolor=_colour(number),
-                    elinewidth=0.7,
-                )
-            axis.set_xlabel("wall time with frames (s)")
-            _finish(axis, quantity, floors[quantity])
+    figure = Figure(figsize=(9.5, 7.6), layout="constrained")
+    (velocity, forces), (amplitude, arrival) = figure.subplots(2, 2)
+    for axis, quantity in ((velocity, "velocity"), (amplitude, "amplitude"), (arrival, "arrival")):
+        _draw_front(axis, fronts[quantity])
         for number, curve in enumerate(curves):
-            _draw(forces, number, curve, "velocity", curve.forces)
-        forces.set_xlabel("force evaluations")
-        _finish(forces, "velocity", floors["velocity"])
-        handles, labels = velocity.get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=4)
-        figure.suptitle(title(problem))
+            _draw(axis, number, curve, quantity, curve.seconds)
+            spread = np.abs([curve.seconds - curve.low, curve.high - curve.seconds])
+            y, shown = _shown(curve.error[quantity])
+            axis.errorbar(
+                curve.seconds[shown],
+                y[shown],
+                xerr=spread[:, shown],
+                fmt="none",
+                ecolor=_colour(number),
+                elinewidth=0.7,
+            )
+        axis.set_xlabel("wall time with frames (s)")
+        _finish(axis, quantity, floors[quantity])
+    for number, curve in enumerate(curves):
+        _draw(forces, number, curve, "velocity", curve.forces)
+    forces.set_xlabel("force evaluations")
+    _finish(forces, "velocity", floors["velocity"])
+    handles, labels = velocity.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=4)
+    figure.suptitle(title(problem))
     return figure
 
 
@@ -86,7 +86,7 @@ def _colour(number: int) -> str:
     return COLOURS[number % len(COLOURS)]
 
 
-def _shown(error: Floats) -> tuple[Floats, "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]"]:
+def _shown(error: Floats) -> tuple[Floats, Flags]:
     return np.maximum(error, LEAST), np.isfinite(error)
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.files.dump_layout import BOX_AT, MAX_NAMES, PROBE_BYTES, STEP_AT, Layout, parse
-from analysis.trajectory import Floats
+from analysis.trajectory import Flags, Floats, Integers
 from lammps_inputs import InputError
 
 Bytes = NDArray[np.uint8]
@@ -76,7 +76,7 @@ class BinaryDump:
         ids = np.sort(self._frames(np.array([0]), ("id",), None)[0, 0])
         if not (np.all(np.diff(ids) > 0) and np.all(ids == np.floor(ids)) and ids[0] >= 1 and ids[-1] < 2**53):
             raise self._damaged(0, "the ids of its atoms are not different whole numbers")
-        self.ids: NDArray[np.int64] = ids.astype(np.int64)
+        self.ids: Integers = ids.astype(np.int64)
         if self.cut:
             warnings.warn(
                 CutDumpWarning(f"{path}: ends within a frame; the {self.n_frames} whole frames before it are read"),
@@ -183,17 +183,17 @@ class BinaryDump:
             raise NoFrameError(f"{self.path}: " + ("ends within its first frame" if end else "is an empty file"))
         self.cut = offset < end
         self._layouts = list(layouts)
-        self._kinds: NDArray[np.int64] = np.concatenate(kinds)
-        self._offsets: NDArray[np.int64] = np.concatenate(offsets)
+        self._kinds: Integers = np.concatenate(kinds)
+        self._offsets: Integers = np.concatenate(offsets)
         self.columns = self._layouts[0].columns
-        self.steps: NDArray[np.int64] = np.concatenate(steps)
+        self.steps: Integers = np.concatenate(steps)
         box: Floats = np.concatenate(boxes)
         self.box: Floats = box[:, :6].reshape(-1, 3, 2)
         self.tilt: Floats | None = box[:, 6:] if self._layouts[0].tilts else None
         timed = all(layout.time_at is not None for layout in self._layouts)
         self.times: Floats | None = np.concatenate(times) if timed else None
 
-    def _frames(self, frames: NDArray[np.int64], names: tuple[str, ...], ids: NDArray[np.int64] | None) -> Floats:
+    def _frames(self, frames: Integers, names: tuple[str, ...], ids: Integers | None) -> Floats:
         """[frame, column, atom] of some frames by number; atoms as they stand in the file if no ids are given."""
         picked = [self.columns.index(name) for name in names]
         out = np.empty((len(frames), len(picked), self.n_atoms))
@@ -219,7 +219,7 @@ class BinaryDump:
                 done += len(block)
         return out
 
-    def _raw(self, file: FileIO, frames: NDArray[np.int64], layout: Layout) -> Bytes:
+    def _raw(self, file: FileIO, frames: Integers, layout: Layout) -> Bytes:
         """[frame, byte] of frames of one layout."""
         raw = np.empty((len(frames), layout.size), dtype=np.uint8)
         offsets = self._offsets[frames]
@@ -232,7 +232,7 @@ class BinaryDump:
             raise InputError(f"{self.path}: changed while it was read")
         return raw
 
-    def _rows(self, raw: Bytes, layout: Layout, frames: NDArray[np.int64]) -> Floats:
+    def _rows(self, raw: Bytes, layout: Layout, frames: Integers) -> Floats:
         """[frame, atom, column] as they stand in the file."""
         pieces = []
         at = layout.header
@@ -251,7 +251,7 @@ class BinaryDump:
         together = np.concatenate(pieces, axis=1)
         return together.view("<f8").reshape(len(raw), layout.atoms, len(layout.columns))
 
-    def _order(self, found: Floats, ids: NDArray[np.int64], frames: NDArray[np.int64]) -> NDArray[np.int64] | None:
+    def _order(self, found: Floats, ids: Integers, frames: Integers) -> Integers | None:
         """Where each atom stands: [atom] if in all frames alike, [frame, atom] if not, None if already in order."""
         alike = bool((found == found[0]).all())
         if alike and np.array_equal(found[0], ids):
@@ -289,7 +289,7 @@ def _field(raw: Bytes, at: int, kind: str, count: int) -> NDArray[Any]:
     return np.ascontiguousarray(raw[:, at : at + width]).view(kind)
 
 
-def _fixed(layout: Layout) -> NDArray[np.bool_]:
+def _fixed(layout: Layout) -> Flags:
     """Which bytes of the header are the same in all frames of this layout."""
     mask = np.ones(layout.header, dtype=bool)
     mask[STEP_AT : STEP_AT + 8] = False
@@ -328,12 +328,12 @@ class Parts:
                 raise InputError(f"{dump.path}: holds other atoms or columns than {first.path}")
             kept.append(np.arange(dump.n_frames) if last is None else np.flatnonzero(dump.steps > last))
             last = dump.steps[-1] if last is None else max(last, dump.steps[-1])
-        self._file: NDArray[np.int64] = np.repeat(np.arange(len(kept)), [len(frames) for frames in kept])
-        self._frame: NDArray[np.int64] = np.concatenate(kept)
+        self._file: Integers = np.repeat(np.arange(len(kept)), [len(frames) for frames in kept])
+        self._frame: Integers = np.concatenate(kept)
         self.n_atoms = first.n_atoms
         self.columns = tuple(name for name in first.columns if name != "id")
         pairs = list(zip(self._dumps, kept, strict=True))
-        self.steps: NDArray[np.int64] = np.concatenate([dump.steps[frames] for dump, frames in pairs])
+        self.steps: Integers = np.concatenate([dump.steps[frames] for dump, frames in pairs])
         times = [dump.times[frames] for dump, frames in pairs if dump.times is not None]
         self.times: Floats | None = np.concatenate(times) if len(times) == len(pairs) else None
         self.box: Floats = np.concatenate([_box(dump)[frames] for dump, frames in pairs])

@@ -3,10 +3,9 @@
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.quantity import declare, declared, headings, result
-from analysis.trajectory import Floats
+from analysis.trajectory import Floats, Integers
 from lammps_inputs import InputError
 from lammps_inputs.units import Scale
 
@@ -16,8 +15,8 @@ class Events:
     """Collisions in the order in which they happen, [collision]; bead ``row`` of a chain strikes bead ``row + 1``."""
 
     time: Floats = declare("time of the collision", "time", symbol="t")
-    chain: NDArray[np.int64] = declare("number of the chain")
-    row: NDArray[np.int64] = declare("number of the striking bead, which strikes the next")
+    chain: Integers = declare("number of the chain")
+    row: Integers = declare("number of the striking bead, which strikes the next")
     striker: Floats = declare(
         "velocity of bead ``row`` before the collision, and of bead ``row + 1`` after it", "velocity"
     )

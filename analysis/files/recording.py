@@ -10,11 +10,10 @@ from pathlib import Path
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.files.binary_dump import BinaryDump, CutDumpWarning, NoFrameError, part_of_run
 from analysis.files.dump_layout import header
-from analysis.trajectory import Floats, Trajectory, frames_per_block
+from analysis.trajectory import Floats, Integers, Trajectory, frames_per_block
 from lammps_inputs import InputError, Problem, physics
 
 FARTHEST = 2.0
@@ -27,7 +26,7 @@ def rest_positions(problem: Problem) -> Floats:
     return np.asarray(problem.layout.places[:, problem.recorded_beads - 1])
 
 
-def atom_ids(problem: Problem) -> NDArray[np.int64]:
+def atom_ids(problem: Problem) -> Integers:
     """[chain, recorded bead] numbers of the recorded atoms: (chain - 1) * rows + row, all rows in a window."""
     row = problem.recorded_beads if problem.window is None else np.arange(1, problem.window + 1)
     return np.arange(problem.chains)[:, np.newaxis] * problem.rows + row

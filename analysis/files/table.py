@@ -22,9 +22,8 @@ from pathlib import Path
 from typing import TextIO, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from analysis.trajectory import Floats
+from analysis.trajectory import Floats, Integers
 from lammps_inputs import InputError
 from lammps_inputs.numbers import memory
 
@@ -48,8 +47,8 @@ class Table:
     """
 
     time: Floats
-    chains: NDArray[np.int64]
-    beads: NDArray[np.int64]
+    chains: Integers
+    beads: Integers
     displacement: Floats | None
     velocity: Floats | None
 
@@ -231,7 +230,7 @@ def _on_grid(path: Path, columns: dict[str, Floats]) -> Table:
     return Table(time, chains, beads, grid("displacement"), grid("velocity"))
 
 
-def _numbers(path: Path, name: str, column: Floats) -> NDArray[np.int64]:
+def _numbers(path: Path, name: str, column: Floats) -> Integers:
     if not np.all((column == np.round(column)) & (column >= 0.0) & (column <= MAX_NUMBER)):
         raise InputError(f"{path}: column {name!r} holds what is not the number of a {name}")
     return column.astype(np.int64)

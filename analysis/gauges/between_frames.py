@@ -5,11 +5,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis import hermite
-from analysis.gauges.gauge import Integers, Probe
-from analysis.trajectory import Floats
+from analysis.gauges.gauge import Probe
+from analysis.trajectory import Flags, Floats, Integers
 
 TOUCH = 1e-18
 """Force from which on there is an impulse to add up, of an overlap of 1e-12."""
@@ -83,9 +82,7 @@ def borders(spacing: float) -> Floats:
     return np.linspace(0.0, 1.0, max(1, int(np.ceil(spacing / PANEL * (1.0 - 1e-9)))) + 1)
 
 
-def change(
-    state: Callable[[Floats], NDArray[np.bool_]], before: NDArray[np.bool_], low: Floats, high: Floats
-) -> Floats:
+def change(state: Callable[[Floats], Flags], before: Flags, low: Floats, high: Floats) -> Floats:
     """Where a state that is ``before`` at low, and not at high, changes."""
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)

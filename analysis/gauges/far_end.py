@@ -7,7 +7,6 @@ exceed the numerical noise, and its largest value must lie before the last frame
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis import motion
 from analysis.conservation import energy_input
@@ -16,10 +15,8 @@ from analysis.gauges.forces import at_frames, strain_at_frames, strain_between
 from analysis.gauges.gauge import Gauge, far_wall
 from analysis.mirror import direction_of
 from analysis.quantity import declare, result
-from analysis.trajectory import Floats, Trajectory
+from analysis.trajectory import Floats, Integers, Trajectory
 from lammps_inputs import Problem
-
-Integers = NDArray[np.int64]
 
 PART = 10
 """The far end is the last row in so many."""

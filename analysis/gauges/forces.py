@@ -10,14 +10,13 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis import hermite, motion
 from analysis.gauges.between_frames import Curve, borders, change, excursion, maximum
-from analysis.gauges.gauge import Gauge, Integers, Probe
+from analysis.gauges.gauge import Gauge, Probe
 from analysis.gauges.reflection import Reflection
 from analysis.quantity import declare, result
-from analysis.trajectory import Floats, Trajectory, joined
+from analysis.trajectory import Flags, Floats, Integers, Trajectory, joined
 from lammps_inputs import Problem
 from lammps_inputs.units import Scale
 
@@ -103,8 +102,8 @@ class Readings:
     largest_at: Floats
     impulse: Floats
     dwell: Floats
-    ended: NDArray[np.bool_]
-    contacts: NDArray[np.int64]
+    ended: Flags
+    contacts: Integers
 
     def entries(self, reflected: Mapping[str, Sequence[Reflection | None]]) -> list[Reading]:
         """Gauge by gauge, and chain by chain; ``reflected`` by the wall of each side, chain by chain."""
@@ -243,7 +242,7 @@ class ForceMeter:
         self._largest, self._impulse = np.full(shape, -np.inf), np.zeros(shape)
         self._largest_at = np.full(shape, np.nan)
         self._closed = np.zeros(shape, dtype=bool)
-        self._changes: list[list[tuple[Integers, Floats, NDArray[np.bool_]]]] = [[] for _ in gauges]
+        self._changes: list[list[tuple[Integers, Floats, Flags]]] = [[] for _ in gauges]
         self._carried: Trajectory | None = None
 
     def add(self, block: Trajectory) -> None:
@@ -330,7 +329,7 @@ class ForceMeter:
         def mean(entry: Integers, s: Floats) -> Floats:
             return np.asarray(sum(curve.of(entry)(s) for curve in curves)) / len(curves)
 
-        def closed(entry: Integers, s: Floats) -> NDArray[np.bool_]:
+        def closed(entry: Integers, s: Floats) -> Flags:
             return np.asarray(sum(curve.of(entry).elastic(s) for curve in curves)) / len(curves) > CLOSED
 
         start = np.repeat(block.time[:-1], self.problem.chains)
@@ -343,9 +342,9 @@ class ForceMeter:
         self,
         place: int,
         start: Floats,
-        closed: NDArray[np.bool_],
+        closed: Flags,
         border: Floats,
-        state: Callable[[Integers, Floats], NDArray[np.bool_]],
+        state: Callable[[Integers, Floats], Flags],
         spacing: float,
     ) -> tuple[Integers, Floats]:
         """Note when contacts open and close; ``start`` is the time of the frame before, of every entry.

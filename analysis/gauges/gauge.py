@@ -9,15 +9,13 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis import motion
-from analysis.trajectory import Floats
+from analysis.trajectory import Floats, Integers
 from lammps_inputs import System, laws, physics
 from lammps_inputs.laws import dashpot
 from lammps_inputs.links import Wall
 
-Integers = NDArray[np.int64]
 Kind = Literal["wall", "contact", "sensor"]
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from analysis.quantity import declare, result
 from analysis.tracking.pulses import Pulse
-from analysis.trajectory import Floats
+from analysis.trajectory import Flags, Floats, Integers
 from lammps_inputs import Problem, physics
 from lammps_inputs.facts import Fact
 
@@ -92,7 +92,7 @@ def _of_chain(pulses: tuple[Pulse, ...], problem: Problem, chain: int, right: bo
     return Reflection(ratio, ratio * float(np.linalg.norm([first[1], second[1], *errors])), first[2], second[2])
 
 
-def _distance(pulse: Pulse, problem: Problem, right: bool) -> "np.ndarray[tuple[int], np.dtype[np.int64]]":
+def _distance(pulse: Pulse, problem: Problem, right: bool) -> Integers:
     return problem.beads - pulse.bead if right else pulse.bead - 1
 
 
@@ -102,7 +102,7 @@ def _clear(pulses: list[Pulse]) -> list[Pulse]:
     return [pulse for pulse in pulses if pulse.peak_velocity.max() >= CLEARLY * most]
 
 
-def _unmet(reflected: Pulse, following: list[Pulse]) -> "np.ndarray[tuple[int], np.dtype[np.bool_]]":
+def _unmet(reflected: Pulse, following: list[Pulse]) -> Flags:
     """[passage] whether a reflected pulse has not yet met any of those that follow the incident one."""
     met = np.zeros(len(reflected), dtype=bool)
     for pulse in following:
@@ -112,9 +112,7 @@ def _unmet(reflected: Pulse, following: list[Pulse]) -> "np.ndarray[tuple[int], 
     return ~met
 
 
-def _at_wall(
-    pulse: Pulse, distance: "np.ndarray[tuple[int], np.dtype[np.int64]]", nearest: int
-) -> tuple[float, float, tuple[int, int]] | None:
+def _at_wall(pulse: Pulse, distance: Integers, nearest: int) -> tuple[float, float, tuple[int, int]] | None:
     """Logarithm of a peak velocity at the wall, its uncertainty, and the beads it is from; None of too few beads."""
     usable = np.flatnonzero((distance >= nearest) & (distance <= FARTHEST))
     best = None

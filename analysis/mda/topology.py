@@ -10,8 +10,8 @@ from MDAnalysis.core import topologyattrs as attributes
 from MDAnalysis.core.topology import Topology
 from MDAnalysis.lib.util import openany
 from MDAnalysis.topology.base import TopologyReaderBase
-from numpy.typing import NDArray
 
+from analysis.trajectory import Flags, Integers
 from lammps_inputs import file_names
 from lammps_inputs.units import sphere_density
 
@@ -109,7 +109,7 @@ def _atoms(lines: Iterable[str]) -> tuple[Any, ...]:
     return number, kind, mass, diameter, rows[:, y]
 
 
-def _recorded(commands: str, number: NDArray[np.int64], kind: NDArray[np.int64]) -> NDArray[np.bool_]:
+def _recorded(commands: str, number: Integers, kind: Integers) -> Flags:
     """[atom] whether its frames are written."""
     found = _RECORDED.search(commands)
     if found is None:

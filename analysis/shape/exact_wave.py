@@ -28,13 +28,12 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from analysis import hermite
+from analysis.trajectory import Floats, Integers
 from lammps_inputs import System, physics
 from lammps_inputs.facts import Fact
-
-Floats = NDArray[np.float64]
 
 HERTZ = 1.5
 """Exponent of the contact of spheres."""
@@ -77,7 +76,7 @@ class _Profile:
         before = np.where(piece > 0, whole[piece - 1], 0.0)
         return self.spacing * (before + hermite.integral(self.polynomials[:, piece], share)).reshape(np.shape(xi))
 
-    def _place(self, xi: ArrayLike) -> tuple[NDArray[np.int64], Floats]:
+    def _place(self, xi: ArrayLike) -> tuple[Integers, Floats]:
         """[place] piece, and share of it, of places in one row."""
         count = self.polynomials.shape[1]
         at = np.clip((np.ravel(np.asarray(xi, dtype=np.float64)) - self.start) / self.spacing, 0.0, count)

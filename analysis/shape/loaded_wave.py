@@ -13,9 +13,8 @@ by 1.0085 at 67.7.
 import functools
 
 import numpy as np
-from numpy.typing import NDArray
 
-from analysis.trajectory import Floats
+from analysis.trajectory import Floats, Integers
 from lammps_inputs import System, laws, physics
 
 LONGEST_CELL = 12
@@ -106,7 +105,7 @@ class LoadedSpeed:
         self.rest = rest
         self._table = _table(exponent)
 
-    def at(self, chain: int, bead: NDArray[np.int64], peak_velocity: Floats) -> Floats:
+    def at(self, chain: int, bead: Integers, peak_velocity: Floats) -> Floats:
         """In beads / T, within some per cent; chain and beads count from 1."""
         place = bead - 1
         sound, rest = self.sound[chain - 1, place], self.rest[chain - 1, place]

@@ -8,15 +8,12 @@ import math
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis import hermite, motion
 from analysis.shape.exact_wave import wave_of
 from analysis.shape.pattern import length_of
-from analysis.trajectory import Floats, Trajectory
+from analysis.trajectory import Flags, Floats, Integers, Trajectory
 from lammps_inputs import Problem, physics
-
-Integers = NDArray[np.int64]
 
 REACH = 4.0
 """Half the watched stretch, in beads of travel; the exact wave has fallen to 1e-10 of its peak there."""
@@ -72,7 +69,7 @@ class Shape:
         """The numbers of one passage, by name."""
         return {field.name: float(getattr(self, field.name)[k]) for field in fields(self)}
 
-    def where(self, known: NDArray[np.bool_]) -> "Shape":
+    def where(self, known: Flags) -> "Shape":
         """The same numbers where a mask says so, NaN elsewhere."""
         return Shape(*(np.where(known, getattr(self, field.name), np.nan) for field in fields(self)))
 

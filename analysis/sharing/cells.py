@@ -7,7 +7,6 @@ is the least piece of a pattern that repeats, one bead without one.
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis import motion
 from analysis.mirror import along_the_way, direction_of
@@ -18,7 +17,7 @@ from analysis.sharing.equipartition import dissipates
 from analysis.sharing.survey import Survey
 from analysis.tracking.pulses import Pulse
 from analysis.tracking.undisturbed import CLEAR
-from analysis.trajectory import Floats, Trajectory
+from analysis.trajectory import Floats, Integers, Trajectory
 from lammps_inputs import Problem, physics
 
 AT_REST = 0.01
@@ -108,7 +107,7 @@ def left(found: Survey, chain: int, period: int) -> Left | None:
     return Left(*ends, float(share[-1]), float(share[0] - share[-1]) / cells, *_law((way - way[0]) / period, share))
 
 
-def _along(found: Survey, chain: int) -> tuple[NDArray[np.int64], Floats]:
+def _along(found: Survey, chain: int) -> tuple[Integers, Floats]:
     """Beads ahead of the kick, counted along the way, and the share of the energy that the leading pulse has there."""
     problem = found.problem
     own = found.waves.chain == chain

@@ -8,14 +8,13 @@ read a second time. The energy of a spring is shared by its two chains there. In
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis import motion
 from analysis.conservation import energy_input
 from analysis.quantity import declare, result
 from analysis.shape.waveforms import reach
 from analysis.sharing.equipartition import Sharing
-from analysis.trajectory import Floats, Trajectory
+from analysis.trajectory import Flags, Floats, Trajectory
 from lammps_inputs import Problem
 
 MOST_INSTANTS = 500
@@ -123,7 +122,7 @@ class EnergyShares:
             frame = self._frame[row] - start
             self.chain[row], self.wave[row] = self._energies(block, int(frame))
 
-    def forget(self, waves: NDArray[np.bool_]) -> None:
+    def forget(self, waves: Flags) -> None:
         """Leave out the energies of some waves, [instant, chain]."""
         self.wave[waves] = np.nan
 

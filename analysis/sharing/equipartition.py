@@ -11,7 +11,6 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.quantity import declare, result
 from analysis.shape.exact_wave import SolitaryWave, solitary_wave, wave_of
@@ -20,12 +19,10 @@ from analysis.shape.pattern import period_of, repeats_between
 from analysis.tracking.leading_waves import Waves
 from analysis.tracking.pulses import of_one_kind
 from analysis.tracking.undisturbed import CLEAR
-from analysis.trajectory import Floats
+from analysis.trajectory import Flags, Floats, Integers
 from lammps_inputs import Problem, System, physics
 from lammps_inputs.facts import Fact
 from lammps_inputs.limits import rates
-
-Integers = NDArray[np.int64]
 
 AGREEMENTS = (0.1, 0.01, 0.001)
 """Tolerances for which the bead of agreement is stated."""
@@ -189,7 +186,7 @@ class Sharing:
         """First bead from which on the arrivals agree to a share of the wave's passage; None likewise."""
         return self._holds_from(self.spread < tolerance)
 
-    def _holds_from(self, good: NDArray[np.bool_]) -> int | None:
+    def _holds_from(self, good: Flags) -> int | None:
         bad = np.flatnonzero(~good)
         start = int(bad[-1]) + 1 if len(bad) else 0
         if start >= len(self) or self.of_tied(self.amplitude).shape[1] < 2:

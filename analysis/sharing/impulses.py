@@ -15,15 +15,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis import hermite, motion
 from analysis.files.events import Events
-from analysis.trajectory import Floats, Trajectory, joined
+from analysis.trajectory import Floats, Integers, Trajectory, joined
 from lammps_inputs import Problem, physics
 from lammps_inputs.facts import Fact
-
-Integers = NDArray[np.int64]
 
 TOUCH = 1e-12
 """Overlap from which on a contact counts as closed, in units of L; its force, 1e-18, is no impulse."""

@@ -3,7 +3,6 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.mirror import mirrored_bead
 from analysis.quantity import declare, derived, result
@@ -12,7 +11,7 @@ from analysis.shape.waveforms import REACH, Passages
 from analysis.sharing.equipartition import dissipates
 from analysis.tracking.pulses import CONSTANT_OVER, Pulse
 from analysis.tracking.undisturbed import CLEAR
-from analysis.trajectory import Floats
+from analysis.trajectory import Flags, Floats
 from lammps_inputs import Problem, laws, physics
 
 UNSEEN = "the passage is not recorded whole"
@@ -66,7 +65,7 @@ class Character:
         return not self.fails
 
 
-def measured_at(pulse: Pulse, problem: Problem, last_time: float, clear: NDArray[np.bool_] | None = None) -> int:
+def measured_at(pulse: Pulse, problem: Problem, last_time: float, clear: Flags | None = None) -> int:
     """Position in a pulse of the last passage that was recorded whole and that no end of the chain had disturbed.
 
     Where there is none, of the last recorded whole before the end that it runs to; else the last.

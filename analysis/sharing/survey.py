@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.conservation import energy_input
 from analysis.mirror import direction_of, mirrored, mirrored_bead, mirrored_problem
@@ -33,7 +32,7 @@ from analysis.tracking.noise import distinct, left_by_smoothing, noise_at_start,
 from analysis.tracking.peaks import THRESHOLD, PeakFinder
 from analysis.tracking.pulses import SMALLEST, Pulse, ahead_of_sound, track_pulses
 from analysis.tracking.undisturbed import clear_of_ends, clear_of_others, once_each, returns
-from analysis.trajectory import Trajectory
+from analysis.trajectory import Flags, Integers, Trajectory
 from lammps_inputs import Problem, physics
 
 MAX_PASSAGES = 4000
@@ -84,7 +83,7 @@ class Survey:
     shape: Shape
     pulses: tuple[Pulse, ...]
     crests: tuple[Pulse, ...]
-    clear: tuple[NDArray[np.bool_], ...]
+    clear: tuple[Flags, ...]
     characters: tuple[Character, ...]
     shared: Sharing
     energies: EnergyShares
@@ -222,7 +221,7 @@ def survey(
     )
 
 
-def _sharp(shape: Shape, sharp: NDArray[np.bool_]) -> Shape:
+def _sharp(shape: Shape, sharp: Flags) -> Shape:
     """Shapes of waves, of which only the energy is known where their time is not."""
     return replace(shape.where(sharp), energy=shape.energy)
 
@@ -238,9 +237,7 @@ def _of_one_pulse(shapes: Shape, passages: Passages, pulses: tuple[Pulse, ...], 
     return replace(shapes, energy=energy)
 
 
-def _of_others(
-    bead: NDArray[np.int64], waves: Waves, pulses: tuple[Pulse, ...], problem: Problem, direction: int
-) -> NDArray[np.bool_]:
+def _of_others(bead: Integers, waves: Waves, pulses: tuple[Pulse, ...], problem: Problem, direction: int) -> Flags:
     """[bead, chain] where the same holds of leading waves at beads counted along their way."""
     bead = bead if direction > 0 else mirrored_bead(problem, bead)
     time = np.full((problem.beads + 1, problem.chains), np.nan)
@@ -294,7 +291,7 @@ def _frames(read: Callable[[], Iterable[Trajectory]], problem: Problem, noise: f
     yield from smoothed(read(), problem.every) if noise > 0.0 else read()
 
 
-def _together(waves: Waves, chosen: np.ndarray[Any, np.dtype[np.int64]], direction: int, others: Passages) -> Passages:
+def _together(waves: Waves, chosen: Integers, direction: int, others: Passages) -> Passages:
     """Some of the leading waves' passages, followed by others."""
     return Passages(
         chain=np.concatenate([waves.chain[chosen], others.chain]),

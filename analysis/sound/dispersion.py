@@ -9,12 +9,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.mirror import direction_of
 from analysis.quantity import declare, result
 from analysis.shape.loaded_wave import repeats
-from analysis.trajectory import Floats, Trajectory
+from analysis.trajectory import Floats, Integers, Trajectory
 from lammps_inputs import Problem, System, laws, physics
 
 MOST_BRANCHES = 60
@@ -136,7 +135,7 @@ class Branches:
     """Table of the branches: an entry for each wavenumber and branch."""
 
     wavenumber: Floats = declare("wavenumber, radians a bead", "rad/bead", symbol="q")
-    branch: NDArray[np.int64] = declare("number of the branch, from the lowest")
+    branch: Integers = declare("number of the branch, from the lowest")
     frequency: Floats = declare("exact angular frequency", "frequency", symbol="\\omega")
     measured: Floats = declare("angular frequency of the run", "frequency", "the run has no power there")
 
@@ -262,7 +261,7 @@ class Dispersion:
         return Map(self._chain, wavenumber, frequency, power, self.cell, folded, exact, measured)
 
 
-def _ridge(frequency: Floats, power: Floats, inside: "np.ndarray[tuple[int], np.dtype[np.int64]]") -> float:
+def _ridge(frequency: Floats, power: Floats, inside: Integers) -> float:
     """Where the power is largest, by a parabola through its logarithm; NaN at the border of what is looked at."""
     top = int(inside[np.argmax(power[inside])])
     if not 0 < top < len(frequency) - 1 or power[top] < FAINTEST:

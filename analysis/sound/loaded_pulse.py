@@ -3,7 +3,6 @@
 from collections.abc import Iterable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis import hermite, motion
 from analysis.mirror import direction_of
@@ -11,7 +10,7 @@ from analysis.quantity import declare, derived, result
 from analysis.shape.loaded_wave import cell_beads, sound_speed, speed_over_sound
 from analysis.sound.dispersion import NoDispersionError, cell_of
 from analysis.tracking.pulses import Pulse
-from analysis.trajectory import Floats, Trajectory, joined
+from analysis.trajectory import Floats, Integers, Trajectory, joined
 from lammps_inputs import Problem, System, laws, physics
 from lammps_inputs.limits import rates
 
@@ -156,9 +155,7 @@ class LoadedPulse:
         self._strain[chain, contact] = hermite.value(polynomial, at)
 
     @staticmethod
-    def _state(
-        block: Trajectory, frame: NDArray[np.int64], chain: NDArray[np.int64], contact: NDArray[np.int64]
-    ) -> Floats:
+    def _state(block: Trajectory, frame: Integers, chain: Integers, contact: Integers) -> Floats:
         x, v = block.displacement, block.velocity
         behind, ahead = (motion.acceleration_and_rate(block, frame, chain, contact + k)[0] for k in (0, 1))
         return np.stack(

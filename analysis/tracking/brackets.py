@@ -17,16 +17,14 @@ from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis import hermite, motion
-from analysis.trajectory import Floats, Trajectory
+from analysis.trajectory import Flags, Floats, Integers, Trajectory
 from lammps_inputs import Problem, laws, physics
 from lammps_inputs.laws import dashpot
 from lammps_inputs.laws.wall import clearance
 from lammps_inputs.loads import Load, Motion
 
-Integers = NDArray[np.int64]
 Forces = Iterator[tuple[float, Floats]]
 
 FARTHEST = 3.0
@@ -107,7 +105,7 @@ def _of_dashpot(law: Any, overlap: Floats, rate: Floats) -> tuple[float, Floats]
     return power, dashpot.resistance(law, overlap) * rate
 
 
-def unfollowed(power: float, away: Floats, between: NDArray[np.bool_]) -> Floats:
+def unfollowed(power: float, away: Floats, between: Flags) -> Floats:
     """Errors of velocity, and of its slope, by a force that is ``time**power`` after it begins, [0 or 1, ...].
 
     In frames; the largest of what is as likely by `DOUBT`.
@@ -191,7 +189,7 @@ class Brackets:
     """How far ``velocity`` may be off: a share of what a polynomial of lower degree has more, [power, maximum]."""
     kink: Floats
     """How far ``velocity`` and its slope may be off by forces that no polynomial follows, [0 or 1, maximum]."""
-    whole: NDArray[np.bool_]
+    whole: Flags
     """Whether frames told the forces on all beads."""
 
 

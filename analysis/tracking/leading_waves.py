@@ -15,7 +15,7 @@ from analysis.mirror import direction_of, mirrored_bead
 from analysis.quantity import declare, declared, result, table
 from analysis.tracking.peaks import PeakFinder, Peaks
 from analysis.tracking.pulses import Pulse, local_speed, track_pulses
-from analysis.trajectory import Floats
+from analysis.trajectory import Flags, Floats, Integers
 from lammps_inputs import Problem, physics
 from lammps_inputs.units import Scale
 
@@ -24,8 +24,8 @@ from lammps_inputs.units import Scale
 class Waves:
     """Leading pulse of each chain at each bead that it reached, [wave], sorted by chain, then bead."""
 
-    chain: NDArray[np.int64] = declare("number of the chain")
-    bead: NDArray[np.int64] = declare("number of the bead")
+    chain: Integers = declare("number of the chain")
+    bead: Integers = declare("number of the bead")
     arrival: Floats = declare(
         "time at which the pulse passes the bead: that of the largest velocity, or the centre of the impulse",
         "time",
@@ -78,7 +78,7 @@ class Waves:
         """One chain's leading pulse at all beads."""
         return self.where(self.chain == chain)
 
-    def where(self, chosen: NDArray[np.bool_] | NDArray[np.int64]) -> "Waves":
+    def where(self, chosen: Flags | Integers) -> "Waves":
         """The entries that a mask or positions choose."""
         return Waves(**{field.name: getattr(self, field.name)[chosen] for field in fields(self)})
 
@@ -107,7 +107,7 @@ def leading_waves(peaks: Peaks, arrival: Arrival = "maximum") -> Waves:
 
 
 def with_speeds(
-    chain: NDArray[np.int64], bead: NDArray[np.int64], arrival: Floats, peak_velocity: Floats, *, direction: int = 1
+    chain: Integers, bead: Integers, arrival: Floats, peak_velocity: Floats, *, direction: int = 1
 ) -> Waves:
     """Waves whose local speeds follow from their arrivals, without errors; entries are sorted by chain, then bead."""
     speed = np.full(len(chain), np.nan)

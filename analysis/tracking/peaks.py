@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from analysis import hermite
 from analysis.mirror import direction_of, mirrored_bead
-from analysis.tracking.brackets import NODES, Brackets, Integers, bracketed, highest, largest, on_a_grid, together
-from analysis.trajectory import Floats, Trajectory, joined
+from analysis.tracking.brackets import NODES, Brackets, bracketed, highest, largest, on_a_grid, together
+from analysis.trajectory import Flags, Floats, Integers, Trajectory, joined
 from lammps_inputs import Problem
 
 THRESHOLD = 1e-3
@@ -39,8 +39,8 @@ class Peaks:
         direction: of the velocities: 1 towards higher bead numbers, -1 towards lower ones.
     """
 
-    chain: NDArray[np.int64]
-    bead: NDArray[np.int64]
+    chain: Integers
+    bead: Integers
     time: Floats
     velocity: Floats
     overlap: Floats
@@ -50,7 +50,7 @@ class Peaks:
     centre_error: Floats
     direction: int = 1
 
-    def where(self, chosen: NDArray[np.bool_] | Integers) -> "Peaks":
+    def where(self, chosen: Flags | Integers) -> "Peaks":
         """The maxima that a mask or positions choose."""
         columns = {field.name: getattr(self, field.name)[chosen] for field in fields(self) if field.name != "direction"}
         return replace(self, **columns)
@@ -71,7 +71,7 @@ wave has 0.66). Such a velocity reaches a level and stays: when it is largest is
 """
 
 
-def sharp(peaks: Peaks) -> NDArray[np.bool_]:
+def sharp(peaks: Peaks) -> Flags:
     """Which passages have a time that can be told: all but those of beads that fly freely, as far as that is known."""
     return ~(peaks.overlap < FREE * peaks.velocity**0.8)
 
@@ -112,7 +112,7 @@ class PeakFinder:
         self._carried: Trajectory | None = None
         self._started = False
         self._first_only = first_only
-        self._passed: NDArray[np.bool_] | None = None
+        self._passed: Flags | None = None
 
     def add(self, block: Trajectory) -> None:
         """Take the next frames, evenly spaced in time with those before."""

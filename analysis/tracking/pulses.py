@@ -16,17 +16,14 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.mirror import mirrored_bead, mirrored_problem
 from analysis.quantity import declare, derived, result
 from analysis.shape.exact_wave import SolitaryWave, solitary_wave, wave_of
 from analysis.shape.loaded_wave import LoadedSpeed, make_speed
 from analysis.tracking.peaks import Peaks, in_mirror
-from analysis.trajectory import Floats
+from analysis.trajectory import Flags, Floats, Integers
 from lammps_inputs import Problem, physics
-
-Integers = NDArray[np.int64]
 
 SMALLEST = 0.02
 """Largest velocity that a pulse must have somewhere, in units of V."""
@@ -165,7 +162,7 @@ def ahead_of_sound(pulse: Pulse, loaded: LoadedSpeed) -> bool:
     return bool(expected > NEAR_SOUND and LEAST_AHEAD * expected < ahead < MOST_AHEAD * expected)
 
 
-def of_one_kind(problem: Problem) -> NDArray[np.bool_]:
+def of_one_kind(problem: Problem) -> Flags:
     """Which rows, [bead], can be compared: those of the masses that most rows have, the heavier ones of equally many.
 
     All, if hardly two rows are of the same masses, as in tapered and disordered chains.
@@ -315,7 +312,7 @@ def train_of(
     """
     found: list[tuple[float, float, float]] = []
     for pulse in pulses:
-        at: NDArray[np.int64] = np.flatnonzero(pulse.bead == bead)
+        at: Integers = np.flatnonzero(pulse.bead == bead)
         if (pulse.chain, pulse.direction) == (chain, direction) and len(at):
             arrival, peak = float(pulse.arrival[at[0]]), float(pulse.peak_velocity[at[0]])
             found.append((arrival, peak, pulse.variation(int(at[0]))))

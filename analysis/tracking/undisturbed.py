@@ -7,13 +7,12 @@ end, for no other is faster.
 from collections.abc import Iterable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.mirror import mirrored_bead
 from analysis.shape.exact_wave import SolitaryWave
 from analysis.tracking.leading_waves import Waves
 from analysis.tracking.pulses import Pulse
-from analysis.trajectory import Floats
+from analysis.trajectory import Flags, Floats, Integers
 from lammps_inputs import Problem, physics
 
 CLEAR = 5
@@ -53,15 +52,15 @@ def returns(waves: Waves, problem: Problem, direction: int) -> Floats:
     return back
 
 
-def clear_of_ends(pulse: Pulse, problem: Problem, back: Floats) -> NDArray[np.bool_]:
+def clear_of_ends(pulse: Pulse, problem: Problem, back: Floats) -> Flags:
     """[passage] whether neither end of the chain has disturbed a pulse; ``back`` is what `returns` says."""
     inside = (pulse.bead > CLEAR) & (pulse.bead <= problem.beads - CLEAR)
     return np.asarray(inside & (pulse.arrival < back[pulse.chain - 1, pulse.bead - 1]))
 
 
 def clear_of_others(
-    chain: int, bead: NDArray[np.int64], time: Floats, pulses: Iterable[Pulse], every: float, apart: float = APART
-) -> NDArray[np.bool_]:
+    chain: int, bead: Integers, time: Floats, pulses: Iterable[Pulse], every: float, apart: float = APART
+) -> Flags:
     """[passage] whether all other pulses of a chain, of either direction, were so many beads away.
 
     Args:

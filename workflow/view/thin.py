@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from analysis import motion
 from analysis.figures.spacetime import largest_afar
 from analysis.figures.style import Unit, axis_unit, evenly_spaced
-from analysis.trajectory import Floats, Trajectory
+from analysis.trajectory import Floats, Integers, Trajectory
 from lammps_inputs import Problem
 
 MOST_BEADS = 500
@@ -40,7 +40,7 @@ class Thinned:
     """
 
     chains: list[int]
-    beads: NDArray[np.int64]
+    beads: Integers
     time: Floats
     displacement: Floats
     velocity: Floats
@@ -56,7 +56,7 @@ class Thinned:
         return len(self.beads) < 2 or evenly_spaced(self.beads)
 
     @property
-    def places(self) -> NDArray[np.float64]:
+    def places(self) -> Floats:
         """[bead] where each is drawn: at its number, or, where they are unevenly spaced, side by side from 0."""
         return np.asarray(self.beads if self.even else np.arange(len(self.beads)), dtype=float)
 
