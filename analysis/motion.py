@@ -74,9 +74,9 @@ def static_force(system: System, *contact: Integers | slice) -> Any:
     return sum(laws.load(laws.at(link.law, *contact)) for link in system.along)
 
 
-def momentum(system: System, velocity: Floats, first: int = 1) -> Floats:
+def momentum(system: System, velocity: Floats) -> Floats:
     """Total momentum along the chains, [...] from [..., chain, bead]."""
-    return np.asarray(np.sum(_weighed(system, velocity, first), axis=(-2, -1)))
+    return np.asarray(np.sum(_weighed(system, velocity, 1), axis=(-2, -1)))
 
 
 def acceleration(

@@ -104,6 +104,13 @@ class Trajectory:
             ledger=None if self.ledger is None else self.ledger[frames],
         )
 
+    def last(self) -> "Trajectory":
+        """The last frame, copied, so that it keeps no others in memory."""
+        last = self[-1:]
+        return replace(
+            last, time=last.time.copy(), displacement=last.displacement.copy(), velocity=last.velocity.copy()
+        )
+
     @cached_property
     def moving(self) -> slice:
         """The beads that any of these frames shows displaced or moving, and one at rest on either side.

@@ -6,8 +6,8 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from analysis.figures.style import STYLE, title
-from analysis.sound.dispersion import Map
+from analysis.figures.style import STYLE, Unit, title
+from analysis.sound.dispersion import Branches, Map
 from lammps_inputs import Problem
 
 DECADES = 8.0
@@ -20,8 +20,8 @@ HIGHEST = 1.25
 @mpl.rc_context(STYLE)
 def dispersion_figure(problem: Problem, found: Map) -> Figure:
     """The map of the chain that was hit hardest; branches as lines, borders of the bands dotted."""
-    worth = 1.0 / problem.scale.time
-    symbol = problem.scale.symbol("frequency")
+    unit = Unit(1.0 / problem.scale.time, problem.scale.symbol("frequency"))
+    worth = unit.worth
     bands = found.cell.bands() * worth
     shown = found.frequency * worth <= HIGHEST * bands.max()
     step = found.wavenumber[1] - found.wavenumber[0]
@@ -52,8 +52,8 @@ def dispersion_figure(problem: Problem, found: Map) -> Figure:
     axis.set_xticks(
         [-math.pi, -math.pi / 2, 0.0, math.pi / 2, math.pi], [r"$-\pi$", r"$-\pi/2$", "0", r"$\pi/2$", r"$\pi$"]
     )
-    axis.set_xlabel("wavenumber $q$ (rad/bead)")
-    axis.set_ylabel(rf"angular frequency $\omega$ ({symbol})")
+    axis.set_xlabel(Unit(1.0, "rad/bead").label(Branches, "wavenumber"))
+    axis.set_ylabel(f"angular {unit.label(Branches, 'frequency')}")
     bar = figure.colorbar(image, ax=axis)
     bar.set_label("power of velocity, decades below the largest")
     figure.suptitle(f"{title(problem)}; chain {found.chain}")

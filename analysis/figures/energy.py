@@ -39,7 +39,7 @@ def budget_figure(problem: Problem, account: Account) -> Figure:
     axis.set_xlim(t[0], t[-1])
     least = min(0.0, float(np.min(account.put_in)))  # a drive may begin by taking up energy
     axis.set_ylim(1.06 * least * energy.worth, 1.06 * most * energy.worth)
-    axis.set_xlabel(f"time $t$ ({time.symbol})")
+    axis.set_xlabel(time.label(Account, "time"))
     axis.set_ylabel(f"energy ({energy.symbol})")
     figure.suptitle(title(problem, until=float(account.time[-1])))
     handles, labels = axis.get_legend_handles_labels()
@@ -61,7 +61,7 @@ def energy_figure(problem: Problem, flow: Flow) -> Figure:
     share.set_ylabel("share of the energy")
     share.set_ylim(0.0, max(1.0, 1.05 * float(np.nanmax(flow.share))))
     place.set_ylabel("centre of the energy (bead),\nband: its spread")
-    place.set_xlabel(f"time $t$ ({time.symbol})")
+    place.set_xlabel(time.label(Flow, "time"))
     figure.suptitle(title(problem, each_chain=True, until=float(flow.time[-1])))
     chain_legend(figure, share)
     return figure

@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from analysis.figures.style import CHAIN_COLOURS, CHAIN_DASHES, STYLE, axis_unit, shown_chains, title
+from analysis.figures.style import CHAIN_COLOURS, CHAIN_DASHES, STYLE, Frames, axis_unit, shown_chains, title
 from analysis.trajectory import Floats, Integers
 from lammps_inputs import Problem
 
@@ -79,7 +79,7 @@ def engines_figure(problem: Problem, rows: Sequence[int], curves: Sequence[Curve
         axis.set_xlim(span[0] * time.worth, span[1] * time.worth)
         axis.set_title(f"bead {rows[position]}", loc="left")
         axis.set_ylabel(f"$v$ ({velocity.symbol})")
-    axis.set_xlabel(f"time $t$ ({time.symbol})")
+    axis.set_xlabel(time.label(Frames, "time"))
     handles = [Line2D([], [], color="black", label=curve.engine, **_look(k)) for k, curve in enumerate(curves)]
     if len(chains) > 1:
         handles += [Line2D([], [], label=f"chain {chain + 1}", **_chain_marks(k)) for k, chain in enumerate(chains)]

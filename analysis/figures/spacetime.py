@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.colors import FuncNorm
 from matplotlib.figure import Figure
 
-from analysis.figures.style import STYLE, axis_unit, evenly_spaced, grid, name_columns, shown_chains, title
+from analysis.figures.style import STYLE, Frames, axis_unit, evenly_spaced, grid, name_columns, shown_chains, title
 from analysis.trajectory import Flags, Floats, Integers, Trajectory
 from lammps_inputs import Problem, physics
 
@@ -131,13 +131,13 @@ def spacetime_figure(data: SpaceTime) -> Figure:
         axes[0, 0].xaxis.get_major_locator().set_params(integer=True)
         axes[0, 0].set_xlim(*moving_part(data.beads, np.max(size, axis=(0, 1)) > STILL * largest, places))
     for axis in axes[:, 0]:
-        axis.set_ylabel(f"time $t$ ({time.symbol})")
+        axis.set_ylabel(time.label(Frames, "time"))
     shape: dict[str, Any] = {"aspect": 20 * rows, "extendfrac": 0.05 / rows, "fraction": 0.15 / columns}
     beyond = "both" if float(np.max(size)) > largest else "neither"
     bar = figure.colorbar(image, ax=list(axes.flat[: len(chains)]), ticks=_ticks(top), extend=beyond, **shape)
     bar.ax.yaxis.set_major_formatter("{x:.4g}")
     bar.ax.minorticks_off()
-    bar.set_label(f"velocity $v$ ({unit.symbol})")
+    bar.set_label(unit.label(Frames, "velocity"))
     grey = "\ngrey: the window has left" if np.isnan(data.velocity).any() else ""
     figure.suptitle(title(problem, each_chain=True, panels=True, until=data.until) + grey)
     return figure

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from analysis.quantity import declare, declared, result
 from analysis.trajectory import Floats, Integers
 from lammps_inputs import Problem, laws, physics
 
@@ -68,6 +69,19 @@ class Unit:
 
     worth: float
     symbol: str
+
+    def label(self, kind: Any, name: str) -> str:
+        """Of an axis that shows a quantity: name and symbol as its type declares them, and unit; ``time $t$ (ms)``."""
+        symbol = declared(kind)[name][0].symbol
+        return f"{name.replace('_', ' ')}{f' ${symbol}$' if symbol else ''} ({self.symbol})"
+
+
+@result
+class Frames:
+    """What frames hold."""
+
+    time: Floats = declare("time of the frame", "time", symbol="t")
+    velocity: Floats = declare("velocity of the bead", "velocity", symbol="v")
 
 
 def axis_unit(problem: Problem, quantity: str, largest: float) -> Unit:

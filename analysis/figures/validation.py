@@ -7,7 +7,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from analysis.against.difference import Deviation, ErrorMap
-from analysis.figures.style import CHAIN_COLOURS, STYLE, axis_unit, evenly_spaced, name_columns
+from analysis.figures.style import CHAIN_COLOURS, STYLE, Frames, axis_unit, evenly_spaced, name_columns
 from analysis.files.traces import Traces
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
@@ -63,7 +63,7 @@ def _draw_map(figure: Figure, space: Axes, problem: Problem, errors: ErrorMap) -
     space.set_xlabel("bead")
     if not even:
         name_columns(space, beads)
-    space.set_ylabel(f"time $t$ ({unit.symbol})")
+    space.set_ylabel(unit.label(Frames, "time"))
     space.set_title("largest velocity error of any chain")
     figure.colorbar(image, ax=space).set_label("$|v - v_{ref}|$ / $V$")
 
@@ -122,7 +122,7 @@ def residual_figure(
         left.plot(at, ((given.values - found)[:, place] / size[place])[thin], ".", color="0.3", markersize=2)
         left.axhline(0.0, color=CHAIN_COLOURS[0], linewidth=0.8)
         left.set_ylabel(f"residual\n/ {unit}", fontsize=8)
-    axes[-1].set_xlabel(f"time ({time.symbol})")
+    axes[-1].set_xlabel(time.label(Frames, "time"))
     axes[0].legend(loc="upper right")
     more = f"; {len(given.channels) - count} more channels" if len(given.channels) > count else ""
     figure.suptitle(f"{problem.name}: data and run{more}{mark}")

@@ -8,7 +8,16 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from analysis.figures.style import CHAIN_COLOURS, STYLE, axis_unit, chain_legend, draw_chain, shown_chains, title
+from analysis.figures.style import (
+    CHAIN_COLOURS,
+    STYLE,
+    Frames,
+    axis_unit,
+    chain_legend,
+    draw_chain,
+    shown_chains,
+    title,
+)
 from analysis.shape.exact_wave import wave_of
 from analysis.shape.waveforms import COMPARED, Waveforms
 from analysis.sharing.energies import EnergyShares
@@ -204,7 +213,7 @@ def response_figure(data: BeadHistory) -> Figure:
         near.set_title(f"around $t$ = {middle * time.worth:.4g}{then}", loc="left")
         whole.set_title(f"bead {data.beads[number]}", loc="left")
         whole.set_ylabel(f"$v$ ({velocity.symbol})")
-    axes[-1, 0].set_xlabel(f"time $t$ ({time.symbol})")
+    axes[-1, 0].set_xlabel(time.label(Frames, "time"))
     axes[-1, 1].set_xlabel(f"time from then ({close.symbol})")
     chain_legend(figure, axes[0, 0])
     figure.suptitle(title(problem, each_chain=True, until=float(data.time[-1])) + _still(data, moved))

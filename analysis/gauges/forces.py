@@ -7,7 +7,8 @@ frames, and so do the moments at which contacts open and close.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -84,7 +85,7 @@ class Readings:
         time: [frame], in units of T.
         force: [frame, chain, gauge] total: the static force is included.
         static: [chain, gauge] force at rest; 0 without a static load.
-        largest, largest_at: [chain, gauge] largest total force, between frames too, and when; at NaN where the force
+        largest, at: [chain, gauge] largest total force, between frames too, and when; at NaN where the force
             never exceeds the static one by more than the numerical noise.
         impulse: [chain, gauge] integral over time of the total force minus the static one.
         dwell: [chain, gauge] how long the contact lasted in which the force was largest; under a static load, for how
@@ -99,7 +100,7 @@ class Readings:
     force: Floats
     static: Floats
     largest: Floats
-    largest_at: Floats
+    at: Floats
     impulse: Floats
     dwell: Floats
     ended: Flags
@@ -111,21 +112,17 @@ class Readings:
         for place, gauge in enumerate(self.gauges):
             for chain in range(self.force.shape[1]):
                 at = chain, place
-                there = bool(np.isfinite(self.largest_at[at]))
+                names = ("largest", "at", "impulse", "dwell", "last", *(("static", "dynamic") if self.loaded else ()))
+                numbers: dict[str, Any] = {"static": None, "dynamic": None}
+                numbers |= {name: float(getattr(self, name)[at]) for name in names}
                 found.append(
                     Reading(
                         kind=gauge.kind,
                         name=gauge.name,
                         chain=chain + 1,
                         bead=gauge.bead,
-                        largest=float(self.largest[at]),
-                        at=float(self.largest_at[at]),
-                        static=float(self.static[at]) if self.loaded else None,
-                        dynamic=float(self.dynamic[at]) if self.loaded else None,
-                        impulse=float(self.impulse[at]),
-                        dwell=float(self.dwell[at]),
-                        dwell_ended=bool(self.ended[at]) if there else None,
-                        last=float(self.last[at]),
+                        **numbers,
+                        dwell_ended=bool(self.ended[at]) if np.isfinite(self.at[at]) else None,
                         contacts=int(self.contacts[at]),
                         reflected=reflected[gauge.side][chain] if gauge.kind == "wall" else None,
                     )
@@ -154,7 +151,7 @@ class Readings:
     @property
     def dynamic(self) -> Floats:
         """[chain, gauge] largest force above the static one; NaN where it never exceeds it."""
-        return np.where(np.isfinite(self.largest_at), self.largest - self.static, np.nan)
+        return np.where(np.isfinite(self.at), self.largest - self.static, np.nan)
 
     @property
     def last(self) -> Floats:
@@ -260,12 +257,7 @@ class ForceMeter:
             part = block[start : start + step + 1]
             for place, gauge in enumerate(self.gauges):
                 self._read(part, place, gauge)
-        self._carried = replace(
-            block,
-            time=block.time[-1:].copy(),
-            displacement=block.displacement[-1:].copy(),
-            velocity=block.velocity[-1:].copy(),
-        )
+        self._carried = block.last()
 
     def result(self) -> Readings:
         """Of the frames so far.

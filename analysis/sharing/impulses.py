@@ -12,7 +12,7 @@ within a row and cancel): `Impulses.imbalance`.
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -99,12 +99,7 @@ class ImpulseMeter:
             block = joined([self._carried, block])
         if block.frames > 1:
             self._integrate(block)
-        self._carried = replace(
-            block,
-            time=block.time[-1:].copy(),
-            displacement=block.displacement[-1:].copy(),
-            velocity=block.velocity[-1:].copy(),
-        )
+        self._carried = block.last()
 
     def result(self) -> Impulses:
         """The impulses of all frames so far.

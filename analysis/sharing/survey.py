@@ -293,11 +293,7 @@ def _frames(read: Callable[[], Iterable[Trajectory]], problem: Problem, noise: f
 
 def _together(waves: Waves, chosen: Integers, direction: int, others: Passages) -> Passages:
     """Some of the leading waves' passages, followed by others."""
-    return Passages(
-        chain=np.concatenate([waves.chain[chosen], others.chain]),
-        bead=np.concatenate([waves.bead[chosen], others.bead]),
-        arrival=np.concatenate([waves.time[chosen], others.arrival]),
-        peak_velocity=np.concatenate([waves.peak_velocity[chosen], others.peak_velocity]),
-        speed=np.concatenate([waves.speed[chosen], others.speed]),
-        direction=np.concatenate([np.full(len(chosen), direction), others.direction]),
-    )
+    own = waves.where(chosen)
+    way = np.full(len(own), direction)
+    leading = Passages(own.chain, own.bead, own.time, own.peak_velocity, own.speed, way)
+    return Passages(*map(np.concatenate, zip(vars(leading).values(), vars(others).values(), strict=True)))

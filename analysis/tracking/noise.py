@@ -6,12 +6,12 @@ times, and for noise on it, as measured.
 """
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from analysis.shape.exact_wave import SolitaryWave, solitary_wave
+from analysis.shape.exact_wave import SolitaryWave
 from analysis.tracking.brackets import FAR_APART, on_a_grid
 from analysis.tracking.peaks import Peaks
 from analysis.trajectory import Floats, Trajectory, joined
@@ -101,13 +101,12 @@ def _smooth(values: Floats, window: int) -> Floats:
     return result
 
 
-def distinct(peaks: Peaks, exact: SolitaryWave | None = None) -> Peaks:
+def distinct(peaks: Peaks, exact: SolitaryWave) -> Peaks:
     """The maxima of a noisy record without those that belong to one passage.
 
     Left out is whatever is nearer to a higher maximum of its bead than `APART` times the time in which the exact wave
     of that height passes at half its height.
     """
-    exact = exact or solitary_wave()
     while len(peaks) > 1:
         near = APART * exact.width / exact.speed_at(peaks.velocity)
         same = (np.diff(peaks.chain) == 0) & (np.diff(peaks.bead) == 0)
@@ -122,8 +121,7 @@ def distinct(peaks: Peaks, exact: SolitaryWave | None = None) -> Peaks:
     return peaks
 
 
-@dataclass(frozen=True)
-class PeakError:
+class PeakError(NamedTuple):
     """Bounds on the error of passages: arrival in units of T, peak velocity in units of V; of the latter's shape."""
 
     arrival: Any

@@ -101,7 +101,6 @@ def track_pulses(
     problem: Problem,
     *,
     smallest: float = SMALLEST,
-    least_beads: int = LEAST_BEADS,
     noise: float = 0.0,
 ) -> tuple[Pulse, ...]:
     """Every pulse in a table of passages, by chain, then by time of its first passage.
@@ -110,7 +109,6 @@ def track_pulses(
         peaks: maxima of velocity along the way of the pulses.
         problem: what was run.
         smallest: largest velocity that a pulse must reach, in units of V; a quarter of it continues one.
-        least_beads: recorded beads at which a pulse must be seen.
         noise: standard deviation of the peak velocities, in units of V; allows for arrivals that scatter.
     """
     direction = peaks.direction
@@ -120,7 +118,7 @@ def track_pulses(
     if len(like) == 0:
         like = problem.recorded_beads
     recorded = like if direction > 0 else mirrored_bead(problem, like)[::-1]
-    least = max(2, min(least_beads, len(recorded)))
+    least = max(2, min(LEAST_BEADS, len(recorded)))
     exact = wave_of(problem.system)
     ahead = problem if direction > 0 else mirrored_problem(problem)
     loaded = make_speed(ahead.system) if physics.loaded(problem.system) else None
@@ -204,7 +202,7 @@ class _Track:
 
 
 def _linked(
-    peaks: Peaks, recorded: Integers, noise: float, exact: SolitaryWave, loaded: LoadedSpeed | None = None
+    peaks: Peaks, recorded: Integers, noise: float, exact: SolitaryWave, loaded: LoadedSpeed | None
 ) -> Iterator[list[int]]:
     """Positions in the table of the passages of one chain, pulse by pulse. Beads are taken in ascending order."""
 

@@ -109,7 +109,7 @@ def test_the_spectra_figure_has_each_bead_chain_and_drive_where_it_says(problem)
     spectra = Spectra((3, 8), 2.0, np.array([0.0, 0.1]), amplitude, np.array([0.07]), np.zeros((1, CHAINS, 2)))
     axes = spectra_figure(problem, spectra).axes
     hertz = 1.0 / problem.scale.time
-    assert axes[-1].get_xlabel() == ("frequency (Hz)" if problem.scale.si else "frequency (reduced)")
+    assert axes[-1].get_xlabel() == ("frequency $f$ (Hz)" if problem.scale.si else "frequency $f$ (reduced)")
     for place, axis in enumerate(axes):
         assert axis.get_ylabel().startswith(f"bead {spectra.beads[place]}\n")
         velocity = unit_of(axis.get_ylabel(), problem, {"mm/s": 1e-3, "\N{MICRO SIGN}m/s": 1e-6})

@@ -59,7 +59,7 @@ def test_a_lone_bead_at_a_wall_has_the_exact_contact():
     readings = read(engine.run(last, steps_per_frame=40))
     beta = 2.0 * math.sqrt(math.pi) * math.gamma(1.4) / math.gamma(0.9)
     assert readings.largest[0, 0] == pytest.approx(1.25**0.6, abs=1e-9)
-    assert readings.largest_at[0, 0] == pytest.approx(0.5 * beta * 1.25**0.4, abs=1e-5)
+    assert readings.at[0, 0] == pytest.approx(0.5 * beta * 1.25**0.4, abs=1e-5)
     assert readings.impulse[0, 0] == pytest.approx(2.0, abs=1e-9)
     assert readings.dwell[0, 0] == pytest.approx(beta * 1.25**0.4, abs=5e-6)  # closed from an overlap of 1e-6 on
     assert readings.contacts[0, 0] == 1
@@ -140,7 +140,7 @@ def test_under_a_load_the_dwell_is_that_above_it(size):
     readings = pressed_by(size)
     assert readings.largest[0, 0] == pytest.approx(0.5 + size, rel=1e-4)
     assert readings.dynamic[0, 0] == pytest.approx(size, rel=2e-4)
-    assert readings.largest_at[0, 0] == pytest.approx(6.0, abs=0.01)
+    assert readings.at[0, 0] == pytest.approx(6.0, abs=0.01)
     assert readings.dwell[0, 0] == pytest.approx(6.0 - 12.0 / np.pi * math.asin(0.1), abs=1e-3)
     assert readings.impulse[0, 0] == pytest.approx(3.0 * size, rel=1e-3)
     assert readings.ended[0, 0]
@@ -158,7 +158,7 @@ def test_a_dwell_is_so_far_where_the_record_ends_inside_the_pulse(until, last):
 def test_a_force_that_never_exceeds_the_static_one_has_no_largest_dynamic_value():
     readings = pressed_by(-0.2)
     assert readings.largest[0, 0] == pytest.approx(0.5, rel=1e-9)
-    assert np.isnan([readings.largest_at[0, 0], readings.dynamic[0, 0], readings.last[0, 0]]).all()
+    assert np.isnan([readings.at[0, 0], readings.dynamic[0, 0], readings.last[0, 0]]).all()
     assert readings.impulse[0, 0] == pytest.approx(-0.6, rel=1e-3)
 
 
@@ -179,7 +179,7 @@ def test_the_dwell_is_that_of_the_hardest_contact():
     readings = read(written_down(small, motion), wall=False, contacts=(1,))
     assert readings.contacts[0, 0] == 3
     assert readings.largest[0, 0] == pytest.approx(0.5**1.5, rel=1e-4)
-    assert readings.largest_at[0, 0] == pytest.approx(5.5, abs=0.01)
+    assert readings.at[0, 0] == pytest.approx(5.5, abs=0.01)
     assert readings.dwell[0, 0] == pytest.approx(3.0, abs=0.02)
 
 
@@ -189,7 +189,7 @@ def test_beads_at_rest_are_read_as_no_force():
     readings = read(trajectory, wall=False, contacts=(3,))
     assert not readings.force.any()
     assert readings.impulse.tolist() == readings.largest.tolist() == readings.dwell.tolist() == [[0.0], [0.0]]
-    assert np.isnan(readings.largest_at).all()
+    assert np.isnan(readings.at).all()
 
 
 @pytest.mark.parametrize("g", [0.2, 1.0])
@@ -214,7 +214,7 @@ def test_a_damped_contact_is_read_with_its_dashpot(g):
     force = fall * (np.sin(omega * time) / omega + g * (np.cos(omega * time) - g / omega * np.sin(omega * time)))
     readings = read(exact, wall=False, contacts=(1,))
     assert readings.largest[0, 0] == pytest.approx(force.max(), abs=1e-4)
-    assert readings.largest_at[0, 0] == pytest.approx(time[np.argmax(force)], abs=0.01)
+    assert readings.at[0, 0] == pytest.approx(time[np.argmax(force)], abs=0.01)
     assert readings.force.min() == pytest.approx(force.min(), abs=0.02 * g)  # it pulls, last of all hardest
     assert readings.impulse[0, 0] == pytest.approx(0.5 * (1.0 + share), abs=1e-4)
     assert readings.dwell[0, 0] == pytest.approx(over, abs=1e-4)

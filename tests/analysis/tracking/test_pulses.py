@@ -28,7 +28,7 @@ def noisy_pulses(trajectory: Trajectory, noise: float) -> tuple[Pulse, ...]:
     finder = PeakFinder(5.0 * left, noisy=True)
     for block in smoothed(blocks(trajectory), every):
         finder.add(block)
-    peaks = distinct(finder.result())
+    peaks = distinct(finder.result(), solitary_wave())
     return track_pulses(peaks, trajectory.problem, smallest=max(0.02, 10.0 * left), noise=left)
 
 

@@ -62,7 +62,7 @@ def test_where_the_force_on_walls_is_read_the_end_waits_for_the_pulse_at_the_far
     found = meter.result()
     for chain in range(problem.chains):
         above = found.force[:, chain, 0] - found.static[chain, 0]
-        released = (found.time > found.largest_at[chain, 0]) & (above <= PULSE * found.dynamic[chain, 0])
+        released = (found.time > found.at[chain, 0]) & (above <= PULSE * found.dynamic[chain, 0])
         assert found.time[released].min() < problem.duration - AFTER + 0.2
 
 

@@ -239,7 +239,7 @@ def test_under_a_static_load_the_table_names_total_and_dynamic_and_what_is_so_fa
 def test_what_never_exceeds_the_static_load_has_no_dynamic_force(problem, printed):
     seen = readings(problem, 5.0)
     nothing, force = np.full(seen.static.shape, np.nan), np.stack([seen.static, seen.static - 1.0])
-    seen = replace(seen, force=force, largest=seen.static, largest_at=nothing, dwell=nothing)
+    seen = replace(seen, force=force, largest=seen.static, at=nothing, dwell=nothing)
     found = finding_of(seen, problem)
     for entry in found.plain():
         assert [entry[key] for key in ("at", "dynamic", "dwell_ended", "last")] == [None] * 4
