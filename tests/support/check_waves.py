@@ -125,13 +125,18 @@ def fit(case: Case, one: Maximum, peak: float, arrival: float, allowed: float, l
 
 
 def shown(case: Case, one: Maximum, chain: int, bead: int) -> bool:
-    """Whether the frames alone show that there is a maximum near it."""
+    """Whether the frames alone show that there is a maximum near it, and no higher one as near."""
     true, every = case.truth, case.every
     v = true.way * true.fine[1][:, chain - 1, bead - 1]
     frames = np.interp(np.arange(0.0, true.end + 1e-9, every), true.times, v)
     k = int(one.time / every)
+    # of two maxima less than two frames apart, a largest frame shows the higher one
+    higher = [other.time / every for other in true.maxima(chain, bead) if other.velocity > one.velocity]
     return any(
-        0 < j < len(frames) - 1 and frames[j] > SMALLEST / 2 and frames[j - 1] < frames[j] >= frames[j + 1]
+        0 < j < len(frames) - 1
+        and frames[j] > SMALLEST / 2
+        and frames[j - 1] < frames[j] >= frames[j + 1]
+        and not any(abs(place - j) < 1.0 for place in higher)
         for j in (k, k + 1)
     ) or (one.time == 0.0 and frames[0] >= frames[1])
 
@@ -222,7 +227,8 @@ def shape(case: Case, row: Row) -> dict[str, Any]:
     speed = None if row["speed"] is None else row["speed"] * case.unit.time
     if case.nature.gap > 0.0:  # an arrival is the centre of the impulse, and the wave is about its maximum
         near = case.truth.maxima(chain, bead)
-        best = min(near, key=lambda one: abs(one.velocity - peak), default=None)
+        # by its centre: pulses that follow each other may be of one velocity
+        best = min(near, key=lambda one: abs(one.centre - arrival / case.unit.time), default=None)
         if best is None or best.until - best.since > 0.1 or best.bend < 0.1 or abs(best.velocity - peak) > 1e-3:
             return {"width": Unknown("flies freely"), "residual": Unknown("flies freely")}
         found = {
