@@ -1,4 +1,4 @@
-"""Between frames: the force of a contact, its integral, changes and maximum; the maximum and crossings of samples."""
+"""Between frames: the force of a contact, its integral, changes and maximum; crossings of samples."""
 
 import itertools
 from collections.abc import Callable
@@ -98,25 +98,6 @@ def maximum(value: Callable[[Floats], Floats], low: Floats, high: Floats) -> Flo
         rising = value(one) < value(two)
         low, high = np.where(rising, one, low), np.where(rising, high, two)
     return 0.5 * (low + high)
-
-
-def top(time: Floats, values: Floats) -> tuple[float, float]:
-    """Where evenly sampled values are largest, and how large: the maximum of a quartic through the five around it.
-
-    Of a parabola through three, where it is the second or the last but one; NaN where it is the first or the last.
-    """
-    k = int(np.argmax(values))
-    if not 0 < k < len(values) - 1:
-        return np.nan, np.nan
-    reach = 2 if 1 < k < len(values) - 2 else 1
-    around = values[k - reach : k + reach + 1]
-    if not np.all(np.isfinite(around)):
-        return np.nan, np.nan
-    curve = np.polynomial.Polynomial.fit(np.arange(-reach, reach + 1), around, 2 * reach, domain=[-1, 1])
-    turns = np.real(curve.deriv().roots())
-    tried = np.array([0.0, *turns[np.abs(turns) < 1.0]])
-    best = tried[np.argmax(curve(tried))]
-    return float(time[k] + best * (time[k + 1] - time[k])), float(curve(best))
 
 
 def crossing(time: Floats, values: Floats, k: int, level: float) -> float:

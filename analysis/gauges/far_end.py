@@ -8,9 +8,9 @@ import math
 
 import numpy as np
 
-from analysis import motion
+from analysis import hermite, motion
 from analysis.conservation import energy_input
-from analysis.gauges.between_frames import Curve, crossing, maximum, top
+from analysis.gauges.between_frames import Curve, crossing, maximum
 from analysis.gauges.forces import at_frames, strain_at_frames, strain_between
 from analysis.gauges.gauge import Gauge, far_wall
 from analysis.mirror import direction_of
@@ -32,7 +32,11 @@ LEVEL = 1e-3
 """Relative change within which an energy has stopped rising, as where the last beads fly off a free end."""
 
 
+INSTANT = 1e-4
+"""Time over which the rate of an energy is a central difference: of smooth motions good to 1e-8 of it."""
+
 UNPASSED = "nothing has arrived, or the record ends inside the pulse"
+ACTED_ON = "a push or drive acts on the last tenth of the beads"
 
 
 @result
@@ -55,13 +59,13 @@ class Transmitted:
         "time at which the force on the far wall is largest; without a wall, at which the energy at the far end first "
         "reaches half of its largest value",
         "time",
-        UNPASSED,
+        f"{UNPASSED}; without a wall, {ACTED_ON}",
         column="delay until the far end",
     )
     transmitted_energy: float = declare(
         "largest share at any time of the energy input until then (kicks, work of pushes and drives) that is in the "
         "last tenth of the beads, the contacts between them and that of the wall",
-        undefined=f"{UNPASSED}, or the work is not known",
+        undefined=f"{UNPASSED}, {ACTED_ON}, or the work is not known",
         column="largest energy at the far end / energy input",
     )
 
@@ -74,41 +78,63 @@ class FarEnd:
         forward = direction_of(problem) > 0
         rows = max(1, problem.beads // PART)
         self._rows = slice(problem.beads - rows, problem.beads) if forward else slice(0, rows)
+        self._near = slice(max(self._rows.start - 1, 0), self._rows.stop + 1)
+        loads, motions = problem.system.loads, problem.system.motions
+        beads = [load.bead for load in loads] + [given.bead for given in motions]
+        self._acted_on = any(self._rows.start < bead <= self._rows.stop for bead in beads)
         wall = far_wall(problem.system)
         self._wall = () if wall is None else (wall,)
         self._time: list[Floats] = []
         self._energy: list[Floats] = []
+        self._rate: list[Floats] = []
         self._input: list[Floats] = []
         self._force: list[Floats] = []
         self._strain: list[Floats] = []
 
     def add(self, block: Trajectory) -> None:
         """Take the next frames."""
-        x, v = block.displacement[..., self._rows], block.velocity[..., self._rows]
+        x, v = block.displacement[..., self._near], block.velocity[..., self._near]
         self._time.append(block.time.copy())
         with np.errstate(over="ignore", invalid="ignore"):  # of a run that blew up
-            energy = motion.bead_energy(self.problem.system, x, v, self._rows.start + 1)
-            self._energy.append(np.sum(energy, axis=(1, 2)))
+            a = motion.acceleration(self.problem.system, x, self._near.start + 1, velocity=v)
+            now, after, before = (self._held(x + late * v, v + late * a) for late in (0.0, INSTANT, -INSTANT))
+            self._energy.append(now)
+            self._rate.append((after - before) / (2.0 * INSTANT))
             self._input.append(energy_input(block))
             if self._wall:
                 self._force.append(at_frames(block, self._wall)[..., 0])
                 self._strain.append(strain_at_frames(block, self._wall[0].probes[0]))
 
+    def _held(self, x: Floats, v: Floats) -> Floats:
+        """Energy of the last tenth of the beads, [frame], from states of those near."""
+        rows = slice(self._rows.start - self._near.start, self._rows.stop - self._near.start)
+        x, v = x[..., rows], v[..., rows]
+        return np.asarray(motion.bead_energy(self.problem.system, x, v, self._rows.start + 1).sum(axis=(1, 2)))
+
     def result(self) -> Transmitted:
         """Of the frames so far."""
-        time, energy = np.concatenate(self._time), np.concatenate(self._energy)
-        put_in = np.concatenate(self._input)
-        share = np.divide(energy, put_in, out=0.0 * put_in, where=put_in > 0.0)
-        late, transmitted = _settled(time, energy)[0], _settled(time, share)[1]
+        late, transmitted = (math.nan, math.nan) if self._acted_on else self._of_energy()
         if not self._wall:
             return Transmitted(math.nan, math.nan, late, transmitted)
-        force, strain = np.concatenate(self._force), np.concatenate(self._strain, axis=1)
+        time, force = np.concatenate(self._time), np.concatenate(self._force)
+        strain = np.concatenate(self._strain, axis=1)
         chains = np.arange(self.problem.chains)
         when, hardest = _arrived(time, force, strain, chains, self._wall[0])
         of_one = float(
             np.fmax.reduce([_arrived(time, force, strain, one, self._wall[0])[1] for one in chains[:, None]])
         )
         return Transmitted(hardest, of_one, when, transmitted)
+
+    def _of_energy(self) -> tuple[float, float]:
+        """When the energy first reaches half of its largest value, and its largest share of the energy input."""
+        time, energy, rate, put_in = map(np.concatenate, (self._time, self._energy, self._rate, self._input))
+        share = np.divide(energy, put_in, out=0.0 * put_in, where=put_in > 0.0)
+        late = transmitted = math.nan
+        if _passed(time, energy):
+            late = _reached(time, energy, rate, 0.5 * _largest(time, energy, rate, np.ones_like(time)))
+        if _passed(time, share):
+            transmitted = _largest(time, energy, rate, put_in)
+        return late, transmitted
 
 
 def _arrived(time: Floats, force: Floats, strain: Floats, chains: Integers, wall: Gauge) -> tuple[float, float]:
@@ -137,22 +163,56 @@ def _arrived(time: Floats, force: Floats, strain: Floats, chains: Integers, wall
     return float(time[k - 1 + best] + at[best] * spacing), float(most[best])
 
 
-def _settled(time: Floats, energy: Floats) -> tuple[float, float]:
-    """When an energy has first reached half of its largest value, and that; NaN where none has arrived.
+def _passed(time: Floats, energy: Floats) -> bool:
+    """Whether an energy has arrived, and has been largest before the end of the record.
 
-    An energy that is largest in the last frame must have been level for as long as it took from a quarter to half.
+    One that is largest in the last frame must have been level for as long as it took from a quarter to half.
     """
     largest = float(np.max(energy))
     if not FAINTEST_ENERGY < largest < np.inf or energy[0] >= 0.5 * largest:  # there from the start
-        return np.nan, np.nan
-    quarter, half, level = (_reached(time, energy, share * largest) for share in (0.25, 0.5, 1.0 - LEVEL))
-    if energy[-1] >= largest and time[-1] - level < half - quarter:
-        return np.nan, np.nan
-    most = top(time, energy)[1]
-    return half, largest if np.isnan(most) else most
+        return False
+    quarter, half, level = (_crossed(time, energy, share * largest) for share in (0.25, 0.5, 1.0 - LEVEL))
+    return bool(energy[-1] < largest or time[-1] - level >= half - quarter)
 
 
-def _reached(time: Floats, values: Floats, level: float) -> float:
-    """When values first reach a level."""
+def _crossed(time: Floats, values: Floats, level: float) -> float:
+    """When values first reach a level, from values alone."""
     k = int(np.argmax(values >= level))
     return crossing(time, values, k, level) if k else float(time[0])
+
+
+def _largest(time: Floats, energy: Floats, rate: Floats, total: Floats) -> float:
+    """Largest of an energy over a total, by polynomials through both about the frame at which it is.
+
+    Through the energies and their rates at three frames; through the totals, which change slowly, at five.
+    """
+    share = np.divide(energy, total, out=0.0 * total, where=total > 0.0)
+    k = int(np.argmax(share))
+    if not 0 < k < len(time) - 1:
+        return float(share[k])
+    spacing = float(time[k] - time[k - 1])
+    held = _about(k, energy, rate, spacing)
+    nodes = tuple(range(max(-2, -k), min(2, len(time) - 1 - k) + 1))
+    whole = hermite.coefficients(nodes, total[k + nodes[0] : k + nodes[-1] + 1, np.newaxis], spacing)
+
+    def value(s: Floats) -> Floats:
+        return np.asarray(hermite.value(held, s) / hermite.value(whole, s))
+
+    return float(np.fmax(share[k], value(maximum(value, np.array([-1.0]), np.array([1.0])))[0]))
+
+
+def _reached(time: Floats, energy: Floats, rate: Floats, level: float) -> float:
+    """When an energy first reaches a level that it exceeds later."""
+    k = int(np.argmax(energy >= level))
+    if k == 0:
+        return float(time[0])
+    spacing, middle = float(time[k] - time[k - 1]), min(k, len(time) - 2)
+    below = _about(middle, level - energy, -rate, spacing)
+    place = hermite.falling_zero(below, np.full((), k - 1.0 - middle), np.full((), float(k - middle)))
+    return float(time[middle] + place * spacing)
+
+
+def _about(k: int, energy: Floats, rate: Floats, spacing: float) -> Floats:
+    """The polynomial of time, in frames, through energies and their rates at a frame and those on either side."""
+    near = slice(k - 1, k + 2)
+    return hermite.coefficients((-1, 0, 1), np.stack([energy[near], rate[near]], axis=1), spacing)

@@ -1,12 +1,12 @@
 """What comes through to the far end, what a window leaves, from frames and the true motion."""
 
-import math
 import re
 from typing import Any
 
 import numpy as np
 from case import Case
 from check_energy import work_input
+from check_waves import quickest
 from comparing import About, Given, Holds
 from scenes_nature import Floats
 from truth import force_of
@@ -86,6 +86,8 @@ def transmitted(case: Case, value: Any, delay: Any = None) -> tuple[Any, Any]:
         walls = [wall for wall in own.walls if wall.bead in range(case.scene.beads)[part]]
         return np.asarray(energy + sum(own.in_wall(wall, x).sum(axis=-1) for wall in walls))
 
+    if any(one.bead in range(case.scene.beads)[part] for one in (*own.pushes, *own.moved)):
+        return None, None  # energy is input there
     series = at_end(case.frames.x, case.frames.v)
     put_in = work_input(case, case.frames.time)
     share, most = np.divide(series, put_in, out=0.0 * put_in, where=put_in > 1e-9), float(series.max())
@@ -98,21 +100,18 @@ def transmitted(case: Case, value: Any, delay: Any = None) -> tuple[Any, Any]:
         slice(*np.searchsorted(case.truth.times, case.frames.time[[top - 1, min(top + 1, len(share) - 1)]]))
     ]
     exact = float(np.max(at_end(*case.truth.states(near)) / work_input(case, near), initial=share.max()))
-    # of a quartic through the five frames around, where they lie far apart
-    bend = 0.5 * float(np.abs(np.diff(share[top - 1 : top + 2], 2)).max(initial=0.0)) / 8.0
-    coarse = 0.3 * case.every**4 + case.energy_off
-    half = np.flatnonzero(series >= 0.5 * most)
-    ends = (series[half[0] - 1], series[half[0]])
-    when = case.frames.time[half[0] - 1] + case.every * (0.5 * most - ends[0]) / (ends[1] - ends[0])
-    slope = (ends[1] - ends[0]) / case.every
-    late = (coarse * most + 1e-9) / slope if slope > 0.0 else math.inf
-    if delay is None:
-        when = None if unsettled(series) else when
+    # of a quintic through energies and rates; of a quartic through the work, which pulses of a driven bead bend
+    coarse = 0.03 * quickest(case) ** 4 + case.energy_off
+    bend = 0.003 * float(np.abs(np.diff(share[top - 1 : top + 2], 2)).max(initial=0.0)) if case.acted_on else 0.0
     off = coarse * float(share.max()) + 3.0 * case.energy_off / float(put_in[np.argmax(share)]) + 1e-9
-    return (
-        About(exact, off + bend),
-        About(None if when is None else float(when) * unit.time, min(late, case.every) * unit.time),
-    )
+    if delay is None or unsettled(series):
+        return About(exact, off + bend), About(None)
+    true = at_end(*case.truth.fine)
+    half = int(np.argmax(true >= 0.5 * true.max()))
+    ends, step = true[half - 1 : half + 1], case.truth.times[1]
+    when = case.truth.times[half - 1] + step * (0.5 * true.max() - ends[0]) / (ends[1] - ends[0])
+    late = (coarse * most + 1e-9) / float(ends[1] - ends[0]) * step + step**2
+    return About(exact, off + bend), About(float(when) * unit.time, min(late, case.every) * unit.time)
 
 
 def unsettled(series: Floats) -> bool:

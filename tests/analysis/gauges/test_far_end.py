@@ -9,7 +9,6 @@ from small_problems import problem, written_down
 
 from analysis import motion
 from analysis.figures.searched import front
-from analysis.gauges.between_frames import top
 from analysis.gauges.far_end import FarEnd
 from analysis.gauges.forces import at_frames
 from analysis.gauges.gauge import far_wall
@@ -17,32 +16,27 @@ from lammps_inputs import library
 from workflow.engines.reference import engine
 
 
-def test_the_top_of_samples_lies_between_them():
-    time = np.arange(0.0, 3.0, 0.1)
-    when, most = top(time, 5.0 - (time - 1.234) ** 2)
-    assert when == pytest.approx(1.234, abs=1e-9)
-    assert most == pytest.approx(5.0, abs=1e-9)
-
-
-@pytest.mark.parametrize(("hit", "velocity", "last"), [(1, 1.0, 20), (20, -1.0, 1)])
-def test_energy_that_passes_the_last_tenth_is_counted_and_timed(hit, velocity, last):
-    """The last bead of 20 moves at 1 - (t - 5)**2 / 25, the third from there faster; the kick has the energy 1/2."""
-    small = problem(beads=20, chains=1, kicks=((1, hit, velocity),))
-
-    def motion(time):
-        velocity = np.zeros((time.shape[0], 1, 20))
-        velocity[:, :, last - 1] = 1.0 - (time[..., 0] - 5.0) ** 2 / 25.0
-        velocity[:, :, 17 if last == 20 else 2] = 3.0
-        return np.zeros_like(velocity), velocity
-
-    end = FarEnd(small)
-    trajectory = written_down(small, motion)
+@pytest.mark.parametrize(("hit", "velocity", "end"), [(1, 1.0, slice(18, 20)), (20, -1.0, slice(0, 2))])
+@pytest.mark.parametrize("exponent", [1.5, 2.0])
+def test_frames_far_apart_say_what_energy_passes_the_last_tenth_and_when(hit, velocity, end, exponent):
+    """Frames 0.5 apart, four in the passage of a pulse, against frames 0.01 apart."""
+    plain = {"name": "test", "beads": 20, "contact": {"exponent": exponent}, "duration": 40.0, "timestep": 0.01}
+    fine, coarse = (
+        library.from_plain(
+            {**plain, "kick": {"bead": hit, "velocity": velocity}, "output": {"every": every}}, "test"
+        ).problem()
+        for every in (0.01, 0.5)
+    )
+    run = engine.run(fine)
+    there = motion.bead_energy(fine.system, run.displacement[..., end], run.velocity[..., end], end.start + 1)
+    share = there.sum(axis=(1, 2)) / 0.5  # of the kick
+    gauge, trajectory = FarEnd(coarse), engine.run(coarse)
     for part in (trajectory[:37], trajectory[37:]):
-        end.add(part)
-    found = end.result()
-    assert found.transmitted_energy == pytest.approx(1.0, abs=1e-9)
-    half = 5.0 - 5.0 * math.sqrt(1.0 - math.sqrt(0.5))
-    assert found.delay == pytest.approx(half, abs=2e-3)  # a line between frames that are 0.1 apart
+        gauge.add(part)
+    found = gauge.result()
+    rising = slice(0, int(np.argmax(share)))
+    assert found.transmitted_energy == pytest.approx(share.max(), rel=1e-4)
+    assert found.delay == pytest.approx(np.interp(0.5 * share.max(), share[rising], run.time[rising]), abs=5e-4)
     assert math.isnan(found.wall_force)
 
 
@@ -116,6 +110,17 @@ def test_the_force_of_a_wall_that_is_only_relieved_is_undefined():
 PUSH = {"push": {"peak": 0.5, "duration": 3.0, "shape": "half-sine"}}
 FORCE = {"drive": {"force": 0.5, "frequency": 0.05}}
 MOVED = {"drive": {"displacement": 0.5, "frequency": 0.05, "phase": -90.0}}
+
+
+@pytest.mark.parametrize("bead", [3, 4])
+@pytest.mark.parametrize("acting", [PUSH, MOVED])
+def test_where_energy_is_input_none_is_transmitted(bead, acting):
+    ((name, how),) = acting.items()
+    plain = {"name": "test", "beads": 4, "duration": 30.0, name: {**how, "bead": bead}}
+    end = FarEnd(library.from_plain(plain, "test").problem())
+    end.add(engine.run(end.problem))
+    found = end.result()
+    assert [math.isnan(value) for value in (found.delay, found.transmitted_energy)] == 2 * [bead == 4]
 
 
 @pytest.mark.parametrize("set_in_motion", [PUSH, FORCE, MOVED], ids=["push", "force", "displacement"])
