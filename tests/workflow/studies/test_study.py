@@ -69,9 +69,12 @@ def test_cases_that_use_all_cores_come_last():
 def test_status_says_what_a_directory_is_before_and_after_its_end(study, tmp_path):
     with pytest.raises(KeyboardInterrupt), study.opened(tmp_path / "one"):
         raise KeyboardInterrupt
-    assert f"granchain {study.command}`; {study.resume}" in status(tmp_path / "one").why
+    cut = status(tmp_path / "one")
+    assert cut.state == "incomplete"
+    assert f"granchain {study.command}`; {study.resume}" in cut.why
     with study.opened(tmp_path / "one"):
-        pass
+        assert status(tmp_path / "one").state == "running"
+    assert status(tmp_path / "one").state == "done"
     assert f"granchain {study.command}`; {study.result}" in status(tmp_path / "one").why
 
 
