@@ -19,7 +19,6 @@ from analysis.gauges.reflection import Reflection
 from analysis.quantity import declare, result
 from analysis.trajectory import Flags, Floats, Integers, Trajectory, joined
 from lammps_inputs import Problem
-from lammps_inputs.units import Scale
 
 PULSE = 0.01
 """Share of its largest value, above the static one, from which a force is that of a pulse."""
@@ -68,7 +67,7 @@ class ForceTable:
     """Table of forces over time."""
 
     time: Floats = declare("time of the frame", "time", symbol="t")
-    force: Floats = declare(
+    force: dict[str, Floats] = declare(
         "force at each gauge and chain, in columns such as ``contact 10 chain 1``; under a static load ``total``, and "
         "``dynamic`` without it",
         "force",
@@ -129,19 +128,20 @@ class Readings:
                 )
         return found
 
-    def columns(self, scale: Scale) -> dict[str, Floats]:
-        """Force over time in the scene's units: a column for every gauge and chain: ``contact 10 chain 1 (N)``.
+    def table(self) -> ForceTable:
+        """Force over time: a column for every gauge and chain, ``contact 10 chain 1``.
 
-        Under a static load those are ``contact 10 chain 1 total (N)``, and as many columns ``... dynamic (N)``, without
-        it, follow.
+        Under a static load those are ``contact 10 chain 1 total``, and as many columns ``... dynamic``, without it,
+        follow.
         """
-        found = {scale.heading("time", "time"): self.time * scale.time}
-        for which in (" total", " dynamic") if self.loaded else ("",):
-            force = (self.force - self.static if which == " dynamic" else self.force) * scale.force
-            for place, gauge in enumerate(self.gauges):
-                for chain in range(force.shape[1]):
-                    found[scale.heading(f"{gauge.name} chain {chain + 1}{which}", "force")] = force[:, chain, place]
-        return found
+        kinds = {" total": self.force, " dynamic": self.force - self.static} if self.loaded else {"": self.force}
+        force = {
+            f"{gauge.name} chain {chain + 1}{which}": values[:, chain, place]
+            for which, values in kinds.items()
+            for place, gauge in enumerate(self.gauges)
+            for chain in range(values.shape[1])
+        }
+        return ForceTable(self.time, force)
 
     @property
     def loaded(self) -> bool:

@@ -14,7 +14,7 @@ from analysis.gauges.far_end import Transmitted
 from analysis.gauges.forces import Readings
 from analysis.gauges.gauge import gauges as places_of
 from analysis.gauges.spectra import Spectra
-from analysis.quantity import to_csv
+from analysis.quantity import csv_of
 from analysis.sharing.energies import Flow
 from analysis.sound.dispersion import Cell, Map
 from analysis.sound.loaded_pulse import LoadedWave
@@ -74,7 +74,7 @@ def test_each_gauge_and_chain_has_an_entry_of_its_own_numbers(problem, static):
 @pytest.mark.parametrize("static", [0.0, 5.0])
 def test_each_gauge_and_chain_has_its_column_in_forces_csv(problem, static):
     scale = problem.scale
-    rest, line = csv.DictReader(io.StringIO(to_csv(readings(problem, static).columns(scale))))
+    rest, line = csv.DictReader(io.StringIO(csv_of(readings(problem, static).table(), scale)))
     second, newton = (" (s)", " (N)") if scale.si else ("", "")
     assert float(line.pop(f"time{second}")) == pytest.approx(4.0 * scale.time)
     expected, total = {}, " total" if static else ""
