@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from analysis import hermite, motion
-from analysis.gauges.between_frames import Curve, borders, change, excursion, maximum
+from analysis.gauges.between_frames import Curve, borders, excursion, maximum
 from analysis.gauges.gauge import Gauge, Probe
 from analysis.gauges.reflection import Reflection
 from analysis.quantity import declare, result
@@ -176,12 +176,8 @@ MOST_ENTRIES = 4000
 """Stretches from frame to frame that are looked at together, which bounds the memory."""
 
 
-def at_frames(block: Trajectory, gauges: tuple[Gauge, ...]) -> Floats:
+def at_frames(block: Trajectory, gauges: tuple[Gauge, ...], *, dashpots: bool = True) -> Floats:
     """What gauges read at the frames of a run, [frame, chain, gauge]; the beads they need must be recorded."""
-    return _at_frames(block, gauges, dashpots=True)
-
-
-def _at_frames(block: Trajectory, gauges: tuple[Gauge, ...], *, dashpots: bool) -> Floats:
     force = np.zeros((block.frames, block.problem.chains, len(gauges)))
     for place, gauge in enumerate(gauges):
         for probe in gauge.probes:
@@ -251,7 +247,7 @@ class ForceMeter:
         else:
             self._largest = self._force[0][0].copy()
             self._largest_at[:] = block.time[0]
-            self._closed = _at_frames(block[:1], self.gauges, dashpots=False)[0] > CLOSED
+            self._closed = at_frames(block[:1], self.gauges, dashpots=False)[0] > CLOSED
         step = max(1, MOST_ENTRIES // self.problem.chains)
         for start in range(0, block.frames - 1, step):
             part = block[start : start + step + 1]
@@ -346,7 +342,7 @@ class ForceMeter:
         """
         panel, entry = np.nonzero(closed[:-1] != closed[1:])
         before = closed[panel, entry]
-        at = change(lambda s: state(entry, s), before, border[panel], border[panel + 1])
+        at = hermite.change(lambda s: state(entry, s), before, border[panel], border[panel + 1])
         self._changes[place].append((entry % self.problem.chains, start[entry] + at * spacing, ~before))
         return entry[~before], np.minimum(at[~before] + _JUST, 1.0)
 
