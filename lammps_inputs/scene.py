@@ -216,7 +216,7 @@ class BaseScene(Part):
             rows = (LEAST_WINDOW if self.window == "auto" else self.window) - HEADROOM
             if kick.bead > rows:
                 raise ValueError(f"{key}.bead: {kick.bead} is not among the first {rows} rows of the window")
-        if self.window == "auto" or self.window >= self.beads:
+        if not self.kicks or self.window == "auto" or self.window >= self.beads:
             return
         first, last = (choose(kick.bead for kick in self.kicks) for choose in (min, max))
         if last - first > behind(self.window) - HEADROOM:

@@ -14,7 +14,9 @@ from plain_scene import BEADS, scene
 
 from analysis import motion
 from analysis.mirror import mirrored_problem
+from lammps_inputs import physics
 from lammps_inputs.decks import deck
+from lammps_inputs.limits import rates
 from workflow.engines.reference import engine
 from workflow.runs.run import run
 
@@ -118,17 +120,43 @@ NEUTRAL = {
     "foundation": {"foundation": {"stiffness": 0.0}},
     "a flat ramp": {"coupling": {"stiffness": {"from": 0.1, "to": 0.1, "rows": [1, BEADS]}}},
     "all rows": {"coupling": {"stiffness": 0.1, "rows": [1, BEADS]}},
+    "open": {"coupling": {"stiffness": 0.1, "topology": "open", "cubic": 0.0}},
+    "edges": {"coupling": {"topology": {"edges": [[1, 2, 0.1]]}}},
+    "replaced by its like": {"kinds": {"same": {}}, "replace": [{"bead": 3, "kind": "same"}]},
+    "spheres": {"contact": {"exponent": 1.5}},
+    "no dashpots": {"damping": {"contact": 0.0}},
+    "no drag": {"damping": {"beads": 0.0}},
+    "whole restitution": {"damping": {"contact": 1.0, "law": "restitution"}},
 }
+
+
+def is_plain(*names):
+    changes = {key: value for name in names for key, value in NEUTRAL[name].items()}
+    like, plain = scene(**changes).problem(), scene().problem()
+    assert like == plain
+    assert (deck.render_deck(like), deck.render_data(like)) == (deck.render_deck(plain), deck.render_data(plain))
+
+
+@pytest.mark.parametrize("name", NEUTRAL)
+def test_a_neutral_value_leaves_the_deck_and_the_problem_of_a_plain_scene(name):
+    is_plain(name)
 
 
 @pytest.mark.slow
 @settings(max_examples=20)
 @given(st.lists(st.sampled_from(sorted(NEUTRAL)), min_size=1, unique=True))
-def test_neutral_values_leave_the_deck_and_the_problem_of_today(names):
-    changes = {key: value for name in names for key, value in NEUTRAL[name].items()}
-    like, plain = scene(**changes).problem(), scene().problem()
-    assert like == plain
-    assert (deck.render_deck(like), deck.render_data(like)) == (deck.render_deck(plain), deck.render_data(plain))
+def test_neutral_values_leave_the_deck_and_the_problem_of_a_plain_scene(names):
+    is_plain(*names)
+
+
+def test_a_plain_scene_has_no_trace_of_ingredients():
+    problem = scene().problem()
+    text = deck.render_deck(problem)
+    assert [word for word in ("wall", "foundation", "load", "push", "drive", "dpd", "run 0") if word in text] == []
+    assert (problem.system.ground, problem.system.loads, problem.system.dampers) == ((), (), ())
+    assert not problem.system.lacks
+    assert not physics.loaded(problem.system)
+    assert rates.pace(problem.system) == 1.0
 
 
 def test_no_stiffness_is_no_coupling():

@@ -1,7 +1,7 @@
 import sys
 
 import pytest
-from bad_scenes import BAD_SCENES, assert_one_line, scene_text
+from bad_scenes import BAD_SCENES, REFUSED, assert_one_line, scene_text
 from hypothesis import given
 from hypothesis import strategies as st
 from strategies import VALUES, YAML_LIKE
@@ -11,7 +11,7 @@ from lammps_inputs import InputError, Scene, find, ingredients, library, load, p
 PAPER = ["one-chain", "three-chains", "two-chains", "two-chains-steel", "two-chains-strong"]
 
 
-@pytest.mark.parametrize("case", BAD_SCENES, ids=lambda case: case.kind)
+@pytest.mark.parametrize("case", [*BAD_SCENES, *REFUSED], ids=lambda case: case.kind)
 def test_a_bad_scene_is_one_line_that_names_file_and_key_and_helps(case, tmp_path):
     if not case.possible:
         pytest.skip("not possible for this user or on this system (root reads every file)")

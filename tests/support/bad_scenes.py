@@ -10,8 +10,9 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-from lammps_inputs import InputError
+from lammps_inputs import InputError, strict_yaml
 
 _GOOD = {"name": "test", "beads": "10", "kick": "{bead: 1, velocity: 1.0}", "duration": "5"}
 
@@ -286,3 +287,197 @@ _NAMES = [
 ]
 
 BAD_SCENES = [*_FILES, *_YAML, *_KEYS, *_TYPES, *_VALUES, *_NAMES]
+
+
+# --- what ingredients refuse ------------------------------------------------------------------------------------------
+
+_COUPLED = {
+    "name": "test",
+    "chains": 2,
+    "beads": 12,
+    "coupling": {"stiffness": 0.1},
+    "kick": {"velocity": 1.0},
+    "duration": 20.0,
+}
+
+
+def _refused(message: str, **changes: Any) -> BadScene:
+    """Two coupled chains with other keys, without those of None; the message follows the file's name."""
+    keys = {key: value for key, value in {**_COUPLED, **changes}.items() if value is not None}
+    return BadScene(f"{message} {changes}", strict_yaml.dump(keys), message, "")
+
+
+def _tied(message: str, **keys: Any) -> BadScene:
+    """Three chains with another coupling."""
+    return _refused(f"coupling.{message}", chains=3, coupling=keys)
+
+
+def _edges(message: str, *edges: list[float]) -> BadScene:
+    return _tied(message, stiffness=0.1, topology={"edges": list(edges)})
+
+
+def _damped(message: str, more: dict[str, Any] = {}, **keys: Any) -> BadScene:  # noqa: B006 -- never changed
+    return _refused(f"damping{message}", damping=keys, **more)
+
+
+def _driven(message: str, *drives: dict[str, float], **more: Any) -> BadScene:
+    return _refused(message, kick=None, drive=list(drives), **more)
+
+
+def _pushed(message: str, push: dict[str, Any], **more: Any) -> BadScene:
+    return _refused(f"push{message}", kick=None, push=push, **more)
+
+
+def _kinds(message: str, **more: Any) -> BadScene:
+    """Dimers, unless it has another pattern or other kinds."""
+    return _refused(message, **{"kinds": {"heavy": {}, "light": {"mass": 0.5}}, "pattern": ["heavy", "light"], **more})
+
+
+def _kind(message: str, **kind: float) -> BadScene:
+    return _kinds(message, kinds={"a": kind}, pattern=["a"])
+
+
+def _walled(message: str, walls: dict[str, Any], **more: Any) -> BadScene:
+    return _refused(f"walls{message}", walls=walls, **more)
+
+
+def _gauged(message: str, forces: dict[str, Any], **more: Any) -> BadScene:
+    return _refused(f"output.{message}", **{"walls": {"right": "bead"}, "output": {"forces": forces}, **more})
+
+
+_SI = {"radius": 4.76e-3, "density": 8000.0, "youngs_modulus": 193e9, "poisson_ratio": 0.3}
+_WINDOW = {"beads": 100, "window": 64}
+_SQUARE = {"contact": {"exponent": 2.0}}
+_HALF_SINE = {"peak": 1.0, "duration": 2.0, "shape": "half-sine"}
+_MOVED = {"displacement": 0.5, "frequency": 0.3}
+_FORCED = {"chain": 2, "bead": 4, "force": 0.4, "frequency": 0.2}
+_LOAD = {"precompression": {"force": 0.3}}
+_UNLIKE_ENDS = {
+    "kinds": {"heavy": {}, "light": {"mass": 0.5, "stiffness": 2.0}},
+    "pattern": [["heavy", "heavy", "light", "light"], ["light", "light", "heavy", "heavy"]],
+}
+_FOR_SPHERES = "wall is is known for spheres, of exponent 1.5, not 2"
+_ONLY_LINEAR = "LAMMPS damps equal linear springs between each chain and the next, of equal beads, only"
+
+REFUSED = [
+    _refused("contact.exponent: should be greater than or equal to 1, 0.9 given", contact={"exponent": 0.9}),
+    _refused("contact.exponent: should be less than or equal to 3, 3.1 given", contact={"exponent": 3.1}),
+    _refused("contact.stiffness: is missing", contact={"exponent": 2.0}, material=_SI),
+    _refused("contact.stiffness: the material says", material=_SI, contact={"exponent": 1.5, "stiffness": 1e9}),
+    _refused("contact.exponent: 2 given; how the contacts of beads of unlike radius", **_SQUARE, taper=0.02),
+    _refused("contact: contacts of an exponent below 1.5 open", contact={"exponent": 1.2}, scheme="suzuki4"),
+    _tied("stiffness: is missing"),
+    _tied("topology.lattice: 2 x 2 places for 3 chains", stiffness=0.1, topology={"lattice": [2, 2]}),
+    _edges("topology.edges[2]: 4 is outside the array (chains 1 to 3)", [1, 2], [1, 4]),
+    _edges("topology.edges[1]: ties chain 2 to itself", [2, 2]),
+    _edges("topology.edges[2]: chains 1 and 2 are tied twice", [1, 2], [2, 1]),
+    _edges("stiffness: every edge has a stiffness of its own", [1, 2, 0.3]),
+    _tied("rows: 5 to 13 given; from a bead to a later one, within 12", stiffness=0.1, rows=[5, 13]),
+    _tied("stiffness.rows: 5 to 5 given", stiffness={"from": 0.1, "to": 0.2, "rows": [5, 5]}),
+    _tied("stiffness.to: is missing", stiffness={"from": 0.1, "rows": [1, 5]}),
+    _tied("stiffness: 1e+13 in dimensionless units", topology={"edges": [[1, 2, 1e13]]}),
+    _tied("cubic: 1e+13 in dimensionless units", cubic=1e13),
+    _tied("cubic: tied chains are so far from each other", cubic=1e6),
+    _tied("stiffness: should be a number", stiffness="much"),
+    _tied("topology: should be 'open' or 'ring', 'star' given", stiffness=0.1, topology="star"),
+    _tied("cubic: should be greater than or equal to 0, -1.0 given", stiffness=0.1, cubic=-1.0),
+    _refused("coupling.rows: a window takes rows", coupling={"stiffness": 0.1, "rows": [1, 50]}, **_WINDOW),
+    _refused(
+        "coupling.stiffness: a window takes rows from its tail to its head with the springs they have",
+        coupling={"stiffness": {"from": 0.0, "to": 0.1, "rows": [3, 9]}},
+        **_WINDOW,
+    ),
+    _damped(": give contact, beads or coupling"),
+    _damped(".law: is that of contacts", law="linear"),
+    _damped(".contact: 1.2 is no restitution", contact=1.2, law="restitution"),
+    _damped(".tension: beads come back with", contact=0.9, law="restitution", tension="cut"),
+    _damped(".coupling: there is no coupling between chains", {"coupling": None}, coupling=0.1),
+    _damped(": 2e+03 in dimensionless units; at most 1000", contact=2e3),
+    _damped(": suzuki4 has steps backwards in time", {"scheme": "suzuki4"}, contact=0.1),
+    _damped(": a window moves on with forces that do not know the velocities", _WINDOW, contact=0.1),
+    _damped(f".coupling: {_ONLY_LINEAR}", {"coupling": {"stiffness": 0.1, "cubic": 0.1}}, coupling=0.1),
+    _damped(".tension: LAMMPS cuts tension where dashpots pull harder", _SQUARE, contact=0.1, tension="cut"),
+    _damped(
+        ".tension: is cut at the force of equal",
+        {"disorder": {"mass": 0.1}, "coupling": None},
+        contact=0.1,
+        tension="cut",
+    ),
+    _damped(".law: restitution needs", {"contact": {"exponent": 3.0}}, contact=0.7, law="restitution"),
+    _driven("drive[1]: displacement: give either displacement or force (neither is given)", {"frequency": 1.0}),
+    _driven("drive[1]: displacement: give either displacement or force (both are given)", {**_MOVED, "force": 1.0}),
+    _driven("drive.bead: 13 is outside the array (beads 1 to 12)", {**_MOVED, "bead": 13}),
+    _driven("drive.chain: 3 is outside the array (chains 1 to 2)", {**_MOVED, "chain": 3}),
+    _driven("drive.frequency: should be greater than 0", {**_MOVED, "frequency": 0.0}),
+    _driven("drive: a window would take", _MOVED, **_WINDOW),
+    _driven("drive: suzuki4 steps back", _MOVED, scheme="suzuki4"),
+    _refused("drive.displacement: says how the bead moves", drive=_MOVED),
+    _driven("drive.displacement: bead 1 of chain 1 is moved or pushed", _MOVED, {**_FORCED, "chain": 1, "bead": 1}),
+    _driven("output.peaks: finds the pulse that leads", _FORCED, output={"peaks": True, "beads": [1]}),
+    _driven("output.spectra.beads: 13 is outside the array", _FORCED, output={"spectra": {"beads": [13]}}),
+    _driven("output.spectra.beads: 2 not recorded", _FORCED, output={"spectra": {"beads": [2]}, "beads": [1]}),
+    _refused("foundation.stiffness: should be greater than or equal to 0", foundation={"stiffness": -1.0}),
+    _refused("foundation.stiffness: 3 numbers for 2 chains; one, or one", foundation={"stiffness": [1.0, 2.0, 3.0]}),
+    _refused("foundation.rows: 5 to 13 given", foundation={"stiffness": 1.0, "rows": [5, 13]}),
+    _refused("foundation.rows: 5 to 4 given", foundation={"stiffness": 1.0, "rows": [5, 4]}),
+    _refused("foundation.stifness: unknown key (did you mean `stiffness`?)", foundation={"stifness": 1.0}),
+    _refused("foundation.stiffness: so stiff that the beads do not move", foundation={"stiffness": 1e13}),
+    _refused("foundation: beads that a window leaves behind", foundation={"stiffness": 1.0}, **_WINDOW),
+    _refused("gap: beads under a static load touch", **_LOAD, gap=0.1),
+    _refused("precompression: a window lets go of rows", **_LOAD, **_WINDOW),
+    _refused("precompression.force: should be greater than 0", precompression={"force": 0.0}),
+    _refused("precompression: 1e+07 times m V / T", precompression={"force": 1e7}),
+    _refused("precompression: 1e-17 times m V / T", precompression={"force": 1e-17}),  # its overlap is off by 1e-3
+    _kinds("precompression: chains that differ are compressed", **_LOAD, **_UNLIKE_ENDS),
+    _refused("gravity: nothing holds the column", gravity=0.1),
+    _refused("gravity: nothing holds the column", walls={"left": "flat"}, gravity=0.1),
+    _refused("gravity.acceleration: should be greater than 0, -0.1 given", gravity=-0.1),
+    _refused("gravity.acceleration: should be a number", gravity="strong"),
+    _pushed(".shape: should be 'half-sine' or 'rectangular'", {**_HALF_SINE, "shape": "sine"}),
+    _pushed("[1]: shape: is missing; a push needs peak, duration and shape", {"peak": 1.0, "duration": 2.0}),
+    _pushed("[1]: peak: give either a table or peak, duration and", {"peak": 1.0, "table": [[0.0, 1.0], [1.0, 0.0]]}),
+    _pushed("[1]: peak: a push needs a force", {**_HALF_SINE, "peak": 0.0}),
+    _pushed(".bead: 13 is outside the array", {**_HALF_SINE, "bead": 13}),
+    _pushed(".chain: 3 is outside the array", {**_HALF_SINE, "chain": 3}),
+    _pushed(": suzuki4 steps back in time", _HALF_SINE, scheme="suzuki4"),
+    _pushed(": a window would take the bead that it acts on", _HALF_SINE, **_WINDOW),
+    _kinds("kinds: neither pattern nor replace names any of them", pattern=None),
+    _kinds("pattern: 'ligth' is not among the kinds (heavy, light)", pattern=["heavy", "ligth"]),
+    _kinds("pattern: should be a list of kinds", pattern=[]),
+    _kinds("pattern: 3 lists for 2 chains", pattern=[["heavy"], ["light"], ["light"]]),
+    _kinds("replace.bead: 13 is outside the array (beads 1 to 12)", replace={"bead": 13, "kind": "light"}),
+    _kinds("replace: one bead is replaced twice", replace=[{"bead": 3, "kind": "light"}, {"bead": 3, "kind": "heavy"}]),
+    _kinds("window: its rows stand for one after another", **_WINDOW),
+    _kind("kinds.a.mas: unknown key (did you mean `mass`?)", mas=2.0),
+    _kind("kinds.a.mass: should be greater than 0", mass=-2.0),
+    _kind("kinds.a.density: is in SI units", density=2.0),
+    _kind("pattern: the mass goes from 1e-07 to 1e-07 of the reference bead's; at most a million", mass=1e-7),
+    _refused("taper: the mass goes from", taper=0.9),
+    _refused("taper: should be greater than or equal to 0, -0.1 given", taper=-0.1),
+    _refused("disorder.mass: should be less than or equal to 0.9, 1.0 given", disorder={"mass": 1.0}),
+    _refused("kick: one bead is hit twice", striker={"mass": 2.0, "velocity": 1.0}),
+    _walled(": name left, right or both", {}),
+    _walled(".right: should be 'bead', 'flat' or 'rigid', 'soft' given", {"right": "soft"}),
+    _walled(f".right: how hard a flat {_FOR_SPHERES}", {"right": "flat"}, **_SQUARE),
+    _walled(f".left: how hard a rigid {_FOR_SPHERES}", {"left": "rigid"}, **_SQUARE),
+    _walled(".right.stiffness: should be greater than 0, 0.0 given", {"right": {"stiffness": 0.0}}),
+    _walled(".right.stifness: unknown key (did you mean `stiffness`?)", {"right": {"stifness": 2.0}}),
+    _walled(".right.stiffness: 1e+07 times that of two beads", {"right": {"stiffness": 1e7}}),
+    _walled(".rigth: unknown key (did you mean `right`?)", {"rigth": "bead"}),
+    _walled(
+        ".right: beads of more than 24 kinds", {"right": "flat"}, chains=25, coupling=None, disorder={"radius": 0.1}
+    ),
+    _walled(": a window lets go of the rows that pulses come back through", {"right": "bead"}, **_WINDOW),
+    _gauged("forces: name wall: true, contacts or sensors", {}),
+    _gauged("forces.wall: the chains have no wall", {"wall": True}, walls=None),
+    _gauged("forces.contacts: bead 12 has no next one (beads 1 to 11 have)", {"contacts": [12]}),
+    _gauged("forces.contacts: name at least one bead", {"contacts": []}),
+    _gauged("forces.sensors: bead 1 has no bead on either side (beads 2 to 11 have)", {"sensors": [1]}),
+    _gauged("forces.sensors: a bead is named twice", {"sensors": [3, 3]}),
+    _gauged(
+        "forces.sensors: needs beads 6, 7 too; add them to output.beads",
+        {},
+        output={"beads": [5, 12], "forces": {"wall": True, "sensors": [6]}},
+    ),
+]
+"""Scenes whose file is right, and whose keys an ingredient refuses, each with the beginning of the message."""

@@ -4,6 +4,8 @@ from functools import cache
 from typing import Any
 
 import numpy as np
+from scene_keys import units
+from scenes_nature import Units
 from truth import Truth
 
 from lammps_inputs import Scene, library
@@ -25,6 +27,8 @@ HELD = {**PRESSED, "walls": {"left": "bead", "right": "flat"}}
 COLUMN = {"gravity": 0.02, "walls": {"right": "flat"}}
 PRESSED_COLUMN = {**AT_END, "gravity": 0.05, "precompression": {"force": 0.2}}
 TIED = {"stiffness": 0.1}
+MOVED = {"displacement": 0.5, "frequency": 0.3, "phase": -60.0}
+FORCED = {"chain": 2, "bead": 4, "force": 0.4, "frequency": 0.2, "phase": 30.0}
 ALL_LOST = {"contact": 0.1, "beads": 0.05, "coupling": 0.1}
 
 LOSSES: dict[str, dict[str, Any]] = {
@@ -112,6 +116,16 @@ CASES: dict[str, dict[str, Any]] = {
             {"chain": 2, "bead": 3, "table": [[0, 0.2], [0.7, 0.5], [2, -0.1], [3, 0]]},
         ],
     },
+    "driven": {"drive": [MOVED, FORCED], "kick": None},
+    "driven dimer, damped, on a foundation": {
+        **DIMER,
+        "drive": [MOVED, FORCED],
+        "kick": None,
+        "damping": {"beads": 0.2},
+        "foundation": {"stiffness": 0.3},
+    },
+    "driven, pressed": {"drive": MOVED, "kick": None, **PRESSED},
+    "driven column": {"drive": MOVED, "kick": None, **COLUMN},
     "pushed before unlike walls": {
         **SIZES,
         "pattern": [["big"], ["small", "small"]],
@@ -143,3 +157,86 @@ def exact(name: str) -> Any:
     """Velocities at the frames of a case, [frame, chain, bead], by the integrator that shares no code."""
     problem = scene(name).problem()
     return Truth(scene(name), problem.duration, 1e-11).states(problem.every * np.arange(problem.frames + 1))[1]
+
+
+def _stiffness_of(coupling: dict[str, Any], unit: Units) -> dict[str, Any]:
+    """A coupling in other units."""
+    found = dict(coupling)
+    if "stiffness" in found:
+        ramp = found["stiffness"]
+        stiffness = ramp if isinstance(ramp, dict) else {"from": ramp}
+        ends = {key: value * unit.stiffness for key, value in stiffness.items() if key != "rows"}
+        found["stiffness"] = {**ramp, **ends} if isinstance(ramp, dict) else ends["from"]
+    if "cubic" in found:
+        found["cubic"] *= unit.stiffness / unit.length**2
+    if isinstance(found.get("topology"), dict) and "edges" in found["topology"]:
+        edges = [[*edge[:2], *(value * unit.stiffness for value in edge[2:])] for edge in found["topology"]["edges"]]
+        found["topology"] = {"edges": edges}
+    return found
+
+
+def in_units(name: str, velocity: float, material: dict[str, float] | None = None) -> Scene:
+    """A case in reduced units or, with a material, in SI, with so many times its velocities: the same problem.
+
+    The numbers of its keys follow from the formulas of the units, which are independent of the product's.
+    """
+    keys = {**scene(name).plain(), **CASES[name]}
+    one, p = units(scene(name)), CASES[name].get("contact", {}).get("exponent", 1.5)
+    mass, strength = 1.0, 1.0
+    if material is not None:
+        mass = 4.0 / 3.0 * np.pi * material["radius"] ** 3 * material["density"]
+        plane = material["youngs_modulus"] / (1.0 - material["poisson_ratio"] ** 2)
+        strength = plane * np.sqrt(2.0 * material["radius"]) / 3.0 if p == 1.5 else 1e10
+    length = (mass * (velocity * one.velocity) ** 2 / strength) ** (1.0 / (p + 1.0)) / one.length
+    unit = Units(mass, length, velocity, si=material is not None)
+    dashpot = unit.force / unit.velocity
+    losses = {"viscoelastic": dashpot / unit.length**0.5, "restitution": 1.0}
+    worth = {
+        "gap": unit.length,
+        "foundation": {"stiffness": unit.stiffness, "cubic": unit.stiffness / unit.length**2},
+        "walls": {side: {"stiffness": unit.force / unit.length**p} for side in ("left", "right")},
+        "precompression": {"force": unit.force},
+        "gravity": unit.length / unit.time**2,
+        "damping": {
+            "contact": losses.get(CASES[name].get("damping", {}).get("law"), dashpot),
+            "beads": dashpot,
+            "coupling": dashpot,
+        },
+        "drive": {"displacement": unit.length, "force": unit.force, "frequency": 1.0 / unit.time},
+        "push": {"peak": unit.force, "duration": unit.time},
+        "kick": {"velocity": velocity},
+        "striker": {"velocity": velocity, "mass": mass},
+        "duration": unit.time,
+        "timestep": unit.time,
+        "output": {"every": unit.time},
+    }
+    tables = [push["table"] for push in keys.get("push", ()) if "table" in push]
+    ball = material or {"radius": 1.0}
+    kind = {"mass": mass, "radius": ball["radius"], "stiffness": ball.get("youngs_modulus", 1.0)}
+    keys = _times(keys, {**worth, "kinds": dict.fromkeys(keys.get("kinds", ()), kind)})
+    for table in tables:
+        scaled = [[time * unit.time, force * unit.force] for time, force in table]
+        keys["push"] = [{**push, "table": scaled} if push.get("table") == table else push for push in keys["push"]]
+    if keys.get("coupling") is not None:
+        keys["coupling"] = _stiffness_of(keys["coupling"], unit)
+    if material is not None:
+        keys["material"] = material
+        for own in keys.get("kinds", {}).values():
+            if "stiffness" in own:  # by modulus, Poisson's ratio and density, others by their mass
+                plane = own.pop("stiffness") / (1.0 - material["poisson_ratio"] ** 2)
+                own |= {"youngs_modulus": plane * (1.0 - 0.45**2), "poisson_ratio": 0.45}
+                radius = own.get("radius", material["radius"])
+                own["density"] = own.pop("mass") / (4.0 / 3.0 * np.pi * radius**3)
+        if p != 1.5:
+            keys["contact"] = {**keys["contact"], "stiffness": strength}
+    return library.from_plain({key: value for key, value in keys.items() if value is not None}, "test")
+
+
+def _times(value: Any, worth: Any) -> Any:
+    """Numbers times what their unit is worth, wherever they stand."""
+    if isinstance(value, dict):
+        by_key = worth if isinstance(worth, dict) else {}
+        return {key: _times(inner, by_key[key]) if key in by_key else inner for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [_times(one, worth) for one in value]
+    return value * worth if isinstance(value, float | int) and not isinstance(worth, dict) else value

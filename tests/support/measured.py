@@ -1,16 +1,18 @@
-"""Force traces of two coupled steel chains before a rigid wall, in SI units, by scipy's DOP853 from Hertz's formulas:
-nothing of the product is used. What a laboratory would measure, with noise.
+"""Force traces of two coupled steel chains before a rigid wall, in SI units, by the integrator that shares no code
+with the product: what a laboratory would measure, with noise.
 """
 
 import functools
-import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import solve_ivp
+from scene_keys import units
+from truth import Truth, force_of
+
+from lammps_inputs import library
 
 Floats = NDArray[np.float64]
 
@@ -50,35 +52,13 @@ def scene(**factors: float) -> dict[str, Any]:
 @functools.cache
 def traces(last: float = 6e-4) -> tuple[Floats, Floats]:
     """Times (s) and forces (N), [time, trace] in the order of `NAMES`, without noise."""
-    mass = 4.0 / 3.0 * math.pi * RADIUS**3 * DENSITY
-    contact = MODULUS * math.sqrt(2.0 * RADIUS) / (3.0 * (1.0 - POISSON**2))
-    wall = 4.0 / 3.0 * MODULUS / (1.0 - POISSON**2) * math.sqrt(RADIUS)
-    # in micrometres and microseconds, where all numbers are near one
-    size = 2 * BEADS
-
-    def forces(x: Floats) -> tuple[Floats, Floats]:
-        x = x.reshape(2, BEADS, *x.shape[1:])
-        along = contact * np.maximum((x[:, :-1] - x[:, 1:]) * 1e-6, 0.0) ** 1.5
-        return along, wall * np.maximum(x[:, -1] * 1e-6, 0.0) ** 1.5
-
-    def rate(_: float, state: Floats) -> Floats:
-        x = state[:size]
-        along, at_wall = forces(x)
-        total = np.zeros((2, BEADS))
-        total[:, 1:] += along
-        total[:, :-1] -= along
-        total[:, -1] -= at_wall
-        pull = COUPLING * 1e-6 * (x[:BEADS] - x[BEADS:])
-        total += np.stack([-pull, pull])
-        return np.concatenate([state[size:], (total / mass * 1e-6).reshape(-1)])
-
-    start = np.zeros(2 * size)
-    start[size] = KICK
+    case = library.from_plain(scene(), "steel")
+    unit = units(case)
+    truth = Truth(case, last / unit.time, 1e-10)
     late = np.arange(0.0, last, 1.0 / RATE) - LATE
-    at = np.concatenate([[0.0], late[late > 0.0]])
-    found = solve_ivp(rate, (0.0, at[-1] * 1e6), start, t_eval=at * 1e6, method="DOP853", rtol=1e-10, atol=1e-12)
-    along, at_wall = forces(found.y[:size, 1:])
-    columns = [at_wall[0], along[0, 9], 0.5 * (along[1, 13] + along[1, 14]), at_wall[1]]
+    state = truth.states(late[late > 0.0] / unit.time)
+    gauges = (("wall", 1, BEADS), ("contact", 1, 10), ("sensor", 2, 15), ("wall", 2, BEADS))
+    columns = [force_of(truth.nature, *gauge)(*state) * unit.force for gauge in gauges]
     before = int(np.sum(late <= 0.0))
     return late + LATE, np.pad(np.stack(columns, axis=1), ((before, 0), (0, 0)))
 

@@ -1,5 +1,6 @@
 """Run directories as they come back from a cluster, right and wrong in known ways."""
 
+import re
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
@@ -38,6 +39,17 @@ def replaced(name: str, old: str, new: str) -> Callable[[Path], None]:
         text = (path / name).read_text()
         assert text.count(old) == 1
         (path / name).write_text(text.replace(old, new))
+
+    return edit
+
+
+def substituted(pattern: str, new: str | Callable[[re.Match[str]], str]) -> Callable[[Path], None]:
+    """An edit of the deck wherever it has a pattern."""
+
+    def edit(path: Path) -> None:
+        text, found = re.subn(pattern, new, (path / file_names.DECK).read_text())
+        assert found
+        (path / file_names.DECK).write_text(text)
 
     return edit
 

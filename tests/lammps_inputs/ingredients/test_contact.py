@@ -1,16 +1,14 @@
-"""Contacts of other exponents: law, scale, deck, LAMMPS and reference against an integrator of their own."""
+"""Contacts of other exponents: law, published pulses, release of LAMMPS; the motion is in `test_every_ingredient`."""
 
-import re
 import subprocess
 
 import numpy as np
 import pytest
 from processes import HANGS
 from stock_lammps import DEBIAN
-from wrong_runs import deck_run
 
 from analysis.shape.exact_wave import solitary_wave
-from lammps_inputs import InputError, Scene, file_names, laws, library
+from lammps_inputs import Scene, file_names, laws, library
 from lammps_inputs.decks import deck
 from lammps_inputs.facts import Fact
 from lammps_inputs.laws.hertz import Hertz
@@ -19,11 +17,8 @@ from lammps_inputs.limits import rates
 from workflow.runs.run import run
 from workflow.sweep.fields import all_fields
 from workflow.verdicts.analyse import analyse
-from workflow.verdicts.validate import validate
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
-
-STEEL = {"radius": 4.76e-3, "density": 8000.0, "youngs_modulus": 193e9, "poisson_ratio": 0.3}
 
 
 def touching(exponent, **changes):
@@ -55,12 +50,6 @@ def test_at_hertz_s_exponent_the_law_is_hertz_s_to_rounding():
     s = np.linspace(-0.2, 1.5, 50)
     for of in (laws.force, laws.energy, laws.stiffness):
         assert of(Power(1.3, 1.5), s) == pytest.approx(of(Hertz(1.3), s), rel=1e-14)
-
-
-def test_the_exponent_of_spheres_leaves_deck_and_problem_as_they_are():
-    named, plain = touching(1.5).problem(), touching(1.5, contact=None).problem()
-    assert named == plain
-    assert (deck.render_deck(named), deck.render_data(named)) == (deck.render_deck(plain), deck.render_data(plain))
 
 
 @pytest.mark.slow
@@ -112,59 +101,9 @@ def test_the_2021_release_says_in_one_line_what_it_cannot_do_and_does_linear_con
     assert "Total wall time" in said[1.0]
 
 
-def test_in_si_units_lengths_are_those_of_the_exponent():
-    case = touching(2.0, material=STEEL, contact={"exponent": 2, "stiffness": 1e10}, coupling={"stiffness": 1e6},
-                    duration=1e-3, output={"every": 1e-5}, kick={"velocity": 2.0})  # fmt: skip
-    mass = 4.0 / 3.0 * np.pi * STEEL["radius"] ** 3 * STEEL["density"]
-    assert case.scale.length == pytest.approx((mass * 4.0 / 1e10) ** (1.0 / 3.0), rel=1e-14)
-    # a force of A L**2 is one of m V / T
-    assert case.scale.force == pytest.approx(1e10 * case.scale.length**2, rel=1e-13)
-    assert case.problem().system.along[0].law == Power(1.0, 2.0)
-
-
-@pytest.mark.parametrize(
-    ("changes", "said"),
-    [
-        ({"contact": {"exponent": 0.9}}, "contact.exponent: should be greater than or equal to 1, 0.9 given"),
-        ({"contact": {"exponent": 3.1}}, "contact.exponent: should be less than or equal to 3, 3.1 given"),
-        ({"material": STEEL}, "contact.stiffness: is missing"),
-        (
-            {"material": STEEL, "contact": {"exponent": 1.5, "stiffness": 1e9}},
-            "contact.stiffness: the material says how stiff",
-        ),
-        (
-            {"walls": {"right": "flat"}},
-            "walls.right: how hard a flat wall is is known for spheres, of exponent 1.5, not 2",
-        ),
-        ({"walls": {"left": "rigid"}}, "walls.left: how hard a rigid wall is is known for spheres"),
-        ({"taper": 0.02}, "contact.exponent: 2 given; how the contacts of beads of unlike radius"),
-        ({"contact": {"exponent": 1.2}, "scheme": "suzuki4"}, "contact: contacts of an exponent below 1.5 open"),
-    ],
-    ids=lambda value: re.sub(r"\W+", "-", str(value))[:40],
-)
-def test_what_cannot_be_is_refused_in_one_line(changes, said):
-    with pytest.raises(InputError) as error:
-        touching(2.0, **changes)
-    assert said in str(error.value)
-    assert len(str(error.value).splitlines()) == 1
-
-
 def test_masses_may_differ():
     kinds = {"kinds": {"light": {"mass": 0.5, "radius": 1.0}}, "pattern": ["light"]}
     assert np.all(touching(2.0, **kinds).problem().system.mass == 0.5)
-
-
-def test_validate_names_another_exponent(tmp_path):
-    def changed(path):
-        text = (path / file_names.DECK).read_text()
-        assert '"0.3333333333333333*(4-r)^3"' in text
-        (path / file_names.DECK).write_text(text.replace('"0.3333333333333333*(4-r)^3"', '"(4-r)^3.1/3.1"'))
-
-    case = touching(2.0, output={"every": 0.1})
-    assert (
-        "the contacts have the exponent 2.100 instead of 2"
-        in validate(deck_run(case, tmp_path / "run", changed)).causes
-    )
 
 
 def test_a_sweep_may_vary_the_exponent():

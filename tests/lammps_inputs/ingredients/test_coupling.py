@@ -1,18 +1,15 @@
-"""What a scene may say of springs between chains, and what becomes of it."""
+"""Springs between chains: pairs, rows, bounds and bond types; the motion is in `test_every_ingredient`."""
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lammps_inputs import InputError, library, physics, strict_yaml
+from lammps_inputs import library, physics, strict_yaml
 from lammps_inputs.decks import deck
-from lammps_inputs.laws.duffing import Duffing
 from lammps_inputs.laws.linear import Linear
 from lammps_inputs.limits import rates
 from lammps_inputs.limits.timestep import stability_bound
-
-STEEL = {"radius": 4.76e-3, "density": 8000.0, "youngs_modulus": 193e9, "poisson_ratio": 0.3}
 
 
 def scene(coupling, **changes):
@@ -61,29 +58,6 @@ def test_springs_are_in_their_rows_only():
     )
 
 
-@pytest.mark.parametrize(
-    "coupling",
-    [
-        {"stiffness": {"from": 0.1, "to": 0.1, "rows": [2, 5]}},
-        {"stiffness": 0.1, "rows": [1, 8]},
-        {"stiffness": 0.1, "topology": "open", "cubic": 0.0},
-        {"topology": {"edges": [[1, 2, 0.1], [2, 3, 0.1]]}},
-    ],
-    ids=str,
-)
-def test_what_comes_to_the_paper_s_springs_has_their_deck(coupling):
-    plain = scene({"stiffness": 0.1}).problem()
-    assert deck.render_deck(scene(coupling).problem()) == deck.render_deck(plain)
-    assert deck.render_data(scene(coupling).problem()) == deck.render_data(plain)
-
-
-def test_numbers_in_si_units_follow_from_the_scale():
-    one = scene({"stiffness": 2e6, "cubic": 3e14}, material=STEEL)
-    law, scale = spring({"stiffness": 2e6, "cubic": 3e14}, material=STEEL).law, one.scale
-    assert isinstance(law, Duffing)
-    assert law == pytest.approx((2e6 / scale.stiffness, 3e14 * scale.length**2 / scale.stiffness), rel=1e-14)
-
-
 def test_a_scene_is_written_as_it_was_read():
     coupling = {
         "model": "linear",
@@ -107,42 +81,6 @@ def test_a_bond_type_is_one_stiffness():
 
 def test_the_contacts_are_kept_whatever_the_graph():
     assert "special_bonds lj/coul 1 1 1" in deck.render_deck(scene(graph(edges=[[1, 2], [1, 3]])).problem())
-
-
-BAD = {
-    "coupling.stiffness: is missing": {},
-    "coupling.topology.lattice: 2 x 2 places for 3 chains": graph(lattice=[2, 2]),
-    "coupling.topology.edges[2]: 4 is outside the array (chains 1 to 3)": graph(edges=[[1, 2], [1, 4]]),
-    "coupling.topology.edges[1]: ties chain 2 to itself": graph(edges=[[2, 2]]),
-    "coupling.topology.edges[2]: chains 1 and 2 are tied twice": graph(edges=[[1, 2], [2, 1]]),
-    "coupling.rows: 5 to 9 given; from a bead to a later one, within 8": {"stiffness": 0.1, "rows": [5, 9]},
-    "coupling.stiffness.rows: 5 to 5 given": {"stiffness": {"from": 0.1, "to": 0.2, "rows": [5, 5]}},
-    "coupling.stiffness: every edge has a stiffness of its own": {
-        "stiffness": 0.1,
-        "topology": {"edges": [[1, 2, 0.3]]},
-    },
-    "coupling.stiffness: 1e+13 in dimensionless units": {"topology": {"edges": [[1, 2, 1e13]]}},
-    "coupling.cubic: 1e+13 in dimensionless units": {"cubic": 1e13},
-    "coupling.cubic: tied chains are so far from each other": {"cubic": 1e6},
-    "coupling.stiffness.to: is missing": {"stiffness": {"from": 0.1, "rows": [1, 5]}},
-    "coupling.stiffness: should be a number": {"stiffness": "much"},
-    "coupling.topology: ": {"stiffness": 0.1, "topology": "star"},
-    "coupling.cubic: ": {"stiffness": 0.1, "cubic": -1.0},
-}
-
-
-@pytest.mark.parametrize("message", BAD)
-def test_what_cannot_be_is_refused_in_one_line(message):
-    with pytest.raises(InputError) as refused:
-        scene(BAD[message])
-    assert f"test: {message}" in str(refused.value)
-    assert "\n" not in str(refused.value)
-
-
-@pytest.mark.parametrize("changes", [{"rows": [1, 50]}, {"stiffness": {"from": 0.0, "to": 0.1, "rows": [3, 9]}}])
-def test_rows_that_differ_are_refused_in_a_window(changes):
-    with pytest.raises(InputError, match="a window takes rows from its tail to its head with the springs they have"):
-        scene({"stiffness": 0.1, **changes}, beads=100, window=64)
 
 
 @st.composite

@@ -1,4 +1,4 @@
-"""Damping: what a scene may say, and what LAMMPS makes of it against an integrator of its own."""
+"""Damping: restitution, reach of dashpots, stability; the motion is in `test_every_ingredient`."""
 
 import math
 import re
@@ -7,10 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pydantic import ValidationError
 from stock_lammps import run, scene
 
-from lammps_inputs import Coupling, Kick, Material, Scene, laws, library, physics
+from lammps_inputs import Kick, Scene, laws, library, physics
 from lammps_inputs.decks import deck
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.contact import Contact
@@ -102,14 +101,6 @@ def test_a_restitution_is_that_of_the_reduced_mass_and_the_strength_of_each_cont
     np.testing.assert_allclose(link.law.coefficient, [right], rtol=1e-14)  # type: ignore[attr-defined]
 
 
-@pytest.mark.parametrize("nothing", [{"contact": 0.0}, {"contact": 1.0, "law": "restitution"}, {"beads": 0.0}])
-def test_no_damping_leaves_no_trace(nothing: dict[str, Any]) -> None:
-    plain = scene(chains=2, beads=3, kappa=0.5, duration=3.0, every=0.5, timestep=0.002).problem()
-    neutral = damped(**nothing).problem()
-    assert neutral == plain
-    assert (deck.render_deck(neutral), deck.render_data(neutral)) == (deck.render_deck(plain), deck.render_data(plain))
-
-
 def test_damping_says_what_it_takes_away() -> None:
     def lacks(**keys: Any) -> frozenset[Fact]:
         return damped(**keys).problem().system.lacks
@@ -118,54 +109,6 @@ def test_damping_says_what_it_takes_away() -> None:
     assert lacks(contact=0.1) == {*any_damping, Fact.SECOND_ORDER}
     assert lacks(beads=0.1) == {*any_damping, Fact.MOMENTUM}
     assert lacks(beads=0.1, coupling=0.1) == {*any_damping, Fact.MOMENTUM, Fact.SECOND_ORDER}
-
-
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"damping": Damping()}, "give contact, beads or coupling"),
-        ({"damping": Damping(law="linear")}, "is that of contacts"),
-        ({"damping": Damping(contact=1.2, law="restitution")}, "1.2 is no restitution"),
-        ({"damping": Damping(contact=0.9, law="restitution", tension="cut")}, "only if it is allowed"),
-        ({"damping": Damping(coupling=0.1), "coupling": None}, "no coupling between chains"),
-        ({"damping": Damping(contact=2e3)}, "at most 1000"),
-        ({"damping": Damping(contact=0.1), "scheme": "suzuki4"}, "suzuki4 has steps backwards"),
-        ({"damping": Damping(contact=0.1), "window": 64, "beads": 100}, "leave the window out"),
-        (
-            {"damping": Damping(coupling=0.1), "coupling": Coupling(stiffness=0.1, cubic=0.1)},
-            "equal linear springs between each chain and the next",
-        ),
-        (
-            {"damping": Damping(contact=0.1, tension="cut"), "contact": Contact(exponent=2.0)},
-            "cuts tension where dashpots pull harder than contacts of spheres push, of exponent 1.5, not 2",
-        ),
-        (
-            {"damping": Damping(contact=0.1, tension="cut"), "disorder": {"mass": 0.1}, "coupling": None},
-            "cut at the force of equal contacts only",
-        ),
-        (
-            {"damping": Damping(contact=0.7, law="restitution"), "contact": Contact(exponent=3.0)},
-            "for contacts of exponent 1, 1.5 and 2, not 3",
-        ),
-    ],
-)
-def test_what_damping_cannot_go_with_is_refused(changes: dict[str, Any], words: str) -> None:
-    with pytest.raises(ValidationError, match=words):
-        Scene.model_validate({**dict(damped(beads=0.1)), **changes})
-
-
-@pytest.mark.parametrize("keys", [{"contact": 0.3}, {"contact": 0.2, "law": "viscoelastic"}, {"beads": 0.3}])
-def test_units_scale_with_the_kick_and_the_material(keys: dict[str, Any]) -> None:
-    """In reduced units at V = 4, and in SI, coefficients are the dimensionless ones times their units."""
-    ball = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)
-    right = [link.law for link in damped(**keys).problem().system.dampers]
-    for material in (None, ball):
-        one = scene(material=material, kick=({"velocity": 4.0},))
-        scale = one.scale
-        unit = scale.force / scale.velocity / (scale.length**0.5 if "law" in keys else 1.0)
-        scaled = {key: value * unit if isinstance(value, float) else value for key, value in keys.items()}
-        found = scene(material=material, kick=({"velocity": 4.0},), damping=Damping(**scaled)).problem().system.dampers
-        np.testing.assert_allclose([tuple(link.law) for link in found], [tuple(law) for law in right], rtol=1e-14)
 
 
 def test_strong_dashpots_shorten_the_stable_step() -> None:

@@ -1,28 +1,19 @@
-"""Precompression and gravity: rest at rest, and all of a run against an integrator of its own."""
+"""Precompression and gravity: sound, readings, time steps; the motion is in `test_every_ingredient`."""
 
 import json
 import math
-import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from independent import integrated
-from plain_scene import goes_on_bit_for_bit
-from stock_lammps import DEBIAN
-from stock_lammps import run as run_stock
-from wrong_runs import deck_run
 
 from analysis.gauges.forces import ForceMeter
 from analysis.gauges.gauge import gauges
 from analysis.sharing.impulses import measure
 from analysis.sound.dispersion import Dispersion
 from analysis.sound.loaded_pulse import LoadedPulse
-from lammps_inputs import InputError, file_names, library, physics
-from lammps_inputs.decks import deck
+from lammps_inputs import InputError, library
 from lammps_inputs.limits import rates
-from lammps_inputs.slurm import job
-from lammps_inputs.slurm.site import JobOptions
 from workflow.cli import main
 from workflow.engines.reference import engine
 from workflow.prepare import twin
@@ -31,13 +22,10 @@ from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.analyse import analyse
 from workflow.verdicts.causes import causes
-from workflow.verdicts.validate import validate
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
 STEEL = {"radius": 4.76e-3, "density": 8000.0, "youngs_modulus": 193e9, "poisson_ratio": 0.3}
-FLAT = math.sqrt(2.0)
-DIMER = {"kinds": {"heavy": {"mass": 1.0}, "light": {"mass": 0.5, "stiffness": 2.0}}, "pattern": ["heavy", "light"]}
 
 
 def plain(**changes):
@@ -52,75 +40,6 @@ def loaded(**changes):
 FREE = {"precompression": {"force": 0.3}}
 HELD = {"precompression": {"force": 0.3}, "walls": {"left": "bead", "right": "flat"}}
 COLUMN = {"gravity": 0.02, "walls": {"right": "flat"}}
-BOTH = {"gravity": 0.02, "precompression": {"force": 0.1}, "walls": {"left": "flat", "right": "flat"}}
-WEIGHTS = 0.02 * np.arange(13)
-
-SCENES = {
-    "free ends": (FREE, {"static": 0.3}),
-    "walls": (HELD, {"static": 0.3, "walls": (1.0, FLAT)}),
-    "gravity": (COLUMN, {"static": WEIGHTS, "walls": (0.0, FLAT)}),
-    "gravity and force": (BOTH, {"static": 0.1 + WEIGHTS, "walls": (FLAT, FLAT)}),
-    "coupled": ({**FREE, "chains": 2, "coupling": {"stiffness": 0.1}}, {"static": 0.3}),
-    "unlike columns": (
-        {**COLUMN, **DIMER, "chains": 2, "pattern": [["heavy"], ["light"]]},
-        {
-            "static": np.outer([1.0, 0.5], WEIGHTS),
-            "mass": [[1.0], [0.5]],
-            "strength": [[1.0], [2.0]],
-            "walls": (0.0, np.array([FLAT, 2.0 * FLAT])),
-        },
-    ),
-    "dimers": ({**FREE, **DIMER}, {"static": 0.3, "mass": [1.0, 0.5] * 6, "strength": 4.0 / 3.0}),
-    "linear contacts": ({**FREE, "contact": {"exponent": 1.0}}, {"static": 0.3, "exponent": 1.0}),
-}
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("keys", "known"), SCENES.values(), ids=SCENES)
-def test_lammps_agrees_with_an_independent_integrator_to_second_order(tmp_path, keys, known):
-    errors, exact = [], None
-    for step in (0.005, 0.0025):
-        case = loaded(**keys, timestep=step, duration=12.0)
-        found = run(case, tmp_path / f"{step}", check=False).trajectory.velocity
-        exact = integrated(case.problem(), **known) if exact is None else exact
-        errors.append(np.abs(found - exact).max())
-    assert errors[0] < 1e-3
-    assert errors[0] / errors[1] == pytest.approx(4.0, abs=0.4)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["free ends", "gravity"])
-def test_the_reference_agrees_with_an_independent_integrator(name):
-    keys, known = SCENES[name]
-    problem = loaded(**keys, duration=12.0).problem()
-    found = engine.run(problem, steps_per_frame=100).velocity
-    assert np.abs(found - integrated(problem, **known)).max() < 1e-6
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("executable", [None, DEBIAN], ids=["wheel", "2021"])
-@pytest.mark.parametrize("name", SCENES)
-def test_what_is_not_hit_stays_at_rest_to_the_last_bit(tmp_path, name, executable):
-    if executable is not None and not executable.exists():
-        pytest.skip("needs Debian's LAMMPS")
-    keys = {**SCENES[name][0], "chains": 2, "kick": {"velocity": 1e-3, "chain": 2}, "coupling": None, "duration": 5.0}
-    found = run_stock(loaded(**keys), tmp_path / "run", **({} if executable is None else {"executable": executable}))
-    assert not np.any(found.displacement[:, 0])
-    assert not np.any(found.velocity[:, 0])
-    assert np.any(found.velocity[-1, 1])
-
-
-@pytest.mark.slow
-def test_contacts_of_another_exponent_bear_a_load_in_lammps_and_rest_exactly(tmp_path):
-    keys = {**FREE, "contact": {"exponent": 2.0}, "timestep": 0.005}
-    case = loaded(**keys)
-    found = run(case, tmp_path / "run")
-    error = np.abs(found.trajectory.velocity - integrated(case.problem(), static=0.3, exponent=2.0)).max()
-    assert error == pytest.approx(found.check.velocity, rel=0.01)
-    assert error < 1e-4
-    still = run_stock(loaded(**keys, chains=2, kick={"velocity": 1e-3, "chain": 2}, duration=5.0), tmp_path / "still")
-    assert not np.any(still.displacement[:, 0])
-    assert np.any(still.velocity[-1, 1])
 
 
 @pytest.mark.slow
@@ -215,64 +134,6 @@ def test_waves_on_a_load_are_faster_than_the_long_wave_theory_says(tmp_path, for
 
 
 @pytest.mark.slow
-def test_a_run_that_was_interrupted_goes_on_bit_for_bit(tmp_path):
-    for name, keys in (("free", HELD), ("column", COLUMN)):
-        (tmp_path / name).mkdir()
-        goes_on_bit_for_bit(loaded(**keys, duration=60.0), tmp_path / name)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("keys", [HELD, COLUMN], ids=["force", "gravity"])
-def test_two_ranks_compute_the_same_bits(tmp_path, keys):
-    one, two = (run_stock(loaded(**keys, beads=30), tmp_path / str(ranks), ranks=ranks) for ranks in (1, 2))
-    np.testing.assert_array_equal(one.vx, two.vx)
-
-
-def test_suzukis_composition_of_steps_works_under_load(tmp_path):
-    case = loaded(**FREE, scheme="suzuki4", timestep=0.01)
-    found = run(case, tmp_path / "run", check=False).trajectory.velocity
-    assert np.abs(found - integrated(case.problem(), static=0.3)).max() < 1e-4
-
-
-def test_a_slurm_job_holds_the_beads_as_the_deck_does():
-    for keys in (FREE, COLUMN):
-        problem = loaded(**keys).problem()
-        lines = [line for line in deck.render_deck(problem).splitlines() if line.startswith("fix load")]
-        assert lines
-        continued = job.render_job(JobOptions(), problem)["in.continue"]
-        assert all(line in continued for line in lines)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("keys", "pattern", "new", "said"),
-    [
-        (
-            FREE,
-            r"fix load_\w+ .*\n",
-            "",
-            "the forces that hold the beads at rest (on the ends, or weights) are missing",
-        ),
-        (
-            COLUMN,
-            r"-f_found",
-            "-0.9*f_found",
-            "the forces that hold the beads at rest are 0.9 times what the scene says",
-        ),
-    ],
-    ids=["ends", "weights"],
-)
-def test_validate_names_what_does_not_hold_the_beads(tmp_path, keys, pattern, new, said):
-    def changed(path):
-        text, found = re.subn(pattern, new, (path / file_names.DECK).read_text())
-        assert found
-        (path / file_names.DECK).write_text(text)
-
-    case = loaded(**keys, duration=10.0, output={"every": 0.1})
-    assert validate(deck_run(case, tmp_path / "run", changed)).causes == (said,)
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("force", "said"),
     [(None, "the static load is missing"), (0.6, "the contacts bear about 2 times the static load of the scene")],
@@ -344,32 +205,6 @@ def test_the_default_step_follows_sound_and_an_unstable_one_is_refused():
         settle(loaded(precompression={"force": 3e3}, timestep=0.25))
 
 
-@pytest.mark.parametrize(
-    ("keys", "said"),
-    [
-        ({**FREE, "gap": 0.1}, "gap: beads under a static load touch"),
-        ({**FREE, "window": 64, "beads": 200}, "precompression: a window lets go of rows"),
-        ({"gravity": 0.1}, "gravity: nothing holds the column"),
-        ({"gravity": 0.1, "walls": {"left": "flat"}}, "gravity: nothing holds the column"),
-        ({"gravity": -0.1}, "gravity"),
-        ({"gravity": "strong"}, "gravity.acceleration: should be a number"),
-        ({"precompression": {"force": 0.0}}, "precompression.force"),
-        ({"precompression": {"force": 1e7}}, "precompression: 1e+07 times m V / T"),
-        ({"precompression": {"force": 1e-17}}, "precompression: 1e-17 times m V / T"),  # its overlap is off by 1e-3
-        (
-            {**FREE, **DIMER, "chains": 2, "coupling": {"stiffness": 0.1}}
-            | {"pattern": [["heavy", "heavy", "light", "light"], ["light", "light", "heavy", "heavy"]]},
-            "precompression: chains that differ are compressed differently",
-        ),
-    ],
-)
-def test_what_a_load_cannot_go_with_is_one_line(keys, said):
-    with pytest.raises(InputError) as refused:
-        loaded(**keys)
-    assert str(refused.value).startswith(f"test: {said}")
-    assert "\n" not in str(refused.value)
-
-
 def test_a_scene_says_gravity_as_one_number_and_is_read_back():
     case = loaded(**COLUMN)
     assert case.plain()["gravity"] == 0.02
@@ -387,13 +222,3 @@ def test_analyze_says_what_the_sound_is_and_why_there_is_no_map(tmp_path, capsys
         assert main(["analyze", str(tmp_path / name), "--no-figures", "--dispersion"]) == 0
         said = capsys.readouterr().out
         assert all(word in said for word in words), said
-
-
-def test_no_load_leaves_no_trace():
-    problem = loaded().problem()
-    assert not physics.loaded(problem.system)
-    assert not problem.system.lacks
-    assert rates.pace(problem.system) == 1.0
-    text = deck.render_deck(problem)
-    assert "run 0" not in text
-    assert "load" not in text

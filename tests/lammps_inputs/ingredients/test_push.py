@@ -1,4 +1,4 @@
-"""Forces from outside over time: what a scene may say, and the laws' own calculus."""
+"""Forces over time: units, tables and their files; the motion is in `test_every_ingredient`."""
 
 import math
 
@@ -87,32 +87,6 @@ def test_a_table_that_is_not_there_is_named(tmp_path):
         library.find(str(tmp_path / "a.yaml"))
 
 
-@pytest.mark.parametrize(
-    ("push", "more", "complaint"),
-    [
-        ("{peak: 1.0, duration: 2.0, shape: sine}", "", "push.shape: should be 'half-sine' or 'rectangular'"),
-        ("{peak: 1.0, duration: 2.0}", "", "shape: is missing; a push needs peak, duration and shape, or a table"),
-        ("{peak: 1.0, table: [[0, 1], [1, 0]]}", "", "peak: give either a table or peak, duration and shape"),
-        ("{peak: 0.0, duration: 2.0, shape: half-sine}", "", "peak: a push needs a force"),
-        ("{table: a.csv}", "", "a file's name may stand in a scene's file only"),
-        ("{bead: 21, peak: 1.0, duration: 2.0, shape: half-sine}", "", "push.bead: 21 is outside the array"),
-        ("{chain: 2, peak: 1.0, duration: 2.0, shape: half-sine}", "", "push.chain: 2 is outside the array"),
-        (HALF_SINE, "scheme: suzuki4", "push: suzuki4 steps back in time"),
-        (HALF_SINE, "window: 64", "push: a window would take the bead that it acts on"),
-    ],
-)
-def test_what_cannot_be_is_one_line(push, more, complaint):
-    with pytest.raises(InputError) as caught:
-        scene(push, more)
-    assert complaint in str(caught.value)
-    assert "\n" not in str(caught.value)
-
-
-def test_a_scene_in_which_nothing_is_hit_is_refused():
-    with pytest.raises(InputError, match="kick: is missing"):
-        library.from_plain({"name": "a", "beads": 20, "duration": 1.0}, "x")
-
-
 def test_lammps_is_not_given_long_tables():
     points = [[0.1 * k, float(k % 2)] for k in range(60)] + [[6.0, 0.0]]
     with pytest.raises(ValueError, match=r"push\.table: 61 points; LAMMPS takes 50 at most"):
@@ -123,12 +97,6 @@ def test_the_formula_of_a_table_names_steps_not_variables_that_lammps_reads_agai
     deck_text = deck.render(scene("{table: [[0, 0], [1, 1], [2, 0.5], [3, 0]]}"))[file_names.DECK]
     (line,) = [line for line in deck_text.splitlines() if line.startswith("variable push1 equal")]
     assert "v_push1" not in line
-
-
-def test_a_kicked_scene_has_no_trace_of_pushes():
-    kicked = library.find("two-chains")
-    assert kicked.system.loads == ()
-    assert "push" not in "".join(deck.render(kicked).values())
 
 
 @pytest.mark.slow

@@ -1,4 +1,4 @@
-"""Beads that differ: kinds, patterns, replacements, tapers, disorder, strikers; against an integrator of their own."""
+"""Beads that differ: numbers published and computed, cells, types; the motion is in `test_every_ingredient`."""
 
 import itertools
 import json
@@ -21,7 +21,7 @@ from analysis.sharing.verdict import State
 from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import find_peaks
 from analysis.trajectory import blocks
-from lammps_inputs import InputError, file_names, find, library, physics
+from lammps_inputs import file_names, find, library, physics
 from lammps_inputs.decks import deck
 from lammps_inputs.ingredients.unequal import Disorder
 from lammps_inputs.laws import hertz
@@ -62,24 +62,6 @@ def test_acceleration_and_its_rate_at_chosen_beads_are_those_of_all(name):
     chosen, _ = motion.acceleration_and_rate(found, frame, chain, bead)
     everywhere = motion.acceleration(found.problem.system, found.displacement)
     np.testing.assert_allclose(chosen, everywhere[frame, chain, bead], rtol=1e-12, atol=1e-14)
-
-
-@pytest.mark.parametrize(
-    "neutral",
-    [
-        {"kinds": {"same": {"mass": 1.0}}, "pattern": ["same"]},
-        {"kinds": {"same": {}}, "replace": [{"bead": 3, "kind": "same"}]},
-        {"taper": 0.0},
-        {"disorder": {"mass": 0.0, "radius": 0.0, "stiffness": 0.0}},
-        {"striker": {"mass": 1.0, "velocity": 1.0}, "kick": None},
-    ],
-    ids=str,
-)
-def test_beads_that_are_alike_after_all_leave_no_trace(neutral):
-    plain, like = scene().problem(), scene(**neutral).problem()
-    assert like == plain
-    assert deck.render_deck(like) == deck.render_deck(plain)
-    assert deck.render_data(like) == deck.render_data(plain)
 
 
 def test_walls_are_as_hard_as_the_beads_before_them_make_them():
@@ -143,21 +125,6 @@ def test_contacts_of_two_sizes_are_hertzs():
     case = scene(kinds={"small": {"radius": 0.5}}, replace={"bead": 2, "kind": "small"}, chains=1, coupling=None)
     assert strengths(case.problem())[0, :3] == pytest.approx([(2.0 * 0.5 / 1.5) ** 0.5] * 2 + [1.0], rel=1e-15)
     assert case.problem().system.mass[0, :3] == pytest.approx([1.0, 0.125, 1.0], rel=1e-15)
-
-
-def test_si_and_reduced_units_say_the_same():
-    steel = {"radius": 4.76e-3, "density": 8000.0, "youngs_modulus": 193e9, "poisson_ratio": 0.3}
-    twice = {"youngs_modulus": 386e9 * (1.0 - 0.45**2) / (1.0 - 0.3**2), "poisson_ratio": 0.45}
-    small = {"radius": 0.5 * 4.76e-3, "density": 4000.0, **twice}
-    si = scene(
-        material=steel, kinds={"small": small}, replace={"bead": 2, "kind": "small"}, coupling=None, duration=1e-4,
-        output={"every": 1e-6}
-    ).problem()  # fmt: skip
-    reduced = scene(
-        kinds={"small": {"radius": 0.5, "mass": 0.0625, "stiffness": 2.0}}, replace={"bead": 2, "kind": "small"}
-    ).problem()
-    assert si.system.mass == pytest.approx(reduced.system.mass, rel=1e-15)
-    assert strengths(si) == pytest.approx(strengths(reduced), rel=1e-15)
 
 
 def test_disorder_is_the_same_on_any_machine():
@@ -342,37 +309,3 @@ def test_a_heavy_striker_s_wave_is_told_to_be_above_the_kick_and_to_head_a_train
 
 
 # --- mistakes ---------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("changes", "said"),
-    [
-        ({"kinds": {"a": {"mass": 2.0}}}, "kinds: neither pattern nor replace names any of them"),
-        ({**DIMER, "pattern": ["heavy", "ligth"]}, "pattern: 'ligth' is not among the kinds (heavy, light)"),
-        ({**DIMER, "pattern": []}, "pattern: should be a list of kinds"),
-        ({**DIMER, "pattern": [["heavy"], ["light"], ["light"]]}, "pattern: 3 lists for 2 chains"),
-        ({**DIMER, "replace": {"bead": 13, "kind": "light"}}, "replace.bead: 13 is outside the array (beads 1 to 12)"),
-        ({**DIMER, "replace": [{"bead": 3, "kind": "light"}] * 2}, "replace: one bead is replaced twice"),
-        ({"kinds": {"a": {"mas": 2.0}}, "pattern": ["a"]}, "kinds.a.mas: unknown key (did you mean `mass`?)"),
-        ({"kinds": {"a": {"mass": -2.0}}, "pattern": ["a"]}, "kinds.a.mass: should be greater than 0"),
-        ({"kinds": {"a": {"density": 2.0}}, "pattern": ["a"]}, "kinds.a.density: is in SI units"),
-        ({"kinds": {"a": {"mass": 1e-7}}, "pattern": ["a"]}, "one in a million"),
-        ({"taper": 0.9}, "taper: the mass goes from"),
-        ({"taper": -0.1}, "taper"),
-        ({"disorder": {"mass": 1.0}}, "disorder.mass"),
-        ({"striker": {"mass": 2.0, "velocity": 1.0}}, "kick: one bead is hit twice"),
-        ({"kick": None}, "kick: is missing"),
-        ({**DIMER, "beads": 100, "window": 64}, "window: its rows stand for one after another"),
-    ],
-    ids=str,
-)
-def test_a_mistake_is_one_line_that_names_the_key(changes, said):
-    with pytest.raises(InputError) as error:
-        scene(**changes)
-    assert said in str(error.value)
-    assert "\n" not in str(error.value)
-
-
-def test_rigid_beads_of_other_masses_are_refused(tmp_path):
-    with pytest.raises(InputError, match="beads of equal mass"):
-        run(scene(**DIMER, gap=1.0), tmp_path / "run", engine="collisions")
