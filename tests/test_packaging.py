@@ -58,4 +58,4 @@ def test_the_main_job_runs_from_the_wheel_elsewhere(built, tmp_path):
     command = (sys.executable, "-P", "-m", "workflow")
     run(*command, "run", "one-chain", "-o", "demo", cwd=tmp_path, env=environment)
     assert "analysis.json" in run(*command, "analyze", "demo", "--no-figures", cwd=tmp_path, env=environment)
-    assert "springs between" in run(*command, "help", "coupling", cwd=tmp_path, env=environment)
+    assert "Springs between" in run(*command, "help", "coupling", cwd=tmp_path, env=environment)
