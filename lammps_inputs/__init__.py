@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from lammps_inputs.errors import InputError
     from lammps_inputs.ingredients.coupling import Coupling
     from lammps_inputs.library import find, load
-    from lammps_inputs.output.output import Output
+    from lammps_inputs.output import Output
     from lammps_inputs.problem import Problem
     from lammps_inputs.scene import Kick, Material, Scene
     from lammps_inputs.system import System
@@ -26,7 +26,7 @@ _PLACES = {
     "System": "system",
     "Kick": "scene",
     "Material": "scene",
-    "Output": "output.output",
+    "Output": "output",
     "Scene": "scene",
 }
 """Imported when first asked for: what a scene may be takes a while to load, and not every command needs it."""

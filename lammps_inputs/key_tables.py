@@ -14,10 +14,7 @@ from pydantic import BaseModel
 from lammps_inputs import handbook, schema
 from lammps_inputs.ingredients import INGREDIENTS, coupling, unequal
 from lammps_inputs.ingredients.preload import Gravity
-from lammps_inputs.output.forces import Forces
-from lammps_inputs.output.limits import Limits
-from lammps_inputs.output.output import Output
-from lammps_inputs.output.spectra import Spectra
+from lammps_inputs.output import Forces, Limits, Output, Spectra
 from lammps_inputs.scene import Kick, Material, Scene
 from lammps_inputs.units import Unit
 

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lammps_inputs import laws, physics
-from lammps_inputs.laws.dashpot import ContactLoss
-from lammps_inputs.laws.wall_dashpot import WallDashpot
+from lammps_inputs.laws.dashpot import ContactLoss, WallDashpot
 from lammps_inputs.links import Across
 from lammps_inputs.numbers import power_of_two_at_least, text
 from lammps_inputs.system import System

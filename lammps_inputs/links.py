@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from lammps_inputs import laws
 from lammps_inputs.laws import Law, dashpot
+from lammps_inputs.laws.dashpot import WallDashpot
 from lammps_inputs.laws.preloaded import FreeWall, LoadedWall
-from lammps_inputs.laws.wall_dashpot import WallDashpot
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lammps_inputs.deck_lines import Lines
 from lammps_inputs.laws.in_time import Sine, TimeLaw
-from lammps_inputs.lines import Lines
 from lammps_inputs.numbers import text
 
 if TYPE_CHECKING:

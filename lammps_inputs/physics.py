@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 
 from lammps_inputs import laws
 from lammps_inputs.facts import Fact
-from lammps_inputs.laws.dashpot import ContactLoss
-from lammps_inputs.laws.linear import Linear
-from lammps_inputs.laws.wall_dashpot import WallDashpot
+from lammps_inputs.laws.dashpot import ContactLoss, WallDashpot
+from lammps_inputs.laws.spring import Linear
 from lammps_inputs.links import Across, Along, Ground, Link, Wall, WallDamper
 from lammps_inputs.system import System
 

@@ -26,13 +26,12 @@ from lammps_inputs.ingredients.unequal import (
     Taper,
     masses_and_strengths,
 )
-from lammps_inputs.limits import material as limits_of_material
+from lammps_inputs.limits import solids as limits_of_material
 from lammps_inputs.limits.closing import never_closes
-from lammps_inputs.limits.hertz import FLATTENED, LARGEST_OVERLAP, overlap_bounds, sound_speed
-from lammps_inputs.limits.timestep import timestep_for
+from lammps_inputs.limits.rates import timestep_for
+from lammps_inputs.limits.solids import FLATTENED, LARGEST_OVERLAP, overlap_bounds, sound_speed
 from lammps_inputs.links import Across
-from lammps_inputs.output.limits import Limits
-from lammps_inputs.output.output import Output
+from lammps_inputs.output import Limits, Output
 from lammps_inputs.problem import Problem
 from lammps_inputs.scheme import SchemeName
 from lammps_inputs.static_load import LoadError, under_load
@@ -501,14 +500,14 @@ class BaseScene(Part):
         """
         if self.duration is None:
             raise ValueError(
-                "this scene ends at a bead; workflow.prepare.duration.with_duration(scene) finds its duration"
+                "this scene ends at a bead; workflow.prepare.extent.with_duration(scene) finds its duration"
             )
         if self.accuracy is not None:
             raise ValueError(
                 "this scene asks for an accuracy; workflow.prepare.settings.with_settings(scene) finds its time step"
             )
         if self.window == "auto":
-            raise ValueError("this scene's window is `auto`; workflow.prepare.window.with_window(scene) finds its rows")
+            raise ValueError("this scene's window is `auto`; workflow.prepare.extent.with_window(scene) finds its rows")
         scale, system = self.scale, self.system
         every, steps = self._cadence()
         return Problem(

@@ -21,7 +21,7 @@ from lammps_inputs.facts import Fact
 from lammps_inputs.slurm import job
 from lammps_inputs.slurm.site import JobOptions
 from workflow.engines.reference import engine
-from workflow.engines.reference.verlet import VERLET
+from workflow.engines.reference.schemes import VERLET
 from workflow.runs.run import run
 from workflow.verdicts.analyse import analyse
 from workflow.verdicts.validate import validate

@@ -11,7 +11,7 @@ ROOT = Path(__file__).parents[1]
 ALLOWED = ("lammps_inputs/laws/", "lammps_inputs/ingredients/")
 EXCEPT = {
     "analysis/shape/exact_wave.py": "its own theory, for any exponent",
-    "lammps_inputs/limits/hertz.py": "where that one law ends",
+    "lammps_inputs/limits/solids.py": "where that one law ends",
     "analysis/against/common_times.py": "how an interpolation errs where a contact opens",
     "workflow/studies/bench/alternatives.py": "the deck that one writes by hand, to measure against",
 }

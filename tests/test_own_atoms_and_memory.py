@@ -21,7 +21,7 @@ import numpy as np
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Ingredient, Inner, Positive
 from lammps_inputs.laws import Pure
-from lammps_inputs.laws.linear import Linear
+from lammps_inputs.laws.spring import Linear
 from lammps_inputs.links import Across
 
 

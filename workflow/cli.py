@@ -21,7 +21,7 @@ try:
     from lammps_inputs import InputError
     from workflow import formats, screen
     from workflow.errors import RunError
-    from workflow.runs.whole_files import as_json
+    from workflow.runs.files import as_json
     from workflow.screen import Answer, Output
 except (ImportError, SyntaxError):
     from importlib.metadata import distributions

@@ -61,6 +61,19 @@ def inlined(function: F) -> F:
     return cast(F, numba.njit(**options)(function))
 
 
+def ieee(function: F) -> F:
+    """The function with IEEE arithmetic: no reordering, division by zero gives inf.
+
+    Inlined into its callers, since most of the time would go into counting references to the arrays it is handed.
+    """
+    return cast(F, compiled(error_model="numpy", forceinline=True)(function))
+
+
+def ieee_inner(function: F) -> F:
+    """The same for a function that compiled ones alone call."""
+    return cast(F, compiled(error_model="numpy", forceinline=True, no_cpython_wrapper=True)(function))
+
+
 @functools.cache
 def module(text: str) -> ModuleType:
     """A module of a text: that of a file in the cache directory, or of none where there is no place for one."""

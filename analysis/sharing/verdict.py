@@ -28,7 +28,7 @@ from analysis.sharing.equipartition import (
 from analysis.tracking.undisturbed import CLEAR
 from lammps_inputs import Problem, laws, physics
 from lammps_inputs.facts import Fact
-from lammps_inputs.laws.linear import Linear
+from lammps_inputs.laws.spring import Linear
 
 SINGLE_CHAIN = 0.6816315
 """Amplitude far down a single chain whose first bead was hit with V = 1."""

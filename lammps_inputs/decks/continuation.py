@@ -10,8 +10,8 @@ Frames of a continued run stand in ``chains.dump.bin``, ``chains.dump.2.bin``, `
 first one that a step stands in counts.
 """
 
-from lammps_inputs import file_names, scheme, window
-from lammps_inputs.decks import at_rest, deck
+from lammps_inputs import file_names, scheme, static_load, window
+from lammps_inputs.decks import deck
 from lammps_inputs.numbers import text
 from lammps_inputs.problem import Problem
 
@@ -77,11 +77,11 @@ def render_continuation(problem: Problem) -> str:
         ],
         *deck.interactions(problem),
         [
-            *at_rest.stop_lines(system),
+            *static_load.stop_lines(system),
             "group free empty",
             "group free clear                 # a continued run's restart has this group",
             *deck.motion_lines(problem, "free"),
-            *at_rest.go_on_lines(system),
+            *static_load.go_on_lines(system),
         ],
         *([] if problem.window is None else [_window_lines(problem, problem.window)]),
         [

@@ -22,12 +22,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from lammps_inputs import file_names, laws, loads, physics, scheme, strict_yaml, window
-from lammps_inputs.decks import at_rest
-from lammps_inputs.laws import dashpot, linear
+from lammps_inputs import file_names, laws, loads, physics, scheme, static_load, strict_yaml, window
+from lammps_inputs.deck_lines import AtomTypes, Lines
+from lammps_inputs.laws import dashpot, spring
 from lammps_inputs.layout import Layout
 from lammps_inputs.limits import rates
-from lammps_inputs.lines import AtomTypes, Lines
 from lammps_inputs.links import Across, Along, Link, WallDamper, words
 from lammps_inputs.numbers import text
 from lammps_inputs.problem import Problem
@@ -183,7 +182,7 @@ def interactions(problem: Problem) -> list[list[str]]:
     said = spelling(problem)
     found = [list(lines.interactions) for lines in said if lines.interactions and not lines.style]
     if bonded := [lines for lines in said if lines.style]:
-        found.append(linear.tied(bonded))
+        found.append(spring.tied(bonded))
     beside = [lines.beside for lines in said if lines.beside]
     return found if not beside else [dashpot.overlaid(found[0], beside), *found[1:]]
 
@@ -193,9 +192,9 @@ def motion_lines(problem: Problem, group: str) -> list[str]:
     system = problem.system
     lines = [
         f"fix motion {group} nve",
-        *at_rest.place_lines(system),
+        *static_load.place_lines(system),
         *(line for found in _of_links(problem) for line in found.motion),
-        *at_rest.hold_lines(system),
+        *static_load.hold_lines(system),
         *(line for found in _from_outside(problem) for line in found.motion),
     ]
     if _tied(system):

@@ -14,8 +14,7 @@ from lammps_inputs import laws
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Ingredient, Positive
 from lammps_inputs.laws import Law, Parameter
-from lammps_inputs.laws.hertz import Hertz
-from lammps_inputs.laws.power import Power
+from lammps_inputs.laws.contact import Hertz, Power
 from lammps_inputs.links import Along
 from lammps_inputs.units import PURE, Unit
 

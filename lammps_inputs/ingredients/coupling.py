@@ -9,8 +9,7 @@ from pydantic import Discriminator, Field, Tag, create_model, field_validator
 from lammps_inputs import physics, strict_yaml
 from lammps_inputs.ingredients.base import Ingredient, Part
 from lammps_inputs.laws import Law
-from lammps_inputs.laws.duffing import Duffing
-from lammps_inputs.laws.linear import Linear
+from lammps_inputs.laws.spring import Duffing, Linear
 from lammps_inputs.layout import Layout
 from lammps_inputs.links import Across
 from lammps_inputs.units import Unit

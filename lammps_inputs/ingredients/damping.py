@@ -18,8 +18,16 @@ from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Ingredient
 from lammps_inputs.ingredients.contact import HERTZ
 from lammps_inputs.laws import Parameter
-from lammps_inputs.laws.dashpot import NO_FLOOR, ContactDashpot, ContactLoss, Dashpot, Restitution, Viscoelastic, alpha
-from lammps_inputs.laws.wall_dashpot import WallDashpot
+from lammps_inputs.laws.dashpot import (
+    NO_FLOOR,
+    ContactDashpot,
+    ContactLoss,
+    Dashpot,
+    Restitution,
+    Viscoelastic,
+    WallDashpot,
+    alpha,
+)
 from lammps_inputs.links import Across, Along, Ground, Link, Wall, WallDamper
 from lammps_inputs.units import Unit
 

@@ -12,12 +12,11 @@ from numpy.typing import NDArray
 from pydantic import Field, field_validator
 
 from lammps_inputs import laws, strict_yaml
+from lammps_inputs.deck_lines import MOST_GROUPS
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Ingredient
 from lammps_inputs.laws import Law
-from lammps_inputs.laws.duffing import Duffing
-from lammps_inputs.laws.linear import Linear
-from lammps_inputs.lines import MOST_GROUPS
+from lammps_inputs.laws.spring import Duffing, Linear
 from lammps_inputs.links import Ground
 from lammps_inputs.units import Unit
 

@@ -15,11 +15,11 @@ from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
 
 from lammps_inputs import physics
+from lammps_inputs.deck_lines import MOST_GROUPS
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Ingredient, Positive
 from lammps_inputs.laws.wall import faces
 from lammps_inputs.layout import Layout
-from lammps_inputs.lines import MOST_GROUPS
 from lammps_inputs.units import Unit
 
 if TYPE_CHECKING:

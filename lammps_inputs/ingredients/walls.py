@@ -14,14 +14,13 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from lammps_inputs.deck_lines import MOST_GROUPS
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Ingredient, Part, Positive
 from lammps_inputs.ingredients.contact import HERTZ
 from lammps_inputs.ingredients.unequal import with_its_like
-from lammps_inputs.laws.power_wall import PowerWall
 from lammps_inputs.laws.preloaded import FreeWall
-from lammps_inputs.laws.wall import HertzWall
-from lammps_inputs.lines import MOST_GROUPS
+from lammps_inputs.laws.wall import HertzWall, PowerWall
 from lammps_inputs.links import Wall
 from lammps_inputs.units import Unit
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lammps_inputs.lines import Lines, whole_contacts
+from lammps_inputs.deck_lines import Lines, whole_contacts
 from lammps_inputs.numbers import text
 
 if TYPE_CHECKING:

@@ -9,12 +9,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from lammps_inputs.deck_lines import Lines
 from lammps_inputs.laws import Parameter
-from lammps_inputs.laws.hertz import Hertz
-from lammps_inputs.laws.power import Power
-from lammps_inputs.laws.power_wall import PowerWall
-from lammps_inputs.laws.wall import HertzWall, wall_lines
-from lammps_inputs.lines import Lines
+from lammps_inputs.laws.contact import Hertz, Power
+from lammps_inputs.laws.wall import HertzWall, PowerWall, wall_lines
 
 if TYPE_CHECKING:
     from lammps_inputs.layout import Layout
@@ -70,7 +68,7 @@ class Preloaded(NamedTuple):
         return np.where(there, found, 0.0)
 
     def along(self, name: str, layout: "Layout") -> Lines:
-        """The contact itself; the load is what it does at rest, see `lammps_inputs.decks.at_rest`."""
+        """The contact itself; the load is what it does at rest, see `lammps_inputs.static_load`."""
         return Hertz(self.strength).along(name, layout)
 
 

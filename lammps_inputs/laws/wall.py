@@ -1,12 +1,13 @@
-"""A bead that is pressed against something at rest: a Hertzian contact that pushes one way only (Hertz 1882)."""
+"""A bead that is pressed against something at rest: a contact that pushes one way only (Hertz 1882)."""
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lammps_inputs.deck_lines import Lines
 from lammps_inputs.laws import Parameter
-from lammps_inputs.lines import Lines
+from lammps_inputs.laws.contact import Power
 from lammps_inputs.numbers import text
 
 if TYPE_CHECKING:
@@ -133,3 +134,49 @@ def _by_formula(name: str, hard: str, face: float, g: str, model: str, law: Any,
 def _granular(normal: str, g: str, model: str, face: float, law: Any) -> str:
     faces = f"NULL {text(face)}" if law.side > 0.0 else f"{text(face)} NULL"
     return f"wall/gran granular {normal} {g} tangential linear_nohistory 0 0 {model} xplane {faces}"
+
+
+class PowerWall(NamedTuple):
+    """``A (s - gap)+^p`` against a wall on the right, the mirror image of that against one on the left; p >= 1."""
+
+    strength: Parameter
+    """A, in units of the scale's contact constant; 0 for beads that have no wall."""
+    exponent: float
+    """p."""
+    side: float
+    """1 for a wall towards higher bead numbers, -1 towards lower ones."""
+    gap: float
+    """Clear distance at rest."""
+
+    @staticmethod
+    def force(s: Any, strength: Any, exponent: Any, side: Any, gap: Any) -> Any:
+        """Repulsion by the wall; none where the bead is off it."""
+        return side * strength * np.maximum(side * s - gap, 0.0) ** exponent
+
+    @staticmethod
+    def energy(s: Any, strength: Any, exponent: Any, side: Any, gap: Any) -> Any:
+        """As of `Power`."""
+        return Power.energy(side * s - gap, strength, exponent)
+
+    @staticmethod
+    def stiffness(s: Any, strength: Any, exponent: Any, side: Any, gap: Any) -> Any:
+        """As of `Power`."""
+        return Power.stiffness(side * s - gap, strength, exponent)
+
+    @staticmethod
+    def reach(energy: Any, strength: Any, exponent: Any, side: Any, gap: Any) -> Any:
+        """Displacement at which one contact holds the whole energy; 0 where there is none."""
+        overlap = Power.reach(energy, strength, exponent)
+        return np.where(overlap > 0.0, side * (gap + overlap), 0.0)
+
+    def overlap(self, energy: float) -> Any:
+        """The overlap at which one contact holds the whole energy."""
+        return np.abs(self.reach(energy, *self)) - self.gap
+
+    def opposite(self) -> "PowerWall":
+        """The same on the other side."""
+        return self._replace(side=-self.side)
+
+    def ground(self, name: str, layout: "Layout") -> Lines:
+        """A wall as far away as the gap."""
+        return wall_lines(name, self, layout)

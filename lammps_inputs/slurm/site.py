@@ -16,7 +16,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationErr
 from lammps_inputs import strict_yaml
 from lammps_inputs.errors import InputError
 from lammps_inputs.library import describe
-from lammps_inputs.output.limits import Limits
+from lammps_inputs.output import Limits
 
 VARIABLE = "GRANCHAIN_SITE"
 DEFAULT_FILE = Path(".config/granchain/site.yaml")

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from lammps_inputs.laws.linear import Linear
+from lammps_inputs.laws.spring import Linear
 from lammps_inputs.links import Across, largest_eigenvalue
 
 RING = ((0, 1), (0, 3), (1, 2), (2, 3))

@@ -11,8 +11,7 @@ from analysis.files.binary_dump import BinaryDump
 from lammps_inputs import file_names, scheme
 from lammps_inputs.decks import deck
 from workflow.engines.reference import engine
-from workflow.engines.reference.suzuki import SUZUKI4
-from workflow.engines.reference.verlet import VERLET
+from workflow.engines.reference.schemes import SUZUKI4, VERLET
 
 TABLES = {"verlet": VERLET, "suzuki4": SUZUKI4}
 

@@ -21,7 +21,7 @@ import numpy as np
 
 from analysis.conservation import Conservation
 from lammps_inputs import Scene
-from workflow.runs.references import accountant
+from workflow.runs.check import accountant
 from workflow.runs.run import Run, run
 
 CLOSED = 1e-9

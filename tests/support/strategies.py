@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from lammps_inputs import Coupling, Kick, Material, Output, Scene
 from lammps_inputs.limits.closing import never_closes
-from lammps_inputs.limits.material import impossible
+from lammps_inputs.limits.solids import impossible
 
 NAMES = st.from_regex(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}", fullmatch=True)
 

@@ -52,7 +52,7 @@ def test_a_changed_law_is_computed_with_though_the_old_one_is_on_the_disk(tmp_pa
     first, hit = run(tree, tmp_path / "cache")
     assert not hit
     assert run(tree, tmp_path / "cache") == (first, True)
-    law = tree / "lammps_inputs/laws/hertz.py"
+    law = tree / "lammps_inputs/laws/contact.py"
     text = law.read_text()
     assert text.count("return strength * (closed * np.sqrt(closed))") == 1
     law.write_text(
@@ -118,7 +118,7 @@ def test_any_source_or_its_name_changes_the_place():
 
 def test_laws_and_kernels_are_among_the_sources():
     names = {name for name, _ in compiled.sources()}
-    assert {"lammps_inputs/laws/hertz.py", "workflow/engines/reference/kernel.py"} <= names
+    assert {"lammps_inputs/laws/contact.py", "workflow/engines/reference/kernel.py"} <= names
     assert "workflow/engines/collisions/engine.py" in names
 
 

@@ -15,8 +15,7 @@ from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import find_peaks
 from lammps_inputs import InputError, file_names, find
 from lammps_inputs.decks import deck
-from lammps_inputs.laws.duffing import Duffing
-from lammps_inputs.laws.linear import Linear
+from lammps_inputs.laws.spring import Duffing, Linear
 from lammps_inputs.links import Across
 from workflow.engines.reference.engine import run as trajectory
 from workflow.prepare.settings import settle

@@ -20,13 +20,13 @@ from lammps_inputs.ingredients.damping import Damping
 from lammps_inputs.ingredients.preload import Gravity, Precompression
 from lammps_inputs.ingredients.walls import Face, Walls
 from lammps_inputs.limits import rates
-from lammps_inputs.output.forces import Forces
+from lammps_inputs.output import Forces
 from lammps_inputs.scene import DEFAULT_ACCURACY, Output
 from workflow.cli import main
 from workflow.engines.reference import engine
-from workflow.engines.reference.accountant import Accountant
-from workflow.prepare.instants import stride
-from workflow.runs.references import closing
+from workflow.engines.reference.energy_exchange import Accountant
+from workflow.prepare.pilot import stride
+from workflow.runs.check import closing
 from workflow.runs.run import Run, run
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.analyse import analyse

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from lammps_inputs import InputError, strict_yaml
-from workflow.runs.whole_files import write_text
+from workflow.runs.files import write_text
 from workflow.screen import Answer, count_bar, one_line, print_table
 from workflow.sweep import collect as collecting
 from workflow.sweep.table import QUANTITIES, UNCERTAINTIES, Table

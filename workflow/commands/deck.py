@@ -10,10 +10,9 @@ from workflow.cluster import ranks
 from workflow.cluster.job_arguments import add_job_arguments, job_options, with_ranks
 from workflow.prepare.settings import settle
 from workflow.runs import contacts
-from workflow.runs.files import LAMMPS_FILES
+from workflow.runs.files import LAMMPS_FILES, write_text
 from workflow.runs.own_files import prepared, refuse_to_overwrite, replacing
 from workflow.runs.size import size_of, too_large
-from workflow.runs.whole_files import write_text
 from workflow.screen import one_line
 
 EXAMPLES = (

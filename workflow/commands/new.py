@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from lammps_inputs import InputError, library
-from workflow.runs.whole_files import write_text
+from workflow.runs.files import write_text
 from workflow.screen import one_line
 
 EXAMPLES = (

@@ -4,7 +4,7 @@ import argparse
 
 from lammps_inputs import schema
 from lammps_inputs.slurm.site import JobOptions
-from workflow.runs.whole_files import as_json
+from workflow.runs.files import as_json
 
 EXAMPLES = (
     "schema > scene.schema.json",

@@ -45,9 +45,9 @@ def execute(arguments: argparse.Namespace) -> Answer:
         print(f"#   {velocity}, {force}")
         print(f"# where kappa = {text(physics.kappa(system))}, timestep = {text(problem.timestep)}")
     if physics.gap(system) > 0.0 and physics.coupled(system) and physics.simply_coupled(system):
-        from workflow.engines.collisions import first_row  # numba takes a third of a second to import
+        from workflow.engines.collisions import modes  # numba takes a third of a second to import
 
-        theta, gap = first_row.theta(problem), scale.written(first_row.gap_of_eq_5(physics.kappa(system)), "length")
+        theta, gap = modes.theta(problem), scale.written(modes.gap_of_eq_5(physics.kappa(system)), "length")
         print(f"# theta = omega D / V = {theta:.6g}, omega = sqrt(2 kappa): all that rigid beads depend on;")
-        print(f"#   eq. 5 has theta = {first_row.THETA_OF_EQ_5:.6g}, which is a gap of {gap}")
+        print(f"#   eq. 5 has theta = {modes.THETA_OF_EQ_5:.6g}, which is a gap of {gap}")
     return Answer(0, scene.plain())

@@ -4,12 +4,12 @@ from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
 from lammps_inputs import InputError, Problem, Scene, physics
-from lammps_inputs.limits.timestep import stability_bound
+from lammps_inputs.limits.rates import stability_bound
 from lammps_inputs.numbers import memory
 from lammps_inputs.scene import DEFAULT_ACCURACY
 
 if TYPE_CHECKING:
-    from workflow.prepare.twin import Kept
+    from workflow.prepare.pilot import Kept
 
 
 @dataclass(frozen=True)
@@ -120,16 +120,16 @@ def settle(
         refuse_unstable(scene, source)
     # what only some scenes ask for is loaded for those: numba alone takes a third of a second
     if scene.until_bead is not None:
-        from workflow.prepare.duration import with_duration
+        from workflow.prepare.extent import with_duration
 
         scene = with_duration(scene)
     if scene.window == "auto":
-        from workflow.prepare.window import with_window
+        from workflow.prepare.extent import with_window
 
         scene = with_window(scene)
     if scene.timestep is not None or (scene.accuracy is None and not own_step):
         return scene, None
-    from workflow.prepare.accuracy import with_timestep
+    from workflow.prepare.pilot import with_timestep
 
     return with_timestep(scene, source)
 

@@ -1,4 +1,8 @@
-"""The error of a run, measured when it has ended, by the reference at some of its frames."""
+"""The error of a run, measured when it has ended, by the reference at some of its frames.
+
+Also the references that a run is compared with, or is: with ever more steps until their uncertainty is as asked for;
+and the energy that its frames have exchanged with what is outside, and with dashpots.
+"""
 
 import math
 import time
@@ -11,14 +15,74 @@ from analysis.against.common_times import paired
 from analysis.against.difference import Deviation, Difference, Place, waves_apart
 from analysis.tracking.leading_waves import Waves, leading_finder, leading_passages, leading_waves, usual_arrival
 from analysis.trajectory import Trajectory
-from lammps_inputs import Problem, html
+from lammps_inputs import Problem, html, physics
 from workflow.engines.reference import engine
-from workflow.engines.reference.certify import Certificate, Certifier
-from workflow.prepare.instants import SPACING, stride
+from workflow.engines.reference.certify import MOST_HALVINGS, Certificate, Certifier
+from workflow.engines.reference.energy_exchange import Accountant
+from workflow.prepare.pilot import CADENCE, SPACING, Kept, stride
 from workflow.prepare.settings import Settings
-from workflow.prepare.twin import CADENCE, Kept
-from workflow.runs.references import certifiers
 from workflow.runs.run_directory import RunDirectory
+
+SURE = 1.0 / 3.0
+"""Part of an accuracy to which the reference must be sure that tells whether a run keeps it."""
+
+_MOST_DOUBLINGS = 4
+
+CLOSED = 1e-9
+"""Of the energy put in: what the budget of a run by the reference may miss."""
+
+_MOST_STEPS = 256
+"""In place of one usual step, for that."""
+
+
+def certifiers(problem: Problem, settings: Settings | None) -> Iterator[Certifier]:
+    """References of a problem, of which the last counts; each is asked how sure it is when its blocks were taken.
+
+    With an accuracy in ever more steps, until the uncertainty is small enough or falls hardly more. Without one, or
+    where nothing could be measured for the default, the usual reference.
+    """
+    if settings is None or (settings.measured == 0.0 and not settings.asked):
+        yield Certifier(problem)
+        return
+    steps = 2 * math.ceil(0.5 * problem.every / settings.reference_timestep * (1.0 - 1e-9))
+    before = math.inf
+    for _ in range(_MOST_DOUBLINGS):
+        certifier = Certifier(problem, steps_per_frame=steps)
+        yield certifier
+        sure = certifier.certificate.velocity
+        if sure <= SURE * settings.accuracy or sure > 0.5 * before:
+            return
+        before, steps = sure, 2 * steps
+
+
+def closing(problem: Problem) -> Iterator[Certifier]:
+    """The usual reference; where energy is exchanged with ever more steps, until the budget is closed."""
+    certifier = Certifier(problem)
+    yield certifier
+    usual = certifier.certificate.steps_per_frame
+    while physics.exchanges(problem.system) and (missing := certifier.certificate.energy) > CLOSED:
+        steps = certifier.certificate.steps_per_frame
+        # contacts that open and close leave an order of 2.5
+        steps = min(math.ceil(1.5 * steps * (missing / CLOSED) ** 0.4), _MOST_STEPS * usual)
+        if steps <= certifier.certificate.steps_per_frame:
+            return
+        certifier = Certifier(problem, steps_per_frame=steps)
+        yield certifier
+
+
+def accountant(directory: RunDirectory, problem: Problem) -> Accountant:
+    """Of the frames of a run, or of its snapshots, with the steps that the run itself took if it is the reference's.
+
+    Args:
+        directory: the run.
+        problem: of the frames.
+    """
+    certificate = directory.account.certificate  # only the reference's runs have one
+    if certificate is None or certificate.steps_per_frame is None:
+        return Accountant(problem)
+    most = 2**MOST_HALVINGS * engine.default_steps_per_frame(problem)
+    return Accountant(problem, min(certificate.steps_per_frame, most))
+
 
 LITTLE = 100_000
 """As many recorded states of beads are all compared, which takes some hundredths of a second."""
@@ -30,7 +94,7 @@ class Check:
 
     Attributes:
         velocity: largest error of any velocity, in snapshots and the frames that are compared: all of a little run,
-            else those that `workflow.prepare.instants` chooses.
+            else those that `workflow.prepare.pilot` chooses.
         where: at which bead and time.
         arrival: largest error of an arrival of the leading pulse, where `analysis.tracking.peaks.sharp`; NaN where none
             is.

@@ -9,7 +9,7 @@ from analysis.largest_overlap import LargestOverlap, shown_by_frames
 from analysis.quantity import declare, result
 from lammps_inputs import Scene, laws, physics
 from lammps_inputs.ingredients.unequal import sizes_and_moduli
-from lammps_inputs.limits import hertz
+from lammps_inputs.limits import solids
 from workflow.runs.engines import ENGINES
 from workflow.runs.run_directory import RunDirectory
 
@@ -34,7 +34,7 @@ class Contacts:
     @property
     def possible(self) -> bool:
         """Whether the overlaps that were seen may be those of elastic spheres."""
-        return not (self.measured and self.overlap >= hertz.FLATTENED)
+        return not (self.measured and self.overlap >= solids.FLATTENED)
 
     def lines(self) -> list[str]:
         """What there is to say, and a warning where Hertz's law ends."""
@@ -42,7 +42,7 @@ class Contacts:
         found = [
             f"contacts: overlaps {most} {self.overlap:.2g} of the radius ({self.radius:g} m), "
             f"forces {self.force:.2g} N, pressures {self.pressure:.2g} Pa; elastic only if the yield strength is above "
-            f"{self.yield_strength:.2g} Pa (yield begins at {hertz.YIELD_PRESSURE} times it: Johnson, Contact "
+            f"{self.yield_strength:.2g} Pa (yield begins at {solids.YIELD_PRESSURE} times it: Johnson, Contact "
             "Mechanics, 1985, 6.1)"
         ]
         if not self.possible:
@@ -50,11 +50,11 @@ class Contacts:
                 "elastic spheres do not overlap so far, so this is no motion of such beads; are all numbers in SI "
                 "units, youngs_modulus in Pa, density in kg/m3, velocities in m/s, forces in N?"
             )
-        elif self.overlap > hertz.LARGEST_OVERLAP:
+        elif self.overlap > solids.LARGEST_OVERLAP:
             word = "is" if self.measured else "may be"
             found.append(
                 f"that {word} beyond Hertz's law, which holds for contacts small against the beads: overlaps below "
-                f"about {hertz.LARGEST_OVERLAP} of the radius (Johnson, 4.1)"
+                f"about {solids.LARGEST_OVERLAP} of the radius (Johnson, 4.1)"
             )
         return found
 
@@ -64,12 +64,12 @@ def at_most(scene: Scene) -> Contacts | None:
     problem = scene.problem()
     system = problem.system
     law = system.along[0].law
-    if not hertz.is_of_spheres(law):
+    if not solids.is_of_spheres(law):
         return None
     high = (
         laws.rest(law) + law.reach(physics.energy(system), *law)
         if laws.differs(law)
-        else hertz.overlap_bounds(system)[1]
+        else solids.overlap_bounds(system)[1]
     )
     return _contacts(scene, high, measured=False)
 
@@ -98,7 +98,7 @@ def measure(directory: RunDirectory) -> Contacts | None:
 
 def has_contacts(directory: RunDirectory) -> bool:
     """Whether the run has contacts of spheres, in SI units."""
-    spheres = all(hertz.is_of_spheres(link.law) for link in directory.problem.system.along)
+    spheres = all(solids.is_of_spheres(link.law) for link in directory.problem.system.along)
     return directory.scene.material is not None and spheres and ENGINES[directory.engine].deforms
 
 
@@ -109,7 +109,7 @@ def _contacts(scene: Scene, overlap: Any, *, measured: bool) -> Contacts | None:
         return None
     size, modulus = sizes_and_moduli(scene)
     metres = overlap * scene.scale.length / size
-    pressures = modulus * hertz.peak_pressure(metres, ball.radius, ball.youngs_modulus, ball.poisson_ratio)
+    pressures = modulus * solids.peak_pressure(metres, ball.radius, ball.youngs_modulus, ball.poisson_ratio)
     pressure = float(np.max(pressures))
     return Contacts(
         measured=measured,
@@ -117,5 +117,5 @@ def _contacts(scene: Scene, overlap: Any, *, measured: bool) -> Contacts | None:
         overlap=float(np.max(metres)) / ball.radius,
         force=float(np.max(laws.whole_force(scene.system.along[0].law, overlap))) * scene.scale.force,
         pressure=pressure,
-        yield_strength=pressure / hertz.YIELD_PRESSURE,
+        yield_strength=pressure / solids.YIELD_PRESSURE,
     )

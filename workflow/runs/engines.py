@@ -17,11 +17,10 @@ from lammps_inputs.decks import deck
 from workflow.cluster import ranks as model
 from workflow.engines.lammps import engine as lammps_engine
 from workflow.prepare.settings import Settings
-from workflow.runs.files import EVENTS, LAMMPS_FILES, RECORD
+from workflow.runs.check import certifiers, closing
+from workflow.runs.files import EVENTS, LAMMPS_FILES, RECORD, write_text
 from workflow.runs.job import Job
-from workflow.runs.references import certifiers, closing
 from workflow.runs.run_directory import RunDirectory
-from workflow.runs.whole_files import write_text
 
 Progress = Callable[[int, int], None]
 
@@ -144,9 +143,9 @@ class _Reference(Engine):
 
     def seconds(self, problem: Problem, ranks: int) -> float | None:  # noqa: ARG002  it runs on one core
         from workflow.engines.reference import engine  # numba takes a third of a second to import
-        from workflow.prepare import twin
+        from workflow.prepare import pilot
 
-        return model.REFERENCE_FORCE * twin.work(problem, 0, engine.default_steps_per_frame(problem))
+        return model.REFERENCE_FORCE * pilot.work(problem, 0, engine.default_steps_per_frame(problem))
 
     def compute(self, work: Work) -> dict[str, Any]:
         """To the accuracy if one is asked for; else, where energy is exchanged, until the energy budget is closed."""

@@ -1,9 +1,30 @@
-"""Which files in a run's directory are a run's: their names, and those of the frames there are."""
+"""The files of a directory: their names, who may write them, and how they are written whole.
 
+One run at a time works in a directory, one process at a time in a file. Locks are the kernel's: a killed process
+leaves none. Where a file system has none, all goes on without. Files are written under another name, and then
+renamed, so that a kill leaves them whole or not at all.
+"""
+
+import errno
+import fcntl
+import json
+import math
+import os
 import re
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from lammps_inputs import file_names
+from lammps_inputs import InputError, file_names
+from workflow.errors import EndedError, RunError
+from workflow.formats import figure_files
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure  # takes a while to import
+
 
 EVENTS = "events.csv"
 RECORD = "run.json"
@@ -42,3 +63,142 @@ def part_number(path: Path) -> int:
     """Number of a file of frames; 0 if it is none."""
     match = _PART.fullmatch(path.name)
     return 0 if match is None else int(match[2] or 1)
+
+
+_LOCK_SECONDS = 3.0
+"""How long the processes of a killed run may take to end."""
+
+
+@contextmanager
+def alone(directory: Path) -> Iterator[int]:
+    """Keep other runs out of a directory.
+
+    Yields:
+        A file descriptor: a process that inherits it keeps others out until it ends, too.
+
+    Raises:
+        InputError: something runs there.
+        FileNotFoundError: it was removed, or another has taken its place.
+    """
+    handle = os.open(directory, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        end = time.monotonic() + _LOCK_SECONDS
+        while True:
+            try:
+                fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                break
+            except BlockingIOError:
+                if time.monotonic() > end:
+                    raise InputError(f"{directory}: a run is under way in it; wait for its end, or end it") from None
+                time.sleep(0.05)
+            except OSError:  # a file system without locks
+                break
+        if not os.path.samestat(os.fstat(handle), directory.stat()):
+            raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(directory))
+        yield handle
+    finally:
+        os.close(handle)
+
+
+@contextmanager
+def changing(path: Path) -> Iterator[None]:
+    """Read a file and write it anew with nobody else doing so in between; a run and its analysis share ``run.json``."""
+    while True:
+        try:
+            handle = os.open(path, os.O_RDONLY)
+        except OSError:  # it is not there yet, or is nobody's who writes here
+            yield
+            return
+        try:
+            with suppress(OSError):  # a file system without locks
+                fcntl.flock(handle, fcntl.LOCK_EX)
+            with suppress(OSError):
+                if not os.path.samestat(os.fstat(handle), path.stat()):
+                    continue  # it was replaced meanwhile
+            yield
+            return
+        finally:
+            os.close(handle)
+
+
+def held(directory: Path) -> bool | None:
+    """Whether something runs in a directory; None on a file system without locks."""
+    handle = os.open(directory, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    except OSError:
+        return None
+    finally:
+        os.close(handle)
+    return False
+
+
+TEMPORARY = ".granchain-"
+"""In the name of a file that is being written, so that a kill leaves nothing that could be somebody else's."""
+
+
+def write_bytes(path: Path, content: bytes) -> None:
+    """Write a file whole or not at all.
+
+    Raises:
+        EndedError: it cannot be written; what was there before still is.
+    """
+    try:
+        _write(path, content)
+    except OSError as error:
+        raise EndedError(f"{path}: cannot be written ({error.strerror}); what was there is left as it was") from None
+
+
+def _write(path: Path, content: bytes) -> None:
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}{TEMPORARY}")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(content)
+        Path(name).chmod(0o644)
+        Path(name).replace(path)
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        raise
+
+
+def write_figure(directory: Path, name: str, figure: "Figure") -> tuple[Path, ...]:
+    """Write a figure in the formats of `workflow.formats`; returns the files.
+
+    Raises:
+        RunError: it holds numbers that cannot be drawn.
+    """
+    from analysis.figures.style import picture
+
+    paths = tuple(directory / file for file in figure_files(name))
+    for path in paths:
+        try:
+            content = picture(figure, path.suffix[1:])
+        except OverflowError:
+            raise RunError(f"{path}: numbers near 1e308 cannot be drawn; are the frames damaged?") from None
+        write_bytes(path, content)
+    return paths
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a text file whole or not at all."""
+    write_bytes(path, text.encode("utf-8"))
+
+
+def write_json(path: Path, data: dict[str, Any]) -> None:
+    """Write JSON whole or not at all; numbers round-trip, and what is not finite becomes null, for JSON has no NaN."""
+    write_text(path, as_json(data) + "\n")
+
+
+def as_json(data: Any) -> str:
+    """JSON of plain data; what is not finite becomes null, for JSON has no NaN."""
+    return json.dumps(_finite(data), indent=2, ensure_ascii=False, allow_nan=False)
+
+
+def _finite(data: Any) -> Any:
+    if isinstance(data, dict):
+        return {key: _finite(value) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [_finite(value) for value in data]
+    return None if isinstance(data, float) and not math.isfinite(data) else data

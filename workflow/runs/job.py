@@ -12,9 +12,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationErr
 from pydantic_core import from_json
 
 from lammps_inputs import InputError
-from workflow.runs.files import RECORD
-from workflow.runs.locks import changing
-from workflow.runs.whole_files import write_json
+from workflow.runs.files import RECORD, changing, write_json
 
 MAX_BYTES = 16 << 20
 """Ours are some kB; what comes from a scene file is at most 1 MiB."""
@@ -101,7 +99,7 @@ class Sample(_Part):
 
 
 class Results(_Part):
-    """Number of frames, their SHA-256, and the last state of some beads: `workflow.runs.results.results`."""
+    """Number of frames, their SHA-256, and the last state of some beads: `workflow.runs.run_directory.results`."""
 
     frames: Count
     sha256: str

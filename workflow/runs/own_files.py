@@ -15,10 +15,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from lammps_inputs import InputError, file_names
-from workflow.runs.files import OWN_FILES, RECORD, all_parts, part_number
+from workflow.runs.files import OWN_FILES, RECORD, TEMPORARY, all_parts, alone, changing, part_number, write_json
 from workflow.runs.job import Job, load
-from workflow.runs.locks import alone, changing
-from workflow.runs.whole_files import TEMPORARY, write_json
 
 _TEMPORARY = re.compile(rf"\..+{re.escape(TEMPORARY)}[a-z0-9_]{{4,8}}")
 _ASIDE, _GONE = f"{TEMPORARY}before-", f"{TEMPORARY}gone-"
@@ -120,7 +118,7 @@ def refuse_unusable(directory: Path, names: Iterable[str] = (), *, overwrite: bo
 
 @contextmanager
 def prepared(directory: Path, names: Iterable[str] = (), *, overwrite: bool = False) -> Iterator[int]:
-    """Make a directory and keep other runs out of it; what it yields is that of `workflow.runs.locks.alone`.
+    """Make a directory and keep other runs out of it; what it yields is that of `workflow.runs.files.alone`.
 
     Raises:
         InputError: as `refuse_unusable`, or something runs there.

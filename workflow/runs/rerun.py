@@ -13,9 +13,8 @@ from workflow.engines.lammps import mpi
 from workflow.runs.engines import LAMMPS, Progress
 from workflow.runs.files import RECORD, parts
 from workflow.runs.job import Job, Results, load
-from workflow.runs.results import SAMPLES, results, states
 from workflow.runs.run import run
-from workflow.runs.run_directory import RunDirectory
+from workflow.runs.run_directory import SAMPLES, RunDirectory, results, states
 
 
 @dataclass(frozen=True)

@@ -13,17 +13,14 @@ from analysis.files.binary_dump import BinaryDump, CutDumpWarning, NoFrameError
 from lammps_inputs import InputError, Problem, file_names, library
 from lammps_inputs.decks import continuation
 from workflow.engines.lammps import engine as lammps_engine
-from workflow.engines.lammps import live_peaks, restarts
+from workflow.engines.lammps import files_on_disk, stepping
 from workflow.prepare.settings import Settings
 from workflow.runs.engines import ENGINES, LAMMPS, Progress
-from workflow.runs.files import RECORD, all_parts, part_number, parts
+from workflow.runs.files import RECORD, all_parts, alone, part_number, parts, write_text
 from workflow.runs.job import Job
-from workflow.runs.locks import alone
 from workflow.runs.own_files import refuse_links, refuse_unwritable, remove_leftovers
-from workflow.runs.results import fingerprint
 from workflow.runs.run import Run, carry_out, measure_error
-from workflow.runs.run_directory import RunDirectory
-from workflow.runs.whole_files import write_text
+from workflow.runs.run_directory import RunDirectory, fingerprint
 
 _AGAIN = "nothing is there to go on from: run the scene again with another -o"
 
@@ -139,11 +136,11 @@ def _next_part(result: RunDirectory, job: Job) -> tuple[int, int]:
     A restart is of use if LAMMPS is still the one that wrote it, and if all frames until then are there.
     """
     path = result.path
-    step = restarts.step_of(path / file_names.RESTART) if restarts.intact(path / file_names.RESTART) else None
+    step = files_on_disk.step_of(path / file_names.RESTART) if files_on_disk.intact(path / file_names.RESTART) else None
     version = importlib.metadata.version("lammps")
     if not step or job.versions.get("lammps") != version or not _hold_all(path, result.problem, step):
         return 1, 0
-    if result.problem.peaks and not live_peaks.usable(path / file_names.PEAKS_STATE, result.problem, step):
+    if result.problem.peaks and not stepping.usable(path / file_names.PEAKS_STATE, result.problem, step):
         return 1, 0
     _tidy(path)
     return max(part_number(file) for file in all_parts(path)) + 1, step

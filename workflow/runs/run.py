@@ -20,11 +20,10 @@ from workflow.prepare.settings import Settings, refuse_too_large, settle
 from workflow.runs import check as checking
 from workflow.runs import contacts
 from workflow.runs.engines import ENGINES, LAMMPS, Progress, Start, Work, engine_called
+from workflow.runs.files import write_text
 from workflow.runs.own_files import prepared, refuse_links, refuse_unusable, replacing
-from workflow.runs.results import fingerprint, provenance, results
-from workflow.runs.run_directory import RunDirectory
+from workflow.runs.run_directory import RunDirectory, fingerprint, provenance, results
 from workflow.runs.size import refuse_beforehand, refuse_too_long
-from workflow.runs.whole_files import write_text
 
 LAMMPS_BYTES = 1000
 """Of memory, a bead; measured."""

@@ -10,7 +10,7 @@ from typing import Any
 from lammps_inputs import InputError, Problem, Scene, physics
 from lammps_inputs.limits import rates
 from lammps_inputs.numbers import size_text, time_text
-from lammps_inputs.output.limits import Limits
+from lammps_inputs.output import Limits
 from lammps_inputs.slurm import site
 from lammps_inputs.window import LEAST_WINDOW
 from workflow.cluster import ranks as model

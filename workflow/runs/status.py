@@ -18,10 +18,9 @@ from typing import Any, Literal
 from analysis.files.dump_layout import last_step
 from lammps_inputs import InputError, file_names
 from workflow.cluster.queue import Queue, Queued
-from workflow.engines.lammps.restarts import step_of
-from workflow.runs.files import RECORD, parts
+from workflow.engines.lammps.files_on_disk import step_of
+from workflow.runs.files import RECORD, held, parts
 from workflow.runs.job import Job, Study, load
-from workflow.runs.locks import held
 
 State = Literal["none", "written", "waiting", "running", "done", "failed", "incomplete"]
 

@@ -19,8 +19,8 @@ from analysis.tracking.peaks import PeakFinder
 from analysis.trajectory import Trajectory, blocks
 from lammps_inputs import InputError, Problem, Scene, library, physics
 from workflow.engines.reference import engine
-from workflow.engines.reference.accountant import Accountant
-from workflow.prepare.duration import with_duration
+from workflow.engines.reference.energy_exchange import Accountant
+from workflow.prepare.extent import with_duration
 from workflow.sweep.collect import quantities
 from workflow.sweep.table import QUANTITIES
 from workflow.verdicts.analysis_report import REPORT, report

@@ -10,8 +10,8 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from analysis.figures.style import picture as content_of
+from workflow.runs.files import write_bytes, write_text
 from workflow.runs.own_files import claim
-from workflow.runs.whole_files import write_bytes, write_text
 
 SECTION = "section.json"
 

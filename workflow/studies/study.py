@@ -29,9 +29,8 @@ from typing import TYPE_CHECKING, Any
 from analysis import quantity
 from workflow.formats import figure_files
 from workflow.runs import job
-from workflow.runs.locks import alone
+from workflow.runs.files import alone, write_figure, write_text
 from workflow.runs.own_files import claim, make_directory
-from workflow.runs.whole_files import write_figure, write_text
 from workflow.workers.results import Results
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from workflow.errors import RunError
 from workflow.formats import asked
 from workflow.prepare.settings import refuse_unstable
 from workflow.runs.engines import ENGINES
-from workflow.runs.locks import alone
+from workflow.runs.files import alone
 from workflow.runs.own_files import make_directory
 from workflow.runs.size import refuse_beforehand
 from workflow.runs.status import status

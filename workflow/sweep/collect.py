@@ -10,10 +10,9 @@ import numpy as np
 from lammps_inputs import InputError, file_names, library, strict_yaml
 from workflow.cluster import queue
 from workflow.engines.lammps.mpi import cores
-from workflow.runs.files import RECORD
+from workflow.runs.files import RECORD, write_figure
 from workflow.runs.job import account
 from workflow.runs.status import Status, status
-from workflow.runs.whole_files import write_figure
 from workflow.sweep import fields
 from workflow.sweep.directory import Asked, asked, is_analysed, read_json, task
 from workflow.sweep.table import QUANTITIES, UNCERTAINTIES, UNSETTLED, Table

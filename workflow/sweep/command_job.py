@@ -7,8 +7,8 @@ from pathlib import Path
 from lammps_inputs import file_names
 from lammps_inputs.slurm.job import render_command
 from lammps_inputs.slurm.site import JobOptions
+from workflow.runs.files import write_text
 from workflow.runs.own_files import claim, make_directory
-from workflow.runs.whole_files import write_text
 
 
 def write_job(

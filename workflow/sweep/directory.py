@@ -20,13 +20,12 @@ from workflow.engines.lammps import hosted
 from workflow.formats import figure_files, written_as
 from workflow.prepare.settings import found_beforehand
 from workflow.runs import job
-from workflow.runs.files import RECORD
+from workflow.runs.files import RECORD, write_json, write_text
 from workflow.runs.own_files import claim, others, remove_leftovers
 from workflow.runs.resume import resume
 from workflow.runs.run import Run, run
 from workflow.runs.run_directory import RunDirectory
 from workflow.runs.status import status
-from workflow.runs.whole_files import write_json, write_text
 from workflow.verdicts.analyse import analyse
 from workflow.verdicts.analysis_report import REPORT
 from workflow.workers.pool import Task

@@ -12,11 +12,10 @@ from workflow.cluster import queue
 from workflow.cluster.job_arguments import with_ranks
 from workflow.prepare.settings import settle
 from workflow.runs.engines import LAMMPS
-from workflow.runs.files import LAMMPS_FILES, RECORD
+from workflow.runs.files import LAMMPS_FILES, RECORD, write_json, write_text
 from workflow.runs.job import Job
 from workflow.runs.own_files import claim, listed, retire
 from workflow.runs.status import status
-from workflow.runs.whole_files import write_json, write_text
 from workflow.sweep.carry_out import planned, request
 from workflow.sweep.cases import Case, scene_of
 from workflow.sweep.directory import begin

@@ -21,11 +21,10 @@ from analysis.trajectory import Trajectory
 from lammps_inputs import InputError, Problem, html, physics
 from lammps_inputs.facts import Fact
 from workflow.formats import figure_files, in_any_format
+from workflow.runs.check import accountant
+from workflow.runs.files import write_figure, write_json, write_text
 from workflow.runs.own_files import claim, retire
-from workflow.runs.references import accountant
-from workflow.runs.results import Fingerprint
-from workflow.runs.run_directory import RunDirectory
-from workflow.runs.whole_files import write_figure, write_json, write_text
+from workflow.runs.run_directory import Fingerprint, RunDirectory
 from workflow.verdicts.analysis_report import REPORT, WAVES, last_clear_bead, report, waves_csv
 from workflow.verdicts.findings import FINDINGS, energy
 from workflow.verdicts.findings.finding import Finding

@@ -14,10 +14,10 @@ from lammps_inputs import InputError, Problem, html, physics
 from lammps_inputs.facts import Fact
 from workflow.engines.reference.certify import Certificate, Certifier
 from workflow.formats import figure_files
+from workflow.runs.check import accountant
+from workflow.runs.files import write_figure, write_json
 from workflow.runs.own_files import claim
-from workflow.runs.references import accountant
 from workflow.runs.run_directory import RunDirectory
-from workflow.runs.whole_files import write_figure, write_json
 from workflow.verdicts import causes
 
 TOLERANCES = {

@@ -14,9 +14,9 @@ from bokeh.resources import INLINE
 from analysis.figures.style import axis_unit, shown_chains
 from analysis.files.binary_dump import CutDumpWarning
 from lammps_inputs import InputError, Problem, file_names, strict_yaml
+from workflow.runs.files import write_text
 from workflow.runs.own_files import claim
 from workflow.runs.run_directory import RunDirectory
-from workflow.runs.whole_files import write_text
 from workflow.sweep.collect import collect
 from workflow.verdicts.analyse import analyse, default_beads
 from workflow.view.run_page import layout

@@ -15,7 +15,7 @@ from analysis.figures.validation import validation_figure
 from analysis.tracking.peaks import THRESHOLD, PeakFinder, Peaks, sharp
 from analysis.trajectory import blocks
 from workflow.engines.reference import engine
-from workflow.engines.reference.verlet import VERLET
+from workflow.engines.reference.schemes import VERLET
 
 LIMITS = {"velocity": 1e-3, "displacement": 1e-3, "amplitude": 1e-3, "arrival": 1e-3, "energy": 1e-3, "momentum": 1e-3}
 

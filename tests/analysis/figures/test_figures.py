@@ -17,7 +17,7 @@ from analysis.sharing.survey import survey
 from lammps_inputs import Kick
 from lammps_inputs.units import make_scale
 from workflow.formats import written_as
-from workflow.runs.whole_files import write_figure
+from workflow.runs.files import write_figure
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,7 @@ from stock_lammps import DEBIAN, MPIEXEC, WHEEL, scene
 from lammps_inputs import Kick, file_names
 from lammps_inputs.decks import continuation, deck
 from lammps_inputs.ingredients.damping import Damping
-from workflow.engines.lammps import mpi, restarts
+from workflow.engines.lammps import files_on_disk, mpi
 from workflow.runs.files import parts
 from workflow.runs.run_directory import RunDirectory
 
@@ -77,7 +77,7 @@ def test_stock_lammps_goes_on_twice_bit_for_bit(case, executable, ranks, tmp_pat
     first, second = (1200, 3000) if one.window else (1335, 3000)
     lmp(executable, ranks[0], cut, "-in", "in.first", "-var", "steps", first)
     lmp(executable, ranks[1], cut, "-in", "in.second", "-var", "steps", second)
-    assert restarts.step_of(cut / file_names.RESTART) == second
+    assert files_on_disk.step_of(cut / file_names.RESTART) == second
     lmp(executable, ranks[0], cut, "-in", file_names.CONTINUE, "-var", "dump", continuation.dump_part(3))
     assert len(parts(cut)) == 3
     np.testing.assert_array_equal(frames(cut), frames(tmp_path / "whole"))

@@ -11,8 +11,7 @@ from analysis.shape.exact_wave import solitary_wave
 from lammps_inputs import Scene, file_names, laws, library
 from lammps_inputs.decks import deck
 from lammps_inputs.facts import Fact
-from lammps_inputs.laws.hertz import Hertz
-from lammps_inputs.laws.power import Power
+from lammps_inputs.laws.contact import Hertz, Power
 from lammps_inputs.limits import rates
 from workflow.runs.run import run
 from workflow.sweep.fields import all_fields

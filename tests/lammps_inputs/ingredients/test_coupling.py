@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 
 from lammps_inputs import library, physics, strict_yaml
 from lammps_inputs.decks import deck
-from lammps_inputs.laws.linear import Linear
+from lammps_inputs.laws.spring import Linear
 from lammps_inputs.limits import rates
-from lammps_inputs.limits.timestep import stability_bound
+from lammps_inputs.limits.rates import stability_bound
 
 
 def scene(coupling, **changes):

@@ -19,7 +19,7 @@ from lammps_inputs.ingredients.unequal import Kind
 from lammps_inputs.ingredients.walls import Face, Walls
 from lammps_inputs.laws.dashpot import alpha
 from lammps_inputs.limits import rates
-from lammps_inputs.limits.timestep import stability_bound
+from lammps_inputs.limits.rates import stability_bound
 
 SLOW = pytest.mark.slow
 

@@ -16,7 +16,7 @@ from lammps_inputs import InputError, library
 from lammps_inputs.limits import rates
 from workflow.cli import main
 from workflow.engines.reference import engine
-from workflow.prepare import twin
+from workflow.prepare import pilot
 from workflow.prepare.settings import settle
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
@@ -196,7 +196,7 @@ def test_the_end_at_a_bead_comes_sooner_the_faster_sound_is():
 
 def test_the_work_of_a_run_counts_the_rows_that_sound_reaches():
     slow, fast = (loaded(precompression={"force": f}, beads=1000, duration=50.0).problem() for f in (1e-3, 100.0))
-    assert twin.work(fast, 1, 0) > 1.8 * twin.work(slow, 1, 0)
+    assert pilot.work(fast, 1, 0) > 1.8 * pilot.work(slow, 1, 0)
 
 
 def test_the_default_step_follows_sound_and_an_unstable_one_is_refused():

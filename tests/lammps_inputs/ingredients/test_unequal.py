@@ -22,11 +22,11 @@ from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import find_peaks
 from analysis.trajectory import blocks
 from lammps_inputs import file_names, find, library, physics
+from lammps_inputs.deck_lines import types_by_contact
 from lammps_inputs.decks import deck
 from lammps_inputs.ingredients.unequal import Disorder
-from lammps_inputs.laws import hertz
-from lammps_inputs.limits.timestep import stability_bound
-from lammps_inputs.lines import types_by_contact
+from lammps_inputs.laws import contact
+from lammps_inputs.limits.rates import stability_bound
 from workflow.cli import main
 from workflow.engines.reference import engine
 from workflow.runs.contacts import measure
@@ -233,7 +233,7 @@ def test_a_striker_makes_a_train_of_pulses(mass, train):
 
 def test_types_that_tell_contacts_apart_are_found_once_for_a_deck(monkeypatch):
     found = []
-    monkeypatch.setattr(hertz, "types_by_contact", lambda strength: found.append(1) or types_by_contact(strength))
+    monkeypatch.setattr(contact, "types_by_contact", lambda strength: found.append(1) or types_by_contact(strength))
     deck.render(scene(disorder={"radius": 0.1, "seed": 7}, timestep=0.005))
     assert found == [1]
 

@@ -12,7 +12,7 @@ from analysis.mirror import mirrored, mirrored_problem
 from analysis.sharing.survey import survey
 from analysis.trajectory import joined
 from lammps_inputs import find
-from lammps_inputs.limits.timestep import stability_bound
+from lammps_inputs.limits.rates import stability_bound
 from workflow.cli import main
 from workflow.engines.reference import engine
 from workflow.runs.run import run

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from small_problems import system
 
 from lammps_inputs import laws
-from lammps_inputs.laws.hertz import Hertz
+from lammps_inputs.laws.contact import Hertz
 from lammps_inputs.layout import Layout
 
 HERTZ = Hertz()

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from small_problems import system
 
 from lammps_inputs import laws
-from lammps_inputs.laws.linear import Linear
+from lammps_inputs.laws.spring import Linear
 from lammps_inputs.layout import Layout
 from lammps_inputs.links import Across
 

@@ -4,11 +4,9 @@ import numpy as np
 import pytest
 
 from lammps_inputs import laws
-from lammps_inputs.laws.hertz import Hertz
-from lammps_inputs.laws.power import Power
-from lammps_inputs.laws.power_wall import PowerWall
+from lammps_inputs.laws.contact import Hertz, Power
 from lammps_inputs.laws.preloaded import pressed, under, wall_under
-from lammps_inputs.laws.wall import HertzWall
+from lammps_inputs.laws.wall import HertzWall, PowerWall
 
 LOADS = np.geomspace(1e-9, 1e6, 40)
 LAWS = {

@@ -4,8 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lammps_inputs import laws
-from lammps_inputs.laws.power_wall import PowerWall
-from lammps_inputs.laws.wall import HertzWall
+from lammps_inputs.laws.wall import HertzWall, PowerWall
 
 POSITIVE = st.floats(1e-6, 1e6)
 SIDE = st.sampled_from([1.0, -1.0])

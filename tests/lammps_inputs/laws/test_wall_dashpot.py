@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from lammps_inputs.laws import dashpot
-from lammps_inputs.laws.dashpot import NO_FLOOR, ContactDashpot, Restitution, Viscoelastic
-from lammps_inputs.laws.wall_dashpot import WallDashpot
+from lammps_inputs.laws.dashpot import NO_FLOOR, ContactDashpot, Restitution, Viscoelastic, WallDashpot
 
 PLACES = np.array([-0.6, -0.2, 0.3, 1.1])
 LAWS = {

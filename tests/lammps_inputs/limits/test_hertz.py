@@ -10,8 +10,8 @@ from stock_lammps import scene
 
 from lammps_inputs import Kick, Material, System, physics
 from lammps_inputs.ingredients import coupled_chains
-from lammps_inputs.limits import hertz
-from lammps_inputs.limits.hertz import overlap_bounds, peak_pressure, sound_speed
+from lammps_inputs.limits import solids
+from lammps_inputs.limits.solids import overlap_bounds, peak_pressure, sound_speed
 from lammps_inputs.units import hertz_constant
 from workflow.engines.reference import engine
 
@@ -101,7 +101,7 @@ def test_yield_begins_at_1_6_times_the_yield_strength():
     axial = -1.0 / (1.0 + z**2)
     radial = -1.3 * (1.0 - z * np.arctan(1.0 / z)) + 0.5 / (1.0 + z**2)
     difference = np.abs(radial - axial)
-    assert 1.0 / difference.max() == pytest.approx(hertz.YIELD_PRESSURE, abs=0.02)
+    assert 1.0 / difference.max() == pytest.approx(solids.YIELD_PRESSURE, abs=0.02)
     assert z[difference.argmax()] == pytest.approx(0.48, abs=0.01)
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from lammps_inputs.limits.material import impossible, unlikely
+from lammps_inputs.limits.solids import impossible, unlikely
 
 BEADS = {
     "steel": (4.76e-3, 8000.0, 193e9),

@@ -11,13 +11,12 @@ from small_problems import system
 
 from lammps_inputs import Coupling, Kick, Scene, laws, library
 from lammps_inputs import scheme as schemes
-from lammps_inputs.laws.hertz import Hertz
-from lammps_inputs.limits import rates, timestep
+from lammps_inputs.laws.contact import Hertz
+from lammps_inputs.limits import rates
 from lammps_inputs.scene import DEFAULT_ACCURACY
 from workflow.engines.reference import engine
 from workflow.engines.reference.certify import certified
-from workflow.engines.reference.suzuki import SUZUKI4
-from workflow.engines.reference.verlet import VERLET
+from workflow.engines.reference.schemes import SUZUKI4, VERLET
 
 
 def growth(omega, step):
@@ -40,7 +39,7 @@ def cycle_growth(omega, step):
 @pytest.mark.parametrize("chains", [2, 3, 10])
 def test_with_springs_alone_verlet_is_stable_up_to_the_bound_and_not_beyond(chains):
     kappa = 0.7
-    bound = timestep.stability_bound(system(0.0, kappa, chains))
+    bound = rates.stability_bound(system(0.0, kappa, chains))
     omega = rates.swing(system(0.0, kappa, chains))
     assert growth(omega, 0.999 * bound) == pytest.approx(1.0, abs=1e-12)
     assert growth(omega, 1.001 * bound) > 1.05
@@ -56,7 +55,7 @@ def test_no_overlaps_of_this_energy_vibrate_faster_than_the_bound(shares, chains
     hessian = np.kron(np.eye(chains), along.T @ (slopes[:, None] * along))
     hessian += kappa * np.kron(across.T @ across, np.eye(len(slopes) + 1))
     fastest = math.sqrt(max(np.linalg.eigvalsh(hessian)[-1], 0.0))
-    assert fastest * timestep.stability_bound(system(total, kappa, chains)) <= 2.0 + 1e-12
+    assert fastest * rates.stability_bound(system(total, kappa, chains)) <= 2.0 + 1e-12
 
 
 class Softening(NamedTuple):
@@ -89,15 +88,13 @@ def test_a_law_that_softens_is_bounded_by_its_stiffness_at_rest_or_by_its_own_bo
 def test_the_bound_is_that_of_the_notes():
     """omega_max^2 = 6 sqrt(overlap_max) + kappa lambda_max, 0.4 overlap_max^2.5 = energy."""
     overlap = (0.5 / 0.4) ** 0.4
-    assert timestep.stability_bound(system(0.5, 0.1, 2)) == pytest.approx(
-        2 / math.sqrt(6 * overlap**0.5 + 0.2), rel=1e-14
-    )
+    assert rates.stability_bound(system(0.5, 0.1, 2)) == pytest.approx(2 / math.sqrt(6 * overlap**0.5 + 0.2), rel=1e-14)
 
 
 @given(st.floats(1e-6, 1e6), st.floats(0.0, 1e12), st.integers(1, 100), st.floats(1e-10, 0.1))
 def test_the_rule_gives_no_step_above_half_the_bound(energy, kappa, chains, accuracy):
-    step = timestep.timestep_for(accuracy, 1.0, system(energy, kappa, chains))
-    assert 0.0 < step <= timestep.stability_bound(system(energy, kappa, chains)) / 2.0
+    step = rates.timestep_for(accuracy, 1.0, system(energy, kappa, chains))
+    assert 0.0 < step <= rates.stability_bound(system(energy, kappa, chains)) / 2.0
 
 
 @pytest.mark.parametrize(
@@ -139,20 +136,20 @@ def test_the_rule_keeps_the_default_accuracy_where_springs_are_stiff(kappa, chai
 @given(st.floats(1e-10, 0.1), st.floats(1.0, 1e5), st.floats(0.0, 1e4), st.integers(1, 100))
 def test_the_law_asks_for_shorter_steps_for_more_accuracy_time_and_stiffness(accuracy, duration, kappa, chains):
     for scheme in ("verlet", "suzuki4"):
-        step = timestep.timestep_for(accuracy, duration, system(0.5, kappa, chains), scheme)
-        assert 0.0 < timestep.timestep_for(accuracy / 2.0, duration, system(0.5, kappa, chains), scheme) <= step
-        assert timestep.timestep_for(accuracy, 2.0 * duration, system(0.5, kappa, chains), scheme) <= step
-        assert timestep.timestep_for(accuracy, duration, system(0.5, 2.0 * kappa, chains), scheme) <= step
+        step = rates.timestep_for(accuracy, duration, system(0.5, kappa, chains), scheme)
+        assert 0.0 < rates.timestep_for(accuracy / 2.0, duration, system(0.5, kappa, chains), scheme) <= step
+        assert rates.timestep_for(accuracy, 2.0 * duration, system(0.5, kappa, chains), scheme) <= step
+        assert rates.timestep_for(accuracy, duration, system(0.5, 2.0 * kappa, chains), scheme) <= step
 
 
 def test_velocity_verlet_needs_ten_times_the_steps_for_a_hundredth_of_the_error():
-    few, many = (timestep.timestep_for(accuracy, 192.0, system(0.5, 0.1, 2)) for accuracy in (1e-3, 1e-5))
+    few, many = (rates.timestep_for(accuracy, 192.0, system(0.5, 0.1, 2)) for accuracy in (1e-3, 1e-5))
     assert few / many == pytest.approx(10.0, rel=1e-12)
 
 
 def test_with_springs_alone_suzukis_cycle_is_stable_up_to_its_bound_and_not_beyond():
     omega = rates.swing(system(0.0, 0.7, 3))
-    bound = timestep.stability_bound(system(0.0, 0.7, 3), "suzuki4")
+    bound = rates.stability_bound(system(0.0, 0.7, 3), "suzuki4")
     assert cycle_growth(omega, 0.999 * bound) == pytest.approx(1.0, abs=1e-9)
     assert cycle_growth(omega, 1.01 * bound) > 1.01
 

@@ -3,7 +3,7 @@
 import pytest
 from small_problems import problem
 
-from workflow.prepare.instants import stride
+from workflow.prepare.pilot import stride
 
 
 @pytest.mark.parametrize(

@@ -11,15 +11,15 @@ from small_problems import problem as small_problem
 
 from analysis.against.common_times import on_common_rows
 from lammps_inputs import Coupling, InputError, Kick, Output, Scene, find, strict_yaml
-from lammps_inputs.limits.timestep import stability_bound, timestep_for
+from lammps_inputs.limits.rates import stability_bound, timestep_for
 from lammps_inputs.scene import DEFAULT_ACCURACY
 from lammps_inputs.units import make_scale
 from workflow.cli import main
 from workflow.engines.reference import engine
 from workflow.engines.reference.certify import certified
 from workflow.errors import RunError
-from workflow.prepare import step_search, twin
-from workflow.prepare.instants import stride
+from workflow.prepare import pilot
+from workflow.prepare.pilot import stride
 from workflow.prepare.settings import Settings, settle
 from workflow.runs import resume
 from workflow.runs.check import check
@@ -68,8 +68,8 @@ def error(problem, accuracy):
     runs = (
         engine.blocks(
             problem,
-            scheme=twin.TABLES[problem.scheme],
-            steps_per_frame=problem.steps_per_frame // twin.scheme.cycle(problem.scheme),
+            scheme=pilot.TABLES[problem.scheme],
+            steps_per_frame=problem.steps_per_frame // pilot.scheme.cycle(problem.scheme),
         ),
         certified(problem, accuracy / 5.0).blocks(),
     )
@@ -122,7 +122,7 @@ def test_so_it_does_with_suzukis_scheme_of_which_frames_hold_whole_cycles(name, 
 )
 def test_so_it_does_where_less_than_the_run_can_be_measured(changes, work):
     problem, accuracy = scene(**{"beads": 120, "duration": 192.0, **changes}).problem(), 1e-4
-    found = step_search.search(problem, accuracy, most_work=work)
+    found = pilot.search(problem, accuracy, most_work=work)
     steps = math.ceil(problem.every / found.timestep)
     assert (found.measured, found.measured_error) != (1.0, found.error)
     made = error(replace(problem, steps_per_frame=steps, timestep=problem.every / steps), accuracy)
@@ -135,11 +135,11 @@ def test_so_it_does_where_less_than_the_run_can_be_measured(changes, work):
 def test_the_rule_alone_errs_on_the_safe_side_by_a_factor_of_five_in_the_step_at_most(name, scheme):
     problem, accuracy = replace((GRID.get(name) or find(name)).problem(), scheme=scheme), 1e-5
     step = timestep_for(accuracy, problem.duration, problem.system, scheme)
-    cycles = math.ceil(problem.every / (step * twin.scheme.cycle(scheme)))
-    steps = cycles * twin.scheme.cycle(scheme)
+    cycles = math.ceil(problem.every / (step * pilot.scheme.cycle(scheme)))
+    steps = cycles * pilot.scheme.cycle(scheme)
     found = error(replace(problem, timestep=problem.every / steps, steps_per_frame=steps), accuracy)
     assert found <= accuracy
-    assert (accuracy / found) ** (1.0 / twin.TABLES[scheme].order) <= 5.0
+    assert (accuracy / found) ** (1.0 / pilot.TABLES[scheme].order) <= 5.0
 
 
 @pytest.mark.slow
@@ -199,7 +199,7 @@ def test_a_pilot_run_is_made_only_for_lammps_and_where_no_step_is_named(named):
 def test_a_check_with_the_reference_of_the_pilot_run_finds_what_a_new_one_does(tmp_path, changes):
     settled, settings = settle(scene(**{"duration": 150.0, **changes}))
     done = run(settled, tmp_path / "run", settings=settings)
-    assert settings.reference.is_of(done.directory.problem.coarser(stride(done.directory.problem, twin.CADENCE)))
+    assert settings.reference.is_of(done.directory.problem.coarser(stride(done.directory.problem, pilot.CADENCE)))
     again = check(done.directory, replace(settings, reference=None))
     for name in ("velocity", "arrival", "amplitude"):
         assert getattr(done.check, name) == pytest.approx(getattr(again, name), rel=1e-6)
@@ -295,8 +295,8 @@ def test_an_accuracy_that_cannot_be_is_told_in_one_line(tmp_path, capsys, lines,
 
 def test_what_rounding_forbids_is_refused():
     long = small_problem(beads=100_000, frames=1_000_000)
-    with pytest.raises(twin.UnreachableError, match="rounding"):
-        step_search.search(long, 1e-9, most_work=0.0)
+    with pytest.raises(pilot.UnreachableError, match="rounding"):
+        pilot.search(long, 1e-9, most_work=0.0)
 
 
 @pytest.mark.slow
@@ -307,8 +307,8 @@ def test_rounding_leaves_no_more_than_is_reckoned_with(tmp_path):
     fine = scene(beads=1000, kick=kick, duration=20.0, timestep=1e-3, output=Output(beads=far))
     made = run(fine, tmp_path / "run", check=False)
     own, problem = made.trajectory, made.directory.problem
-    right = engine.run(problem, scheme=twin.TABLES["verlet"], steps_per_frame=problem.steps_per_frame)
-    floor = step_search.rounding(problem, problem.timestep)
+    right = engine.run(problem, scheme=pilot.TABLES["verlet"], steps_per_frame=problem.steps_per_frame)
+    floor = pilot.rounding(problem, problem.timestep)
     assert 0.01 * floor < np.abs(own.velocity - right.velocity).max() < floor
 
 
@@ -318,13 +318,13 @@ def test_rounding_leaves_no_more_than_is_reckoned_with(tmp_path):
 def test_chaos_behind_the_front_is_refused(work):
     """Two chains, kappa = 0.01: in t = 816, beads behind the front collide too often."""
     whole = scene(kappa=0.01, beads=480, duration=816.0).problem()
-    with pytest.raises(twin.UnreachableError, match="behind the front collide again and again"):
-        step_search.search(whole, 1e-4, most_work=work)
+    with pytest.raises(pilot.UnreachableError, match="behind the front collide again and again"):
+        pilot.search(whole, 1e-4, most_work=work)
 
 
 def test_the_error_in_a_window_is_measured_where_the_pulse_is():
     whole, window = (scene(beads=200, duration=180.0, window=rows).problem() for rows in (None, 64))
-    found = [twin.measure(problem, 1e-4, 1e9) for problem in (whole, window)]
+    found = [pilot.measure(problem, 1e-4, 1e9) for problem in (whole, window)]
     # the largest error of the whole chains is at the pulse, too, at another of the instants that are compared
     assert found[1].error * found[0].timestep ** 2 == pytest.approx(found[0].error * found[1].timestep ** 2, rel=0.05)
 
@@ -332,7 +332,7 @@ def test_the_error_in_a_window_is_measured_where_the_pulse_is():
 @pytest.mark.slow
 def test_near_the_front_there_is_none():
     near = scene(kappa=0.01, chains=2, beads=480, duration=816.0, window=96)
-    assert step_search.search(near.problem(), 1e-3, most_work=1e9).measured == 1.0
+    assert pilot.search(near.problem(), 1e-3, most_work=1e9).measured == 1.0
 
 
 # --- stability --------------------------------------------------------------------------------------------------------

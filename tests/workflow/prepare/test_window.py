@@ -14,7 +14,7 @@ from analysis.files import recording
 from analysis.files.binary_dump import BinaryDump
 from lammps_inputs import Kick, file_names, load
 from lammps_inputs.decks import deck
-from workflow.prepare.window import with_window
+from workflow.prepare.extent import with_window
 from workflow.runs.run import run
 from workflow.verdicts.analyse import analyse
 

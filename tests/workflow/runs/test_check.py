@@ -18,8 +18,8 @@ from workflow.cli import main
 from workflow.commands.run import _judged
 from workflow.engines.reference import engine
 from workflow.engines.reference.certify import Certifier, certified
-from workflow.prepare import step_search
-from workflow.prepare.accuracy import better_timestep
+from workflow.prepare import pilot
+from workflow.prepare.pilot import better_timestep
 from workflow.prepare.settings import Settings
 from workflow.runs import check as checking
 from workflow.runs.check import SPACING, check, stride
@@ -174,7 +174,7 @@ def test_the_time_step_that_is_named_divides_the_output_and_keeps_what_is_said_o
 
 def test_no_time_step_is_named_where_none_keeps_it_or_a_shorter_run_stood_for_this_one(monkeypatch):
     rough = scene(chains=2, beads=40, kappa=0.1, duration=40.0)
-    monkeypatch.setattr(step_search.search, "__kwdefaults__", {"most_work": 1e3})
+    monkeypatch.setattr(pilot.search, "__kwdefaults__", {"most_work": 1e3})
     assert better_timestep(rough) == "leave `timestep` out, and a pilot run chooses a shorter one"
     far = scene(beads=2, gap=4e8, duration=1e5, every=1e3)
     assert "no time step is known to leave less, since rounding" in better_timestep(far)

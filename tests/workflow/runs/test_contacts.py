@@ -9,7 +9,7 @@ import pytest
 from stock_lammps import scene
 
 from lammps_inputs import Kick, Material, Output, strict_yaml
-from lammps_inputs.limits import hertz
+from lammps_inputs.limits import solids
 from lammps_inputs.units import hertz_constant
 from workflow.cli import main
 from workflow.runs.contacts import at_most, measure, of_overlap
@@ -57,7 +57,7 @@ def test_smaller_balls_press_as_hard_as_hertz_says_of_them():
     overlap, radius = 0.3 * balls.scale.length, 0.5 * STEEL.radius
     assert found.overlap == pytest.approx(overlap / radius, rel=1e-12)
     assert found.force == pytest.approx(hertz_constant(radius, 193e9, 0.3) * overlap**1.5, rel=1e-12)
-    assert found.pressure == pytest.approx(hertz.peak_pressure(overlap, radius, 193e9, 0.3), rel=1e-12)
+    assert found.pressure == pytest.approx(solids.peak_pressure(overlap, radius, 193e9, 0.3), rel=1e-12)
 
 
 def test_a_run_and_its_analysis_say_and_keep_the_same(tmp_path, capsys):
@@ -124,8 +124,8 @@ def test_overlaps_of_a_radius_make_a_failed_run(tmp_path, capsys):
     stiffness = 1.0 * unit.stiffness * 2100.0**0.4
     through = steel(kick=kicks, chains=2, kappa=stiffness)
     problem = through.problem()
-    low, _ = hertz.overlap_bounds(problem.system)
-    assert low * through.scale.length / STEEL.radius < hertz.FLATTENED
+    low, _ = solids.overlap_bounds(problem.system)
+    assert low * through.scale.length / STEEL.radius < solids.FLATTENED
     assert main(["run", written(through, tmp_path / "a.yaml"), "-o", str(tmp_path / "out"), "--no-check"]) == 1
     assert "so this is no motion of such beads; are all numbers in SI units" in capsys.readouterr().out
 

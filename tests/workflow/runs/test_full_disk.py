@@ -13,8 +13,8 @@ from stock_lammps import scene
 from analysis.files.binary_dump import CutDumpWarning
 from lammps_inputs import file_names, strict_yaml
 from workflow.cli import main
-from workflow.engines.lammps import mpi, restarts
-from workflow.engines.lammps.frames_on_disk import FramesOnDisk
+from workflow.engines.lammps import files_on_disk, mpi
+from workflow.engines.lammps.files_on_disk import FramesOnDisk
 from workflow.errors import RunError
 from workflow.runs.resume import resume
 from workflow.runs.run import run
@@ -106,7 +106,7 @@ def test_a_restart_that_does_not_fit_leaves_the_one_before(ranks, disk, whole_sp
 
     def fill(*_):
         if not seen and (directory / file_names.RESTART).exists():
-            seen.append(restarts.step_of(directory / file_names.RESTART))
+            seen.append(files_on_disk.step_of(directory / file_names.RESTART))
             disk.fill(but=8192)
             os.kill(os.getpid(), signal.SIGINT)  # a restart is written at Ctrl-C, too
 
@@ -114,7 +114,7 @@ def test_a_restart_that_does_not_fit_leaves_the_one_before(ranks, disk, whole_sp
     with pytest.raises(RunError, match=r"at step \d+, chains\.restart cannot be written.*--resume") as caught:
         run(SPARSE, directory, ranks=ranks, check=False, restart_every=0.0, progress=fill)
     assert len(str(caught.value).splitlines()) == 1
-    assert restarts.step_of(directory / file_names.RESTART) >= seen[0] > 0
+    assert files_on_disk.step_of(directory / file_names.RESTART) >= seen[0] > 0
     assert not (directory / file_names.UNFINISHED).exists()
     (disk.path / "filler").unlink()
     result = resume(directory, check=False, ranks=1)

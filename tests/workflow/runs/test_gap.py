@@ -8,9 +8,9 @@ from analysis.sharing.impulses import measure
 from lammps_inputs import Kick, Material, file_names, find, physics
 from lammps_inputs.decks import deck
 from workflow.cli import main
-from workflow.engines.collisions.first_row import gap_of_eq_5, theta
+from workflow.engines.collisions.modes import gap_of_eq_5, theta
 from workflow.engines.reference import engine
-from workflow.prepare.duration import with_duration
+from workflow.prepare.extent import with_duration
 from workflow.runs.run import run
 
 pytestmark = pytest.mark.usefixtures("lammps_here")

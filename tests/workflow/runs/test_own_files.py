@@ -13,13 +13,12 @@ from processes import HANGS
 
 from lammps_inputs import InputError, Kick, Scene, file_names, strict_yaml
 from workflow.cli import main
-from workflow.runs import locks
-from workflow.runs.files import RECORD
+from workflow.runs import files
+from workflow.runs.files import RECORD, write_text
 from workflow.runs.job import load
 from workflow.runs.own_files import claim, prepared, refuse_unusable, refuse_unwritable, remove_leftovers, replacing
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
-from workflow.runs.whole_files import write_text
 from workflow.studies.study import Study
 
 
@@ -62,7 +61,7 @@ def test_of_two_that_find_a_new_directory_empty_at_once_one_is_refused(
 
     def alone(directory: Path) -> AbstractContextManager[int]:
         both_found_it_empty.wait()
-        return locks.alone(directory)
+        return files.alone(directory)
 
     def write(name: str) -> None:
         with prepared(tmp_path / "run"):

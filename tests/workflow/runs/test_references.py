@@ -7,9 +7,9 @@ from small_problems import problem
 
 from workflow.engines.reference import engine
 from workflow.prepare.settings import Settings
-from workflow.runs import references
+from workflow.runs import check
+from workflow.runs.check import accountant
 from workflow.runs.job import Certificate, Job
-from workflow.runs.references import accountant
 
 ASKED = Settings(1e-4, 0.01, 10, 0.025, 5e-5, 5e-5, 1.0, limited=False, seconds=0.1)
 
@@ -30,8 +30,8 @@ def test_steps_are_doubled_until_the_reference_is_sure_or_hardly_gets_surer(fall
             self.steps = steps_per_frame
             self.certificate = SimpleNamespace(velocity=1e-3 * fall ** [4, 8, 16, 32].index(steps_per_frame))
 
-    monkeypatch.setattr(references, "Certifier", Falling)
-    assert [one.steps for one in references.certifiers(problem(), ASKED)] == steps
+    monkeypatch.setattr(check, "Certifier", Falling)
+    assert [one.steps for one in check.certifiers(problem(), ASKED)] == steps
 
 
 @pytest.mark.parametrize(

@@ -11,9 +11,8 @@ from lammps_inputs import InputError
 from workflow.cli import main
 from workflow.engines.lammps import mpi
 from workflow.runs.rerun import original, rerun
-from workflow.runs.results import results
 from workflow.runs.run import run
-from workflow.runs.run_directory import RunDirectory
+from workflow.runs.run_directory import RunDirectory, results
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 

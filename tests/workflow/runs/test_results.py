@@ -9,8 +9,8 @@ from small_problems import problem
 from analysis.files import recording
 from analysis.trajectory import Trajectory, joined
 from lammps_inputs import Kick, Scene
-from workflow.runs.results import Fingerprint, fingerprint, samples
 from workflow.runs.run import run
+from workflow.runs.run_directory import Fingerprint, fingerprint, samples
 
 WINDOW = problem(beads=100, window=64, frames=1)
 

@@ -23,14 +23,12 @@ from analysis.files.binary_dump import BinaryDump
 from lammps_inputs import InputError, file_names, strict_yaml
 from lammps_inputs.decks import deck
 from workflow.cli import main
-from workflow.engines.lammps import mpi, restarts
-from workflow.runs.files import parts
-from workflow.runs.locks import alone
+from workflow.engines.lammps import files_on_disk, mpi
+from workflow.runs.files import alone, parts
 from workflow.runs.own_files import claim
-from workflow.runs.results import results
 from workflow.runs.resume import resume
 from workflow.runs.run import run
-from workflow.runs.run_directory import RunDirectory
+from workflow.runs.run_directory import RunDirectory, results
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
@@ -94,7 +92,7 @@ def assert_same(directory, whole):
 def goes_on(directory, whole, *, check):
     """Assert that an interrupted run goes on from where it was and ends as one without a break; what became of it."""
     step = directory.job.steps_done
-    assert restarts.step_of(directory.path / file_names.RESTART) == step
+    assert files_on_disk.step_of(directory.path / file_names.RESTART) == step
     result = resume(directory.path, check=check)
     assert result.outcome == "done"
     assert [again.from_step for again in result.directory.job.resumed] == [step]
@@ -207,7 +205,7 @@ def test_without_a_whole_restart_and_all_frames_until_then_it_starts_again(lost,
         os.truncate(cut.dump, cut.dump.stat().st_size // 2)
     elif lost == "last frame":  # that of the restart itself
         found = BinaryDump(cut.dump)
-        assert found.steps[-1] == cut.job.steps_done == restarts.step_of(restart)
+        assert found.steps[-1] == cut.job.steps_done == files_on_disk.step_of(restart)
         os.truncate(cut.dump, cut.dump.stat().st_size // found.n_frames * (found.n_frames - 1))
     elif lost == "end of restart":
         os.truncate(restart, restart.stat().st_size - 1)
@@ -359,7 +357,7 @@ def start(*words):
 
 @pytest.mark.slow
 def test_two_resumes_at_once_do_not_meet(tmp_path, monkeypatch):
-    monkeypatch.setattr("workflow.runs.locks._LOCK_SECONDS", 0.2)
+    monkeypatch.setattr("workflow.runs.files._LOCK_SECONDS", 0.2)
     interrupted_after(1000, a_scene(duration=6e5), tmp_path)
     process = start("--resume", tmp_path)
     try:
@@ -399,19 +397,19 @@ def test_a_worker_that_loses_its_parent_leaves_a_restart(tmp_path):
     process.kill()
     process.communicate()
     assert wait_until(lambda: not working_in(path))
-    assert restarts.step_of(path / file_names.RESTART) > 0
+    assert files_on_disk.step_of(path / file_names.RESTART) > 0
     assert next_words(path, scene_file, 1) == ("running", ["--resume", path])
 
 
 def test_a_damaged_restart_is_not_gone_on_with(tmp_path):
     restart = tmp_path / file_names.RESTART
     restart.write_bytes(b"whole")
-    assert not restarts.intact(restart)
+    assert not files_on_disk.intact(restart)
     sums = tmp_path / file_names.RESTART_SUMS
     sums.write_text(f"{'0' * 64}\n{hashlib.sha256(b'whole').hexdigest()}\n")
-    assert restarts.intact(restart)
+    assert files_on_disk.intact(restart)
     restart.write_bytes(b"whale")
-    assert not restarts.intact(restart)
+    assert not files_on_disk.intact(restart)
 
 
 @pytest.mark.slow

@@ -13,9 +13,8 @@ from analysis.motion import overlaps
 from lammps_inputs import InputError, Kick, Material, find
 from workflow.engines.lammps import mpi
 from workflow.prepare.settings import settle
-from workflow.runs.results import fingerprint
 from workflow.runs.run import run
-from workflow.runs.run_directory import RunDirectory
+from workflow.runs.run_directory import RunDirectory, fingerprint
 from workflow.verdicts.analyse import analyse
 
 pytestmark = pytest.mark.usefixtures("lammps_here")

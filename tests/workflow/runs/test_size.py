@@ -7,7 +7,7 @@ from lammps_inputs import file_names, library
 from lammps_inputs.slurm import site
 from workflow import screen
 from workflow.cli import main
-from workflow.prepare import duration
+from workflow.prepare import extent
 from workflow.runs.run import run
 from workflow.runs.size import size_of
 
@@ -93,11 +93,11 @@ def test_what_ends_at_a_bead_is_refused_before_its_duration_is_searched_for(writ
 
 
 def test_a_long_search_for_a_duration_is_announced(monkeypatch):
-    monkeypatch.setattr(duration, "_LONG", 0.0)
+    monkeypatch.setattr(extent, "_LONG", 0.0)
     said = []
     plain = {"name": "a", "beads": 20, "kick": {"velocity": 1.0}, "until_bead": 10}
     with screen.with_hints(said.append):
-        duration.with_duration(library.from_plain(plain, "a"))
+        extent.with_duration(library.from_plain(plain, "a"))
     assert any(text.startswith("until_bead: 10: a reference run to that bead") for text in said)
 
 

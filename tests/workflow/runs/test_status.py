@@ -22,9 +22,8 @@ from lammps_inputs.slurm import job
 from lammps_inputs.slurm.site import JobOptions
 from workflow.cli import main
 from workflow.cluster.queue import Queue, Queued, parse
-from workflow.runs.files import RECORD
+from workflow.runs.files import RECORD, write_json
 from workflow.runs.status import MEANING, status, statuses
-from workflow.runs.whole_files import write_json
 from workflow.studies.study import Study
 
 CASE = scene(chains=2, beads=8, kappa=0.1, duration=10.0, every=0.1)

@@ -6,7 +6,7 @@ import os
 import pytest
 
 from workflow.errors import EndedError
-from workflow.runs.whole_files import write_json, write_text
+from workflow.runs.files import write_json, write_text
 
 
 def test_whoever_reads_a_file_while_it_is_replaced_reads_all_of_the_one_before(tmp_path):

@@ -17,12 +17,12 @@ from stock_lammps import scene
 from analysis.shape.exact_wave import solitary_wave
 from analysis.tracking.leading_waves import with_speeds
 from lammps_inputs import InputError
-from lammps_inputs.laws.linear import Linear
+from lammps_inputs.laws.spring import Linear
 from workflow.cli import main
 from workflow.engines.lammps import mpi
 from workflow.engines.reference.certify import rows_to_judge
 from workflow.errors import RunError
-from workflow.prepare.instants import stride
+from workflow.prepare.pilot import stride
 from workflow.runs import check as checking
 from workflow.runs.run import run
 from workflow.studies import study

@@ -77,7 +77,7 @@ def test_status_says_what_a_directory_is_before_and_after_its_end(study, tmp_pat
 
 @STUDIES
 def test_a_directory_in_use_or_with_a_file_of_somebody_elses_is_refused(study, tmp_path, monkeypatch):
-    monkeypatch.setattr("workflow.runs.locks._LOCK_SECONDS", 0.0)
+    monkeypatch.setattr("workflow.runs.files._LOCK_SECONDS", 0.0)
     with (
         study.opened(tmp_path / "busy"),
         pytest.raises(InputError, match="is under way"),

@@ -16,7 +16,7 @@ from lammps_inputs import library
 from workflow.cli import main
 from workflow.engines.lammps import hosted
 from workflow.errors import RunError
-from workflow.runs.locks import alone
+from workflow.runs.files import alone
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 from workflow.sweep.directory import Asked, begin, task
@@ -156,7 +156,7 @@ def test_a_directory_of_somebody_elses_is_left_alone(tmp_path, capsys):
 
 def test_two_sweeps_do_not_share_a_directory(done, monkeypatch, capsys):
     path, directory = done
-    monkeypatch.setattr("workflow.runs.locks._LOCK_SECONDS", 0.0)
+    monkeypatch.setattr("workflow.runs.files._LOCK_SECONDS", 0.0)
     with alone(directory):
         assert sweep(path, directory) == 2
     assert "a run is under way in it" in capsys.readouterr().err

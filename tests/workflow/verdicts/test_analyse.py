@@ -17,7 +17,7 @@ from analysis.sharing.verdict import State
 from lammps_inputs import Coupling, Kick, Output, Scene, file_names, find, library
 from lammps_inputs.units import make_scale
 from workflow.cli import main
-from workflow.engines.collisions.first_row import THETA_OF_EQ_5
+from workflow.engines.collisions.modes import THETA_OF_EQ_5
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 from workflow.studies.gallery.rigid_rows import hertz_impulses, problem_at, relative_mode

@@ -6,18 +6,66 @@ Collisions at one instant are resolved one after the other. Exchanges in differe
 within a chain they sort the velocities of the beads that touch, so the outcome depends on no order, and the number of
 exchanges is finite. At a contact the springs never press: the relative acceleration of the two beads is kappa times the
 distances of the neighbouring pairs in the same rows, all >= 0. So no contact lasts, and collisions do not pile up.
+
+The queue is a binary heap of fixed members that knows where each member stands, so that a time changes in place.
+Nothing outdated is ever kept, so its size is the number of members and nothing has to be thrown away.
 """
 
 import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from analysis.trajectory import Floats
-from workflow.engines.collisions.compiled import compiled, inner
-from workflow.engines.collisions.heap import Heap, Ints, make_heap, reschedule
+from workflow.compiled import ieee, ieee_inner
 from workflow.engines.collisions.modes import Modes, advance
 from workflow.engines.collisions.roots import CONTACT, NEVER, first_contact
+
+Ints = NDArray[np.int64]
+
+
+class Heap(NamedTuple):
+    """Times of all members, and their order."""
+
+    time: Floats
+    """[member]"""
+    member: Ints
+    """[place]; place 0 has the earliest time, and place k is not later than places 2k+1 and 2k+2"""
+    place: Ints
+    """[member]"""
+
+
+def make_heap(members: int) -> Heap:
+    """A queue whose members all wait for ever."""
+    return Heap(np.full(members, np.inf), np.arange(members), np.arange(members))
+
+
+@ieee
+def reschedule(heap: Heap, member: int, time: float) -> None:
+    """Give a member another time."""
+    times, members, places = heap
+    times[member] = time
+    place = places[member]
+    while place > 0:
+        above = (place - 1) // 2
+        other = members[above]
+        if times[other] <= time:
+            break
+        members[place], places[other] = other, place
+        place = above
+    while True:
+        below = 2 * place + 1
+        if below >= len(members):
+            break
+        if below + 1 < len(members) and times[members[below + 1]] < times[members[below]]:
+            below += 1
+        other = members[below]
+        if times[other] >= time:
+            break
+        members[place], places[other] = other, place
+        place = below
+    members[place], places[member] = member, place
 
 
 class Rows(NamedTuple):
@@ -83,7 +131,7 @@ def make_events(size: int) -> Events:
     return Events(np.empty(size), np.empty(size, np.int64), np.empty(size, np.int64), np.empty(size), np.empty(size))
 
 
-@inner
+@ieee_inner
 def evolve(rows: Rows, pair: int, time: float, modes: Modes, near: Floats) -> None:
     """Write displacements and velocities of a pair of rows at a time into ``near``, [x and v, row of the pair, chain].
 
@@ -94,7 +142,7 @@ def evolve(rows: Rows, pair: int, time: float, modes: Modes, near: Floats) -> No
         advance(rows.x, rows.v, row, time - rows.time[row], modes, near, side)
 
 
-@inner
+@ieee_inner
 def resolve(rows: Rows, pair: int, time: float, chain: int, near: Floats) -> None:
     """Put a pair of rows where `evolve` saw it and exchange the velocities of the two beads that meet."""
     for side in range(2):
@@ -104,7 +152,7 @@ def resolve(rows: Rows, pair: int, time: float, chain: int, near: Floats) -> Non
     rows.v[pair, chain], rows.v[pair + 1, chain] = near[1, 1, chain], near[1, 0, chain]
 
 
-@inner
+@ieee_inner
 def predict(state: State, pair: int, now: float, modes: Modes, gap: float, end: float) -> None:
     """Put a pair's next contact into the queue."""
     near, relative, waves = state.near, state.relative, state.waves
@@ -145,14 +193,14 @@ def predict(state: State, pair: int, now: float, modes: Modes, gap: float, end: 
     reschedule(state.queue, pair, nearest)
 
 
-@compiled
+@ieee
 def predict_all(state: State, modes: Modes, gap: float, end: float) -> None:
     """Predict every pair from time 0."""
     for pair in range(len(state.chain)):
         predict(state, pair, 0.0, modes, gap, end)
 
 
-@compiled
+@ieee
 def collide(state: State, modes: Modes, gap: float, end: float, events: Events) -> int:
     """Run until the room for events is full or nothing meets before the end; the number of events recorded."""
     rows, queue, near = state.rows, state.queue, state.near

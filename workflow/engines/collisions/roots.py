@@ -18,7 +18,7 @@ import math
 import numpy as np
 
 from analysis.trajectory import Floats
-from workflow.engines.collisions.compiled import compiled, inner
+from workflow.compiled import ieee, ieee_inner
 
 EPS = float(np.finfo(np.float64).eps)
 
@@ -28,7 +28,7 @@ BUDGET = 200
 CONTACT, LOOK_AGAIN, NEVER = 0, 1, 2
 
 
-@inner
+@ieee_inner
 def reach(g: float, slope: float, bend: float) -> float:
     """The first positive root of ``g + slope s - bend s**2 / 2`` for g, bend >= 0; inf if there is none."""
     root = math.sqrt(slope * slope + 2.0 * bend * g)
@@ -37,7 +37,7 @@ def reach(g: float, slope: float, bend: float) -> float:
     return (slope + root) / bend if bend > 0.0 else math.inf
 
 
-@inner
+@ieee_inner
 def safe_step(
     g: float, slope: float, curvature: float, bounds: tuple[float, float], least: float, most: float
 ) -> float:
@@ -63,7 +63,7 @@ def safe_step(
     return step
 
 
-@compiled
+@ieee
 def first_contact(
     g: float,
     slope: float,

@@ -7,8 +7,9 @@ import numpy as np
 
 from analysis.trajectory import Floats, Trajectory, frames_per_block
 from lammps_inputs import Problem, physics
-from workflow.engines.collisions.compiled import compiled
+from workflow.compiled import ieee
 from workflow.engines.collisions.engine import (
+    Ints,
     Rows,
     collide,
     evolve,
@@ -18,7 +19,6 @@ from workflow.engines.collisions.engine import (
     predict_all,
     resolve,
 )
-from workflow.engines.collisions.heap import Ints
 from workflow.engines.collisions.modes import Modes, advance, make_modes
 
 ROOM = 1 << 16
@@ -143,7 +143,7 @@ def _start(problem: Problem) -> Rows:
     return make_rows(np.zeros_like(velocity), velocity)
 
 
-@compiled
+@ieee
 def _replay(
     rows: Rows,
     event: int,

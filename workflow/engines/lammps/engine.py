@@ -16,10 +16,10 @@ from typing import Any
 
 from lammps_inputs import Problem
 from lammps_inputs.ingredients import environment_of_children
-from workflow.engines.lammps import mpi, restarts
+from workflow.engines.lammps import files_on_disk, mpi
 from workflow.errors import EndedError, RunError, complaint
 
-RESTART_EVERY = restarts.EVERY
+RESTART_EVERY = files_on_disk.EVERY
 
 Progress = Callable[[int, int], None]
 """Called with the steps done and the bead that the front has reached."""

@@ -6,7 +6,7 @@ from analysis import motion
 from analysis.trajectory import Floats
 from lammps_inputs import Problem, physics
 from lammps_inputs.facts import Fact
-from lammps_inputs.limits.timestep import stability_bound
+from lammps_inputs.limits.rates import stability_bound
 
 ENERGY_TOLERANCE = 0.02
 """Relative deviation of the energy beyond which a run is stopped; at the default step it stays near 1e-5."""

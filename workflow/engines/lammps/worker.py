@@ -25,10 +25,9 @@ import numpy as np
 from lammps_inputs import Problem, file_names, scheme, window
 from lammps_inputs.decks import continuation
 from lammps_inputs.limits import rates
-from workflow.engines.lammps import invariants, mpi, restarts
-from workflow.engines.lammps.frames_on_disk import FramesOnDisk
-from workflow.engines.lammps.live_peaks import LivePeaks
-from workflow.engines.lammps.travel import Travel
+from workflow.engines.lammps import files_on_disk, invariants, mpi
+from workflow.engines.lammps.files_on_disk import FramesOnDisk
+from workflow.engines.lammps.stepping import LivePeaks, Travel
 
 SEGMENT_BEAD_STEPS = 10_000_000
 """Length of a segment: some 0.2 s on one core. Not measured as the run goes, since all ranks must agree on it."""
@@ -101,7 +100,7 @@ def go_on(lmp: Any, part: int) -> None:
 
 
 def segments(
-    lmp: Any, problem: Problem, report: "Report", *, part: int = 1, every: float = restarts.EVERY
+    lmp: Any, problem: Problem, report: "Report", *, part: int = 1, every: float = files_on_disk.EVERY
 ) -> dict[str, Any]:
     """Segments of the run until its end, a fault, or a closed standard input."""
     largest = max(1, SEGMENT_BEAD_STEPS // (problem.chains * problem.rows))
@@ -111,7 +110,7 @@ def segments(
     begun = done = int(lmp.extract_global("ntimestep"))
     frames = Path(continuation.dump_part(part))
     travel = Travel(lmp, problem)
-    saved = restarts.Restarts(lmp, continuation.restart_lines(problem), frames, every=every, leads=report.speaks)
+    saved = files_on_disk.Restarts(lmp, continuation.restart_lines(problem), frames, every=every, leads=report.speaks)
     on_disk = FramesOnDisk(frames, problem, begun)
     live = LivePeaks(travel, problem, begun, keeps=report.speaks) if problem.peaks else None
     computing, size = 0.0, min(FIRST_SEGMENT, largest)

@@ -15,8 +15,7 @@ from analysis.trajectory import Trajectory
 from lammps_inputs import Problem
 from lammps_inputs.limits import rates
 from workflow.engines.reference import engine
-from workflow.engines.reference.blanes_moan import BLANES_MOAN
-from workflow.engines.reference.scheme import Scheme
+from workflow.engines.reference.schemes import BLANES_MOAN, Scheme
 from workflow.errors import RunError
 
 MOST_HALVINGS = 12

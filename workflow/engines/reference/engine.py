@@ -12,11 +12,9 @@ from analysis.trajectory import LEDGER, Floats, Trajectory, frames_per_block, jo
 from lammps_inputs import Problem, System, physics
 from lammps_inputs.ingredients import coupled_chains
 from lammps_inputs.limits import rates
-from lammps_inputs.limits.timestep import stability_bound
+from lammps_inputs.limits.rates import stability_bound
 from lammps_inputs.units import Scale
-from workflow.engines.reference.blanes_moan import BLANES_MOAN
-from workflow.engines.reference.scheme import Scheme
-from workflow.engines.reference.verlet import VERLET
+from workflow.engines.reference.schemes import BLANES_MOAN, VERLET, Scheme
 
 if TYPE_CHECKING:
     from workflow.engines.reference.kernel import Frames, Kernel

@@ -14,11 +14,10 @@ from analysis.tracking.leading_waves import Waves, with_speeds
 from analysis.tracking.peaks import THRESHOLD
 from lammps_inputs import Problem, physics
 from lammps_inputs.limits import rates
-from lammps_inputs.limits.timestep import stability_bound
+from lammps_inputs.limits.rates import stability_bound
 from workflow.engines.reference import engine
-from workflow.engines.reference.blanes_moan import BLANES_MOAN
 from workflow.engines.reference.kernel import Passing, Steps
-from workflow.engines.reference.scheme import Scheme
+from workflow.engines.reference.schemes import BLANES_MOAN, Scheme
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,8 @@ from lammps_inputs.ingredients import coupled_chains
 from lammps_inputs.units import Scale
 from workflow.engines import collisions
 from workflow.engines.reference import engine
-from workflow.engines.reference.blanes_moan import BLANES_MOAN
 from workflow.engines.reference.certify import certified
+from workflow.engines.reference.schemes import BLANES_MOAN
 from workflow.studies.bench.alternatives import paper_scene, seconds
 from workflow.studies.bench.ratio import Ratio, make_ratio
 

@@ -54,9 +54,9 @@ def _print(found: Comparison) -> None:
     problem, results = found.problem, found.results
     scale = problem.scale
     if physics.gap(problem.system) and physics.coupled(problem.system):
-        from workflow.engines.collisions import first_row  # numba takes a third of a second to import
+        from workflow.engines.collisions import modes  # numba takes a third of a second to import
 
-        print(f"theta = omega D / V = {first_row.theta(problem):.5g} (eq. 5: {first_row.THETA_OF_EQ_5:.5g})")
+        print(f"theta = omega D / V = {modes.theta(problem):.5g} (eq. 5: {modes.THETA_OF_EQ_5:.5g})")
     rows = []
     for k, bead in enumerate(found.rows):
         for number, result in enumerate(results):

@@ -16,7 +16,7 @@ from lammps_inputs.numbers import known
 from workflow.engines.reference import engine as reference
 from workflow.prepare.settings import settle
 from workflow.runs.engines import ENGINES, LAMMPS, REFERENCE, RIGID, engine_called
-from workflow.runs.whole_files import as_json
+from workflow.runs.files import as_json
 from workflow.studies.compare.measure import Result, answer, last_row, measure
 from workflow.studies.kept_runs import kept_run
 from workflow.studies.study import Study

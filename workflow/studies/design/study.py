@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from lammps_inputs import InputError, library, strict_yaml
-from workflow.runs.whole_files import as_json
+from workflow.runs.files import as_json
 from workflow.studies.design.evaluator import Evaluator, Record
 from workflow.studies.design.file import Design
 from workflow.studies.design.found import Found, Verified

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from lammps_inputs import library
-from lammps_inputs.limits.timestep import stability_bound
+from lammps_inputs.limits.rates import stability_bound
 from workflow.engines.lammps.mpi import cores
 
 Plain = dict[str, Any]

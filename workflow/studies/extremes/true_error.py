@@ -16,9 +16,9 @@ from analysis.tracking.leading_waves import Waves, leading_waves
 from analysis.tracking.peaks import THRESHOLD, PeakFinder
 from lammps_inputs import Problem, physics
 from workflow.engines.reference import engine
-from workflow.engines.reference.blanes_moan import BLANES_MOAN
 from workflow.engines.reference.certify import Certifier
 from workflow.engines.reference.passages import passages, usual_timestep
+from workflow.engines.reference.schemes import BLANES_MOAN
 from workflow.runs.run_directory import RunDirectory
 
 LONGEST = 8.0

@@ -13,7 +13,7 @@ from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import InputError, Problem, library
 from lammps_inputs.units import REDUCED, SI
 from workflow.engines.reference import engine
-from workflow.engines.reference.verlet import VERLET
+from workflow.engines.reference.schemes import VERLET
 from workflow.verdicts.validate_table import check_channels
 
 _LATER = 8

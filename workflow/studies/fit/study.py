@@ -22,8 +22,8 @@ from analysis.gauges.channels import read_at
 from analysis.trajectory import Floats
 from lammps_inputs import InputError, library, strict_yaml
 from workflow.runs.check import Check
+from workflow.runs.files import as_json
 from workflow.runs.run import run
-from workflow.runs.whole_files import as_json
 from workflow.studies.fit.estimate import Estimate, estimate
 from workflow.studies.fit.fields import free
 from workflow.studies.fit.found import Fit

@@ -20,7 +20,7 @@ import numpy as np
 from lammps_inputs import InputError, library
 from lammps_inputs.units import REDUCED
 from workflow.engines.reference import engine
-from workflow.prepare import step_search, twin
+from workflow.prepare import pilot
 from workflow.studies.measures import KNOWN, evaluated, scene_to_run
 from workflow.studies.study import Study, to_csv
 from workflow.studies.threshold.bracket import APART, Axis, Crossing, crossings, wanted
@@ -203,9 +203,9 @@ def _seconds(question: Question, value: float, over: Any) -> float | None:
         problem = scene_to_run(plain, question.names, question.source).model_copy(update={"accuracy": None}).problem()
     except (InputError, ValueError):
         return None
-    work = twin.work(problem, 0, engine.default_steps_per_frame(problem)) / twin.RUNS
+    work = pilot.work(problem, 0, engine.default_steps_per_frame(problem)) / pilot.RUNS
     states = problem.frames * problem.chains * problem.beads
-    return 5.0 * work / step_search.MOST_WORK + ANALYSIS * states
+    return 5.0 * work / pilot.MOST_WORK + ANALYSIS * states
 
 
 def carry_out(

@@ -15,16 +15,13 @@ from lammps_inputs import Problem, file_names, physics
 from lammps_inputs import scheme as schemes
 from lammps_inputs.decks import deck
 from lammps_inputs.facts import Fact
-from lammps_inputs.limits.timestep import stability_bound
+from lammps_inputs.limits.rates import stability_bound
 from lammps_inputs.scheme import SchemeName
 from lammps_inputs.window import HEADROOM, LEAST_WINDOW, LOOK
 from workflow.engines.lammps import engine as lammps
 from workflow.engines.lammps import mpi
 from workflow.engines.reference import engine as reference
-from workflow.engines.reference.blanes_moan import BLANES_MOAN
-from workflow.engines.reference.scheme import Scheme
-from workflow.engines.reference.suzuki import SUZUKI4
-from workflow.engines.reference.verlet import VERLET
+from workflow.engines.reference.schemes import BLANES_MOAN, SUZUKI4, VERLET, Scheme
 from workflow.errors import RunError
 from workflow.studies.trade.certified import write
 from workflow.studies.trade.work_precision import Setting

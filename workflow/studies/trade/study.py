@@ -24,9 +24,9 @@ from lammps_inputs import Problem, Scene
 from workflow.engines.lammps import mpi
 from workflow.errors import RunError
 from workflow.prepare.settings import settle
+from workflow.runs.files import as_json
 from workflow.runs.own_files import prepared
-from workflow.runs.results import provenance
-from workflow.runs.whole_files import as_json
+from workflow.runs.run_directory import provenance
 from workflow.studies.study import Study, csv_text
 from workflow.studies.trade import settings, work_precision
 from workflow.studies.trade.certified import QUANTITIES, Certified, deviation, make_truth

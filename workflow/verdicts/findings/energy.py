@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from analysis.conservation import ClosedAccount, Conservation
-from workflow.engines.reference.accountant import Accountant
+from workflow.engines.reference.energy_exchange import Accountant
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.findings.finding import Finding
 

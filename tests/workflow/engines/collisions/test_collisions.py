@@ -9,7 +9,7 @@ from small_problems import problem
 
 from lammps_inputs import physics
 from workflow.engines.collisions import run, sample, trajectory
-from workflow.engines.collisions.first_row import gap_of_eq_5
+from workflow.engines.collisions.modes import gap_of_eq_5
 
 ABOVE = 1.0 + 4.0 * np.finfo(float).eps
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from small_problems import problem
 
 from workflow.engines.collisions import run, sample, trajectory
-from workflow.engines.collisions.first_row import motion
+from workflow.engines.collisions.modes import motion
 
 
 def make_problem(chains=2, beads=10, kicks=((1, 1, 1.0),), kappa=0.5, gap=1.0, duration=100.0):

@@ -2,7 +2,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from workflow.engines.collisions.heap import make_heap, reschedule
+from workflow.engines.collisions.engine import make_heap, reschedule
 
 
 @settings(max_examples=60, deadline=None)

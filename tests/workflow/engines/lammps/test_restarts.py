@@ -8,7 +8,7 @@ import pytest
 from stock_lammps import run, scene
 
 from lammps_inputs import file_names
-from workflow.engines.lammps import restarts
+from workflow.engines.lammps import files_on_disk
 
 STEP = 400
 
@@ -34,14 +34,14 @@ def test_frames_restart_and_its_sum_reach_the_disk_before_the_restart_takes_its_
 
     monkeypatch.setattr(os, "fsync", fsync)
     monkeypatch.setattr(Path, "replace", replace)
-    restarts.keep(ready, STEP)
+    files_on_disk.keep(ready, STEP)
     sums = file_names.RESTART_SUMS
     assert order == [file_names.DUMP, file_names.UNFINISHED, f".{sums}.granchain-part", sums, file_names.RESTART]
-    assert restarts.intact(Path(file_names.RESTART))
+    assert files_on_disk.intact(Path(file_names.RESTART))
 
 
 def test_a_restart_of_another_step_is_not_kept(ready):
     with pytest.raises(OSError, match="cannot be written whole"):
-        restarts.keep(ready, STEP + 1)
+        files_on_disk.keep(ready, STEP + 1)
     assert not Path(file_names.UNFINISHED).exists()
     assert not Path(file_names.RESTART).exists()

@@ -16,7 +16,7 @@ from analysis.trajectory import joined
 from lammps_inputs import find
 from workflow.engines.reference import engine
 from workflow.engines.reference.certify import SAFETY, Certifier, certified
-from workflow.engines.reference.verlet import VERLET
+from workflow.engines.reference.schemes import VERLET
 from workflow.errors import RunError
 
 pytestmark = pytest.mark.usefixtures("lammps_here")

@@ -13,12 +13,10 @@ from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import find_peaks
 from analysis.trajectory import LEDGER
 from lammps_inputs import Kick, Output, find, physics
-from workflow.engines.reference.blanes_moan import BLANES_MOAN
 from workflow.engines.reference.certify import Certifier
 from workflow.engines.reference.engine import blocks, make_state, run
 from workflow.engines.reference.kernel import Frames
-from workflow.engines.reference.scheme import Scheme
-from workflow.engines.reference.verlet import VERLET
+from workflow.engines.reference.schemes import BLANES_MOAN, VERLET, Scheme
 from workflow.runs.run_directory import RunDirectory
 
 SCHEMES = [VERLET, BLANES_MOAN]

@@ -13,9 +13,9 @@ from analysis.conservation import Conservation
 from lammps_inputs.laws.in_time import HalfSine, Rectangular, make_table
 from lammps_inputs.loads import Load
 from workflow.engines.reference import engine
-from workflow.engines.reference.accountant import Accountant
+from workflow.engines.reference.energy_exchange import Accountant
 from workflow.engines.reference.passages import passages
-from workflow.engines.reference.verlet import VERLET
+from workflow.engines.reference.schemes import VERLET
 
 LAWS = {
     "half-sine": HalfSine(0.8, 2.03),

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from workflow.engines.collisions.first_row import THETA_OF_EQ_5
+from workflow.engines.collisions.modes import THETA_OF_EQ_5
 from workflow.studies.gallery import rigid_rows as study
 
 

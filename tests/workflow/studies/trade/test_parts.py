@@ -11,7 +11,7 @@ from small_problems import problem, written_down
 from analysis import trajectory
 from analysis.files import recording
 from lammps_inputs import InputError, library
-from lammps_inputs.limits.timestep import stability_bound
+from lammps_inputs.limits.rates import stability_bound
 from workflow.engines.lammps import mpi
 from workflow.engines.reference import engine
 from workflow.errors import RunError

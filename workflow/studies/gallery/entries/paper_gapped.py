@@ -6,7 +6,7 @@ import numpy as np
 
 from analysis.figures.engines import Curve, engines_figure, relative_mode_figure, scan_figure
 from analysis.sharing.impulses import Impulses
-from workflow.engines.collisions.first_row import THETA_OF_EQ_5
+from workflow.engines.collisions.modes import THETA_OF_EQ_5
 from workflow.studies.gallery import rigid_rows
 from workflow.studies.gallery.entry import Entry, Results, Statement
 from workflow.studies.page import Picture, drawn

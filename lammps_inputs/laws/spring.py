@@ -1,12 +1,12 @@
-"""The linear spring: a force in proportion to the strain."""
+"""Springs between beads of different chains, or from a bead to its place: linear, or also cubic (Duffing 1918)."""
 
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
 
 from lammps_inputs import laws
+from lammps_inputs.deck_lines import Lines, atoms_by_value, bonds_by_value, whole_contacts
 from lammps_inputs.laws import Parameter
-from lammps_inputs.lines import Lines, atoms_by_value, bonds_by_value, whole_contacts
 from lammps_inputs.numbers import text
 from lammps_inputs.units import Dimension
 
@@ -88,3 +88,70 @@ def tied(bonded: list[Lines]) -> list[str]:
         f"bond_style {'hybrid ' * (len(styles) > 1)}{' '.join(styles)}",
         *(f"bond_coeff {number} {one}" for number, one in enumerate(coefficients, 1)),
     ]
+
+
+class Duffing(NamedTuple):
+    """``k s + c s**3`` with c >= 0."""
+
+    spring: Annotated[Parameter, Dimension("stiffness")]
+    """k, in units of m / T**2."""
+    cubic: Annotated[Parameter, Dimension("stiffness", length=-2)]
+    """c, in units of m / (L T)**2."""
+
+    @staticmethod
+    def force(s: Any, spring: Any, cubic: Any) -> Any:
+        """Linear and cubic part."""
+        return spring * s + cubic * (s * s * s)
+
+    @staticmethod
+    def energy(s: Any, spring: Any, cubic: Any) -> Any:
+        """``k s**2 / 2 + c s**4 / 4``."""
+        square = s * s
+        return 0.5 * spring * square + 0.25 * cubic * square * square
+
+    @staticmethod
+    def stiffness(s: Any, spring: Any, cubic: Any) -> Any:
+        """``k + 3 c s**2``."""
+        return spring * np.ones_like(s) + 3.0 * cubic * (s * s)
+
+    @staticmethod
+    def reach(energy: Any, spring: Any, cubic: Any) -> Any:
+        """Strain at which one spring holds the whole energy; 0 where there is no spring."""
+        # s**2 is the root of c q**2 + 2 k q - 4 energy, in the form that has no difference of like numbers
+        root = spring + np.sqrt(spring * spring + 4.0 * cubic * energy)
+        return np.sqrt(4.0 * energy) / np.sqrt(np.where(root > 0.0, root, np.inf))
+
+    def ground(self, name: str, layout: "Layout") -> Lines:
+        """A force from a formula of the place, for which LAMMPS has no fix of its own."""
+        lines = [f"variable {name}strain atom x-{layout.place_formula}"]
+        for number, ((spring, cubic), atoms) in enumerate(atoms_by_value(self, (layout.chains, layout.beads)), 1):
+            strain = f"v_{name}strain"
+            lines += [
+                f"group {name}{number} id {atoms}",
+                f"variable {name}{number} atom -({text(spring)}*{strain}+{text(cubic)}*{strain}^3)",
+                f"fix {name}{number} {name}{number} addforce v_{name}{number} 0.0 0.0",
+            ]
+        return Lines(motion=tuple(lines))
+
+    def across(self, link: "Across", layout: "Layout") -> Lines:
+        """Bonds of class2, whose energy with r0 = 0 is ``K2 r**2 + K4 r**4``, r**2 = s**2 + (lateral distance)**2.
+
+        With K4 = c / 4 the lateral part adds ``2 K4 distance**2`` to K2, which is taken away; exact but for rounding.
+        """
+        shape = (len(link.edges), layout.beads)
+        apart = np.array([[2.0 * (layout.diameter + layout.gap) * (higher - lower)] for lower, higher in link.edges])
+        there = np.broadcast_to((self.spring != 0.0) | (self.cubic != 0.0), shape)
+        values, bonds = bonds_by_value((self.spring, self.cubic, np.where(there, apart, 0.0)), shape)
+        return Lines(
+            bonds=bonds,
+            style="class2",
+            coefficients=tuple(
+                f"0 {text(0.5 * spring - 0.5 * cubic * distance * distance)} 0 "
+                f"{text(0.25 * cubic)}   # k = {text(spring)}, c = {text(cubic)}, d = {text(distance)}"
+                for spring, cubic, distance in values
+            ),
+            interactions=(
+                "# springs between chains, k s + c s^3: K4 = c/4, and K2 = k/2 - 2 K4 d^2 at the lateral distance d",
+                *whole_contacts(link),
+            ),
+        )

@@ -1,4 +1,7 @@
-"""The duration of a scene that ends at a bead: found by the reference integrator before anything else runs."""
+"""The duration of a scene that ends at a bead, and the width of a window that is ``auto``.
+
+Both are found by the reference integrator before anything else runs.
+"""
 
 import math
 from dataclasses import replace
@@ -7,14 +10,15 @@ import numpy as np
 
 from analysis.gauges.forces import PULSE, at_frames
 from analysis.gauges.gauge import far_wall
-from lammps_inputs import InputError, Output, Problem, Scene, physics
+from lammps_inputs import InputError, Output, Problem, Scene, physics, window
 from lammps_inputs.limits import rates
 from lammps_inputs.limits.closing import slowest_swing
 from lammps_inputs.numbers import time_text
 from workflow import screen
 from workflow.cluster.ranks import REFERENCE_FORCE
 from workflow.engines.reference import engine
-from workflow.prepare import twin
+from workflow.engines.reference.passages import Passages, passages
+from workflow.prepare import pilot
 
 _RISEN = 1e-3
 """Velocity in units of V, and force in its unit at V = 1, from which a pulse has arrived."""
@@ -135,6 +139,52 @@ def _say_what_it_takes(problem: Problem, rows: int | None, way: float, key: str)
     """
     frames = min(problem.frames, math.ceil(_USUAL * way / problem.every))
     expected = replace(problem, frames=frames, window=rows)
-    seconds = REFERENCE_FORCE * twin.work(expected, 0, engine.default_steps_per_frame(problem)) / twin.RUNS
+    seconds = REFERENCE_FORCE * pilot.work(expected, 0, engine.default_steps_per_frame(problem)) / pilot.RUNS
     if seconds > _LONG:
         screen.hint(f"{key}: a reference run to that bead, which finds the duration, takes about {time_text(seconds)}")
+
+
+SAME = 1e-9
+"""Largest difference of a leading peak, in units of V, from that in a window twice as wide."""
+
+WIDEST = 1024
+
+_AROUND_KICKS = 32
+"""Rows that the reference integrates at the least beyond those between the kicks."""
+
+
+def with_window(scene: Scene) -> Scene:
+    """The same scene with the rows of its window written out.
+
+    ``window: auto`` takes the least number of rows, doubled from 64 on, at which the leading pulse is the same as with
+    twice as many; where slower pulses trail and come into play again, that is many. No more than 1024 are tried: the
+    check of the run tells what is then left of the error.
+    """
+    if scene.window != "auto":
+        return scene
+    rows = window.LEAST_WINDOW
+    kicked = [kick.bead for kick in scene.kicks]
+    while window.behind(rows) < max(kicked) - min(kicked) + _AROUND_KICKS:
+        rows *= 2
+    problem = scene.model_copy(update={"window": rows, "accuracy": None}).problem()
+    found = _leading(problem, rows)
+    while 2 * rows < min(problem.beads, WIDEST + 1):
+        wider = _leading(problem, 2 * rows)
+        if _difference(found, wider) <= SAME:
+            break
+        rows, found = 2 * rows, wider
+    return scene.model_copy(update={"window": rows})
+
+
+def _leading(problem: Problem, rows: int) -> Passages:
+    whole = replace(problem, window=None)
+    return passages(whole, window=window.behind(rows))
+
+
+def _difference(first: Passages, second: Passages) -> float:
+    """Of the peaks that both have; a bead that only one has reached differs by its peak."""
+    a, b = (
+        {(c, n): v for c, n, v in zip(w.chain.tolist(), w.bead.tolist(), w.peak_velocity.tolist(), strict=True)}
+        for w in (first.waves, second.waves)
+    )
+    return max((abs(a.get(place, 0.0) - b.get(place, 0.0)) for place in {*a, *b}), default=0.0)

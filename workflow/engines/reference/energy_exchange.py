@@ -12,7 +12,7 @@ from analysis.trajectory import LEDGER, Floats, Trajectory, joined
 from lammps_inputs import Problem
 from lammps_inputs.laws import dashpot
 from workflow.engines.reference import engine
-from workflow.engines.reference.blanes_moan import BLANES_MOAN
+from workflow.engines.reference.schemes import BLANES_MOAN
 
 
 @dataclass

@@ -1,12 +1,17 @@
-"""The contact of two elastic spheres: a force ``strength * overlap**1.5`` that only ever pushes (Hertz 1882)."""
+"""Contacts of two beads, which only ever push: a force ``strength * overlap**exponent``.
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+`Hertz` is that of elastic spheres (Hertz 1882), whose exponent is 1.5. `Power` has any: chains of any exponent above
+1 are sonic vacua (Nesterenko, Dynamics of Heterogeneous Materials, Springer 2001, 1.2).
+"""
+
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
 
-from lammps_inputs.laws import Pure
-from lammps_inputs.lines import AtomTypes, Lines, types_by_contact
+from lammps_inputs.deck_lines import AtomTypes, Lines, types_by_contact
+from lammps_inputs.laws import Pure, formula
 from lammps_inputs.numbers import text
+from lammps_inputs.units import Dimension
 
 if TYPE_CHECKING:
     from lammps_inputs.layout import Layout
@@ -102,3 +107,57 @@ def _since(model: str) -> tuple[str, ...]:
 
 _RESTITUTION_SINCE = 20240627
 """Release that knows ``damping coeff_restitution``."""
+
+
+class Power(NamedTuple):
+    """``A (s)+^p`` with the overlap as strain, p >= 1."""
+
+    strength: Pure
+    """A, in units of the scale's contact constant."""
+    exponent: Annotated[float, Dimension()]
+    """p."""
+
+    @staticmethod
+    def force(s: Any, strength: Any, exponent: Any) -> Any:
+        """Repulsion at an overlap; none where the beads are apart."""
+        return strength * np.maximum(s, 0.0) ** exponent
+
+    @staticmethod
+    def energy(s: Any, strength: Any, exponent: Any) -> Any:
+        """``A (s)+^(p + 1) / (p + 1)``."""
+        return strength * np.maximum(s, 0.0) ** (exponent + 1.0) / (exponent + 1.0)
+
+    @staticmethod
+    def stiffness(s: Any, strength: Any, exponent: Any) -> Any:
+        """``p A (s)+^(p - 1)``; with p = 1 it jumps where the beads touch."""
+        return strength * (exponent * np.maximum(s, 0.0) ** (exponent - 1.0)) * (np.asarray(s) > 0.0)
+
+    @staticmethod
+    def reach(energy: Any, strength: Any, exponent: Any) -> Any:
+        """Overlap at which one contact holds the whole energy; 0 where there is none."""
+        strong = np.where(np.asarray(strength) > 0.0, strength, np.inf)
+        return ((exponent + 1.0) * energy / strong) ** (1.0 / (exponent + 1.0))
+
+    def along(self, name: str, layout: "Layout") -> Lines:
+        """Linear contacts are a style of LAMMPS's own; others it has from a formula of the energy, eight times slower.
+
+        Raises:
+            ValueError: contacts that differ.
+        """
+        if np.ndim(self.strength) > 0:
+            raise ValueError(f"{name}: LAMMPS has one strength for contacts of this law; use the reference engine")
+        return self._linear() if self.exponent == 1.0 else self._by_formula(layout)
+
+    def _linear(self) -> Lines:
+        return Lines(
+            interactions=(
+                "# contacts: force = overlap, no friction, no loss (LAMMPS reports no energy for this style)",
+                f"pair_style gran/hooke {text(float(self.strength))} 0 0 0 0 0",
+                "pair_coeff * *",
+            )
+        )
+
+    def _by_formula(self, layout: "Layout") -> Lines:
+        power = self.exponent + 1.0
+        energy = f"{text(float(self.strength) / power)}*({text(layout.diameter)}-r)^{text(power)}"
+        return formula.contacts(energy, f"= overlap^{text(self.exponent)}, from its energy", layout)

@@ -1,4 +1,8 @@
-"""Restarts of a run under way: how often, whole or not at all, and which step one goes on from."""
+"""Files that LAMMPS writes during a run: frames, of which all must be whole, and restarts.
+
+LAMMPS itself may not notice that the disk took only a part of the frames. Restarts are written now and then, whole or
+not at all; here is also which step one goes on from.
+"""
 
 import hashlib
 import os
@@ -8,7 +12,35 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from lammps_inputs import file_names
+from lammps_inputs import Problem, file_names
+
+
+class FramesOnDisk:
+    """Compares the size of a file with what it must be. All its frames have one size, which the first ones tell.
+
+    Args:
+        path: the file.
+        problem: whose frames.
+        begun: step that the file begins with; a frame falls on it, or is the next one after it.
+    """
+
+    def __init__(self, path: Path, problem: Problem, begun: int) -> None:
+        self._path = path
+        self._every = problem.steps_per_frame
+        self._first = -(-begun // self._every)
+        self._size = 0
+        self._least = 8 * 3 * problem.chains * problem.rows_a_frame
+
+    def whole(self, step: int) -> bool:
+        """Whether the file holds every frame until a step."""
+        frames = step // self._every - self._first + 1
+        if frames < 1:
+            return True
+        found = self._path.stat().st_size
+        if self._size == 0:
+            self._size = found // frames
+        return self._size > self._least and found == self._size * frames
+
 
 EVERY = 30.0
 """Seconds of work that a kill may cost; a run that takes less writes none."""

@@ -1,0 +1,183 @@
+"""What is recorded, and how often; and what is computed from the frames: forces and spectra."""
+
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+
+from pydantic import Field, field_validator
+
+from lammps_inputs import physics, strict_yaml
+from lammps_inputs.ingredients.base import Count, Part, Positive
+from lammps_inputs.units import Unit
+
+if TYPE_CHECKING:
+    from lammps_inputs.scene import BaseScene
+
+
+def each_once(beads: Any, otherwise: str = "") -> Any:
+    """The beads of a list, if there are any, and none is named twice.
+
+    Raises:
+        ValueError: so; ``otherwise`` says what else could be done.
+    """
+    if not beads:
+        raise ValueError(f"name at least one bead{otherwise}")
+    if len(set(beads)) < len(beads):
+        raise ValueError("a bead is named twice")
+    return beads
+
+
+class Forces(Part):
+    """Where force is read, in every chain."""
+
+    example: ClassVar[str] = "{contacts: [10]}"
+
+    wall: Literal[True] | None = None
+    """Forces on the walls."""
+    contacts: tuple[Count, ...] | None = None
+    """Force between bead n and bead n + 1, for each n in the list; in damped contacts with the dashpot's."""
+    sensors: tuple[Count, ...] | None = None
+    """Force inside bead n: the mean of its two contacts, as an embedded sensor measures it."""
+
+    _from_list = field_validator("contacts", "sensors", mode="before")(strict_yaml.as_tuple)
+
+    @field_validator("contacts", "sensors")
+    @classmethod
+    def _ascending(cls, value: Any) -> Any:
+        return None if value is None else tuple(sorted(each_once(value, ", or leave it out")))
+
+    def refuse(self, scene: "BaseScene") -> None:
+        """Refuse places that do not exist, or whose beads are not recorded.
+
+        Raises:
+            ValueError: naming the key, what was found and what to do.
+        """
+        beads, recorded = scene.beads, scene.output.beads
+        needed: dict[str, list[int]] = {}
+        if self.wall is None and self.contacts is None and self.sensors is None:
+            raise ValueError("output.forces: name wall: true, contacts or sensors")
+        if scene.window is not None:
+            raise ValueError("output.forces: a window lets go of the beads behind it; leave one of them out")
+        if self.wall:
+            walls = [link.law for link in physics.walls(scene.system)]
+            if not walls:
+                raise ValueError("output.forces.wall: the chains have no wall; name one in walls, or leave this out")
+            needed["wall"] = [beads if law.side > 0.0 else 1 for law in walls]
+        for bead in self.contacts or ():
+            if bead > beads - 1:
+                raise ValueError(f"output.forces.contacts: bead {bead} has no next one (beads 1 to {beads - 1} have)")
+            needed.setdefault("contacts", []).extend((bead, bead + 1))
+        for bead in self.sensors or ():
+            if not 2 <= bead <= beads - 1:
+                raise ValueError(
+                    f"output.forces.sensors: bead {bead} has no bead on either side (beads 2 to {beads - 1} have)"
+                )
+            needed.setdefault("sensors", []).extend((bead - 1, bead, bead + 1))
+        if recorded != "all":
+            for key, wanted in needed.items():
+                missing = sorted(set(wanted) - set(recorded))
+                if missing:
+                    names = ", ".join(map(str, missing[:10]))
+                    raise ValueError(f"output.forces.{key}: needs beads {names} too; add them to output.beads")
+
+
+class Spectra(Part):
+    """Of the velocity of beads in every chain."""
+
+    example: ClassVar[str] = "{beads: [1, 20]}"
+
+    beads: tuple[Count, ...]
+    """Beads whose spectra are computed; the others are compared with the first."""
+    after: Annotated[float, Field(ge=0, le=1e30), Unit("s")] | None = None
+    """Start of the analysed part of the record; half of the duration if omitted."""
+
+    _from_list = field_validator("beads", mode="before")(strict_yaml.as_tuple)
+
+    @field_validator("beads")
+    @classmethod
+    def _named(cls, value: Any) -> Any:
+        return each_once(value)
+
+    def refuse(self, scene: "BaseScene") -> None:
+        """Refuse beads that do not exist or are not recorded, and times after the end.
+
+        Raises:
+            ValueError: naming the key, what was found and what to do.
+        """
+        if scene.window is not None:
+            raise ValueError("output.spectra: a window lets go of the beads behind it; leave one of them out")
+        if max(self.beads) > scene.beads:
+            raise ValueError(f"output.spectra.beads: {max(self.beads)} is outside the array (beads 1 to {scene.beads})")
+        missing = [] if scene.output.beads == "all" else sorted(set(self.beads) - set(scene.output.beads))
+        if missing:
+            raise ValueError(
+                f"output.spectra.beads: {', '.join(map(str, missing[:10]))} not recorded; add to output.beads"
+            )
+        if self.after is not None and scene.duration is not None and self.after >= scene.duration:
+            raise ValueError(f"output.spectra.after: {self.after:g} is after the end at {scene.duration:g}")
+
+
+class Limits(Part):
+    """Beyond either, `granchain run` refuses; in a scene, or for all scenes in a site's file."""
+
+    example: ClassVar[str] = "{gigabytes: 200, hours: 100}"
+
+    gigabytes: Annotated[Positive, Unit("GB", always=True)] | None = None
+    """Size of all frames; 20 if omitted."""
+    hours: Annotated[Positive, Unit("h", always=True)] | None = None
+    """Estimated time of the run; 24 if omitted."""
+
+
+class Output(Part):
+    """What is recorded, and how often."""
+
+    example: ClassVar[str] = "{every: 0.1}"
+
+    every: Annotated[Positive, Unit("s")] | None = None
+    """Time between frames; 0.1 T if omitted."""
+    beads: Literal["all"] | tuple[Count, ...] = "all"
+    """Recorded beads of every chain."""
+    snapshots: Annotated[Positive, Unit("s")] | None = None
+    """Time between snapshots of all beads, in addition to the frames of the recorded ones."""
+    peaks: Literal[True] | None = None
+    """Find the leading pulse at every bead during a local run of LAMMPS, from all beads at the times of the frames."""
+    forces: Forces | None = None
+    """Where forces are evaluated."""
+    spectra: Spectra | None = None
+    """Beads whose velocity spectra are computed."""
+
+    _from_list = field_validator("beads", mode="before")(strict_yaml.as_tuple)
+
+    @field_validator("beads")
+    @classmethod
+    def _ascending(cls, value: Any) -> Any:
+        return value if value == "all" else tuple(sorted(each_once(value, ", or `all`")))
+
+    def refuse(self, scene: "BaseScene") -> None:
+        """Refuse what the scene does not have, and what needs more to be recorded.
+
+        Raises:
+            ValueError: naming the key, what was found and what to do.
+        """
+        if self.beads != "all" and self.beads[-1] > scene.beads:
+            raise ValueError(f"output.beads: {self.beads[-1]} is outside the array (beads 1 to {scene.beads})")
+        if self.forces is not None:
+            self.forces.refuse(scene)
+        if self.spectra is not None:
+            self.spectra.refuse(scene)
+
+    def refuse_times(self, every: float, duration: float | None) -> None:
+        """Refuse snapshots that do not fit in with frames so far apart.
+
+        Raises:
+            ValueError: as `refuse`.
+        """
+        if self.snapshots is None:
+            return
+        frames = self.snapshots / every
+        if duration is not None and frames * every > duration * (1.0 + 1e-9):
+            raise ValueError(f"output.snapshots: {frames * every:g} is longer than the duration of {duration:g}")
+        if self.beads == "all":
+            raise ValueError("output.snapshots: every frame holds all beads already; name some in output.beads")
+        if round(frames) < 1 or abs(round(frames) / frames - 1.0) > 1e-9:
+            raise ValueError(
+                f"output.snapshots: is {frames:g} times output.every = {every:g}; a whole number of times is needed"
+            )

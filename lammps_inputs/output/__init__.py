@@ -1,1 +1,0 @@
-"""What a scene wants recorded, and what is read from the frames: forces, spectra."""

@@ -1,0 +1,547 @@
+"""The time step that LAMMPS needs for an accuracy, by a pilot run: the reference's kernel with LAMMPS's coefficients.
+
+Step for step that is what LAMMPS computes, at a tenth of the cost. So the error of a run is measured before the run,
+beside a reference of known uncertainty. What costs too much to measure is measured at a larger error, or on a shorter
+problem, and carried over: errors fall as the step to the order of the scheme, and grow in proportion to time.
+"""
+
+import itertools
+import math
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import ValidationError
+
+from analysis.against.common_times import on_common_rows
+from analysis.trajectory import Trajectory
+from lammps_inputs import InputError, Problem, Scene, library, physics, scheme
+from lammps_inputs.facts import Fact
+from lammps_inputs.limits import rates
+from lammps_inputs.scene import DEFAULT_ACCURACY
+from workflow import screen
+from workflow.engines.reference import engine
+from workflow.engines.reference.certify import Certificate, Certifier
+from workflow.engines.reference.schemes import BLANES_MOAN, SUZUKI4, VERLET
+from workflow.prepare.settings import Settings
+
+SPACING = 0.4
+"""Time between the frames that are compared, in units of T: waves are found between them to 1e-5."""
+
+FEW = 100
+"""As many frames are all compared: an error can grow much from one to the next."""
+
+
+def stride(problem: Problem, spacing: float = SPACING) -> int:
+    """Frames from one that is compared to the next, so that the last is among them or nearly; 1 if there are few.
+
+    In a swing of stiff springs four are compared, lest all show the same phase of it; and four in the time in which
+    dashpots stop a bead, for the error is largest when they begin to.
+    """
+    if problem.frames <= FEW:
+        return 1
+    swing, drag = rates.swing(problem.system), rates.drag(problem.system)
+    if swing > 0.0:
+        spacing = min(spacing, 0.5 * math.pi / swing)
+    if drag > 0.0:
+        spacing = min(spacing, 0.25 / drag)
+    most = max(1, min(math.floor(spacing / problem.every * (1.0 + 1e-9)), problem.frames))
+    return min(range(most, most // 2, -1), key=lambda step: problem.frames % step)
+
+
+TABLES = {"verlet": VERLET, "suzuki4": SUZUKI4}
+"""By the name of the scheme in LAMMPS."""
+
+SURE = 0.25
+"""Part of the accuracy to which the reference is certified."""
+
+CADENCE = 0.05
+"""Time between the instants that are compared, if frames are not farther apart."""
+
+_AIM, _HIGHEST, _LOWEST = 0.6, 0.75, 0.3
+"""Parts of the accuracy: the error that is aimed at, and the range of errors that will do."""
+
+_MOST_TRIALS = 12
+
+RUNS = 1.5
+"""Work of the reference at two steps over that at the shorter one."""
+
+_LEAST_ORDER = 2.5
+"""Of every scheme of higher order than 2, at small steps, for contacts open and close."""
+
+
+CHAOS = (
+    "in so long a run beads behind the front collide again and again, which amplifies any error; "
+    "record beads near the front only, or follow them with `window: auto`"
+)
+
+
+KEPT_BYTES = 1 << 27
+"""Of frames of the reference that are kept in memory, for the next trial and for the check of the run."""
+
+
+@dataclass(frozen=True)
+class Kept:
+    """A certified reference run in memory."""
+
+    frames: tuple[Trajectory, ...]
+    certificate: Certificate
+
+    def is_of(self, problem: Problem) -> bool:
+        """Whether these are the frames of a problem: the same beads at the same times."""
+        own = self.frames[0].problem
+        same = (own.frames, own.recorded, own.window) == (problem.frames, problem.recorded, problem.window)
+        return same and math.isclose(own.every, problem.every, rel_tol=1e-9)
+
+    def blocks(self) -> Iterator[Trajectory]:
+        """As `Certifier.blocks`."""
+        return iter(self.frames)
+
+    def of(self, problem: Problem) -> "Kept":
+        """The same frames, of a problem with another time step."""
+        return replace(self, frames=tuple(replace(block, problem=problem) for block in self.frames))
+
+
+@dataclass(frozen=True)
+class Found:
+    """Steps that keep an accuracy in a problem; dimensionless.
+
+    Attributes:
+        timestep: mean Verlet step of LAMMPS.
+        reference_timestep: step of the reference, whose uncertainty is `SURE` of the accuracy.
+        error: largest error of any velocity that is to be expected.
+        measured_error: error that was measured: the same, or a larger one from which it was carried over.
+        measured: share of the run's time over which it was measured; 0 where the rule gave it.
+        limited: whether the step could not be longer for the frames, the energy or the stability bound.
+        reference: the run with the reference's step, where it fits into memory and is of the whole problem.
+    """
+
+    timestep: float
+    reference_timestep: float
+    error: float
+    measured_error: float
+    measured: float
+    limited: bool
+    reference: Kept | None = None
+
+
+class UnreachableError(Exception):
+    """No step keeps the accuracy; says why."""
+
+
+def load(problem: Problem) -> None:
+    """Compile what a pilot run of a problem needs, or find it compiled."""
+    for table in (TABLES[problem.scheme], BLANES_MOAN):
+        engine.run(replace(problem, frames=1), scheme=table, steps_per_frame=2)
+
+
+def measure(problem: Problem, accuracy: float, most_work: float) -> Found | None:
+    """Measure the error at a first guess of the step, carry that to the accuracy by the order, measure again.
+
+    Args:
+        problem: what is to be run; its own time step does not count.
+        accuracy: largest error of any recorded velocity.
+        most_work: forces on beads that this may take.
+
+    Returns:
+        Steps that keep the accuracy, with an error above 0.3 of it where that can be; None if it takes too much work.
+
+    Raises:
+        UnreachableError: the problem has no solution of that accuracy.
+    """
+    problem = _coarse(problem)
+    cycle = scheme.cycle(problem.scheme)
+    fewest, cycles = (
+        max(1, math.ceil(problem.every / (cycle * step) * (1.0 - 1e-9)))
+        for step in (largest_step(problem, accuracy), guessed_step(problem, accuracy))
+    )
+    steps = guessed_reference_steps(problem, accuracy)
+    errors: dict[int, float] = {}
+    certificates: dict[int, float] = {}
+    good: dict[int, Found] = {}
+    kept: dict[int, Kept] = {}
+    spent = 0.0
+    for _ in range(_MOST_TRIALS):
+        spent += work(problem, cycles * cycle, 0 if steps in kept else steps)
+        if spent > most_work:
+            return None
+        if steps not in kept and _bytes(problem) <= KEPT_BYTES:
+            kept = {steps: _in_memory(problem, steps)}
+        reference = kept[steps] if steps in kept else Certifier(problem, steps_per_frame=steps)
+        error, certificates[steps] = _trial(problem, cycles, reference)
+        sure = certificates[steps] <= SURE * accuracy
+        if sure and error <= _HIGHEST * accuracy:
+            limited = cycles == fewest
+            step, own = problem.every / (cycles * cycle), problem.every / steps
+            good[cycles] = Found(step, own, error, error, 1.0, limited, kept.get(steps))
+            if error >= _LOWEST * accuracy or cycles == fewest:
+                break
+        if error > 2.0 * certificates[steps] or sure:
+            errors[cycles] = error
+            cycles = _better(cycles, error / accuracy, _measured_order(errors, problem), fewest)
+            if cycles in good:
+                break
+        if not sure:
+            steps = _surer(certificates, accuracy)
+    if not good:
+        raise UnreachableError("contacts amplify errors too much")
+    return good[min(good)]
+
+
+def _coarse(problem: Problem) -> Problem:
+    """With the frames that are compared."""
+    return problem.coarser(stride(problem, CADENCE))
+
+
+def work(problem: Problem, verlet_steps: int, reference_steps: int) -> float:
+    """Forces on beads with so many steps a frame: of the pilot run, and of the reference at two steps."""
+    forces = verlet_steps + RUNS * BLANES_MOAN.forces_per_step * reference_steps
+    return problem.chains * _rows_by_time(problem) / problem.every * forces
+
+
+def _rows_by_time(problem: Problem) -> float:
+    """Integral over time of the number of rows that have moved, roughly: no pulse is faster than the system's pace."""
+    first, last = (choose(bead for _, bead, _ in physics.excitations(problem.system)) for choose in (min, max))
+    way = rates.pace(problem.system) * np.linspace(0.0, problem.duration, 101)
+    rows = np.minimum(problem.beads, last + way) - np.maximum(1.0, first - way) + 1.0
+    if problem.window is not None:
+        rows = np.minimum(rows, engine.WIDER * problem.window)
+    return float(np.mean(rows) * problem.duration)
+
+
+def guessed_step(problem: Problem, accuracy: float) -> float:
+    """By the rule."""
+    return rates.timestep_for(accuracy, problem.duration, problem.system, problem.scheme)
+
+
+def guessed_reference_steps(problem: Problem, accuracy: float) -> int:
+    """Steps a frame of the reference that are usually sure enough: at its default, contacts leave it unsure by 1e-5."""
+    usual = engine.default_steps_per_frame(problem)
+    contacts, swings = (
+        1e-5 / (SURE * accuracy),
+        9e-8 * rates.swing(problem.system) * problem.duration / (SURE * accuracy),
+    )
+    return 2 * math.ceil(0.5 * usual * max(1.0, math.pow(contacts, 1.0 / _LEAST_ORDER), math.pow(swings, 0.25)))
+
+
+def largest_step(problem: Problem, accuracy: float) -> float:
+    """No step above this is tried."""
+    return rates.largest_timestep(accuracy, problem.system, problem.scheme)
+
+
+def _bytes(problem: Problem) -> float:
+    """Of the reference's frames."""
+    wider = 1 if problem.window is None else engine.WIDER
+    return 16.0 * problem.frames * problem.chains * problem.rows_a_frame * wider
+
+
+def _in_memory(problem: Problem, steps: int) -> Kept:
+    certifier = Certifier(problem, steps_per_frame=steps)
+    return Kept(tuple(certifier.blocks()), certifier.certificate)
+
+
+def _trial(problem: Problem, cycles: int, reference: Certifier | Kept) -> tuple[float, float]:
+    """Largest difference of any velocity of the pilot run from the reference, and the reference's certificate."""
+    runs = engine.blocks(problem, scheme=TABLES[problem.scheme], steps_per_frame=cycles)
+    largest = 0.0
+    with np.errstate(over="ignore", invalid="ignore"):
+        for own, right in zip(runs, reference.blocks(), strict=True):
+            largest = max(largest, _difference(*on_common_rows(own, right)))
+    return largest, reference.certificate.velocity
+
+
+def _difference(own: Trajectory, right: Trajectory) -> float:
+    found = float(np.max(np.abs(own.velocity - right.velocity)))
+    return found if found <= 2.0 else 2.0  # a run that blew up, or NaN
+
+
+def _better(cycles: int, part: float, order: float, fewest: int) -> int:
+    """Cycles a frame for the error that is aimed at, where so many leave an error of this part of the accuracy."""
+    better = math.ceil(cycles * math.pow(part / _AIM, 1.0 / order))
+    if cycles > 1 and part * math.pow(cycles / (cycles - 1), order) <= _HIGHEST:
+        better = min(better, cycles - 1)
+    return max(fewest, better)
+
+
+def _measured_order(errors: dict[int, float], problem: Problem) -> float:
+    """Order of convergence as measured last, within what the scheme can have."""
+    highest = float(TABLES[problem.scheme].order) if problem.system.holds(Fact.SECOND_ORDER) else 1.0
+    if len(errors) < 2:
+        return highest
+    (few, large), (many, small) = sorted(list(errors.items())[-2:])
+    if not large > small > 0.0:
+        return highest
+    lowest = 2.0 if problem.system.holds(Fact.SECOND_ORDER) else 1.0
+    return min(highest, max(lowest, math.log(large / small) / math.log(many / few)))
+
+
+def uncertainty(problem: Problem, steps: int) -> float:
+    """How sure the reference is with so many steps a frame."""
+    certifier = Certifier(problem, steps_per_frame=steps)
+    for _ in certifier.blocks():
+        pass
+    return certifier.certificate.velocity
+
+
+def _surer(certificates: dict[int, float], accuracy: float) -> int:
+    """Steps of the reference, an even number, that should do, if those that were tried (steps -> certificate) do not.
+
+    Raises:
+        UnreachableError: six times as many steps have left the reference hardly surer.
+    """
+    steps, uncertainty = max(certificates.items())
+    for fewer, before in certificates.items():
+        if steps >= 6 * fewer and uncertainty > max(before / 3.0, accuracy * SURE):
+            raise UnreachableError(f"not even the reference is surer than {uncertainty:.0e} V: {CHAOS}")
+    ratio: float = 1.1 * (uncertainty / (SURE * accuracy)) ** (1.0 / _LEAST_ORDER)
+    return 2 * math.ceil(0.5 * steps * min(6.0, max(1.25, ratio)))
+
+
+MOST_WORK = 3e9
+"""Forces on beads that one measurement may take, some five seconds; each that fails leaves the next half as many."""
+
+_LONG = 1e9
+"""Such work is announced."""
+
+_MARGIN = 2.0
+"""Error that is reckoned with, over what is carried over. Over a shorter problem's in proportion to time, the true one
+was 0.5 to 1.5 (2.5 with a gap); over that at a larger step, by the order, 0.97 to 1.03 (0.5 to 2 with a gap).
+"""
+
+_STEADY = 4.0
+"""Growth of the reference's own uncertainty over that in proportion to time, up to which it counts as the same."""
+
+_COARSEST = 1e-3
+"""Largest error from which a smaller one is told by the order."""
+
+_SHORTEST = 60.0
+"""Time from which on a shorter problem stands for a longer one."""
+
+_FEWEST = 20
+"""Beads left between two kicks, and beyond the last, in a shorter problem."""
+
+_TRIALS = 2.0
+"""Work of a measurement over that of its first trial, about."""
+
+
+def search(problem: Problem, accuracy: float, *, most_work: float = MOST_WORK) -> Found:
+    """The longest time step, within a factor of about two, that keeps every velocity within an accuracy.
+
+    Args:
+        problem: what is to be run; its own time step does not count.
+        accuracy: in units of V.
+        most_work: forces on beads that a measurement may take.
+
+    Raises:
+        UnreachableError: no step does.
+    """
+    _refuse_rounding(rounding(problem, guessed_step(problem, accuracy)), 0.5 * accuracy)
+    found = _found(problem, accuracy, most_work)
+    _refuse_rounding(rounding(problem, found.timestep), 0.25 * accuracy)
+    return found
+
+
+def _found(problem: Problem, accuracy: float, most_work: float) -> Found:
+    limit = budget = most_work
+    for share, asked in _ways(accuracy, problem.duration):
+        trial = _shorter(problem, share)
+        expected = _TRIALS * _first_work(trial, asked)
+        if expected > limit:
+            continue
+        if expected > _LONG:
+            seconds = 5.0 * expected / MOST_WORK
+            screen.hint(f"choosing the time step by a pilot run: about {seconds:.0f} s; a `timestep` avoids it")
+        measured = measure(trial, asked, budget)
+        if measured is None:
+            limit, budget = expected / 4.0, budget / 2.0  # what is hardly cheaper would not do either
+        elif (share, asked) == (1.0, accuracy):
+            return measured
+        elif share < 1.0:
+            _refuse_chaos(problem, trial, share, accuracy, most_work)
+            return _carried_over(measured, problem, share, asked, accuracy)
+        elif _may_be_sure(problem, accuracy, most_work):
+            return _carried_over(measured, problem, share, asked, accuracy)
+    return by_rule(problem, accuracy)
+
+
+def by_rule(problem: Problem, accuracy: float) -> Found:
+    """The step for an accuracy where nothing is measured."""
+    step = guessed_step(problem, accuracy)
+    reference = problem.every / guessed_reference_steps(problem, accuracy)
+    return Found(step, reference, accuracy, accuracy, 0.0, limited=step == largest_step(problem, accuracy))
+
+
+def _ways(accuracy: float, duration: float) -> Iterator[tuple[float, float]]:
+    """Share of the time and accuracy in it of ever cheaper measurements, the run itself first."""
+    yield 1.0, accuracy
+    share = 1.0
+    while share == 1.0 or share * duration >= _SHORTEST:
+        asked = accuracy * share / _MARGIN
+        yield share, asked
+        while (asked := 4.0 * asked) <= _COARSEST:
+            yield share, asked
+        share *= 0.5
+
+
+def _first_work(problem: Problem, accuracy: float) -> float:
+    """Of the first trial."""
+    verlet = math.ceil(problem.every / guessed_step(problem, accuracy))
+    return work(problem, verlet, guessed_reference_steps(problem, accuracy))
+
+
+def _may_be_sure(problem: Problem, accuracy: float, most_work: float) -> bool:
+    """Whether the reference gets sure enough with the usual number of steps, as far as that can be afforded."""
+    steps = guessed_reference_steps(problem, accuracy)
+    return work(problem, 0, steps) > most_work or uncertainty(problem, steps) <= accuracy
+
+
+def _refuse_chaos(problem: Problem, shorter: Problem, share: float, accuracy: float, most_work: float) -> None:
+    """Give up where errors grow much faster than in proportion to time, as far as that can be afforded to be known.
+
+    Raises:
+        UnreachableError: they do.
+    """
+    steps = engine.default_steps_per_frame(problem)
+    if work(problem, 0, steps) > most_work:
+        return
+    certificate = uncertainty(problem, steps)
+    usual = uncertainty(shorter, engine.default_steps_per_frame(shorter)) / share
+    if certificate > max(_STEADY * usual, SURE * accuracy):
+        raise UnreachableError(f"errors grow {certificate / usual:.0f} times as much as they usually do: {CHAOS}")
+
+
+def _carried_over(measured: Found, problem: Problem, share: float, asked: float, accuracy: float) -> Found:
+    """From a cheaper measurement to the run itself."""
+    ratio = accuracy * share / _MARGIN / asked
+    order = _LEAST_ORDER if problem.scheme != "verlet" else 2.0 if problem.system.holds(Fact.SECOND_ORDER) else 1.0
+    largest = largest_step(problem, accuracy)
+    step = min(largest, measured.timestep * ratio ** (1.0 / order))
+    return Found(
+        timestep=step,
+        reference_timestep=measured.reference_timestep * ratio ** (1.0 / _LEAST_ORDER),
+        error=measured.error * accuracy / asked,
+        measured_error=measured.error,
+        measured=share,
+        limited=measured.limited or step == largest,
+    )
+
+
+def _shorter(problem: Problem, share: float) -> Problem:
+    """The same chains over a share of the time, with the kicks and the ends of the chains as much closer together."""
+    system = problem.system
+    if share == 1.0:
+        return problem
+    marks = sorted({0, problem.beads + 1, *(bead for _, bead, _ in physics.excitations(system))})
+    place = {0: 0}
+    for before, after in itertools.pairwise(marks):
+        distance = after - before
+        place[after] = place[before] + min(distance, max(_FEWEST, math.ceil(distance * share)))
+    beads = place[problem.beads + 1] - 1
+    kept = _kept_rows(marks, place)
+    apart = math.ceil(problem.every)  # frames at most 1 apart, so that there are some
+    return replace(
+        problem,
+        system=replace(
+            system,
+            beads=beads,
+            links=tuple(link.on(kept) for link in system.links),
+            dampers=tuple(link.on(kept) for link in system.dampers),
+            mass=physics.mass_of(system, Ellipsis, kept),
+            inner_mass=None if system.inner_mass is None else system.inner_mass[:, kept],
+            inner_links=tuple(link.on(kept) for link in system.inner_links),
+            kicks=tuple((chain, place[bead], velocity) for chain, bead, velocity in system.kicks),
+            loads=tuple(load.at(place[load.bead]) for load in system.loads),
+            motions=tuple(motion.at(place[motion.bead]) for motion in system.motions),
+        ),
+        timestep=problem.every / apart,
+        steps_per_frame=1,
+        frames=max(1, math.ceil(problem.frames * apart * share)),
+        recorded=None,
+        window=None if problem.window is None or problem.window >= beads else problem.window,
+    )
+
+
+def _kept_rows(marks: list[int], place: dict[int, int]) -> NDArray[np.int64]:
+    """Rows of the longer chains, from 0, that the beads of the shorter ones stand for: those near a kick or an end."""
+    kept: list[int] = []
+    for before, after in itertools.pairwise(marks):
+        count = place[after] - place[before]
+        near = count // 2
+        kept += [*range(before + 1, before + near + 1), *range(after - (count - near) + 1, after + 1)]
+    return np.array(kept[:-1], dtype=np.int64) - 1  # the last mark is beyond the last bead
+
+
+def _refuse_rounding(floor: float, most: float) -> None:
+    if floor > most:
+        raise UnreachableError(f"rounding of the positions in LAMMPS leaves up to {floor:.0e} V")
+
+
+def rounding(problem: Problem, step: float) -> float:
+    """What rounding leaves in LAMMPS's velocities, at most: positions grow with the beads, and each step rounds them.
+
+    Measured in chains of 40 and 1000 beads with 6e4 to 3e6 steps: a ninth of this to a third.
+    """
+    return 3.0 * float(np.spacing(problem.beads * problem.layout.spacing)) * math.sqrt(problem.duration / step)
+
+
+def with_timestep(scene: Scene, source: str = "") -> tuple[Scene, Settings]:
+    """The scene with a time step that keeps its accuracy, or the default, and how it was chosen.
+
+    Where no step keeps the default accuracy, the step is that of the rule.
+
+    Args:
+        scene: with its duration.
+        source: what the user calls the scene, for messages.
+
+    Raises:
+        InputError: no step keeps the accuracy that the scene asks for.
+    """
+    asked, accuracy = scene.accuracy is not None, scene.accuracy or DEFAULT_ACCURACY
+    problem = scene.model_copy(update={"timestep": None, "accuracy": None}).problem()
+    where, unreached = f"{source}: accuracy" if source else "accuracy", ""
+    load(problem)
+    started = time.perf_counter()
+    try:
+        found = search(problem, accuracy)
+    except UnreachableError as error:
+        if asked:
+            raise InputError(
+                f"{where}: {accuracy:g} is not reached with any time step, since {error}; "
+                "take a larger one, or give a timestep"
+            ) from None
+        found, unreached = by_rule(problem, accuracy), str(error)
+    cycle = scheme.cycle(problem.scheme)
+    steps = cycle * math.ceil(problem.every / (cycle * found.timestep) * (1.0 - 1e-9))
+    every = problem.every * scene.scale.time if scene.output.every is None else scene.output.every
+    fields = {name: getattr(scene, name) for name in Scene.model_fields}
+    try:
+        settled = Scene.model_validate({**fields, "accuracy": None, "timestep": every / steps})
+    except ValidationError as error:
+        wrong = library.describe(error, Scene)
+        raise InputError(f"{where}: {accuracy:g} needs a time step of {every / steps:.3g}; {wrong}") from None
+    return settled, Settings(
+        accuracy=accuracy,
+        timestep=problem.every / steps,
+        steps_per_frame=steps,
+        reference_timestep=found.reference_timestep,
+        expected_error=found.error,
+        measured_error=found.measured_error,
+        measured=found.measured,
+        limited=found.limited,
+        seconds=time.perf_counter() - started,
+        asked=asked,
+        unreached=unreached,
+        reference=found.reference,
+    )
+
+
+def better_timestep(scene: Scene) -> str:
+    """What to change in a scene whose time step left too large an error, in words."""
+    better, settings = with_timestep(scene.model_copy(update={"timestep": None}))
+    if settings.unreached:
+        return f"no time step is known to leave less, since {settings.unreached}"
+    if settings.measured < 1.0:
+        return "leave `timestep` out, and a pilot run chooses a shorter one"
+    return f"`timestep: {better.timestep:.12g}` leaves {settings.expected_error:.1e} V, measured by a pilot run"
