@@ -2,10 +2,13 @@
 
 import functools
 import math
+from collections.abc import Callable
 
 import numpy as np
 
-from analysis.trajectory import Floats
+from analysis.trajectory import Flags, Floats
+
+HALVINGS = 50
 
 
 @functools.lru_cache
@@ -64,8 +67,13 @@ def integral(polynomials: Floats, s: Floats) -> Floats:
 
 def falling_zero(polynomials: Floats, low: Floats, high: Floats) -> Floats:
     """Where each polynomial falls through zero between low and high (positive at low, not so at high), by bisection."""
-    for _ in range(50):
+    return change(lambda s: value(polynomials, s) > 0.0, np.True_, low, high)
+
+
+def change(state: Callable[[Floats], Flags], before: Flags | np.bool_, low: Floats, high: Floats) -> Floats:
+    """Where a state that is ``before`` at low, and not at high, changes."""
+    for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        above = value(polynomials, middle) > 0.0
-        low, high = np.where(above, middle, low), np.where(above, high, middle)
+        same = state(middle) == before
+        low, high = np.where(same, middle, low), np.where(same, high, middle)
     return 0.5 * (low + high)

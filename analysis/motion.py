@@ -156,6 +156,16 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
     return acceleration, rate
 
 
+def strain_and_rates(block: Trajectory, frame: Integers, chain: Integers, bead: Integers) -> Floats:
+    """Strain between chosen beads and the next recorded, and its derivatives, [derivative, entry]; the second one where
+    the frames tell the forces. Indices are as of `acceleration_and_rate`.
+    """
+    ends = [[values[frame, chain, bead + k] for k in (0, 1)] for values in (block.displacement, block.velocity)]
+    if block.problem.forces_known:
+        ends.append([acceleration_and_rate(block, frame, chain, bead + k)[0] for k in (0, 1)])
+    return np.array([behind - ahead for behind, ahead in ends])
+
+
 def _drag_and_rate(block: Trajectory) -> tuple[Floats, Floats]:
     """Force of all dashpots on every bead, and how fast it changes, [frame, chain, bead]."""
     problem, x, v = block.problem, block.displacement, block.velocity

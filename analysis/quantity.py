@@ -174,10 +174,13 @@ def to_csv(columns: Mapping[str, Iterable[Any]]) -> str:
 
 
 def table(found: Any, scale: Scale) -> dict[str, Any]:
-    """Heading -> values in the scene's units, of a result whose fields are columns of one length."""
-    own = declared(type(found)).items()
-    values = (in_units(getattr(found, name), quantity.unit, scale) for name, (quantity, _) in own)
-    return dict(zip(headings(type(found), scale), values, strict=True))
+    """Heading -> values in the scene's units, of a result whose fields are columns, or columns by name."""
+    columns = {}
+    for name, (quantity, _) in declared(type(found)).items():
+        value = getattr(found, name)
+        for heading, column in value.items() if isinstance(value, Mapping) else [(name, value)]:
+            columns[scale.heading(heading, quantity.unit)] = in_units(column, quantity.unit, scale)
+    return columns
 
 
 def csv_of(found: Any, scale: Scale) -> str:

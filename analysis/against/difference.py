@@ -74,6 +74,15 @@ class Deviation:
     first: Place | None = None
 
 
+def deviation_of(difference: Floats, time: Floats, tolerance: float, place: Callable[[int], Place]) -> Deviation:
+    """Of differences that all have their time, and a place by their position."""
+    size = np.abs(difference)
+    exceeding = np.flatnonzero(~(size <= tolerance))
+    first = place(int(exceeding[np.argmin(time[exceeding])])) if len(exceeding) else None
+    rms = float(np.sqrt(np.mean(difference**2)))
+    return Deviation(float(size.max()), rms, place(int(np.argmax(size))), first)
+
+
 @dataclass
 class _Running:
     """Largest, mean square and first excess of one quantity over blocks."""
@@ -191,15 +200,10 @@ class Difference:
         return result
 
     def _of_peaks(self, name: str, difference: Floats, peaks: Peaks) -> Deviation:
-        size = np.abs(difference)
-
         def place(k: int) -> Place:
             return Place(int(peaks.chain[k]), int(peaks.bead[k]), float(peaks.time[k]))
 
-        exceeding = np.flatnonzero(~(size <= self.tolerances[name]))
-        first = place(int(exceeding[np.argmin(peaks.time[exceeding])])) if len(exceeding) else None
-        rms = float(np.sqrt(np.mean(difference**2)))
-        return Deviation(float(size.max()), rms, place(int(np.argmax(size))), first)
+        return deviation_of(difference, peaks.time, self.tolerances[name], place)
 
     @property
     def error_map(self) -> "ErrorMap":

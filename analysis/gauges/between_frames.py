@@ -8,15 +8,13 @@ import numpy as np
 
 from analysis import hermite
 from analysis.gauges.gauge import Probe
-from analysis.trajectory import Flags, Floats, Integers
+from analysis.trajectory import Floats, Integers
 
 TOUCH = 1e-18
 """Force from which on there is an impulse to add up, of an overlap of 1e-12."""
 
 PANEL = 0.05
 """Largest stretch of time for one Gauss rule of four nodes."""
-
-HALVINGS = 50
 
 
 @dataclass(frozen=True)
@@ -68,7 +66,7 @@ class Curve:
         panel_of, entry = np.nonzero(closed[:-1] != closed[1:])
         one = self.of(entry)
         low, high, before = border[panel_of], border[panel_of + 1], closed[panel_of, entry]
-        at = change(lambda s: one.elastic(s) > TOUCH, before, low, high)
+        at = hermite.change(lambda s: one.elastic(s) > TOUCH, before, low, high)
         width = np.sqrt(np.where(before, at - low, high - at))
         way = np.where(before, -1.0, 1.0)
         for s, w in zip(node, weight, strict=True):
@@ -82,18 +80,9 @@ def borders(spacing: float) -> Floats:
     return np.linspace(0.0, 1.0, max(1, int(np.ceil(spacing / PANEL * (1.0 - 1e-9)))) + 1)
 
 
-def change(state: Callable[[Floats], Flags], before: Flags, low: Floats, high: Floats) -> Floats:
-    """Where a state that is ``before`` at low, and not at high, changes."""
-    for _ in range(HALVINGS):
-        middle = 0.5 * (low + high)
-        same = state(middle) == before
-        low, high = np.where(same, middle, low), np.where(same, high, middle)
-    return 0.5 * (low + high)
-
-
 def maximum(value: Callable[[Floats], Floats], low: Floats, high: Floats) -> Floats:
     """Where something with one maximum between low and high is largest."""
-    for _ in range(2 * HALVINGS):
+    for _ in range(2 * hermite.HALVINGS):
         one, two = low + (high - low) / 3.0, high - (high - low) / 3.0
         rising = value(one) < value(two)
         low, high = np.where(rising, one, low), np.where(rising, high, two)

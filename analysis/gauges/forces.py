@@ -13,13 +13,12 @@ from typing import Any
 import numpy as np
 
 from analysis import hermite, motion
-from analysis.gauges.between_frames import Curve, borders, change, excursion, maximum
+from analysis.gauges.between_frames import Curve, borders, excursion, maximum
 from analysis.gauges.gauge import Gauge, Probe
 from analysis.gauges.reflection import Reflection
 from analysis.quantity import declare, result
 from analysis.trajectory import Flags, Floats, Integers, Trajectory, joined
 from lammps_inputs import Problem
-from lammps_inputs.units import Scale
 
 PULSE = 0.01
 """Share of its largest value, above the static one, from which a force is that of a pulse."""
@@ -68,7 +67,7 @@ class ForceTable:
     """Table of forces over time."""
 
     time: Floats = declare("time of the frame", "time", symbol="t")
-    force: Floats = declare(
+    force: dict[str, Floats] = declare(
         "force at each gauge and chain, in columns such as ``contact 10 chain 1``; under a static load ``total``, and "
         "``dynamic`` without it",
         "force",
@@ -129,19 +128,20 @@ class Readings:
                 )
         return found
 
-    def columns(self, scale: Scale) -> dict[str, Floats]:
-        """Force over time in the scene's units: a column for every gauge and chain: ``contact 10 chain 1 (N)``.
+    def table(self) -> ForceTable:
+        """Force over time: a column for every gauge and chain, ``contact 10 chain 1``.
 
-        Under a static load those are ``contact 10 chain 1 total (N)``, and as many columns ``... dynamic (N)``, without
-        it, follow.
+        Under a static load those are ``contact 10 chain 1 total``, and as many columns ``... dynamic``, without it,
+        follow.
         """
-        found = {scale.heading("time", "time"): self.time * scale.time}
-        for which in (" total", " dynamic") if self.loaded else ("",):
-            force = (self.force - self.static if which == " dynamic" else self.force) * scale.force
-            for place, gauge in enumerate(self.gauges):
-                for chain in range(force.shape[1]):
-                    found[scale.heading(f"{gauge.name} chain {chain + 1}{which}", "force")] = force[:, chain, place]
-        return found
+        kinds = {" total": self.force, " dynamic": self.force - self.static} if self.loaded else {"": self.force}
+        force = {
+            f"{gauge.name} chain {chain + 1}{which}": values[:, chain, place]
+            for which, values in kinds.items()
+            for place, gauge in enumerate(self.gauges)
+            for chain in range(values.shape[1])
+        }
+        return ForceTable(self.time, force)
 
     @property
     def loaded(self) -> bool:
@@ -176,12 +176,8 @@ MOST_ENTRIES = 4000
 """Stretches from frame to frame that are looked at together, which bounds the memory."""
 
 
-def at_frames(block: Trajectory, gauges: tuple[Gauge, ...]) -> Floats:
+def at_frames(block: Trajectory, gauges: tuple[Gauge, ...], *, dashpots: bool = True) -> Floats:
     """What gauges read at the frames of a run, [frame, chain, gauge]; the beads they need must be recorded."""
-    return _at_frames(block, gauges, dashpots=True)
-
-
-def _at_frames(block: Trajectory, gauges: tuple[Gauge, ...], *, dashpots: bool) -> Floats:
     force = np.zeros((block.frames, block.problem.chains, len(gauges)))
     for place, gauge in enumerate(gauges):
         for probe in gauge.probes:
@@ -251,7 +247,7 @@ class ForceMeter:
         else:
             self._largest = self._force[0][0].copy()
             self._largest_at[:] = block.time[0]
-            self._closed = _at_frames(block[:1], self.gauges, dashpots=False)[0] > CLOSED
+            self._closed = at_frames(block[:1], self.gauges, dashpots=False)[0] > CLOSED
         step = max(1, MOST_ENTRIES // self.problem.chains)
         for start in range(0, block.frames - 1, step):
             part = block[start : start + step + 1]
@@ -346,7 +342,7 @@ class ForceMeter:
         """
         panel, entry = np.nonzero(closed[:-1] != closed[1:])
         before = closed[panel, entry]
-        at = change(lambda s: state(entry, s), before, border[panel], border[panel + 1])
+        at = hermite.change(lambda s: state(entry, s), before, border[panel], border[panel + 1])
         self._changes[place].append((entry % self.problem.chains, start[entry] + at * spacing, ~before))
         return entry[~before], np.minimum(at[~before] + _JUST, 1.0)
 

@@ -9,7 +9,6 @@ from analysis.sound.loaded_pulse import bands
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem
 from lammps_inputs.laws.in_time import Sine
-from lammps_inputs.units import Scale
 
 LEAST_FRAMES = 16
 
@@ -64,7 +63,7 @@ class SpectrumTable:
     """Table of spectra."""
 
     frequency: Floats = declare("frequency of the line", "cycles", symbol="f")
-    amplitude: Floats = declare(
+    amplitude: dict[str, Floats] = declare(
         "amplitude of the velocity of each chosen bead, in columns such as ``chain 1 bead 10``: that of a sine whose "
         "frequency falls on a line is the height of the line (Hann's window)",
         "velocity",
@@ -120,14 +119,14 @@ class Spectra:
         cycles = bands(problem.system)
         return Lines(self.after, resolution, beads, first, None if cycles is None else cycles / (2.0 * np.pi))
 
-    def columns(self, scale: Scale) -> dict[str, Floats]:
-        """A line a frequency, a column a chain and bead, in the scene's units."""
-        found = {scale.heading("frequency", "cycles"): self.frequency / scale.time}
-        for chain in range(self.amplitude.shape[1]):
-            for place, bead in enumerate(self.beads):
-                amplitude = self.amplitude[:, chain, place] * scale.velocity
-                found[scale.heading(f"chain {chain + 1} bead {bead}", "velocity")] = amplitude
-        return found
+    def table(self) -> SpectrumTable:
+        """A line a frequency, a column a chain and bead."""
+        amplitude = {
+            f"chain {chain + 1} bead {bead}": self.amplitude[:, chain, place]
+            for chain in range(self.amplitude.shape[1])
+            for place, bead in enumerate(self.beads)
+        }
+        return SpectrumTable(self.frequency, amplitude)
 
 
 def window(count: int) -> Floats:

@@ -131,7 +131,9 @@ class ImpulseMeter:
         frame, chain, pair = np.nonzero((overlap[:-1] > TOUCH) | (overlap[1:] > TOUCH) | meets)
         if len(frame) == 0:
             return
-        polynomial = self._polynomial(block, overlap, rate, frame, chain, pair, spacing)
+        states = np.array([motion.strain_and_rates(block, at, chain, self._pair[pair]) for at in (frame, frame + 1)])
+        states[:, 0] = overlap[frame, chain, pair], overlap[frame + 1, chain, pair]
+        polynomial = hermite.coefficients((0, 1), states, spacing)
         node, weight = _gauss(spacing)
         between = np.stack([hermite.value(polynomial, np.full(len(frame), s)) for s in node])
         contact = chain, self._bead[pair] - 2
@@ -158,27 +160,6 @@ class ImpulseMeter:
             np.add.at(total, (chain, pair), np.add.accumulate(values, axis=0)[-1])
         np.add.at(self._contacts, (chain, pair), np.sum(~closed[:-1] & closed[1:], axis=0))
         self._over = over[-1]
-
-    def _polynomial(
-        self,
-        block: Trajectory,
-        overlap: Floats,
-        rate: Floats,
-        frame: Integers,
-        chain: Integers,
-        pair: Integers,
-        spacing: float,
-    ) -> Floats:
-        """Polynomials of the overlap in s = (time - frame's) / spacing, [power, entry]."""
-        states = []
-        for at in (frame, frame + 1):
-            state = [overlap[at, chain, pair], rate[at, chain, pair]]
-            if self.problem.forces_known:
-                behind = motion.acceleration_and_rate(block, at, chain, pair)[0]
-                ahead = motion.acceleration_and_rate(block, at, chain, pair + 1)[0]
-                state.append(behind - ahead)
-            states.append(state)
-        return hermite.coefficients((0, 1), np.array(states), spacing)
 
 
 def measure(problem: Problem, blocks: Iterable[Trajectory]) -> Impulses:

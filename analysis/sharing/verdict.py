@@ -264,11 +264,6 @@ def _expected(shared: Sharing, problem: Problem) -> Estimate | None:
     return _by_rule(problem, last)
 
 
-def _plain(problem: Problem) -> bool:
-    """Whether beads just touch, as all of those did that rules were measured with."""
-    return physics.gap(problem.system) == 0.0 and problem.system.holds(Fact.SONIC_VACUUM)
-
-
 def _by_rule(problem: Problem, last: int) -> Estimate | None:
     """Bead of 1% agreement when bead 1 of an open row's outer chain is hit, ``10 + 5 / kappa * (chains / 2)**1.6``.
 

@@ -10,7 +10,7 @@ from analysis.quantity import declare, derived, result
 from analysis.shape.loaded_wave import cell_beads, sound_speed, speed_over_sound
 from analysis.sound.dispersion import NoDispersionError, cell_of
 from analysis.tracking.pulses import Pulse
-from analysis.trajectory import Floats, Integers, Trajectory, joined
+from analysis.trajectory import Floats, Trajectory, joined
 from lammps_inputs import Problem, System, laws, physics
 from lammps_inputs.limits import rates
 
@@ -148,23 +148,11 @@ class LoadedPulse:
         frame, chain, contact = frame[one], chain[one], contact[one]
         if len(frame) == 0:
             return
-        data = np.stack([self._state(block, at, chain, contact) for at in (frame, frame + 1)])
+        data = np.stack([motion.strain_and_rates(block, at, chain, contact) for at in (frame, frame + 1)])
         polynomial = hermite.coefficients((0, 1), data, block.spacing)
         at = hermite.falling_zero(hermite.derivative(polynomial), np.zeros(len(frame)), np.ones(len(frame)))
         self._arrival[chain, contact] = block.time[frame] + at * block.spacing
         self._strain[chain, contact] = hermite.value(polynomial, at)
-
-    @staticmethod
-    def _state(block: Trajectory, frame: Integers, chain: Integers, contact: Integers) -> Floats:
-        x, v = block.displacement, block.velocity
-        behind, ahead = (motion.acceleration_and_rate(block, frame, chain, contact + k)[0] for k in (0, 1))
-        return np.stack(
-            [
-                x[frame, chain, contact] - x[frame, chain, contact + 1],
-                v[frame, chain, contact] - v[frame, chain, contact + 1],
-                behind - ahead,
-            ]
-        )
 
     def result(self) -> LoadedWave | None:
         """Of the frames so far; None where the pulse did not come far enough."""

@@ -41,6 +41,11 @@ def working_in(directory: Path) -> list[int]:
     return found
 
 
+def children(pid: int) -> list[int]:
+    """Processes that one has started and that still are."""
+    return [int(child) for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
+
+
 def wait_until(condition: Callable[[], object], process: "subprocess.Popen[Any] | None" = None) -> bool:
     """Whether a condition came true; where a process is to make it true, it is not waited for after its end."""
     end = time.monotonic() + HANGS

@@ -44,6 +44,12 @@ def run(tree, cache, **environment):
     return float(value), hits == "1"
 
 
+@pytest.fixture(scope="module")
+def value(tmp_path_factory):
+    """Largest velocity with the sources as they are."""
+    return run(ROOT, tmp_path_factory.mktemp("compiled"))[0]
+
+
 @pytest.mark.slow
 def test_a_changed_law_is_computed_with_though_the_old_one_is_on_the_disk(tmp_path):
     tree = tmp_path / "tree"
@@ -64,20 +70,20 @@ def test_a_changed_law_is_computed_with_though_the_old_one_is_on_the_disk(tmp_pa
 
 
 @pytest.mark.slow
-def test_processes_that_compile_at_once_agree_and_leave_whole_files(tmp_path):
-    with ThreadPoolExecutor(3) as pool:
-        values = {value for value, _ in pool.map(lambda _: run(ROOT, tmp_path / "cache"), range(3))}
-    assert run(ROOT, tmp_path / "cache") == (values.pop(), True)
-    assert not values
+def test_processes_that_compile_at_once_agree_and_leave_whole_files(value, tmp_path):
+    with ThreadPoolExecutor(2) as pool:
+        values = {found for found, _ in pool.map(lambda _: run(ROOT, tmp_path / "cache"), range(2))}
+    assert values == {value}
+    assert run(ROOT, tmp_path / "cache") == (value, True)
     (place,) = (tmp_path / "cache/granchain").iterdir()
     assert len([path for path in place.glob("*") if path.is_file()]) == 1
 
 
 @pytest.mark.slow
-def test_a_cache_that_cannot_be_written_to_changes_no_number(tmp_path):
+def test_a_cache_that_cannot_be_written_to_changes_no_number(value, tmp_path):
     (tmp_path / "file").write_text("no directory")
     own = {"HOME": f"{tmp_path}/file", "XDG_CACHE_HOME": f"{tmp_path}/file", "TEMPORARY": f"{tmp_path}/file"}
-    assert run(ROOT, tmp_path / "file", **own) == (run(ROOT, tmp_path / "cache")[0], False)
+    assert run(ROOT, tmp_path / "file", **own) == (value, False)
 
 
 HELPER = "def twice(s):\n    return 2.0 * s\n"

@@ -12,7 +12,7 @@ from analysis.conservation import Conservation
 from analysis.files.binary_dump import CutDumpWarning
 from analysis.files.recording import FARTHEST
 from analysis.mirror import along_the_way, direction_of
-from analysis.quantity import plain, to_csv
+from analysis.quantity import csv_of, plain
 from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.survey import Survey, survey
 from analysis.tracking.leading_waves import Arrival, Waves, usual_arrival
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Analysis", "analyse", "default_beads", "last_clear_bead"]
 
-FIGURES = ("spacetime", "response", "distance", "shape", *(name for one in FINDINGS for name in one.figures))
+FIGURES = ("spacetime", "response", "distance", "shape", *(one.figure for one in FINDINGS if one.figure))
 """All that an analysis may draw."""
 
 LARGEST = 1e100
@@ -193,9 +193,10 @@ def _write(
     tables = {WAVES: waves_csv(found)}
     makers = {} if pictures is None else _makers(found, *pictures)
     for one in findings.values():
-        if one.table is not None and (columns := one.columns()):
-            tables[one.table[0]] = to_csv(columns)
-        makers |= {} if pictures is None else one.drawn()
+        if one.table is not None and (rows := one.rows()) is not None:
+            tables[one.table[0]] = csv_of(rows, found.problem.scale)
+        if pictures is not None and one.drawable:
+            makers[one.figure] = one.draw
     files = figure_files(*makers)
     claim(directory.path, (*tables, REPORT, *files))
     if pictures is not None:

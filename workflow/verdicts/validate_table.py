@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from analysis.against import common_times, symptoms
-from analysis.against.difference import Deviation, Difference, Place
+from analysis.against.difference import Deviation, Difference, Place, deviation_of
 from analysis.files import table, traces
 from analysis.files.table import Table
 from analysis.files.traces import Channel
@@ -159,16 +159,10 @@ def validate_traces(
 
 
 def _deviation(channel: Channel, apart: Floats, times: Floats, tolerance: float, problem: Problem) -> Deviation:
-    size = np.abs(apart[np.isfinite(apart)])
-    when = times[np.isfinite(apart)]
+    known = np.isfinite(apart)
+    when = times[known]
     bead = channel.bead or (problem.beads if channel.right else 1)
-    exceeding = np.flatnonzero(~(size <= tolerance))
-    return Deviation(
-        float(size.max()),
-        float(np.sqrt(np.mean(size**2))),
-        Place(channel.chain, bead, float(when[np.argmax(size)])),
-        Place(channel.chain, bead, float(when[exceeding[0]])) if len(exceeding) else None,
-    )
+    return deviation_of(apart[known], when, tolerance, lambda k: Place(channel.chain, bead, float(when[k])))
 
 
 def as_trajectory(given: Table, problem: Problem, *, dimensionless: bool) -> Trajectory:

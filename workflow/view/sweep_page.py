@@ -84,7 +84,7 @@ def layout(table: Table, pages: dict[str, str]) -> Any:
     unknown = sum(math.isnan(x + y) for x, y in zip(data["x"], data["y"], strict=True))
     source = ColumnDataSource(name="cases", data=data)
     headings = {name: table.heading(name) for name in table.columns}
-    kinds = {name: "log" if _by_factors(data[name]) else "linear" for name in numbers}
+    kinds = {name: "log" if logarithmic(_drawn(data[name])) else "linear" for name in numbers}
     plots = {kind: _plot(source, kind, headings[over], headings[what]) for kind in sorted(set(kinds.values()))}
     if unknown:
         plots[kinds[over]].title.text = f"{unknown} of {len(table.rows)} cases have no number here"
@@ -98,7 +98,7 @@ def layout(table: Table, pages: dict[str, str]) -> Any:
         TableColumn(
             field=name,
             title=headings[name],
-            width=_width([headings[name], *map(_shown, data[name])]),
+            width=min(_WIDEST, 30 + _LETTER * max(map(len, [headings[name], *map(_shown, data[name])]))),
             formatter=HTMLTemplateFormatter(template=_LINK if name == "case" else _NUMBER),
         )
         for name in table.columns
@@ -138,19 +138,9 @@ def _plot(source: ColumnDataSource, kind: str, over: str, what: str) -> Any:
     return plot
 
 
-def _by_factors(values: list[Any]) -> bool:
-    """Whether what stands in a column is spaced by factors."""
-    return logarithmic([value for value in values if isinstance(value, float | int)])
-
-
 def _drawn(values: list[Any]) -> list[float]:
     """A column for an axis, which would show None at 0."""
     return [value if isinstance(value, float | int) else math.nan for value in values]
-
-
-def _width(texts: list[str]) -> int:
-    """Pixels of a column in which they can be read."""
-    return min(_WIDEST, 30 + _LETTER * max(map(len, texts)))
 
 
 def _shown(value: Any) -> str:

@@ -8,7 +8,7 @@ import pytest
 from small_problems import problem, written_down
 
 from analysis.gauges.spectra import Spectra, SpectrumMeter, amplitude_at, amplitudes
-from analysis.quantity import to_csv
+from analysis.quantity import csv_of
 from lammps_inputs.loads import Motion
 from lammps_inputs.units import make_scale
 
@@ -73,7 +73,7 @@ SWINGS = Spectra(
 @pytest.mark.parametrize("si", [False, True])
 def test_the_table_has_each_chain_and_bead_in_its_column_in_the_scenes_units(si):
     scale = make_scale(2.0, 3.0, 0.1, si=si)
-    first, line = csv.DictReader(io.StringIO(to_csv(SWINGS.columns(scale))))
+    first, line = csv.DictReader(io.StringIO(csv_of(SWINGS.table(), scale)))
     assert float(first["frequency (Hz)" if si else "frequency"]) == 0.0
     assert float(line.pop("frequency (Hz)" if si else "frequency")) == pytest.approx(0.1 / scale.time)
     unit = " (m/s)" if si else ""

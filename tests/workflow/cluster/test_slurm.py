@@ -24,8 +24,6 @@ from workflow.runs.status import status, statuses
 pytest_plugins = ("slurm",)
 
 SHORT = scene(chains=3, beads=31, kappa=0.1, duration=60.0, every=0.5)
-LONG = scene(chains=5, beads=61, kappa=0.1, duration=5000.0, every=10.0)
-"""Some three seconds on one core."""
 
 _UNEQUAL = {
     "kinds": {"heavy": {"mass": 1}, "light": {"mass": 0.5, "stiffness": 2.0}},  # LAMMPS's style `granular`
@@ -125,7 +123,7 @@ def test_a_job_runs_in_a_directory_whose_name_means_something_to_slurm(cluster, 
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("ingredients", [_UNEQUAL, _PUSHED, _LOADED], ids=("unequal", "pushed", "loaded"))
+@pytest.mark.parametrize("ingredients", [_PUSHED, _LOADED], ids=("pushed", "loaded"))
 def test_a_job_of_a_scene_with_ingredients_ends_bit_for_bit_as_a_run_on_this_machine(ingredients, cluster, tmp_path):
     case = made_of(ingredients)
     directory = written(case, tmp_path / "job", ranks_per_node=1)
@@ -137,7 +135,6 @@ def test_a_job_of_a_scene_with_ingredients_ends_bit_for_bit_as_a_run_on_this_mac
 
 
 CUT = {
-    "coupled": LONG,
     "unequal": made_of(_UNEQUAL, duration=8000.0, output={"every": 10.0}),
     "damped": made_of(_DAMPED, duration=2000.0, output={"every": 5.0}),
 }

@@ -49,20 +49,6 @@ def test_two_chains_have_the_published_peaks_at_bead_55(paper):
     assert peaks(paper("two-chains"), 55) == pytest.approx([0.36892, 0.36157], abs=5e-5)
 
 
-@pytest.mark.parametrize(
-    ("bead", "published"),
-    [
-        (5, (0.5011, 0.3529)),
-        (10, (0.3223, 0.4630)),
-        (20, (0.3351, 0.3993)),
-        (30, (0.3964, 0.3329)),
-        (40, (0.3548, 0.3761)),
-    ],
-)
-def test_two_chains_have_the_published_peaks_on_the_way(bead, published, paper):
-    assert peaks(paper("two-chains"), bead) == pytest.approx(published, abs=5e-5 + VERLET_ERROR)
-
-
 def test_strongly_coupled_chains_share_the_pulse_to_1e_4_at_bead_55(paper):
     first, second = peaks(paper("two-chains-strong"), 55)
     assert abs(first - second) < 1e-4
@@ -135,17 +121,6 @@ def test_a_run_at_any_v_is_a_scaled_copy_of_the_run_at_1(speed, tmp_path):
         np.testing.assert_allclose(one, other, rtol=0, atol=3 * 2 * 1000 * 4e-15)
 
 
-def test_waves_are_reported_in_the_units_of_the_scene(tmp_path):
-    slow = small(kick=(Kick(velocity=1e-5),), duration=100.0, kappa=1e-3)  # V**-0.2 = 10, V**0.4 = 0.01
-    for name, one in (("slow", slow), ("unit", small())):
-        result = run(one, tmp_path / name, check=False)
-        analyse(result.directory, figures=False)
-    found, unit = waves(tmp_path / "slow"), waves(tmp_path / "unit")
-    for place in unit:
-        for column, factor in (("peak_velocity", 1e-5), ("arrival", 10.0), ("speed", 0.1)):
-            assert float(found[place][column]) == pytest.approx(factor * float(unit[place][column]), rel=1e-7)
-
-
 # --- what a run leaves ------------------------------------------------------------------------------------------------
 
 
@@ -212,48 +187,7 @@ def test_a_run_until_a_bead_has_the_peaks_of_a_longer_run(tmp_path):
     np.testing.assert_array_equal(ended, longer)
 
 
-def test_a_pulse_that_never_arrives_is_refused(tmp_path):
-    backwards = small(kick=(Kick(bead=1, velocity=-1.0),), until_bead=12, duration=None)
-    with pytest.raises(InputError, match="until_bead: bead 12 is not passed in every chain"):
-        run(backwards, tmp_path / "run")
-    assert not (tmp_path / "run").exists()
-
-
 # --- directories ------------------------------------------------------------------------------------------------------
-
-
-def contents(directory):
-    return {path.name: path.read_bytes() for path in directory.iterdir()}
-
-
-def test_an_existing_run_is_never_overwritten(paper):
-    before = contents(paper("two-chains"))
-    with pytest.raises(InputError, match="exists and is not empty"):
-        run(small(), paper("two-chains"))
-    assert contents(paper("two-chains")) == before
-
-
-def test_overwriting_replaces_a_run_and_keeps_the_files_that_are_not_its(tmp_path):
-    first = run(small(), tmp_path, check=False)
-    analyse(first.directory, figures=False)
-    (tmp_path / "notes.txt").write_text("mine")
-    (tmp_path / "data").mkdir()
-    second = run(small(duration=2.0), tmp_path, overwrite=True, check=False)
-    assert second.trajectory.time[-1] == 2.0
-    assert (tmp_path / "notes.txt").read_text() == "mine"
-    assert (tmp_path / "data").is_dir()
-    assert not (tmp_path / "waves.csv").exists()
-
-
-def test_a_directory_that_is_no_run_is_not_overwritten_even_when_asked(tmp_path):
-    (tmp_path / "in.chains").write_text("mine")
-    with pytest.raises(InputError, match="nothing in it is overwritten"):
-        run(small(), tmp_path, overwrite=True)
-    assert contents(tmp_path) == {"in.chains": b"mine"}
-
-
-def test_a_run_goes_into_an_empty_directory(tmp_path):
-    assert run(small(), tmp_path, check=False).outcome == "done"
 
 
 def test_a_directory_with_any_name_will_do(tmp_path):
@@ -266,29 +200,9 @@ def test_a_directory_with_any_name_will_do(tmp_path):
 
 @pytest.mark.slow
 @two_ranks
-@pytest.mark.parametrize("chains", [pytest.param(1, marks=pytest.mark.slow), 3])
-def test_two_ranks_compute_bit_for_bit_what_one_computes(chains, tmp_path):
-    one, two = (
-        run(small(chains=chains), tmp_path / str(ranks), ranks=ranks, check=False).trajectory for ranks in (1, 2)
-    )
-    np.testing.assert_array_equal(one.displacement, two.displacement)
-    np.testing.assert_array_equal(one.velocity, two.velocity)
-
-
-@pytest.mark.slow
-@two_ranks
 def test_two_ranks_are_two_and_not_two_copies(tmp_path):
     run(small(), tmp_path / "run", ranks=2, check=False)
     assert "on 2 procs" in (tmp_path / "run" / "log.lammps").read_text()
-
-
-@pytest.mark.parametrize(
-    ("ranks", "says"), [(0, "at least 1"), (-2, "at least 1"), (mpi.cores() + 1, f"{mpi.cores()} cores are available")]
-)
-def test_a_number_of_ranks_that_cannot_be_used_is_refused(ranks, says, tmp_path):
-    with pytest.raises(InputError, match=rf"--ranks: {ranks} given.*{says}"):
-        run(small(), tmp_path / "run", ranks=ranks)
-    assert not (tmp_path / "run").exists()
 
 
 def test_progress_ends_with_the_last_step_and_the_bead_that_the_front_reached(tmp_path):

@@ -24,7 +24,6 @@ from workflow.cli import main
 from workflow.cluster.queue import Queue, Queued, parse
 from workflow.runs.files import RECORD, write_json
 from workflow.runs.status import MEANING, status, statuses
-from workflow.studies.study import Study
 
 CASE = scene(chains=2, beads=8, kappa=0.1, duration=10.0, every=0.1)
 STEPS = CASE.problem().steps
@@ -78,17 +77,6 @@ def alps(*jobs):
 
 
 # --- of other commands than run ---------------------------------------------------------------------------------------
-
-
-def test_a_directory_of_a_study_is_running_then_done_or_to_be_resumed_and_never_to_be_overwritten(tmp_path):
-    with Study("map", "map.csv is the table").opened(tmp_path / "map"):
-        assert status(tmp_path / "map").state == "running"
-    done = status(tmp_path / "map")
-    assert (done.state, done.why) == ("done", "of `granchain map`; map.csv is the table")
-    with pytest.raises(KeyboardInterrupt), Study("map", "").opened(tmp_path / "cut"):
-        raise KeyboardInterrupt
-    cut = status(tmp_path / "cut")
-    assert (cut.state, cut.why) == ("incomplete", "of `granchain map`; the same command resumes it")
 
 
 def test_a_finished_comparison_is_told_to_be_done(tmp_path, capsys):

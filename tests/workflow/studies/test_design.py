@@ -3,16 +3,12 @@
 import csv
 import json
 import shutil
-import signal
-import subprocess
 from dataclasses import replace
 from pathlib import Path
 
 import jsonschema
 import numpy as np
 import pytest
-from processes import HANGS, wait_until
-from sweeps import GRANCHAIN
 
 from lammps_inputs import library, physics, strict_yaml
 from workflow import api
@@ -123,6 +119,7 @@ def test_the_report_is_one_page_with_its_pictures_inside(found):
     assert "set against" in page
 
 
+@pytest.mark.slow
 def test_small_errors_of_manufacture_change_the_objective_a_little(found):
     report = json.loads((found / "design.json").read_text())
     best = report["quantities"]["wall_force"]
@@ -131,6 +128,7 @@ def test_small_errors_of_manufacture_change_the_objective_a_little(found):
     assert all(0.0 < abs(value / best - 1.0) < 0.1 for value in members)
 
 
+@pytest.mark.slow
 def test_evolution_finds_what_no_exhaustive_search_betters(found, tmp_path, evaluator):
     """With fewer designs than there are; those that it asks for are kept from the exhaustive search."""
     shutil.copy(found / "evaluations.jsonl", tmp_path)
@@ -310,25 +308,6 @@ def test_coordinates_stand_for_values(variable, coordinates, value):
 )
 def test_a_number_at_the_end_of_its_range_is_at_a_bound(variable, value, bound):
     assert variable.bound(value) == bound
-
-
-@pytest.mark.slow
-def test_ctrl_c_keeps_what_was_computed_and_leaves_no_process(tmp_path):
-    path = written(tmp_path, search={"evaluations": 100_000}, vary={"gap": {"from": 0.01, "to": 0.5}})
-    directory = tmp_path / "d"
-    with subprocess.Popen(
-        [GRANCHAIN, "design", str(path), "-o", str(directory), "--jobs", "2"], stdout=subprocess.PIPE, text=True
-    ) as running:
-        lines = directory / "evaluations.jsonl"
-        assert wait_until(lambda: lines.is_file() and lines.stat().st_size > 0)
-        children = Path(f"/proc/{running.pid}/task/{running.pid}/children").read_text().split()
-        running.send_signal(signal.SIGINT)
-        said, _ = running.communicate(timeout=HANGS)
-    assert running.returncode == 130
-    assert "the same command goes on" in said
-    assert children
-    assert wait_until(lambda: not any(Path(f"/proc/{child}").exists() for child in children))
-    assert all(json.loads(line)["result"]["quantities"] for line in lines.read_text().splitlines())
 
 
 def test_quantities_are_those_of_an_analysis(tmp_path):

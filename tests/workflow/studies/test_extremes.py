@@ -1,17 +1,12 @@
 """The report on extremes: it sees what is silently wrong, and says nothing against what is right."""
 
 import csv
-import json
 import math
-import os
-import signal
-import sys
 from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
 import wrong_runs
-from processes import HANGS, started, wait_until
 from stock_lammps import scene
 
 from analysis.shape.exact_wave import solitary_wave
@@ -321,20 +316,3 @@ def test_the_command_writes_table_and_figure_goes_on_where_it_stopped_and_fails_
     assert "WRONG beads 8: planted" in capsys.readouterr().out
     monkeypatch.setattr(report, "_program", lambda: "another one")
     assert main(command) == 0  # measured again
-
-
-@pytest.mark.slow
-def test_ctrl_c_keeps_what_is_done_and_leaves_nothing_behind(tmp_path):
-    work, out = tmp_path / "tmp", tmp_path / "out"
-    work.mkdir()
-    command = [sys.executable, "-m", "workflow.cli", "extremes", "-o", out]
-    with started(command, env={**os.environ, "TMPDIR": str(work)}) as process:
-        assert wait_until(lambda: list(work.glob("granchain-extremes-*/run/chains.dump.bin")), process)
-        os.killpg(process.pid, signal.SIGINT)
-        _, complaints = process.communicate(timeout=HANGS)
-    assert process.returncode == 130
-    # what runs in a callback of LLVM's when it is interrupted says so, and goes on to its end
-    assert "granchain: interrupted\n" in complaints
-    assert "Error" not in complaints
-    assert list(work.iterdir()) == []
-    assert all(json.loads(line)["result"]["kind"] in KINDS for line in (out / "cells.jsonl").read_text().splitlines())

@@ -2,11 +2,15 @@
 
 import importlib
 import json
+import os
+import signal
 from pathlib import Path
 
 import pytest
+from processes import HANGS, children, started, wait_until
+from sweeps import GRANCHAIN, SMALL
 
-from lammps_inputs import InputError
+from lammps_inputs import InputError, strict_yaml
 from workflow import studies
 from workflow.errors import RunError
 from workflow.runs.status import status
@@ -69,9 +73,12 @@ def test_cases_that_use_all_cores_come_last():
 def test_status_says_what_a_directory_is_before_and_after_its_end(study, tmp_path):
     with pytest.raises(KeyboardInterrupt), study.opened(tmp_path / "one"):
         raise KeyboardInterrupt
-    assert f"granchain {study.command}`; {study.resume}" in status(tmp_path / "one").why
+    cut = status(tmp_path / "one")
+    assert cut.state == "incomplete"
+    assert f"granchain {study.command}`; {study.resume}" in cut.why
     with study.opened(tmp_path / "one"):
-        pass
+        assert status(tmp_path / "one").state == "running"
+    assert status(tmp_path / "one").state == "done"
     assert f"granchain {study.command}`; {study.result}" in status(tmp_path / "one").why
 
 
@@ -93,6 +100,43 @@ def test_a_directory_in_use_or_with_a_file_of_somebody_elses_is_refused(study, t
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="cannot be written"), study.opened(tmp_path / "file" / "x"):
         pass
+
+
+SEARCH = {
+    "scene": {**SMALL, "walls": {"right": "rigid"}},
+    "vary": {"gap": {"from": 0.01, "to": 0.5}},
+    "minimize": "delay",
+    "search": {"evaluations": 100_000},
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "words", [["design", "long.yaml", "--jobs", "2"], ["extremes", "masses"]], ids=lambda words: words[0]
+)
+def test_ctrl_c_keeps_what_was_computed_and_leaves_neither_processes_nor_files_on_the_way(words, tmp_path):
+    (tmp_path / "long.yaml").write_text(strict_yaml.dump(SEARCH))
+    work, out = tmp_path / "tmp", tmp_path / "out"
+    work.mkdir()
+
+    def kept():
+        return [line for path in out.glob("*.jsonl") for line in path.read_text().splitlines()]
+
+    command = [GRANCHAIN, *words, "-o", out]
+    with started(command, env={**os.environ, "TMPDIR": str(work)}, cwd=tmp_path) as process:
+        assert wait_until(lambda: kept() or any(work.rglob("chains.dump.bin")), process)
+        own, before = children(process.pid), len(kept())
+        os.killpg(process.pid, signal.SIGINT)
+        _, complaints = process.communicate(timeout=HANGS)
+    assert process.returncode == 130
+    assert own
+    # what runs in a callback of LLVM's when it is interrupted says so, and goes on to its end
+    assert "Error" not in complaints
+    assert wait_until(lambda: not any(Path(f"/proc/{child}").exists() for child in own))
+    assert list(work.iterdir()) == []
+    assert len(kept()) >= before
+    assert all(json.loads(line)["result"] for line in kept())
+    assert status(out).state == "incomplete"
 
 
 def test_the_studies_that_are_known_are_found():

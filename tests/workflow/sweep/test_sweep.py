@@ -14,8 +14,6 @@ from sweeps import GRANCHAIN, SMALL, UNTIL, sweep, sweep_file
 
 from lammps_inputs import library
 from workflow.cli import main
-from workflow.engines.lammps import hosted
-from workflow.errors import RunError
 from workflow.runs.files import alone
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
@@ -232,24 +230,13 @@ def children():
     return [int(pid) for pid in found if b"workflow.workers.worker" in Path(f"/proc/{pid}/cmdline").read_bytes()]
 
 
-def test_an_error_of_lammps_ends_its_process_and_not_the_sweep(tmp_path, monkeypatch):
-    scene = library.from_plain(SMALL, "")
-    done = run(scene, tmp_path / "run", check=False)
-    deck = tmp_path / "run" / "in.chains"
-    deck.write_text(deck.read_text().replace("fix motion all nve", "fix motion all nonsense"))
-    monkeypatch.chdir(tmp_path)
-    with pytest.raises(hosted.LammpsError, match="LAMMPS: ERROR: Unrecognized fix style 'nonsense'") as failure:
-        hosted.run(done.directory.path)
-    assert isinstance(failure.value, RunError)
-
-
 # --- interruption -----------------------------------------------------------------------------------------------------
 
 
 @pytest.fixture
 def slow(tmp_path):
     """A sweep of four short cases and a long one, as a command in a session of its own, with two cases done."""
-    path = sweep_file(tmp_path, duration=[10, 20, 30, 40, 6000])
+    path = sweep_file(tmp_path, duration=[10, 20, 30, 40, 4000])
     command = [GRANCHAIN, "sweep", path, "-o", tmp_path / "s", "--no-check"]
     with started(command) as process:
         assert wait_until(lambda: finished(tmp_path / "s") >= 2, process)
@@ -298,12 +285,12 @@ def test_ctrl_c_keeps_what_is_done_and_the_same_command_does_the_rest(slow):
 
 @pytest.mark.slow
 def test_an_interrupted_case_goes_on_from_its_restart_and_ends_as_if_it_had_not_been(tmp_path):
-    scene = {**SMALL, "duration": 6000, "output": {"every": 1.0}}
+    scene = {**SMALL, "duration": 3000, "output": {"every": 1.0}}
     path, case = sweep_file(tmp_path, scene, beads=[12]), tmp_path / "s" / "beads=12"
     command = [GRANCHAIN, "sweep", path, "-o", tmp_path / "s", "--no-check"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, start_new_session=True) as process:
         dump = case / "chains.dump.bin"
-        assert wait_until(lambda: dump.exists() and dump.stat().st_size > 20_000, process)
+        assert wait_until(lambda: dump.exists() and dump.stat().st_size > 10_000, process)
         os.killpg(process.pid, signal.SIGINT)
     assert RunDirectory(case).job.outcome == "interrupted"
     assert sweep(path, tmp_path / "s") == 0

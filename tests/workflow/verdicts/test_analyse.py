@@ -230,7 +230,9 @@ PRINTED = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", PRINTED)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name in ("damped", "drag"))) for name in PRINTED]
+)
 def test_of_a_single_chain_each_sentence_holds_and_none_is_on_sharing(name, tmp_path, capsys):
     changes, holds, never = PRINTED[name]
     plain = {key: value for key, value in {**ONE, **changes}.items() if value is not None}

@@ -14,7 +14,7 @@ from analysis.gauges.far_end import Transmitted
 from analysis.gauges.forces import Readings
 from analysis.gauges.gauge import gauges as places_of
 from analysis.gauges.spectra import Spectra
-from analysis.quantity import to_csv
+from analysis.quantity import csv_of
 from analysis.sharing.energies import Flow
 from analysis.sound.dispersion import Cell, Map
 from analysis.sound.loaded_pulse import LoadedWave
@@ -74,7 +74,7 @@ def test_each_gauge_and_chain_has_an_entry_of_its_own_numbers(problem, static):
 @pytest.mark.parametrize("static", [0.0, 5.0])
 def test_each_gauge_and_chain_has_its_column_in_forces_csv(problem, static):
     scale = problem.scale
-    rest, line = csv.DictReader(io.StringIO(to_csv(readings(problem, static).columns(scale))))
+    rest, line = csv.DictReader(io.StringIO(csv_of(readings(problem, static).table(), scale)))
     second, newton = (" (s)", " (N)") if scale.si else ("", "")
     assert float(line.pop(f"time{second}")) == pytest.approx(4.0 * scale.time)
     expected, total = {}, " total" if static else ""
@@ -95,20 +95,24 @@ def test_what_comes_through_is_in_the_scenes_units_and_energy_a_share(problem):
     )
 
 
-@pytest.mark.parametrize("si", [False, True])
-def test_spectra_say_what_the_last_bead_has_of_the_drive_in_the_chain_that_is_driven(si):
-    unit = {"material": STEEL} if si else {}
-    size, frequency = (1e-6, 1000.0) if si else (0.1, 0.05)
+@pytest.fixture(params=[False, True], ids=["reduced", "SI"])
+def spectra(request):
+    """Of two beads in two chains, the second driven at half of the first line."""
+    unit = {"material": STEEL} if request.param else {}
+    size, frequency = (1e-6, 1000.0) if request.param else (0.1, 0.05)
     drive = {"chain": 2, "displacement": size, "frequency": frequency}
     plain = {"name": "a", "chains": 2, "beads": 10, "drive": drive, "duration": 10.0 / frequency, **unit}
     driven = library.from_plain(plain, "a").problem()
-    scale = driven.scale
     lines = np.zeros((3, 2, 2))
-    lines[1, 0], lines[2, 1] = [0.1, 0.2], [0.3, 0.4]
+    lines[1, 0], lines[2, 1] = [0.1, 0.2], [0.3, 0.4]  # [line, chain, bead]
     at_drive = np.array([[[0.5, 0.1], [0.8, 0.2]]])
-    here = frequency * scale.time
-    seen = Spectra((1, 8), 4.0, np.array([0.0, 0.5, 1.0]), lines, np.array([here]), at_drive)
-    found = gauges.Spectra(driven, seen.found(driven), seen).plain()
+    seen = Spectra((1, 8), 4.0, np.array([0.0, 0.5, 1.0]), lines, np.array([frequency * driven.scale.time]), at_drive)
+    return gauges.Spectra(driven, seen.found(driven), seen), driven.scale, frequency
+
+
+def test_spectra_say_what_the_last_bead_has_of_the_drive_in_the_chain_that_is_driven(spectra):
+    found, scale, frequency = spectra
+    found = found.plain()
     assert found["transmissibility"] == pytest.approx(0.25)
     assert (found["after"], found["resolution"]) == pytest.approx((4.0 * scale.time, 0.5 / scale.time))
     entries = {(one["chain"], one["bead"]): one for one in found["beads"]}
@@ -264,19 +268,10 @@ def test_of_the_energy_least_most_and_last_are_told_with_their_times(problem, pr
         assert line.split() == words.split()
 
 
-@pytest.mark.parametrize("si", [False, True])
-def test_of_spectra_the_highest_line_and_what_is_passed_on_are_told(si, printed):
-    size, frequency = (1e-6, 1000.0) if si else (0.1, 0.05)
-    drive = {"chain": 2, "displacement": size, "frequency": frequency}
-    plain = {"name": "a", "chains": 2, "beads": 10, "drive": drive, "duration": 10.0 / frequency}
-    problem = library.from_plain({**plain, **({"material": STEEL} if si else {})}, "a").problem()
-    scale = problem.scale
-    lines = np.zeros((3, 2, 2))
-    lines[1, 0], lines[2, 1] = [0.1, 0.2], [0.3, 0.4]  # [line, chain, bead]
-    at_drive = np.array([[[0.5, 0.1], [0.8, 0.2]]])
-    seen = Spectra((1, 8), 4.0, np.array([0.0, 0.5, 1.0]), lines, np.array([frequency * scale.time]), at_drive)
-    out = printed(gauges.Spectra(problem, seen.found(problem), seen))
-    assert f"from t = {4.0 * scale.time:.5g}{' s' if si else ''} on" in out
+def test_of_spectra_the_highest_line_and_what_is_passed_on_are_told(spectra, printed):
+    found, scale, frequency = spectra
+    out = printed(found)
+    assert f"from t = {4.0 * scale.time:.5g}{' s' if scale.si else ''} on" in out
     assert f"{frequency:.5g}" in out
     half, whole, velocity = 0.5 / scale.time, 1.0 / scale.time, scale.velocity
     expected = [

@@ -90,12 +90,9 @@ def in_steel(velocity, kappa=0.1):
 ROWS = (
     # two chains, strong to weak
     Row("two-2", EQUAL, 2, 40, 2.0, 58.0, 8),
-    Row("two-1", EQUAL, 2, 40, 1.0, 58.0, 13),
     Row("two-0.5", EQUAL, 2, 50, 0.5, 72.0, 17),
     Row("two-0.5-short", BEATING, 2, 19, 0.5, 24.0, 17, foretold=True),
-    Row("two-0.2", EQUAL, 2, 80, 0.2, 112.0, 37),
     Row("two-0.1", EQUAL, 2, 100, 0.1, 140.0, 62),
-    Row("two-0.1-short", BEATING, 2, 50, 0.1, 75.0, 62, foretold=True),
     Row("two-0.1-shorter", SHORT, 2, 20, 0.1, 30.0, 62, foretold=True),
     Row("two-0.05", BEATING, 2, 90, 0.05, 125.0, 115, foretold=True),
     Row("two-0.01", BEATING, 2, 150, 0.01, 205.0, 507, foretold=True),
@@ -106,22 +103,16 @@ ROWS = (
     Row("barely-begun", SHORT, 2, 40, 0.1, 3.0, 62, foretold=True, says=("was passed in every chain",)),
     # more chains
     Row("three-0.1", BEATING, 3, 120, 0.1, 170.0, 105, never=("within 1% from",)),
-    Row("three-0.1-short", BEATING, 3, 90, 0.1, 130.0, 105, foretold=True),
     Row("three-0.5", EQUAL, 3, 60, 0.5, 90.0, 30),
     Row("three-middle", EQUAL, 3, 80, 0.1, 115.0, 43, more=hit((2, 1, 1.0))),
-    Row("four-0.5", EQUAL, 4, 70, 0.5, 105.0, 40),
     Row("five-0.2", BEATING, 5, 80, 0.2, 115.0, 126, foretold=True),
-    Row("five-second", BEATING, 5, 36, 0.2, 55.0, 109, more=hit((2, 1, 1.0))),
     Row("eight-0.5", BEATING, 8, 60, 0.5, 95.0, 100, foretold=True),
-    Row("twelve-1", BEATING, 12, 60, 1.0, 100.0, 97, foretold=True),
     Row("twenty-0.2", SHORT, 20, 76, 0.2, 130.0, 983, foretold=True, never=(r"25 \+- ", "beats of")),
     Row("twenty-middle", BEATING, 20, 81, 0.2, 130.0, more=hit((10, 1, 1.0))),
-    Row("twenty-2", BEATING, 20, 60, 2.0, 105.0, 119, foretold=True),
     # kicks
     Row("backwards", EQUAL, 2, 50, 0.5, 72.0, 17, more=hit((1, 50, -1.0))),
     Row("two-kicks", BEATING, 2, 45, 0.1, 65.0, 62, more=hit((1, 1, 1.0), (2, 1, 0.5))),
     Row("both-ends", BEATING, 2, 60, 0.1, 100.0, more=hit((1, 1, 1.0), (1, 60, -1.0)), never=("should agree",)),
-    Row("both-ends-weaker", BEATING, 2, 60, 0.1, 100.0, more=hit((1, 1, 1.0), (2, 60, -0.5)), never=("should agree",)),
     Row("within", EQUAL, 2, 110, 0.1, 150.0, 66, more=hit((1, 5, 1.0))),
     # what is recorded
     Row("few", SHORT, 2, 100, 0.1, 140.0, 62, more=recorded(10, 50, 90), says=("too far",), never=("beats of",)),
@@ -133,7 +124,6 @@ ROWS = (
     Row("cut", BEATING, 2, 100, 0.1, 140.0, 62, True, kept=0.5, says=("incomplete",), never=("solitary at bead 95",)),
     Row("cut-at-once", SHORT, 2, 100, 0.1, 140.0, 62, True, kept=0.02, says=("incomplete",)),
     # SI
-    Row("steel-slow", EQUAL, 2, 100, 0.1, 0.0, 62, more=in_steel(0.01)),
     Row("steel", BEATING, 2, 50, 0.1, 0.0, 62, True, more=in_steel(1.0)),
     # gaps
     Row("gap-strong", EQUAL, 2, 60, 1.0, 200.0, more={"gap": GAP}, never=("should agree",)),

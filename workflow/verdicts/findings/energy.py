@@ -1,6 +1,6 @@
 """Energy over time: its budget where some is dissipated or put in, and its shares where no pulse stays together."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 class Budget(Finding):
     """The account, and how well it is known."""
 
-    key, kind, figures = "budget", ClosedAccount, ("budget",)
+    key, kind, figure = "budget", ClosedAccount, "budget"
 
     found: ClosedAccount
 
@@ -45,11 +45,16 @@ class Budget(Finding):
         yield self.found.sentence(self.problem.scale)
         yield self.sentence
 
-    def drawn(self) -> "dict[str, Callable[[], Figure]]":
+    @property
+    def drawable(self) -> bool:
+        """Over time, of more than one instant."""
+        return len(self.found.time) > 1
+
+    def draw(self) -> "Figure":
         """Over time."""
         from analysis.figures.energy import budget_figure
 
-        return {"budget": lambda: budget_figure(self.problem, self.found)} if len(self.found.time) > 1 else {}
+        return budget_figure(self.problem, self.found)
 
 
 def closed(directory: RunDirectory, seen: Conservation, ledger: Accountant) -> Budget | None:
@@ -77,7 +82,7 @@ def closed(directory: RunDirectory, seen: Conservation, ledger: Accountant) -> B
 class Energy(Finding):
     """Shares of the chains."""
 
-    key, kind, figures = "energy", Flow, ("energy",)
+    key, kind, figure = "energy", Flow, "energy"
 
     found: Flow
 
@@ -99,11 +104,11 @@ class Energy(Finding):
         head = ["chain", *when, "at the end", "there, around bead"]
         yield Table(f"{self.problem.name}: share of the energy", head, rows)
 
-    def drawn(self) -> "dict[str, Callable[[], Figure]]":
+    def draw(self) -> "Figure":
         """Over time."""
         from analysis.figures.energy import energy_figure
 
-        return {"energy": lambda: energy_figure(self.problem, self.found)}
+        return energy_figure(self.problem, self.found)
 
     @classmethod
     def measure(cls, directory: RunDirectory) -> Measure | None:

@@ -32,8 +32,8 @@ class Finding:
     table: ClassVar[tuple[str, Any] | None] = None
     """CSV file beside the frames, and type whose fields declare its columns."""
 
-    figures: ClassVar[tuple[str, ...]] = ()
-    """Names of the figures that it may draw."""
+    figure: ClassVar[str] = ""
+    """Name of the figure that it may draw; empty where there is none."""
 
     problem: Problem
 
@@ -48,13 +48,18 @@ class Finding:
         """What `analyze` prints: lines and tables."""
         yield from ()
 
-    def columns(self) -> dict[str, Any]:
-        """Heading -> values in the scene's units, of the table; empty where there is none."""
-        return {}
+    def rows(self) -> Any:
+        """What the table holds, of the type that declares its columns; None where there is none."""
+        return None
 
-    def drawn(self) -> "dict[str, Callable[[], Figure]]":
-        """Name -> what draws it."""
-        return {}
+    @property
+    def drawable(self) -> bool:
+        """Whether there is enough to draw."""
+        return bool(self.figure)
+
+    def draw(self) -> "Figure":
+        """The figure, where it is drawable."""
+        raise NotImplementedError
 
     @classmethod
     def measure(cls, directory: "RunDirectory") -> "Measure | None":

@@ -1,8 +1,8 @@
 """What gauges have read: those that a scene names, spectra of beads, the far end of the chains, the largest overlap."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -49,7 +49,7 @@ _LOADED_WORDS = {
 class Forces(Finding):
     """Forces over time: an entry for each gauge and chain."""
 
-    key, kind, figures = "forces", list[Reading], ("forces",)
+    key, kind, figure = "forces", list[Reading], "forces"
     table = "forces.csv", ForceTable
 
     found: list[Reading]
@@ -110,15 +110,15 @@ class Forces(Finding):
             "then, are so far"
         )
 
-    def columns(self) -> dict[str, Any]:
+    def rows(self) -> ForceTable:
         """Over time."""
-        return self.readings.columns(self.problem.scale)
+        return self.readings.table()
 
-    def drawn(self) -> "dict[str, Callable[[], Figure]]":
+    def draw(self) -> "Figure":
         """Over time."""
         from analysis.figures.gauges import force_figure
 
-        return {"forces": lambda: force_figure(self.problem, self.readings)}
+        return force_figure(self.problem, self.readings)
 
     @classmethod
     def measure(cls, directory: RunDirectory) -> Measure | None:
@@ -156,7 +156,7 @@ def _said(found: Reflection, *, coupled: bool) -> str:
 class Spectra(Finding):
     """Of the velocity."""
 
-    key, kind, figures = "spectra", Lines, ("spectra",)
+    key, kind, figure = "spectra", Lines, "spectra"
     table = "spectra.csv", SpectrumTable
 
     found: Lines
@@ -179,15 +179,15 @@ class Spectra(Finding):
         start = scale.written(found.after, "time", ".5g")
         yield Table(f"{self.problem.name}: spectra from t = {start} on", head, rows)
 
-    def columns(self) -> dict[str, Any]:
+    def rows(self) -> SpectrumTable:
         """All lines."""
-        return self.spectra.columns(self.problem.scale)
+        return self.spectra.table()
 
-    def drawn(self) -> "dict[str, Callable[[], Figure]]":
+    def draw(self) -> "Figure":
         """All lines."""
         from analysis.figures.gauges import spectra_figure
 
-        return {"spectra": lambda: spectra_figure(self.problem, self.spectra)}
+        return spectra_figure(self.problem, self.spectra)
 
     @classmethod
     def measure(cls, directory: RunDirectory) -> Measure | None:

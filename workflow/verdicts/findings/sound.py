@@ -1,10 +1,9 @@
 """Sound under a static load: its dispersion, and the leading pulse on it against the long-wave theory's."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from analysis import quantity
 from analysis.sharing.survey import Survey
 from analysis.sound.dispersion import Bands, Branches, Map, NoDispersionError
 from analysis.sound.dispersion import Dispersion as Collected
@@ -29,7 +28,7 @@ from lammps_inputs.facts import Fact
 class Dispersion(Finding):
     """Bands, and the map that they are from; None where there is none."""
 
-    key, kind, figures = "dispersion", Bands, ("dispersion",)
+    key, kind, figure = "dispersion", Bands, "dispersion"
     table = "dispersion.csv", Branches
 
     found: Bands
@@ -40,16 +39,21 @@ class Dispersion(Finding):
         if self.found.why is not None:
             yield f"no dispersion map: {self.found.why}"
 
-    def columns(self) -> dict[str, Any]:
+    def rows(self) -> Branches | None:
         """The branches."""
-        return {} if self.map is None else quantity.table(self.map.branches(), self.problem.scale)
+        return None if self.map is None else self.map.branches()
 
-    def drawn(self) -> "dict[str, Callable[[], Figure]]":
+    @property
+    def drawable(self) -> bool:
+        """Where there is a map."""
+        return self.map is not None
+
+    def draw(self) -> "Figure":
         """The map with the branches."""
         from analysis.figures.dispersion import dispersion_figure
 
-        found = self.map
-        return {} if found is None else {"dispersion": lambda: dispersion_figure(self.problem, found)}
+        assert self.map is not None
+        return dispersion_figure(self.problem, self.map)
 
     @classmethod
     def measure(cls, directory: RunDirectory) -> Measure | None:
