@@ -33,6 +33,14 @@ class Character:
     bead: int = declare("bead at which the following was measured, the last clear of the chain's ends")
     arrival: float = declare("time at which that bead is fastest", "time", symbol="t")
     peak_velocity: float = declare("largest velocity of that bead", "velocity", symbol="v")
+    arrival_error: float = declare(
+        "bound on the error of the arrival by the time between frames, or noise",
+        "time",
+        "the largest velocity is reached on a plateau (a bead that flies freely)",
+    )
+    peak_velocity_error: float = declare(
+        "bound on the error of the peak velocity by the time between frames, or noise", "velocity"
+    )
     speed: float = declare("speed of the pulse at that bead", "speed", "it was seen at one bead only", "c")
     width: float = declare("full width of the velocity at half its maximum", "beads", UNSEEN)
     momentum: float = declare("momentum: integral of the velocity over the passage", "momentum", UNSEEN)
@@ -137,6 +145,8 @@ def characterise(
         bead=int(pulse.bead[at]),
         arrival=float(pulse.arrival[at]),
         peak_velocity=peak,
+        arrival_error=float(pulse.arrival_error[at]),
+        peak_velocity_error=float(pulse.peak_velocity_error[at]),
         speed=speed,
         **shape,
         speed_excess=excess,

@@ -9,6 +9,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from analysis.against.common_times import near_the_front
 from analysis.conservation import energy_input
 from analysis.mirror import direction_of, mirrored, mirrored_bead, mirrored_problem
 from analysis.shape.exact_wave import wave_of
@@ -29,7 +30,7 @@ from analysis.tracking.leading_waves import (
     usual_arrival,
 )
 from analysis.tracking.noise import distinct, left_by_smoothing, noise_at_start, peak_error, smoothed
-from analysis.tracking.peaks import THRESHOLD, PeakFinder
+from analysis.tracking.peaks import THRESHOLD, PeakFinder, Peaks
 from analysis.tracking.pulses import SMALLEST, Pulse, ahead_of_sound, track_pulses
 from analysis.tracking.undisturbed import clear_of_ends, clear_of_others, once_each, returns
 from analysis.trajectory import Flags, Integers, Trajectory
@@ -149,18 +150,22 @@ def survey(
     left = left_by_smoothing(noise, problem.every)
     options: dict[str, Any] = {"threshold": max(THRESHOLD, SURE * left), "noisy": noise > 0.0}
     forward, backward = PeakFinder(direction=1, **options), PeakFinder(direction=-1, **options)
-    given = _Input()
+    given, window = _Input(), _Window()
     counts = counted if physics.exchanges(system) and problem.whole else None
-    last_time = _first_reading(read, problem, noise, [*watchers, given], forward, backward, counts)
+    last_time = _first_reading(read, problem, noise, [*watchers, given, window], forward, backward, counts)
     peaks = {1: forward.result(), -1: backward.result()}
     if noise > 0.0:
-        peaks = {way: distinct(found, wave_of(system)) for way, found in peaks.items()}
+        peaks = {way: _uncertain(distinct(found, wave_of(system)), problem, noise) for way, found in peaks.items()}
 
     direction = direction_of(problem)
     along = problem if direction > 0 else mirrored_problem(problem)
     smallest = max(SMALLEST, 2.0 * SURE * left)
     tracks = once_each(
-        tuple(pulse for way in (1, -1) for pulse in track_pulses(peaks[way], problem, smallest=smallest, noise=left)),
+        tuple(
+            pulse
+            for way in (1, -1)
+            for pulse in track_pulses(window.near_the_front(peaks[way]), problem, smallest=smallest, noise=left)
+        ),
         wave_of(system),
     )
     arrival = usual_arrival(problem) if arrival is None else arrival
@@ -176,13 +181,6 @@ def survey(
     every_bead = along if leading is None else replace(along, recorded=None)
     shared = sharing(waves if direction > 0 else mirrored_waves(waves, problem), every_bead, left)
     shared = replace(shared, energy=given.energy)
-    if noise > 0.0:
-        error = peak_error(problem.every, waves.peak_velocity, noise=noise)
-        waves = replace(
-            waves,
-            arrival_error=waves.arrival_error + error.arrival,
-            peak_velocity_error=waves.peak_velocity_error + error.peak_velocity,
-        )
     pulses, crests = _told_from_sound(tracks, waves, direction, problem)
     back = {direction: returns(waves, problem, direction), -direction: np.full((problem.chains, problem.beads), np.inf)}
     clear = tuple(clear_of_ends(pulse, problem, back[pulse.direction]) for pulse in pulses)
@@ -218,6 +216,17 @@ def survey(
         energies=energies,
         decay=decay,
         verdict=judge(shared, along, decay),
+    )
+
+
+def _uncertain(peaks: Peaks, problem: Problem, noise: float) -> Peaks:
+    """Maxima with larger errors, by the noise."""
+    error = peak_error(problem.every, peaks.velocity, noise=noise)
+    return replace(
+        peaks,
+        time_error=peaks.time_error + error.arrival,
+        centre_error=peaks.centre_error + error.arrival,
+        velocity_error=peaks.velocity_error + error.peak_velocity,
     )
 
 
@@ -258,6 +267,24 @@ class _Input:
     def add(self, block: Trajectory) -> None:
         """Take the next frames."""
         self.energy = float(energy_input(block)[-1])
+
+
+class _Window:
+    """Where a window is over time."""
+
+    def __init__(self) -> None:
+        self._time: list[float] = []
+        self._bead: list[int] = []
+
+    def add(self, block: Trajectory) -> None:
+        """Take the next frames."""
+        self._time.append(float(block.time[0]))
+        self._bead.append(int(near_the_front(block).beads[0]))
+
+    def near_the_front(self, peaks: Peaks) -> Peaks:
+        """The maxima that whole chains have too."""
+        since = np.searchsorted(self._time, peaks.time, side="right") - 1
+        return peaks.where(peaks.bead >= np.array(self._bead)[since])
 
 
 def _first_reading(

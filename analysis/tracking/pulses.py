@@ -72,6 +72,7 @@ class Pulse:
         arrival: [passage] time at which the bead is fastest, in units of T.
         peak_velocity: [passage] that velocity along ``direction``, in units of V.
         speed: [passage] beads per unit time from the passages on either side (at an end: one side), positive.
+        arrival_error, peak_velocity_error: [passage] bounds, see `analysis.tracking.peaks.Peaks`.
     """
 
     chain: int
@@ -80,6 +81,8 @@ class Pulse:
     arrival: Floats
     peak_velocity: Floats
     speed: Floats
+    arrival_error: Floats
+    peak_velocity_error: Floats
 
     def __len__(self) -> int:
         return len(self.bead)
@@ -135,7 +138,8 @@ def track_pulses(
                 speed = local_speed(bead, arrival)
                 if direction < 0:
                     bead = mirrored_bead(problem, bead)
-                found.append(Pulse(int(chain), direction, bead, arrival, own.velocity[track], speed))
+                errors = own.time_error[track], own.velocity_error[track]
+                found.append(Pulse(int(chain), direction, bead, arrival, own.velocity[track], speed, *errors))
     return tuple(sorted(found, key=lambda pulse: (pulse.chain, pulse.arrival[0])))
 
 

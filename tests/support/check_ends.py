@@ -104,7 +104,7 @@ def transmitted(case: Case, value: Any, delay: Any = None) -> tuple[Any, Any]:
     coarse = 0.03 * quickest(case) ** 4 + case.energy_off
     bend = 0.003 * float(np.abs(np.diff(share[top - 1 : top + 2], 2)).max(initial=0.0)) if case.acted_on else 0.0
     off = coarse * float(share.max()) + 3.0 * case.energy_off / float(put_in[np.argmax(share)]) + 1e-9
-    if delay is None or unsettled(series):
+    if delay is None and unsettled(series):
         return About(exact, off + bend), About(None)
     true = at_end(*case.truth.fine)
     half = int(np.argmax(true >= 0.5 * true.max()))

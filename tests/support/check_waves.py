@@ -517,10 +517,16 @@ def pulse(case: Case, rows: list[Row], entry: Row) -> dict[str, Any]:
     chain, bead, way = entry["chain"], entry["bead"], entry["direction"]
     arrival, peak = entry["arrival"] / unit.time, entry["peak_velocity"] / unit.velocity
     exact = exact_of(case)
-    allowed = max(FLOOR, stated.velocity) * (3.0 if bead in (1, case.scene.beads) else 1.0) + grid(case, peak)
+    end = 3.0 if bead in (1, case.scene.beads) else 1.0
+    allowed = max(FLOOR, stated.velocity) * end + entry["peak_velocity_error"] / unit.velocity
+    late = max(FLOOR, stated.arrival) * end
+    late += math.inf if entry["arrival_error"] is None else entry["arrival_error"] / unit.time
     maxima = case.truth.maxima(chain, bead, way)
     mine = [
-        one for one in maxima if abs(one.velocity - peak) <= allowed and one.since - 0.05 <= arrival <= one.until + 0.05
+        one
+        for one in maxima
+        if abs(one.velocity - peak) <= allowed
+        and one.since - late - one.late(case.off[1]) <= arrival <= one.until + late + one.late(case.off[1])
     ]
     if not mine:  # a bead that begins to fly reaches a level
         mine = [one for one in case.truth.levels(chain, bead) if abs(one.velocity - peak) <= allowed]
@@ -547,6 +553,8 @@ def pulse(case: Case, rows: list[Row], entry: Row) -> dict[str, Any]:
         "bead": Holds("one that was recorded", lambda value: value in case.directory.recorded),
         "arrival": there,
         "peak_velocity": there,
+        "arrival_error": Holds("not negative", lambda value: value is None or value >= 0.0),
+        "peak_velocity_error": Holds("not negative", lambda value: value >= 0.0),
         "speed": speed_of(case, entry, way, arrival),
         **inside(case, chain, bead, arrival, peak, run, way, entry),
         "residual": residual(case, chain, bead, arrival, peak, run, way) if as_reference else None,

@@ -20,7 +20,15 @@ def pulse(chain, direction, beads, start, peak):
     """At these beads in this order, a bead a time."""
     beads = np.array(beads)
     velocity = np.array([peak(bead) for bead in beads])
-    return Pulse(chain, direction, beads, start + np.arange(len(beads)), velocity, np.ones(len(beads)))
+    return Pulse(
+        chain,
+        direction,
+        beads,
+        start + np.arange(len(beads)),
+        velocity,
+        np.ones(len(beads)),
+        *np.zeros((2, len(beads))),
+    )
 
 
 def there_and_back(incident, reflected, right=True):

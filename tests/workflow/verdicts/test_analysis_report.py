@@ -129,7 +129,9 @@ def test_a_train_ends_before_the_first_pulse_that_is_not_steady(amplitude, count
     bead = np.arange(2, 81)
 
     def pulse(late, last):
-        return Pulse(1, 1, bead, bead + late, 0.5 + (last - 0.5) * bead / 80.0, np.ones(len(bead)))
+        return Pulse(
+            1, 1, bead, bead + late, 0.5 + (last - 0.5) * bead / 80.0, np.ones(len(bead)), *np.zeros((2, len(bead)))
+        )
 
     found = SimpleNamespace(
         problem=problem(chains=1, beads=80),
