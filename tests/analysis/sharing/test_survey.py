@@ -204,6 +204,21 @@ def test_any_run_however_short_is_surveyed_without_a_word(kicks, frames):
     survey(reader(trajectory), trajectory.problem)
 
 
+@pytest.mark.parametrize("recorded", ["all", [2, 6, 11, 15]])
+@pytest.mark.parametrize("every", [0.25, 0.5])
+def test_a_pulse_differs_from_one_of_closer_frames_by_no_more_than_it_states(recorded, every):
+    plain = {"name": "test", "beads": 20, "kick": {"velocity": 1.0}, "duration": 30.0, "timestep": 0.01}
+    fine, coarse = (
+        engine.run(library.from_plain({**plain, "output": output}, "test").problem())
+        for output in ({"every": 0.02}, {"every": every, "beads": recorded})
+    )
+    found = survey(reader(coarse), coarse.problem).characters[0]
+    true = find_peaks(blocks(fine))
+    (k,) = np.flatnonzero((true.bead == found.bead) & (np.abs(true.time - found.arrival) < 0.5))
+    assert abs(found.arrival - true.time[k]) <= found.arrival_error < 0.5
+    assert abs(found.peak_velocity - true.velocity[k]) <= found.peak_velocity_error < 0.01
+
+
 def test_a_run_without_frames_is_refused():
     with pytest.raises(ValueError, match="no frames"):
         survey(lambda: [], problem(2, 0.1, 10, 4.0))

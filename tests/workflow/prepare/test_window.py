@@ -12,6 +12,8 @@ from stock_lammps import DEBIAN, MPIEXEC, WHEEL, scene
 from analysis.against.common_times import near_the_front
 from analysis.files import recording
 from analysis.files.binary_dump import BinaryDump
+from analysis.sharing.survey import survey
+from analysis.tracking.peaks import find_peaks
 from lammps_inputs import Kick, file_names, load
 from lammps_inputs.decks import deck
 from workflow.prepare.extent import with_window
@@ -83,6 +85,19 @@ def test_the_front_half_of_a_window_that_moves_on_is_the_whole_run_to_the_last_b
         seen, moved = seen + part.frames, moved or part.first > 1
     assert seen > 100
     assert moved
+
+
+@pytest.mark.slow
+def test_every_passage_of_a_pulse_in_a_window_is_one_in_the_whole_chains(both):
+    whole, windowed = both
+    for way in (1, -1):
+        true, pulses = find_peaks(whole.blocks(), 1e-4, direction=way), survey(windowed.blocks, windowed.problem).pulses
+        for pulse in pulses:
+            if pulse.direction != way:
+                continue
+            for bead, arrival, peak in zip(pulse.bead, pulse.arrival, pulse.peak_velocity, strict=True):
+                same = (true.chain == pulse.chain) & (true.bead == bead) & (np.abs(true.time - arrival) < 1e-9)
+                assert true.velocity[same] == pytest.approx(peak, abs=1e-12), (pulse.chain, bead, arrival)
 
 
 def test_until_a_window_moves_its_error_is_that_of_the_whole_chains(tmp_path):
