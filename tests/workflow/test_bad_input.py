@@ -61,6 +61,8 @@ COMMAND_LINES = [
     ("analyze run --formats png,tiff", "'png,tiff' given; of png, pdf, svg, with commas between"),
     ("help coupliing", "did you mean `coupling`?"),
     ("view .", "neither a run nor a sweep"),
+    ("collect .", "holds no run directories; `granchain sweep` makes some"),
+    ("collect nowhere", "no such directory"),
     (f"{DECK} --nodes 2", "--nodes: is for a job; add --slurm"),
     (f"{DECK} --module gcc", "--module: is for a job; add --slurm"),
     (f"{DECK} --site x.yaml", "--site: is for a job; add --slurm"),

@@ -90,33 +90,7 @@ def test_the_two_neighbours_in_a_ring_are_mirror_images():
     np.testing.assert_allclose(found[:, 1], found[:, 3], rtol=0, atol=1e-13)
 
 
-def test_a_ramp_seen_in_a_mirror_is_one_that_falls():
-    def there(rows, ends, bead, velocity):
-        coupling = {"stiffness": {"from": ends[0], "to": ends[1], "rows": rows}}
-        kick = {"bead": bead, "velocity": velocity}
-        return trajectory(scene(chains=2, coupling=coupling, kick=kick).problem()).velocity
-
-    right, left = there([2, 6], (0.0, 0.8), 1, 1.0), there([3, 7], (0.8, 0.0), 8, -1.0)
-    np.testing.assert_allclose(left, -right[..., ::-1], rtol=0, atol=1e-13)
-
-
 # --- what the house says of them --------------------------------------------------------------------------------------
-
-
-def test_a_ring_in_a_window_is_the_whole_one_near_the_front(tmp_path):
-    case = {
-        "chains": 3,
-        "beads": 130,
-        "duration": 150.0,
-        "timestep": 0.02,
-        "coupling": {"stiffness": 0.1, "topology": "ring"},
-    }
-    whole = run(scene(**case), tmp_path / "whole", check=False).trajectory
-    windowed = run(scene(**case, window=64), tmp_path / "windowed", check=False).directory
-    last = list(windowed.blocks())[-1]
-    frame, front = round(last.time[-1] / 0.5), last.beads[-1]
-    assert front > 64
-    np.testing.assert_array_equal(last.velocity[-1, :, 32:], whole.velocity[frame, :, front - 32 : front])
 
 
 @pytest.mark.parametrize(("name", "factor", "said"), [("ring", "0.404", "1.01 times"), ("ring", "0", "is missing")])

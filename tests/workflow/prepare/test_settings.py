@@ -84,7 +84,7 @@ def error(problem, accuracy):
 @pytest.mark.parametrize(
     ("name", "accuracy"),
     [
-        *((name, accuracy) for name in GRID for accuracy in (1e-3, 1e-5)),
+        *((name, (1e-3, 1e-5)[number % 2]) for number, name in enumerate(GRID)),
         *((name, 1e-6) for name in PAPER),
     ],
 )

@@ -13,7 +13,7 @@ from analysis.against.common_times import paired
 from analysis.against.difference import Difference
 from analysis.tracking.leading_waves import leading_passages, leading_waves
 from analysis.tracking.peaks import find_peaks
-from lammps_inputs import Kick, Material, Output, strict_yaml
+from lammps_inputs import Kick, Output, strict_yaml
 from workflow.cli import main
 from workflow.commands.run import _judged
 from workflow.engines.reference import engine
@@ -131,22 +131,6 @@ def test_a_run_of_some_beads_is_checked_and_recorded_without_nan(tmp_path):
     assert 0.0 < found.check.velocity < 1e-3
     record = json.loads((tmp_path / "run" / "run.json").read_text(), parse_constant=pytest.fail)
     assert record["check"]["reference"]["energy"] is None
-
-
-def test_the_check_does_not_depend_on_the_units(finished, tmp_path):
-    ball = Material(radius=4.76e-3, density=8000.0, youngs_modulus=193e9, poisson_ratio=0.3)
-    unit = scene(material=ball, kick=(Kick(velocity=7.0),)).scale
-    steel = scene(
-        chains=2,
-        beads=40,
-        material=ball,
-        kick=(Kick(velocity=7.0),),
-        kappa=0.1 * unit.stiffness,
-        duration=40.0 * unit.time * (1.0 - 1e-12),
-    )
-    found = run(steel, tmp_path / "steel").check
-    for name in ("velocity", "arrival", "amplitude"):
-        assert getattr(found, name) == pytest.approx(getattr(finished.check, name), abs=1e-11)
 
 
 def test_a_wrong_run_is_off_by_what_is_wrong(finished, tmp_path):

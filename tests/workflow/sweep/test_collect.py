@@ -250,12 +250,6 @@ def test_a_table_of_the_users_is_not_overwritten_and_one_of_ours_is(copied, caps
     assert main(["collect", str(copied)]) == main(["collect", str(copied)]) == 0
 
 
-@pytest.mark.parametrize("place", ["nowhere", "."])
-def test_a_directory_without_cases_is_one_line(place, tmp_path, capsys):
-    refusal(["collect", tmp_path / place], capsys)
-    assert list(tmp_path.iterdir()) == []
-
-
 @pytest.mark.parametrize(
     ("values", "log"),
     [

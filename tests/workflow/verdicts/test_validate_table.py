@@ -84,11 +84,6 @@ def test_a_table_at_other_times_passes(between, runs, exact, tmp_path):
     assert found.remarks == ()
 
 
-def test_a_table_in_si_passes_for_a_scene_in_si(runs, exact, tmp_path):
-    found = validate_against(runs["SI"], csv(tmp_path / "own.csv", columns(exact[1], SI)))
-    assert found.passed
-
-
 def test_a_dimensionless_table_passes_for_a_scene_in_si(runs, exact, tmp_path, capsys):
     path = csv(tmp_path / "own.csv", columns(exact[1]))
     assert main(["validate", str(runs["SI"].path), "--against", str(path), "--units", "dimensionless"]) == 0
