@@ -328,18 +328,12 @@ def shown(text, directory, capsys):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", TEXTS)
-def test_what_show_prints_is_a_scene_of_the_same_problem(kind, tmp_path, capsys):
+def test_what_show_prints_is_a_scene_of_the_same_problem_and_prints_again(kind, tmp_path, capsys):
     text = TEXTS[kind]
     printed = shown(text, tmp_path, capsys)
     one, other = (library.from_plain(strict_yaml.parse(each, "here"), "here") for each in (text, printed))
     assert settle(one)[0].problem() == other.problem()
     assert other.resolved() == other
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("kind", TEXTS)
-def test_what_show_prints_it_prints_again(kind, tmp_path, capsys):
-    printed = shown(TEXTS[kind], tmp_path, capsys)
     chosen = [line for line in printed.splitlines() if not line.startswith("# accuracy ")]  # of the time step
     assert shown(printed, tmp_path, capsys).splitlines() == chosen
 

@@ -187,7 +187,7 @@ def test_a_pulse_that_does_not_arrive_is_its_cases_failure(tmp_path, capsys):
 
 
 def case(directory, **changes):
-    return task(directory, Asked({}, {**SMALL, **changes}, "lammps"), check=False)
+    return task(directory, Asked({}, {**SMALL, "timestep": 0.01, **changes}, "lammps"), check=False)
 
 
 @pytest.mark.slow
@@ -236,7 +236,7 @@ def children():
 @pytest.fixture
 def slow(tmp_path):
     """A sweep of four short cases and a long one, as a command in a session of its own, with two cases done."""
-    path = sweep_file(tmp_path, duration=[10, 20, 30, 40, 4000])
+    path = sweep_file(tmp_path, {**SMALL, "timestep": 0.01}, duration=[10, 20, 30, 40, 4000])
     command = [GRANCHAIN, "sweep", path, "-o", tmp_path / "s", "--no-check"]
     with started(command) as process:
         assert wait_until(lambda: finished(tmp_path / "s") >= 2, process)
@@ -285,7 +285,7 @@ def test_ctrl_c_keeps_what_is_done_and_the_same_command_does_the_rest(slow):
 
 @pytest.mark.slow
 def test_an_interrupted_case_goes_on_from_its_restart_and_ends_as_if_it_had_not_been(tmp_path):
-    scene = {**SMALL, "duration": 3000, "output": {"every": 1.0}}
+    scene = {**SMALL, "duration": 3000, "timestep": 0.01, "output": {"every": 1.0}}
     path, case = sweep_file(tmp_path, scene, beads=[12]), tmp_path / "s" / "beads=12"
     command = [GRANCHAIN, "sweep", path, "-o", tmp_path / "s", "--no-check"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, start_new_session=True) as process:
