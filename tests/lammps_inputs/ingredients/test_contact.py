@@ -8,10 +8,9 @@ from processes import HANGS
 from stock_lammps import DEBIAN
 
 from analysis.shape.exact_wave import solitary_wave
-from lammps_inputs import Scene, file_names, laws, library
+from lammps_inputs import Scene, file_names, library
 from lammps_inputs.decks import deck
 from lammps_inputs.facts import Fact
-from lammps_inputs.laws.contact import Hertz, Power
 from lammps_inputs.limits import rates
 from workflow.runs.run import run
 from workflow.sweep.fields import all_fields
@@ -33,22 +32,6 @@ def touching(exponent, **changes):
         "output": {"every": 0.5},
     }
     return library.from_plain({key: value for key, value in {**plain, **changes}.items() if value is not None}, "test")
-
-
-@pytest.mark.parametrize("exponent", [1.0, 1.25, 2.0, 3.0])
-def test_force_and_stiffness_are_slopes_and_reach_is_where_the_energy_is(exponent):
-    law, s, h = Power(1.7, exponent), np.array([-0.5, 0.3, 1.2]), 1e-5
-    slope = (laws.energy(law, s + h) - laws.energy(law, s - h)) / (2.0 * h)
-    assert laws.force(law, s) == pytest.approx(slope, abs=1e-9)
-    slope = (laws.force(law, s + h) - laws.force(law, s - h)) / (2.0 * h)
-    assert laws.stiffness(law, s) == pytest.approx(slope, abs=1e-8)
-    assert laws.energy(law, laws.reach(law, 0.7)) == pytest.approx(0.7, rel=1e-14)
-
-
-def test_at_hertz_s_exponent_the_law_is_hertz_s_to_rounding():
-    s = np.linspace(-0.2, 1.5, 50)
-    for of in (laws.force, laws.energy, laws.stiffness):
-        assert of(Power(1.3, 1.5), s) == pytest.approx(of(Hertz(1.3), s), rel=1e-14)
 
 
 @pytest.mark.slow

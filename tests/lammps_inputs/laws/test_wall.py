@@ -1,5 +1,4 @@
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -40,23 +39,3 @@ def test_the_opposite_wall_is_the_mirror_image(place, side, exponent):
     law = wall(1.5, side, 0.25, exponent)
     assert laws.force(law.opposite(), -place) == -laws.force(law, place)
     assert laws.energy(law.opposite(), -place) == laws.energy(law, place)
-
-
-@given(st.floats(0.2, 10.0), SIDE, EXPONENT)
-def test_force_is_the_slope_of_energy_and_stiffness_that_of_force(overlap, side, exponent):
-    law, h = wall(1.5, side, 0.1, exponent), 1e-5
-    ahead, behind = (side * (0.1 + overlap + step) for step in (h, -h))
-    place = side * (0.1 + overlap)
-    slope = (laws.energy(law, ahead) - laws.energy(law, behind)) / (ahead - behind)
-    np.testing.assert_allclose(slope, laws.force(law, place), rtol=1e-7)
-    slope = (laws.force(law, ahead) - laws.force(law, behind)) / (ahead - behind)
-    np.testing.assert_allclose(slope, laws.stiffness(law, place), rtol=1e-7)
-
-
-@pytest.mark.parametrize("side", [1.0, -1.0])
-def test_at_hertz_s_exponent_a_wall_of_any_is_hertz_s_to_rounding(side):
-    place = np.linspace(-1.5, 1.5, 50)
-    for of in (laws.force, laws.energy, laws.stiffness):
-        assert of(PowerWall(1.3, 1.5, side, 0.2), place) == pytest.approx(
-            of(HertzWall(1.3, side, 0.2), place), rel=1e-14
-        )
