@@ -637,6 +637,8 @@ def speed_of(case: Case, entry: Row, way: int, arrival: float) -> Any:
         return Unknown("few frames within, without accelerations")
 
     least = 4.0 * (max(case.stated.arrival, FLOOR) + grid(case, 1.0))
+    # weak pulses are slow in contacts of high exponents; a pulse may fade to a quarter from bead to bead
+    slowest = max(12.0, 3.0 / float(exact_of(case).speed_at(0.25 * entry["peak_velocity"] / unit.velocity)))
 
     def times(sign: int) -> list[tuple[int, float, float]]:
         """(bead, time, error of it): a flat maximum shifts by more."""
@@ -648,7 +650,7 @@ def speed_of(case: Case, entry: Row, way: int, arrival: float) -> Any:
                 found += [
                     (other, one.time, least + one.late(case.off[1]))
                     for one in case.truth.maxima(entry["chain"], other, way)
-                    if 0.0 <= sign * (one.time - arrival) + 0.3 <= 12.0 * far
+                    if 0.0 <= sign * (one.time - arrival) + 0.3 <= slowest * far
                 ]
                 if len({bead for bead, *_ in found}) >= 4:
                     break

