@@ -13,7 +13,7 @@ from wrong_runs import deck_run, replaced
 from analysis.files import recording
 from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import find_peaks
-from lammps_inputs import InputError, file_names, find
+from lammps_inputs import file_names, find
 from lammps_inputs.decks import deck
 from lammps_inputs.laws.spring import Duffing, Linear
 from lammps_inputs.links import Across
@@ -119,11 +119,6 @@ def test_the_end_at_a_bead_waits_only_for_chains_that_are_tied():
     one = scene(chains=3, beads=40, coupling=coupling)
     ends, _ = settle(one.model_copy(update={"duration": None, "until_bead": 30}), source="test")
     assert 30.0 < ends.duration < 80.0
-
-
-def test_rigid_beads_know_no_other_springs(tmp_path):
-    with pytest.raises(InputError, match="equal linear springs between neighbouring chains"):
-        run(scene("ring", gap=0.5), tmp_path / "run", engine="collisions")
 
 
 @pytest.mark.slow

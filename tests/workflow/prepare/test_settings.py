@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from pydantic import ValidationError
+from refusals import refusal
 from small_problems import problem as small_problem
 
 from analysis.against.common_times import on_common_rows
@@ -289,8 +290,7 @@ def test_a_scene_that_asks_for_an_accuracy_has_no_problem_yet():
 def test_an_accuracy_that_cannot_be_is_told_in_one_line(tmp_path, capsys, lines, says):
     path = tmp_path / "bad.yaml"
     path.write_text(f"name: a\nbeads: 9\nkick: {{velocity: 1}}\nduration: 5\n{lines}\n")
-    assert main(["deck", str(path), "-o", str(tmp_path / "out")]) == 2
-    assert says in capsys.readouterr().err
+    assert says in refusal(["deck", path, "-o", tmp_path / "out"], capsys)
 
 
 def test_what_rounding_forbids_is_refused():
@@ -354,12 +354,8 @@ def beyond(factor, scene=SMALL["one chain"]):
 @pytest.mark.parametrize("command", ["run", "deck", "validate", "compare"])
 def test_a_step_above_the_stability_bound_is_refused_in_one_line_before_anything_is_written(tmp_path, capsys, command):
     path, out = written(tmp_path, beyond(1.01)), tmp_path / "out"
-    assert main([command, str(path), "-o", str(out)]) == 2
-    told = capsys.readouterr().err
-    assert len(told.splitlines()) == 1
-    assert told.startswith(
-        f"granchain: {path}: timestep: {beyond(1.01).timestep:g} is unstable, above the bound of 0.798"
-    )
+    told = refusal([command, path, "-o", out], capsys)
+    assert told.startswith(f"{path}: timestep: {beyond(1.01).timestep:g} is unstable, above the bound of 0.798")
     assert "leave it out for an accuracy of 0.0002 V" in told
     assert "--force" in told
     assert not out.exists()

@@ -2,6 +2,7 @@
 
 import pytest
 from bad_scenes import scene_text
+from refusals import refusal
 
 from lammps_inputs import file_names, library
 from lammps_inputs.slurm import site
@@ -45,11 +46,8 @@ def test_steps_frames_and_bytes_are_those_of_the_run(tmp_path):
 
 
 def test_a_run_that_is_too_large_is_refused_in_one_line_that_says_how_large_and_what_to_do(written, tmp_path, capsys):
-    assert main(["run", written(**WRONG), "-o", str(tmp_path / "out")]) == 2
+    err = refusal(["run", written(**WRONG), "-o", tmp_path / "out"], capsys)
     assert not (tmp_path / "out").exists()
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert len(err.splitlines()) == 1
     assert "duration: 1,920,000,000 steps, 192,000,001 frames (76 GB), estimated time" in err
     assert "more than the limit of 20 GB of frames" in err
     assert "192 s is 1.57e+07 T, the unit of time T being 1.224e-05 s (192 T = 0.00235 s)" in err
@@ -57,14 +55,13 @@ def test_a_run_that_is_too_large_is_refused_in_one_line_that_says_how_large_and_
 
 
 def test_where_the_step_is_still_to_be_found_frames_alone_are_enough_to_refuse(written, tmp_path, capsys):
-    assert main(["run", written(**{**WRONG, "timestep": None}), "-o", str(tmp_path / "out")]) == 2
-    assert " steps, 192,000,001 frames (76 GB): more than the limit of 20 GB of frames" in capsys.readouterr().err
+    err = refusal(["run", written(**{**WRONG, "timestep": None}), "-o", tmp_path / "out"], capsys)
+    assert " steps, 192,000,001 frames (76 GB): more than the limit of 20 GB of frames" in err
 
 
 def test_a_run_of_few_frames_that_takes_days_is_refused(written, tmp_path, capsys):
     scene = written(duration="1e9", output="{every: 1e6}", timestep="0.1", chains="100", beads="1000")
-    assert main(["run", scene, "-o", str(tmp_path / "out")]) == 2
-    assert "more than the limit of 24 h; " in capsys.readouterr().err
+    assert "more than the limit of 24 h; " in refusal(["run", scene, "-o", tmp_path / "out"], capsys)
 
 
 @pytest.mark.parametrize("where", ["scene", "site"])
@@ -88,8 +85,8 @@ def test_show_and_deck_warn_and_go_on(written, tmp_path, capsys):
 
 def test_what_ends_at_a_bead_is_refused_before_its_duration_is_searched_for(written, tmp_path, capsys):
     scene = written(chains="1000", beads="100000", until_bead="99000", duration=None)
-    assert main(["run", scene, "-o", str(tmp_path / "out")]) == 2
-    assert "until_bead: at least 989,991 frames (2376 TB)" in capsys.readouterr().err
+    err = refusal(["run", scene, "-o", tmp_path / "out"], capsys)
+    assert "until_bead: at least 989,991 frames (2376 TB)" in err
 
 
 def test_a_long_search_for_a_duration_is_announced(monkeypatch):

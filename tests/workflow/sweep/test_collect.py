@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from refusals import refusal
 
 from analysis.figures.swept import MOST_LINES, Axis, logarithmic, swept_figure
 from analysis.sound.dispersion import cell_of
@@ -53,13 +54,6 @@ def copied(swept, tmp_path):
 def table(path):
     with path.open(newline="") as file:
         return list(csv.DictReader(file))
-
-
-def refusal(words, capsys):
-    assert main([str(word) for word in words]) == 2
-    out, err = capsys.readouterr()
-    assert (out, err.count("\n")) == ("", 1)
-    return err
 
 
 def test_the_table_has_a_line_per_case_ordered_by_value(copied, capsys):

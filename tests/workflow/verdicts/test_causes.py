@@ -1,10 +1,8 @@
 """Beads, contacts and pushes that are not the scene's: what `validate` says of them."""
 
-import re
-
 import pytest
 from plain_scene import scene
-from wrong_runs import deck_run
+from wrong_runs import deck_run, substituted
 
 from lammps_inputs import file_names
 from workflow.verdicts.validate import validate
@@ -13,15 +11,6 @@ FRAMES = {"output": {"every": 0.1}, "duration": 16.0}
 DIMER = {"kinds": {"heavy": {}, "light": {"mass": 0.3428}}, "pattern": ["heavy", "light"], **FRAMES}
 SIZES = {"kinds": {"big": {}, "small": {"radius": 0.7}}, "pattern": ["big", "big", "small"], **FRAMES}
 PUSHED = {"push": {"peak": 0.8, "duration": 2.0, "shape": "half-sine", "bead": 2}, "kick": None, **FRAMES}
-
-
-def edited(pattern, instead):
-    def edit(path):
-        text, found = re.subn(pattern, instead, (path / file_names.DECK).read_text())
-        assert found == 1
-        (path / file_names.DECK).write_text(text)
-
-    return edit
 
 
 def heavier(atoms, factor):
@@ -42,25 +31,25 @@ WRONG = {
     "one bead": (DIMER, heavier([18], 1.3), "bead 6 of chain 2 is 1.3 times as heavy as"),
     "one bead of a plain scene": (
         FRAMES,
-        edited(r"(set group all mass 1.0.*\n)", r"\1set atom 6 mass 1.2\n"),
+        substituted(r"(set group all mass 1.0.*\n)", r"\1set atom 6 mass 1.2\n"),
         "bead 6 of chain 1 is 1.2 times as heavy as",
     ),
     "a kind of contact": (
         SIZES,
-        edited(r"(pair_coeff 1 2 hertz) \S+", r"\1 1.0"),
+        substituted(r"(pair_coeff 1 2 hertz) \S+", r"\1 1.0"),
         "contacts of strength 0.9075 are 1.102 times as strong as",
     ),
     "the push's peak": (
         {**PUSHED, **DIMER, "walls": {"right": "flat"}},
-        edited(r"(push1peak index) (\S+)", r"\1 0.9"),
+        substituted(r"(push1peak index) (\S+)", r"\1 0.9"),
         "the push is 1.15 times as strong as",
     ),
     "the push's duration": (
         PUSHED,
-        edited(r"(push1duration index) (\S+)", r"\1 3.0"),
+        substituted(r"(push1duration index) (\S+)", r"\1 3.0"),
         "the push lasts 2.989 instead of 2",  # 3 T
     ),
-    "no push": (PUSHED, edited(r"fix push1 .*\n", ""), "the push is missing"),
+    "no push": (PUSHED, substituted(r"fix push1 .*\n", ""), "the push is missing"),
 }
 
 

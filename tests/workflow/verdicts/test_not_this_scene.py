@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 import stock_lammps
+from refusals import refusal
 from stock_lammps import scene
 
 from lammps_inputs import Output, Scene
@@ -23,10 +24,7 @@ def test_other_times_than_the_scenes_are_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], changed: tuple[str, str]
 ) -> None:
     stock_lammps.run(SMALL, tmp_path / "r", "-var", *changed)
-    assert main(["analyze", str(tmp_path / "r")]) == 2
-    message = capsys.readouterr().err
-    assert len(message.splitlines()) == 1
-    assert "Change the scene instead" in message
+    assert "Change the scene instead" in refusal(["analyze", tmp_path / "r"], capsys)
 
 
 def test_another_kappa_is_said_loudly(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -37,8 +35,7 @@ def test_another_kappa_is_said_loudly(tmp_path: Path, capsys: pytest.CaptureFixt
 
 def test_frames_too_far_apart_to_find_a_wave_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     run(SMALL.model_copy(update={"output": Output(every=4.0)}), tmp_path / "r", check=False)
-    assert main(["analyze", str(tmp_path / "r")]) == 2
-    assert "output.every at most 2" in capsys.readouterr().err
+    assert "output.every at most 2" in refusal(["analyze", tmp_path / "r"], capsys)
 
 
 def test_a_run_that_ends_at_a_bead_shows_the_whole_shape_of_its_wave(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import wrong_runs
+from refusals import refusal
 from stock_lammps import scene
 
 from analysis.against.difference import Deviation
@@ -213,10 +214,7 @@ def test_a_directory_that_cannot_be_validated_ends_in_one_line_and_exit_code_2(c
         deck.write(SCENE.model_copy(update={"beads": 41}), directory.path)
     else:
         (directory.path / file_names.SCENE).unlink()
-    assert main(["validate", str(directory.path)]) == 2
-    error = capsys.readouterr().err
-    assert words in error
-    assert error.count("\n") == 1
+    assert words in refusal(["validate", directory.path], capsys)
     assert not (directory.path / REPORT).exists()
 
 
@@ -235,10 +233,7 @@ def test_a_directory_that_cannot_be_validated_ends_in_one_line_and_exit_code_2(c
     ],
 )
 def test_a_wrong_option_ends_in_one_line_and_exit_code_2(arguments, words, good, capsys):
-    assert main(["validate", *(argument.format(run=good.path) for argument in arguments)]) == 2
-    error = capsys.readouterr().err
-    assert words in error
-    assert error.count("\n") == 1
+    assert words in refusal(["validate", *(argument.format(run=good.path) for argument in arguments)], capsys)
 
 
 # --- tolerances and the report ----------------------------------------------------------------------------------------

@@ -5,6 +5,7 @@ import shutil
 
 import numpy as np
 import pytest
+from refusals import refusal
 
 from analysis import motion
 from workflow import api
@@ -118,8 +119,7 @@ def test_what_a_page_holds_is_the_runs_own(ran):
 
 def test_pages_without_bokeh_are_refused_in_one_line(ran, monkeypatch, capsys):
     monkeypatch.setitem(__import__("sys").modules, "bokeh", None)
-    assert main(["view", str(ran.directory.path)]) == 2
-    assert "pip install" in capsys.readouterr().err
+    assert "pip install" in refusal(["view", ran.directory.path], capsys)
 
 
 def test_each_run_of_a_comparison_has_a_page(ran, tmp_path, capsys):
