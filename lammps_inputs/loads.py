@@ -148,7 +148,7 @@ def motion_lines(motions: tuple[Motion, ...], layout: "Layout") -> list[Lines]:
                     f"variable {name}phase index {text(motion.phase)}",
                 ),
                 motion=(
-                    f"# bead {motion.bead} of chain {motion.chain} moves as it is told; no force acts on it",
+                    f"# bead {motion.bead} of chain {motion.chain} has a prescribed motion; no force acts on it",
                     f"variable {name}x equal v_{name}amplitude*(sin({turn})-sin(v_{name}phase))",
                     f"variable {name}v equal v_{name}amplitude*v_{name}omega*cos({turn})",
                     f"group {name} id {(motion.chain - 1) * layout.rows + motion.bead}",

@@ -63,6 +63,13 @@ FAR_FRAMES, LONG = 10.0, 1e5
 MAX_LENGTH = 1e9
 """Dimensionless; positions up to here resolve overlaps of order 1 to 1e-7."""
 
+_EXCITATIONS = {
+    "kick": "kick velocity",
+    "striker": "velocity of the striker",
+    "push": "velocity of a free bead after the push",
+    "drive": "velocity amplitude of the drive",
+}
+
 SEVERAL = {"kick", "replace", *(key for key, ingredient in INGREDIENTS.items() if ingredient.several)}
 """Keys that may hold a list of parts."""
 
@@ -165,7 +172,7 @@ class BaseScene(Part):
             raise ValueError(f"beads: {self.chains} x {self.beads} beads are more than LAMMPS numbers (2147483647)")
         if not self.kicks and not self._speed() > 0.0:
             missing = "" if "kick" in self.model_fields_set else "is missing; "
-            raise ValueError(f"kick: {missing}at least one bead must be hit, or a striker, a push or a drive be there")
+            raise ValueError(f"kick: {missing}at least one bead must be kicked, or a striker, a push or a drive named")
         for number, kick in enumerate(self.kicks):
             key = _kick_key(self, number)
             if kick.chain > self.chains:
@@ -173,7 +180,7 @@ class BaseScene(Part):
             if kick.bead > self.beads:
                 raise ValueError(f"{key}.bead: {kick.bead} is outside the array (beads 1 to {self.beads})")
         if len({(kick.chain, kick.bead) for kick in self.kicks}) < len(self.kicks):
-            raise ValueError("kick: one bead is hit twice; add the velocities up")
+            raise ValueError("kick: one bead is kicked twice; add the velocities")
         if (self.duration is None) == (self.until_bead is None):
             given = "neither is given" if self.duration is None else "both are given"
             raise ValueError(f"duration: give either duration or until_bead ({given})")
@@ -220,7 +227,7 @@ class BaseScene(Part):
         first, last = (choose(kick.bead for kick in self.kicks) for choose in (min, max))
         if last - first > behind(self.window) - HEADROOM:
             raise ValueError(
-                f"window: {self.window} rows; those of bead {first} would be left behind when bead {last} is hit, too; "
+                f"window: {self.window} rows; those of bead {first} would be removed before the kick of bead {last}; "
                 f"take {rows_for(last - first + HEADROOM)} or more, or auto"
             )
 
@@ -377,6 +384,19 @@ class BaseScene(Part):
             return make_scale(1.0, constant or 1.0, velocity, si=False, exponent=exponent)
         constant = constant or hertz_constant(ball.radius, ball.youngs_modulus, ball.poisson_ratio)
         return make_scale(sphere_mass(ball.radius, ball.density), constant, velocity, si=True, exponent=exponent)
+
+    @property
+    def units(self) -> str:
+        """Values of V, T, L and of the coupling's kappa, in one line; V is the largest excitation (MODEL.md)."""
+        scale, system = self.scale, self.system
+        excitations = [one for one in self._speeds() if one[1] > 0.0]
+        key, _ = max(excitations, key=lambda one: one[1])
+        largest = "largest " if len(excitations) > 1 else ""
+        parts = [f"V = {scale.written(1.0, 'velocity')} ({largest}{_EXCITATIONS.get(key, key)})"]
+        parts += [f"{symbol} = {scale.written(1.0, name)}" for symbol, name in (("T", "time"), ("L", "length"))]
+        if physics.coupled(system):
+            parts.append(f"kappa = {physics.kappa(system):.6g}")
+        return f"units: {', '.join(parts)}{'' if scale.si else ' (reduced units)'}"
 
     @property
     def contact_scale(self) -> tuple[float, float | None]:

@@ -43,7 +43,7 @@ def under_load(system: System, force: NDArray[np.float64]) -> System:
         LoadError: the load is too large or too small.
     """
     if not all(isinstance(link.law, Contact) for link in system.along):
-        raise LoadError("how contacts bear it is known for powers of the overlap; leave one of them out")
+        raise LoadError("the static overlap is known for powers of the overlap only; leave one of them out")
     if np.max(force) > MOST:
         raise LoadError(
             f"{np.max(force):.3g} times m V / T, the unit of the kick's forces; at most {MOST:.0e}: a faster kick or a "
@@ -107,7 +107,7 @@ def hold_lines(system: System) -> list[str]:
     load = [float(find(laws.load(link.law))) for link in system.along for find in (np.min, np.max)]
     said = f"{load[0]:.6g}" if load[0] == load[1] else f"{load[0]:.6g} to {load[1]:.6g}"
     lines = [
-        f"# static load: contacts bear {said} at rest; the forces that hold them so are those found now, reversed",
+        f"# static load: contacts carry {said} at rest; the forces found there are subtracted",
         "run 0 post no",
     ]
     if not physics.even(system):

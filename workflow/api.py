@@ -204,7 +204,7 @@ def sweep(
     with count_bar("sweep") as progress:
         end = carry_out(read, Path(directory), processes=jobs, check=check, progress=progress)
     if end.interrupted:
-        raise RunError("interrupted: what is done is kept; the same call goes on with the rest")
+        raise RunError("interrupted: completed cases remain; the same call runs the rest")
     return collect(directory)
 
 

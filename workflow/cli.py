@@ -63,7 +63,7 @@ PRINTED = ("scenes", "show", "help", "status", "bench", "schema", "completion")
 
 class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
-        raise InputError(f"{message}; `{self.prog} --help` tells more")
+        raise InputError(f"{message}; `{self.prog} --help` lists the options")
 
 
 class _Grouped(argparse.RawDescriptionHelpFormatter):

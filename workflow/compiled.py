@@ -151,8 +151,8 @@ class _Hint(event.Listener):
         if name is None or name in self._said:
             return
         self._said.add(name)
-        often = "once for this kind of scene" if cache_directory() else "anew each time: no directory can keep it"
-        screen.hint(f"compiling {name}, which takes a few seconds; {often}")
+        often = "once for this kind of scene" if cache_directory() else "each time: no cache directory is writable"
+        screen.hint(f"compiling {name}; takes a few seconds, {often}")
 
     def on_end(self, event: Any) -> None:
         """Say nothing."""

@@ -35,7 +35,7 @@ def budget_figure(problem: Problem, account: Account) -> Figure:
         above = below + part * energy.worth
         axis.fill_between(t, below, above, facecolor=colour, hatch=hatch, edgecolor="white", linewidth=0.0, label=name)
         below = above
-    axis.plot(t, account.put_in * energy.worth, color="black", label="put in")
+    axis.plot(t, account.put_in * energy.worth, color="black", label="energy input")
     axis.set_xlim(t[0], t[-1])
     least = min(0.0, float(np.min(account.put_in)))  # a drive may begin by taking up energy
     axis.set_ylim(1.06 * least * energy.worth, 1.06 * most * energy.worth)

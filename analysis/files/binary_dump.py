@@ -79,7 +79,7 @@ class BinaryDump:
         self.ids: Integers = ids.astype(np.int64)
         if self.cut:
             warnings.warn(
-                CutDumpWarning(f"{path}: ends within a frame; the {self.n_frames} whole frames before it are read"),
+                CutDumpWarning(f"{path}: ends within a frame; the {self.n_frames} complete frames before it are read"),
                 stacklevel=2,
             )
 

@@ -68,7 +68,7 @@ def blocks(paths: Sequence[Path], problem: Problem, stride: int = 1) -> Iterator
         new = int(np.searchsorted(dump.steps, last, side="right"))
         missing = int(dump.steps[new]) - last - problem.steps_per_frame if last >= 0 and new < dump.n_frames else 0
         if missing > 0:
-            raise InputError(f"{path}: goes on at step {dump.steps[new]}, but the file before ends at step {last}")
+            raise InputError(f"{path}: continues at step {dump.steps[new]}, but the file before ends at step {last}")
         first = new + (-seen) % stride
         seen += dump.n_frames - new
         for start in range(first, dump.n_frames, size * stride):

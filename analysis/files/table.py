@@ -85,7 +85,7 @@ def load(path: Path) -> Table:
         return _from_grid(path, columns)
     for name in KEYS:
         if name not in columns:
-            raise InputError(f"{path}: has no column {name!r}; wanted are {', '.join(KEYS)}")
+            raise InputError(f"{path}: has no column {name!r}; needed are {', '.join(KEYS)}")
     return _on_grid(path, columns)
 
 
@@ -115,7 +115,7 @@ def _from_text(path: Path) -> dict[str, Floats]:
     def chosen(names: list[str]) -> dict[str, int]:
         wanted = [name for name in (*KEYS, *VALUES) if name in names]
         if not wanted:
-            raise InputError(f"{path}: its first line names no column; wanted are {', '.join((*KEYS, *VALUES))}")
+            raise InputError(f"{path}: its first line names no column; needed are {', '.join((*KEYS, *VALUES))}")
         for name in wanted:
             if names.count(name) > 1:
                 raise InputError(f"{path}: its first line names {name!r} twice")
@@ -190,7 +190,7 @@ def _from_grid(path: Path, columns: dict[str, Floats]) -> Table:
     shape = next(iter(values.values())).shape
     time = columns.get("time", np.zeros(0))
     if time.shape != shape[:1] or any(value.shape != shape for value in values.values()):
-        raise InputError(f"{path}: arrays do not fit together; wanted are time [frame], values [frame, chain, bead]")
+        raise InputError(f"{path}: arrays do not fit together; needed are time [frame], values [frame, chain, bead]")
     if not np.all(np.diff(time) > 0.0):
         raise InputError(f"{path}: times are not ascending")
     chains = _numbers(path, "chain", columns.get("chain", np.arange(1.0, shape[1] + 1)))
@@ -277,7 +277,7 @@ def load_dump(path: Path, beads: int, timestep: float) -> Table:
     except (UnicodeDecodeError, ValueError) as error:
         raise InputError(f"{path}: is no text dump of LAMMPS ({error})") from None
     if len(frames) < 2:
-        raise InputError(f"{path}: holds {len(frames)} whole frames; a start and at least one more are needed")
+        raise InputError(f"{path}: holds {len(frames)} complete frames; a start and at least one more are needed")
     atom = frames[0][:, names.index("id")]
     if any(rows.shape != frames[0].shape or np.any(rows[:, names.index("id")] != atom) for rows in frames):
         raise InputError(f"{path}: not the same atoms in all frames")

@@ -312,7 +312,7 @@ def sharing(waves: Waves, problem: Problem, noise: float = 0.0) -> Sharing:
 def _changing(found: Sharing, system: System) -> str:
     """Why amplitudes have no limit; empty where they may have one."""
     if not system.holds(Fact.PULSE):
-        return "no pulse stays together"
+        return "no pulse keeps its shape"
     if dissipates(system):
         return "energy is dissipated"
     if len(found) == 0:

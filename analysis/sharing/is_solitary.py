@@ -14,7 +14,7 @@ from analysis.tracking.undisturbed import CLEAR
 from analysis.trajectory import Flags, Floats
 from lammps_inputs import Problem, laws, physics
 
-UNSEEN = "the passage is not recorded whole"
+UNSEEN = "the passage is not recorded completely"
 
 
 @result
@@ -47,11 +47,11 @@ class Character:
     energy: float = declare("energy of the beads near the peak", "energy", f"{UNSEEN}, or another pulse is near")
     residual: float = declare(
         "largest difference of the velocity from the exact wave of this peak velocity, over that",
-        undefined=f"{UNSEEN}; beads differ or bear a load",
+        undefined=f"{UNSEEN}; beads differ or are preloaded",
     )
     speed_excess: float = declare(
         "relative difference of the speed from the exact law at this peak velocity",
-        undefined="beads differ or bear a load",
+        undefined="beads differ or are preloaded",
     )
     variation: float = declare(
         "(largest - smallest) / mean peak velocity over the ten beads up to this one", undefined="it ran less"
@@ -67,7 +67,7 @@ class Character:
     @property
     @derived()
     def solitary(self) -> bool:
-        """Whether it is the exact wave within the tolerances; where beads differ or bear a load, whether it is
+        """Whether it is the exact wave within the tolerances; where beads differ or are preloaded, whether it is
         steady.
         """
         return not self.fails

@@ -137,8 +137,8 @@ class State(Enum):
     """What a run shows."""
 
     EQUAL = "equipartitioned and synchronised"
-    BEATING = "still beating"
-    SHORT = "too short to tell"
+    BEATING = "beating"
+    SHORT = "too short"
     ALONE = "no energy exchange"
     UNSURE = "inconclusive"
     UNLIKE = "of different beads"
@@ -176,7 +176,7 @@ def judge(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict:
 def _judge(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict:
     system = problem.system
     if not system.holds(Fact.PULSE):
-        return Verdict(State.NO_PULSE, None, None, f"{State.NO_PULSE.value}: no pulse stays together in this scene")
+        return Verdict(State.NO_PULSE, None, None, f"{State.NO_PULSE.value}: no pulse keeps its shape in this scene")
     if problem.chains == 1:
         return Verdict(State.ALONE, None, None, f"{State.ALONE.value}: a single chain")
     if not physics.coupled(system):
@@ -198,8 +198,8 @@ def _judge(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict
         return Verdict(State.UNSURE, None, None, f"{State.UNSURE.value}: {doubt}")
     if level is not None and in_step is not None:
         sentence = (
-            f"{State.EQUAL.value}: amplitudes within 1% from bead {level} on, arrivals within 1% of the wave's passage "
-            f"from bead {in_step} on (seen to bead {last})"
+            f"{State.EQUAL.value}: amplitudes agree to 1% from bead {level} on, arrivals to 1% of the passage time "
+            f"from bead {in_step} on (observed to bead {last})"
         )
         return Verdict(State.EQUAL, max(level, in_step), None, sentence)
     if (end := last_springs(system, shared.kicked)) + CLEAR < last:
@@ -210,7 +210,7 @@ def _judge(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict
         what = f"no beat is seen from bead {shared.bead[0]} to {last}, where amplitudes agree to {largest:.1%}"
         return _too_short(what, None, None)
     if beat is None:
-        what = f"no whole half beat is seen to bead {last}, where amplitudes differ by {shared.mismatch[-1]:.1%}"
+        what = f"no complete half beat is observed to bead {last}, where amplitudes differ by {shared.mismatch[-1]:.1%}"
         return _too_short(what, expected, decay)
     recent = shared.mismatch[shared.bead >= last - 0.5 * beat.value].max()
     if level is not None:

@@ -1,7 +1,7 @@
 """Dispersion of small waves in a loaded chain: exact, from the eigenvalues of a cell, and as a run shows it.
 
 Small motions about rest are those of a lattice of springs, ``omega = 2 sqrt(k / m) |sin(q / 2)|`` for equal beads;
-two beads by turns have bands with the edges ``2 k / M``, ``2 k / m`` and ``2 k (1 / m + 1 / M)`` (of omega squared;
+two alternating beads have bands with the edges ``2 k / M``, ``2 k / m`` and ``2 k (1 / m + 1 / M)`` (of omega squared;
 Brillouin, Wave Propagation in Periodic Structures, 1946).
 """
 
@@ -24,7 +24,7 @@ MOST_NUMBERS = 20_000_000
 FAINTEST = 1e-9
 """Share of the largest power that a ridge must have."""
 
-NO_SOUND = "beads bear no load at rest, so that the chain passes on no sound (a sonic vacuum)"
+NO_SOUND = "no static load, so that the chain transmits no sound (a sonic vacuum)"
 
 _POINTS = 200
 """Wavenumbers from 0 to the edge of a zone at which bands are looked for."""

@@ -29,10 +29,10 @@ class Residual:
     def sentence(self) -> str:
         """Whether anything could have caught up, in words."""
         if self.bead == 0:
-            return "window: nothing was left behind"
-        found = f"window: beads left behind move at {self.left_behind:.2g} V or less"
+            return "window: no residual motion behind it"
+        found = f"window: residual velocity of the beads behind it {self.left_behind:.2g} V or less"
         if self.left_behind < self.slowest_wave:
-            return f"{found}, every leading wave at {self.slowest_wave:.2g} V or more: nothing comes back"
+            return f"{found}, every leading wave at {self.slowest_wave:.2g} V or more: nothing catches up"
         return (
             f"{found}, a leading wave at {self.slowest_wave:.2g} V only: what was left might catch up; take a wider "
             "window"

@@ -75,7 +75,7 @@ def render_deck(problem: Problem) -> str:
             "processors * 1 1                 # ranks divide the rows, so no row is cut",
             "newton off                       # bit for bit the same on any number of ranks",
             f"atom_style {_atom_style(problem)}",
-            "boundary s f f                   # a bead thrown back is kept; no periodic images",
+            "boundary s f f                   # keep a bead that rebounds; no periodic images",
             *neighbour_lines(problem),
             f"read_data {file_names.DATA}",
             *inner_lines(problem),
@@ -162,7 +162,7 @@ def refusal(system: System) -> str:
     if unknown is not None:
         return f"{unknown}: LAMMPS does not know this force; use the reference engine"
     if system.inner_mass is not None and system.ground:
-        return "atoms inside the beads: LAMMPS knows no ground beside them; use the reference engine"
+        return "atoms inside the beads: LAMMPS has no ground springs beside them; use the reference engine"
     return ""
 
 
@@ -220,7 +220,7 @@ def output_lines(problem: Problem, every: str, dump: str, snapshots: str = file_
     ]
     return [
         f"dump frames {recorded} custom {every} {dump} {' '.join(columns(problem))}",
-        "dump_modify frames flush yes time yes   # whole frames survive a kill, and know their time",
+        "dump_modify frames flush yes time yes   # complete frames survive a kill, and hold their time",
         *(whole if problem.frames_per_snapshot is not None else []),
         "thermo_style custom step",
         "thermo_modify lost error",

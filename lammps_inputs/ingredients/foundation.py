@@ -37,7 +37,7 @@ class Foundation(Ingredient):
     example: ClassVar[str] = "{stiffness: 0.1}"
 
     takes_away = frozenset({Fact.MOMENTUM, Fact.PULSE, Fact.FRONT})
-    why = MappingProxyType({Fact.FRONT: "beads that a window leaves behind swing on for ever"})
+    why = MappingProxyType({Fact.FRONT: "beads behind a window keep oscillating"})
 
     stiffness: Stiffness | tuple[Stiffness, ...] = 0.0
     """Linear stiffness k of all chains, or a list with one for each chain."""
@@ -57,7 +57,7 @@ class Foundation(Ingredient):
                     f"foundation.{key}: {len(given)} numbers for {scene.chains} chains; one, or one for each"
                 )
             if isinstance(given, tuple) and len(set(given)) > MOST_GROUPS:
-                raise ValueError(f"foundation.{key}: LAMMPS has room for {MOST_GROUPS} different values")
+                raise ValueError(f"foundation.{key}: LAMMPS has {MOST_GROUPS} groups for different values")
         for link in self.links(scene):
             for key, values in zip(("stiffness", "cubic"), link.law, strict=False):
                 if np.max(values) > MOST:

@@ -50,7 +50,7 @@ class _Load(Ingredient):
             if len(set(faces(wall.law, layout))) > MOST_GROUPS:
                 raise ValueError(
                     f"{self.key}: more than {MOST_GROUPS} chains differ in where their last beads rest, and each needs "
-                    "a wall of its own, for which LAMMPS has no room; fewer kinds of chains are needed"
+                    "a wall of its own, for which LAMMPS has too few groups; use fewer kinds of chains"
                 )
 
     def lacks(self, scene: "BaseScene") -> frozenset[Fact]:  # noqa: ARG002

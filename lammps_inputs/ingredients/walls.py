@@ -88,7 +88,7 @@ class Walls(Ingredient):
                 strength[:, last] = _strength(kind, scene) * _bead(kind, scene, last)
                 if len(np.unique(strength[:, last])) > MOST_GROUPS:
                     raise ValueError(
-                        f"walls.{key}: beads of more than {MOST_GROUPS} kinds meet it, for which LAMMPS has no room; "
+                        f"walls.{key}: beads of more than {MOST_GROUPS} kinds meet it, too many for LAMMPS; "
                         "say {stiffness: ...}"
                     )
                 found.append(Wall(f"{key}_wall", _law(strength, side, scene)))

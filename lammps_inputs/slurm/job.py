@@ -219,7 +219,7 @@ def render_input(problem: Problem) -> str:
         [
             f"# For {file_names.JOB}: ${{part}} to its end, or until ${{seconds}} have passed and a restart is left.",
             f"log {file_names.LOG} append",
-            "timer timeout ${seconds} every 2000000000   # counts from here, and never ends a run by itself",
+            "timer timeout ${seconds} every 2000000000   # counts from here; never ends a run",
         ],
         [
             "variable steps equal step        # the part sets up and goes no further",

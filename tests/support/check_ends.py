@@ -136,10 +136,10 @@ def window(case: Case) -> dict[str, Any]:
 
     def fits(text: str) -> bool:
         if bead == 0:
-            return text == "window: nothing was left behind"
+            return text == "window: no residual motion behind it"
         numbers = [float(one) for one in re.findall(r"\d[\d.e+-]*", text)]
         near = all(abs(a / b - 1.0) < 0.051 for a, b in zip(numbers, (worst, slowest), strict=True))
-        return near and ("nothing comes back" in text) == (worst < slowest)
+        return near and ("nothing catches up" in text) == (worst < slowest)
 
     return {
         "rows": rows,

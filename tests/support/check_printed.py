@@ -214,7 +214,7 @@ def _resumed(case: Case, match: Any) -> Said:
 
 @rule(
     r"error( in the front half of the window)?: velocities <n> V(?: \(bead (\d+) of chain (\d+), t = <n>(?: s)?\))?, "
-    r"peaks (\S+) V, arrivals (\S+) T; the reference is sure to <n> V and <n> T"
+    r"peaks (\S+) V, arrivals (\S+) T; uncertainty of the reference <n> V, <n> T"
 )
 def _error(case: Case, match: Any) -> Said:
     check, unit = case.directory.record["check"], case.unit
@@ -255,23 +255,30 @@ def _beyond(case: Case, match: Any) -> bool:
     return bool(told["overlap"] > 0.1 and told["measured"] == (match[1] == "is"))
 
 
+@rule(
+    r".*: units: V = <n>(?: m/s)? \((?:largest )?[a-z ]+\), T = <n>(?: s)?, L = <n>(?: m)?(?:, kappa = <n>)?"
+    r"(?: \(reduced units\))?"
+)
+def _units(case: Case, match: Any) -> Said:
+    found = [(match[1], case.unit.velocity), (match[2], case.unit.time), (match[3], case.unit.length)]
+    return found + ([(match[4], case.report["kappa"])] if match[4] else [])
+
+
 # --- lines of `analyze` -----------------------------------------------------------------------------------------------
 
 
-@rule(
-    r"(does not apply|no energy exchange|too short to tell|still beating|equipartitioned|inconclusive|the chains are).*"
-)
+@rule(r"(does not apply|no energy exchange|too short|beating|equipartitioned|inconclusive|the chains are).*")
 def _verdict(case: Case, match: Any) -> bool:
     return case.scene.chains > 1 and bool(match[0] == case.report["equipartition"]["verdict"])
 
 
-@rule(r"no pulse stays together in this scene")
+@rule(r"no pulse keeps its shape in this scene")
 def _no_pulse(case: Case, _: Any) -> bool:
     return case.scene.chains == 1 and not case.pulse
 
 
 @rule(
-    r"asymptotic amplitude <n> \+- <n> V, <n> (above|below) (the kick|what the push would give a free bead) "
+    r"asymptotic amplitude <n> \+- <n> V, <n> (above|below) (the kick|the velocity that the push gives a free bead) "
     r"\(V = <n>(?: m/s)?\)(?:; leading waves have <n> of the energy input)?"
 )
 def _amplitude(case: Case, match: Any) -> Said | bool:
@@ -344,7 +351,11 @@ def _leading(case: Case, match: Any) -> Said | bool:
         return False
     if match[2].endswith("solitary") and match[3] is not None and match[3].split(", ") != entry["fails"]:
         return False
-    parts = {"residual": r"shape <n>", "speed_excess": r"speed <n> off", "variation": r"amplitude varies by <n>"}
+    parts = {
+        "residual": r"shape differs by <n>",
+        "speed_excess": r"speed by <n> from",
+        "variation": r"amplitude varies by <n>",
+    }
     found = {name: re.search(part.replace("<n>", f"({NUMBER})"), match[5]) for name, part in parts.items()}
     return [(one[1], entry[name]) for name, one in found.items() if one is not None]
 
@@ -361,7 +372,7 @@ def _not_whole(case: Case, match: Any) -> bool:
     return entry["residual"] is None
 
 
-@rule(r"(\d+) leading waves, solitary: shape <n>, speed <n> off the exact wave at most, amplitude varies by up to <n>")
+@rule(r"(\d+) solitary waves: shape within <n>, speed <n> of the exact wave, amplitude varies by up to <n>")
 def _many(case: Case, match: Any) -> Said | bool:
     leaders = _leaders(case)
     most = [max(abs(one[name]) for one in leaders if one[name] is not None)
@@ -426,7 +437,7 @@ def _far(case: Case, match: Any) -> bool:
     return says(match[1], 1.4 * case.unit.time) and case.every > 1.4
 
 
-@rule(r"(?:energy within <n>)?(?:, )?(?:momentum within <n>)? of (the kick's|the input)")
+@rule(r"drift: (?:energy <n>)?(?:, )?(?:momentum <n>)? of (the kick's|the input)")
 def _drifts(case: Case, match: Any) -> Said | bool:
     told = case.report
     if (match[3] == "the kick's") == case.exchanges or (match[1] is not None and case.exchanges):
@@ -434,7 +445,7 @@ def _drifts(case: Case, match: Any) -> Said | bool:
     return [(match[k], told[name]) for k, name in ((1, "energy_drift"), (2, "momentum_drift")) if match[k] is not None]
 
 
-@rule(r"energy: <n>(?: J)? put in until t = <n>(?: s)?, (?:at most <n>(?: J)? before|of which (.*))")
+@rule(r"energy: <n>(?: J)? energy input until t = <n>(?: s)?, (?:at most <n>(?: J)? before|of which (.*))")
 def _budget(case: Case, match: Any) -> Said:
     told = case.report["budget"]
     total = told["put_in"][-1]
@@ -451,7 +462,7 @@ def _budget(case: Case, match: Any) -> Said:
 
 
 @rule(
-    r"budget closed to <n> of what was put in; what happened between frames is known to <n> of it(?:; the run is right to <n> V)?"  # noqa: E501
+    r"energy balance closed to <n> of the energy input; exchange between frames uncertain by <n>(?:; error of the run <n> V)?"  # noqa: E501
 )
 def _closed(case: Case, match: Any) -> Said:
     told = case.report["budget"]
@@ -484,7 +495,7 @@ def _at_walls(case: Case, match: Any) -> Said | bool:
 
 @rule(
     r"the record ends \(t = <n>(?: s)?\) inside a pulse: the force still differs from (0|the static force) "
-    r"\(by a share of its largest difference\) at (.*?)(?: and (\d+) more)?; impulses there, .*"
+    r"\(by a share of its largest difference\) at (.*?)(?: and (\d+) more)?; impulses and largest values there .*"
 )
 def _inside(case: Case, match: Any) -> Said | bool:
     told = {f"{one['name']}, chain {one['chain']}": one["last"] for one in case.report["forces"]}
@@ -535,7 +546,7 @@ def _window(case: Case, match: Any) -> bool:
 
 @rule(
     r"chain (\d+): the leading pulse has <n> of the energy input at bead (\d+)"
-    r"(?:; from bead (\d+) on (less than )?<n> of the energy input stays in each (?:bead|cell of (\d+) beads))?"
+    r"(?:; from bead (\d+) on (less than )?<n> of the energy input remains in each (?:bead|cell of (\d+) beads))?"
 )
 def _carries(case: Case, match: Any) -> Said | bool:
     cells = case.report["cells"]

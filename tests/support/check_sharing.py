@@ -14,7 +14,7 @@ from own_wave import wave
 from scene_keys import blows, hardest
 
 TOLERANCES = (0.1, 0.01, 0.001)
-EQUAL, BEATING, SHORT = "equipartitioned and synchronised", "still beating", "too short to tell"
+EQUAL, BEATING, SHORT = "equipartitioned and synchronised", "beating", "too short"
 ALONE, UNSURE, UNLIKE, NO_PULSE = "no energy exchange", "inconclusive", "of different beads", "does not apply"
 
 
@@ -364,15 +364,15 @@ def ahead(case: Case) -> Any:
 
 
 SENTENCES = {
-    NO_PULSE: r"does not apply: no pulse stays together in this scene",
+    NO_PULSE: r"does not apply: no pulse keeps its shape in this scene",
     ALONE: r"no energy exchange(: a single chain|: no chain is coupled to another|: the kicked chain is coupled to no "
     r"other| beyond row (?P<end>\d+), where springs end; at bead (?P<last>\d+) amplitudes differ by "
     r"(?P<last_mismatch>[\d.]+)%)",
-    SHORT: r"too short to tell: .*",
-    EQUAL: r"equipartitioned and synchronised: amplitudes within 1% from bead (?P<level>\d+) on, arrivals within 1% of "
-    r"the wave's passage from bead (?P<step>\d+) on \(seen to bead (?P<last>\d+)\)",
+    SHORT: r"too short: .*",
+    EQUAL: r"equipartitioned and synchronised: amplitudes agree to 1% from bead (?P<level>\d+) on, arrivals to 1% of "
+    r"the passage time from bead (?P<step>\d+) on \(observed to bead (?P<last>\d+)\)",
     UNSURE: r"inconclusive: .*",
-    BEATING: r"still beating: .*",
+    BEATING: r"beating: .*",
     UNLIKE: r"the chains are of different beads: at bead (?P<last>\d+) amplitudes differ by "
     r"(?P<last_mismatch>[\d.]+)%, and no agreement to 1% has lasted for half a beat",
 }
@@ -381,7 +381,7 @@ SENTENCES = {
 PARTS = (
     r"amplitudes differ by up to (?P<recent>[\d.]+)% over the last half beat to bead (?P<last>\d+)",
     r"at bead (?P<last>\d+) amplitudes differ by (?P<last_mismatch>[\d.]+)%",
-    r"no whole half beat is seen to bead (?P<last>\d+), where amplitudes differ by (?P<last_mismatch>[\d.]+)%",
+    r"no complete half beat is observed to bead (?P<last>\d+), where amplitudes differ by (?P<last_mismatch>[\d.]+)%",
     r"no beat is seen from bead (?P<first>\d+) to (?P<last>\d+), where amplitudes agree to (?P<largest>[\d.]+)%",
     r"beats of (?P<beat>[\d.]+) \+- (?P<beat_off>[\d.]+) beads",
     r"amplitudes agree to 1% from bead (?P<level>\d+) on",

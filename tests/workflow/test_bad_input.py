@@ -38,13 +38,13 @@ FIT = "fit walled.yaml --against data.csv -o out --free"
 RUN = "run two-chains -o out"
 DECK = "deck two-chains -o out"
 NEEDS = "run: needs a SCENE and -o DIR, or --resume DIR"
-RESUMED = "--resume: goes on as the run was begun, so leave out"
+RESUMED = "--resume: continues with the settings of the run; leave out"
 
 COMMAND_LINES = [
-    ("", "COMMAND; `granchain --help` tells more"),
+    ("", "COMMAND; `granchain --help` lists the options"),
     ("simulate", "'simulate' is no command; `granchain --help` lists all"),
     ("analyzes run", "'analyzes' is no command (did you mean `analyze`?)"),
-    ("run", f"{NEEDS}; `granchain run --help` tells more"),
+    ("run", f"{NEEDS}; `granchain run --help` lists the options"),
     ("run two-chains", NEEDS),
     ("run -o x", NEEDS),
     ("run two-chains -o", "expected one argument"),

@@ -185,7 +185,7 @@ def test_commands_say_once_that_and_what_is_compiled(capsys):
         start("a.users.own")
     out, err = capsys.readouterr()
     assert out == ""
-    assert err == "compiling the reference, which takes a few seconds; once for this kind of scene\n"
+    assert err == "compiling the reference; takes a few seconds, once for this kind of scene\n"
 
 
 def test_scripts_and_quiet_commands_say_nothing_of_it(capsys):

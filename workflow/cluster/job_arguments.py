@@ -18,7 +18,7 @@ def add_job_arguments(parser: argparse.ArgumentParser) -> "argparse._ArgumentGro
     group.add_argument("--site", metavar="FILE", type=Path, help="YAML with a site's defaults for the options below")
     group.add_argument("--nodes", metavar="N", type=int, help="nodes (default 1)")
     group.add_argument("--ranks-per-node", metavar="N", type=int, help="MPI ranks of a node (default: by the beads)")
-    group.add_argument("--time", metavar="HH:MM:SS", help="limit of one job; the next one goes on (default 24:00:00)")
+    group.add_argument("--time", metavar="HH:MM:SS", help="limit of one job; the next resumes (default 24:00:00)")
     group.add_argument("--max-jobs", metavar="N", type=int, help="jobs after which to stop (default 100)")
     group.add_argument("--partition", metavar="P", help="partition")
     group.add_argument("--account", metavar="A", help="account")

@@ -77,6 +77,7 @@ def execute(arguments: argparse.Namespace) -> Answer:
         figures=not arguments.no_figures,
         arrival=arguments.arrival,
     )
+    print(f"{found.problem.name}: {RunDirectory(arguments.directory).scene.units}")
     _print(found)
     if arguments.dispersion and not physics.loaded(found.problem.system):
         print(f"no dispersion map: {NO_SOUND}")
@@ -99,12 +100,10 @@ def _print(found: Analysis) -> None:
     if not found.complete:
         print(
             f"incomplete: {seen.frames} of {problem.frames + 1} frames, to t = "
-            f"{problem.scale.written(seen.last_time, 'time')}; what there is was analysed"
+            f"{problem.scale.written(seen.last_time, 'time')}; the existing frames were analysed"
         )
     if found.altered:
-        print(
-            "the frames are not those that the run wrote, by the fingerprint in run.json: a file is damaged or changed"
-        )
+        print("frame checksum mismatch with run.json: a file was damaged or modified")
     if problem.system.holds(Fact.PULSE):
         _print_waves(found)
         _print_accuracy(found)
@@ -150,12 +149,12 @@ def _print_drifts(found: Analysis) -> None:
     exchanges = physics.exchanges(problem.system)
     drifts = {"energy": seen.energy_drift, "momentum": seen.momentum_drift}
     known = {name: drift for name, drift in drifts.items() if np.isfinite(drift)}
-    shown = [f"{name} within {drift:.1e}" for name, drift in known.items() if name != "energy" or not exchanges]
+    shown = [f"{name} {drift:.1e}" for name, drift in known.items() if name != "energy" or not exchanges]
     right = "the input" if exchanges else "the kick's"
     if shown:
-        print(f"{', '.join(shown)} of {right}")
+        print(f"drift: {', '.join(shown)} of {right}")
     if max(known.values(), default=0.0) > ENERGY_TOLERANCE:
-        print(found.failure or "that is not this scene: was the deck run with another kappa or kick?")
+        print(found.failure or "these are not frames of this scene: was the deck run with another kappa or kick?")
 
 
 def _print_accuracy(found: Analysis) -> None:
@@ -189,7 +188,7 @@ def _print_pulses(found: Survey) -> None:
         print(found.verdict.sentence)
     if not found.problem.system.holds(Fact.PULSE):
         if found.problem.chains == 1:
-            print("no pulse stays together in this scene")
+            print("no pulse keeps its shape in this scene")
         return
     _print_amplitude(found)
     if (decay := found.decay) is not None:
@@ -229,7 +228,7 @@ def _print_amplitude(found: Survey) -> None:
     kicked = any(
         abs(velocity) == max(abs(blow) for *_, blow in physics.excitations(system)) for *_, velocity in system.kicks
     )
-    than = f"the kick ({worth})" if kicked else f"what the push would give a free bead ({worth})"
+    than = f"the kick ({worth})" if kicked else f"the velocity that the push gives a free bead ({worth})"
     far = f"{abs(1.0 - final.value):.1%} {'above' if final.value > 1.0 else 'below'} {than}"
     print(f"asymptotic amplitude {final.value:.5f} +- {max(final.uncertainty, SMALLEST):.1g} V, {far}{share}")
 
@@ -249,7 +248,7 @@ def _print_leading(found: Survey) -> None:
             for name in ("residual", "speed_excess", "variation")
         )
         print(
-            f"{len(leading)} leading waves, solitary: shape {shape:.1e}, speed {speed:.1e} off the exact wave at most, "
+            f"{len(leading)} solitary waves: shape within {shape:.1e}, speed {speed:.1e} of the exact wave, "
             f"amplitude varies by up to {variation:.1e}"
         )
         return
@@ -282,9 +281,11 @@ def _words(character: Character) -> str:
     if math.isfinite(character.speed_excess):
         if not math.isfinite(character.residual):
             return f"{place}: not recorded long enough around its passage to compare its shape"
-        parts.append(f"shape {character.residual:.1e}, speed {character.speed_excess:+.1e} off the exact wave")
+        parts.append(
+            f"shape differs by {character.residual:.1e}, speed by {character.speed_excess:+.1e} from the exact wave"
+        )
     elif not varies:
-        return f"{place}: fewer than two beads of its mass among the last ten, so that nothing says how steady it is"
+        return f"{place}: fewer than two beads of its mass among the last ten, so that its steadiness is undefined"
     if varies:
         of_mass = "" if parts else " over beads of its mass"
         parts.append(f"amplitude varies by {character.variation:.1e}{of_mass}")

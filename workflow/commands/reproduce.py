@@ -15,7 +15,9 @@ EXAMPLES = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Where to."""
-    parser.add_argument("-o", "--output", metavar="DIR", type=Path, required=True, help="made, or gone on with")
+    parser.add_argument(
+        "-o", "--output", metavar="DIR", type=Path, required=True, help="new directory, or one to resume"
+    )
 
 
 def execute(arguments: argparse.Namespace) -> int:

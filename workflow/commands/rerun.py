@@ -36,7 +36,7 @@ def execute(arguments: argparse.Namespace) -> int:
 def _verdict(first: Original, found: Rerun) -> str:
     frames, code = found.results.frames, found.results.sha256[:12]
     if found.distance is None:
-        return f"{first.scene.name}: the same bit for bit ({frames} frames, sha256 {code}...)"
+        return f"{first.scene.name}: bitwise the same ({frames} frames, sha256 {code}...)"
     apart = (
         f"velocities up to {found.distance.velocity:.1e} V and displacements {found.distance.displacement:.1e} L apart"
     )

@@ -31,9 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The scene, where to, and how."""
     parser.add_argument("scene", metavar="SCENE", nargs="?", help="a YAML file, or the name of an installed scene")
     parser.add_argument("-o", "--output", metavar="DIR", type=Path, help="run directory to make")
-    parser.add_argument(
-        "--resume", metavar="DIR", type=Path, help="go on with a run that was cut short, and nothing else"
-    )
+    parser.add_argument("--resume", metavar="DIR", type=Path, help="resume an interrupted run; without SCENE")
     parser.add_argument("--engine", choices=ENGINES, help="what computes (default lammps)")
     parser.add_argument("--ranks", metavar="N", type=int, help="MPI ranks of LAMMPS (default 1, or as before)")
     parser.add_argument("--overwrite", action="store_true", help="replace an earlier run's files in DIR")
@@ -53,7 +51,7 @@ def execute(arguments: argparse.Namespace) -> Answer:
     if arguments.resume is not None:
         return _resume(arguments)
     if arguments.scene is None or arguments.output is None:
-        raise InputError("run: needs a SCENE and -o DIR, or --resume DIR; `granchain run --help` tells more")
+        raise InputError("run: needs a SCENE and -o DIR, or --resume DIR; `granchain run --help` lists the options")
     refuse_to_overwrite(arguments.scene, arguments.output)
     engine = arguments.engine or "lammps"
     ranks = 1 if arguments.ranks is None else arguments.ranks
@@ -63,6 +61,7 @@ def execute(arguments: argparse.Namespace) -> Answer:
     own_step = ENGINES[engine].own_step
     scene, settings = settle(scene, source=arguments.scene, force=arguments.force, own_step=own_step)
     problem = scene.problem()
+    print(f"{scene.name}: {scene.units}")
     if settings is not None:
         print(f"{scene.name}: {settings.sentence(problem)}", flush=True)
     refuse_too_long(scene, arguments.scene, ENGINES[engine], ranks)
@@ -97,7 +96,7 @@ def _resume(arguments: argparse.Namespace) -> Answer:
     }
     for name, value in given.items():
         if value is not None:
-            raise InputError(f"--resume: goes on as the run was begun, so leave out {name}")
+            raise InputError(f"--resume: continues with the settings of the run; leave out {name}")
     directory = begun(arguments.resume)
     with progress_bar(directory.scene.name, directory.problem) as progress:
         result = resume(
@@ -118,8 +117,8 @@ def _tell(result: running.Run, settings: Settings | None) -> int:
     path, job = one_line(result.directory.path), result.directory.job
     if result.outcome == "interrupted":
         print(
-            f"{path}: interrupted at step {job.steps_done} of {job.steps}; frames are kept, and "
-            f"`granchain run --resume {shlex.quote(path)}` goes on"
+            f"{path}: interrupted at step {job.steps_done} of {job.steps}; the frames remain, "
+            f"`granchain run --resume {shlex.quote(path)}` resumes it"
         )
         return 130
     print(f"{path}: {ENGINES[result.directory.engine].sentence(job)}")
@@ -181,5 +180,5 @@ def _checked(check: Check, problem: Problem) -> str:
     return (
         f"error{near}: velocities {check.velocity:.1e} V{where}, peaks {_size(check.amplitude)} V, "
         f"arrivals {_size(check.arrival)} T; "
-        f"the reference is sure to {check.reference.velocity:.1e} V and {check.reference.arrival:.1e} T"
+        f"uncertainty of the reference {check.reference.velocity:.1e} V, {check.reference.arrival:.1e} T"
     )

@@ -3,7 +3,6 @@
 import argparse
 
 from lammps_inputs import library, physics, strict_yaml
-from lammps_inputs.numbers import text
 from workflow.prepare.settings import settle
 from workflow.runs.size import size_of, too_large
 from workflow.screen import Answer
@@ -35,15 +34,9 @@ def execute(arguments: argparse.Namespace) -> Answer:
         print(f"# warning: {why}")
     if settings is not None:
         print(f"# {settings.sentence(problem)}")
-    if scale.velocity != 1.0 or scale.si:
-        length, time, velocity, force = (
-            f"{name} {text(getattr(scale, name))}{scale.after(name)}"
-            for name in ("length", "time", "velocity", "force")
-        )
-        print("# computed at V = 1, in units of")
-        print(f"#   {length}, {time}")
-        print(f"#   {velocity}, {force}")
-        print(f"# where kappa = {text(physics.kappa(system))}, timestep = {text(problem.timestep)}")
+    print(f"# {scene.units}")
+    if scale.si:
+        print(f"# unit of force: m L / T^2 = {scale.written(1.0, 'force')}")
     if physics.gap(system) > 0.0 and physics.coupled(system) and physics.simply_coupled(system):
         from workflow.engines.collisions import modes  # numba takes a third of a second to import
 

@@ -21,7 +21,9 @@ EXAMPLES = (
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The sweep, where to, and how."""
     parser.add_argument("sweep", metavar="SWEEP.yaml", type=Path, help="a scene, and what to vary in it")
-    parser.add_argument("-o", "--output", metavar="DIR", type=Path, required=True, help="made, or gone on with")
+    parser.add_argument(
+        "-o", "--output", metavar="DIR", type=Path, required=True, help="new directory, or one to resume"
+    )
     parser.add_argument("--jobs", metavar="N", type=int, default=cores(), help="cases at a time (default all cores)")
     parser.add_argument("--figures", action="store_true", help="draw every case")
     parser.add_argument("--no-check", action="store_true", help="do not measure the errors against the reference")
@@ -59,7 +61,7 @@ def _run(what: file.Sweep, arguments: argparse.Namespace) -> Answer:
     if end.others:
         print(f"{end.others} more with values that {one_line(arguments.sweep)} no longer names stay, also in the table")
     if end.interrupted:
-        print("interrupted: what is done is kept; the same command goes on with the rest")
+        print("interrupted: completed cases remain; the same command runs the rest")
         return Answer(130, data)
     if end.failed:
         print("the same command runs those that failed again")

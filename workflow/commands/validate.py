@@ -61,6 +61,7 @@ def execute(arguments: argparse.Namespace) -> Answer:
         dimensionless = arguments.units == "dimensionless"
         compare = validate_traces if traces.are_in(arguments.against) else validate_against
         found = compare(directory, arguments.against, dimensionless=dimensionless, tolerances=tolerances)
+    print(f"{found.problem.name}: {directory.scene.units}")
     _print(found)
     print(f"{one_line(directory.path)}: {', '.join((validation.REPORT, *figure_files(validation.FIGURE)))}")
     data = json.loads((directory.path / validation.REPORT).read_text(encoding="utf-8"))
@@ -109,13 +110,13 @@ def _print(found: validation.Validation) -> None:
         verdict = "EXCEEDED" if found.exceeded(name) else "ok"
         rows.append([name, f"{deviation.largest:.2e}", rms, f"{found.tolerances[name]:.1e}", verdict, where])
     print_table(
-        f"{found.problem.name} against {found.against} at {found.compared} instants; errors dimensionless",
+        f"{found.problem.name} against {found.against} at {found.compared} instants; errors in V, T and L",
         ["quantity", "largest", "rms", "tolerance", "", "largest at"],
         rows,
     )
     if found.certificate is not None:
         certificate = found.certificate
-        print(f"the reference is sure to {certificate.velocity:.1e} in velocity, {certificate.arrival:.1e} in arrival")
+        print(f"uncertainty of the reference: {certificate.velocity:.1e} V, {certificate.arrival:.1e} T")
     if found.interpolation is not None:
         x, v = found.interpolation
         print(f"interpolating between frames adds at most {x:.1e} to displacements, {v:.1e} to velocities")
@@ -126,7 +127,9 @@ def _print(found: validation.Validation) -> None:
     ]
     if firsts:
         time, name, place = min(firsts, key=lambda first: first[0])
-        print(f"first wrong: {name} of bead {place.bead}, chain {place.chain}, at t = {scale.written(time, 'time')}")
+        print(
+            f"first deviation: {name} of bead {place.bead}, chain {place.chain}, at t = {scale.written(time, 'time')}"
+        )
     if not found.complete:
         print(f"incomplete: {found.frames} of {found.problem.frames + 1} frames")
     for remark in found.remarks:

@@ -182,13 +182,13 @@ class _Collisions(Engine):
         if common := super().refusal(scene):
             return common
         if not isinstance(system.mass, float):
-            return f"`collisions` knows only beads of equal mass; {other}"
+            return f"`collisions` is for beads of equal mass only; {other}"
         if physics.acted_on(system):
-            return f"`collisions` knows no push and no drive; {other}"
+            return f"`collisions` has no push and no drive; {other}"
         if system.dampers:
-            return f"`collisions` knows no damping; {other}"
+            return f"`collisions` has no damping; {other}"
         if not physics.simply_coupled(system):
-            return f"`collisions` knows only equal linear springs between neighbouring chains; {other}"
+            return f"`collisions` is for equal linear springs between neighbouring chains only; {other}"
         if not physics.gap(system) > 0.0:
             return (
                 f"`collisions` moves rigid beads, which need a gap between them; give the scene `gap: ...`, or {other}"

@@ -100,7 +100,7 @@ def rerun(first: Original, directory: Path, *, progress: Progress | None = None)
     """
     if first.directory is not None and results(first.directory)["sha256"] != first.results.sha256:
         raise InputError(
-            f"{first.directory.path}: its frames or scene are not those that its {RECORD} tells of; "
+            f"{first.directory.path}: its frames or scene are not those that its {RECORD} describes; "
             f"give a copy of {RECORD} alone to compare with that"
         )
     again = run(

@@ -22,7 +22,7 @@ from workflow.runs.own_files import refuse_links, refuse_unwritable, remove_left
 from workflow.runs.run import Run, carry_out, measure_error
 from workflow.runs.run_directory import RunDirectory, fingerprint
 
-_AGAIN = "nothing is there to go on from: run the scene again with another -o"
+_AGAIN = "there is nothing to resume: run the scene again with another -o"
 
 
 def resume(

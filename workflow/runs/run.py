@@ -227,7 +227,7 @@ def carry_out(
         with contextlib.suppress(RunError):  # a full disk
             result.update(outcome="failed", reason=reason, wall_seconds=time.perf_counter() - started)
         if isinstance(error, OSError | EndedError):
-            reason = f"{reason.rstrip('.')}; `granchain run --resume {path}` goes on from there"
+            reason = f"{reason.rstrip('.')}; `granchain run --resume {path}` resumes it from there"
         raise type(error)(reason) if isinstance(error, RunError) else RunError(reason) from None
     finally:
         if loading is not None:

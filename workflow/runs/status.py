@@ -31,7 +31,7 @@ MEANING: dict[State, str] = {
     "running": "computes",
     "done": "came to its end",
     "failed": "ended with an error",
-    "incomplete": "was cut short, and can go on",
+    "incomplete": "was interrupted, and can be resumed",
 }
 
 GRACE = 600.0
@@ -207,7 +207,7 @@ def _of_slurm(directory: Path, account: Path, queue: Queue | None, queued: Queue
 def _as_told(told: dict[str, str]) -> str:
     """When a job last wrote of itself, and where."""
     moment = time.localtime(_number(told.get("time")) or 0)
-    return time.strftime("as it was told on %Y-%m-%d %H:%M", moment) + f" by {told.get('host') or 'its node'}"
+    return time.strftime("as reported on %Y-%m-%d %H:%M", moment) + f" by {told.get('host') or 'its node'}"
 
 
 def _sbatch(directory: Path) -> str:
@@ -241,7 +241,7 @@ def _goes_on(directory: Path, job: Job | None = None) -> str:
     """Where a run that was cut goes on; a local one by its account."""
     step = step_of(directory / file_names.RESTART)
     if not step:
-        return "starts again, for there is no restart yet"
+        return "starts again, as there is no restart yet"
     if job is not None and job.engine == "lammps":
         from workflow.runs.resume import restart_refused  # which imports what runs LAMMPS
         from workflow.runs.run_directory import RunDirectory
@@ -249,7 +249,7 @@ def _goes_on(directory: Path, job: Job | None = None) -> str:
         with suppress(InputError):
             if why := restart_refused(RunDirectory(directory), job, step):
                 return f"starts again, for {why}"
-    return f"goes on from step {step}"
+    return f"resumes at step {step}"
 
 
 def _locked(directory: Path, *account: Path) -> bool:

@@ -62,7 +62,7 @@ def scene_to_run(plain: dict[str, Any], names: tuple[str, ...], source: str) -> 
     at_the_end = any(name in _AT_THE_END for name in names)
     scene = with_duration(library.from_plain({**plain, "output": {}}, source), wall=at_the_end)
     if scene.window is not None:
-        raise InputError(f"{source}: window: what is left behind counts here; leave it out")
+        raise InputError(f"{source}: window: rows behind it count here; leave it out")
     return scene
 
 

@@ -58,7 +58,7 @@ class Study:
     figures: Sequence[str] = ()
     cache: str = ""
     others: Sequence[str] = ()
-    resume: str = "the same command resumes it"
+    resume: str = "the same command resumes"
 
     @property
     def files(self) -> tuple[str, ...]:

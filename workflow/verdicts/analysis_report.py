@@ -28,11 +28,11 @@ class WavesTable(Waves):
 
     lag: Floats = declare("arrival behind the wave of the kicked chain", "time", "either arrival is undefined")
     width: Floats = declare(
-        "full width of the velocity at half its maximum", "beads", "the passage is not recorded whole"
+        "full width of the velocity at half its maximum", "beads", "the passage is not recorded completely"
     )
     residual: Floats = declare(
         "largest difference from the velocity of the exact wave of this peak velocity, over that",
-        undefined="the passage is not recorded whole, or there is no exact wave",
+        undefined="the passage is not recorded completely, or there is no exact wave",
     )
     chain_energy: Floats = declare(
         "energy of the chain, with half of its springs', when the waves (on average) pass this bead",
@@ -91,7 +91,7 @@ STEADY = 0.01
 
 NOT_REACHED = "no recorded bead was reached"
 
-UNRESOLVED = "no pulse stays together, or recorded beads are too far apart to show beats"
+UNRESOLVED = "no pulse keeps its shape, or recorded beads are too far apart to show beats"
 
 
 @result
@@ -186,7 +186,7 @@ class EnergyShare:
     measured: float | None = declare(
         "energy within three beads of the peaks",
         "energy input",
-        "not all beads are recorded, another pulse is as near, or no pulse stays together",
+        "not all beads are recorded, another pulse is as near, or no pulse keeps its shape",
         columns=(Column("energy_share", "share of the energy in the leading waves"),),
     )
 
@@ -220,7 +220,7 @@ class Equipartition:
     final: Final | None = declare(
         "asymptotic amplitude of the leading waves: mean over chains and the last half beat",
         "V",
-        "amplitudes have no limit, or do not approach one; no pulse stays together",
+        "amplitudes have no limit, or do not approach one; no pulse keeps its shape",
         "v",
         columns=(
             Column("amplitude", "asymptotic amplitude", "value"),
@@ -228,7 +228,7 @@ class Equipartition:
         ),
     )
     range: Range | None = declare(
-        "range of amplitudes over the second half of the way", undefined="no pulse stays together"
+        "range of amplitudes over the second half of the way", undefined="no pulse keeps its shape"
     )
     energy_share: EnergyShare = declare("energy in the leading waves at the last clear bead")
     beat_length: Estimate | None = declare(
@@ -321,7 +321,7 @@ def train(found: Survey) -> Train | None:
 
     Each is clear of the ends of the chain and of all other pulses, and its amplitude is constant to `STEADY` over the
     ten beads before. Only pulses count that ran over a quarter of the chain. None where not even the first is steady,
-    and where no pulse stays together.
+    and where no pulse keeps its shape.
     """
     if not found.problem.system.holds(Fact.PULSE):
         return None

@@ -303,7 +303,7 @@ def _static(own: Trajectory, reference: Trajectory) -> list[str]:
     if right.pressed == 1.0 and felt.pressed != 1.0:
         if felt.pressed == 0.0:
             return ["the static load is missing"]
-        return [f"the contacts bear about {felt.pressed:.2g} times the static load of the scene"]
+        return [f"the contacts carry about {felt.pressed:.2g} times the static load of the scene"]
     if abs(felt.held - 1.0) > _LOAD_DOUBT + 3.0 * abs(right.held - 1.0):
         if abs(felt.held) < _LOAD_DOUBT:
             return ["the forces that hold the beads at rest (on the ends, or weights) are missing"]

@@ -182,7 +182,7 @@ def validate(directory: RunDirectory, tolerances: dict[str, float] | None = None
 def _half(problem: Problem) -> tuple[str, ...]:
     if problem.window is None:
         return ()
-    return ("compared is the front half of the window; the rows behind it lack what was left behind",)
+    return ("the front half of the window is compared; the rows behind it lack the influence of the removed rows",)
 
 
 def limits_of(problem: Problem, tolerances: dict[str, float] | None) -> dict[str, float]:
@@ -195,7 +195,7 @@ def limits_of(problem: Problem, tolerances: dict[str, float] | None) -> dict[str
 def _doubts(certificate: Certificate, limits: dict[str, float]) -> tuple[str, ...]:
     sizes = {"velocity": certificate.velocity, "arrival": certificate.arrival}
     return tuple(
-        f"the reference itself is only sure to {size:.1e} in {name}, not enough for this tolerance"
+        f"the uncertainty of the reference, {size:.1e} in {name}, is too large for this tolerance"
         for name, size in sizes.items()
         if not size <= limits[name]
     )

@@ -261,11 +261,11 @@ def test_the_layers_of_the_budget_add_up_to_what_was_put_in_in_the_units_of_the_
     si = replace(small(), scale=make_scale(3.6e-3, 1.4e10, 0.01, si=True))
     figure = budget_figure(si, account)
     (axis,) = figure.axes
-    assert legends(figure) == ["put in", "lost in contact damping", "walls", "contacts", "kinetic"]
+    assert legends(figure) == ["energy input", "lost in contact damping", "walls", "contacts", "kinetic"]
     tops = [layer.get_paths()[0].vertices[:, 1].max() for layer in axis.collections]
     nano = si.scale.energy * 1e9
     assert tops == pytest.approx([0.3 * nano, 0.49 * nano, 0.5 * nano, 0.5 * nano])
-    assert curves(axis)["put in"].get_ydata() == pytest.approx(np.full(5, 0.5 * nano))
+    assert curves(axis)["energy input"].get_ydata() == pytest.approx(np.full(5, 0.5 * nano))
     assert axis.get_ylabel() == "energy (nJ)"
     hatches = [layer.get_hatch() for layer in axis.collections]
     assert hatches[-1]  # tells what is lost from what is there in grey

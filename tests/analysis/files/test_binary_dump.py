@@ -281,7 +281,7 @@ def test_a_continuation_that_leaves_frames_out_is_refused(serial: Path, tmp_path
     size = len(raw) // 41
     (tmp_path / "1.bin").write_bytes(raw[: 25 * size + 100])
     (tmp_path / "2.bin").write_bytes(raw[26 * size :])
-    with pytest.raises(InputError, match=r"2\.bin: goes on at step 260, but the file before ends at step 240"):
+    with pytest.raises(InputError, match=r"2\.bin: continues at step 260, but the file before ends at step 240"):
         whole(TWO.problem(), tmp_path / "1.bin", tmp_path / "2.bin")
 
 
@@ -339,7 +339,7 @@ def test_a_cut_at_any_byte_of_the_last_frame_leaves_the_whole_ones(tmp_path: Pat
     path = tmp_path / "cut.bin"
     for cut in range(1, len(last)):
         path.write_bytes(before + last[:cut])
-        with pytest.warns(CutDumpWarning, match=r"cut\.bin: ends within a frame; the 3 whole frames"):
+        with pytest.warns(CutDumpWarning, match=r"cut\.bin: ends within a frame; the 3 complete frames"):
             dump = BinaryDump(path)
         assert dump.cut
         assert dump.n_frames == 3

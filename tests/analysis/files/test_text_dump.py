@@ -48,7 +48,7 @@ def test_a_frame_that_is_cut_off_is_left_out(tmp_path, left):
 @pytest.mark.parametrize(
     ("frames", "says"),
     [
-        ([frame(0)], "holds 1 whole frames"),
+        ([frame(0)], "holds 1 complete frames"),
         ([frame(0), frame(1, head="ITEM: ATOMS type x vx fx")], "its columns are type x vx fx"),
         ([frame(0), frame(1, rows=ROWS.replace("4 1 8 ", "5 1 8 "))], "not the same atoms"),
         ([frame(0, rows=ROWS.replace("4 1 8 ", "5 1 8 "))] * 2, "are not the same beads of chains of 2"),

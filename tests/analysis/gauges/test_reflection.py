@@ -72,7 +72,7 @@ LOADED = {
         {"mass": np.tile([1.0, 2.0], (2, BEADS // 2))},
         {"links": library.from_plain(LOADED, "a").problem().system.links},
     ],
-    ids=["no pulse stays together", "beads that differ", "static load"],
+    ids=["no pulse keeps its shape", "beads that differ", "static load"],
 )
 def test_no_ratio_is_given_where_a_pulse_does_not_keep_its_velocity(changes):
     pulses = there_and_back(lambda _: 1.0, lambda _: 0.9)

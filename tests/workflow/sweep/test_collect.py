@@ -325,7 +325,7 @@ def test_the_collected_figure_knows_its_scene_its_bars_and_its_unsettled_cases(c
     assert axis.get_title().startswith("small, beads = 20")
     states = [row["state"] for row in found.rows if row["amplitude"] is not None]
     hollow = [len(line.get_xdata()) for line in axis.get_lines() if line.get_markerfacecolor() == "white"]
-    assert sum(hollow) == sum(state in ("still beating", "too short to tell") for state in states) > 0
+    assert sum(hollow) == sum(state in ("beating", "too short") for state in states) > 0
     assert len(axis.collections[0].get_segments()) == len(states) == 2
 
 

@@ -217,7 +217,7 @@ def test_whoever_waits_for_a_sweep_is_told_once_what_is_compiled_for_it(tmp_path
     path = sweep_file(tmp_path, engine="reference", beads=[8, 9])
     assert main(["sweep", str(path), "-o", str(tmp_path / "s"), "--jobs", "2"]) == 0
     said = capsys.readouterr().err.splitlines()
-    assert said == ["compiling the reference, which takes a few seconds; once for this kind of scene"]
+    assert said == ["compiling the reference; takes a few seconds, once for this kind of scene"]
 
 
 def in_directory(directory):
@@ -271,7 +271,7 @@ def test_ctrl_c_keeps_what_is_done_and_the_same_command_does_the_rest(slow):
     os.killpg(process.pid, signal.SIGINT)
     out, err = process.communicate(timeout=HANGS)
     assert (process.returncode, err) == (130, "")
-    assert "interrupted: what is done is kept; the same command goes on with the rest" in out
+    assert "interrupted: completed cases remain; the same command runs the rest" in out
     assert wait_until(lambda: at_work(directory) == [])
     kept = finished(directory)
     assert f"{kept} of 5 cases done" in out

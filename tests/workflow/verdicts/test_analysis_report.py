@@ -56,7 +56,7 @@ def test_how_chains_share_the_pulse_is_told_key_by_key():
         problem=problem(),
     )
     told = plain(analysis_report.equipartition(found), found.problem.scale)
-    assert (told["verdict"], told["state"], told["since"]) == ("they beat", "still beating", None)
+    assert (told["verdict"], told["state"], told["since"]) == ("they beat", "beating", None)
     assert told["expected"] == {"value": 62.0, "uncertainty": 5.0}
     assert told["amplitudes"] == {"0.1": 10, "0.01": 100, "0.001": 1000}
     assert told["arrivals"] == {"0.1": 20, "0.01": 200, "0.001": 2000}

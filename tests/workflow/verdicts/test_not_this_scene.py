@@ -30,7 +30,7 @@ def test_other_times_than_the_scenes_are_refused(
 def test_another_kappa_is_said_loudly(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     stock_lammps.run(SMALL, tmp_path / "r", "-var", "kappa", "0.5")
     main(["analyze", str(tmp_path / "r"), "--no-figures"])
-    assert "that is not this scene" in capsys.readouterr().out
+    assert "these are not frames of this scene" in capsys.readouterr().out
 
 
 def test_frames_too_far_apart_to_find_a_wave_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -51,4 +51,4 @@ def test_a_reference_that_is_not_sure_enough_passes_nothing(tmp_path: Path) -> N
     assert validate(directory).passed
     impossible = validate(RunDirectory(directory.path), {"velocity": 1e-3, "arrival": 1e-17})
     assert not impossible.passed
-    assert any("only sure to" in remark for remark in impossible.remarks)
+    assert any("the uncertainty of the reference" in remark for remark in impossible.remarks)

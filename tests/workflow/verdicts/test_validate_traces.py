@@ -56,7 +56,7 @@ def test_a_trace_that_is_off_is_named_with_place_and_time(directory, capsys):
     own = np.genfromtxt(directory / "forces.csv", delimiter=",", names=True)["sensor_8_chain_2"]
     assert found["largest"] == pytest.approx(0.05 * own.max(), rel=1e-6)
     assert found["where"]["chain"] == 2
-    assert "first wrong: force_sensor_8_chain_2 of bead 8" in capsys.readouterr().out
+    assert "first deviation: force_sensor_8_chain_2 of bead 8" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

@@ -165,7 +165,7 @@ def test_what_is_said_holds(told):
         assert abs(expected["value"] - row.agrees) <= expected["uncertainty"]
     if row.state is EQUAL and row.agrees is not None:
         assert shared["amplitudes"]["0.01"] == row.agrees
-        assert f"amplitudes within 1% from bead {row.agrees} on" in printed
+        assert f"amplitudes agree to 1% from bead {row.agrees} on" in printed
     if row.state is not EQUAL:
         assert "equipartitioned" not in printed
 

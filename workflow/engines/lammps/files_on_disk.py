@@ -106,7 +106,7 @@ def keep(frames: Path, step: int) -> None:
         for path in (frames, unfinished):
             _to_disk(path)
         if step_of(unfinished) != step:
-            raise OSError(f"{file_names.RESTART} cannot be written whole; is the disk full?")
+            raise OSError(f"{file_names.RESTART} cannot be written completely; is the disk full?")
         _note_sum(unfinished)
     except OSError:
         unfinished.unlink(missing_ok=True)

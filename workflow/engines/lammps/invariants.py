@@ -42,9 +42,9 @@ def fault(
     energy = float(motion.energy(system, displacement, velocity, first)) + elsewhere
     change = energy / physics.energy(system) - 1.0
     if system.loads and change > ENERGY_TOLERANCE:
-        return f"the energy is {100.0 * change:.3g}% above all that the pushes can put in; {_remedy(problem)}"
+        return f"the energy is {100.0 * change:.3g}% above the largest possible work of the pushes; {_remedy(problem)}"
     if system.dampers and change > ENERGY_TOLERANCE:
-        return f"the energy is {100.0 * change:.3g}% above what was put in; {_remedy(problem)}"
+        return f"the energy is {100.0 * change:.3g}% above the energy input; {_remedy(problem)}"
     if system.holds(Fact.ENERGY) and not system.loads and abs(change) > ENERGY_TOLERANCE:
         return f"the energy has changed by {100.0 * change:.3g}%; {_remedy(problem)}"
     return None

@@ -63,7 +63,7 @@ def _print(found: Comparison) -> None:
             impulses = result.impulses
             place = impulses.row(bead)
             if not (impulses.whole[:, place] > 0.0).any():
-                rows.append([str(bead) if number == 0 else "", result.engine, "not struck", "", "", ""])
+                rows.append([str(bead) if number == 0 else "", result.engine, "no impulse", "", "", ""])
                 continue
             rows.append(
                 [

@@ -157,7 +157,7 @@ def answer(results: Sequence[Result], last: int) -> tuple[str, ...]:
 
 def _rigid_against(rigid: Result, hertz: Result, last: int) -> list[str]:
     if last < 2:
-        return ["No row was struck in both models, so there is nothing to compare; give a longer duration."]
+        return ["No row received an impulse in both models, so nothing can be compared; give a longer duration."]
     kept, lost = [], []
     one, other = rigid.impulses, hertz.impulses
     until = kept_to(one, other, last)

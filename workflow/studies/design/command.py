@@ -14,7 +14,7 @@ from workflow.sweep.command_job import submit_hint, write_job
 
 ANSWERS = "what design.json holds"
 EXAMPLES = (
-    "design design.yaml -o designed          # the same command goes on; workflow/README.md has such a file",
+    "design design.yaml -o designed          # the same command resumes; workflow/README.md has such a file",
     "design design.yaml -o designed --slurm --jobs 64   # then there: sbatch job.sbatch",
 )
 
@@ -22,7 +22,9 @@ EXAMPLES = (
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The design, where to, and how."""
     parser.add_argument("design", metavar="DESIGN.yaml", type=Path, help="a scene, bounds of its fields, an objective")
-    parser.add_argument("-o", "--output", metavar="DIR", type=Path, required=True, help="made, or gone on with")
+    parser.add_argument(
+        "-o", "--output", metavar="DIR", type=Path, required=True, help="new directory, or one to resume"
+    )
     parser.add_argument(
         "--jobs", metavar="N", type=int, help="designs at a time (default all cores; of a job cores_per_node, or 1)"
     )
@@ -45,7 +47,7 @@ def execute(arguments: argparse.Namespace) -> Answer:
         with count_bar("design") as progress:
             found = study.carry_out(what, arguments.output, processes=arguments.jobs or cores(), progress=progress)
     except KeyboardInterrupt:
-        print("interrupted: all designs that were computed are kept; the same command goes on")
+        print("interrupted: computed designs remain; the same command resumes")
         return Answer(130, {})
     _print(found, arguments)
     return Answer(0, found.plain())

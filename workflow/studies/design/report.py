@@ -64,7 +64,7 @@ def _table(found: Found) -> str:
     note = ""
     if any(one.error > LARGE for _, one in columns):
         note = (
-            "<p>In long runs beads that pulses left behind amplify any error of their velocities, so these differ more "
+            "<p>In long runs beads behind the pulses amplify any error of their velocities, so these differ more "
             "than what is asked for: see the rows of differences.</p>"
         )
     return f"<table>{''.join(rows)}</table>{note}"

@@ -232,7 +232,7 @@ def _corners_of_computation() -> list[Cell]:
         _corner("window, kappa 0.001", beads=500, coupling=springs(1e-3), window="auto", duration=600.0),
         _corner("window, accuracy 1e-5", beads=200, window="auto", accuracy=1e-5, duration=200.0),
         _corner("accuracy, kappa 1e4", coupling=springs(1e4), accuracy=1e-3, duration=2.0),
-        _corner("accuracy, a swing each 5 frames", **_five_frames_a_swing()),
+        _corner("accuracy, 5 frames a period", **_five_frames_a_swing()),
         _corner("accuracy, gap", gap=10.0, beads=6, accuracy=1e-4, duration=200.0),
         _corner("until bead 25", duration=None, until_bead=25),
         _corner("until bead 25, uncoupled", coupling=springs(1e-8), duration=None, until_bead=25),

@@ -11,14 +11,16 @@ DRAWS = True
 EXAMPLES = (
     "extremes --quick",
     "extremes losses loads",
-    "extremes -o extremes      # the same command goes on",
+    "extremes -o extremes      # the same command resumes",
 )
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Where to, and how much."""
     parser.add_argument("parts", metavar="PART", nargs="*", help=f"of {', '.join(cells.PARTS)} (default all)")
-    parser.add_argument("-o", "--output", metavar="DIR", type=Path, help="made, or gone on with: table, figure, cells")
+    parser.add_argument(
+        "-o", "--output", metavar="DIR", type=Path, help="new directory, or one to resume: table, figure, cells"
+    )
     parser.add_argument("--quick", action="store_true", help="only the cells that take about a second")
 
 
@@ -44,8 +46,8 @@ def execute(arguments: argparse.Namespace) -> int:
         ]
         for outcome in outcomes
     ]
-    head = ["axis", "value", "ends", "error / V", "told", "sure to", "asked", "steps", "seconds"]
-    print_table("largest error of any velocity, against a reference that is surer than that", head, rows)
+    head = ["axis", "value", "ends", "error / V", "reported", "uncertainty", "asked", "steps", "seconds"]
+    print_table("largest error of any velocity, against a more accurate reference", head, rows)
     for outcome in outcomes:
         if outcome.kind in ("REFUSED", "STOPPED", "WRONG"):
             print(f"{outcome.kind} {outcome.axis} {outcome.value}: {outcome.why}")

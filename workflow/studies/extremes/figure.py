@@ -11,11 +11,11 @@ from matplotlib.patches import Patch, Rectangle
 from analysis.figures.style import STYLE
 from workflow.studies.extremes.measure import KINDS, Outcome
 
-COLOURS = {"RIGHT": "#8fd0b5", "TOLD": "#f5d76e", "REFUSED": "#d9d9d9", "STOPPED": "#a9c6e8", "WRONG": "#d7301f"}
+COLOURS = {"RIGHT": "#8fd0b5", "REPORTED": "#f5d76e", "REFUSED": "#d9d9d9", "STOPPED": "#a9c6e8", "WRONG": "#d7301f"}
 
 _MEANING = {
     "RIGHT": "as right as asked",
-    "TOLD": "less right, and said so",
+    "REPORTED": "larger error, reported",
     "REFUSED": "refused with a reason",
     "STOPPED": "stopped with a reason",
     "WRONG": "silently wrong",

@@ -21,7 +21,7 @@ from workflow.studies.extremes.cells import Cell, scaled
 from workflow.studies.extremes.true_error import TrueError, judge
 from workflow.verdicts.validate import TOLERANCES
 
-KINDS = ("RIGHT", "TOLD", "REFUSED", "STOPPED", "WRONG")
+KINDS = ("RIGHT", "REPORTED", "REFUSED", "STOPPED", "WRONG")
 """In words:
 
 - RIGHT: the largest error of any velocity is what was asked for, or less;
@@ -89,12 +89,12 @@ def classify(asked: float, told: Told | None, truth: TrueError) -> tuple[str, st
     if told is not None:
         most = TRUE_WITHIN * (told.error + told.sure) + LEAST_ERROR
         if most < truth.error - truth.sure or (truth.error != truth.error and most == most):
-            return "WRONG", f"says {told.error:.1e} V (sure to {told.sure:.1e}), is {truth.error:.1e} V"
+            return "WRONG", f"reports {told.error:.1e} V (uncertainty {told.sure:.1e}), is {truth.error:.1e} V"
     if truth.error <= asked:
         return "RIGHT", ""
     if told is not None and not told.error + told.sure <= asked:
-        return "TOLD", f"more than {asked:.0e} V, and says so"
-    return "WRONG", f"is {truth.error:.1e} V, more than {asked:.0e} V, and says nothing"
+        return "REPORTED", f"more than {asked:.0e} V, and reports it"
+    return "WRONG", f"is {truth.error:.1e} V, more than {asked:.0e} V, and does not report it"
 
 
 PROMISED = TOLERANCES["velocity"]

@@ -41,7 +41,7 @@ class Model:
         self.source, self.given = source, given
         start = self._problem(scene, 1.0)
         if start.window is not None:
-            raise InputError(f"{source}: window: rows left behind have no traces; leave it out")
+            raise InputError(f"{source}: window: rows behind it have no traces; leave it out")
         if given.units and not start.scale.si:
             raise InputError(f"{path}: names units, but {source} has no material, so it is in reduced units")
         check_channels(path, given.channels, start)

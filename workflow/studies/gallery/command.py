@@ -9,8 +9,8 @@ from workflow.studies.gallery.study import PAGE, gallery
 from workflow.studies.page import CORRECTED, FAILS, HOLDS
 
 EXAMPLES = (
-    "gallery -o gallery                # some minutes; the same command goes on; then open gallery/index.html",
-    "gallery -o gallery --only dimers  # this one anew; the others as they are",
+    "gallery -o gallery                # some minutes; the same command resumes; then open gallery/index.html",
+    "gallery -o gallery --only dimers  # recompute this one; the others remain",
     "gallery --list",
 )
 
@@ -20,7 +20,7 @@ ANSWERS = "each entry with its title, its verdicts, and why it failed"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Where to, and what."""
     where = parser.add_mutually_exclusive_group(required=True)
-    where.add_argument("-o", "--output", metavar="DIR", type=Path, help="made, or gone on with")
+    where.add_argument("-o", "--output", metavar="DIR", type=Path, help="new directory, or one to resume")
     where.add_argument("--list", action="store_true", help="print the names of the entries, and run nothing")
     parser.add_argument(
         "--only", metavar="NAME", action="append", default=[], help="run this entry only; may be given several times"

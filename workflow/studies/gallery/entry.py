@@ -299,6 +299,6 @@ def _own_errors(results: Results) -> str:
     return (
         "Measured error of these runs: the peaks of LAMMPS's leading pulse are off by at most "
         f"{worst['lammps'][0]:.1e} V at any bead, its arrivals by {worst['lammps'][1]:.1e} T; any velocity of the "
-        f"reference, also of beads left behind, is sure to {worst['reference'][0]:.1e} V, its arrivals to "
+        f"reference, also behind the pulse, is within {worst['reference'][0]:.1e} V, its arrivals within "
         f"{worst['reference'][1]:.1e} T."
     )

@@ -9,14 +9,16 @@ from workflow.studies.map import study as mapping
 
 DRAWS = True
 EXAMPLES = (
-    "map -o map                # some four minutes; the same command goes on",
+    "map -o map                # some four minutes; the same command resumes",
     "map -o map --quiet",
 )
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What to map, and where to."""
-    parser.add_argument("-o", "--output", metavar="DIR", type=Path, required=True, help="made, or gone on with")
+    parser.add_argument(
+        "-o", "--output", metavar="DIR", type=Path, required=True, help="new directory, or one to resume"
+    )
     parser.add_argument("--couplings", metavar="K,K,...", help="dimensionless couplings (default 1e-3 to 2)")
     parser.add_argument("--chains", metavar="N,N,...", help="numbers of chains (default 2 to 8)")
     parser.add_argument("--most-beads", metavar="N", type=int, default=mapping.MOST_BEADS, help="longest chains")

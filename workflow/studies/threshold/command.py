@@ -26,13 +26,11 @@ EXAMPLES = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The question, where to, and how."""
-    parser.add_argument("scene", metavar="SCENE", help="its other fields are kept")
+    parser.add_argument("scene", metavar="SCENE", help="the scene; its other fields are constant")
     parser.add_argument(
         "--where", metavar="QUANTITY=VALUE", required=True, help="a quantity of `granchain collect`, in its units"
     )
-    parser.add_argument(
-        "--vary", metavar="FIELD=LOW:HIGH", required=True, help="the field whose threshold is wanted, and its range"
-    )
+    parser.add_argument("--vary", metavar="FIELD=LOW:HIGH", required=True, help="the varied field, and its range")
     parser.add_argument("--log", action="store_true", help="divide the range by factors instead of differences")
     parser.add_argument("--over", metavar="FIELD=A,B,...", help="one threshold for each value of a second field")
     parser.add_argument("-o", "--output", metavar="DIR", type=Path, required=True, help="made, or resumed")
@@ -53,7 +51,7 @@ def execute(arguments: argparse.Namespace) -> Answer:
         with count_bar("threshold") as progress, Pool(arguments.jobs, interrupt=True) as pool:
             found = study.carry_out(question, arguments.output, pool=pool, progress=progress)
     except KeyboardInterrupt:
-        print("interrupted: all scenes that were computed are kept; the same command resumes it")
+        print("interrupted: computed scenes remain; the same command resumes")
         return Answer(130, {})
     _print(found, arguments.output)
     return Answer(0 if found.thresholds else 1, found.plain())

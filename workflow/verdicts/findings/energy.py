@@ -1,4 +1,4 @@
-"""Energy over time: its budget where some is dissipated or put in, and its shares where no pulse stays together."""
+"""Energy over time: its budget where some is dissipated or put in, and its shares where no pulse keeps its shape."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -34,10 +34,10 @@ class Budget(Finding):
     def sentence(self) -> str:
         """How well it is closed, in one line."""
         found = self.found
-        own = "" if found.stated is None else f"; the run is right to {found.stated:.1e} V"
+        own = "" if found.stated is None else f"; error of the run {found.stated:.1e} V"
         return (
-            f"budget closed to {found.closed:.1e} of what was put in; what happened between frames is known to "
-            f"{found.between_frames:.1e} of it{own}"
+            f"energy balance closed to {found.closed:.1e} of the energy input; exchange between frames uncertain by "
+            f"{found.between_frames:.1e}{own}"
         )
 
     def said(self) -> Iterator[str]:
@@ -112,7 +112,7 @@ class Energy(Finding):
 
     @classmethod
     def measure(cls, directory: RunDirectory) -> Measure | None:
-        """Of all beads, where no pulse stays together."""
+        """Of all beads, where no pulse keeps its shape."""
         problem = directory.problem
         if not problem.whole or problem.system.holds(Fact.PULSE):
             return None

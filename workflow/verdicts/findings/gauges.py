@@ -106,8 +106,8 @@ class Forces(Finding):
         rest = "the static force" if readings.loaded else "0"
         yield (
             f"the record ends (t = {end}) inside a pulse: the force still differs from {rest} (by a share of "
-            f"its largest difference) at {', '.join(inside[:MOST_CHAINS])}{more}; impulses there, and what is largest "
-            "then, are so far"
+            f"its largest difference) at {', '.join(inside[:MOST_CHAINS])}{more}; impulses and largest values "
+            "there are those up to the end"
         )
 
     def rows(self) -> ForceTable:

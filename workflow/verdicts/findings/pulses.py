@@ -35,7 +35,7 @@ class Cells(Finding):
                 if math.isfinite(one.per_cell):
                     small = one.per_cell <= SMALLEST_LOSS
                     lost = f"less than {SMALLEST_LOSS:.0e}" if small else f"{one.per_cell:.1e}"
-                    line += f"; from bead {one.first} on {lost} of the energy input stays in each {cell}"
+                    line += f"; from bead {one.first} on {lost} of the energy input remains in each {cell}"
                 yield line
             if end is not None:
                 yield f"chain {chain}: largest kinetic energy of its last bead {end:.2%} of the energy input"

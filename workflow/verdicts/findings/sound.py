@@ -108,7 +108,7 @@ class Sound(Finding):
                 f"F_m/F_0 = {wave.force_ratio:.4g}"
             )
             if math.isfinite(wave.theory):
-                line += f": {wave.over_theory:.5f} of what the long-wave theory says (Nesterenko)"
+                line += f": {wave.over_theory:.5f} of the long-wave theory (Nesterenko 2001)"
         yield line
 
     @classmethod

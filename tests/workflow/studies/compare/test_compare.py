@@ -113,7 +113,7 @@ def test_the_table_has_every_engine_at_every_row(capsys):
     rows = 7 + 1  # beads, and the table of shares
     assert out.count("collisions ") >= rows
     assert out.count("reference ") >= rows
-    assert "not struck" in out
+    assert "no impulse" in out
     assert "nan" not in out
 
 
@@ -151,7 +151,7 @@ def test_one_chain_and_many_chains_are_compared(tmp_path):
 def test_a_run_that_is_too_short_for_any_contact_says_so(tmp_path):
     result = compare(small(duration=0.2), tmp_path / "out", engines=("collisions", "reference"))
     assert result.last == 1
-    assert "No row was struck in both models" in result.answer[0]
+    assert "No row received an impulse in both models" in result.answer[0]
 
 
 def test_rigid_beads_that_touch_are_refused():

@@ -1,4 +1,4 @@
-"""Two kinds of beads by turns under a load pass on no sound between two frequencies."""
+"""Two kinds of alternating beads under a load pass on no sound between two frequencies."""
 
 import math
 
@@ -52,7 +52,7 @@ def draw(axis: Axes, results: Results) -> None:
 
 ENTRY = Entry(
     title="Band gap of a diatomic chain",
-    introduction="Heavy beads and beads of half their mass by turns, pressed together by a force of 1 and tapped.",
+    introduction="Alternating beads of mass 1 and 1/2 under a static force of 1, with a weak kick.",
     sources=(
         "Edges 2k/M, 2k/m and 2k(1/M + 1/m) of the squared frequency: L. Brillouin, Wave Propagation in Periodic "
         "Structures (1946); N. Boechler, G. Theocharis, S. Job, P. G. Kevrekidis, M. A. Porter & C. Daraio, Phys. "

@@ -40,7 +40,7 @@ def statements(results: Results) -> list[Statement]:
         claim(
             "Weakly coupled chains on a foundation exchange their energy almost completely, and back again.",
             [
-                *engines(share, digits=4, label="largest share of the chain that was not hit: "),
+                *engines(share, digits=4, label="largest share of the chain that was not kicked: "),
                 *engines(each(runs, lambda run: _return(run.flow.share[:, 1])), digits=4, label="least after that: "),
             ],
             min(share.values()) > 0.95,
@@ -73,7 +73,7 @@ def draw(axis: Axes, results: Results) -> None:
 ENTRY = Entry(
     title="Beats on a foundation",
     introduction="Two chains in an elastic matrix (each bead on a spring of stiffness 1), coupled by springs of 0.1; "
-    "bead 1 of chain 1 is hit with 0.1.",
+    "bead 1 of chain 1 is kicked with 0.1.",
     sources=(
         "Y. Starosvetsky, M. A. Hasan, A. F. Vakakis & L. I. Manevitch, SIAM J. Appl. Math. 72, 337 (2012). The paper "
         "could not be read here; the time of two oscillators follows from their frequencies.",
@@ -82,5 +82,5 @@ ENTRY = Entry(
     statements=statements,
     axes=("time", "share of the energy in chain 2"),
     draw=draw,
-    caption="Share of the energy in the chain that was not hit; the line is half a beat of two oscillators.",
+    caption="Share of the energy in the chain that was not kicked; the line is half a beat of two oscillators.",
 )

@@ -77,7 +77,7 @@ def draw(axis: Axes, results: Results) -> None:
 
 ENTRY = Entry(
     title="Collision of equal and opposite waves",
-    introduction="Both ends of a chain of 100 or 101 beads are hit at once; the waves meet in the middle.",
+    introduction="Both ends of a chain of 100 or 101 beads are kicked; the waves collide in the middle.",
     sources=(
         "F. Santibanez, R. Munoz, A. Caussarieu, S. Job & F. Melo, Phys. Rev. E 84, 026604 (2011), arXiv 1102.3364 "
         "(abstract read; it gives no numbers). Nearly elastic: Ahnert & Pikovsky, arXiv 0808.3059 (abstract read). "

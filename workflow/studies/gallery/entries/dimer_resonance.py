@@ -1,4 +1,4 @@
-"""Heavy and light beads by turns: mass ratios at which the pulse fades most."""
+"""Heavy and light alternating beads: mass ratios at which the pulse fades most."""
 
 import numpy as np
 from matplotlib.axes import Axes

@@ -1,4 +1,4 @@
-"""Heavy and light beads by turns: mass ratios at which nothing is left behind."""
+"""Heavy and light alternating beads: mass ratios at which nothing is left behind."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -53,7 +53,7 @@ def statements(results: Results) -> list[Statement]:
         left = each(runs, lambda run: run.left_behind(2))
         found.append(
             number(
-                f"No energy is left behind at a mass ratio of {ratio}.",
+                f"No residual energy at a mass ratio of {ratio}.",
                 ratio,
                 {"reference": _least(results, ratio)},
                 within=1e-4,
@@ -81,8 +81,8 @@ def draw(axis: Axes, results: Results) -> None:
 
 ENTRY = Entry(
     title="Anti-resonances of dimers",
-    introduction="Heavy and light beads by turns, all contacts alike. In general the light beads rattle on behind the "
-    "pulse, which fades; at some mass ratios nothing stays behind.",
+    introduction="Alternating heavy and light beads, all contacts alike. In general light beads oscillate behind the "
+    "pulse, which decays; at some mass ratios there is no residual motion.",
     sources=(
         "K. R. Jayaprakash, Y. Starosvetsky & A. F. Vakakis, Phys. Rev. E 83, 036606 (2011). The paper could not be "
         "read here; the ratios are as they are quoted in the field.",
@@ -92,5 +92,5 @@ ENTRY = Entry(
     statements=statements,
     axes=("mass ratio over the published one", "energy left in a cell (share)"),
     draw=draw,
-    caption="Energy left behind in a cell around the published mass ratios (reference).",
+    caption="Residual energy of a cell around the published mass ratios (reference).",
 )

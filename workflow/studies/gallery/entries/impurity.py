@@ -55,9 +55,13 @@ def statements(results: Results) -> list[Statement]:
     passed = {mass: each(results[_name(mass)], lambda run: run.peak(70) / run.peak(PLACE - 15)) for mass in HEAVY}
     return [
         claim(
-            "A light bead in the chain swings while the wave passes, faster than the wave's own spectrum.",
+            "A light bead in the chain oscillates while the wave passes, faster than the wave's own spectrum.",
             [
-                *(line for mass in LIGHT for line in engines(frequency[mass], " 1/T", 4, f"mass {mass:g}: swings: ")),
+                *(
+                    line
+                    for mass in LIGHT
+                    for line in engines(frequency[mass], " 1/T", 4, f"mass {mass:g}: oscillations: ")
+                ),
                 *engines(spectrum, " 1/T", 4, "one over the time in which the wave passes: "),
             ],
             min(frequency[0.1].values()) > max(spectrum.values()),
@@ -98,12 +102,12 @@ ENTRY = Entry(
     introduction="One bead of another mass in an otherwise uniform chain; its contacts are as the others'.",
     sources=(
         "S. Job, F. Santibanez, F. Tapia & F. Melo, Phys. Rev. E 80, 025602 (2009), arXiv 0901.3532 (abstract read): "
-        "a light intruder swings at frequencies above the wave's spectrum, which depend on its size as dimensions "
+        "a light intruder oscillates at frequencies above the wave's spectrum, which depend on its size as dimensions "
         "demand. The paper's intruders are smaller, not only lighter; its numbers could not be read here.",
     ),
     scenes={_name(mass): _scene(mass) for mass in (*LIGHT, *HEAVY)},
     statements=statements,
     axes=("time (T)", "velocity of the impurity (V)"),
     draw=draw,
-    caption="A light impurity swings several times while the wave passes; heavy ones are slow (LAMMPS).",
+    caption="A light impurity oscillates several times while the wave passes; heavy ones are slow (LAMMPS).",
 )

@@ -27,7 +27,7 @@ def statements(results: Results) -> list[Statement]:
             form="5 V",
         ),
         number(
-            "The ball that was hit rebounds with 0.071 V.",
+            "The kicked ball rebounds with 0.071 V.",
             -0.071,
             each(runs, lambda run: float(run.trajectory.velocity[-1, 0, 0])),
             within=5e-4,

@@ -95,7 +95,7 @@ ENTRY = Entry(
     "a train of them.",
     sources=(
         "V. F. Nesterenko, J. Appl. Mech. Tech. Phys. 24, 733 (1983); Dynamics of Heterogeneous Materials (2001). The "
-        "formulas are derived anew in this program (analysis/shape/exact_wave.py). C. Coste, E. Falcon & S. Fauve, "
+        "formulas are derived in this program (analysis/shape/exact_wave.py). C. Coste, E. Falcon & S. Fauve, "
         "Phys. Rev. E 56, 6104 (1997), whose abstract was read here, found good agreement in experiments without free "
         "parameter.",
     ),

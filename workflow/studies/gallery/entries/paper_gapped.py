@@ -104,7 +104,7 @@ def _limit() -> Statement:
         ],
         "holds with a correction",
         "As a limit at fixed theta (here 1): early rows tend to the rigid ones as the square root of kappa. At the "
-        "couplings of the figures a contact lasts a good part of a swing, and the two differ in what matters.",
+        "couplings of the figures a contact lasts a considerable part of a period, and the two differ in what matters.",
     )
 
 

@@ -28,7 +28,7 @@ def statements(results: Results) -> list[Statement]:
     return [
         *(
             claim(
-                f"{count} beads that hit the chain make {count} solitary waves.",
+                f"{count} striking beads make {count} solitary waves.",
                 lines[f"launched-{count}"],
                 all(len(found) == count for found in counted[f"launched-{count}"].values()),
                 f"Counted at bead {BEAD}, from {LEAST} V on.",

@@ -93,7 +93,7 @@ def draw(axis: Axes, results: Results) -> None:
 
 ENTRY = Entry(
     title="Reflection at a wall",
-    introduction="A chain ends at a bead held fast, a flat wall of the same material, a rigid flat wall, or a soft one "
+    introduction="A chain ends at a fixed bead, a flat wall of the same material, a rigid flat wall, or a soft one "
     "(a tenth of a contact's constant).",
     sources=(
         "S. Job, F. Melo, A. Sokolow & S. Sen, Phys. Rev. Lett. 94, 178002 (2005); its numbers could not be read "
