@@ -294,7 +294,7 @@ def _surer(certificates: dict[int, float], accuracy: float) -> int:
     steps, uncertainty = max(certificates.items())
     for fewer, before in certificates.items():
         if steps >= 6 * fewer and uncertainty > max(before / 3.0, accuracy * SURE):
-            raise UnreachableError(f"not even the reference is surer than {uncertainty:.0e} V: {CHAOS}")
+            raise UnreachableError(f"the uncertainty of the reference itself is {uncertainty:.0e} V: {CHAOS}")
     ratio: float = 1.1 * (uncertainty / (SURE * accuracy)) ** (1.0 / _LEAST_ORDER)
     return 2 * math.ceil(0.5 * steps * min(6.0, max(1.25, ratio)))
 

@@ -112,13 +112,15 @@ class Check:
     seconds: float
 
     def __repr__(self) -> str:
-        return f"<error: velocities {self.velocity:.1e} V, sure to {self.reference.velocity:.1e} V>"
+        return (
+            f"<error: velocities {self.velocity:.1e} V, uncertainty of the reference {self.reference.velocity:.1e} V>"
+        )
 
     def _repr_html_(self) -> str:
         errors = {"velocities (V)": self.velocity, "peaks (V)": self.amplitude, "arrivals (T)": self.arrival}
         sure = {"velocities (V)": self.reference.velocity, "arrivals (T)": self.reference.arrival}
         rows = [(name, f"{error:.1e}", f"{sure[name]:.1e}" if name in sure else "") for name, error in errors.items()]
-        return html.table("error against the reference", ("", "largest", "the reference is sure to"), rows)
+        return html.table("error against the reference", ("", "largest", "uncertainty of the reference"), rows)
 
     def plain(self) -> dict[str, object]:
         """For ``run.json``."""
