@@ -56,6 +56,7 @@ COMMAND_LINES = [
     (f"{RUN} --ranks -1", "--ranks: -1 given; at least 1"),
     (f"{RUN} --ranks {mpi.cores() + 1}", "cores are available"),
     (f"{RUN} --engine collisions", "--engine: `collisions` moves rigid beads, which need a gap"),
+    ("run two-chains-gapped -o out --engine collisions --ranks 2", "--ranks"),
     *((f"run --resume here {words}", RESUMED) for words in ("two-chains", "-o x", "--engine lammps", "--overwrite")),
     ("run --resume here --force", RESUMED),
     ("analyze run --formats png,tiff", "'png,tiff' given; of png, pdf, svg, with commas between"),

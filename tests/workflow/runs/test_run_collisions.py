@@ -76,12 +76,6 @@ def test_a_run_of_rigid_beads_is_analysed_like_any(directory):
     assert math.isfinite(found.waves.at(2).peak_velocity[0])
 
 
-def test_recorded_beads_are_those_of_the_scene(tmp_path):
-    some = run(gapped(recorded=(3, 7)), tmp_path / "run", engine="collisions").trajectory
-    whole = collisions.trajectory(collisions.run(gapped().problem()))
-    np.testing.assert_array_equal(some.velocity, whole.velocity[:, :, [2, 6]])
-
-
 def test_overwriting_removes_the_collisions_of_an_earlier_run(tmp_path):
     run(gapped(), tmp_path / "run", engine="collisions")
     run(gapped(duration=2.0), tmp_path / "run", engine="reference", overwrite=True)
@@ -96,11 +90,6 @@ def test_the_command_says_how_many_collisions_there_were(tmp_path, capsys):
     lines = (tmp_path / "run" / "events.csv").read_text().splitlines()
     assert f": {len(lines) - 1} collisions" in out
     assert main(["analyze", str(tmp_path / "run"), "--no-figures"]) == 0
-
-
-def test_ranks_are_for_lammps(tmp_path):
-    with pytest.raises(InputError, match="--ranks"):
-        run(gapped(), tmp_path / "run", engine="collisions", ranks=2)
 
 
 def test_an_unknown_engine_is_refused(tmp_path):

@@ -170,13 +170,6 @@ def test_what_is_said_holds(told):
         assert "equipartitioned" not in printed
 
 
-@pytest.mark.parametrize("absurd", [{"kick": {"velocity": 5e3}}, {"kick": {"velocity": 1e6}}])
-def test_what_steel_does_not_do_is_refused(absurd, tmp_path):
-    scene = Row("absurd", EQUAL, 2, 20, 0.1, 0.0, more={**in_steel(1.0), **absurd}).scene()
-    (tmp_path / "scene.yaml").write_text(strict_yaml.dump(scene))
-    assert main(["run", str(tmp_path / "scene.yaml"), "-o", str(tmp_path / "run"), "--engine", "reference"]) == 2
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(shipped.installed()))
 def test_every_installed_scene_passes_validate(name, paper, capsys):
