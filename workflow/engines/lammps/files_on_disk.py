@@ -10,9 +10,12 @@ import struct
 import time
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from lammps_inputs import Problem, file_names
+from lammps_inputs import file_names
+
+if TYPE_CHECKING:  # status reads restarts, and loads no numpy
+    from lammps_inputs import Problem
 
 
 class FramesOnDisk:
@@ -24,7 +27,7 @@ class FramesOnDisk:
         begun: step that the file begins with; a frame falls on it, or is the next one after it.
     """
 
-    def __init__(self, path: Path, problem: Problem, begun: int) -> None:
+    def __init__(self, path: Path, problem: "Problem", begun: int) -> None:
         self._path = path
         self._every = problem.steps_per_frame
         self._first = -(-begun // self._every)
