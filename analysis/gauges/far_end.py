@@ -10,9 +10,8 @@ import numpy as np
 
 from analysis import hermite, motion
 from analysis.conservation import energy_input
-from analysis.gauges.between_frames import Curve, crossing, maximum
 from analysis.gauges.forces import at_frames, strain_at_frames, strain_between
-from analysis.gauges.gauge import Gauge, far_wall
+from analysis.gauges.gauge import Curve, Gauge, crossing, far_wall, maximum
 from analysis.mirror import direction_of
 from analysis.quantity import declare, result
 from analysis.trajectory import Floats, Integers, Trajectory

@@ -13,8 +13,7 @@ from typing import Any
 import numpy as np
 
 from analysis import hermite, motion
-from analysis.gauges.between_frames import Curve, borders, excursion, maximum
-from analysis.gauges.gauge import Gauge, Probe
+from analysis.gauges.gauge import Curve, Gauge, Probe, borders, excursion, maximum
 from analysis.gauges.reflection import Reflection
 from analysis.quantity import declare, result
 from analysis.trajectory import Flags, Floats, Integers, Trajectory, joined

@@ -6,8 +6,7 @@ from pathlib import Path
 import MDAnalysis
 
 from analysis.files.recording import rest_positions
-from analysis.mda.formats import BinaryDumpReader
-from analysis.mda.topology import of_deck
+from analysis.mda.formats import BinaryDumpReader, of_deck
 from lammps_inputs import Problem
 from lammps_inputs.decks import deck
 
