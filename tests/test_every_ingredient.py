@@ -91,7 +91,7 @@ def test_the_reference_with_the_scheme_of_lammps_is_lammps_to_rounding(name, don
     np.testing.assert_allclose(found.velocity, done(name).trajectory.velocity, rtol=0.0, atol=1e-12)
 
 
-@pytest.mark.parametrize("name", marked(ELASTIC))
+@pytest.mark.parametrize("name", marked([*ELASTIC, *DAMPED, "damping linear", "damping viscoelastic", "damping all"]))
 def test_energy_and_momentum_are_balanced(name, done):
     result = done(name)
     seen, problem = analyse(result.directory, figures=False).conservation, scene(name).problem()

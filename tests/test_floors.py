@@ -1,6 +1,7 @@
-"""Imports run one way, ``lammps_inputs <- analysis <- workflow``."""
+"""Imports run one way: between packages, ``lammps_inputs <- analysis <- workflow``, and between those within each."""
 
 import ast
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -11,37 +12,63 @@ BELOW = {
     "analysis": {"lammps_inputs"},
     "workflow": {"lammps_inputs", "analysis"},
 }
-FILES = [path for floor in BELOW for path in sorted((ROOT / floor).rglob("*.py"))]
+STAIRS = {  # the lowest first
+    "lammps_inputs": ("laws", "ingredients", "limits", "output", "decks", "slurm"),
+    "analysis": ("files", "shape", "tracking", "mda", "against", "sharing", "sound", "gauges", "figures"),
+    "workflow": (
+        "engines",
+        "workers",
+        "cluster",
+        "prepare",
+        "runs",
+        "verdicts",
+        "sweep",
+        "view",
+        "studies",
+        "commands",
+    ),
+}
+FILES = [path for package in BELOW for path in sorted((ROOT / package).rglob("*.py"))]
 
 
-def imported(source: str) -> set[str]:
-    """Top-level packages that a source imports anywhere in it; ``.`` for a relative import."""
-    found = set()
-    for node in ast.walk(ast.parse(source)):
+def imported(source: str, *, types: bool = True) -> set[str]:
+    """Dotted names that a source imports anywhere in it, ``.`` for a relative import; without what only types need."""
+    found: set[str] = set()
+    waiting: list[ast.AST] = [ast.parse(source)]
+    while waiting:
+        node = waiting.pop()
+        if not types and isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
+            waiting += node.orelse
+            continue
+        waiting += ast.iter_child_nodes(node)
         if isinstance(node, ast.Import):
-            found |= {alias.name.partition(".")[0] for alias in node.names}
+            found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
-            found.add("." if node.level else str(node.module).partition(".")[0])
+            found |= {"." if node.level else f"{node.module}.{alias.name}" for alias in node.names}
     return found
 
 
-def violations(floor: str, source: str) -> set[str]:
-    """What a source of a floor imports from its own project and must not."""
-    return imported(source) & (set(BELOW) | {".", "tests"}) - BELOW[floor] - {floor}
+# --- packages ---------------------------------------------------------------------------------------------------------
+
+
+def violations(package: str, source: str) -> set[str]:
+    """What a source of a package imports from its own project and must not."""
+    found = {name.partition(".")[0] or "." for name in imported(source)}
+    return found & (set(BELOW) | {".", "tests"}) - BELOW[package] - {package}
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(ROOT)))
-def test_a_module_imports_only_its_own_floor_and_those_below(path):
-    floor = path.relative_to(ROOT).parts[0]
-    assert violations(floor, path.read_text(encoding="utf-8")) == set()
+def test_a_module_imports_only_its_own_package_and_those_below(path):
+    package = path.relative_to(ROOT).parts[0]
+    assert violations(package, path.read_text(encoding="utf-8")) == set()
 
 
-def test_every_floor_has_modules_to_walk():
+def test_every_package_has_modules_to_walk():
     assert {path.relative_to(ROOT).parts[0] for path in FILES} == set(BELOW)
 
 
 @pytest.mark.parametrize(
-    ("floor", "source", "found"),
+    ("package", "source", "found"),
     [
         ("lammps_inputs", "import analysis", "analysis"),
         ("lammps_inputs", "import numpy, workflow.cli as cli", "workflow"),
@@ -51,17 +78,75 @@ def test_every_floor_has_modules_to_walk():
         ("workflow", "from . import engines", "."),
     ],
 )
-def test_the_walk_finds_an_import_that_breaks_the_rule(floor, source, found):
-    assert violations(floor, source) == {found}
+def test_the_walk_finds_an_import_that_breaks_the_rule(package, source, found):
+    assert violations(package, source) == {found}
 
 
 @pytest.mark.parametrize(
-    ("floor", "source"),
+    ("package", "source"),
     [
         ("analysis", "from lammps_inputs import Scene\nimport numpy"),
         ("workflow", "import analysis.trajectory, lammps_inputs"),
         ("lammps_inputs", "from lammps_inputs.numbers import text  # not analysis"),
     ],
 )
-def test_the_walk_allows_an_import_that_keeps_the_rule(floor, source):
-    assert violations(floor, source) == set()
+def test_the_walk_allows_an_import_that_keeps_the_rule(package, source):
+    assert violations(package, source) == set()
+
+
+# --- within a package -------------------------------------------------------------------------------------------------
+
+
+def within(source: str, package: str) -> set[str]:
+    """Subpackages and modules of a package that a source imports where it runs."""
+    parts = [name.split(".") for name in imported(source, types=False)]
+    return {part[1] for part in parts if part[0] == package and len(part) > 1}
+
+
+def imports_of(package: str, place: str) -> set[str]:
+    """What a subpackage, or a module beside them, imports of its own package, without itself."""
+    folder = ROOT / package / place
+    files = sorted(folder.rglob("*.py")) if folder.is_dir() else [folder.with_suffix(".py")]
+    return set().union(*(within(file.read_text(encoding="utf-8"), package) for file in files)) - {place}
+
+
+@pytest.mark.parametrize(("package", "room"), [(package, room) for package, rooms in STAIRS.items() for room in rooms])
+def test_a_subpackage_imports_none_above_it(package, room):
+    stairs = STAIRS[package]
+    assert imports_of(package, room) & set(stairs[stairs.index(room) :]) == set()
+
+
+@pytest.mark.parametrize("package", STAIRS)
+def test_subpackages_and_modules_import_one_another_in_no_circle(package):
+    loose = [path.stem for path in (ROOT / package).glob("*.py") if path.stem != "__init__"]
+    places = {*loose, *STAIRS[package]}
+    TopologicalSorter({place: imports_of(package, place) & places for place in places}).prepare()
+
+
+@pytest.mark.parametrize("package", STAIRS)
+def test_every_folder_of_a_package_is_listed_and_has_a_docstring(package):
+    folders = {path.name for path in (ROOT / package).iterdir() if any(path.glob("*.py"))}
+    assert folders == set(STAIRS[package])
+    for room in folders:
+        assert ast.get_docstring(ast.parse((ROOT / package / room / "__init__.py").read_text(encoding="utf-8")))
+
+
+@pytest.mark.parametrize("package", STAIRS)
+def test_the_readme_of_a_package_names_its_subpackages_and_modules(package):
+    text = (ROOT / package / "README.md").read_text(encoding="utf-8")
+    modules = [path.name for path in (ROOT / package).glob("*.py") if path.stem != "__init__"]
+    assert [name for name in (*STAIRS[package], *modules) if f"`{name}`" not in text] == []
+
+
+@pytest.mark.parametrize(
+    ("source", "found"),
+    [
+        ("from workflow import sweep", {"sweep"}),
+        ("def late():\n    import workflow.runs.run", {"runs"}),
+        ("from workflow.sweep.table import rows", {"sweep"}),
+        ("if TYPE_CHECKING:\n    import workflow.runs.run", set()),
+        ("import analysis.files, workflow", set()),
+    ],
+)
+def test_the_walk_finds_what_is_imported_within_a_package(source, found):
+    assert within(source, "workflow") == found
