@@ -13,7 +13,7 @@ BELOW = {
     "workflow": {"lammps_inputs", "analysis"},
 }
 STAIRS = {  # the lowest first
-    "lammps_inputs": ("laws", "ingredients", "limits", "output", "decks", "slurm"),
+    "lammps_inputs": ("laws", "ingredients", "limits", "decks", "slurm"),
     "analysis": ("files", "shape", "tracking", "mda", "against", "sharing", "sound", "gauges", "figures"),
     "workflow": (
         "engines",
