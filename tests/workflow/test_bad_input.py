@@ -70,7 +70,7 @@ COMMAND_LINES = [
     (f"{DECK} --slurm --site nowhere.yaml", "nowhere.yaml: no such file"),
     (f"{DECK} --slurm --time 90", "--time: should be HH:MM:SS or D-HH:MM:SS, from a minute to a year ('90' given)"),
     (f"{DECK} --slurm --module 'a b'", "--module: a module should be one word such as lammps/2025.07"),
-    (f"{DECK} --slurm --nodes 100 --ranks-per-node 100", "--ranks-per-node: 10000 ranks in all"),
+    ("deck quick.yaml -o out --slurm --nodes 100 --ranks-per-node 100", "--ranks-per-node: 10000 ranks in all"),
     ("sweep ref.yaml -o out --slurm", "engine: a Slurm job runs lammps"),
     ("sweep sweep.yaml -o out --nodes 2", "add --slurm"),
     ("sweep sweep.yaml -o out --slurm --partition 'a;ls'", "--partition"),
@@ -115,6 +115,7 @@ def test_a_command_line_that_makes_no_sense_is_one_line_and_nothing_is_written(
     monkeypatch.delenv(site.VARIABLE, raising=False)
     files = {
         "s.yaml": SMALL,
+        "quick.yaml": {**SMALL, "timestep": 0.01},  # for which no pilot run is compiled
         "walled.yaml": {**SMALL, "walls": {"right": "rigid"}},
         "sweep.yaml": {"scene": SMALL, "vary": {"beads": [12]}},
         "ref.yaml": {"scene": SMALL, "vary": {"beads": [12]}, "engine": "reference"},
