@@ -15,6 +15,7 @@ from bad_scenes import scene_text
 from processes import HANGS
 from refusals import refusal, tree
 from stock_lammps import scene
+from sweeps import GRANCHAIN
 
 from lammps_inputs import library, shipped, strict_yaml
 from workflow import cli
@@ -23,8 +24,6 @@ from workflow.prepare.settings import settle
 from workflow.runs.run import run
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
-
-GRANCHAIN = str(Path(sys.executable).with_name("granchain"))
 
 
 @pytest.fixture(scope="module")

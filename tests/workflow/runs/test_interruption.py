@@ -1,17 +1,19 @@
 """Runs that are killed or interrupted at any moment: what they computed is kept and reads, and is called incomplete."""
 
+import contextlib
 import json
 import os
 import signal
 import subprocess
-import sys
 import warnings
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pytest
 from processes import HANGS, started, wait_until, working_in
 from stock_lammps import scene
+from sweeps import GRANCHAIN
 
 from analysis.files.binary_dump import CutDumpWarning
 from lammps_inputs import strict_yaml
@@ -20,28 +22,18 @@ from workflow.engines.lammps import mpi
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
 
-GRANCHAIN = str(Path(sys.executable).with_name("granchain"))
-
 LONG = scene(chains=2, beads=120, kappa=0.1, duration=1e5, every=1.0)
 """Three quarters of a minute in LAMMPS."""
 
 TWO = pytest.mark.skipif(mpi.cores() < 2, reason="needs two cores")
 
 
+@dataclass
 class Command:
     """``granchain run`` in a session of its own, as from a terminal."""
 
-    def __init__(self, directory, ranks=1):
-        self.run = directory / "run"
-        scene_file = directory / "long.yaml"
-        scene_file.write_text(strict_yaml.dump(LONG.plain()))
-        self.process = subprocess.Popen(
-            [GRANCHAIN, "run", scene_file, "-o", self.run, "--ranks", str(ranks)],
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-            start_new_session=True,
-        )
+    process: subprocess.Popen
+    run: Path
 
     def reach(self, file, size):
         """Wait until a file of the run has a size."""
@@ -64,16 +56,14 @@ class Command:
 @pytest.fixture
 def start(tmp_path):
     """Starts a command that does not outlive the test."""
-    commands = []
+    (tmp_path / "long.yaml").write_text(strict_yaml.dump(LONG.plain()))
+    with contextlib.ExitStack() as stack:
 
-    def starting(ranks=1):
-        commands.append(Command(tmp_path, ranks))
-        return commands[-1]
+        def starting(ranks=1):
+            words = [GRANCHAIN, "run", tmp_path / "long.yaml", "-o", tmp_path / "run", "--ranks", ranks]
+            return Command(stack.enter_context(started(words)), tmp_path / "run")
 
-    yield starting
-    for command in commands:
-        if command.process.poll() is None:
-            command.end(signal.SIGKILL)
+        yield starting
 
 
 @pytest.fixture(scope="module")

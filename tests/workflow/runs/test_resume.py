@@ -8,9 +8,7 @@ import random
 import shutil
 import signal
 import subprocess
-import sys
 import time
-from pathlib import Path
 
 import lammps_here
 import numpy as np
@@ -19,6 +17,7 @@ from kill_many import AIMS, MORE, SCENES, Tally, frames, next_words, until_done
 from processes import HANGS, wait_until, working_in
 from refusals import refusal
 from stock_lammps import scene
+from sweeps import GRANCHAIN
 
 from analysis.files.binary_dump import BinaryDump
 from lammps_inputs import InputError, file_names, strict_yaml
@@ -34,7 +33,6 @@ from workflow.runs.run_directory import RunDirectory, results
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
 TWO = pytest.mark.skipif(mpi.cores() < 2, reason="needs two cores")
-GRANCHAIN = str(Path(sys.executable).with_name("granchain"))
 
 
 def a_scene(**changes):
