@@ -28,7 +28,7 @@ from workflow.verdicts.validate import validate
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
-QUICK = {"cubic ring", "dimer of sizes", "cubic foundation", "walls", "pressed between walls", "damping linear"}
+QUICK = {"cubic ring", "dimer of sizes", "walls", "damping linear"}
 
 
 def marked(names):

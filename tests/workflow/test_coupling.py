@@ -85,6 +85,7 @@ def test_a_ring_does_not_know_where_it_begins():
     np.testing.assert_allclose(np.roll(first, 2, axis=1), third, rtol=0, atol=1e-13)
 
 
+@pytest.mark.slow
 def test_the_two_neighbours_in_a_ring_are_mirror_images():
     found = trajectory(scene("ring").problem()).velocity
     np.testing.assert_allclose(found[:, 1], found[:, 3], rtol=0, atol=1e-13)

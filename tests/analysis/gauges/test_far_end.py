@@ -112,6 +112,7 @@ FORCE = {"drive": {"force": 0.5, "frequency": 0.05}}
 MOVED = {"drive": {"displacement": 0.5, "frequency": 0.05, "phase": -90.0}}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("bead", [3, 4])
 @pytest.mark.parametrize("acting", [PUSH, MOVED])
 def test_where_energy_is_input_none_is_transmitted(bead, acting):
@@ -123,6 +124,7 @@ def test_where_energy_is_input_none_is_transmitted(bead, acting):
     assert [math.isnan(value) for value in (found.delay, found.transmitted_energy)] == 2 * [bead == 4]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("set_in_motion", [PUSH, FORCE, MOVED], ids=["push", "force", "displacement"])
 def test_transmitted_energy_is_a_share_of_the_work_done_until_then(set_in_motion):
     """Nothing is lost, so that the energy of all beads is that work."""

@@ -70,7 +70,9 @@ def test_final_amplitude_is_that_of_the_table_and_within_its_own_uncertainty(cha
     assert abs(final.value - peak) <= final.uncertainty + 5e-6
 
 
-@pytest.mark.parametrize(("kappa", "share"), [(0.5, 0.552), (0.1, 0.571), (0.01, 0.437)])
+@pytest.mark.parametrize(
+    ("kappa", "share"), [(0.5, 0.552), (0.1, 0.571), pytest.param(0.01, 0.437, marks=pytest.mark.slow)]
+)
 def test_share_of_the_energy_in_the_waves_is_that_of_the_table_by_amplitude_and_by_measurement(kappa, share):
     found = run(2, kappa)
     assert np.sum(found.shared.wave_share[-1]) == pytest.approx(share, abs=1e-3)
@@ -332,7 +334,9 @@ def test_chains_that_nothing_couples_have_no_common_limit():
     assert (found.changing, found.final) == ("the chains are not coupled there", None)
 
 
-@pytest.mark.parametrize("why", CHANGING)
+@pytest.mark.parametrize(
+    "why", [pytest.param(why, marks=[pytest.mark.slow] * (why == "energy is dissipated")) for why in CHANGING]
+)
 def test_where_amplitudes_have_no_limit_the_reason_is_stated(why):
     plain = {"name": "a", "beads": 40, "kick": {"velocity": 1.0}, "duration": 60.0, "output": {"every": 0.2}}
     trajectory = engine.run(library.from_plain({**plain, **CHANGING[why]}, "test").problem())

@@ -95,6 +95,7 @@ def test_above_the_cut_off_of_a_linear_chain_amplitude_falls_by_what_theory_says
     assert amplitude[1:4] / amplitude[:3] == pytest.approx(fall, rel=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("wrong", "said"),
     [

@@ -15,6 +15,7 @@ from workflow.verdicts.analyse import analyse
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
 
+@pytest.mark.slow
 def test_the_energy_beats_between_two_chains_as_published_numbers_say():
     """k_f = 1, kappa = 0.1, V = 0.1: chain 2 has 0.995 of the energy at t = 34.5, and 0.013 at t = 69."""
     problem = find("beats-on-a-foundation").problem()

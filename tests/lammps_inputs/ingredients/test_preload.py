@@ -148,6 +148,7 @@ def test_the_cause_is_named_where_contacts_bear_another_load(force, said, contac
     assert causes(replace(other, problem=right.problem), right) == [said]
 
 
+@pytest.mark.slow
 def test_the_cause_is_named_where_beads_of_a_column_weigh_more():
     right, other = (
         engine.run(loaded(**{**COLUMN, "gravity": weight}, output={"every": 0.1}).problem()) for weight in (0.02, 0.03)
@@ -156,6 +157,7 @@ def test_the_cause_is_named_where_beads_of_a_column_weigh_more():
     assert found == ["the contacts carry about 1.5 times the static load of the scene"]
 
 
+@pytest.mark.slow
 def test_forces_are_read_as_totals_and_above_rest(tmp_path):
     case = loaded(**HELD, beads=30, output={"every": 0.1, "forces": {"wall": True, "contacts": [10], "sensors": [10]}})
     directory = run(case, tmp_path / "run", check=False).directory

@@ -266,7 +266,9 @@ LOSSES = {
 }
 
 
-@pytest.mark.parametrize("what", LOSSES)
+@pytest.mark.parametrize(
+    "what", [pytest.param(what, marks=[pytest.mark.slow] * (what in ("damped", "tapered"))) for what in LOSSES]
+)
 def test_residual_energy_per_cell_is_undefined_where_it_is_not_all_that_a_pulse_loses(what):
     case = library.from_plain(
         {"name": "a", "beads": 40, "kick": {"velocity": 1.0}, "duration": 45.0, **LOSSES[what]}, ""

@@ -100,6 +100,7 @@ def test_every_passage_of_a_pulse_in_a_window_is_one_in_the_whole_chains(both):
                 assert true.velocity[same] == pytest.approx(peak, abs=1e-12), (pulse.chain, bead, arrival)
 
 
+@pytest.mark.slow
 def test_until_a_window_moves_its_error_is_that_of_the_whole_chains(tmp_path):
     kicks = (Kick(chain=1, bead=11, velocity=1.0), Kick(chain=1, bead=19, velocity=0.4))
     case = scene(beads=BEADS, gap=0.137, kick=kicks, duration=57.5, every=0.5, timestep=0.5 / 55, scheme="suzuki4")

@@ -140,6 +140,7 @@ def test_evolution_finds_what_no_exhaustive_search_betters(found, tmp_path, eval
     assert best == min(worth(everything, record) for record in search(everything, one))
 
 
+@pytest.mark.slow
 def test_a_search_that_was_stopped_goes_the_same_way_again(tmp_path, evaluator):
     """Of what is computed already nothing is computed again, so the course is that of one never stopped."""
     design = file.load(written(tmp_path, search={"evaluations": 20, "population": 8, "method": "evolution"}))

@@ -160,6 +160,7 @@ def good(tmp_path_factory):
     return run(scene(chains=2, beads=8, kappa=0.1, duration=20.0), tmp_path_factory.mktemp("good") / "run").directory
 
 
+@pytest.mark.slow
 def test_the_leading_pulse_finds_no_fault_with_a_good_run(good):
     assert judge(good, 1e-5, longest=0.0).error <= judge(good, 1e-5).error + 1e-6
 
