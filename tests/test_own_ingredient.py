@@ -145,7 +145,7 @@ from pathlib import Path
 import numpy as np
 import lammps_here as here
 from lammps_inputs import find
-from lammps_inputs.limits import timestep
+from lammps_inputs.limits import rates
 from workflow.engines.reference import engine
 from workflow.runs.resume import resume
 from workflow.runs.run import run
@@ -168,7 +168,7 @@ print(json.dumps({
     "from_step": RunDirectory(Path("cut")).job.resumed[0].from_step,
     "difference": float(np.abs(whole.trajectory.velocity - reference.velocity).max()),
     "quantities": sorted(validate(whole.directory).deviations),
-    "bound": timestep.stability_bound(problem.system),
+    "bound": rates.stability_bound(problem.system),
     "ground": float(problem.system.ground[0].energy(reference.displacement).max()),
     "damped": damped.check.velocity,
     "own_contacts": (damped.trajectory.velocity[-1] * 4.0).tolist(),
