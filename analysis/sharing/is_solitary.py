@@ -54,7 +54,8 @@ class Character:
         undefined="beads differ or are preloaded",
     )
     variation: float = declare(
-        "(largest - smallest) / mean peak velocity over the ten beads up to this one", undefined="it ran less"
+        "(largest - smallest) / mean peak velocity of the passages found at the ten beads up to this one",
+        undefined="it ran less",
     )
     falls: bool
     """Whether the amplitude is less than ten beads before."""

@@ -189,6 +189,8 @@ class Brackets:
     """How far ``velocity`` may be off: a share of what a polynomial of lower degree has more, [power, maximum]."""
     kink: Floats
     """How far ``velocity`` and its slope may be off by forces that no polynomial follows, [0 or 1, maximum]."""
+    beside: Floats
+    """How far the velocity on the other side of the largest frame may exceed that frame's by such forces, [maximum]."""
     whole: Flags
     """Whether frames told the forces on all beads."""
 
@@ -224,8 +226,10 @@ def bracketed(
     velocity, lower = fit(data)
     share = _share_of_doubt(block.problem, spacing, by_equations=by_equations)
     kink, acted_on = np.zeros((2, len(frame))), np.zeros(len(frame), dtype=bool)
+    beside = np.zeros(len(frame))
     if by_equations:
         kink += kinks(block, start, chain, bead)
+        beside += _beside(block, frame, np.where(start == frame, frame - 1, frame), chain, bead, way)
     outside: tuple[Load | Motion, ...] = (*block.problem.system.loads, *block.problem.system.motions)
     for load in outside:
         here = (chain == load.chain - 1) & (block.beads[bead] == load.bead)
@@ -247,8 +251,27 @@ def bracketed(
         velocity=velocity,
         doubt=share * (lower - velocity),
         kink=kink,
+        beside=beside,
         whole=np.full(len(frame), block.problem.forces_known),
     )
+
+
+def _beside(block: Trajectory, frame: Integers, start: Integers, chain: Integers, bead: Integers, way: int) -> Floats:
+    """`Brackets.beside`, from the largest frame and the first of the two frames on its other side."""
+    found = np.zeros(len(frame))
+    there = np.flatnonzero(start >= 0)
+    found[there] = kinks(block, start[there], chain[there], bead[there])[0]
+    near = np.flatnonzero(found)
+    frame, start, chain, bead = frame[near], start[near], chain[near], bead[near]
+    x, v = block.displacement, block.velocity
+    states = [
+        [x[at, chain, bead], v[at, chain, bead], *motion.acceleration_and_rate(block, at, chain, bead)]
+        for at in (start, start + 1)
+    ]
+    curve, _ = _polynomials((0, 1), way * np.array(states), block.spacing, by_equations=True, noisy=False)
+    along = [hermite.value(curve, np.full(len(near), s)) for s in np.linspace(0.0, 1.0, _SAMPLES)]
+    found[near] += np.max(along, axis=0) - way * v[frame, chain, bead]
+    return found
 
 
 def _pushed(
@@ -322,7 +345,9 @@ def together(parts: list[Brackets]) -> Brackets:
         empty = np.zeros(0)
         nothing = np.zeros((_POWERS, 0))
         kink = np.zeros((2, 0))
-        return Brackets(none, none, empty, empty, empty, empty, empty, empty, nothing, nothing, kink, empty > 0.0)
+        return Brackets(
+            none, none, empty, empty, empty, empty, empty, empty, nothing, nothing, kink, empty, empty > 0.0
+        )
     columns = {field.name: [getattr(part, field.name) for part in parts] for field in fields(Brackets)}
     return Brackets(**{name: np.concatenate(column, axis=-1) for name, column in columns.items()})
 

@@ -241,6 +241,14 @@ def _refined(parts: list[Brackets], direction: int) -> Peaks:
     )
     doubt, time_error = doubt + exact_velocity, time_error + exact_time
     at_start = found.low == found.high
+    # the maximum may be on the other side of the largest frame, where the velocity may exceed what was found
+    frames = np.maximum(*(hermite.value(found.velocity, end) for end in (found.low, found.high)))
+    more = np.where(found.beside > 0.0, np.maximum(found.beside + frames - velocity, 0.0), 0.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        time_error = time_error + np.where(
+            more > 0.0, np.sqrt(2.0 * more / np.maximum(curvature, 0.0)) * found.spacing, 0.0
+        )
+    doubt = np.maximum(doubt, more)
     time_error = np.where(at_start, 0.0, np.where(time_error >= 0.0, time_error, np.inf))
     peaks = Peaks(
         chain=found.chain,

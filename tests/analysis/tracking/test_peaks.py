@@ -16,7 +16,7 @@ from analysis.sharing.impulses import measure
 from analysis.tracking.leading_waves import from_csv, leading_waves
 from analysis.tracking.peaks import PeakFinder, Peaks, find_peaks, in_mirror, sharp
 from analysis.trajectory import Trajectory, blocks
-from lammps_inputs import Kick, Problem
+from lammps_inputs import Kick, Problem, library
 from lammps_inputs.laws.in_time import HalfSine, Rectangular
 from lammps_inputs.loads import Load
 from workflow.engines.reference import engine
@@ -203,6 +203,23 @@ def test_the_error_of_a_peak_is_below_what_is_said_where_a_contact_has_closed_ju
         found = found.where((found.bead == 4) & (found.velocity > 0.5))
         assert np.all(np.abs(found.velocity - velocity) <= found.velocity_error), start
         assert np.all(np.abs(found.time - time) <= found.time_error), start
+
+
+def test_the_error_of_a_peak_is_below_what_is_said_where_a_force_jumps_before_the_largest_frame():
+    """A contact with a linear dashpot opens: the bead is fastest then, and again a quarter of T later."""
+    plain = {"name": "test", "beads": 8, "contact": {"exponent": 3.0}, "duration": 16.0, "timestep": 0.01}
+    plain |= {"damping": {"contact": 0.20873, "law": "linear"}, "foundation": {"stiffness": 0.28136}}
+    plain |= {"kick": {"bead": 7, "velocity": 1.0}, "output": {"every": 0.01}}
+    fine = engine.run(library.from_plain(plain, "test").problem())
+
+    def at_bead_4(run):
+        found = find_peaks([run])
+        return found.where(found.bead == 4).first()
+
+    true = at_bead_4(fine)
+    for start in range(27):
+        found = at_bead_4(thinned(fine[start:], 27))
+        assert np.all(np.abs(found.velocity - true.velocity) <= found.velocity_error), start
 
 
 @pytest.mark.parametrize("law", [Rectangular, HalfSine])
