@@ -260,8 +260,11 @@ def _beside(block: Trajectory, frame: Integers, start: Integers, chain: Integers
     """`Brackets.beside`, from the largest frame and the first of the two frames on its other side."""
     found = np.zeros(len(frame))
     there = np.flatnonzero(start >= 0)
-    found[there] = kinks(block, start[there], chain[there], bead[there])[0]
+    if len(there):
+        found[there] = kinks(block, start[there], chain[there], bead[there])[0]
     near = np.flatnonzero(found)
+    if len(near) == 0:
+        return found
     frame, start, chain, bead = frame[near], start[near], chain[near], bead[near]
     x, v = block.displacement, block.velocity
     states = [
