@@ -102,8 +102,9 @@ def test_energy_and_momentum_are_balanced(name, done):
 
 @pytest.mark.parametrize("name", marked(name for name in CASES if "damping" in CASES[name]))
 def test_the_budget_of_the_reference_closes_to_1e_9_with_every_dashpot(name):
-    seen = Conservation()
-    for block in engine.blocks(scene(name).problem(), steps_per_frame=200):
+    # forces of linear contacts have a kink where they open, which leaves an error of second order
+    steps, seen = 800 if CASES[name].get("contact") == {"exponent": 1.0} else 200, Conservation()
+    for block in engine.blocks(scene(name).problem(), steps_per_frame=steps):
         seen.add(block)
     assert seen.energy_drift < 1e-9
 
