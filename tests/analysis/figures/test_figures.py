@@ -131,26 +131,6 @@ def test_velocities_of_both_signs_are_seen_and_only_the_bead_that_was_hit_is_cut
     assert min(0.5 - shade[0], shade[2] - 0.5) > 0.1  # the tail is a good part of the scale away from nothing
 
 
-def test_every_bead_and_instant_of_a_space_time_picture_is_where_its_axes_say():
-    trajectory = reference(2, 0.1, 30, 40.0)
-    (image,) = spacetime_figure(spacetime(trajectory)).axes[1].get_images()
-    left, right, bottom, top = image.get_extent()
-    values = image.get_array()
-    frames, beads = values.shape
-    assert left + (right - left) * (10 + 0.5) / beads == pytest.approx(11.0)
-    assert bottom + (top - bottom) * (100 + 0.5) / frames == pytest.approx(trajectory.time[100])
-    assert values[100, 10] == trajectory.velocity[100, 1, 10]
-
-
-def test_beads_that_are_not_evenly_spaced_are_named_columns():
-    trajectory = reference(1, 0.0, 30, 40.0, recorded=(4, 11, 30))
-    axis = spacetime_figure(spacetime(trajectory)).axes[0]
-    assert [(text.get_position()[0], text.get_text()) for text in axis.get_xticklabels()] == [
-        (0, "4"), (1, "11"), (2, "30")
-    ]  # fmt: skip
-    assert axis.get_xlabel() == "recorded bead"
-
-
 def test_beside_the_whole_run_the_passage_is_shown_close_up(found):
     trajectory = reference(2, 0.1, 60, 80.0)
     whole, near = response_figure(history(trajectory, (50,))).axes

@@ -91,6 +91,7 @@ def test_of_a_few_recorded_beads_each_is_seen_at_its_place(bead):
     place = left + (column + 0.5) * (right - left) / values.shape[1]
     named = {text.get_position()[0]: text.get_text() for text in axis.get_xticklabels()}
     assert named[place] == str(bead)
+    assert axis.get_xlabel() == "recorded bead"
 
 
 @pytest.mark.parametrize("si", [False, True])

@@ -4,11 +4,12 @@ import subprocess
 
 import numpy as np
 import pytest
+from plain_scene import scene
 from processes import HANGS
 from stock_lammps import DEBIAN
 
 from analysis.shape.exact_wave import solitary_wave
-from lammps_inputs import Scene, file_names, library
+from lammps_inputs import Scene, file_names
 from lammps_inputs.decks import deck
 from lammps_inputs.facts import Fact
 from lammps_inputs.limits import rates
@@ -21,17 +22,7 @@ pytestmark = pytest.mark.usefixtures("lammps_here")
 
 def touching(exponent, **changes):
     """Two coupled chains, so that all tests share one compiled kernel."""
-    plain = {
-        "name": "test",
-        "chains": 2,
-        "beads": 8,
-        "contact": {"exponent": exponent},
-        "coupling": {"stiffness": 0.1},
-        "kick": {"velocity": 1.0},
-        "duration": 15.0,
-        "output": {"every": 0.5},
-    }
-    return library.from_plain({key: value for key, value in {**plain, **changes}.items() if value is not None}, "test")
+    return scene(**{"contact": {"exponent": exponent}, "beads": 8, "duration": 15.0, **changes})
 
 
 @pytest.mark.slow

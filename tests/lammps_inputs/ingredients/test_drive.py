@@ -4,6 +4,9 @@ import math
 from dataclasses import replace
 
 import pytest
+from ingredient_scenes import FORCED as PUSHED
+from ingredient_scenes import MOVED, STEEL
+from plain_scene import scene
 
 from lammps_inputs import Scene, library
 from lammps_inputs.decks.continuation import render_continuation
@@ -16,28 +19,16 @@ from workflow.verdicts.causes import causes
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
-MOVED = {"displacement": 0.5, "frequency": 0.3, "phase": -60.0}
-PUSHED = {"chain": 2, "bead": 4, "force": 0.4, "frequency": 0.2, "phase": 30.0}
-
 
 def driven(*drives, **changes):
     """By default one bead is moved and another pushed, so that all tests share one compiled kernel."""
-    plain = {
-        "name": "test",
-        "chains": 2,
-        "beads": 8,
-        "coupling": {"stiffness": 0.1},
-        "drive": list(drives or (MOVED, PUSHED)),
-        "duration": 20.0,
-        "output": {"every": 0.25},
-    }
-    return library.from_plain({key: value for key, value in {**plain, **changes}.items() if value is not None}, "test")
+    drive = list(drives or (MOVED, PUSHED))
+    return scene(**{"kick": None, "drive": drive, "beads": 8, "output": {"every": 0.25}, **changes})
 
 
 def test_v_of_a_driving_force_is_what_it_swings_a_free_bead_with():
-    steel = {"radius": 4.76e-3, "density": 8000.0, "youngs_modulus": 193e9, "poisson_ratio": 0.3}
     one = driven(
-        {"force": 0.4, "frequency": 900.0}, chains=1, coupling=None, material=steel, duration=0.01, output=None
+        {"force": 0.4, "frequency": 900.0}, chains=1, coupling=None, material=STEEL, duration=0.01, output=None
     )
     mass = 4.0 / 3.0 * math.pi * 4.76e-3**3 * 8000.0
     assert one.scale.velocity == pytest.approx(0.4 / (mass * 2.0 * math.pi * 900.0), rel=1e-14)

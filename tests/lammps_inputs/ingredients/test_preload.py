@@ -6,6 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from ingredient_scenes import COLUMN, HELD, STEEL
+from plain_scene import scene
 
 from analysis.gauges.forces import ForceMeter
 from analysis.gauges.gauge import gauges
@@ -25,21 +27,12 @@ from workflow.verdicts.causes import causes
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
-STEEL = {"radius": 4.76e-3, "density": 8000.0, "youngs_modulus": 193e9, "poisson_ratio": 0.3}
-
-
-def plain(**changes):
-    given = {"name": "test", "beads": 12, "kick": {"velocity": 1.0}, "duration": 20.0, "output": {"every": 0.25}}
-    return {key: value for key, value in {**given, **changes}.items() if value is not None}
-
 
 def loaded(**changes):
-    return library.from_plain(plain(**changes), "test")
+    return scene(**{"chains": 1, "coupling": None, "output": {"every": 0.25}, **changes})
 
 
 FREE = {"precompression": {"force": 0.3}}
-HELD = {"precompression": {"force": 0.3}, "walls": {"left": "bead", "right": "flat"}}
-COLUMN = {"gravity": 0.02, "walls": {"right": "flat"}}
 
 
 @pytest.mark.slow

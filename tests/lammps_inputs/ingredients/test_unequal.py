@@ -38,14 +38,6 @@ pytestmark = pytest.mark.usefixtures("lammps_here")
 
 DIMER = {"kinds": {"heavy": {"mass": 1.0}, "light": {"mass": 0.3428}}, "pattern": ["heavy", "light"]}
 
-PUSHED_BEFORE_WALLS = {
-    "kinds": {"big": {}, "small": {"radius": 0.7}},
-    "pattern": [["big"], ["small", "small"]],
-    "walls": {"left": "flat", "right": "bead"},
-    "push": {"bead": 2, "peak": 0.8, "duration": 2.0, "shape": "half-sine"},
-    "kick": None,
-}
-
 
 def scene(**changes):
     return plain_scene.scene(**{"duration": 16.0, **changes})
@@ -78,7 +70,7 @@ def test_walls_are_as_hard_as_the_beads_before_them_make_them():
 
 @pytest.mark.slow
 def test_momentum_is_what_the_push_gave_and_the_walls_took():
-    case = scene(**PUSHED_BEFORE_WALLS)
+    case = scene(**ingredient_scenes.CASES["pushed before unlike walls"])
     problem = replace(case.problem(), steps_per_frame=1, frames=3000, timestep=0.005)
     found = engine.run(problem, steps_per_frame=2)
     meter = ForceMeter(problem, gauges(problem.system, wall=True, contacts=(), sensors=()))

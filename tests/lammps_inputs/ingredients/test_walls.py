@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from ingredient_scenes import STEEL
 from plain_scene import scene
 
 from analysis import motion
@@ -27,7 +28,6 @@ KINDS = {
     "both": ({"left": "rigid", "right": {"stiffness": 5.0}}, (2.0 * math.sqrt(2.0), 5.0)),
 }
 BOTH = KINDS["both"][0]
-STEEL = {"radius": 4.76e-3, "density": 8000.0, "youngs_modulus": 193e9, "poisson_ratio": 0.3}
 
 
 def walled(walls, **changes):
