@@ -63,6 +63,13 @@ def test_maxima_are_as_sure_as_they_say_whatever_the_contacts(keys):
     assert 0.05 < worst < 1.0
 
 
+def test_beads_that_are_kicked_between_damped_walls_are_fastest_at_the_start():
+    plain = {"name": "a", "beads": 3, "kick": {"velocity": 1.0}, "duration": 4.0, "output": {"every": 0.1}}
+    plain |= {"damping": {"contact": 0.3}, "walls": {"right": "flat", "left": "bead"}}
+    first = find_peaks([engine.run(Scene.model_validate(plain).problem())]).first()
+    assert (first.bead[0], first.time[0], first.velocity[0]) == (1, 0.0, 1.0)
+
+
 def _off(found: Peaks, k: int, right: Peaks, every: float) -> float:
     """Error of a maximum over what it states, if it is the one of the finer record and off by more than that."""
     same = np.flatnonzero((right.bead == found.bead[k]) & (np.abs(right.time - found.time[k]) < every))
