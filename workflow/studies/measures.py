@@ -18,9 +18,11 @@ from analysis.tracking.leading_waves import beyond_kicks, leading_waves, opposed
 from analysis.tracking.peaks import PeakFinder
 from analysis.trajectory import Trajectory, blocks
 from lammps_inputs import InputError, Problem, Scene, library, physics
+from lammps_inputs.units import REDUCED, SI
 from workflow.engines.reference import engine
 from workflow.engines.reference.energy_exchange import Accountant
 from workflow.prepare.extent import with_duration
+from workflow.sweep import fields
 from workflow.sweep.collect import quantities
 from workflow.sweep.table import QUANTITIES
 from workflow.verdicts.analysis_report import REPORT, report
@@ -45,6 +47,27 @@ _OF_SHARING = ("amplitude", "agree_10", "agree_1", "in_step_1", "beat_length")
 
 Measured = dict[str, float | None]
 """By name, in the scene's units; None where there is none."""
+
+
+def refuse_unknown(name: str, where: str, what: str) -> None:
+    """See that a quantity is one of `KNOWN`.
+
+    Raises:
+        InputError: it is not; says where it was given and what it is not.
+    """
+    if name not in KNOWN:
+        hint = library.suggestion(name, KNOWN) or f"; known are {', '.join(KNOWN)}"
+        raise InputError(f"{where}: {name[:60]!r} is no {what}{hint}")
+
+
+def heading(name: str, scene: dict[str, Any]) -> str:
+    """A field of a scene, given as plain data, or a quantity, with its unit if it has one."""
+    si = "material" in scene
+    if name == MASS:
+        unit = SI["mass"] if si else REDUCED
+    else:
+        unit = QUANTITIES[name].unit(si=si) if name in QUANTITIES else fields.unit(fields.parse(name), scene)
+    return name if unit in ("", REDUCED) else f"{name} ({unit})"
 
 
 def mass_of(scene: Scene) -> float:

@@ -31,7 +31,7 @@ from workflow.formats import figure_files
 from workflow.runs import job
 from workflow.runs.files import alone, write_figure, write_text
 from workflow.runs.own_files import claim, make_directory
-from workflow.workers.results import Results
+from workflow.workers.evaluate import Results
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance

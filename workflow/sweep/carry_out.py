@@ -18,9 +18,8 @@ from workflow.runs.own_files import make_directory
 from workflow.runs.size import refuse_beforehand
 from workflow.runs.status import status
 from workflow.sweep import directory as directories
-from workflow.sweep.cases import Case, all_cases, scene_of
 from workflow.sweep.directory import Asked, Todo, task
-from workflow.sweep.file import Sweep
+from workflow.sweep.file import Case, Sweep, all_cases, scene_of
 from workflow.workers.pool import Pool, Task
 
 Progress = Callable[[int, int, int], None]

@@ -115,6 +115,17 @@ def put(scene: dict[str, Any], path: Path, value: Any) -> dict[str, Any]:
     return {**scene, key: kicks}
 
 
+def put_all(scene: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
+    """A copy of a scene's plain data with fields, by dotted path, set to values.
+
+    Raises:
+        InputError: as `put`.
+    """
+    for field, value in values.items():
+        scene = put(scene, parse(field), value)
+    return scene
+
+
 def _plural(key: str, count: int) -> str:
     return key if count == 1 else f"{key}es" if key.endswith("h") else f"{key}s"
 

@@ -17,9 +17,8 @@ from workflow.runs.job import Job
 from workflow.runs.own_files import claim, listed, retire
 from workflow.runs.status import status
 from workflow.sweep.carry_out import planned, request
-from workflow.sweep.cases import Case, scene_of
 from workflow.sweep.directory import begin
-from workflow.sweep.file import Sweep
+from workflow.sweep.file import Case, Sweep, scene_of
 
 USUAL_LIMIT = 1001
 """Tasks of an array where a site did not say otherwise (MaxArraySize)."""

@@ -17,13 +17,13 @@ from workflow.runs.run import run
 from workflow.studies import measures
 from workflow.studies.design import file
 from workflow.studies.design.evaluator import Evaluator, Record
+from workflow.studies.design.file import Variable
 from workflow.studies.design.found import Found, Verified
 from workflow.studies.design.manufacture import Sensitivity, sensitivity
 from workflow.studies.design.search import search, worth
-from workflow.studies.design.variables import Variable
 from workflow.sweep.collect import collect
+from workflow.workers.evaluate import Results
 from workflow.workers.pool import Pool
-from workflow.workers.results import Results
 
 pytestmark = pytest.mark.usefixtures("lammps_here", "pool_here")
 

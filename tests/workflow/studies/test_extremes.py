@@ -20,14 +20,11 @@ from workflow.errors import RunError
 from workflow.prepare.pilot import stride
 from workflow.runs import check as checking
 from workflow.runs.run import run
-from workflow.studies import study
 from workflow.studies.extremes import cells as all_cells
 from workflow.studies.extremes import measure
 from workflow.studies.extremes import study as report
 from workflow.studies.extremes.cells import BASE, Cell, changed, grid, scaled, springs
-from workflow.studies.extremes.figure import COLOURS, extremes_figure
-from workflow.studies.extremes.measure import KINDS, Outcome, Told, classify
-from workflow.studies.extremes.true_error import TrueError, _apart, judge
+from workflow.studies.extremes.measure import Outcome, Told, TrueError, _apart, classify, judge
 from workflow.workers.pool import Pool, Task
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
@@ -287,18 +284,8 @@ def test_parts_are_chosen_by_name():
     assert {cell.axis for cell in grid(["exponents", "masses"])} == {"exponent", "dimer", "impurity", "taper"}
 
 
-def test_every_kind_has_a_colour_and_is_drawn():
-    outcomes = [Outcome("axis", kind, kind, "", 5e-4, 5e-4) for kind in KINDS]
-    assert set(COLOURS) == set(KINDS)
-    drawn = {text.get_text() for text in extremes_figure(outcomes).axes[0].texts}
-    assert {*KINDS, "axis"} <= drawn
-    assert {f"{kind.lower()} 5.0e-04" for kind in KINDS} <= drawn
-
-
 @pytest.mark.usefixtures("pool_here")
-def test_the_command_writes_table_and_figure_goes_on_where_it_stopped_and_fails_for_a_wrong_cell(
-    tmp_path, capsys, monkeypatch
-):
+def test_the_command_writes_a_table_goes_on_where_it_stopped_and_fails_for_a_wrong_cell(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(all_cells, "grid", lambda *_: [Cell("beads", "8", SHORT), REFUSED])
     monkeypatch.setattr(report, "_program", lambda: "this one")
     command = ["extremes", "-o", str(tmp_path)]
@@ -309,8 +296,6 @@ def test_the_command_writes_table_and_figure_goes_on_where_it_stopped_and_fails_
     with (tmp_path / "extremes.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert [row["kind"] for row in rows] == ["RIGHT", "REFUSED"]
-    assert (tmp_path / "extremes.png").stat().st_size > 10_000
-    monkeypatch.setattr(study, "write_figure", lambda *_: ())  # once is enough
     kept = tmp_path / "cells.jsonl"
     kept.write_text(kept.read_text().replace('"kind": "RIGHT", "why": ""', '"kind": "WRONG", "why": "planted"'))
     assert main(command) == 1  # taken from the file

@@ -15,9 +15,8 @@ from workflow import studies
 from workflow.errors import RunError
 from workflow.runs.status import status
 from workflow.studies.study import Study
-from workflow.workers.evaluate import case, evaluate, values
+from workflow.workers.evaluate import Results, case, evaluate, values
 from workflow.workers.pool import Answer, Pool
-from workflow.workers.results import Results
 
 
 def declared():

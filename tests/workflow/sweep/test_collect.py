@@ -21,8 +21,8 @@ from workflow.runs.run_directory import RunDirectory
 from workflow.sweep import collect as collecting
 from workflow.sweep import fields
 from workflow.sweep import file as sweep_file
-from workflow.sweep.cases import all_cases, scene_of
 from workflow.sweep.collect import collect
+from workflow.sweep.file import all_cases, scene_of
 
 pytestmark = pytest.mark.usefixtures("lammps_here", "pool_here")
 

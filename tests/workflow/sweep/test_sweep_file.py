@@ -7,8 +7,7 @@ import pytest
 from sweeps import SMALL, sweep_file
 
 from lammps_inputs import InputError, strict_yaml
-from workflow.sweep.cases import LONGEST_NAME, all_cases, case_name, scene_of
-from workflow.sweep.file import MAX_CASES, Range, from_plain, load
+from workflow.sweep.file import LONGEST_NAME, MAX_CASES, Range, all_cases, case_name, from_plain, load, scene_of
 
 
 def cases(**options):

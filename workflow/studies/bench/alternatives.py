@@ -24,7 +24,7 @@ from lammps_inputs.decks import deck
 from lammps_inputs.numbers import text
 from workflow.engines.lammps import mpi
 from workflow.runs.run import run
-from workflow.studies.bench.ratio import Ratio, make_ratio
+from workflow.studies.bench.study import Ratio, ratio_of
 
 # --- the textbook's way -----------------------------------------------------------------------------------------------
 
@@ -136,7 +136,7 @@ def output_cost(root: Path) -> Iterator[Ratio]:
     text = (root / file_names.DECK).read_text()
     bare = without_frames(text)
     pairs = [(lammps_seconds(root, bare), lammps_seconds(root, text)) for _ in range(7)]
-    yield make_ratio("run with frames / without, 2 x 120", [b / a for a, b in pairs], 1.3, below=True, times=pairs)
+    yield ratio_of("run with frames / without, 2 x 120", pairs, 1.3, below=True)
 
 
 def check_cost(root: Path) -> Iterator[Ratio]:
@@ -148,7 +148,7 @@ def check_cost(root: Path) -> Iterator[Ratio]:
             assert done.check is not None
             pairs.append((done.directory.job.wall_seconds, done.check.seconds))
         warm = pairs[1:]
-        yield make_ratio(f"check / run, {label}", [check / run for run, check in warm], 0.1, below=True, times=warm)
+        yield ratio_of(f"check / run, {label}", warm, 0.1, below=True)
 
 
 def tuned_against_plain(root: Path) -> Iterator[Ratio]:
@@ -159,7 +159,7 @@ def tuned_against_plain(root: Path) -> Iterator[Ratio]:
     _write_plain(problem, plain)
     text = plain_deck(problem, dump=False)
     pairs = [(lammps_seconds(root, bare), lammps_seconds(plain, text)) for _ in range(3)]
-    yield make_ratio("plain deck / ours, 100 x 1000", [b / a for a, b in pairs], 3.0, times=pairs)
+    yield ratio_of("plain deck / ours, 100 x 1000", pairs, 3.0)
 
 
 def against_textbook(root: Path, label: str, scene: Scene, goal: float, repeats: int) -> Iterator[Ratio]:
@@ -188,8 +188,8 @@ def against_textbook(root: Path, label: str, scene: Scene, goal: float, repeats:
         timing = read_and_analyse(theirs, problem)
         whole.append((own, time.perf_counter() - started))
         readers.append((reading, timing.read))
-    yield make_ratio(f"textbook way / ours, {label}", [b / a for a, b in whole], goal, times=whole)
-    yield make_ratio(f"MDAnalysis text reader / ours, {label}", [b / a for a, b in readers], 50.0, times=readers)
+    yield ratio_of(f"textbook way / ours, {label}", whole, goal)
+    yield ratio_of(f"MDAnalysis text reader / ours, {label}", readers, 50.0)
 
 
 def _write(scene: Scene, directory: Path) -> Problem:

@@ -5,6 +5,7 @@ import argparse
 from lammps_inputs import InputError, library
 from workflow.errors import RunError
 from workflow.screen import print_table
+from workflow.studies.bench.study import PARTS, measure
 
 EXAMPLES = (
     "bench",
@@ -19,8 +20,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(arguments: argparse.Namespace) -> int:
     """Print a table of ratios, also where a part failed; exit code 1 if one failed or a ratio misses its goal."""
-    from workflow.studies.bench.study import PARTS, measure  # scipy takes a while to import
-
     for name in arguments.parts:
         if name not in PARTS:
             raise InputError(f"bench: {name!r} given{library.suggestion(name, PARTS)}; of {', '.join(PARTS)}")

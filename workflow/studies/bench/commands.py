@@ -15,7 +15,7 @@ from lammps_inputs import strict_yaml
 from workflow.engines.lammps.mpi import cores
 from workflow.runs.run_directory import RunDirectory
 from workflow.studies.bench.alternatives import paper_scene, seconds
-from workflow.studies.bench.ratio import Ratio, make_ratio
+from workflow.studies.bench.study import Ratio, make_ratio, ratio_of
 from workflow.verdicts.analyse import analyse
 
 # --- single commands, in seconds of processor -------------------------------------------------------------------------
@@ -48,7 +48,7 @@ def hand_ratios(root: Path) -> Iterator[Ratio]:
             base = _seconds([sys.executable, "-c", imports], root)
             pairs.append((base, _granchain(words.split(), root)))
         warm = pairs[1:]
-        yield make_ratio(f"{words} / {imports}", [own / base for base, own in warm], goal, below=True, times=warm)
+        yield ratio_of(f"{words} / {imports}", warm, goal, below=True)
 
 
 def _granchain(words: Sequence[str], root: Path) -> float:
@@ -82,14 +82,13 @@ def sweep_ratios(root: Path) -> Iterator[Ratio]:
     shutil.rmtree(root / "two")
     one = sweep_seconds(file, root / "one", 1)
     name = f"sweep of {CASES} cases of 2 x 120, 1 process / 2"
-    reached = one / two >= SPEED_UP or cores() < 2
-    yield Ratio(name, one / two, f"at least {SPEED_UP:g}", reached, f"{one:.4g} s, {two:.4g} s; {cores()} cores")
+    goal = SPEED_UP if cores() > 1 else 0.0
+    yield make_ratio(name, one / two, goal, f"{one:.4g} s, {two:.4g} s; {cores()} cores")
     useful = sum(useful_seconds(path) for path in sorted((root / "one").iterdir()))
     overhead = (one - useful) / CASES
     start = seconds(lambda: subprocess.run([sys.executable, "-c", "import workflow.runs.run"], check=True))
     detail = f"{overhead:.3g} s of {one / CASES:.3g} s a case; {start:.3g} s"
-    value = overhead / start
-    yield Ratio("overhead of a case / start of Python", value, f"at most {OVERHEAD:g}", value <= OVERHEAD, detail)
+    yield make_ratio("overhead of a case / start of Python", overhead / start, OVERHEAD, detail, below=True)
 
 
 def sweep_seconds(file: Path, directory: Path, jobs: int) -> float:

@@ -4,6 +4,7 @@ import statistics
 import time
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -18,12 +19,12 @@ from workflow.engines.reference import engine
 from workflow.engines.reference.certify import certified
 from workflow.engines.reference.schemes import BLANES_MOAN
 from workflow.studies.bench.alternatives import paper_scene, seconds
-from workflow.studies.bench.ratio import Ratio, make_ratio
+from workflow.studies.bench.study import Ratio, make_ratio, ratio_of
 
 # --- reference --------------------------------------------------------------------------------------------------------
 
 
-def reference_against_scipy() -> Iterator[Ratio]:
+def reference_against_scipy(_root: Path) -> Iterator[Ratio]:
     """Work at an error of 1e-6 in all velocities at the end, and the cost of a force."""
     problem = paper_scene().problem()
     truth = certified(problem, 1e-9)
@@ -44,10 +45,10 @@ def reference_against_scipy() -> Iterator[Ratio]:
     for _ in range(3):
         first = min(seconds(lambda: engine.run(ends, steps_per_frame=ours * problem.frames)) for _ in range(3))
         pairs.append((first, seconds(lambda: scipy_velocities(problem, tolerance))))
-    yield make_ratio("scipy DOP853 / reference at an error of 1e-6", [b / a for a, b in pairs], 100.0, times=pairs)
+    yield ratio_of("scipy DOP853 / reference at an error of 1e-6", pairs, 100.0)
     steps = 8 * problem.frames
     costs = [(kernel_cost(ends, steps), numpy_cost(problem)) for _ in range(7)]
-    yield make_ratio("a force in numpy / in the kernel", [b / a for a, b in costs], 50.0, times=costs)
+    yield ratio_of("a force in numpy / in the kernel", costs, 50.0)
 
 
 def kernel_cost(problem: Problem, steps: int) -> float:
@@ -100,20 +101,17 @@ PER_ROW = 3
 RATE, GROWTH = 40.0, 1.3
 
 
-def collision_ratios() -> Iterator[Ratio]:
+def collision_ratios(_root: Path) -> Iterator[Ratio]:
     """A collision beside a force at N = 2, and in chains of 100 to 100,000 rows; about 20 s."""
     busy = crowd(1_000)
     cost(busy, 1_000)  # loads the compiled loop
     pairs = [(cost(busy, EVENTS), numpy_cost(busy)) for _ in range(7)]
-    yield make_ratio(
-        "a force on all 2 x 1000 beads in numpy / a collision", [b / a for a, b in pairs], RATE, times=pairs
-    )
+    yield ratio_of("a force on all 2 x 1000 beads in numpy / a collision", pairs, RATE)
     costs = costs_by_rows()
     value = statistics.median(max(each) / each[0] for each in zip(*costs.values(), strict=True))
     detail = ", ".join(f"{rows:,}: {1e6 * statistics.median(each):.2f} us" for rows, each in costs.items())
-    yield Ratio(
-        f"dearest collision in up to {ROWS[-1]:,} rows / in {ROWS[0]}", value, f"<= {GROWTH}", value <= GROWTH, detail
-    )
+    name = f"dearest collision in up to {ROWS[-1]:,} rows / in {ROWS[0]}"
+    yield make_ratio(name, value, GROWTH, detail, below=True)
 
 
 def costs_by_rows(repeats: int = 5) -> dict[int, list[float]]:

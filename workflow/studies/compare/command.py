@@ -10,8 +10,7 @@ from workflow.formats import figure_files
 from workflow.prepare.settings import refuse_unstable
 from workflow.runs.engines import ENGINES
 from workflow.screen import count_bar, one_line, print_table
-from workflow.studies.compare.measure import Result, arrival
-from workflow.studies.compare.study import FIGURE, REPORT, Comparison, compare, engines_for
+from workflow.studies.compare.study import FIGURE, REPORT, Comparison, Result, arrival, compare, engines_for
 
 DRAWS = True
 EXAMPLES = (
@@ -23,7 +22,9 @@ EXAMPLES = (
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The scene, where to, and with what."""
     parser.add_argument("scene", metavar="SCENE", help="a YAML file, or the name of an installed scene")
-    parser.add_argument("-o", "--output", metavar="DIR", type=Path, help="made, or resumed; without, nothing is kept")
+    parser.add_argument(
+        "-o", "--output", metavar="DIR", type=Path, help="new directory, or one to resume; default none"
+    )
     parser.add_argument(
         "--engines",
         metavar="NAME,NAME",

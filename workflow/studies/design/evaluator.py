@@ -8,11 +8,11 @@ from typing import Any
 from lammps_inputs import InputError, library
 from workflow.errors import RunError
 from workflow.studies.design.file import Design
-from workflow.studies.design.variables import scene_with
 from workflow.studies.measures import MASS, mass_of
+from workflow.sweep import fields
 from workflow.workers import evaluate
+from workflow.workers.evaluate import Results, key_of
 from workflow.workers.pool import Answer, Pool, Task
-from workflow.workers.results import Results, key_of
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ class Evaluator:
         Raises:
             RunError: a process was killed.
         """
-        scenes = [scene_with(self.design.scene, values) for values in designs]
+        scenes = [fields.put_all(self.design.scene, values) for values in designs]
         wanted = {key_of(scene): (values, scene) for values, scene in zip(designs, scenes, strict=True)}
         cases = []
         for key, (values, scene) in wanted.items():

@@ -19,7 +19,8 @@
     verify: 3                                # of the best, so many in LAMMPS
 """
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -27,12 +28,103 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from lammps_inputs import InputError, library, schema, strict_yaml
-from lammps_inputs.units import REDUCED, SI
-from workflow.studies.design.variables import Variable
-from workflow.studies.measures import KNOWN, MASS
+from workflow.studies.measures import KNOWN, heading, refuse_unknown
 from workflow.sweep import fields
 from workflow.sweep.file import Range, number, scene_in, scene_of_file
-from workflow.sweep.table import QUANTITIES
+
+# --- variables --------------------------------------------------------------------------------------------------------
+
+DIGITS = 6
+"""Significant digits of what is not whole, so that two that are as good as the same are computed once."""
+
+
+EDGE = 0.003
+"""Part of a range from its end that counts as the end: the last stride of the search."""
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A field and what may stand there.
+
+    Attributes:
+        field: dotted path.
+        choices: one of these; empty for numbers.
+        low, high: of a number, both possible.
+        log: whether a number moves by its logarithm.
+        whole: whether a number is whole.
+        places: entries of a list, where the field takes one: of choices in any order, of numbers ascending.
+    """
+
+    field: str
+    choices: tuple[Any, ...] = ()
+    low: float = 0.0
+    high: float = 0.0
+    log: bool = False
+    whole: bool = False
+    places: int | None = None
+
+    @property
+    def coordinates(self) -> int:
+        """How many it takes."""
+        return self.places or 1
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """Of each coordinate."""
+        if self.choices:
+            return 0.0, float(len(self.choices) - 1)
+        return (math.log(self.low), math.log(self.high)) if self.log else (self.low, self.high)
+
+    @property
+    def steps(self) -> bool:
+        """Whether its coordinates are whole numbers."""
+        return bool(self.choices) or self.whole
+
+    @property
+    def values(self) -> int | None:
+        """How many there are in all; None of what is not counted."""
+        if not self.steps:
+            return None
+        low, high = self.bounds
+        each = int(high - low + 1)
+        return int(each**self.coordinates)
+
+    def value(self, coordinates: Sequence[float]) -> Any:
+        """What stands in the scene."""
+        found = [self._one(coordinate) for coordinate in coordinates]
+        if self.places is None:
+            return found[0]
+        return found if self.choices else sorted(found)
+
+    def _one(self, coordinate: float) -> Any:
+        if self.choices:
+            return self.choices[round(coordinate)]
+        if self.whole:
+            return round(coordinate)
+        value = math.exp(coordinate) if self.log else float(coordinate)
+        return min(max(float(f"{value:.{DIGITS}g}"), self.low), self.high)
+
+    def bound(self, value: Any) -> str:
+        """``from`` or ``to`` where a number, or one of a list, is at the end of its range; else empty."""
+        if self.choices:
+            return ""
+        low, high = self.bounds
+        edge = 0.0 if self.whole else EDGE * (high - low)
+        found = value if isinstance(value, list) else [value]
+        at = [math.log(one) if self.log else one for one in found]
+        return "from" if min(at) <= low + edge else "to" if max(at) >= high - edge else ""
+
+
+def values_of(variables: Sequence[Variable], vector: Sequence[float]) -> dict[str, Any]:
+    """Field -> value, from a vector of all coordinates."""
+    found, start = {}, 0
+    for variable in variables:
+        found[variable.field] = variable.value(list(vector[start : start + variable.coordinates]))
+        start += variable.coordinates
+    return found
+
+
+# --- file -------------------------------------------------------------------------------------------------------------
 
 MOST_PLACES = 64
 MOST_EXHAUSTED = 100_000
@@ -135,14 +227,7 @@ class Design:
 
     def heading(self, name: str) -> str:
         """A varied field or a quantity with its unit, for tables."""
-        si = "material" in self.scene
-        if name == MASS:
-            unit = SI["mass"] if si else REDUCED
-        elif name in QUANTITIES:
-            unit = QUANTITIES[name].unit(si=si)
-        else:
-            unit = fields.unit(fields.parse(name), self.scene)
-        return name if unit in ("", REDUCED) else f"{name} ({unit})"
+        return heading(name, self.scene)
 
     def broken(self, found: Mapping[str, float | None]) -> list[str]:
         """Quantities that are outside their limits or undefined, of those that were computed."""
@@ -226,9 +311,7 @@ def from_plain(data: Any, path: Path) -> Design:
     for key, name in [("minimize" if file.minimize else "maximize", objective)] + [
         (key, name) for key, names in (("where", file.where), ("also", file.also)) for name in names
     ]:
-        if name not in KNOWN:
-            hint = library.suggestion(name, KNOWN) or f"; known are {', '.join(KNOWN)}"
-            raise InputError(f"{path}: {key}: {name[:60]!r} is no quantity{hint}")
+        refuse_unknown(name, f"{path}: {key}", "quantity")
     if not file.vary:
         raise InputError(f"{path}: vary: names no field")
     design = Design(

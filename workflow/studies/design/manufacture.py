@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 
 from workflow.studies.design.evaluator import Evaluator, Record
-from workflow.studies.design.file import Design
-from workflow.studies.design.variables import Variable
+from workflow.studies.design.file import Design, Variable
 
 FEWEST = 8
 """Members with an objective that statistics of an ensemble are given of."""

@@ -15,8 +15,7 @@ from scipy.stats import qmc
 
 from analysis.trajectory import Floats
 from workflow.studies.design.evaluator import Evaluator, Record
-from workflow.studies.design.file import Design
-from workflow.studies.design.variables import values_of
+from workflow.studies.design.file import Design, values_of
 
 RULED_OUT = 1e30
 """Worth of what violates a limit, times one and by how much, so that any other is better and less is better (Deb,

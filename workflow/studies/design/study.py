@@ -24,10 +24,10 @@ from workflow.studies.design.file import Design
 from workflow.studies.design.found import Found, Verified
 from workflow.studies.design.manufacture import sensitivity
 from workflow.studies.design.search import RULED_OUT, search, worth
-from workflow.studies.design.variables import scene_with
 from workflow.studies.kept_runs import kept_run
 from workflow.studies.measures import by_reference, of_frames, scene_to_run
 from workflow.studies.study import Study, csv_text
+from workflow.sweep import fields
 from workflow.workers.pool import Pool
 
 REPORT, TABLE, BEST, PAGE, BESIDE = "design.json", "designs.csv", "best.yaml", "index.html", "beside"
@@ -63,7 +63,7 @@ def carry_out(
             if not good:
                 raise InputError(_why_nothing(design, records))
             small = sensitivity(design, evaluator, good[0].values)
-        best_scene = library.from_plain(scene_with(design.scene, good[0].values), design.source)
+        best_scene = library.from_plain(fields.put_all(design.scene, good[0].values), design.source)
         study.write(directory, {BEST: strict_yaml.dump(best_scene.plain())})
         verified = [_verified(design, one, directory / name) for name, one in zip(best_runs, good, strict=False)]
         beside = None if design.beside is None else _beside(design, design.beside, directory / BESIDE)
@@ -99,7 +99,7 @@ def _why_nothing(design: Design, records: list[Record]) -> str:
 
 
 def _verified(design: Design, record: Record, path: Path) -> Verified:
-    return _in_lammps(design, scene_with(design.scene, record.values), path, record)
+    return _in_lammps(design, fields.put_all(design.scene, record.values), path, record)
 
 
 def _beside(design: Design, plain: dict[str, Any], path: Path) -> Verified:

@@ -1,1 +1,1 @@
-"""Stability at the extremes: cells of a `grid` are run by `measure`, judged by `true_error`, gathered by `report`."""
+"""Stability at the extremes: `cells` are run and judged by `measure`, gathered by `study`."""

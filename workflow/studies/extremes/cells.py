@@ -4,8 +4,8 @@ Those that need many steps are short: what goes wrong there does so at once.
 """
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 from lammps_inputs import library
@@ -87,28 +87,35 @@ JELLY: Plain = {"radius": 1e-6, "density": 1000.0, "youngs_modulus": 100.0, "poi
 DIAMOND: Plain = {"radius": 100.0, "density": 3500.0, "youngs_modulus": 1.2e12, "poisson_ratio": -0.9}
 
 
+def axis(name: str, values: Iterable[float], make: Callable[[Any], Plain], form: str = "g") -> list[Cell]:
+    """A cell for each value: the scene with what a function makes of the value, named by the value."""
+    return [Cell(name, format(value, form), changed(BASE, **make(value))) for value in values]
+
+
 def numbers() -> list[Cell]:
-    """Axis by axis."""
+    """Axis by axis; where a number demands many steps, runs are shorter."""
     return [
         *(Cell("V", f"{v:g}", scaled(BASE, v), scaling=True) for v in decades(-12, 12, 3)),
-        *(_kappa(k) for k in (0.0, *decades(-8, 4, 2), 1e13)),
+        *axis(
+            "kappa",
+            (0.0, *decades(-8, 4, 2), 1e13),
+            lambda k: {"coupling": springs(k), "duration": 30.0 if k <= 1e2 else 2.0},
+        ),
         *(_step(f) for f in (1e-4, 1e-2, 0.1, 0.5, 0.9, 0.99, 1.01, 3.0)),
         *(_step(f, force=True) for f in (1.01, 1.2, 1.5, 3.0)),
-        *(_accuracy(a) for a in (0.1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8)),
-        *(Cell("chains", str(n), changed(BASE, chains=n, beads=20, duration=20.0)) for n in (1, 2, 3, 10, 100, 1000)),
-        *(_beads(n) for n in (2, 3, 10, 100, 1000, 10_000, 100_000)),
-        *(_window(n) for n in (100, 1000, 3000, 10_000)),
-        *(_gap(d) for d in (0.0, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9)),
+        *axis(
+            "accuracy",
+            (0.1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8),
+            lambda a: {"accuracy": a, "duration": 30.0 if a >= 1e-5 else 10.0},
+        ),
+        *axis("chains", (1, 2, 3, 10, 100, 1000), lambda n: {"chains": n, "beads": 20, "duration": 20.0}, "d"),
+        *axis("beads", (2, 3, 10, 100, 1000, 10_000, 100_000), _beads, ",d"),
+        *axis("beads, window", (100, 1000, 3000, 10_000), _window, ",d"),
+        *axis("gap", (0.0, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e9), _gap),
         *(Cell("diameter", f"2^{p}", BASE, diameter=2.0**p) for p in (0, 1, 2, 10, 20, 25, 30, 35, 40)),
-        *(_duration(n) for n in (10**3, 10**4, 10**5, 10**6)),
+        *(replace(cell, drift=True) for cell in axis("steps", (10**3, 10**4, 10**5, 10**6), _duration, ",d")),
         *(Cell("ranks", str(n), BASE, ranks=n) for n in (0, 1, 2, cores() + 1)),
     ]
-
-
-def _kappa(kappa: float) -> Cell:
-    """Stiff springs need many steps: a run of as many swings is shorter."""
-    duration = 30.0 if kappa <= 1e2 else 2.0
-    return Cell("kappa", f"{kappa:g}", changed(BASE, coupling=springs(kappa), duration=duration))
 
 
 def _step(share: float, *, force: bool = False) -> Cell:
@@ -119,47 +126,40 @@ def _step(share: float, *, force: bool = False) -> Cell:
     return Cell("step / bound", name, changed(BASE, timestep=step, output=output), force=force)
 
 
-def _accuracy(accuracy: float) -> Cell:
-    duration = 30.0 if accuracy >= 1e-5 else 10.0
-    return Cell("accuracy", f"{accuracy:g}", changed(BASE, accuracy=accuracy, duration=duration))
-
-
-def _beads(beads: int) -> Cell:
+def _beads(beads: int) -> Plain:
     """The pulse runs to the end of up to 1,000 beads; in longer chains it starts 10 beads from the end."""
     if beads <= 1000:
-        return Cell("beads", f"{beads:,}", changed(BASE, beads=beads, duration=1.2 * beads + 10.0))
+        return {"beads": beads, "duration": 1.2 * beads + 10.0}
     far = {"bead": beads - 10, "velocity": 1.0}
-    return Cell("beads", f"{beads:,}", changed(BASE, beads=beads, kick=far, duration=20.0, output={"every": 2.0}))
+    return {"beads": beads, "kick": far, "duration": 20.0, "output": {"every": 2.0}}
 
 
-def _window(beads: int) -> Cell:
+def _window(beads: int) -> Plain:
     """The pulse runs most of the way, and only the rows near it exist."""
     chains: Plain = {"chains": 1, "coupling": None} if beads > 3000 else {}
-    times: Plain = {"duration": 1.15 * beads, "output": {"every": 0.5}}
-    return Cell("beads, window", f"{beads:,}", changed(BASE, **chains, beads=beads, window="auto", **times))
+    return {**chains, "beads": beads, "window": "auto", "duration": 1.15 * beads, "output": {"every": 0.5}}
 
 
-def _gap(gap: float) -> Cell:
+def _gap(gap: float) -> Plain:
     """Two beads far apart meet once; a pulse crosses four that are near.
 
     A flight as long as 1e6 needs long steps: at the end, a velocity is off by no more than in the contact.
     """
+    every = {"every": gap / 1000.0}
     if gap > 1e3:
-        lone: Plain = {"chains": 1, "beads": 2, "coupling": None, "timestep": 0.25, "output": {"every": gap / 1000.0}}
+        lone: Plain = {"chains": 1, "beads": 2, "coupling": None, "timestep": 0.25, "output": every}
         towards = [{"velocity": 1.0}, {"velocity": -1.0, "bead": 2}]
-        return Cell("gap", f"{gap:g}", changed(BASE, **lone, kick=towards, gap=gap, duration=0.51 * gap))
+        return {**lone, "kick": towards, "gap": gap, "duration": 0.51 * gap}
     times: Plain = {"duration": 10.0 + 5.0 * gap, "output": {"every": max(0.1, gap / 1000.0)}}
-    return Cell("gap", f"{gap:g}", changed(BASE, beads=4, coupling=springs(1e-6), gap=gap or None, **times))
+    return {"beads": 4, "coupling": springs(1e-6), "gap": gap or None, **times}
 
 
-def _duration(steps: int) -> Cell:
+def _duration(steps: int) -> Plain:
     """A single pulse that is under way all the time; the step is the shorter, the more there are."""
     step = min(0.01, 500.0 / steps)
     duration = steps * step
     length: Plain = {"beads": round(0.85 * duration) + 10, "chains": 1, "coupling": None}
-    output: Plain = {"every": step * max(1, round(0.5 / step))}
-    scene = changed(BASE, **length, duration=duration, timestep=step, output=output)
-    return Cell("steps", f"{steps:,}", scene, drift=True)
+    return {**length, "duration": duration, "timestep": step, "output": {"every": step * max(1, round(0.5 / step))}}
 
 
 def _five_frames_a_swing() -> Plain:
@@ -251,24 +251,39 @@ def _corners_of_computation() -> list[Cell]:
 
 
 def loads() -> list[Cell]:
-    """Static loads, in units of the forces of the kick."""
+    """Static loads, in units of the forces of the kick; at large ones sound is fast and runs are short."""
+    column: Plain = {"gravity": 1.0, "walls": {"right": "bead"}, "duration": 10.0}
     return [
-        *(_load(f) for f in (*decades(-9, 3, 3), 1e6, 1e7)),
-        *(_gravity(g) for g in (1e-9, 1e-3, 1.0, 1e3)),
-        *(_loaded_exponent(p) for p in (1.0, 3.0)),
-        *(_column_of_exponent(p) for p in (1.0, 3.0)),
+        *axis(
+            "load",
+            (*decades(-9, 3, 3), 1e6, 1e7),
+            lambda f: {"precompression": {"force": f}, "duration": 30.0 if f <= 1.0 else 10.0},
+        ),
+        *axis(
+            "gravity", (1e-9, 1e-3, 1.0, 1e3), lambda g: {"gravity": g, "walls": {"right": "flat"}, "duration": 10.0}
+        ),
+        *axis(
+            "load, exponent",
+            (1.0, 3.0),
+            lambda p: {"precompression": {"force": 1.0}, "contact": {"exponent": p}, "duration": 10.0},
+        ),
+        *axis("gravity, exponent", (1.0, 3.0), lambda p: {**column, "contact": {"exponent": p}}),
     ]
 
 
 def losses() -> list[Cell]:
     """Dashpots of every law, from none to where beads stick."""
+
+    def lossy(name: str, values: Iterable[float], key: str, **more: str) -> list[Cell]:
+        return axis(name, values, lambda c: {"damping": {key: c, **more}, "duration": 10.0 if c <= 10.0 else 1.0})
+
     return [
-        *(_lossy("dashpots", g, contact=g) for g in (0.0, 1e-9, 0.1, 1.0, 10.0, 1e3, 1e4)),
-        *(_lossy("dashpots, cut", g, contact=g, tension="cut") for g in (0.1, 10.0, 1e3)),
-        *(_lossy("viscoelastic", b, contact=b, law="viscoelastic") for b in (1e-3, 1.0, 1e3)),
-        *(_lossy("restitution", e, contact=e, law="restitution") for e in (1e-30, 0.5, 0.999999, 1.0)),
-        *(_lossy("drag", c, beads=c) for c in (1e-9, 0.1, 1.0, 10.0, 1e3, 1e4)),
-        *(_lossy("drag, rows", c, coupling=c) for c in (0.1, 10.0, 1e3)),
+        *lossy("dashpots", (0.0, 1e-9, 0.1, 1.0, 10.0, 1e3, 1e4), "contact"),
+        *lossy("dashpots, cut", (0.1, 10.0, 1e3), "contact", tension="cut"),
+        *lossy("viscoelastic", (1e-3, 1.0, 1e3), "contact", law="viscoelastic"),
+        *lossy("restitution", (1e-30, 0.5, 0.999999, 1.0), "contact", law="restitution"),
+        *lossy("drag", (1e-9, 0.1, 1.0, 10.0, 1e3, 1e4), "beads"),
+        *lossy("drag, rows", (0.1, 10.0, 1e3), "coupling"),
         *_lossy_corners(),
     ]
 
@@ -277,50 +292,36 @@ def masses() -> list[Cell]:
     """Light beads and heavy ones."""
     tapers = {"1e-9": 1e-9, "to 0.001": 0.0764, "to 1e-9": 0.3}
     return [
-        *(_two_by_two(m) for m in (1e-3, 1e-2, 0.1, 10.0, 1e3, 1e7)),
-        *(_impurity(m) for m in (1e-3, 1e3)),
+        *axis(
+            "dimer",
+            (1e-3, 1e-2, 0.1, 10.0, 1e3, 1e7),
+            lambda m: {"kinds": {"one": {}, "other": {"mass": m}}, "pattern": ["one", "other"], "duration": 15.0},
+        ),
+        *axis(
+            "impurity",
+            (1e-3, 1e3),
+            lambda m: {"kinds": {"other": {"mass": m}}, "replace": {"bead": 10, "kind": "other"}, "duration": 20.0},
+        ),
         *(Cell("taper", name, changed(BASE, taper=share, duration=20.0)) for name, share in tapers.items()),
     ]
 
 
 def exponents() -> list[Cell]:
     """Contacts from springs to walls."""
-    return [_exponent(p) for p in (1.0, 1.05, 1.25, 2.0, 3.0)]
+    return axis("exponent", (1.0, 1.05, 1.25, 2.0, 3.0), lambda p: {"contact": {"exponent": p}, "duration": 20.0})
 
 
 def drives() -> list[Cell]:
-    """From slower than the chain to faster than anything in it."""
+    """From slower than the chain to faster than anything in it; a bead that is moved oscillates by 1."""
+
+    def driven(frequency: float, **drive: float) -> Plain:
+        cycles = 1.0 if frequency < 0.01 else 3.0 if frequency < 1.0 else 30.0
+        return {"kick": None, "drive": {**drive, "frequency": frequency}, "duration": cycles / frequency}
+
     return [
-        *(_moved(f) for f in (1e-3, 0.1, 1.0, 1e3)),
-        *(_forced(f) for f in (0.1, 1e3)),
+        *axis("drive", (1e-3, 0.1, 1.0, 1e3), lambda f: driven(f, displacement=1.0, phase=-90.0)),
+        *axis("drive, force", (0.1, 1e3), lambda f: driven(f, force=1.0)),
     ]
-
-
-def _load(force: float) -> Cell:
-    """Pressed together by a force; at large ones sound is fast and runs are short."""
-    duration = 30.0 if force <= 1.0 else 10.0
-    return Cell("load", f"{force:g}", changed(BASE, precompression={"force": force}, duration=duration))
-
-
-def _gravity(acceleration: float) -> Cell:
-    """A column on a plate."""
-    held: Plain = {"gravity": acceleration, "walls": {"right": "flat"}}
-    return Cell("gravity", f"{acceleration:g}", changed(BASE, **held, duration=10.0))
-
-
-def _loaded_exponent(exponent: float) -> Cell:
-    parts: Plain = {"precompression": {"force": 1.0}, "contact": {"exponent": exponent}}
-    return Cell("load, exponent", f"{exponent:g}", changed(BASE, **parts, duration=10.0))
-
-
-def _column_of_exponent(exponent: float) -> Cell:
-    parts: Plain = {"gravity": 1.0, "walls": {"right": "bead"}, "contact": {"exponent": exponent}}
-    return Cell("gravity, exponent", f"{exponent:g}", changed(BASE, **parts, duration=10.0))
-
-
-def _lossy(axis: str, coefficient: float, **damping: float | str) -> Cell:
-    duration = 10.0 if coefficient <= 10.0 else 1.0
-    return Cell(axis, f"{coefficient:g}", changed(BASE, damping=damping, duration=duration))
 
 
 def _lossy_corners() -> list[Cell]:
@@ -340,35 +341,6 @@ def _lossy_corners() -> list[Cell]:
         corner("dashpots, load", damping=dashpots, precompression={"force": 1.0}),
         corner("drag, load", damping={"beads": 0.1}, precompression={"force": 1.0}),
     ]
-
-
-def _two_by_two(mass: float) -> Cell:
-    kinds: Plain = {"kinds": {"one": {}, "other": {"mass": mass}}, "pattern": ["one", "other"]}
-    return Cell("dimer", f"{mass:g}", changed(BASE, **kinds, duration=15.0))
-
-
-def _impurity(mass: float) -> Cell:
-    kinds: Plain = {"kinds": {"other": {"mass": mass}}, "replace": {"bead": 10, "kind": "other"}}
-    return Cell("impurity", f"{mass:g}", changed(BASE, **kinds, duration=20.0))
-
-
-def _exponent(exponent: float) -> Cell:
-    return Cell("exponent", f"{exponent:g}", changed(BASE, contact={"exponent": exponent}, duration=20.0))
-
-
-def _moved(frequency: float) -> Cell:
-    """A bead that swings by 1."""
-    drive: Plain = {"displacement": 1.0, "frequency": frequency, "phase": -90.0}
-    return _driven("drive", frequency, drive)
-
-
-def _forced(frequency: float) -> Cell:
-    return _driven("drive, force", frequency, {"force": 1.0, "frequency": frequency})
-
-
-def _driven(axis: str, frequency: float, drive: Plain) -> Cell:
-    cycles = 1.0 if frequency < 0.01 else 3.0 if frequency < 1.0 else 30.0
-    return Cell(axis, f"{frequency:g}", changed(BASE, kick=None, drive=drive, duration=cycles / frequency))
 
 
 # --- all --------------------------------------------------------------------------------------------------------------

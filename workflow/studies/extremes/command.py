@@ -7,7 +7,6 @@ from lammps_inputs import InputError, library
 from workflow.screen import count_bar, one_line, print_table
 from workflow.studies.extremes import cells, study
 
-DRAWS = True
 EXAMPLES = (
     "extremes --quick",
     "extremes losses loads",
@@ -19,7 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Where to, and how much."""
     parser.add_argument("parts", metavar="PART", nargs="*", help=f"of {', '.join(cells.PARTS)} (default all)")
     parser.add_argument(
-        "-o", "--output", metavar="DIR", type=Path, help="new directory, or one to resume: table, figure, cells"
+        "-o", "--output", metavar="DIR", type=Path, help="new directory, or one to resume: table, cells"
     )
     parser.add_argument("--quick", action="store_true", help="only the cells that take about a second")
 

@@ -12,11 +12,11 @@ from workflow.studies.extremes.cells import Cell
 from workflow.studies.extremes.measure import KINDS, Outcome
 from workflow.studies.study import Study, to_csv
 from workflow.workers import evaluate
+from workflow.workers.evaluate import key_of
 from workflow.workers.pool import Answer, Task
-from workflow.workers.results import key_of
 
 TABLE = "extremes.csv"
-STUDY = Study("extremes", f"{TABLE} is the table", tables=(TABLE,), figures=("extremes",), cache="cells.jsonl")
+STUDY = Study("extremes", f"{TABLE} is the table", tables=(TABLE,), cache="cells.jsonl")
 
 QUICK = 1e7
 """Largest cost of a cell of the quick report: about a second, most of it for starting and judging; see `cost`."""
@@ -40,9 +40,7 @@ def make_report(
         found = evaluate.values(plan(cells), cache, progress=progress, failed=_is_wrong)
         outcomes = [Outcome(**value) for value in found]
         if directory is not None:
-            from workflow.studies.extremes.figure import extremes_figure  # matplotlib takes a while to import
-
-            STUDY.write(directory, {TABLE: to_csv(Outcome, outcomes)}, {"extremes": extremes_figure(outcomes)})
+            STUDY.write(directory, {TABLE: to_csv(Outcome, outcomes)})
     return outcomes
 
 

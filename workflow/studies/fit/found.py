@@ -1,16 +1,23 @@
-"""What a fit found: values, intervals and test of fit, as a table, as words and as plain data."""
+"""What a fit found: values, intervals, test of fit, likely causes of a misfit; as table, words and plain data."""
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from analysis.files.traces import Channel
+from analysis.trajectory import Floats
 from lammps_inputs import html
 from lammps_inputs.numbers import known
 from workflow.runs.check import Check
 from workflow.studies.fit.estimate import Estimate
-from workflow.studies.fit.goodness import Goodness
+from workflow.studies.fit.goodness import LEVEL, TESTS, Goodness, clipped, goodness, resolution
+from workflow.studies.fit.model import Model
+from workflow.studies.fit.search import Search, reversed_channels
+from workflow.sweep import fields
 
 
 @dataclass(frozen=True)
@@ -138,3 +145,150 @@ class Fit:
                 "difference": self.lammps,
             },
         }
+
+
+# --- verdict ----------------------------------------------------------------------------------------------------------
+
+OFFSET = "time offset"
+
+AT_REST = 0.1
+"""Part of the noise that a trace stays below before the first arrival."""
+
+NUMERICAL = 3.0
+"""Residuals up to this multiple of the numerical error are not tested: a run is as far from the exact motion."""
+
+
+def judged(search: Search, found: Estimate, size: Floats, fitted: dict[str, Any]) -> Fit:
+    """The fit of an estimate, tested.
+
+    Args:
+        search: whose estimate it is.
+        found: the estimate.
+        size: [channel] largest value of the data.
+        fitted: plain data of the scene with the values found.
+    """
+    given = search.model.given
+    traces = search.traces(found.parameters)
+    assert traces is not None
+    before = np.cumsum(np.abs(traces) > AT_REST * found.noise, axis=0) == 0
+    fixed, slopes = search.fixed(found.parameters)
+    test = goodness(given.values - traces, before, found.noise, search.slopes(found.parameters), slopes)
+    numerical = search.model.numerical_error(fitted, search.offset(found.parameters), traces)
+    steps = [0.5 * resolution(column) for column in given.values.T]
+    unresolved = found.noise < np.maximum(NUMERICAL * numerical, steps)
+    clips = _clips(search.model, given.values, traces)
+    fits = None if unresolved.any() or not math.isfinite(test.joint) else test.joint >= LEVEL and not clips
+    ends = [_in_units(search, found.parameters + sign * found.half_width) for sign in (-1.0, 1.0)]
+    valid = np.isfinite(found.half_width) & (fits is True)
+    intervals = [(min(pair), max(pair)) if ok else (None, None) for *pair, ok in zip(*ends, valid, strict=True)]
+    offset = search.finds_offset
+    result = Fit(
+        names=(*search.what.names, *[OFFSET] * offset),
+        units=(
+            *(fields.unit(fields.parse(name), fitted) for name in search.what.names),
+            *[search.model.symbol("time")] * offset,
+        ),
+        start=(*search.what.start, *[0.0] * offset),
+        value=tuple(_in_units(search, found.parameters)),
+        low=tuple(low for low, _ in intervals),
+        high=tuple(high for _, high in intervals),
+        found=found,
+        channels=given.channels,
+        channel_units=search.model.units,
+        share=tuple((found.noise / size).tolist()),
+        goodness=test,
+        fixed=fixed,
+        fits=fits,
+        assumed=tuple(name for name, error in zip(fixed, test.change_error, strict=True) if np.isposinf(error)),
+    )
+    warnings = clips or (_of_misfit(search, result, size) if fits is False else _weak(result))
+    if not found.converged:
+        warnings.append("the search did not converge; start from values nearer to the truth")
+    return replace(result, verdict=_verdict(result, unresolved, numerical, clips), warnings=tuple(warnings))
+
+
+def _in_units(search: Search, parameters: Floats) -> list[float]:
+    """Values of the fields, and the offset where it is free, in the scene's units."""
+    count = len(search.what.names)
+    with np.errstate(over="ignore"):
+        values = [start * float(np.exp(p)) for start, p in zip(search.what.start, parameters[:count], strict=True)]
+    return [*values, *(float(p) * search.model.unit_time for p in parameters[count:])]
+
+
+def _verdict(fit: Fit, unresolved: NDArray[np.bool_], numerical: Floats, clips: list[str]) -> str:
+    """The test of fit in one sentence."""
+    test = fit.goodness
+    if unresolved.any():
+        k = int(np.argmax(unresolved))
+        unit = fit.channel_units[k]
+        return (
+            "no test of fit and no confidence intervals, since the data show no noise: residuals of "
+            f"{fit.channels[k].name} ({fit.found.noise[k]:.2g} {unit} rms) are below {NUMERICAL:g} times the numerical "
+            f"error of a run ({numerical[k]:.2g} {unit} rms) or the resolution of the data"
+        )
+    if fit.fits is None:
+        return "no test of fit and no confidence intervals: too few rows"
+    if fit.fits:
+        return (
+            f"test of fit passed: residuals are consistent with white noise of one size (p = {test.joint:.2g}; "
+            f"rejected below {LEVEL:g})"
+        )
+    tests = [name for name, some in zip(TESTS, np.any(test.rejected, axis=1).tolist(), strict=True) if some]
+    tests += ["fixed fields"] * bool(test.wrong.any()) + ["clipping"] * bool(clips)
+    p = f"; p = {max(test.joint, 1e-300):.1g}, rejected below {LEVEL:g}" if test.joint < LEVEL else ""
+    return (
+        "the model does not fit the data to within white noise of one size, so there are no confidence intervals "
+        f"(tests failed: {', '.join(tests)}{p})"
+    )
+
+
+def _clips(model: Model, values: Floats, traces: Floats) -> list[str]:
+    """What is said of clipped traces."""
+    said = []
+    for channel, unit, *columns in zip(model.given.channels, model.units, values.T, traces.T, strict=True):
+        level, count = clipped(*columns)
+        if count:
+            said.append(
+                f"{channel.name} is clipped: {count} consecutive samples at its extreme value {level:.6g} {unit}; "
+                "leave the places of all samples at this value empty"
+            )
+    return said
+
+
+def _of_misfit(search: Search, fit: Fit, size: Floats) -> list[str]:
+    """Likely causes of a rejected fit."""
+    flipped = reversed_channels(search, fit.found.parameters, size)
+    if flipped:
+        names = ", ".join(channel.name for channel in flipped)
+        return [f"the opposite sign fits better: reverse the sign of {names} in the table"]
+    test = fit.goodness
+    order = [k for k in np.argsort(-np.abs(test.change / test.change_error)) if test.wrong[k]]
+    if order:
+        said = [f"{fit.fixed[k]} by {test.change[k]:+.2%} +- {test.change_error[k]:.2%}" for k in order[:3]]
+        return [f"a change of one fixed field would fit better, to first order: {', or '.join(said)}"]
+    filtered = int(np.max(test.filtered))
+    said = []
+    if filtered > 1:
+        said.append(
+            "residuals are autocorrelated before the first arrival, too: where the noise is filtered, fit to one row "
+            f"in {filtered} of the table"
+        )
+    return [*said, "the scene lacks something that acts on the chain, or a fixed field is wrong: see the figure"]
+
+
+def _weak(fit: Fit) -> list[str]:
+    """What the data do not determine."""
+    said = []
+    for group, blind in fit.found.weak:
+        words = " and ".join(fit.names[k] for k in group)
+        if len(group) == 1:
+            said.append(f"the data do not depend on {words}: leave it out of --free")
+        elif blind:
+            said.append(f"the data do not distinguish {words}: only one of them can be free, or other data are needed")
+        else:
+            r = np.nanmax(np.abs(fit.found.correlation[np.ix_(group, group)] - np.eye(len(group))))
+            said.append(
+                f"the data hardly distinguish {words} (correlation {r:.4f}): the uncertainty of each is smaller if the "
+                "other is given"
+            )
+    return said

@@ -25,12 +25,9 @@ from workflow.runs.check import Check
 from workflow.runs.files import as_json
 from workflow.runs.run import run
 from workflow.studies.fit.estimate import Estimate, estimate
-from workflow.studies.fit.fields import free
-from workflow.studies.fit.found import Fit
+from workflow.studies.fit.found import Fit, judged
 from workflow.studies.fit.model import Model
-from workflow.studies.fit.offset import aligned, squares
-from workflow.studies.fit.search import NO_SCENE, Search
-from workflow.studies.fit.verdict import judged
+from workflow.studies.fit.search import NO_SCENE, Search, aligned, free, squares
 from workflow.studies.study import Study
 
 if TYPE_CHECKING:

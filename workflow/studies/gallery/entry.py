@@ -40,6 +40,7 @@ __all__ = [
     "Results",
     "Runs",
     "Statement",
+    "chain",
     "claim",
     "each",
     "engines",
@@ -154,6 +155,20 @@ Runs = Mapping[str, Ran]
 
 Results = Mapping[str, Runs]
 """All of an entry, by the names of its scenes."""
+
+
+def chain(beads: int, duration: float, *, timestep: float = 0.005, every: float = 0.1, **keys: Any) -> dict[str, Any]:
+    """A scene of one chain, whose first bead is kicked with V = 1 unless other keys say what acts on it.
+
+    Args:
+        beads, duration, timestep: as in a scene.
+        every: time between frames.
+        keys: others of the scene.
+    """
+    kick = {} if keys.keys() & {"kick", "striker"} else {"kick": {"velocity": 1.0}}
+    times = {"duration": duration, "timestep": timestep, "output": {"every": every}}
+    return {"beads": beads, **kick, **times, **keys}
+
 
 # --- statements -------------------------------------------------------------------------------------------------------
 

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.figures.engines import Curve
 from analysis.files.events import Events
 from analysis.sharing.impulses import ImpulseMeter, Impulses, from_events, relative_difference
 from analysis.trajectory import Floats, Trajectory
@@ -70,7 +71,10 @@ def rigid_problem(theta: float, row: int) -> Problem:
 
 def rigid_impulses(problem: Problem) -> Impulses:
     """Impulses of a problem's rigid beads."""
-    found = collisions.run(problem)
+    return _impulses(problem, collisions.run(problem))
+
+
+def _impulses(problem: Problem, found: collisions.CollisionRun) -> Impulses:
     return from_events(problem, Events(found.time, found.chain, found.row, found.striker, found.target))
 
 
@@ -85,43 +89,22 @@ def hertz_impulses(problem: Problem) -> Impulses:
 # --- eq. 5 and the paper's Figs 8 and 9 -------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class History:
-    """Velocity of chosen beads in both chains, for the figures.
-
-    Attributes:
-        rows: numbers of the beads.
-        time: [frame], in units of T.
-        velocity: [frame, chain, row], in units of V.
-        impulses: of all rows.
-    """
-
-    problem: Problem
-    rows: tuple[int, ...]
-    time: Floats
-    velocity: Floats
-    impulses: Impulses
-
-
-def rigid_history(problem: Problem, rows: Sequence[int] = (5, 25)) -> History:
-    """Rows of rigid beads over time, from the exact motion."""
+def rigid_curve(problem: Problem, rows: Sequence[int] = (5, 25)) -> Curve:
+    """Velocities of rows of rigid beads over time, from the exact motion, and their first impulses."""
     found = collisions.run(problem)
-    events = Events(found.time, found.chain, found.row, found.striker, found.target)
-    return _history(problem, rows, collisions.blocks(found), from_events(problem, events))
+    return _curve("rigid", problem, rows, collisions.blocks(found), _impulses(problem, found))
 
 
-def hertz_history(problem: Problem, rows: Sequence[int] = (5, 25)) -> History:
-    """Rows of Hertz beads over time, by the reference."""
-    return _history(problem, rows, reference.blocks(problem), hertz_impulses(problem))
+def hertz_curve(problem: Problem, rows: Sequence[int] = (5, 25)) -> Curve:
+    """The same of Hertz beads, by the reference."""
+    return _curve("Hertz", problem, rows, reference.blocks(problem), hertz_impulses(problem))
 
 
-def _history(problem: Problem, rows: Sequence[int], blocks: Iterable[Trajectory], impulses: Impulses) -> History:
+def _curve(name: str, problem: Problem, rows: Sequence[int], blocks: Iterable[Trajectory], found: Impulses) -> Curve:
     place = [int(np.flatnonzero(problem.recorded_beads == row)[0]) for row in rows]
-    parts = []
-    for block in blocks:
-        parts.append((block.time, block.velocity[:, :, place].copy()))
+    parts = [(block.time, block.velocity[:, :, place].copy()) for block in blocks]
     time, velocity = (np.concatenate(column) for column in zip(*parts, strict=True))
-    return History(problem, tuple(rows), time, velocity, impulses)
+    return Curve(name, time, velocity, found.bead, found.first)
 
 
 @dataclass(frozen=True)
@@ -225,16 +208,12 @@ class RelativeMode:
         bead: [row].
         difference: (I_1 - I_2) / (I_1 + I_2) of the first impulses, [row]; NaN where nothing passed.
         rows_per_e: rows in which its size falls by e, by least squares of its logarithm; inf where it does not fall.
-        power: exponent of ``abs(difference) ~ bead**-power`` fitted alike.
-        misfit: root mean square of what the two fits leave of the logarithm: exponential, power.
         equal_from: first bead from which on the chains agree to `AGREE`; None if they never do, or only at the end.
     """
 
     bead: NDArray[np.int64]
     difference: Floats
     rows_per_e: float
-    power: float
-    misfit: tuple[float, float]
     equal_from: int | None
 
 
@@ -245,18 +224,11 @@ def relative_mode(impulses: Impulses, first_bead: int, last_bead: int) -> Relati
     with np.errstate(invalid="ignore", divide="ignore"):
         difference = (first[0] - first[1]) / first.sum(axis=0)
     fitted = np.isfinite(difference) & (difference != 0.0)
-    log = np.log(np.abs(difference[fitted]))
-    slopes, misfits = [], []
-    for x in (bead[fitted].astype(np.float64), np.log(bead[fitted])):
-        (slope, constant), misfit = np.polyfit(x, log, 1), 0.0
-        misfit = float(np.sqrt(np.mean((log - slope * x - constant) ** 2)))
-        slopes.append(float(slope))
-        misfits.append(misfit)
+    slope = float(np.polyfit(bead[fitted], np.log(np.abs(difference[fitted])), 1)[0])
     apart = np.flatnonzero(~(2.0 * np.abs(difference) <= AGREE))
     start = int(apart[-1]) + 1 if len(apart) else 0
     equal_from = int(bead[start]) if start < len(bead) - 5 else None
-    rows_per_e = -1.0 / slopes[0] if slopes[0] < 0.0 else math.inf
-    return RelativeMode(bead, difference, rows_per_e, -slopes[1], (misfits[0], misfits[1]), equal_from)
+    return RelativeMode(bead, difference, -1.0 / slope if slope < 0.0 else math.inf, equal_from)
 
 
 # --- rigid beads as a limit -------------------------------------------------------------------------------------------

@@ -17,15 +17,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lammps_inputs import InputError, library
-from lammps_inputs.units import REDUCED
+from lammps_inputs import InputError
 from workflow.engines.reference import engine
 from workflow.prepare import pilot
-from workflow.studies.measures import KNOWN, evaluated, scene_to_run
+from workflow.studies.measures import evaluated, heading, refuse_unknown, scene_to_run
 from workflow.studies.study import Study, to_csv
 from workflow.studies.threshold.bracket import APART, Axis, Crossing, crossings, wanted
 from workflow.sweep import fields
-from workflow.sweep.table import QUANTITIES, UNCERTAINTIES
+from workflow.sweep.table import UNCERTAINTIES
 from workflow.workers import evaluate
 from workflow.workers.pool import Pool
 
@@ -78,24 +77,14 @@ class Question:
     def scene_at(self, value: float, over: Any) -> dict[str, Any]:
         """Plain data of the scene with values in both fields."""
         number = int(value) if self.axis.whole else value
-        placed = [(self.over, over)] * bool(self.over) + [(self.field, number)]
-        scene = self.scene
-        for field, content in placed:
-            scene = fields.put(scene, fields.parse(field), content)
-        return scene
+        return fields.put_all(self.scene, {**({self.over: over} if self.over else {}), self.field: number})
 
     def heading(self, name: str) -> str:
         """A field or the quantity with its unit, if it has one."""
-        if name in QUANTITIES:
-            unit = QUANTITIES[name].unit(si="material" in self.scene)
-        else:
-            unit = fields.unit(fields.parse(name), self.scene) if name in (self.field, self.over) else ""
-        return name if unit in ("", REDUCED) else f"{name} ({unit})"
+        return heading(name, self.scene) if name in (self.field, self.over, self.quantity) else name
 
     def __post_init__(self) -> None:
-        if self.quantity not in KNOWN:
-            hint = library.suggestion(self.quantity, KNOWN) or f"; known are {', '.join(KNOWN)}"
-            raise InputError(f"{self.source}: {self.quantity[:60]!r} is no quantity of a threshold{hint}")
+        refuse_unknown(self.quantity, self.source, "quantity of a threshold")
         names = [name for name in (self.field, self.over) if name]
         if len({fields.parse(name, self.scene) for name in names}) < len(names):
             raise InputError(f"{self.source}: --over {self.over}: is the field whose threshold is searched")

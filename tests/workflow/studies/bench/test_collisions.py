@@ -1,4 +1,5 @@
 import math
+from pathlib import Path
 
 import pytest
 
@@ -20,9 +21,9 @@ def test_the_ratios_say_what_was_measured(monkeypatch):
     monkeypatch.setattr(bench_collisions, "ROWS", tuple(seconds))
     assert bench_collisions.numpy_cost(bench_collisions.crowd(100), 10) > 0.0
     monkeypatch.setattr(bench_collisions, "numpy_cost", lambda _: 1.2e-4)
-    rate, growth = bench_collisions.collision_ratios()
+    rate, growth = bench_collisions.collision_ratios(Path())
     assert (rate.value, rate.reached) == (pytest.approx(48.0), True)
     assert (growth.value, growth.reached) == (pytest.approx(1.25), True)
     assert "1,000 rows" in growth.name
     seconds[1_000] = 4e-6
-    assert [ratio.reached for ratio in bench_collisions.collision_ratios()] == [False, False]
+    assert [ratio.reached for ratio in bench_collisions.collision_ratios(Path())] == [False, False]

@@ -11,7 +11,7 @@ from lammps_inputs import file_names
 from workflow.runs.run import run
 from workflow.studies.bench import alternatives, engines
 from workflow.studies.bench import alternatives as bench
-from workflow.studies.bench.ratio import make_ratio
+from workflow.studies.bench.study import ratio_of
 
 
 @pytest.mark.slow
@@ -38,5 +38,5 @@ def test_the_reference_reaches_in_one_run_what_scipy_reaches() -> None:
 
 @pytest.mark.parametrize(("value", "reached"), [(2.0, False), (3.0, True)])
 def test_a_ratio_says_whether_it_reached_its_goal(value: float, reached: bool) -> None:
-    ratio = make_ratio("x", [value], 2.5, times=[(1.0, value)])
+    ratio = ratio_of("x", [(1.0, value)], 2.5)
     assert ratio.reached is reached

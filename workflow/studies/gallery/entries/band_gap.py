@@ -5,7 +5,7 @@ import math
 from matplotlib.axes import Axes
 
 from analysis.sound.dispersion import Dispersion, Map
-from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statement, number
+from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statement, chain, number
 
 LIGHT, LOAD = 0.5, 1.0
 STIFFNESS = 1.5 * LOAD ** (1.0 / 3.0)
@@ -60,16 +60,16 @@ ENTRY = Entry(
         "diatomic chain.",
     ),
     scenes={
-        "diatomic": {
-            "beads": 160,
-            "kinds": {"heavy": {"mass": 1}, "light": {"mass": LIGHT}},
-            "pattern": ["heavy", "light"],
-            "precompression": {"force": LOAD},
-            "kick": {"velocity": 1e-3},
-            "duration": 200,
-            "timestep": 0.01,
-            "output": {"every": 0.25},
-        }
+        "diatomic": chain(
+            160,
+            200,
+            timestep=0.01,
+            every=0.25,
+            kinds={"heavy": {"mass": 1}, "light": {"mass": LIGHT}},
+            pattern=["heavy", "light"],
+            precompression={"force": LOAD},
+            kick={"velocity": 1e-3},
+        )
     },
     statements=statements,
     axes=("wavenumber (radians a bead)", "angular frequency"),

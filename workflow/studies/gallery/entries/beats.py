@@ -5,17 +5,7 @@ import math
 from matplotlib.axes import Axes
 
 from analysis.trajectory import Floats
-from workflow.studies.gallery.entry import (
-    COLOURS,
-    PUBLISHED,
-    Entry,
-    Results,
-    Statement,
-    claim,
-    each,
-    engines,
-    number,
-)
+from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Results, Statement, claim, each, engines, number
 
 GROUND, COUPLING = 1.0, 0.1
 SCENE = {

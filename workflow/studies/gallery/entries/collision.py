@@ -2,9 +2,9 @@
 
 from matplotlib.axes import Axes
 
-from workflow.studies.gallery.entry import COLOURS, Entry, Ran, Results, Statement, claim, each, engines
+from workflow.studies.gallery.entry import COLOURS, Entry, Ran, Results, Statement, chain, claim, each, engines
 
-ALONE = {"beads": 100, "kick": {"velocity": 1.0}, "duration": 108, "timestep": 0.005, "output": {"every": 0.1}}
+ALONE = chain(100, 108)
 SEEN = 80
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from analysis.shape.exact_wave import solitary_wave
-from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Results, Statement, each, number
+from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Results, Statement, chain, each, number
 
 RADII = (0.2, 0.3, 0.4)
 
@@ -73,15 +73,13 @@ ENTRY = Entry(
         "constants here are those of a light bead between two contacts in series; the paper's own could not be read.",
     ),
     scenes={
-        f"radius-{radius:g}": {
-            "beads": 141,
-            "kinds": {"big": {"radius": 1}, "small": {"radius": radius}},
-            "pattern": ["big", "small"],
-            "kick": {"velocity": 1},
-            "duration": 140,
-            "timestep": 0.002,
-            "output": {"every": 0.1},
-        }
+        f"radius-{radius:g}": chain(
+            141,
+            140,
+            timestep=0.002,
+            kinds={"big": {"radius": 1}, "small": {"radius": radius}},
+            pattern=["big", "small"],
+        )
         for radius in RADII
     },
     statements=statements,

@@ -5,17 +5,7 @@ from matplotlib.axes import Axes
 
 from analysis.trajectory import Floats
 from workflow.studies.gallery.entries.dimers import dimer
-from workflow.studies.gallery.entry import (
-    COLOURS,
-    PUBLISHED,
-    Entry,
-    Results,
-    Statement,
-    claim,
-    each,
-    engines,
-    number,
-)
+from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Results, Statement, claim, each, engines, number
 
 RESONANCE = 0.59
 BEADS, CELLS = 150, (10, 60)

@@ -9,6 +9,7 @@ from workflow.studies.gallery.entry import (
     Entry,
     Results,
     Statement,
+    chain,
     claim,
     each,
     engines,
@@ -22,15 +23,8 @@ BEADS = 90
 
 def dimer(ratio: float, beads: int = BEADS) -> dict[str, object]:
     """A chain of dimers whose light beads have this mass."""
-    return {
-        "beads": beads,
-        "kinds": {"heavy": {"mass": 1}, "light": {"mass": float(f"{ratio:.6g}")}},
-        "pattern": ["heavy", "light"],
-        "kick": {"velocity": 1},
-        "duration": 1.07 * beads,
-        "timestep": 0.005,
-        "output": {"every": 0.1},
-    }
+    kinds = {"heavy": {"mass": 1}, "light": {"mass": float(f"{ratio:.6g}")}}
+    return chain(beads, 1.07 * beads, kinds=kinds, pattern=["heavy", "light"])
 
 
 def _name(ratio: float) -> str:

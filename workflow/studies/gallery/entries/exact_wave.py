@@ -13,13 +13,14 @@ from workflow.studies.gallery.entry import (
     Ran,
     Results,
     Statement,
+    chain,
     claim,
     each,
     engines,
     number,
 )
 
-SCENE = {"beads": 100, "kick": {"velocity": 1.0}, "duration": 125, "timestep": 0.005, "output": {"every": 0.1}}
+SCENE = chain(100, 125)
 BEAD = 80
 _DIGITS = {"lammps": 1e-11, "reference": 1e-200}
 """Velocities below which an engine's are not to be taken at their word, in units of V."""

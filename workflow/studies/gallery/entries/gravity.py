@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 from matplotlib.axes import Axes
 
-from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statement, each, number
+from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statement, chain, each, number
 
 DEPTHS = np.arange(60, 241, 20)
 
@@ -61,15 +61,9 @@ ENTRY = Entry(
         "waves that oscillate they give (1/3 + 1/p)/4 for the velocity, which is 1/4 for p = 3/2, too).",
     ),
     scenes={
-        "column": {
-            "beads": 300,
-            "gravity": 0.01,
-            "walls": {"right": "flat"},
-            "kick": {"velocity": 1e-3},
-            "duration": 230,
-            "timestep": 0.01,
-            "output": {"every": 0.25},
-        }
+        "column": chain(
+            300, 230, timestep=0.01, every=0.25, gravity=0.01, walls={"right": "flat"}, kick={"velocity": 1e-3}
+        )
     },
     statements=statements,
     axes=("depth (beads)", "velocity of the leading peak (V)"),

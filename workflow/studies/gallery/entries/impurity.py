@@ -11,6 +11,7 @@ from workflow.studies.gallery.entry import (
     Ran,
     Results,
     Statement,
+    chain,
     claim,
     each,
     engines,
@@ -22,15 +23,8 @@ PLACE = 40
 
 
 def _scene(mass: float) -> dict[str, object]:
-    return {
-        "beads": 90,
-        "kinds": {"other": {"mass": mass}},
-        "replace": {"chain": 1, "bead": PLACE, "kind": "other"},
-        "kick": {"velocity": 1},
-        "duration": 100,
-        "timestep": 0.002,
-        "output": {"every": 0.05},
-    }
+    other = {"chain": 1, "bead": PLACE, "kind": "other"}
+    return chain(90, 100, timestep=0.002, every=0.05, kinds={"other": {"mass": mass}}, replace=other)
 
 
 def _name(mass: float) -> str:

@@ -2,9 +2,8 @@
 
 from matplotlib.axes import Axes
 
-from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Results, Statement, each, number
+from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Results, Statement, chain, each, number
 
-SCENE = {"beads": 100, "kick": {"velocity": 1.0}, "duration": 150, "timestep": 0.005, "output": {"every": 0.1}}
 BEAD = 80
 
 
@@ -51,7 +50,7 @@ ENTRY = Entry(
         "E. J. Hinch & S. Saint-Jean, Proc. R. Soc. A 455, 3201 (1999), as it is quoted in the field. The paper itself "
         "could not be read here.",
     ),
-    scenes={"kicked": SCENE},
+    scenes={"kicked": chain(100, 150)},
     statements=statements,
     axes=("bead", "velocity of the leading pulse (V)"),
     draw=draw,

@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.axes import Axes
 
-from workflow.studies.gallery.entry import COLOURS, Entry, Ran, Results, Statement, each, number
+from workflow.studies.gallery.entry import COLOURS, Entry, Ran, Results, Statement, chain, each, number
 
 COEFFICIENTS = (0.01, 0.002)
 BEADS = np.arange(40, 101)
@@ -47,17 +47,7 @@ ENTRY = Entry(
         "Hertzsch & T. Poeschel, Phys. Rev. E 53, 5382 (1996); neither could be read here. The decay is derived from "
         "the exact wave for weak damping; no published number was found for it.",
     ),
-    scenes={
-        _name(one): {
-            "beads": 120,
-            "damping": {"contact": one, "law": "viscoelastic"},
-            "kick": {"velocity": 1.0},
-            "duration": 130,
-            "timestep": 0.005,
-            "output": {"every": 0.1},
-        }
-        for one in COEFFICIENTS
-    },
+    scenes={_name(one): chain(120, 130, damping={"contact": one, "law": "viscoelastic"}) for one in COEFFICIENTS},
     statements=statements,
     axes=("bead", "peak velocity to the power -1/5"),
     draw=draw,

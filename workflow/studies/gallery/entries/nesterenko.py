@@ -7,16 +7,8 @@ from matplotlib.axes import Axes
 
 from analysis.shape.exact_wave import nesterenko, solitary_wave
 from analysis.trajectory import Floats
-from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statement, each, number
+from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statement, chain, each, number
 
-STRIKER = {
-    "beads": 200,
-    "striker": {"mass": 4, "velocity": 1},
-    "duration": 200,
-    "timestep": 0.005,
-    "output": {"every": 0.1},
-}
-SINGLE = {"beads": 100, "kick": {"velocity": 1.0}, "duration": 125, "timestep": 0.005, "output": {"every": 0.05}}
 BEAD, FAR = 80, 110
 HALF = 2.0 * math.acos(0.5**0.25) / math.pi
 """Full width at half maximum of cos**4, in its own width from end to end."""
@@ -99,7 +91,7 @@ ENTRY = Entry(
         "Phys. Rev. E 56, 6104 (1997), whose abstract was read here, found good agreement in experiments without free "
         "parameter.",
     ),
-    scenes={"single": SINGLE, "striker-4": STRIKER},
+    scenes={"single": chain(100, 125, every=0.05), "striker-4": chain(200, 200, striker={"mass": 4, "velocity": 1})},
     statements=statements,
     axes=("largest force", "speed (beads per unit time)"),
     draw=draw,

@@ -4,7 +4,7 @@ from functools import cache
 
 import numpy as np
 
-from analysis.figures.engines import Curve, engines_figure, relative_mode_figure, scan_figure
+from analysis.figures.engines import engines_figure, relative_mode_figure, scan_figure
 from analysis.sharing.impulses import Impulses
 from workflow.engines.collisions.modes import THETA_OF_EQ_5
 from workflow.studies.gallery import rigid_rows
@@ -131,14 +131,7 @@ def pictures(_: Results) -> list[Picture]:
     found = []
     for kappa, name in FIGURES.items():
         problem = rigid_rows.problem_at(THETA_OF_EQ_5, kappa, 40, every=0.05)
-        histories = {
-            "rigid": rigid_rows.rigid_history(problem, ROWS),
-            "Hertz": rigid_rows.hertz_history(problem, ROWS),
-        }
-        curves = [
-            Curve(engine, one.time, one.velocity, one.impulses.bead, one.impulses.first)
-            for engine, one in histories.items()
-        ]
+        curves = [rigid_rows.rigid_curve(problem, ROWS), rigid_rows.hertz_curve(problem, ROWS)]
         caption = f"Fig. {name[3:]}: first impulses, and velocities of beads 5 and 25; kappa = {kappa:g}, gap of eq. 5."
         found.append(drawn(name, engines_figure(problem, ROWS, curves), caption))
     shown = (5, 25, 30)

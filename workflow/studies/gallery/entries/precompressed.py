@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 
 from analysis.shape.loaded_wave import speed_over_sound
 from analysis.sound.loaded_pulse import LoadedPulse, LoadedWave
-from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statement, number
+from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statement, chain, number
 
 LOADS = (0.1, 0.01, 0.003)
 
@@ -61,17 +61,7 @@ ENTRY = Entry(
         "Herbold & S. Jin, Phys. Rev. E 73, 026610 (2006), which could not be read here; the formula is that of "
         "Nesterenko (2001).",
     ),
-    scenes={
-        _name(load): {
-            "beads": 120,
-            "precompression": {"force": load},
-            "kick": {"velocity": 1.0},
-            "duration": 105,
-            "timestep": 0.01,
-            "output": {"every": 0.1},
-        }
-        for load in LOADS
-    },
+    scenes={_name(load): chain(120, 105, timestep=0.01, precompression={"force": load}) for load in LOADS},
     statements=statements,
     axes=("largest force over that at rest", "speed over that of sound"),
     draw=draw,

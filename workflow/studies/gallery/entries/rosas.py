@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.axes import Axes
 
-from workflow.studies.gallery.entry import COLOURS, Entry, Ran, Results, Statement, claim, each, number
+from workflow.studies.gallery.entry import COLOURS, Entry, Ran, Results, Statement, chain, claim, each, number
 
 WEAK, TWO_WAVES, STRONG = 0.002, 0.02, 1.0
 WHEN = 120.0
@@ -78,17 +78,7 @@ ENTRY = Entry(
         "cond-mat/0608517, and Phys. Rev. E 78, 051303 (2008), arXiv 0808.0527 (abstracts read; their critical "
         "viscosity is not in them). The law of weak damping is derived from the exact wave, not published.",
     ),
-    scenes={
-        _name(damping): {
-            "beads": 140,
-            "damping": {"contact": damping},
-            "kick": {"velocity": 1.0},
-            "duration": 130,
-            "timestep": 0.005,
-            "output": {"every": 0.1},
-        }
-        for damping in (WEAK, TWO_WAVES, STRONG)
-    },
+    scenes={_name(damping): chain(140, 130, damping={"contact": damping}) for damping in (WEAK, TWO_WAVES, STRONG)},
     statements=statements,
     axes=("bead", f"velocity at t = {WHEN:g} T (V)"),
     draw=draw,

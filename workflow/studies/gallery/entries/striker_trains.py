@@ -3,15 +3,14 @@
 import numpy as np
 from matplotlib.axes import Axes
 
-from workflow.studies.gallery.entry import COLOURS, Entry, Results, Statement, claim
+from workflow.studies.gallery.entry import COLOURS, Entry, Results, Statement, chain, claim
 
-CHAIN = {"beads": 200, "duration": 220, "timestep": 0.005, "output": {"every": 0.1}}
 BEAD = 110
 LEAST = 0.05
 
 
 def _launched(count: int) -> dict[str, object]:
-    return {**CHAIN, "kick": [{"bead": bead, "velocity": 1.0} for bead in range(1, count + 1)]}
+    return chain(200, 220, kick=[{"bead": bead, "velocity": 1.0} for bead in range(1, count + 1)])
 
 
 def statements(results: Results) -> list[Statement]:
@@ -70,7 +69,7 @@ ENTRY = Entry(
         "(abstract read: ordered by decreasing amplitude, nearly exponential unloading).",
     ),
     scenes={
-        "striker-4": {**CHAIN, "striker": {"mass": 4, "velocity": 1}},
+        "striker-4": chain(200, 220, striker={"mass": 4, "velocity": 1}),
         "launched-2": _launched(2),
         "launched-3": _launched(3),
     },

@@ -12,6 +12,7 @@ from workflow.studies.gallery.entry import (
     Ran,
     Results,
     Statement,
+    chain,
     claim,
     each,
     number,
@@ -99,17 +100,7 @@ ENTRY = Entry(
         "Rosas & K. Lindenberg, arXiv 1307.1191 (abstract read): trends right, energies and momenta not in good "
         "quantitative agreement.",
     ),
-    scenes={
-        _name(taper): {
-            "beads": BEADS,
-            "taper": taper,
-            "kick": {"velocity": 1},
-            "duration": 25,
-            "timestep": 0.002,
-            "output": {"every": 0.02},
-        }
-        for taper in TAPERS
-    },
+    scenes={_name(taper): chain(BEADS, 25, timestep=0.002, every=0.02, taper=taper) for taper in TAPERS},
     statements=statements,
     axes=("taper", "energy that the last bead gets (share)"),
     draw=draw,

@@ -2,21 +2,10 @@
 
 from matplotlib.axes import Axes
 
-from workflow.studies.gallery.entry import COLOURS, Entry, Ran, Results, Statement, claim, each, engines, number
+from workflow.studies.gallery.entry import COLOURS, Entry, Ran, Results, Statement, chain, claim, each, engines, number
 
 WALLS: dict[str, object] = {"soft": {"stiffness": 0.1}, "bead": "bead", "flat": "flat", "rigid": "rigid"}
 BEADS, SEEN = 60, 35
-
-
-def _scene(wall: object) -> dict[str, object]:
-    return {
-        "beads": BEADS,
-        "walls": {"right": wall},
-        "kick": {"velocity": 1},
-        "duration": 120,
-        "timestep": 0.005,
-        "output": {"every": 0.1},
-    }
 
 
 def _ratio(run: Ran) -> float:
@@ -101,7 +90,7 @@ ENTRY = Entry(
         "reflection. The two numbers are those of the collisions on this page: by mirror symmetry a wave at such a "
         "wall is one that meets its equal.",
     ),
-    scenes={name: _scene(wall) for name, wall in WALLS.items()},
+    scenes={name: chain(BEADS, 120, walls={"right": wall}) for name, wall in WALLS.items()},
     statements=statements,
     axes=("time (T)", "force on the wall"),
     draw=draw,
