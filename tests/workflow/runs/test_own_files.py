@@ -199,7 +199,7 @@ def test_names_are_printed_without_what_moves_a_terminal(tmp_path: Path, capsys:
     assert main(words) == 0
     out = capsys.readouterr().out
     assert "\x1b" not in out
-    assert out.count("\n") == 1
+    assert out.count("\n") == 2  # units, and what was done
 
 
 def test_more_beads_than_memory_holds_are_refused_beforehand(

@@ -41,7 +41,7 @@ def test_frames_restart_and_its_sum_reach_the_disk_before_the_restart_takes_its_
 
 
 def test_a_restart_of_another_step_is_not_kept(ready):
-    with pytest.raises(OSError, match="cannot be written whole"):
+    with pytest.raises(OSError, match="cannot be written completely"):
         files_on_disk.keep(ready, STEP + 1)
     assert not Path(file_names.UNFINISHED).exists()
     assert not Path(file_names.RESTART).exists()
