@@ -135,9 +135,9 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
                 acceleration -= laws.force(law, here_x - there_x)  # none where a chain is its own partner
                 rate -= laws.stiffness(law, here_x - there_x) * (here_v - there_v)
     for ground in system.ground:
-        law = laws.at(ground.law, chain, row)
-        acceleration -= laws.force(law, here_x)
-        rate -= laws.stiffness(law, here_x) * here_v
+        law, strain = laws.at(ground.law, chain, row), ground.strain(here_x)
+        acceleration -= ground.side * laws.force(law, strain)
+        rate -= laws.stiffness(law, strain) * here_v
     for load in system.loads:
         here, time = (chain == load.chain - 1) & (row == load.bead - 1), block.time[frame]
         acceleration += np.where(here, load.force(time), 0.0)

@@ -73,7 +73,8 @@ class Layout:
         system, total = self.system, physics.energy(self.system)
         law, rest = system.along[0].law, float(np.max(laws.rest(system.along[0].law)))
         alone, shared = (rest + laws.reach(law, energy) for energy in (total, total / 2.0))
-        walls = (2.0 * float(np.max(link.law.overlap(total))) for link in physics.walls(system))
+        held = (link.law for link in physics.walls(system))
+        walls = (2.0 * float(np.max(laws.rest(law) + law.reach(total, *law))) for law in held)
         # a row's dashpots know each other by their distance
         damped = any(isinstance(link, Across) for link in system.dampers)
         rows = (rest + 2.0 * laws.reach(link.law, total) for link in system.across if damped)

@@ -19,8 +19,6 @@ from numpy.typing import NDArray
 
 from lammps_inputs import laws
 from lammps_inputs.laws import Law, dashpot
-from lammps_inputs.laws.dashpot import WallDashpot
-from lammps_inputs.laws.preloaded import FreeWall, LoadedWall
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -245,15 +243,27 @@ def _partners(edges: tuple[tuple[int, int], ...], chains: int, side: int) -> lis
 
 @dataclass(frozen=True, eq=False)
 class Ground(Link):
-    """Each bead with its place at rest; [..., chain, bead]."""
+    """Each bead with its place at rest; [..., chain, bead].
+
+    Attributes:
+        side: 1 where the strain grows towards higher bead numbers, -1 where towards lower ones.
+        gap: displacement at which the strain is 0.
+    """
+
+    side: float = 1.0
+    gap: float = 0.0
 
     def strain(self, displacement: Floats) -> Floats:
-        """The displacement itself."""
-        return displacement
+        """The displacement itself, of all but walls."""
+        return self.side * displacement - self.gap
+
+    def rate(self, velocity: Floats) -> Floats:
+        """The velocity itself, likewise."""
+        return self.side * velocity
 
     def drive(self, total: Floats, force: Floats) -> None:
         """Pull every bead back."""
-        total -= force
+        total -= self.side * force
 
     def shared(self, total: Floats, energy: Floats) -> None:
         """All of it for the bead."""
@@ -262,26 +272,14 @@ class Ground(Link):
 
 @dataclass(frozen=True, eq=False)
 class Wall(Ground):
-    """The last bead of each chain, or the first, with a wall at rest that only ever pushes: it lets no bead swing."""
+    """The last bead of each chain, or the first, with a wall at rest, by a law of contacts or of their dashpots.
 
-    law: FreeWall | LoadedWall
+    It only ever pushes, and lets no bead swing. Its law has the strength 0 for all other beads.
+    """
 
     def mirrored(self) -> Self:
         """The wall at the other end."""
-        link = super().mirrored()
-        return replace(link, law=link.law.opposite())
-
-
-@dataclass(frozen=True, eq=False)
-class WallDamper(Ground):
-    """The dashpot of a wall."""
-
-    law: WallDashpot  # type: ignore[assignment]  # of damping, as those of all dampers
-
-    def mirrored(self) -> Self:
-        """That of the wall at the other end."""
-        link = super().mirrored()
-        return replace(link, law=link.law.opposite())
+        return replace(super().mirrored(), side=-self.side)
 
 
 def words(across: tuple[Across, ...], number: str = ".6g") -> str:

@@ -57,10 +57,10 @@ class Forces(Part):
         if scene.window is not None:
             raise ValueError("output.forces: a window lets go of the beads behind it; leave one of them out")
         if self.wall:
-            walls = [link.law for link in physics.walls(scene.system)]
+            walls = physics.walls(scene.system)
             if not walls:
                 raise ValueError("output.forces.wall: the chains have no wall; name one in walls, or leave this out")
-            needed["wall"] = [beads if law.side > 0.0 else 1 for law in walls]
+            needed["wall"] = [beads if wall.side > 0.0 else 1 for wall in walls]
         for bead in self.contacts or ():
             if bead > beads - 1:
                 raise ValueError(f"output.forces.contacts: bead {bead} has no next one (beads 1 to {beads - 1} have)")

@@ -12,7 +12,7 @@ from lammps_inputs import laws
 from lammps_inputs.facts import Fact
 from lammps_inputs.laws.dashpot import ContactLoss, WallDashpot
 from lammps_inputs.laws.spring import Linear
-from lammps_inputs.links import Across, Along, Ground, Link, Wall, WallDamper
+from lammps_inputs.links import Across, Along, Ground, Link, Wall
 from lammps_inputs.system import System
 
 Found = TypeVar("Found")
@@ -198,13 +198,13 @@ def ground_springs(system: System) -> tuple[Ground, ...]:
 
 def wall_at(system: System, side: float) -> Wall:
     """The walls on a side."""
-    return next(wall for wall in walls(system) if wall.law.side == side)
+    return next(wall for wall in walls(system) if wall.side == side)
 
 
 def wall_loss(system: System, side: float) -> WallDashpot | None:
     """The law of damping of the walls on a side; None where they lose nothing."""
-    found = (link.law for link in system.dampers if isinstance(link, WallDamper))
-    return next((law for law in found if law.side == side), None)
+    found = (link for link in system.dampers if isinstance(link, Wall) and link.side == side)
+    return next((cast(WallDashpot, link.law) for link in found), None)
 
 
 # --- dashpots ---------------------------------------------------------------------------------------------------------
@@ -214,10 +214,10 @@ def dashpot_names(system: System) -> tuple[str | None, ...]:
     """Names of the dashpots along, across, to the ground and of walls; None where there are none."""
 
     def names(kind: type[Link]) -> list[str]:
-        walled = kind is WallDamper
-        return [x.name for x in system.dampers if isinstance(x, kind) and isinstance(x, WallDamper) == walled]
+        walled = kind is Wall
+        return [x.name for x in system.dampers if isinstance(x, kind) and isinstance(x, Wall) == walled]
 
-    return tuple(" and ".join(dict.fromkeys(names(kind))) or None for kind in (Along, Across, Ground, WallDamper))
+    return tuple(" and ".join(dict.fromkeys(names(kind))) or None for kind in (Along, Across, Ground, Wall))
 
 
 def centred(system: System) -> bool:

@@ -417,6 +417,11 @@ class BaseScene(Part):
         for key, ingredient in self._named:
             yield key, ingredient.speed(mass)
 
+    def contact_law(self, strength: laws.Parameter) -> laws.Law | None:
+        """The dimensionless law of contacts of this strength (`Ingredient.contact_law`); None where it is Hertz's."""
+        named = (ingredient.contact_law(strength) for ingredient in self.ingredients)
+        return next((laws.dimensionless(law, self.scale) for law in named if law is not None), None)
+
     @property
     def ingredients(self) -> tuple[Ingredient, ...]:
         """What the scene names of all that a scene may be made of."""
@@ -435,9 +440,7 @@ class BaseScene(Part):
         """Beads, links and kicks, dimensionless at V = 1."""
         scale = self.scale
         mass, strength = masses_and_strengths(self)
-        named = (ingredient.contact_law(strength) for ingredient in self.ingredients)
-        law = next((laws.dimensionless(law, scale) for law in named if law is not None), None)
-        touching = contacts(self.gap / scale.length, strength, law)
+        touching = contacts(self.gap / scale.length, strength, self.contact_law(strength))
         made = [link for ingredient in self.ingredients for link in ingredient.links(self)]
         loads = tuple(load for ingredient in self.ingredients for load in ingredient.loads(self))
         motions = tuple(motion for ingredient in self.ingredients for motion in ingredient.motions(self))

@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lammps_inputs import laws, physics
-from lammps_inputs.laws.preloaded import Contact, rest_under, under, wall_under
+from lammps_inputs.laws.preloaded import Contact, rest_under, under
 from lammps_inputs.layout import PLACES, Layout
-from lammps_inputs.links import Along, Link, Wall, WallDamper
+from lammps_inputs.links import Along, Link, Wall
 from lammps_inputs.numbers import power_of_two_at_least
 from lammps_inputs.system import System
 
@@ -80,19 +80,18 @@ def _loaded(link: Link, force: NDArray[np.float64], grid: float) -> Link:
         return replace(link, law=under(law, float(between[0, 0]) if even else between, grid))
     if isinstance(link, Wall):
         at_wall = np.zeros((force.shape[0], force.shape[1] - 1))
-        bead = -1 if law.side > 0.0 else 0
+        bead = -1 if link.side > 0.0 else 0
         at_wall[:, bead] = force[:, bead]
-        return replace(link, law=wall_under(law, at_wall, grid))
+        return replace(link, law=under(law, at_wall, grid))
     return link
 
 
 def _damped(link: Link, system: System) -> Link:
     """Dashpots of contacts and walls, which know the overlap at rest."""
-    if isinstance(link, Along):
-        return replace(link, law=link.law._replace(rest=laws.rest(system.along[0].law)))  # type: ignore[attr-defined]
-    if isinstance(link, WallDamper):
-        return replace(link, law=link.law._replace(rest=laws.rest(physics.wall_at(system, link.law.side).law)))
-    return link
+    if not isinstance(link, Along | Wall):
+        return link
+    beside = system.along[0] if isinstance(link, Along) else physics.wall_at(system, link.side)
+    return replace(link, law=link.law._replace(rest=laws.rest(beside.law)))  # type: ignore[attr-defined]
 
 
 def place_lines(system: System) -> list[str]:

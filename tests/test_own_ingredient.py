@@ -93,7 +93,7 @@ class Stiffening(NamedTuple):
 
     @staticmethod
     def reach(energy, strength, b):
-        return (2.5 * energy / strength) ** 0.4
+        return (2.5 * energy / np.where(strength > 0.0, strength, np.inf)) ** 0.4
 
     along = formula.along("strength*(0.4*s^2.5+b/3.5*s^3.5)")
 
@@ -130,6 +130,17 @@ timestep: 0.001
 output: {every: 0.1}
 """
 
+HELD = """
+name: held
+beads: 8
+stiffer: {b: 0.5}
+walls: {right: bead}
+gap: 0.3
+kick: {velocity: 4.0}
+duration: 12
+output: {every: 0.1}
+"""
+
 TIED = """
 name: tied
 chains: 3
@@ -161,6 +172,7 @@ again = RunDirectory(Path("cut")).trajectory.velocity
 reference = engine.run(problem)
 damped = run(find("contact.yaml"), "damped")
 tied = run(find("tied.yaml"), "tied")
+held = engine.run(find("held.yaml").problem())
 print(json.dumps({
     "error": whole.check.velocity,
     "sure": whole.check.reference.velocity,
@@ -173,6 +185,7 @@ print(json.dumps({
     "damped": damped.check.velocity,
     "own_contacts": (damped.trajectory.velocity[-1] * 4.0).tolist(),
     "velocity": reference.velocity[-1].tolist(),
+    "held": [(held.displacement[-1, 0] * held.problem.scale.length).tolist(), (held.velocity[-1, 0] * 4.0).tolist()],
     "tied": tied.check.velocity,
     "passed_on": float(np.abs(tied.trajectory.velocity[:, 2]).max()),
 }))
@@ -186,6 +199,7 @@ def found(tmp_path_factory):
     (path / "bed.yaml").write_text(SCENE)
     (path / "contact.yaml").write_text(CONTACT)
     (path / "tied.yaml").write_text(TIED)
+    (path / "held.yaml").write_text(HELD)
     paths = [str(path), str(TESTS / "support"), str(TESTS.parent)]
     own = {"GRANCHAIN_INGREDIENTS": "bed", "PYTHONPATH": os.pathsep.join(paths)}
     command = [sys.executable, "-c", PROGRAM]
@@ -212,6 +226,31 @@ def test_it_shortens_the_stability_bound(found):
     largest = (6.0 * 0.5 / 1.5) ** (1.0 / 6.0)
     omega = (6.0 * 1.25**0.2 + 0.4 + 7.5 * largest**4) ** 0.5
     assert found[1]["bound"] == pytest.approx(2.0 / omega, rel=1e-12)
+
+
+def test_a_wall_beside_own_contacts_has_their_law(found):
+    """In the scene's units: the last bead and a wall as far apart as beads, with the force s**1.5 (1 + 0.5 s)."""
+    import numpy as np
+    from scipy.integrate import solve_ivp
+
+    def rate(_, state):
+        s = np.maximum(state[:8] - np.append(state[1:8], 0.0) - 0.3, 0.0)
+        push = s**1.5 * (1.0 + 0.5 * s)
+        return np.concatenate([state[8:], np.append(0.0, push[:-1]) - push])
+
+    start = np.zeros(16)
+    start[8] = 4.0
+    exact = solve_ivp(rate, (0.0, 12.0), start, method="DOP853", rtol=1e-12, atol=1e-14).y[:, -1]
+    assert exact[8:].min() < -1.0  # reflected
+    np.testing.assert_allclose(np.ravel(found[1]["held"]), exact, atol=1e-4)
+
+
+@pytest.mark.parametrize("kind", ["rigid", "{stiffness: 2}"])
+def test_a_wall_that_is_known_for_powers_of_the_overlap_only_is_refused_beside_own_contacts(found, kind):
+    (found[0] / "face.yaml").write_text(HELD.replace("right: bead", f"right: {kind}"))
+    done = granchain("show", "face.yaml", cwd=found[0], GRANCHAIN_INGREDIENTS="bed", PYTHONPATH=own_path(found[0]))
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
+    assert "walls.right: is known for contacts whose force is a power of the overlap; take bead" in done.stderr
 
 
 def test_springs_across_from_a_formula_agree_with_the_reference(found):

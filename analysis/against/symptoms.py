@@ -389,8 +389,7 @@ def identify_load(trajectory: Trajectory) -> StaticLoad | None:
 
 def _at_rest(link: Link) -> Floats:
     """Force at rest of each link that bears a load."""
-    side = getattr(link.law, "side", 1.0)
-    return np.asarray(side * laws.load(link.law))
+    return np.asarray(laws.load(link.law))
 
 
 def identify_exponent(trajectory: Trajectory) -> float | None:

@@ -16,7 +16,7 @@ def complaint(channel: Channel, problem: Problem) -> str | None:
     if not 1 <= channel.chain <= problem.chains:
         return f"the scene has chains 1 to {problem.chains}"
     if channel.kind == "wall":
-        sides = [link.law.side > 0.0 for link in physics.walls(problem.system)]
+        sides = [link.side > 0.0 for link in physics.walls(problem.system)]
         return None if channel.right in sides else f"the scene has no {'right' if channel.right else 'left'} wall"
     first, last = {"contact": (1, beads - 1), "sensor": (2, beads - 1)}.get(channel.kind, (1, beads))
     return None if first <= channel.bead <= last else f"beads {first} to {last} of the scene have such"

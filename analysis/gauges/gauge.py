@@ -77,7 +77,7 @@ def gauges(problem: System, *, wall: bool, contacts: tuple[int, ...], sensors: t
     found = []
     if wall:
         for link in physics.walls(problem):
-            right = link.law.side > 0.0
+            right = link.side > 0.0
             name = "right wall" if right else "left wall"
             found.append(Gauge("wall", name, problem.beads if right else 1, (_at_wall(problem, link),)))
     found += [Gauge("contact", f"contact {bead}", bead, (_between(problem, bead),)) for bead in contacts]
@@ -95,19 +95,18 @@ def far_wall(system: System) -> Gauge | None:
 
 
 def _at_wall(problem: System, link: Wall) -> Probe:
-    right = link.law.side > 0.0
+    right = link.side > 0.0
     place = problem.beads - 1 if right else 0
 
     def force(strain: Floats, chain: Integers) -> Floats:
         law = laws.at(link.law, chain, place)
-        displacement = strain if right else -strain
-        return np.asarray(np.maximum(link.law.side * laws.force(law, displacement) + laws.load(law), 0.0))
+        return np.asarray(np.maximum(laws.force(law, strain - link.gap) + laws.load(law), 0.0))
 
-    damper = physics.wall_loss(problem, link.law.side)
+    damper = physics.wall_loss(problem, link.side)
 
     def loss(strain: Floats, rate: Floats, chain: Integers) -> Floats:
         law = laws.at(damper, chain, place)  # type: ignore[arg-type]
-        return np.asarray(link.law.side * dashpot.damping(law, link.law.side * strain, link.law.side * rate))
+        return np.asarray(dashpot.damping(law, strain - link.gap, rate))
 
     chain = np.arange(problem.chains)
     static = np.broadcast_to(laws.load(laws.at(link.law, chain, place)), problem.chains)

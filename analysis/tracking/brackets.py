@@ -22,7 +22,6 @@ from analysis import hermite, motion
 from analysis.trajectory import Flags, Floats, Integers, Trajectory
 from lammps_inputs import Problem, laws, physics
 from lammps_inputs.laws import dashpot
-from lammps_inputs.laws.wall import clearance
 from lammps_inputs.loads import Load, Motion
 
 Forces = Iterator[tuple[float, Floats]]
@@ -62,10 +61,10 @@ def kinks(block: Trajectory, start: Integers, chain: Integers, bead: Integers) -
         forces = partial(_of_contacts, problem, chain, np.clip(contact, 0, problem.beads - 2))
         off += np.where(there, _by(forces, overlap, closing, block.spacing), 0.0)
     for wall in physics.walls(system):
-        law: Any = wall.law
-        there = place == (problem.beads - 1 if law.side > 0.0 else 0)
-        forces = partial(_of_wall, problem, law, chain, place)
-        overlap, closing = law.side * x - clearance(law)[chain, place], law.side * v
+        law = laws.at(wall.law, chain, place)
+        there = place == (problem.beads - 1 if wall.side > 0.0 else 0)
+        forces = partial(_of_wall, law, physics.wall_loss(system, wall.side), chain, place)
+        overlap, closing = wall.strain(x) + laws.rest(law), wall.rate(v)
         off += np.where(there, _by(forces, overlap, closing, block.spacing), 0.0)
     return np.asarray(off / physics.mass_of(system, chain, place))
 
@@ -91,12 +90,12 @@ def _of_contacts(problem: Problem, chain: Integers, contact: Integers, overlap: 
         yield _of_dashpot(laws.at(loss, chain, contact)._replace(rest=0.0), overlap, rate)
 
 
-def _of_wall(problem: Problem, law: Any, chain: Integers, bead: Integers, overlap: Floats, rate: Floats) -> Forces:
+def _of_wall(law: Any, loss: Any, chain: Integers, bead: Integers, overlap: Floats, rate: Floats) -> Forces:
     """The same of a wall's."""
-    yield law.exponent, law.strength[chain, bead] * overlap**law.exponent
-    loss: Any = physics.wall_loss(problem.system, law.side)
+    power = getattr(law, "exponent", None)
+    yield power or 1.5, laws.whole_force(law, overlap) if power is None else law.strength * overlap**power
     if loss is not None:
-        yield _of_dashpot(laws.at(loss, chain, bead)._replace(rest=0.0, side=1.0), overlap, rate)
+        yield _of_dashpot(laws.at(loss, chain, bead)._replace(rest=0.0), overlap, rate)
 
 
 def _of_dashpot(law: Any, overlap: Floats, rate: Floats) -> tuple[float, Floats]:

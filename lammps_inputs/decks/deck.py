@@ -25,9 +25,10 @@ from numpy.typing import NDArray
 from lammps_inputs import file_names, laws, loads, physics, scheme, static_load, strict_yaml, window
 from lammps_inputs.deck_lines import AtomTypes, Lines
 from lammps_inputs.laws import dashpot, spring
+from lammps_inputs.laws.wall import wall_lines
 from lammps_inputs.layout import Layout
 from lammps_inputs.limits import rates
-from lammps_inputs.links import Across, Along, Link, WallDamper, words
+from lammps_inputs.links import Across, Along, Link, Wall, words
 from lammps_inputs.numbers import text
 from lammps_inputs.problem import Problem
 from lammps_inputs.system import System
@@ -138,7 +139,7 @@ def spelling(problem: Problem) -> list[Lines]:
 
 def _spelled(system: System) -> tuple[Link, ...]:
     """The links that have lines of their own, in the order of these; dashpots of contacts and walls are with those."""
-    dampers = (link for link in system.dampers if not isinstance(link, Along | WallDamper))
+    dampers = (link for link in system.dampers if not isinstance(link, Along | Wall))
     return (*system.links, *dampers, *system.inner_links)
 
 
@@ -151,6 +152,8 @@ def _of_links(problem: Problem) -> tuple[Lines, ...]:
 
 def _of_link(link: Link, layout: Layout) -> Lines:
     """The law's own lines; contacts whose law spells no dashpots of its own have them beside."""
+    if isinstance(link, Wall):
+        return wall_lines(link, layout)
     lines: Lines = getattr(link.law, _kind(link))(link if isinstance(link, Across) else link.name, layout)
     damped = isinstance(link, Along) and layout.contact_loss is not None
     return dashpot.beside(lines, layout) if damped and not lines.damped else lines
@@ -167,6 +170,9 @@ def refusal(system: System) -> str:
 
 
 def _kind(link: Link) -> str:
+    """What a law has that LAMMPS knows on such a link."""
+    if isinstance(link, Wall):
+        return "exponent"
     return "along" if isinstance(link, Along) else "across" if isinstance(link, Across) else "ground"
 
 

@@ -28,7 +28,7 @@ from lammps_inputs.laws.dashpot import (
     WallDashpot,
     alpha,
 )
-from lammps_inputs.links import Across, Along, Ground, Link, Wall, WallDamper
+from lammps_inputs.links import Across, Along, Ground, Link, Wall
 from lammps_inputs.units import Unit
 
 if TYPE_CHECKING:
@@ -106,7 +106,7 @@ class Damping(Ingredient):
         for link in self.dampers(scene):
             largest = float(np.max(link.law.coefficient))  # type: ignore[attr-defined]
             if largest > MOST:
-                where = f" at the {link.name.split('_')[0]} wall" if isinstance(link, WallDamper) else ""
+                where = f" at the {link.name.split('_')[0]} wall" if isinstance(link, Wall) else ""
                 raise ValueError(
                     f"damping: {largest:.3g} in dimensionless units{where}; at most {MOST:g}, where beads stick"
                 )
@@ -149,7 +149,9 @@ class Damping(Ingredient):
         loss = self._loss(scene)
         if loss is not None:
             found.append(Along("contact_damping", loss, gap=scene.gap / scene.scale.length))  # type: ignore[arg-type]
-            found += [WallDamper(f"{wall.name}_damping", self._at_wall(wall, scene)) for wall in _walls(scene)]
+            for wall in _walls(scene):
+                law: Any = self._at_wall(wall, scene)
+                found.append(replace(wall, name=f"{wall.name}_damping", law=law))
         if self.coupling:
             law = laws.dimensionless(Dashpot(self.coupling), scene.scale)
             found += [replace(link, name="coupling_damping", law=law) for link in _springs(scene)]
@@ -197,7 +199,7 @@ class Damping(Ingredient):
 
         assert self.contact is not None
         mass, _ = masses_and_strengths(scene)
-        strength: NDArray[np.float64] = np.asarray(wall.law.strength)
+        strength: NDArray[np.float64] = np.asarray(laws.strength(wall.law))
         exponent, unit = scene.contact_scale[0], scene.scale.force / scene.scale.velocity
         of: dict[float, Parameter] = {1.0: 0.0, HERTZ: 0.0, 2.0: 0.0}  # as in `RESTITUTIONS`
         if self.law == "restitution":
@@ -208,7 +210,7 @@ class Damping(Ingredient):
         else:
             of[1.0] = np.where(strength > 0.0, float(self.contact / unit), 0.0)
         floor = strength if self.tension == "cut" else NO_FLOOR
-        return WallDashpot(of[1.0], of[2.0], of[HERTZ], floor, wall.law.side, -scene.gap / scene.scale.length)
+        return WallDashpot(of[1.0], of[2.0], of[HERTZ], floor)
 
 
 def _walls(scene: "BaseScene") -> tuple[Wall, ...]:

@@ -47,7 +47,7 @@ class _Load(Ingredient):
                 "them; make the chains alike, or leave one out"
             )
         for wall in physics.walls(system):
-            if len(set(faces(wall.law, layout))) > MOST_GROUPS:
+            if len(set(faces(wall, layout))) > MOST_GROUPS:
                 raise ValueError(
                     f"{self.key}: more than {MOST_GROUPS} chains differ in where their last beads rest, and each needs "
                     "a wall of its own, for which LAMMPS has too few groups; use fewer kinds of chains"

@@ -3,7 +3,7 @@
 How hard a wall is, over a contact of two of the beads (Hertz 1882; Johnson, Contact Mechanics, 1985, 4.2): 1 for a
 bead like the others, held fast; sqrt(2) for the flat face of a block of their material, whose curvature is half as
 large; 2 sqrt(2) if that is also rigid. Where beads differ, all of this is about the bead that meets the wall. Of
-contacts of other exponents only the held bead is known.
+contacts of other laws only the held bead is known, or a stiffness for a power of the overlap.
 """
 
 import math
@@ -19,8 +19,8 @@ from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Ingredient, Part, Positive
 from lammps_inputs.ingredients.contact import HERTZ
 from lammps_inputs.ingredients.unequal import with_its_like
-from lammps_inputs.laws.preloaded import FreeWall
-from lammps_inputs.laws.wall import HertzWall, PowerWall
+from lammps_inputs.laws import Law
+from lammps_inputs.laws.contact import Hertz
 from lammps_inputs.links import Wall
 from lammps_inputs.units import Unit
 
@@ -66,12 +66,18 @@ class Walls(Ingredient):
         """Refuse what is no wall."""
         if self.left is None and self.right is None:
             raise ValueError("walls: name left, right or both: bead, flat, rigid or {stiffness: ...}")
+        contact = scene.contact_law(1.0)
+        if hasattr(contact, "remember"):
+            raise ValueError("walls: contacts that remember are known between beads only; leave the walls out")
+        own = contact is not None and not hasattr(contact, "exponent")
         for key in ("left", "right"):
             kind = getattr(self, key)
             if isinstance(kind, Face) and not LEAST <= (strength := _strength(kind, scene)) <= MOST:
                 raise ValueError(
                     f"walls.{key}.stiffness: {strength:.3g} times that of two beads; from {LEAST:g} to {MOST:g} times"
                 )
+            if kind not in (None, "bead") and own:
+                raise ValueError(f"walls.{key}: is known for contacts whose force is a power of the overlap; take bead")
             if kind in ("flat", "rigid") and (exponent := scene.contact_scale[0]) != HERTZ:
                 raise ValueError(
                     f"walls.{key}: how hard a {kind} wall is is known for spheres, of exponent {HERTZ:g}, not "
@@ -91,14 +97,24 @@ class Walls(Ingredient):
                         f"walls.{key}: beads of more than {MOST_GROUPS} kinds meet it, too many for LAMMPS; "
                         "say {stiffness: ...}"
                     )
-                found.append(Wall(f"{key}_wall", _law(strength, side, scene)))
+                found.append(Wall(f"{key}_wall", _law(key, strength, scene), side, scene.gap / scene.scale.length))
         return tuple(found)
 
 
-def _law(strength: NDArray[np.float64], side: float, scene: "BaseScene") -> FreeWall:
-    """Hertz's where the contacts' is that."""
-    exponent, gap = scene.contact_scale[0], scene.gap / scene.scale.length
-    return HertzWall(strength, side, gap) if exponent == HERTZ else PowerWall(strength, exponent, side, gap)
+def _law(key: str, strength: NDArray[np.float64], scene: "BaseScene") -> Law:
+    """That of the contacts, with this strength.
+
+    Raises:
+        ValueError: it does not vanish where the strength is 0.
+    """
+    law = scene.contact_law(strength) or Hertz(strength)
+    with np.errstate(all="ignore"):
+        if not np.all(np.isfinite(law.reach(1.0, *law))):
+            raise ValueError(
+                f"walls.{key}: a wall has the law of the contacts, and the reach of theirs is not 0 where its strength "
+                "is; make it so, or leave the wall out"
+            )
+    return law
 
 
 def _bead(kind: Kind, scene: "BaseScene", bead: int) -> float | NDArray[np.float64]:

@@ -12,7 +12,6 @@ import numpy as np
 from lammps_inputs.deck_lines import Lines
 from lammps_inputs.laws import Parameter
 from lammps_inputs.laws.contact import Hertz, Power
-from lammps_inputs.laws.wall import HertzWall, PowerWall, wall_lines
 
 if TYPE_CHECKING:
     from lammps_inputs.layout import Layout
@@ -126,120 +125,15 @@ _LEAST = 1e-80
 """In place of an overlap of 0; its third power is a number, and so is that of any overlap over it."""
 
 
-class PreloadedWall(NamedTuple):
-    """The same as `Preloaded` of a bead and a wall on its right, the mirror image of that of one on its left."""
-
-    strength: Parameter
-    """A; 0 for beads that have no wall."""
-    side: float
-    """1 for a wall towards higher bead numbers, -1 towards lower ones."""
-    rest: Parameter
-    """d0, the overlap at rest."""
-    load: Parameter
-    """F0."""
-
-    @property
-    def exponent(self) -> float:
-        """Of the overlap, in the force."""
-        return 1.5
-
-    @staticmethod
-    def force(s: Any, strength: Any, side: Any, rest: Any, load: Any) -> Any:
-        """Repulsion by the wall above that at rest."""
-        closed = np.maximum(rest + side * s, 0.0)
-        return side * (strength * (closed * np.sqrt(closed)) - load)
-
-    @staticmethod
-    def energy(s: Any, strength: Any, side: Any, rest: Any, load: Any) -> Any:
-        """As of `Preloaded`."""
-        return Preloaded.energy(side * s, strength, rest, load)
-
-    @staticmethod
-    def stiffness(s: Any, strength: Any, side: Any, rest: Any, load: Any) -> Any:
-        """As of `Preloaded`."""
-        return Preloaded.stiffness(side * s, strength, rest, load)
-
-    @staticmethod
-    def reach(energy: Any, strength: Any, side: Any, rest: Any, load: Any) -> Any:
-        """Displacement at which one contact holds the whole energy; 0 where there is none."""
-        return side * Preloaded.reach(energy, strength, rest, load)
-
-    def overlap(self, energy: float) -> Any:
-        """The overlap, that at rest included, at which one contact holds the whole energy."""
-        return self.rest + np.abs(self.reach(energy, *self))
-
-    def opposite(self) -> "PreloadedWall":
-        """The same on the other side."""
-        return self._replace(side=-self.side)
-
-    def ground(self, name: str, layout: "Layout") -> Lines:
-        """A wall that is nearer by the overlap at rest."""
-        return wall_lines(name, self, layout)
-
-
-class PreloadedPowerWall(NamedTuple):
-    """The same as `PreloadedPower` of a bead and a wall."""
-
-    strength: Parameter
-    """A; 0 for beads that have no wall."""
-    exponent: float
-    """p."""
-    side: float
-    """1 for a wall towards higher bead numbers, -1 towards lower ones."""
-    rest: Parameter
-    """d0, the overlap at rest, never quite 0."""
-    load: Parameter
-    """F0."""
-
-    @staticmethod
-    def force(s: Any, strength: Any, exponent: Any, side: Any, rest: Any, load: Any) -> Any:  # noqa: ARG004
-        """Repulsion by the wall above that at rest."""
-        closer = side * s / np.maximum(rest, _LEAST)
-        return side * load * np.expm1(exponent * np.log1p(np.maximum(closer, _OPEN)))
-
-    @staticmethod
-    def energy(s: Any, strength: Any, exponent: Any, side: Any, rest: Any, load: Any) -> Any:
-        """As of `PreloadedPower`."""
-        return PreloadedPower.energy(side * s, strength, exponent, rest, load)
-
-    @staticmethod
-    def stiffness(s: Any, strength: Any, exponent: Any, side: Any, rest: Any, load: Any) -> Any:
-        """As of `PreloadedPower`."""
-        return PreloadedPower.stiffness(side * s, strength, exponent, rest, load)
-
-    @staticmethod
-    def reach(energy: Any, strength: Any, exponent: Any, side: Any, rest: Any, load: Any) -> Any:
-        """Displacement at which one contact holds the whole energy; 0 where there is none."""
-        return side * PreloadedPower.reach(energy, strength, exponent, rest, load)
-
-    def overlap(self, energy: float) -> Any:
-        """The overlap, that at rest included, at which one contact holds the whole energy."""
-        return self.rest + np.abs(self.reach(energy, *self))
-
-    def opposite(self) -> "PreloadedPowerWall":
-        """The same on the other side."""
-        return self._replace(side=-self.side)
-
-    def ground(self, name: str, layout: "Layout") -> Lines:
-        """A wall that is nearer by the overlap at rest."""
-        return wall_lines(name, self, layout)
-
-
 Contact = Hertz | Power
 """Laws of contacts of which it is known how they bear a load."""
 
-FreeWall = HertzWall | PowerWall
-"""Laws of walls that bear none."""
 
-LoadedWall = PreloadedWall | PreloadedPowerWall
-"""Those that do."""
-
-
-def rest_under(law: Contact | FreeWall, load: Parameter) -> Parameter:
+def rest_under(law: Contact, load: Parameter) -> Parameter:
     """Overlap at which a contact has a force; 0 where there is no contact."""
     there = np.asarray(law.strength) > 0.0
     bare = np.where(there, np.asarray(load) / np.where(there, law.strength, 1.0), 0.0)
-    rest = bare ** (1.0 / law.exponent) if isinstance(law, Power | PowerWall) else np.cbrt(bare) ** 2
+    rest = bare ** (1.0 / law.exponent) if isinstance(law, Power) else np.cbrt(bare) ** 2
     return rest if np.ndim(rest) else float(rest)
 
 
@@ -255,14 +149,6 @@ def under(law: Contact, load: Parameter, grid: float) -> Preloaded | PreloadedPo
     if isinstance(law, Power):
         return PreloadedPower(law.strength, law.exponent, *_power_at(law, rest))
     return Preloaded(law.strength, rest, _held(law.strength, rest))
-
-
-def wall_under(law: FreeWall, load: Parameter, grid: float) -> LoadedWall:
-    """The same of a wall."""
-    rest = _rounded(rest_under(law, load), grid)
-    if isinstance(law, PowerWall):
-        return PreloadedPowerWall(law.strength, law.exponent, law.side, *_power_at(law, rest))
-    return PreloadedWall(law.strength, law.side, rest, _held(law.strength, rest))
 
 
 def pressed(law: Any, factor: float) -> Any:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from lammps_inputs import laws, physics
 from lammps_inputs.laws import dashpot
 from lammps_inputs.laws.in_time import Sine
-from lammps_inputs.links import Across, Along, WallDamper, largest_eigenvalue
+from lammps_inputs.links import Across, Along, Wall, largest_eigenvalue
 from lammps_inputs.scheme import SchemeName, largest_phase
 from lammps_inputs.system import System
 
@@ -72,9 +72,9 @@ def drag(system: System) -> float:
         if isinstance(link, Along):
             reached = dashpot.at_reach(link.law, system.along[0].law, physics.energy(system))
             contacts = contacts + _on_beads(system, reached)
-        elif isinstance(link, WallDamper):
+        elif isinstance(link, Wall):
             contacts = contacts + dashpot.at_reach(
-                link.law, physics.wall_at(system, link.law.side).law, physics.energy(system)
+                link.law, physics.wall_at(system, link.side).law, physics.energy(system)
             )
         else:
             graph = largest_eigenvalue(link, system.chains) if isinstance(link, Across) else 1.0

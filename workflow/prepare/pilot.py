@@ -104,29 +104,6 @@ class Kept:
         return replace(self, frames=tuple(replace(block, problem=problem) for block in self.frames))
 
 
-@dataclass(frozen=True)
-class Found:
-    """Steps that keep an accuracy in a problem; dimensionless.
-
-    Attributes:
-        timestep: mean Verlet step of LAMMPS.
-        reference_timestep: step of the reference, whose uncertainty is `SURE` of the accuracy.
-        error: largest error of any velocity that is to be expected.
-        measured_error: error that was measured: the same, or a larger one from which it was carried over.
-        measured: share of the run's time over which it was measured; 0 where the rule gave it.
-        limited: whether the step could not be longer for the frames, the energy or the stability bound.
-        reference: the run with the reference's step, where it fits into memory and is of the whole problem.
-    """
-
-    timestep: float
-    reference_timestep: float
-    error: float
-    measured_error: float
-    measured: float
-    limited: bool
-    reference: Kept | None = None
-
-
 class UnreachableError(Exception):
     """No step keeps the accuracy; says why."""
 
@@ -137,7 +114,7 @@ def load(problem: Problem) -> None:
         engine.run(replace(problem, frames=1), scheme=table, steps_per_frame=2)
 
 
-def measure(problem: Problem, accuracy: float, most_work: float) -> Found | None:
+def measure(problem: Problem, accuracy: float, most_work: float) -> Settings | None:
     """Measure the error at a first guess of the step, carry that to the accuracy by the order, measure again.
 
     Args:
@@ -160,7 +137,7 @@ def measure(problem: Problem, accuracy: float, most_work: float) -> Found | None
     steps = guessed_reference_steps(problem, accuracy)
     errors: dict[int, float] = {}
     certificates: dict[int, float] = {}
-    good: dict[int, Found] = {}
+    good: dict[int, Settings] = {}
     kept: dict[int, Kept] = {}
     spent = 0.0
     for _ in range(_MOST_TRIALS):
@@ -175,7 +152,8 @@ def measure(problem: Problem, accuracy: float, most_work: float) -> Found | None
         if sure and error <= _HIGHEST * accuracy:
             limited = cycles == fewest
             step, own = problem.every / (cycles * cycle), problem.every / steps
-            good[cycles] = Found(step, own, error, error, 1.0, limited, kept.get(steps))
+            chosen = accuracy, step, cycles * cycle, own, error, error
+            good[cycles] = Settings(*chosen, measured=1.0, limited=limited, reference=kept.get(steps))
             if error >= _LOWEST * accuracy or cycles == fewest:
                 break
         if error > 2.0 * certificates[steps] or sure:
@@ -326,7 +304,7 @@ _TRIALS = 2.0
 """Work of a measurement over that of its first trial, about."""
 
 
-def search(problem: Problem, accuracy: float, *, most_work: float = MOST_WORK) -> Found:
+def search(problem: Problem, accuracy: float, *, most_work: float = MOST_WORK) -> Settings:
     """The longest time step, within a factor of about two, that keeps every velocity within an accuracy.
 
     Args:
@@ -343,7 +321,7 @@ def search(problem: Problem, accuracy: float, *, most_work: float = MOST_WORK) -
     return found
 
 
-def _found(problem: Problem, accuracy: float, most_work: float) -> Found:
+def _found(problem: Problem, accuracy: float, most_work: float) -> Settings:
     limit = budget = most_work
     for share, asked in _ways(accuracy, problem.duration):
         trial = _shorter(problem, share)
@@ -366,11 +344,12 @@ def _found(problem: Problem, accuracy: float, most_work: float) -> Found:
     return by_rule(problem, accuracy)
 
 
-def by_rule(problem: Problem, accuracy: float) -> Found:
+def by_rule(problem: Problem, accuracy: float) -> Settings:
     """The step for an accuracy where nothing is measured."""
     step = guessed_step(problem, accuracy)
     reference = problem.every / guessed_reference_steps(problem, accuracy)
-    return Found(step, reference, accuracy, accuracy, 0.0, limited=step == largest_step(problem, accuracy))
+    chosen = accuracy, step, math.ceil(problem.every / step), reference, accuracy, accuracy
+    return Settings(*chosen, measured=0.0, limited=step == largest_step(problem, accuracy))
 
 
 def _ways(accuracy: float, duration: float) -> Iterator[tuple[float, float]]:
@@ -412,19 +391,20 @@ def _refuse_chaos(problem: Problem, shorter: Problem, share: float, accuracy: fl
         raise UnreachableError(f"errors grow {certificate / usual:.0f} times as much as they usually do: {CHAOS}")
 
 
-def _carried_over(measured: Found, problem: Problem, share: float, asked: float, accuracy: float) -> Found:
+def _carried_over(measured: Settings, problem: Problem, share: float, asked: float, accuracy: float) -> Settings:
     """From a cheaper measurement to the run itself."""
     ratio = accuracy * share / _MARGIN / asked
     order = _LEAST_ORDER if problem.scheme != "verlet" else 2.0 if problem.system.holds(Fact.SECOND_ORDER) else 1.0
     largest = largest_step(problem, accuracy)
     step = min(largest, measured.timestep * ratio ** (1.0 / order))
-    return Found(
+    return replace(
+        measured,
         timestep=step,
         reference_timestep=measured.reference_timestep * ratio ** (1.0 / _LEAST_ORDER),
-        error=measured.error * accuracy / asked,
-        measured_error=measured.error,
+        expected_error=measured.expected_error * accuracy / asked,
         measured=share,
         limited=measured.limited or step == largest,
+        reference=None,
     )
 
 
@@ -521,19 +501,14 @@ def with_timestep(scene: Scene, source: str = "") -> tuple[Scene, Settings]:
     except ValidationError as error:
         wrong = library.describe(error, Scene)
         raise InputError(f"{where}: {accuracy:g} needs a time step of {every / steps:.3g}; {wrong}") from None
-    return settled, Settings(
+    return settled, replace(
+        found,
         accuracy=accuracy,
         timestep=problem.every / steps,
         steps_per_frame=steps,
-        reference_timestep=found.reference_timestep,
-        expected_error=found.error,
-        measured_error=found.measured_error,
-        measured=found.measured,
-        limited=found.limited,
         seconds=time.perf_counter() - started,
         asked=asked,
         unreached=unreached,
-        reference=found.reference,
     )
 
 

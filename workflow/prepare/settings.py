@@ -39,7 +39,7 @@ class Settings:
     measured_error: float
     measured: float
     limited: bool
-    seconds: float
+    seconds: float = 0.0
     asked: bool = True
     unreached: str = ""
     reference: "Kept | None" = field(default=None, repr=False, compare=False)

@@ -14,7 +14,7 @@ from analysis.gauges.gauge import gauges
 from analysis.sharing.impulses import measure
 from analysis.sound.dispersion import Dispersion
 from analysis.sound.loaded_pulse import LoadedPulse
-from lammps_inputs import InputError, library
+from lammps_inputs import InputError, laws, library
 from lammps_inputs.limits import rates
 from workflow.cli import main
 from workflow.engines.reference import engine
@@ -198,6 +198,16 @@ def test_the_default_step_follows_sound_and_an_unstable_one_is_refused():
     assert loaded(precompression={"force": 1e3}).problem().timestep < 0.002
     with pytest.raises(InputError, match="unstable"):
         settle(loaded(precompression={"force": 3e3}, timestep=0.25))
+
+
+@pytest.mark.parametrize("force", [0.37, 0.38, 0.41])
+def test_between_unlike_walls_a_chain_rests_as_its_mirror_image_does(force):
+    soft, hard = {"stiffness": 0.3}, {"stiffness": 2.0}
+    one, other = (
+        loaded(beads=9, precompression={"force": force}, walls={"left": left, "right": right}).system.along[0].law
+        for left, right in ((soft, hard), (hard, soft))
+    )
+    assert laws.rest(one) == laws.rest(other)
 
 
 def test_a_scene_says_gravity_as_one_number_and_is_read_back():

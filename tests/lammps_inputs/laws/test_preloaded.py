@@ -5,8 +5,7 @@ import pytest
 
 from lammps_inputs import laws
 from lammps_inputs.laws.contact import Hertz, Power
-from lammps_inputs.laws.preloaded import pressed, under, wall_under
-from lammps_inputs.laws.wall import HertzWall, PowerWall
+from lammps_inputs.laws.preloaded import pressed, under
 
 LOADS = np.geomspace(1e-9, 1e6, 40)
 LAWS = {
@@ -14,8 +13,8 @@ LAWS = {
     "arrays": under(Hertz(np.linspace(0.5, 2.0, 40)), LOADS, 2.0**-42),
     "linear": under(Power(1.0, 1.0), 0.37, 2.0**-42),
     "cubic, arrays": under(Power(np.linspace(0.5, 2.0, 40), 3.0), LOADS, 2.0**-42),
-    "wall": wall_under(HertzWall(np.array([0.0, 0.0, 2.0]), -1.0, 0.0), np.array([0.0, 0.0, 0.4]), 2.0**-42),
-    "square wall": wall_under(PowerWall(np.array([0.0, 0.0, 2.0]), 2.0, 1.0, 0.0), np.array([0.0, 0.0, 0.4]), 2.0**-42),
+    "wall": under(Hertz(np.array([0.0, 0.0, 2.0])), np.array([0.0, 0.0, 0.4]), 2.0**-42),
+    "square wall": under(Power(np.array([0.0, 0.0, 2.0]), 2.0), np.array([0.0, 0.0, 0.4]), 2.0**-42),
 }
 
 
@@ -39,11 +38,12 @@ def test_the_energy_of_any_exponent_goes_on_smoothly_from_its_series():
         assert above == pytest.approx(below, rel=1e-11)
 
 
-def test_the_overlap_with_a_pressed_wall_is_that_at_rest_and_what_an_energy_adds():
+def test_reach_of_a_pressed_wall_is_what_an_energy_adds_and_0_for_beads_without_one():
     law = LAWS["wall"]
-    added = law.overlap(0.5)[2] - law.rest[2]
+    added = law.reach(0.5, *law)
     assert law.rest[2] > 0.3
-    assert laws.energy(law, law.side * added)[2] == pytest.approx(0.5, rel=1e-12)
+    assert added[:2].tolist() == [0.0, 0.0]
+    assert laws.energy(law, added)[2] == pytest.approx(0.5, rel=1e-12)
 
 
 def test_loads_are_those_asked_for_but_for_the_rounding_of_places():

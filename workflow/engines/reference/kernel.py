@@ -167,7 +167,8 @@ class _Writer:
         if called not in self._functions:
             self._used.append(getattr(law, function))
         self._functions[called] = f"{called} = inlined({self._laws[law]}.{function})"
-        return f"{called}({', '.join([*arguments, *term.parameters])})"
+        call = f"{called}({', '.join([*arguments, *term.parameters])})"
+        return f"{term.sign} * {call}" if term.sign else call
 
     def _sum(
         self, terms: Sequence[Term], function: str, *, rate: bool = False, number: int = 0

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from lammps_inputs import System, laws, physics
 from lammps_inputs.laws import dashpot
-from lammps_inputs.links import Across, Along, Ground, Link, WallDamper
+from lammps_inputs.links import Across, Along, Ground, Link, Wall
 from lammps_inputs.loads import Load, Motion
 
 Floats = NDArray[np.float64]
@@ -34,6 +34,7 @@ class Term:
         over: array that the term is a loop over: distances to other beads, or the places of a law in time.
         sums: room for three sums over distances, [sum, place].
         memory: array of what the law remembers; empty of one that knows no past.
+        sign: source of a factor of what the law gives; empty of 1.
     """
 
     law: Any
@@ -43,6 +44,7 @@ class Term:
     over: str = ""
     sums: str = ""
     memory: str = ""
+    sign: str = ""
 
 
 @dataclass(frozen=True)
@@ -99,8 +101,8 @@ def make_terms(system: System, *, as_lammps: bool, step: float) -> tuple[Terms, 
     row, gap = taken.add("row", np.uint64(physics.lines(system))), taken.add("gap", physics.gap(system))
     between = f"x[k - {row}] - x[k] - {gap}", f"v[k - {row}] - v[k]"
     ends = {kind: [link for link in system.dampers if isinstance(link, kind)] for kind in (Along, Across, Ground)}
-    walls = [link for link in ends[Ground] if isinstance(link, WallDamper)]
-    beads = [link for link in ends[Ground] if not isinstance(link, WallDamper)]
+    walls = [link for link in ends[Ground] if isinstance(link, Wall)]
+    beads = [link for link in ends[Ground] if not isinstance(link, Wall)]
     cut = any(dashpot.cut(link.law) for link in system.dampers)
     inverse = _inverse_mass(system, step if as_lammps and physics.centred(system) else 0.0)
     terms = Terms(
@@ -159,6 +161,10 @@ class _Parameters:
         for link in links:
             if isinstance(link, Across):
                 found += self._across(link)
+            elif isinstance(link, Wall):
+                side, gap = self.add("side", link.side), self.add("gap", link.gap)
+                term = self.term(link.law, f"{side} * x[k] - {gap}", f"{side} * v[k]", first=1)
+                found.append(replace(term, sign=side))
             else:
                 found.append(self.term(link.law, "x[k]", "v[k]", first=1))
         return tuple(found)
