@@ -158,29 +158,28 @@ RANKS, WINDOW = "ranks", "window"
 def settings(problem: Problem) -> list[Setting]:
     """Everything to be measured for a problem, which has the scene's own frames and time step."""
     system = problem.system
-    found = by_step(problem, "lammps", VERLET)
+    found = by_step(problem, LAMMPS, VERLET)
     if system.holds(Fact.REVERSIBLE):
-        found += by_step(problem, "lammps", SUZUKI4)
+        found += by_step(problem, LAMMPS, SUZUKI4)
     found += by_ranks(problem)
     for scheme in (BLANES_MOAN, SUZUKI4, VERLET):
-        found += by_step(problem, "reference", scheme)
+        found += by_step(problem, REFERENCE, scheme)
     found += by_window(problem)
     if physics.gap(system) > 0.0 and physics.simply_coupled(system):
         found.append(_setting(RIGID, 1.0, "exact", Job("collisions", problem)))
     return found
 
 
-def by_step(problem: Problem, engine: str, scheme: Scheme) -> list[Setting]:
+def by_step(problem: Problem, curve: str, scheme: Scheme) -> list[Setting]:
     """An engine by the length of a step; of LAMMPS that of a (mean) Verlet step, which a scene's ``timestep`` says."""
-    if engine == "reference":
-        curve = REFERENCE + scheme.name
-        jobs = [Job(engine, own, scheme) for own in stepped(problem, FINEST[scheme.name])]
+    if curve == REFERENCE:
+        jobs = [Job("reference", own, scheme) for own in stepped(problem, FINEST[scheme.name])]
     else:
         name: SchemeName = "suzuki4" if scheme is SUZUKI4 else "verlet"
         several = stepped(problem, FINEST[name], schemes.cycle(name), problem.timestep)
-        curve, jobs = LAMMPS + name, [Job(engine, replace(own, scheme=name)) for own in several]
+        jobs = [Job("lammps", replace(own, scheme=name)) for own in several]
     steps = [job.problem.timestep for job in jobs]
-    return [_setting(curve, step, f"step {step:.4g}", job) for step, job in zip(steps, jobs, strict=True)]
+    return [_setting(curve + scheme.name, step, f"step {step:.4g}", job) for step, job in zip(steps, jobs, strict=True)]
 
 
 def stepped(problem: Problem, finest: int, stages: int = 1, own: float | None = None) -> list[Problem]:
