@@ -167,8 +167,9 @@ def _uncorrelated(values: Floats) -> int:
 
 def resolution(values: Floats) -> float:
     """Step of values that are all multiples of one, as a converter or rounding makes them; 0 where there is none."""
-    steps = np.diff(np.unique(values[np.isfinite(values)]))
-    if not len(steps):
+    finite = values[np.isfinite(values)]
+    steps = np.diff(np.unique(finite))
+    if not len(steps) or steps.min() < np.finfo(float).eps * np.abs(finite).max():  # rounding, whose ratios overflow
         return 0.0
     multiples = steps / steps.min()
     return float(steps.min()) if np.all(np.abs(multiples - np.round(multiples)) < 0.01) else 0.0
