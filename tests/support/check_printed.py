@@ -515,7 +515,7 @@ def _no_map(case: Case, match: Any) -> bool:
 
 
 @rule(
-    r"sound: c0 = <n>(?: to <n>)? beads(?:/s| per unit time)(?: \(<n> m/s\))?(?:; the leading pulse runs at <n> c0 past beads (\d+) to (\d+), F_m/F_0 = <n>(?:: <n> of what .*)?)?"  # noqa: E501
+    r"sound: c0 = <n>(?: to <n>)? beads(?:/s| per unit time)(?: \(<n> m/s\))?(?:; the leading pulse runs at <n> c0 past beads (\d+) to (\d+), F_m/F_0 = <n>(?:: <n> of the long-wave theory .*)?)?"  # noqa: E501
 )
 def _sound(case: Case, match: Any) -> Said:
     told = case.report["sound"]
