@@ -115,13 +115,15 @@ def run(
         InputError: the scene or the directory cannot be used.
         RunError: the run failed.
     """
+    if not isinstance(ranks, int):
+        raise InputError(f"ranks: {ranks!r} given; a whole number, 1 or more")
     given, what = load(scene), engine_called(engine)
-    running.refuse(given, Path(directory), engine=engine, ranks=ranks, overwrite=overwrite)
+    running.refuse(given, _path(directory), engine=engine, ranks=ranks, overwrite=overwrite)
     whole, settings = settle(given, source="scene", own_step=what.own_step)
     with progress_bar(whole.name, whole.problem()) as progress:
         done = running.run(
             whole,
-            directory,
+            _path(directory),
             engine=engine,
             ranks=ranks,
             overwrite=overwrite,
@@ -202,7 +204,7 @@ def sweep(
 
     read = file.from_plain(dict(what), Path("sweep")) if isinstance(what, Mapping) else file.load(Path(what))
     with count_bar("sweep") as progress:
-        end = carry_out(read, Path(directory), processes=jobs, check=check, progress=progress)
+        end = carry_out(read, _path(directory), processes=jobs, check=check, progress=progress)
     if end.interrupted:
         raise RunError("interrupted: completed cases remain; the same call runs the rest")
     return collect(directory)
@@ -215,7 +217,7 @@ def collect(directory: Path | str) -> Table:
         InputError: there are none.
     """
     with count_bar("analyse") as progress:
-        return collecting.collect(Path(directory), progress)
+        return collecting.collect(_path(directory), progress)
 
 
 def fit(
@@ -248,7 +250,7 @@ def fit(
     names = [free] if isinstance(free, str) else list(free)
     source = str(scene) if isinstance(scene, str | Path) else "scene"
     return study.fit(
-        load(scene).plain(), Path(against), names, Path(directory), source=source, offset=offset, lammps=lammps
+        load(scene).plain(), Path(against), names, _path(directory), source=source, offset=offset, lammps=lammps
     )
 
 
@@ -269,7 +271,7 @@ def design(what: Mapping[str, Any] | Path | str, directory: Path | str, *, jobs:
 
     wanted = designs.from_plain(dict(what), Path("design")) if isinstance(what, Mapping) else designs.load(Path(what))
     with count_bar("design") as progress:
-        return study.carry_out(wanted, Path(directory), processes=jobs, progress=progress)
+        return study.carry_out(wanted, _path(directory), processes=jobs, progress=progress)
 
 
 def gallery(directory: Path | str, names: Sequence[str] = ()) -> "Sections":
@@ -281,7 +283,7 @@ def gallery(directory: Path | str, names: Sequence[str] = ()) -> "Sections":
     from workflow.studies.gallery import study
 
     with count_bar("gallery") as progress:
-        return study.gallery(Path(directory), [names] if isinstance(names, str) else names, progress=progress)
+        return study.gallery(_path(directory), [names] if isinstance(names, str) else names, progress=progress)
 
 
 def view(what: AnyRun) -> Page:
@@ -295,11 +297,22 @@ def view(what: AnyRun) -> Page:
 
     if isinstance(what, running.Run):
         what = what.directory
-    path = what.path if isinstance(what, RunDirectory) else Path(what)
+    path = what.path if isinstance(what, RunDirectory) else _path(what)
     return Page(write.write(path)[0])
 
 
 def _directory(run: AnyRun) -> RunDirectory:
     if isinstance(run, running.Run):
         return run.directory
-    return run if isinstance(run, RunDirectory) else RunDirectory(Path(run))
+    return run if isinstance(run, RunDirectory) else RunDirectory(_path(run))
+
+
+def _path(given: object) -> Path:
+    """A directory as the user gave it.
+
+    Raises:
+        InputError: it is no path.
+    """
+    if not isinstance(given, str | os.PathLike):
+        raise InputError(f"directory: {given!r} given; a path such as 'out'")
+    return Path(given)

@@ -108,7 +108,7 @@ def left(found: Survey, chain: int, period: int) -> Left | None:
 
 
 def _along(found: Survey, chain: int) -> tuple[Integers, Floats]:
-    """Beads ahead of the kick, counted along the way, and the share of the energy that the leading pulse has there."""
+    """Beads that the leading pulse passes clear of the kicked ones, along its way; its share of the energy there."""
     problem = found.problem
     own = found.waves.chain == chain
     way, share = along_the_way(problem, found.waves.bead[own]), found.shape.energy[own] / found.shared.energy
@@ -119,7 +119,7 @@ def _along(found: Survey, chain: int) -> tuple[Integers, Floats]:
         for _, bead, blow in physics.excitations(problem.system)
         if blow * found.direction > 0.0
     ]
-    known = np.isfinite(share) & (way > max(struck))
+    known = np.isfinite(share) & (way > max(struck) + reach(problem))  # none of the energy of kicked beads
     return way[known], share[known]
 
 

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -156,3 +157,16 @@ def test_the_notebook_runs(tmp_path, monkeypatch, capsys):
             exec(compile("".join(cell["source"]), NOTEBOOK.name, "exec"), names)
     assert "equipartitioned" in capsys.readouterr().out
     assert len(names["table"].rows) == 3
+
+
+@pytest.mark.parametrize(
+    ("call", "says"),
+    [
+        (lambda: api.run("two-chains", None), "directory: None given; a path such as 'out'"),
+        (lambda: api.run("two-chains", "out", ranks="2"), "ranks: '2' given; a whole number, 1 or more"),
+        (lambda: api.analyse(3), "directory: 3 given"),
+    ],
+)
+def test_an_argument_of_another_type_is_named(call, says):
+    with pytest.raises(api.InputError, match=re.escape(says)):
+        call()
