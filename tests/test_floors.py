@@ -132,8 +132,8 @@ def test_every_folder_of_a_package_is_listed_and_has_a_docstring(package):
 
 
 @pytest.mark.parametrize("package", STAIRS)
-def test_the_readme_of_a_package_names_its_subpackages_and_modules(package):
-    text = (ROOT / package / "README.md").read_text(encoding="utf-8")
+def test_the_developer_guide_of_a_package_names_its_subpackages_and_modules(package):
+    text = (ROOT / package / "DEVELOPING.md").read_text(encoding="utf-8")
     modules = [path.name for path in (ROOT / package).glob("*.py") if path.stem != "__init__"]
     assert [name for name in (*STAIRS[package], *modules) if f"`{name}`" not in text] == []
 
