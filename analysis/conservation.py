@@ -64,7 +64,7 @@ class Account:
         total = float(self.put_in[-1])
         parts = {name: float(part[-1]) for name, part in (*self.held.items(), *self.losses.items())}
         named = sorted(((part, name) for name, part in parts.items() if part > 0.0), reverse=True)
-        said = f"energy: {scale.written(total, 'energy')} energy input until t = {scale.written(self.time[-1], 'time')}"
+        said = f"energy input {scale.written(total, 'energy')} until t = {scale.written(self.time[-1], 'time')}"
         if not total > _LITTLE * self.most:  # a drive may have taken back what it gave
             return f"{said}, at most {scale.written(self.most, 'energy')} before"
         return f"{said}, of which {', '.join(f'{part / total:.2%} {name}' for part, name in named)}"

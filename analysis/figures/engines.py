@@ -78,7 +78,7 @@ def engines_figure(problem: Problem, rows: Sequence[int], curves: Sequence[Curve
                 axis.plot(curve.time * time.worth, values, color=_colour(place), label=curve.engine, **_look(number))
         axis.set_xlim(span[0] * time.worth, span[1] * time.worth)
         axis.set_title(f"bead {rows[position]}", loc="left")
-        axis.set_ylabel(f"$v$ ({velocity.symbol})")
+        axis.set_ylabel(f"velocity $v$ ({velocity.symbol})")
     axis.set_xlabel(time.label(Frames, "time"))
     handles = [Line2D([], [], color="black", label=curve.engine, **_look(k)) for k, curve in enumerate(curves)]
     if len(chains) > 1:

@@ -60,7 +60,7 @@ def spectra_figure(problem: Problem, spectra: Spectra) -> Figure:
             height = np.maximum(spectra.amplitude[:, chain, place] * velocity.worth, DEEPEST * top)
             draw_chain(axis, position, chain, spectra.frequency * frequency.worth, height)
         axis.set_yscale("log")
-        axis.set_ylabel(f"bead {spectra.beads[place]}\n({velocity.symbol})")
+        axis.set_ylabel(f"bead {spectra.beads[place]}: velocity\namplitude ({velocity.symbol})")
     axes[0].set_ylim(DEEPEST * top, 2.0 * top)
     axes[-1].set_xlabel(frequency.label(SpectrumTable, "frequency"))
     figure.suptitle(title(problem, each_chain=True, until=problem.duration))

@@ -85,10 +85,12 @@ def _draw_waves(axis: Axes, problem: Problem, shared: Sharing, energies: EnergyS
         not physics.gap(system) and physics.alike(system) and system.holds(Fact.SONIC_VACUUM)
     ):  # what runs down other beads, or with gaps, is no exact wave
         exact = np.sum(shared.wave_share, axis=1)
-        lines += axis.plot(shared.bead, exact, color="0.65", linewidth=3.0, label="all waves, if exact", **few)
+        lines += axis.plot(
+            shared.bead, exact, color="0.65", linewidth=3.0, label="sum of exact solitary-wave energies", **few
+        )
     if measured:
-        lines += axis.plot(bead, np.sum(energies.wave, axis=1), color="black", linewidth=1.0, label="all waves")
-    axis.set_ylabel("energy of waves / all")
+        lines += axis.plot(bead, np.sum(energies.wave, axis=1), color="black", linewidth=1.0, label="all pulses")
+    axis.set_ylabel("energy of pulses /\nenergy input")
     axis.set_ylim(0.0, 1.05)
     axis.legend(handles=lines, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.0)
 
@@ -97,7 +99,7 @@ def _draw_chains(axis: Axes, problem: Problem, shared: Sharing, energies: Energy
     bead = shared.bead[energies.place].astype(np.float64)
     for place, chain in enumerate(shown_chains(problem)):
         draw_chain(axis, place, chain, bead, energies.chain[:, chain])
-    axis.set_ylabel("energy of chains / all")
+    axis.set_ylabel("energy of chains /\nenergy input")
     axis.set_ylim(0.0, 1.05)
 
 
@@ -152,7 +154,7 @@ def shape_figure(problem: Problem, waveforms: Waveforms, beads: Sequence[int]) -
         below.set_xlabel("distance ahead of the peak (beads)")
         below.ticklabel_format(axis="y", scilimits=(-2, 2))
     axes[0, 0].set_ylabel("velocity / peak")
-    axes[1, 0].set_ylabel("minus exact wave")
+    axes[1, 0].set_ylabel("difference from\nexact wave")
     figure.suptitle(title(problem, each_chain=True))
     return figure
 
@@ -210,11 +212,11 @@ def response_figure(data: BeadHistory) -> Figure:
         _draw(whole, data, number, data.time * time.worth, velocity.worth)
         inside = (data.time >= low) & (data.time <= high)
         _draw(near, data, number, (data.time - middle) * close.worth, velocity.worth, inside)
-        near.set_title(f"around $t$ = {middle * time.worth:.4g}{then}", loc="left")
+        near.set_title(rf"$t_\mathrm{{peak}}$ = {middle * time.worth:.4g}{then}", loc="left")
         whole.set_title(f"bead {data.beads[number]}", loc="left")
-        whole.set_ylabel(f"$v$ ({velocity.symbol})")
+        whole.set_ylabel(f"velocity $v$ ({velocity.symbol})")
     axes[-1, 0].set_xlabel(time.label(Frames, "time"))
-    axes[-1, 1].set_xlabel(f"time from then ({close.symbol})")
+    axes[-1, 1].set_xlabel(rf"$t - t_\mathrm{{peak}}$ ({close.symbol})")
     chain_legend(figure, axes[0, 0])
     figure.suptitle(title(problem, each_chain=True, until=float(data.time[-1])) + _still(data, moved))
     return figure

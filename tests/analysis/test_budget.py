@@ -72,7 +72,7 @@ def test_the_sentence_is_in_the_scenes_units_and_names_the_largest_part_first(si
     account = Account(np.array([0.0, 7.0]), np.array([4.0, 4.0]), **parts, lost={"bead_damping": np.array([0.0, 2.5])})
     joule, second = (" J", " s") if si else ("", "")
     assert account.sentence(scale) == (
-        f"energy: {4.0 * scale.energy:.6g}{joule} energy input until t = {7.0 * scale.time:.6g}{second}, of which "
+        f"energy input {4.0 * scale.energy:.6g}{joule} until t = {7.0 * scale.time:.6g}{second}, of which "
         "62.50% lost in bead damping, 25.00% kinetic, 12.50% springs"
     )
     assert plain(account, scale)["time"] == [0.0, 7.0 * scale.time]

@@ -445,7 +445,7 @@ def _drifts(case: Case, match: Any) -> Said | bool:
     return [(match[k], told[name]) for k, name in ((1, "energy_drift"), (2, "momentum_drift")) if match[k] is not None]
 
 
-@rule(r"energy: <n>(?: J)? energy input until t = <n>(?: s)?, (?:at most <n>(?: J)? before|of which (.*))")
+@rule(r"energy input <n>(?: J)? until t = <n>(?: s)?, (?:at most <n>(?: J)? before|of which (.*))")
 def _budget(case: Case, match: Any) -> Said:
     told = case.report["budget"]
     total = told["put_in"][-1]

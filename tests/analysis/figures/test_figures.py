@@ -140,7 +140,7 @@ def test_beside_the_whole_run_the_passage_is_shown_close_up(found):
     at = found.waves.at(50)
     assert y.max() == pytest.approx(at.peak_velocity[0], abs=2e-3)
     assert abs(x[np.argmax(y)]) < 0.5
-    assert near.get_title(loc="left").startswith("around $t$ = ")
+    assert near.get_title(loc="left").startswith(r"$t_\mathrm{peak}$ = ")
 
 
 def test_a_cut_run_says_so_and_beads_that_have_not_moved_are_named_not_drawn():
@@ -165,7 +165,7 @@ def test_si_axes_have_prefixed_units_and_numbers_without_powers_of_ten():
     time, velocity, lag = (
         figures[0].axes[0].get_ylabel(), figures[1].axes[0].get_ylabel(), figures[2].axes[-1].get_ylabel()
     )  # fmt: skip
-    assert (time, velocity) == ("time $t$ (ms)", "$v$ (mm/s)")
+    assert (time, velocity) == ("time $t$ (ms)", "velocity $v$ (mm/s)")
     assert lag == "lag behind chain 1 (\N{MICRO SIGN}s)"
     for figure in figures:
         figure.draw_without_rendering()

@@ -111,7 +111,7 @@ def test_the_spectra_figure_has_each_bead_chain_and_drive_where_it_says(problem)
     hertz = 1.0 / problem.scale.time
     assert axes[-1].get_xlabel() == ("frequency $f$ (Hz)" if problem.scale.si else "frequency $f$ (reduced)")
     for place, axis in enumerate(axes):
-        assert axis.get_ylabel().startswith(f"bead {spectra.beads[place]}\n")
+        assert axis.get_ylabel().startswith(f"bead {spectra.beads[place]}: velocity\namplitude (")
         velocity = unit_of(axis.get_ylabel(), problem, {"mm/s": 1e-3, "\N{MICRO SIGN}m/s": 1e-6})
         for chain, line in all_shown(axis, problem):
             expected = amplitude[:, chain - 1, place] * problem.scale.velocity
