@@ -11,7 +11,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from lammps_inputs import handbook, schema
+from lammps_inputs import references, schema
 from lammps_inputs.ingredients import INGREDIENTS, coupling, unequal
 from lammps_inputs.ingredients.preload import Gravity
 from lammps_inputs.output import Forces, Limits, Output, Spectra
@@ -23,17 +23,22 @@ _TYPES += [unequal.Kind, unequal.Replacement, unequal.Disorder, unequal.Striker,
 PARTS = {model.__name__: model for model in _TYPES if model is not Gravity}  # which is a number
 """Types whose keys have a table, by name."""
 
+PAGES = ("SCENES.md", "MODEL.md")
+
 _UNBOUNDED = 1e6
 """Bounds beyond it guard against overflow only."""
 
 
 def renewed(page: str) -> str:
-    """The page with every table between ``<!-- keys: NAME -->`` and ``<!-- end -->`` made from the types.
+    """The page with every table between ``<!-- keys: NAME -->`` and ``<!-- end -->``, and the list of references.
 
     NAME is one of `PARTS`, or keys of a scene, separated by spaces.
     """
     mark = re.compile(r"(<!-- keys: ([\w ]+) -->\n).*?(<!-- end -->)", re.S)
-    return mark.sub(lambda found: found[1] + table(found[2]) + found[3], page)
+    page = mark.sub(lambda found: found[1] + table(found[2]) + found[3], page)
+    head, mark_of_list, rest = page.partition("<!-- references -->\n")
+    listed = "".join(f"{number}. {references.text(key)}.\n" for number, key in enumerate(references.bibtex(), 1))
+    return head + mark_of_list + (listed + rest[rest.index("<!-- end -->") :] if mark_of_list else "")
 
 
 def table(name: str) -> str:
@@ -125,5 +130,6 @@ def _value(value: Any) -> str:
 
 
 if __name__ == "__main__":
-    place = Path(str(importlib.resources.files("lammps_inputs") / "SCENES.md"))
-    place.write_text(renewed(handbook.page()), encoding="utf-8")
+    for name in PAGES:
+        place = Path(str(importlib.resources.files("lammps_inputs") / name))
+        place.write_text(renewed(place.read_text(encoding="utf-8")), encoding="utf-8")

@@ -241,7 +241,7 @@ class BaseScene(Part):
     def _check_wanted(self) -> None:
         """Refuse choices that build on what an ingredient takes away."""
         wanted = self.wanted
-        for key, ingredient in self._named if wanted else ():
+        for key, ingredient in self.named if wanted else ():
             for fact in ingredient.lacks(self) & wanted.keys():
                 reason = ingredient.why.get(fact, f"takes away that {fact.value}")
                 raise ValueError(f"{key}: {reason}; leave the {wanted[fact]} out")
@@ -414,7 +414,7 @@ class BaseScene(Part):
             yield _kick_key(self, number).partition("[")[0], abs(kick.velocity)
         ball = self.material
         mass = 1.0 if ball is None else sphere_mass(ball.radius, ball.density)
-        for key, ingredient in self._named:
+        for key, ingredient in self.named:
             yield key, ingredient.speed(mass)
 
     def contact_law(self, strength: laws.Parameter) -> laws.Law | None:
@@ -425,10 +425,10 @@ class BaseScene(Part):
     @property
     def ingredients(self) -> tuple[Ingredient, ...]:
         """What the scene names of all that a scene may be made of."""
-        return tuple(ingredient for _, ingredient in self._named)
+        return tuple(ingredient for _, ingredient in self.named)
 
     @property
-    def _named(self) -> Iterator[tuple[str, Ingredient]]:
+    def named(self) -> Iterator[tuple[str, Ingredient]]:
         """The same, each with its key."""
         for key in INGREDIENTS:
             named = getattr(self, key)
@@ -485,7 +485,7 @@ class BaseScene(Part):
     def _loaded_by(self) -> str:
         """Key of the first static load."""
         mass, _ = masses_and_strengths(self)
-        return next(key for key, ingredient in self._named if np.any(ingredient.static(self, mass)))
+        return next(key for key, ingredient in self.named if np.any(ingredient.static(self, mass)))
 
     def _cadence(self) -> tuple[float, int]:
         """Time between frames in the scene's units, and time steps in it."""

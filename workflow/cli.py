@@ -38,7 +38,7 @@ except (ImportError, SyntaxError):
 _HERE = Path(__file__).parent
 
 GROUPS: dict[str, tuple[str, ...]] = {
-    "Scenes": ("scenes", "show", "new", "help"),
+    "Scenes": ("scenes", "show", "new", "cite", "help"),
     "Runs": ("run", "deck", "status", "rerun"),
     "Analysis": ("analyze", "view", "validate"),
     "Studies": (
@@ -57,7 +57,7 @@ FIRST = ("show", "run", "analyze", "view", "sweep")
 
 ALIASES = {"analyse": "analyze"}
 
-PRINTED = ("scenes", "show", "help", "status", "bench", "schema", "completion")
+PRINTED = ("scenes", "show", "cite", "help", "status", "bench", "schema", "completion")
 """Commands that make nothing but what they print."""
 
 

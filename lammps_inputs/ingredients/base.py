@@ -55,6 +55,8 @@ class Ingredient(Part):
     """Of what it takes away, the reason, for users who ask for what builds on it (`BaseScene.wanted`)."""
     several: ClassVar[bool] = False
     """Whether a scene may have a list of them."""
+    sources: ClassVar[tuple[str, ...]] = ()
+    """Publications of its model, keys of `references.bib`."""
 
     @classmethod
     def from_files(cls, value: Any, folder: Path) -> Any:  # noqa: ARG003
@@ -74,6 +76,10 @@ class Ingredient(Part):
         Raises:
             ValueError: as `refuse`.
         """
+
+    def cited(self) -> tuple[str, ...]:
+        """Publications of the models that it has chosen."""
+        return self.sources
 
     def links(self, scene: "BaseScene") -> tuple[Link, ...]:  # noqa: ARG002
         """The links that it makes, dimensionless; none where its numbers come to nothing."""

@@ -81,6 +81,7 @@ class Coupling(Ingredient):
     """Springs between chains: a force ``stiffness s + cubic s**3`` for beads of a row that are s apart."""
 
     example: ClassVar[str] = "{stiffness: 0.1}"
+    sources = ("starosvetsky2013",)
 
     model: Literal["linear"] = "linear"
     """Kind of spring."""

@@ -55,6 +55,14 @@ def _of_law(damping: Mapping[str, Any]) -> str:
     return {"viscoelastic": "kg/(s m^0.5)", "restitution": ""}.get(damping.get("law"), "kg/s")  # type: ignore[arg-type]
 
 
+SOURCES = {
+    "linear": ("rosas2007",),
+    "viscoelastic": ("kuwabara1987", "brilliantov1996"),
+    "restitution": ("tsuji1992", "antypov2011"),
+}
+"""Publications of the laws of contacts."""
+
+
 class Damping(Ingredient):
     """Forces against velocities, each absent if its coefficient is 0 or not given."""
 
@@ -142,6 +150,10 @@ class Damping(Ingredient):
             and not physics.one_kind(system)
         ):
             raise ValueError("damping.tension: is cut at the force of equal contacts only; leave it out")
+
+    def cited(self) -> tuple[str, ...]:
+        """Of the contacts' law."""
+        return () if self.contact is None else SOURCES[self.law or "linear"]
 
     def dampers(self, scene: "BaseScene") -> tuple[Link, ...]:
         """Of contacts, springs and beads."""

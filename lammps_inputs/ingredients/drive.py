@@ -20,6 +20,7 @@ class Drive(OnBead):
     """``displacement * (sin(2 pi frequency t + phase) - sin(phase))``, or a force ``force * sin(...)``, of one bead."""
 
     example: ClassVar[str] = "{displacement: 0.1, frequency: 0.05}"
+    sources = ("coste1997",)
 
     key = "drive"
 

@@ -35,6 +35,7 @@ class Foundation(Ingredient):
     """Springs from the beads to the ground: a force ``-stiffness x - cubic x**3``."""
 
     example: ClassVar[str] = "{stiffness: 0.1}"
+    sources = ("starosvetsky2012",)
 
     takes_away = frozenset({Fact.MOMENTUM, Fact.PULSE, Fact.FRONT})
     why = MappingProxyType({Fact.FRONT: "beads behind a window keep oscillating"})

@@ -62,6 +62,7 @@ class Precompression(_Load):
     """A constant force that presses the ends of every chain together; where there are walls, they hold it."""
 
     example: ClassVar[str] = "{force: 1}"
+    sources = ("nesterenko2001", "daraio2006")
 
     key: ClassVar[str] = "precompression"
 
@@ -78,6 +79,7 @@ class Gravity(_Load):
 
     key: ClassVar[str] = "gravity"
     alone: ClassVar[str | None] = "acceleration"
+    sources = ("hong1999",)
 
     acceleration: Annotated[Positive, Unit("m/s2")]
     """Acceleration towards higher bead numbers."""

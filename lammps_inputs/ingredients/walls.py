@@ -53,6 +53,7 @@ class Walls(Ingredient):
     """Walls that all chains have in common; with a gap they stand as far away as beads do."""
 
     example: ClassVar[str] = "{right: rigid}"
+    sources = ("johnson1985",)
 
     takes_away = frozenset({Fact.MOMENTUM, Fact.FRONT})
     why = MappingProxyType({Fact.FRONT: "a window lets go of the rows that pulses come back through"})

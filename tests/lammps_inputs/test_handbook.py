@@ -1,10 +1,12 @@
 """What `granchain help` prints is the scene reference, whose tables are those of the types."""
 
 import re
+from pathlib import Path
 
 import pytest
 
-from lammps_inputs import handbook, key_tables, library
+import lammps_inputs
+from lammps_inputs import handbook, key_tables, library, references, shipped
 from lammps_inputs.ingredients import INGREDIENTS
 from lammps_inputs.scene import BaseScene, Scene
 
@@ -13,8 +15,21 @@ def test_every_key_of_a_scene_has_a_section():
     assert set(Scene.model_fields) - set(handbook.keys()) == set()
 
 
-def test_tables_of_keys_are_those_of_the_types():
-    assert key_tables.renewed(handbook.page()) == handbook.page(), "run `python -m lammps_inputs.key_tables`"
+@pytest.mark.parametrize("name", key_tables.PAGES)
+def test_tables_of_keys_are_those_of_the_types_and_references_those_of_the_bibliography(name):
+    page = (Path(lammps_inputs.__file__).parent / name).read_text(encoding="utf-8")
+    assert key_tables.renewed(page) == page, "run `python -m lammps_inputs.key_tables`"
+
+
+@pytest.mark.parametrize("name", shipped.installed())
+def test_what_a_scene_cites_is_in_the_bibliography(name):
+    cited = references.of_scene(library.find(name))
+    assert {key for keys in cited.values() for key in keys} <= set(references.bibtex())
+
+
+def test_a_damped_scene_cites_the_source_of_its_law():
+    assert references.of_scene(library.find("restitution"))["damping"] == ["tsuji1992", "antypov2011"]
+    assert references.text("antypov2011").endswith("EPL 94, 50004 (2011), doi:10.1209/0295-5075/94/50004")
 
 
 @pytest.mark.parametrize("name", [*key_tables.PARTS, " ".join(BaseScene.model_fields)])

@@ -1,0 +1,30 @@
+"""Print what a paper that uses a scene should cite, as text and BibTeX."""
+
+import argparse
+from importlib.metadata import version
+
+from lammps_inputs import library, references
+from workflow.screen import Answer
+
+ANSWERS = "subject -> keys of the publications"
+EXAMPLES = ("cite two-chains", "cite my.yaml --bibtex > references.bib")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The scene, and in which form."""
+    parser.add_argument("scene", metavar="SCENE", help="a YAML file, or the name of an installed scene")
+    parser.add_argument("--bibtex", action="store_true", help="print BibTeX entries only")
+
+
+def execute(arguments: argparse.Namespace) -> Answer:
+    """Software, engine, laws and schemes, each with its source."""
+    cited = references.of_scene(library.find(arguments.scene))
+    if arguments.bibtex:
+        wanted = dict.fromkeys(key for keys in cited.values() for key in keys)
+        print("\n".join(references.bibtex()[key] for key in wanted))
+        return Answer(0, cited)
+    print(f"software: granchain {version('granchain')}")
+    for subject, keys in cited.items():
+        for key in keys:
+            print(f"{subject}: {references.text(key)}")
+    return Answer(0, cited)
