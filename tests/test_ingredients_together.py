@@ -112,8 +112,9 @@ def test_many_mixtures(changes):
     closes_its_budget(changes)
 
 
+LIKE = {"a": {"mass": 1.0}, "b": {"radius": 1.0}}
 NEUTRAL = {
-    "kinds": {"kinds": {"a": {"mass": 1.0}, "b": {"radius": 1.0}}, "pattern": ["a", "b"]},
+    "kinds": {"kinds": LIKE, "pattern": ["a", "b"]},
     "taper": {"taper": 0.0},
     "disorder": {"disorder": {"mass": 0.0, "radius": 0.0, "seed": 7}},
     "striker": {"striker": {"mass": 1.0, "velocity": 1.0}, "kick": None},
@@ -122,7 +123,7 @@ NEUTRAL = {
     "all rows": {"coupling": {"stiffness": 0.1, "rows": [1, BEADS]}},
     "open": {"coupling": {"stiffness": 0.1, "topology": "open", "cubic": 0.0}},
     "edges": {"coupling": {"topology": {"edges": [[1, 2, 0.1]]}}},
-    "replaced by its like": {"kinds": {"same": {}}, "replace": [{"bead": 3, "kind": "same"}]},
+    "replaced by its like": {"kinds": LIKE, "replace": [{"bead": 3, "kind": "b"}]},
     "spheres": {"contact": {"exponent": 1.5}},
     "no dashpots": {"damping": {"contact": 0.0}},
     "no drag": {"damping": {"beads": 0.0}},
