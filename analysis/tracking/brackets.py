@@ -22,6 +22,7 @@ from analysis import hermite, motion
 from analysis.trajectory import Flags, Floats, Integers, Trajectory
 from lammps_inputs import Problem, laws, physics
 from lammps_inputs.laws import dashpot
+from lammps_inputs.limits import rates
 from lammps_inputs.loads import Load, Motion
 
 Forces = Iterator[tuple[float, Floats]]
@@ -153,6 +154,9 @@ FAR_APART = 0.5
 velocity Verlet's velocities differ from the slope of its displacements by ``timestep**2 / 6`` times the jerk.
 """
 
+FREQUENCY = 2.5
+"""Largest angular frequency of a Hertz chain without load after a kick of V, in units of 1 / T."""
+
 FLOOR = 1e-9
 """Error that rounding and bisection leave, in the wave's own time and in V."""
 
@@ -185,7 +189,7 @@ class Brackets:
     velocity: Floats
     """[power, maximum] in s = (time - origin) / spacing."""
     doubt: Floats
-    """How far ``velocity`` may be off: a share of what a polynomial of lower degree has more, [power, maximum]."""
+    """How far ``velocity`` may be off: a share of its difference from one of another degree, [power, maximum]."""
     kink: Floats
     """How far ``velocity`` and its slope may be off by forces that no polynomial follows, [0 or 1, maximum]."""
     beside: Floats
@@ -219,11 +223,13 @@ def bracketed(
         states.append(state)
     data = way * np.array(states)
 
-    def fit(states: Floats) -> tuple[Floats, Floats]:
-        return _polynomials(nodes, states[:, : data.shape[1]], spacing, by_equations=by_equations, noisy=noisy)
+    quick = spacing * max(1.0, rates.fastest(block.problem.system) / FREQUENCY) if by_equations else spacing
 
-    velocity, lower = fit(data)
-    share = _share_of_doubt(block.problem, spacing, by_equations=by_equations)
+    def fit(states: Floats) -> tuple[Floats, Floats]:
+        return _polynomials(nodes, states[:, : data.shape[1]], spacing, quick, by_equations=by_equations, noisy=noisy)
+
+    velocity, other = fit(data)
+    share = _share_of_doubt(block.problem, spacing, quick, by_equations=by_equations)
     kink, acted_on = np.zeros((2, len(frame))), np.zeros(len(frame), dtype=bool)
     beside = np.zeros(len(frame))
     if by_equations:
@@ -248,7 +254,7 @@ def bracketed(
         overlap=motion.larger_overlap(block, frame, chain, bead),
         displacement=data[0, 0],
         velocity=velocity,
-        doubt=share * (lower - velocity),
+        doubt=share * (other - velocity),
         kink=kink,
         beside=beside,
         whole=np.full(len(frame), block.problem.forces_known),
@@ -270,7 +276,9 @@ def _beside(block: Trajectory, frame: Integers, start: Integers, chain: Integers
         [x[at, chain, bead], v[at, chain, bead], *motion.acceleration_and_rate(block, at, chain, bead)]
         for at in (start, start + 1)
     ]
-    curve, _ = _polynomials((0, 1), way * np.array(states), block.spacing, by_equations=True, noisy=False)
+    curve, _ = _polynomials(
+        (0, 1), way * np.array(states), block.spacing, block.spacing, by_equations=True, noisy=False
+    )
     along = [hermite.value(curve, np.full(len(near), s)) for s in np.linspace(0.0, 1.0, _SAMPLES)]
     found[near] += np.max(along, axis=0) - way * v[frame, chain, bead]
     return found
@@ -296,32 +304,38 @@ def _pushed(
 
 
 def _polynomials(
-    nodes: tuple[int, ...], data: Floats, spacing: float, *, by_equations: bool, noisy: bool
+    nodes: tuple[int, ...], data: Floats, spacing: float, quick: float, *, by_equations: bool, noisy: bool
 ) -> tuple[Floats, Floats]:
-    """Velocity as a polynomial, and as one of a lower degree, each [power, maximum].
+    """Velocity as a polynomial, and as one of another degree, each [power, maximum].
 
     Args:
         nodes: frames.
         data: [node, derivative of the displacement, maximum].
         spacing: time between frames.
+        quick: the same in the time scale of the system's fastest motion, see `FREQUENCY`.
         by_equations: whether acceleration and its rate are there.
         noisy: whether displacements are of no use.
     """
     by_velocity = hermite.coefficients(nodes, data[:, 1:], spacing)
     by_both = hermite.derivative(hermite.coefficients(nodes, data, spacing)) / spacing
     if noisy:
-        best, lower = (by_velocity, by_velocity) if spacing < FAR_APART else (by_both, by_both)
-    elif not by_equations:
-        best, lower = by_both, by_velocity
-    elif spacing < FAR_APART:
-        best, lower = by_velocity, hermite.coefficients(nodes, data[:, 1:3], spacing)
+        best, other = (by_velocity, by_velocity) if spacing < FAR_APART else (by_both, by_both)
+    elif not by_equations or spacing >= FAR_APART:
+        best, other = by_both, by_velocity
+    elif quick >= FAR_APART:
+        best, other = by_velocity, by_both
     else:
-        best, lower = by_both, by_velocity
-    return _padded(best), _padded(lower)
+        best, other = by_velocity, hermite.coefficients(nodes, data[:, 1:3], spacing)
+    return _padded(best), _padded(other)
 
 
-def _share_of_doubt(problem: Problem, spacing: float, *, by_equations: bool) -> float:
+def _share_of_doubt(problem: Problem, spacing: float, quick: float, *, by_equations: bool) -> float:
     """Bound on the error of the better polynomial, in what the other differs, as measured on runs of known peaks.
+
+    A polynomial of degree five is off by the sixth derivative of velocity, and one of degree three differs from it by
+    the fourth. Their ratio is ``(omega * spacing)**2 / 120`` in an oscillation, but has no bound where several
+    frequencies add up. Where the fastest motion is short compared with the time between frames, the polynomial of
+    degree six, which has the sixth derivative, is the other one.
 
     Measured at couplings from 0.1 to 2 and times between frames from 0.1 to 2, with all beads and with a few; the
     errors are a third of the bound or less where frames are up to 1 T apart. With a few beads nobody knows of contacts
@@ -331,7 +345,7 @@ def _share_of_doubt(problem: Problem, spacing: float, *, by_equations: bool) -> 
     if not by_equations:
         return 0.3 if physics.contact_loss(problem.system) is None else 3.0
     if spacing < FAR_APART:
-        return 0.2 * spacing**2
+        return 1.25 if quick >= FAR_APART else max(0.2 * spacing**2, (FREQUENCY * quick) ** 2 / 100.0)
     return 0.1 if (physics.exponent(problem.system) or 1.5) <= HARDENING else 0.25
 
 

@@ -222,6 +222,23 @@ def test_the_error_of_a_peak_is_below_what_is_said_where_a_force_jumps_before_th
         assert np.all(np.abs(found.velocity - true.velocity) <= found.velocity_error), start
 
 
+def test_the_error_of_a_peak_is_below_what_is_said_where_a_load_makes_motion_fast_between_two_frames():
+    """Contacts so stiff under their load that the fastest motion turns by 2 rad from frame to frame."""
+    plain = {"name": "test", "beads": 9, "contact": {"exponent": 2.0}, "precompression": {"force": 5.0}}
+    plain |= {"walls": {"left": "bead", "right": "bead"}, "kick": {"bead": 3, "velocity": 1.0}}
+    plain |= {"duration": 10.0, "timestep": 0.005, "output": {"every": 0.01}}
+    fine = engine.run(library.from_plain(plain, "test").problem())
+    true = find_peaks([fine])
+    for start in range(0, 33, 4):
+        found = find_peaks([thinned(fine[start:], 33)])
+        found = found.where((found.velocity > 0.1) & (found.time > 0.5))
+        assert len(found) >= 36
+        for k in range(len(found)):
+            own = true.where((true.chain == found.chain[k]) & (true.bead == found.bead[k]))
+            nearest = own.velocity[np.argmin(np.abs(own.time - found.time[k]))]
+            assert abs(nearest - found.velocity[k]) <= found.velocity_error[k], start
+
+
 @pytest.mark.parametrize("law", [Rectangular, HalfSine])
 @pytest.mark.parametrize("recorded", [None, (2,)])
 def test_the_error_of_a_peak_is_below_what_is_said_where_a_push_ends_between_two_frames(law, recorded):
