@@ -229,7 +229,6 @@ def bracketed(
         return _polynomials(nodes, states[:, : data.shape[1]], spacing, quick, by_equations=by_equations, noisy=noisy)
 
     velocity, other = fit(data)
-    share = _share_of_doubt(block.problem, spacing, quick, by_equations=by_equations)
     kink, acted_on = np.zeros((2, len(frame))), np.zeros(len(frame), dtype=bool)
     beside = np.zeros(len(frame))
     if by_equations:
@@ -254,7 +253,7 @@ def bracketed(
         overlap=motion.larger_overlap(block, frame, chain, bead),
         displacement=data[0, 0],
         velocity=velocity,
-        doubt=share * (other - velocity),
+        doubt=_share_of_doubt(block.problem, spacing, quick, by_equations=by_equations) * (other - velocity),
         kink=kink,
         beside=beside,
         whole=np.full(len(frame), block.problem.forces_known),
