@@ -38,6 +38,7 @@ def shape_of(trajectory: Trajectory, peak: float, arrival: float, bead: int = 20
 
 @settings(max_examples=25)
 @given(st.floats(0.05, 1.0), st.floats(0.01, 0.3), st.floats(6.0, 15.0), st.sampled_from([1, -1]))
+@pytest.mark.slow
 def test_an_exact_wave_has_the_momentum_energy_and_shape_of_the_exact_wave(peak, every, arrival, direction):
     shape = shape_of(exact_waves([(peak, arrival)], every=every, direction=direction), peak, arrival, 20, direction)
     assert shape.momentum[0] == pytest.approx(float(EXACT.momentum_at(peak)), rel=1e-5)
@@ -47,6 +48,7 @@ def test_an_exact_wave_has_the_momentum_energy_and_shape_of_the_exact_wave(peak,
 
 @settings(max_examples=50)
 @given(st.floats(0.05, 1.0), st.floats(0.01, 1.0), st.floats(6.0, 15.0))
+@pytest.mark.slow
 def test_width_is_within_its_stated_error_on_any_grid(peak, every, arrival):
     trajectory = exact_waves([(peak, arrival)], every=every)
     width = shape_of(trajectory, peak, arrival).width[0]

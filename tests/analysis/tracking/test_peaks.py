@@ -76,6 +76,7 @@ def test_energy_is_the_same_bit_for_bit_wherever_the_blocks_are_cut(fine, places
 
 @settings(max_examples=15, deadline=None)
 @given(st.lists(st.integers(1, 400), max_size=12))
+@pytest.mark.slow
 def test_impulses_are_the_same_bit_for_bit_wherever_the_blocks_are_cut(fine, places):
     run = thinned(fine, 20)
     whole, pieces = (measure(run.problem, parts) for parts in ([run], cut(run, places)))

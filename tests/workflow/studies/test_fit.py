@@ -189,6 +189,7 @@ def judged(seed=3, wrong=0.0):
     return goodness.goodness(residuals(found.parameters), before, found.noise, slopes(None), fixed)
 
 
+@pytest.mark.slow
 def test_white_residuals_are_rejected_as_rarely_as_stated():
     joint = np.array([judged(seed).joint for seed in range(200)])
     assert np.sum(joint < goodness.LEVEL) <= 200 * goodness.LEVEL + 2.6 * np.sqrt(200 * goodness.LEVEL)
