@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class AtomTypes:
-    """LAMMPS's types of atoms, by which it tells contacts apart.
+    """LAMMPS's types of atoms, by which it distinguishes contacts.
 
     Attributes:
         of: type of every bead, from 1, [chain, bead].

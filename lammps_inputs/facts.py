@@ -1,4 +1,4 @@
-"""What a plain chain has, and an ingredient may take away: facts on a problem, which the rest of the house asks for."""
+"""What a plain chain has, and an ingredient may take away: facts on a problem, which other modules ask for."""
 
 from enum import Enum
 

@@ -1,4 +1,4 @@
-"""Names of the files that a run is given and leaves: of the deck, of what goes on from a restart, and of a Slurm job.
+"""Names of the files that a run is given and leaves: of the deck, of what continues from a restart, and of a Slurm job.
 
 Imports nothing: who only looks at directories need not load what a scene may be.
 """

@@ -274,7 +274,7 @@ class Ground(Link):
 class Wall(Ground):
     """The last bead of each chain, or the first, with a wall at rest, by a law of contacts or of their dashpots.
 
-    It only ever pushes, and lets no bead swing. Its law has the strength 0 for all other beads.
+    It only ever pushes, and lets no bead oscillate. Its law has the strength 0 for all other beads.
     """
 
     def mirrored(self) -> Self:

@@ -70,7 +70,7 @@ class Load:
 
     @property
     def blow(self) -> float:
-        """All of its impulse; of one that never ends, that of half a swing."""
+        """All of its impulse; of one that never ends, that of half a period."""
         return self.law.total if self.endless else float(self.impulse(self.end))
 
     def at(self, bead: int) -> "Load":
@@ -84,7 +84,7 @@ class Load:
 
 @dataclass(frozen=True)
 class Motion:
-    """A bead that moves as it is told, whatever pushes it: by ``amplitude * (sin(omega t + phase) - sin(phase))``.
+    """A bead of prescribed motion: by ``amplitude * (sin(omega t + phase) - sin(phase))``.
 
     Attributes:
         chain, bead: counted from 1.

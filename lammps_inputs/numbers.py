@@ -35,7 +35,7 @@ _TIMES = (
     (1.0, 1.0, "s"),
     (1e-3, 1e-3, "ms"),
 )
-"""The least time that is told in a unit, and the unit in seconds."""
+"""The least time that is written in a unit, and the unit in seconds."""
 
 
 def time_text(seconds: float) -> str:

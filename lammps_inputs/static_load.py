@@ -1,6 +1,6 @@
 """A system under a static load: contacts and walls in incremental form, so that rest is rest to the last bit.
 
-LAMMPS holds places as float64, of which it can tell apart only so much. Overlaps at rest are multiples of that, and
+LAMMPS holds places as float64, of which it can distinguish only so much. Overlaps at rest are multiples of that, and
 loads follow from them, so that neighbours overlap by exactly as much at any place.
 
 A deck takes away, for good, the forces that it finds on the beads at rest. These are the load itself (forces on the

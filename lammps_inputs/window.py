@@ -77,7 +77,7 @@ def look_lines() -> list[str]:
 
 
 def move_lines() -> list[str]:
-    """Take the last rows to the head, and find neighbours and owners anew; a step must follow."""
+    """Take the last rows to the head, and find neighbours and owners again; a step must follow."""
     return [
         "set group all vx v_kicked",
         "group left clear",

@@ -188,11 +188,11 @@ def universe(run: AnyRun) -> Any:
 def sweep(
     what: Mapping[str, Any] | Path | str, directory: Path | str, *, jobs: int | None = None, check: bool = True
 ) -> Table:
-    """Run a scene for lists or ranges of its fields, on all cores, and gather the cases; goes on with what is missing.
+    """Run a scene for lists or ranges of its fields, on all cores, and gather the cases; runs what is missing.
 
     Args:
         what: a sweep file, or what stands in one.
-        directory: made, or gone on with.
+        directory: new, or resumed.
         jobs: cases at a time; as many as there are cores by default.
         check: whether to measure the errors against the reference.
 
@@ -255,11 +255,11 @@ def fit(
 
 
 def design(what: Mapping[str, Any] | Path | str, directory: Path | str, *, jobs: int | None = None) -> "Found":
-    """Find the scene that does something best, on all cores; goes on where an earlier call was interrupted.
+    """Find the scene that does something best, on all cores; resumes an interrupted call.
 
     Args:
         what: a design file, or what stands in one.
-        directory: made, or gone on with.
+        directory: new, or resumed.
         jobs: designs at a time; as many as there are cores by default.
 
     Raises:

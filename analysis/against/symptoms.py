@@ -312,7 +312,7 @@ def identify_strengths(trajectory: Trajectory) -> Strengths | None:
 
     Least squares of the change of every bead's momentum between frames on the impulses of the links, without those that
     as good as nothing has reached, such as a wall. None for fewer than ten frames, where not all beads are recorded,
-    and where the impulses of two kinds of link cannot be told apart.
+    and where the impulses of two kinds of link cannot be distinguished.
     """
     problem = trajectory.problem
     if not problem.forces_known or trajectory.frames < 10:

@@ -19,7 +19,7 @@ HIGHEST = 1.25
 
 @mpl.rc_context(STYLE)
 def dispersion_figure(problem: Problem, found: Map) -> Figure:
-    """The map of the chain that was hit hardest; branches as lines, borders of the bands dotted."""
+    """The map of the chain with the largest excitation; branches as lines, borders of the bands dotted."""
     unit = Unit(1.0 / problem.scale.time, problem.scale.symbol("frequency"))
     worth = unit.worth
     bands = found.cell.bands() * worth

@@ -16,7 +16,7 @@ MAX_PIXELS = 1200
 PANELS_A_ROW = 4
 
 NEAR = 5
-"""Beads from one that was hit over which its first motion outshines all waves."""
+"""Beads beside a kicked one whose first motion is faster than any wave."""
 
 STILL = 1e-3
 """Share of the largest velocity below which a bead is nowhere seen to move."""
@@ -87,7 +87,7 @@ def spacetime_figure(data: SpaceTime) -> Figure:
 
     Where less than half of the beads are seen to move, they and some around them are drawn. Colours diverge from a
     velocity of 0 and follow its square root, so that the weak tail is seen beside the pulse and the free end is not cut
-    off. The scale ends where all beads do but those up to `NEAR` from one that was hit. Beads that are not evenly
+    off. The scale ends where all beads do but those up to `NEAR` from a kicked one. Beads that are not evenly
     spaced stand side by side in columns of one width. Grey: where the window has left.
     """
     problem, chains = data.problem, shown_chains(data.problem, panels=True)

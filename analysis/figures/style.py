@@ -29,7 +29,7 @@ CHAIN_DASHES: tuple[object, ...] = (
     (0, (8, 2, 2, 2)),
     (0, (8, 1, 1, 1, 1, 1)),
 )
-"""One for each chain of a figure, so that chains can be told apart in grey."""
+"""One for each chain of a figure, so that chains can be distinguished in grey."""
 
 MAX_PANELS = 9
 """Chains that a figure shows at most, see `shown_chains`."""
@@ -114,7 +114,7 @@ def grid(problem: Problem) -> tuple[int, int] | None:
 def shown_chains(problem: Problem, *, panels: bool = False) -> list[int]:
     """Chains that a figure shows, counted from 0, ascending: all, or those that were hit and some far from those.
 
-    Of more than `MAX_PANELS`, first the ones that were hit (the hardest first), then always the one farthest from all
+    Of more than `MAX_PANELS`, first the kicked ones (fastest first), then always the one farthest from all
     chosen so far, along the springs between chains.
 
     Args:

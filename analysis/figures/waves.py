@@ -29,7 +29,7 @@ from lammps_inputs.facts import Fact
 AGREED = 0.01
 
 FEW = 3
-"""Chains up to which the energy of each is drawn: whole chains swing to and fro, and more cannot be told apart."""
+"""Chains up to which the energy of each is drawn: more lines cannot be distinguished."""
 
 
 @mpl.rc_context(STYLE)
@@ -39,7 +39,7 @@ def distance_figure(problem: Problem, shared: Sharing, energies: EnergyShares, d
     From the top, each where there is something to draw: peak velocities in units of the kick, and the bead from which
     on they agree to 1%; shares of the energy in each wave, in all of them as measured, and as exact waves of their
     amplitudes would hold; shares of each whole chain (half of its springs' counted; two to `FEW` chains); arrival
-    behind the chain that was hit.
+    behind the chain that was kicked.
     """
     panels: list[Callable[[Axes], None]] = [
         lambda axis: _draw_amplitude(axis, problem, shared),

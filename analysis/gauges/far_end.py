@@ -70,7 +70,7 @@ class Transmitted:
 
 
 class FarEnd:
-    """Watches the end of the chains that the hardest blow goes towards; all beads must be recorded."""
+    """Watches the end of the chains that the largest excitation goes towards; all beads must be recorded."""
 
     def __init__(self, problem: Problem) -> None:
         self.problem = problem

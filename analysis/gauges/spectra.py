@@ -78,7 +78,7 @@ class Spectra:
         beads: counted from 1; the others are compared with the first.
         after: time from which on frames were taken, in units of T.
         frequency: [line] cycles in a unit of time.
-        amplitude: [line, chain, bead] of a swing of that frequency: a sine of amplitude a has a line of height a, if
+        amplitude: [line, chain, bead] of an oscillation of that frequency: a sine of amplitude a has height a, if
             it falls on one (down to 0.85 a between two), and half of that in the lines beside it.
         drive: [drive] frequencies of the drives.
         at_drive: [drive, chain, bead] amplitude at just that frequency; NaN where frames are too far apart for it.
@@ -130,7 +130,7 @@ class Spectra:
 
 
 def window(count: int) -> Floats:
-    """Hann's, periodic, of sum 1: swings of other frequencies hardly leak into a line (Harris, Proc. IEEE 66, 1978)."""
+    """Hann's, periodic, of sum 1: little leakage from other frequencies (Harris, Proc. IEEE 66, 1978)."""
     shape = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(count) / count)
     return np.asarray(shape / shape.sum())
 

@@ -132,7 +132,7 @@ class SolitaryWave:
         return self.peak_overlap * np.asarray(peak_velocity) ** (2.0 / (self.exponent + 1.0))
 
     def shift_at(self, peak_velocity: ArrayLike) -> Floats:
-        """Displacement left behind at a peak velocity."""
+        """Displacement by a wave of this peak velocity."""
         return self.shift * np.asarray(peak_velocity) ** (2.0 / (self.exponent + 1.0))
 
     def momentum_at(self, peak_velocity: ArrayLike) -> Floats:

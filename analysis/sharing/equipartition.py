@@ -1,7 +1,7 @@
 """How chains come to share a pulse: amplitudes, arrivals and beats of their leading waves over the distance run.
 
 Definitions, all over the chains at one bead: mismatch = (largest - smallest) / mean of the leading peak velocities;
-lag = arrival behind that of the chain that was hit; spread = (latest - earliest arrival) over the time in which the
+lag = arrival behind that of the chain that was kicked; spread = (latest - earliest arrival) over the time in which the
 exact wave passes at half its height. Agreement to a tolerance begins at the first bead from which on the mismatch stays
 below it.
 """
@@ -60,11 +60,11 @@ class Estimate:
 class Sharing:
     """The leading waves side by side, at every recorded bead that all chains' waves passed clear of the free end.
 
-    Where some chains are tied to each other, only those tied to the one that was hit count, directly or by others; the
+    Where some chains are tied to each other, only those tied to the kicked one count, directly or by others; the
     rest hold NaN.
 
     Attributes:
-        kicked: position of the chain that was hit hardest.
+        kicked: position of the chain with the largest excitation.
         bead: [place], counted from 1, ascending.
         arrival: [place, chain], in units of T.
             NaN where it is not defined.
@@ -109,7 +109,7 @@ class Sharing:
 
     @cached_property
     def lag(self) -> Floats:
-        """[place, chain], in units of T; 0 in the chain that was hit, positive for a later wave."""
+        """[place, chain], in units of T; 0 in the chain that was kicked, positive for a later wave."""
         return self.arrival - self.arrival[:, [self.kicked]]
 
     @cached_property
@@ -144,7 +144,7 @@ class Sharing:
 
     @cached_property
     def beats(self) -> Floats:
-        """Beads, in fractions, where the wave of the chain that was hit passes the chains' mean, downwards or upwards.
+        """Beads, in fractions, where the wave of the kicked chain passes the chains' mean, downwards or upwards.
 
         Changes of sign after which the deviation stays below `SMALLEST_BEAT` or three times the noise are left out.
         """
@@ -267,7 +267,7 @@ class Sharing:
 
 
 def sharing(waves: Waves, problem: Problem, noise: float = 0.0) -> Sharing:
-    """The leading waves of a run side by side; those that run towards higher numbers, ahead of the bead that was hit.
+    """The leading waves of a run side by side; those that run towards higher numbers, ahead of the kicked bead.
 
     Args:
         waves: leading waves.

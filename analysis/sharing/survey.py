@@ -1,6 +1,6 @@
 """Everything that is found in a run by reading it twice: first its peaks, then the states around them.
 
-A run is given as a function that starts reading it anew, block by block, so that it need not fit into memory.
+A run is given as a function that reads it again, block by block, so that it need not fit into memory.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence

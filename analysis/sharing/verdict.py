@@ -37,7 +37,7 @@ FIRST = 10
 """Beads after which the wave has formed."""
 
 LARGEST_NEIGHBOUR = 0.3
-"""Largest amplitude of another chain, in that of the chain that was hit, for which the law is fitted."""
+"""Largest amplitude of another chain, in that of the chain that was kicked, for which the law is fitted."""
 
 LEAST_BEADS = 10
 """Recorded beads needed for a fit."""

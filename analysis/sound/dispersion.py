@@ -188,7 +188,7 @@ class Map:
 
 
 class Dispersion:
-    """Collects the velocity of the chain that was hit hardest, as often as its highest frequency needs.
+    """Collects the velocity of the chain with the largest excitation, as often as its highest frequency needs.
 
     Raises:
         NoDispersionError: see `cell_of`; or not all beads are recorded, or frames are too far apart.

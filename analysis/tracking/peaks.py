@@ -1,6 +1,6 @@
 """Every passage of a compressive pulse at a bead: a maximum over time of its velocity, found between the frames.
 
-`brackets` says where between the frames, and how sure that is. Reads a run block by block, so its memory does not grow
+`brackets` says where between the frames, and its uncertainty. Reads a run block by block, so its memory does not grow
 with the number of frames; nothing depends on where the blocks begin.
 """
 

@@ -1,4 +1,4 @@
-"""LAMMPS input that goes on from a restart: ``in.continue``, and the lines that write the restart.
+"""LAMMPS input that continues from a restart: ``in.continue``, and the lines that write the restart.
 
 The continued run is bit for bit the uninterrupted one, on any number of ranks. Which beads are neighbours, which rank
 owns them and in which order their forces are added up is settled once, with the beads at rest. So a restart holds the
@@ -30,7 +30,7 @@ def snapshots_part(number: int) -> str:
 
 
 def restart_lines(problem: Problem, file: str = file_names.UNFINISHED) -> list[str]:
-    """Write a restart between two runs, and change nothing: the next one may go on with ``run ... pre no``.
+    """Write a restart between two runs, and change nothing: the next one may continue with ``run ... pre no``.
 
     The caller renames the file to `file_names.RESTART` when it is whole. In a scheme of several substeps the step must
     be one between two cycles.

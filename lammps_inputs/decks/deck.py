@@ -170,7 +170,7 @@ def refusal(system: System) -> str:
 
 
 def _kind(link: Link) -> str:
-    """What a law has that LAMMPS knows on such a link."""
+    """Lines that LAMMPS has for a law on such a link."""
     if isinstance(link, Wall):
         return "exponent"
     return "along" if isinstance(link, Along) else "across" if isinstance(link, Across) else "ground"
@@ -209,7 +209,7 @@ def motion_lines(problem: Problem, group: str) -> list[str]:
 
 
 def moved_lines(problem: Problem) -> list[str]:
-    """What moves beads by the time, with the beads at rest, once LAMMPS knows the time step."""
+    """What moves beads by the time, with the beads at rest, once LAMMPS has the time step."""
     return [line for found in spelling(problem) for line in found.moved]
 
 
@@ -263,7 +263,7 @@ def recorded_lines(problem: Problem) -> list[str]:
 
 
 def _types(problem: Problem) -> AtomTypes | None:
-    """Types by which contacts are told apart; None where they need not be."""
+    """Types by which contacts are distinguished; None where they need not be."""
     return next((lines.types for lines in spelling(problem) if lines.types is not None), None)
 
 
@@ -364,7 +364,7 @@ def _skin(problem: Problem) -> float:
 
 def render_data(problem: Problem) -> str:
     """The text of ``data.chains``; atom number = (chain - 1) * rows + row, and type 2 marks recorded beads
-    where types do not tell contacts apart.
+    where types do not distinguish contacts.
 
     Columns of an atom: ``id type diameter density x y z``, and ``id type x y z diameter density molecule`` with bonds.
     The molecule is the chain, or in a window the row.

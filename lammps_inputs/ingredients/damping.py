@@ -87,7 +87,7 @@ class Damping(Ingredient):
     """Coefficient c of a dashpot parallel to every spring between chains."""
 
     def refuse(self, scene: "BaseScene") -> None:
-        """Refuse what says nothing, or more than there is, and what runs in pieces that begin anew."""
+        """Refuse what says nothing, or more than there is, and what runs in pieces that start again."""
         if self.contact is None:
             for key in ("law", "tension"):
                 if getattr(self, key) is not None:

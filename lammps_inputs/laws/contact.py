@@ -106,7 +106,7 @@ def _since(model: str) -> tuple[str, ...]:
 
 
 _RESTITUTION_SINCE = 20240627
-"""Release that knows ``damping coeff_restitution``."""
+"""Release that has ``damping coeff_restitution``."""
 
 
 class Power(NamedTuple):

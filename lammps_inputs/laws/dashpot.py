@@ -203,7 +203,7 @@ class Restitution(NamedTuple):
         return coefficient * (0.8 * closed * np.sqrt(np.sqrt(closed)) - 0.8 * rest * np.sqrt(np.sqrt(rest)))
 
     def granular(self, layout: "Layout") -> tuple[float, str]:  # noqa: ARG002
-        """LAMMPS knows masses and strengths itself."""
+        """LAMMPS has masses and strengths itself."""
         return self.share, "damping coeff_restitution"
 
 

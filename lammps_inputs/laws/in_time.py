@@ -24,7 +24,7 @@ from lammps_inputs.numbers import text
 Floats = NDArray[np.float64]
 
 MOST_POINTS = 50
-"""Of a table in LAMMPS, which reads the formula anew at every step."""
+"""Of a table in LAMMPS, which reads the formula again at every step."""
 
 
 class TimeLaw(Protocol):
@@ -56,7 +56,7 @@ class TimeLaw(Protocol):
 
     @property
     def total(self) -> float:
-        """Integral of the force's size; of one that never ends, over half a swing."""
+        """Integral of the force's size; of one that never ends, over half a period."""
 
     def reversed(self) -> "TimeLaw":
         """The opposite force."""
@@ -222,7 +222,7 @@ class Sine(NamedTuple):
 
     @property
     def total(self) -> float:
-        """Of half a swing."""
+        """Of half a period."""
         return 2.0 * abs(self.peak) / self.omega
 
     def reversed(self) -> "Sine":

@@ -143,7 +143,7 @@ def under(law: Contact, load: Parameter, grid: float) -> Preloaded | PreloadedPo
     Args:
         law: of the contact without load.
         load: at rest, a number or an array of the law's shape; 0 where there is none.
-        grid: what LAMMPS can tell apart; overlaps at rest are multiples of it, and loads follow from them.
+        grid: what LAMMPS can distinguish; overlaps at rest are multiples of it, and loads follow from them.
     """
     rest = _rounded(rest_under(law, load), grid)
     if isinstance(law, Power):

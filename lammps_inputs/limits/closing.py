@@ -53,7 +53,7 @@ def never_closes(chains: int, kappa: float, gap: float, kicks: Iterable[tuple[in
 
 
 def slowest_swing(chains: int, kappa: float) -> float:
-    """Angular frequency of the slowest mode in which a row of chains swings: sqrt(2 kappa) for two."""
+    """Angular frequency of the slowest mode in which a row of chains oscillates: sqrt(2 kappa) for two."""
     return 2.0 * math.sqrt(kappa) * math.sin(math.pi / (2.0 * chains))
 
 

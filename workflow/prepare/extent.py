@@ -46,8 +46,8 @@ def with_duration(scene: Scene, *, wall: bool = False) -> Scene:
     ``until_bead: n`` ends shortly after the first pulse in every chain that moves has passed bead n: its velocity there
     has risen above 1e-3 of V and fallen to less than half of its largest value. The last bead flies off with what it
     got: its velocity has risen above 1e-3 of V and rises no more. Where the beads have a gap, the chains of a row are
-    struck one after another as their springs swing: the run then goes on for a period of the slowest swing, or for as
-    long again if that is shorter.
+    struck one after another as their springs oscillate: the run then goes on for a period of the slowest oscillation,
+    or for as long again if that is shorter.
 
     Where the force on walls is read, it also waits for the pulse at the wall that the largest excitation goes towards:
     the force there, above the static one, has risen above 1e-3 of its unit and fallen to `PULSE` of its largest value.

@@ -256,7 +256,7 @@ def _measured_order(errors: dict[int, float], problem: Problem) -> float:
 
 
 def uncertainty(problem: Problem, steps: int) -> float:
-    """How sure the reference is with so many steps a frame."""
+    """Uncertainty of the reference with so many steps a frame."""
     certifier = Certifier(problem, steps_per_frame=steps)
     for _ in certifier.blocks():
         pass

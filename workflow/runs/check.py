@@ -100,7 +100,7 @@ class Check:
             is.
         amplitude: largest error of a peak velocity of the leading pulse; NaN where none was seen. Both also of the
             beads in ``peaks.csv`` that were not recorded.
-        reference: how sure the reference is of itself.
+        reference: uncertainty of the reference.
         seconds: what the check cost.
     """
 
@@ -173,7 +173,7 @@ def check(directory: RunDirectory, settings: Settings | None = None) -> Check:
 def _compared(
     problem: Problem, frames: Callable[[], Iterator[Trajectory]], settings: Settings | None
 ) -> tuple[dict[str, Deviation], Certificate]:
-    """Frames against the reference, quantity by quantity, and how sure that is of itself."""
+    """Error of the frames in each quantity, and the uncertainty of the reference."""
     for certifier in _references(problem, settings):
         difference = Difference(dict.fromkeys(("velocity", "displacement", "amplitude", "arrival"), math.inf))
         for block, reference in paired(frames(), certifier.blocks()):

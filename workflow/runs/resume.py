@@ -36,7 +36,7 @@ def resume(
 ) -> Run | None:
     """Bring a run to its end; bit for bit as if it had never been interrupted.
 
-    LAMMPS goes on from the last restart, or from the start if there is none. Other engines start again.
+    LAMMPS resumes from the last restart, or from the start if there is none. Other engines start again.
 
     Args:
         directory: of a run that `workflow.runs.run.run` began.
@@ -131,7 +131,7 @@ def _with_its_files(path: Path) -> tuple[RunDirectory, Job]:
 
 
 def _next_part(result: RunDirectory, job: Job) -> tuple[int, int]:
-    """Number of the part of the frames to write next, and the step that it goes on from; the start is (1, 0).
+    """Number of the part of the frames to write next, and the step that it resumes from; the start is (1, 0).
 
     A restart is of use if LAMMPS is still the one that wrote it, and if all frames until then are there.
     """

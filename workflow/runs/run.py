@@ -73,7 +73,7 @@ class Options(TypedDict, total=False):
         ranks: MPI ranks of LAMMPS; 1 by default.
         force: whether LAMMPS may run with a time step above the stability bound.
         check: whether to measure the error of a LAMMPS run against the reference when it is done, as by default.
-        restart_every: seconds of LAMMPS's work that a kill may cost: what `workflow.runs.resume` goes on from.
+        restart_every: seconds of LAMMPS's work that a kill may cost: what `workflow.runs.resume` resumes from.
         lammps: how the deck is run; by default by LAMMPS in a process of its own.
     """
 
@@ -201,7 +201,7 @@ def carry_out(
         settings: as of `run`.
         check: as of `run`.
         progress: as of `run`.
-        spent: wall time of earlier attempts, which this one goes on from.
+        spent: wall time of earlier attempts, which this one continues.
 
     Raises:
         InputError: something in the directory that it would write to is a link.

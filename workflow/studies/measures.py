@@ -77,7 +77,7 @@ def mass_of(scene: Scene) -> float:
 
 
 def scene_to_run(plain: dict[str, Any], names: tuple[str, ...], source: str) -> Scene:
-    """A scene with its end, all of whose beads are recorded; one that ends at a bead waits for what is wanted.
+    """A scene with its end, all of whose beads are recorded; one that ends at a bead waits for the objective.
 
     Raises:
         InputError: it is none, or its end is not reached.
@@ -104,7 +104,7 @@ def by_reference(plain: dict[str, Any], names: tuple[str, ...], source: str) -> 
 def of_frames(
     problem: Problem, frames: Callable[[], Iterable[Trajectory]], scene: Scene, names: tuple[str, ...]
 ) -> Measured:
-    """Quantities of a run; ``frames`` starts reading it anew."""
+    """Quantities of a run; ``frames`` reads it again."""
     found: dict[str, Any] = {}
     quick = _shared(problem, frames) if set(names) & set(_OF_SHARING) and _is_plain(problem) else {}
     if any(name in _AT_THE_END for name in names):

@@ -131,7 +131,7 @@ def quantities(report: dict[str, Any], record: dict[str, Any], scene: dict[str, 
 
 
 def _hit(report: dict[str, Any], scene: dict[str, Any]) -> dict[str, Any]:
-    """What ``analysis.json`` says of the leading wave in the chain that was hit hardest."""
+    """What ``analysis.json`` says of the leading wave in the chain with the largest excitation."""
     blows = [scene.get(key) for key in ("kick", "push", "striker")]
     each = [hit for blow in blows for hit in (blow if isinstance(blow, list | tuple) else [blow])]
     chain = max((hit for hit in each if isinstance(hit, dict)), key=_size, default={}).get("chain", 1)

@@ -105,7 +105,7 @@ def _refuse_if_queued(directory: Path, listed: list[str], known: queue.Queue | N
 
 
 def _write_case(what: Sweep, case: Case, path: Path) -> Problem:
-    """The deck of a case, unless it is there whole, and what a job needs beside it; a restart is gone on from."""
+    """The deck of a case, unless it is there whole, and what a job needs beside it; a restart is resumed."""
     scene = scene_of(what, case)
     if not all((path / name).is_file() for name in (file_names.SCENE, file_names.DECK, file_names.DATA)):
         _write_deck(path, what, case, scene)

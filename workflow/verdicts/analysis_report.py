@@ -65,7 +65,7 @@ def waves_csv(found: Survey) -> str:
 
 
 def _lag(found: Survey) -> Floats:
-    """[wave] arrival behind the wave of the chain that was hit at the same bead; NaN where that was not seen."""
+    """[wave] arrival behind the wave of the chain that was kicked at the same bead; NaN where that was not seen."""
     waves = found.waves
     hit = waves.of_chain(found.shared.kicked + 1)
     arrival = dict(zip(hit.bead.tolist(), hit.arrival.tolist(), strict=True))
@@ -193,7 +193,7 @@ class EnergyShare:
 
 @result
 class Equipartition:
-    """How the chains share the leading pulse. Beads count from the end that was hit along the pulse's way."""
+    """How the chains share the leading pulse. Beads count from the end that was kicked along the pulse's way."""
 
     verdict: str = declare("what the run shows of equipartition, in words", column="")
     state: str = declare("the same in few words", column="")

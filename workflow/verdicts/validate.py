@@ -53,7 +53,7 @@ class Validation:
         tolerances: what was let pass.
         causes: what seems to be wrong, in words; empty if nothing does.
         remarks: what else is worth knowing, in words; does not count against the run.
-        certificate: how sure the reference is of itself; None for a user's table.
+        certificate: uncertainty of the reference; None for a user's table.
         interpolation: bounds on the errors of (displacement, velocity) that interpolating between frames added; None if
             that was not needed.
         frames: number of frames that the run has, as far as the scene asks for them.

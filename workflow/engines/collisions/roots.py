@@ -85,7 +85,7 @@ def first_contact(
         waves: amplitudes of the oscillating terms, [a and b, mode].
         omega: their frequencies, [mode].
         limit: finite time from now, beyond which nothing matters.
-        now: the time on the clock, whose rounding limits how finely contacts are told apart.
+        now: the time on the clock, whose rounding limits how finely contacts are distinguished.
         gap: initial distance; a dip below zero within 4 roundings of it need not be seen.
     """
     if g <= 0.0:

@@ -1,7 +1,7 @@
 """Files that LAMMPS writes during a run: frames, of which all must be whole, and restarts.
 
 LAMMPS itself may not notice that the disk took only a part of the frames. Restarts are written now and then, whole or
-not at all; here is also which step one goes on from.
+not at all; here is also which step one resumes from.
 """
 
 import hashlib
@@ -56,7 +56,7 @@ _TEXT, _STEP = (0, 4), 5
 
 
 class Restarts:
-    """Writes the restart of the run in the current directory anew from time to time.
+    """Writes the restart of the run in the current directory from time to time.
 
     Args:
         lmp: an instance of LAMMPS; every rank calls the same methods.

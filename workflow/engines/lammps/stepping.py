@@ -165,7 +165,7 @@ class LivePeaks:
                 self._take()
 
     def save(self) -> None:
-        """Keep what was found for a run that goes on from here; before its restart is written."""
+        """Keep what was found for a run that is resumed here; before its restart is written."""
         if not self._keeps:
             return
         self._look()

@@ -1,4 +1,4 @@
-"""How sure the reference is of itself: the same problem at half the number of steps, and a third time for the order."""
+"""Uncertainty of the reference: the same problem at half the number of steps, and a third time for the order."""
 
 import math
 from collections.abc import Iterator

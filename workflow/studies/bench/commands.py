@@ -38,7 +38,7 @@ GOALS = {
 
 
 def hand_ratios(root: Path) -> Iterator[Ratio]:
-    """Commands and imports by turns; all have been run before, so that nothing is compiled."""
+    """Commands and imports alternately; all have been run before, so that nothing is compiled."""
     root.mkdir(parents=True, exist_ok=True)
     _granchain(["run", "two-chains", "-o", "kept", "--quiet"], root)
     for words, (imports, goal) in GOALS.items():

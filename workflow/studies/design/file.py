@@ -1,4 +1,4 @@
-"""A design file: a scene, what may change in it, and what is wanted.
+"""A design file: a scene, what may change in it, and the objective.
 
 ::
 

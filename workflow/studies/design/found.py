@@ -45,7 +45,7 @@ class Found:
     """What came of a search.
 
     Attributes:
-        design: what was wanted.
+        design: the objective.
         records: all that the search asked for, in its order.
         verified: the best few, the best first.
         beside: the scene to set them against; None if there is none.

@@ -43,7 +43,7 @@ def carry_out(
     """Search, verify and write; what a directory holds of an earlier start is made use of.
 
     Args:
-        design: what is wanted.
+        design: the objective.
         directory: made if need be.
         processes: by default as many as there are cores.
         progress: told what is going on.

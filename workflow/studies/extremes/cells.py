@@ -163,7 +163,7 @@ def _duration(steps: int) -> Plain:
 
 
 def _five_frames_a_swing() -> Plain:
-    """Frames 0.05 apart all show one phase of the springs' swing."""
+    """Frames 0.05 apart all show one phase of the springs' oscillation."""
     kappa = 0.5 * (2.0 * math.pi / 0.05) ** 2
     return {"coupling": springs(kappa), "accuracy": 1e-3, "duration": 1.0, "output": {"every": 0.01}}
 

@@ -52,7 +52,7 @@ times it."""
 
 @dataclass(frozen=True)
 class TrueError:
-    """What the judge found: the largest error, how sure that is (units of V), and how it was found."""
+    """What the judge found: the largest error, its uncertainty (units of V), and how it was found."""
 
     error: float
     sure: float
@@ -64,7 +64,7 @@ def judge(directory: RunDirectory, tolerance: float, *, longest: float = LONGEST
 
     Args:
         directory: a run that came to its end.
-        tolerance: how sure to be, in units of V, as far as the time allows.
+        tolerance: wanted uncertainty, in units of V, as far as the time allows.
         longest: seconds that one comparison may take.
     """
     problem = replace(directory.problem, window=None)  # all rows, whatever the run had
@@ -155,12 +155,12 @@ apart, which may miss the largest error of a wave by 7%, and more of a faster sw
 """
 
 LEAST_ERROR = 1e-8
-"""Smaller errors are not told apart, in units of V."""
+"""Smaller errors are not distinguished, in units of V."""
 
 
 @dataclass(frozen=True)
 class Told:
-    """What a run says of its velocities, in units of V: their largest error, and how sure that is."""
+    """What a run says of its velocities, in units of V: their largest error, and its uncertainty."""
 
     error: float
     sure: float
@@ -219,7 +219,7 @@ PROMISED = TOLERANCES["velocity"]
 """Largest error, in units of V, that a run with a `timestep` of its own has without a remark."""
 
 SHARPER = 10.0
-"""The judge is surer by this than what the run was asked for, and than what it says of itself."""
+"""Part of the error asked for, and of that reported, which the uncertainty of the reference must not exceed."""
 
 
 def computed(**cell: Any) -> dict[str, Any]:

@@ -29,7 +29,7 @@ def make_report(
 
     Args:
         cells: what to run.
-        directory: made, or gone on with; None to keep nothing.
+        directory: new, or resumed; None to keep nothing.
         progress: called with the numbers of cells done, of all, and of those that are wrong.
 
     Raises:

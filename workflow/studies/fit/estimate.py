@@ -27,12 +27,12 @@ ROUNDS = 3
 """Fits, each with the noise that the one before left."""
 
 WEAK = 0.1
-"""Singular value of the derivatives, each of length 1, below which parameters are hard to tell apart: of two, it is a
+"""Singular value of the derivatives, each of length 1, below which parameters are hard to distinguish: of two, it is a
 correlation of 0.99.
 """
 
 BLIND = 1e-3
-"""Below this they are not told apart at all."""
+"""Below this they are not distinguished at all."""
 
 UNSEEN = 1e-6
 """Length of a parameter's derivatives over the largest below which the data do not depend on it."""
@@ -47,12 +47,12 @@ class Estimate:
 
     Attributes:
         parameters: the best.
-        error: standard error of each; infinite where the data tell nothing.
+        error: standard error of each; infinite where the data do not determine it.
         half_width: of each one's confidence interval.
-        correlation: [parameter, parameter]; NaN where the data tell nothing.
+        correlation: [parameter, parameter]; NaN where the data do not determine it.
         noise: [channel] standard deviation of the residuals, in the channel's unit.
         rows: number of values that were fitted.
-        weak: groups of parameters, by number, that the data hardly tell apart, and whether not at all.
+        weak: groups of parameters, by number, that the data hardly distinguish, and whether not at all.
         converged: whether the search came to its end.
     """
 
@@ -107,7 +107,7 @@ def _noise(left: Floats, parameters: int, size: Floats) -> Floats:
 
 
 def _covariance(jacobian: Floats) -> tuple[Floats, tuple[tuple[tuple[int, ...], bool], ...]]:
-    """Inverse of the normal matrix, infinite where there is none, and what is hardly told apart."""
+    """Inverse of the normal matrix, infinite where there is none, and what is hardly distinguished."""
     count = jacobian.shape[1]
     length = np.sqrt(np.sum(jacobian**2, axis=0))
     blind = length <= UNSEEN * max(float(np.max(length, initial=0.0)), 1e-300)

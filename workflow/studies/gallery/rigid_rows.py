@@ -40,7 +40,7 @@ def gap_at(theta: float, kappa: float) -> float:
 
 
 def problem_at(theta: float, kappa: float, row: int, *, every: float = 0.25, slowest: float = SLOWEST) -> Problem:
-    """Two chains in which the pulse gets past a row, with ten rows more and the time for a few swings.
+    """Two chains in which the pulse gets past a row, with ten rows more and the time for a few periods.
 
     Args:
         theta: omega D / V.

@@ -92,7 +92,7 @@ def gallery(
     """Run entries, and write the page of these and of those that earlier starts have left.
 
     Args:
-        directory: made if need be, or gone on with.
+        directory: made if need be, or resumed.
         names: of the entries to run; all of the collection by default.
         collection: what the page holds.
         progress: called with the entries done, all that are run, and how many of them failed.

@@ -1,4 +1,4 @@
-"""Heavy and light alternating beads: mass ratios at which nothing is left behind."""
+"""Heavy and light alternating beads: mass ratios without residual motion."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -32,7 +32,7 @@ def _name(ratio: float) -> str:
 
 
 def _least(results: Results, ratio: float) -> float:
-    """Where nothing is left behind in a cell: what is grows as the square of the distance, so its root is a line."""
+    """Where no energy stays in a cell: near it, the energy grows as the square of the distance, its root linearly."""
     ratios = np.array([ratio * factor for factor in AROUND])
     left = np.array([results[_name(one)]["reference"].left_behind(2) for one in ratios])
     roots = np.roots(np.polyfit(ratios / ratio - 1.0, np.copysign(np.sqrt(left), ratios - ratio), 2))
@@ -65,7 +65,7 @@ def statements(results: Results) -> list[Statement]:
 
 
 def draw(axis: Axes, results: Results) -> None:
-    """What is left behind, over the ratio."""
+    """Residual energy over the ratio."""
     for place, ratio in enumerate(PUBLISHED_RATIOS):
         cases = sorted((*AROUND, 1.0))
         left = [results[_name(ratio * factor)]["reference"].left_behind(2) for factor in cases]
