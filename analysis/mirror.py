@@ -13,7 +13,7 @@ Number = TypeVar("Number", int, Integers)
 
 
 def direction_of(problem: Problem) -> int:
-    """Direction of the largest excitation, and of the leading pulse: 1 towards higher bead numbers, -1 towards lower."""
+    """Direction of the largest excitation and the leading pulse: 1 towards higher bead numbers, -1 towards lower."""
     _, _, hardest = physics.largest_excitation(problem.system)
     return 1 if hardest > 0.0 else -1
 
