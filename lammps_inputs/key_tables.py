@@ -11,7 +11,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from lammps_inputs import references, schema
+from lammps_inputs import materials, references, schema
 from lammps_inputs.ingredients import INGREDIENTS, coupling, unequal
 from lammps_inputs.ingredients.preload import Gravity
 from lammps_inputs.output import Forces, Limits, Output, Spectra
@@ -30,15 +30,33 @@ _UNBOUNDED = 1e6
 
 
 def renewed(page: str) -> str:
-    """The page with every table between ``<!-- keys: NAME -->`` and ``<!-- end -->``, and the list of references.
+    """The page with all that stands between ``<!-- KIND: NAMES -->`` and ``<!-- end -->``, and the list of references.
 
-    NAME is one of `PARTS`, or keys of a scene, separated by spaces.
+    KIND is ``keys`` (NAMES: one of `PARTS`, or keys of a scene), ``sources`` (keys of publications) or ``materials``.
     """
-    mark = re.compile(r"(<!-- keys: ([\w ]+) -->\n).*?(<!-- end -->)", re.S)
-    page = mark.sub(lambda found: found[1] + table(found[2]) + found[3], page)
+    mark = re.compile(r"(<!-- (keys|sources|materials): ([\w ]+) -->\n).*?(<!-- end -->)", re.S)
+    made = {"keys": table, "sources": _sources, "materials": _materials}
+    page = mark.sub(lambda found: found[1] + made[found[2]](found[3]) + found[4], page)
     head, mark_of_list, rest = page.partition("<!-- references -->\n")
     listed = "".join(f"{number}. {references.text(key)}.\n" for number, key in enumerate(references.bibtex(), 1))
     return head + mark_of_list + (listed + rest[rest.index("<!-- end -->") :] if mark_of_list else "")
+
+
+def _sources(keys: str) -> str:
+    """A line that names publications."""
+    return textwrap.fill(f"Source: {'; '.join(map(references.short, keys.split()))}.", 118, **_UNBROKEN) + "\n"
+
+
+_UNBROKEN: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False}
+
+
+def _materials(_: str) -> str:
+    """Rows of the catalogue of materials."""
+    rows = ["| name | meaning | E (GPa) | nu | density (kg/m3) | source |", "|---|---|---|---|---|---|"]
+    for name, solid in materials.CATALOGUE.items():
+        numbers = f"{solid.youngs_modulus / 1e9:g} | {solid.poisson_ratio:g} | {solid.density:g}"
+        rows.append(f"| `{name}` | {solid.meaning} | {numbers} | {references.short(solid.source)} |")
+    return "\n".join(rows) + "\n"
 
 
 def table(name: str) -> str:
@@ -52,7 +70,7 @@ def table(name: str) -> str:
     rows = ["| key | unit | valid | default | meaning |", "|---|---|---|---|---|"]
     for key in chosen:
         field, spelled = model.model_fields[key], described["properties"][key]
-        default = "required" if field.is_required() else _value(spelled.get("default"))
+        default = "required" if key in described.get("required", ()) else _value(spelled.get("default"))
         cells = (f"`{key}`", _unit(field), _valid(spelled, defs), default, meaning[key])
         rows.append(f"| {' | '.join(cells)} |")
     return "\n".join(rows) + "\n"

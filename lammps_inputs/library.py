@@ -2,6 +2,7 @@
 
 import difflib
 import importlib.resources
+import re
 from pathlib import Path
 from typing import Any
 
@@ -205,6 +206,8 @@ def _line(detail: ErrorDetails, model: type[BaseModel]) -> str:
     if kind in _WHOLE and isinstance(value, float) and value.is_integer() and abs(value) < 1e15:
         return f"{key}: {given} given; write it as a whole number without a point or exponent, {int(value)}"
     message = _PLAIN.get(kind, detail["msg"].removeprefix("Input "))
+    if kind == "literal_error" and isinstance(value, str):
+        message += suggestion(value, re.findall(r"'([^']*)'", context["expected"]))
     example = _example(path, model) if kind in _PAIRS else ""
     if example:
         return f"{key}: {message}, such as `{example}`, {given} given"

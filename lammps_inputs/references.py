@@ -5,6 +5,8 @@ import importlib.resources
 import re
 from typing import TYPE_CHECKING
 
+from lammps_inputs import materials
+
 if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene
 
@@ -21,17 +23,38 @@ def bibtex() -> dict[str, str]:
 
 def text(key: str) -> str:
     """A publication in one line."""
-    entry = dict(re.findall(r"^  (\w+) = {(.*)},?$", bibtex()[key], flags=re.M))
+    entry = _fields(key)
     *others, last = entry["author"].replace(" and others", " et al.").split(" and ")
-    place = f"{entry['journal']} {entry['volume']}, {entry['pages']}" if "journal" in entry else entry["publisher"]
     doi = f", doi:{entry['doi']}" if "doi" in entry else ""
-    return f"{', '.join(others)}{' & ' * bool(others)}{last}, {entry['title']}, {place} ({entry['year']}){doi}"
+    return f"{', '.join(others)}{' & ' * bool(others)}{last}, {entry['title']}, {_place(entry)} ({entry['year']}){doi}"
+
+
+def short(key: str) -> str:
+    """Authors, year and DOI of a publication."""
+    entry = _fields(key)
+    names = [re.sub(r"^(\S+\. )+", "", author) for author in entry["author"].split(" and ")]
+    several = f"{', '.join(names[:-1])} & {names[-1]}" if names[1:] else names[0]
+    listed = f"{names[0]} et al." if len(names) > 3 or "others" in names else several
+    place = f"doi:{entry['doi']}" if "doi" in entry else _place(entry)
+    return f"{listed} ({entry['year']}), {place}"
+
+
+def _fields(key: str) -> dict[str, str]:
+    return dict(re.findall(r"^  (\w+) = {(.*)},?$", bibtex()[key], flags=re.M))
+
+
+def _place(entry: dict[str, str]) -> str:
+    return f"{entry['journal']} {entry['volume']}, {entry['pages']}" if "journal" in entry else entry["publisher"]
 
 
 def of_scene(scene: "BaseScene") -> dict[str, list[str]]:
     """What a paper on a scene cites: subject -> keys of `bibtex`."""
     exponent = scene.contact_scale[0]
     found = {"contacts": ["hertz1882"] if exponent == 1.5 else ["nesterenko2001", "spadoni2010"]}
+    kinds = [*(scene.kinds or {}).values(), *filter(None, [scene.striker])]
+    names = [kind.material for kind in kinds] + ([scene.material.name] if scene.material else [])
+    if solids := [materials.CATALOGUE[name].source for name in names if name]:
+        found["material"] = list(dict.fromkeys(solids))
     if scene.pattern:
         found["pattern"] = ["jayaprakash2011"]
     for key, ingredient in scene.named:

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BeforeValidator, Field, create_model, field_validator, model_validator
+from pydantic import BeforeValidator, ConfigDict, Field, create_model, field_validator, model_validator
 
-from lammps_inputs import html, laws, physics, strict_yaml
+from lammps_inputs import html, laws, materials, physics, strict_yaml
 from lammps_inputs import scheme as schemes
 from lammps_inputs.errors import InputError
 from lammps_inputs.facts import Fact
@@ -97,16 +97,30 @@ class Kick(Part):
 class Material(Part):
     """Elastic spheres in SI units; with it every other number of the scene is in SI."""
 
-    example: ClassVar[str] = "{radius: 4.76e-3, density: 8000, youngs_modulus: 193e9, poisson_ratio: 0.3}"
+    model_config = ConfigDict(
+        json_schema_extra={
+            "required": ["radius"],
+            "anyOf": [{"required": ["name"]}, {"required": [*materials.CONSTANTS]}],
+        }
+    )
 
+    example: ClassVar[str] = "{name: steel, radius: 4.76e-3}"
+
+    name: materials.Name | None = None
+    """Material of the table below, whose constants hold where none are given."""
     radius: Annotated[Positive, Unit("m")]
     """Radius R of the beads."""
     density: Annotated[Positive, Unit("kg/m3")]
-    """Mass density of the beads, which are solid spheres."""
+    """Mass density of the beads, which are solid spheres; required without `name`."""
     youngs_modulus: Annotated[Positive, Unit("Pa")]
-    """Young's modulus E."""
+    """Young's modulus E; required without `name`."""
     poisson_ratio: Annotated[float, Field(gt=-1, le=0.5), PURE]
-    """Poisson's ratio."""
+    """Poisson's ratio; required without `name`."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _completed(cls, given: Any) -> Any:
+        return materials.completed(given, "name")
 
 
 class BaseScene(Part):

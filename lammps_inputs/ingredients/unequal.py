@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, model_validator
 
+from lammps_inputs import materials
 from lammps_inputs.ingredients.base import Count, Part, Positive
 from lammps_inputs.units import PURE, Unit, sphere_mass
 
@@ -37,6 +38,8 @@ class Kind(Part):
     """Mass; that of a sphere of this radius and density if omitted."""
     radius: Annotated[Positive, Unit("m")] | None = None
     """Radius; the reference bead's if omitted."""
+    material: materials.Name | None = None
+    """Material by name (see `material`), whose constants hold where none are given; with a material only."""
     density: Annotated[Positive, Unit("kg/m3")] | None = None
     """Mass density; with a material only."""
     youngs_modulus: Annotated[Positive, Unit("Pa")] | None = None
@@ -46,13 +49,18 @@ class Kind(Part):
     stiffness: Annotated[Positive, PURE] | None = None
     """Plane modulus E / (1 - nu^2) relative to the reference bead's; without a material only."""
 
+    @model_validator(mode="before")
+    @classmethod
+    def _completed(cls, given: Any) -> Any:
+        return materials.completed(given, "material")
+
     def refuse(self, key: str, material: "Material | None") -> None:
         """Refuse what does not go with the scene's units.
 
         Raises:
             ValueError: naming the key.
         """
-        wrong = ("stiffness",) if material is not None else ("density", "youngs_modulus", "poisson_ratio")
+        wrong = ("stiffness",) if material is not None else ("material", *materials.CONSTANTS)
         for name in wrong:
             if getattr(self, name) is not None:
                 word = "youngs_modulus says it in SI units" if material else "is in SI units; give a `material`, too"

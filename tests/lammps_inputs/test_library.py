@@ -1,12 +1,26 @@
 import sys
+from typing import get_args
 
+import numpy as np
 import pytest
 from bad_scenes import BAD_SCENES, REFUSED, assert_one_line, scene_text
 from hypothesis import given
 from hypothesis import strategies as st
 from strategies import VALUES, YAML_LIKE
 
-from lammps_inputs import InputError, Scene, find, ingredients, library, load, physics, shipped, strict_yaml
+from lammps_inputs import (
+    InputError,
+    Scene,
+    find,
+    ingredients,
+    library,
+    load,
+    materials,
+    physics,
+    references,
+    shipped,
+    strict_yaml,
+)
 
 PAPER = ["one-chain", "three-chains", "two-chains", "two-chains-steel", "two-chains-strong"]
 
@@ -117,6 +131,29 @@ def test_the_steel_scene_is_the_two_chain_scene_in_si():
         physics.kappa(reduced.system), rel=2e-3
     )  # 2.41e6 N/m has three digits
     assert steel.problem().duration == pytest.approx(192, rel=0.03)
+
+
+def test_a_material_by_name_is_one_with_its_constants_but_for_those_given():
+    scene = {"name": "a", "beads": 9, "kick": {"velocity": 1.0}, "duration": 1e-4, "pattern": ["other"]}
+    named = scene | {
+        "material": {"name": "steel", "radius": 1e-3, "density": 7e3},
+        "kinds": {"other": {"material": "ptfe"}},
+    }
+    steel = {"radius": 1e-3, "density": 7e3, "youngs_modulus": 193e9, "poisson_ratio": 0.3}
+    ptfe = {"density": 2178.0, "youngs_modulus": 1.46e9, "poisson_ratio": 0.46}
+    found, same = (
+        library.from_plain(named, ""),
+        library.from_plain(scene | {"material": steel, "kinds": {"other": ptfe}}, ""),
+    )
+    assert np.array_equal(found.system.mass, same.system.mass)
+    assert (found.scale, found.system.along) == (same.scale, same.system.along)
+    assert library.from_plain(found.plain(), "") == found
+    assert references.of_scene(found)["material"] == ["daraio2005", "daraio2006"]
+
+
+def test_every_material_may_be_named_and_has_a_source():
+    assert set(get_args(materials.Name)) == set(materials.CATALOGUE)
+    assert {solid.source for solid in materials.CATALOGUE.values()} <= set(references.bibtex())
 
 
 def test_a_misspelt_name_gets_a_suggestion():

@@ -71,6 +71,7 @@ def _changed(kind: str, key: str, says: str, **lines: str | None) -> BadScene:
 
 
 _BALL = "{radius: 4.76e-3, density: 8000, youngs_modulus: 193e9, poisson_ratio: 0.3}"
+_OTHER = "radius: 4.76e-3, density: 7000, youngs_modulus: 2e11, poisson_ratio: 0.2"
 _STEEL = "radius: 4.76e-3, density: 8000, youngs_modulus: 193e9"
 
 
@@ -146,6 +147,8 @@ _KEYS = [
     _changed("no name", "name:", "missing", name=None),
     _changed("no kick", "kick:", "missing", kick=None),
     _changed("coupling without stiffness", "coupling.stiffness:", "missing", coupling="{model: linear}"),
+    _changed("misspelt material", "material.name:", "did you mean `steel`?", material="{name: stel, radius: 1e-3}"),
+    _changed("material of other constants", "material:", "steel is named", material=f"{{name: steel, {_OTHER}}}"),
     _changed("material without ratio", "material.poisson_ratio:", "missing", material=f"{{{_STEEL}}}"),
 ]
 
