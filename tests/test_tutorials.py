@@ -1,0 +1,71 @@
+"""A reader can follow the tutorials: their commands run and print what they quote; the manual's links exist."""
+
+import os
+import re
+import sys
+from pathlib import Path
+
+import pytest
+import tutorial
+
+import workflow
+
+pytest_plugins = ("slurm",)
+
+PACKAGES = ("lammps_inputs", "analysis", "workflow")
+FOLDER = Path(workflow.__file__).parent / "tutorials"
+ROOT = FOLDER.parents[1]
+MANUAL = [ROOT / "README.md", *(page for name in PACKAGES for page in sorted((ROOT / name).rglob("*.md")))]
+PAGES = sorted(path.stem for path in FOLDER.glob("*.md"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", PAGES)
+def test_the_commands_of_a_tutorial_print_what_it_quotes(name, tmp_path, request):
+    page = (FOLDER / f"{name}.md").read_text(encoding="utf-8")
+    environment = dict(os.environ)
+    if "sbatch" in page:
+        environment |= request.getfixturevalue("slurm").environment
+    environment["PATH"] = f"{Path(sys.executable).parent}:{environment['PATH']}"
+    tutorial.follow(page, tmp_path, environment)
+
+
+@pytest.mark.parametrize("page", MANUAL, ids=lambda page: str(page.relative_to(ROOT)))
+def test_links_and_pictures_of_the_manual_exist(page):
+    for link in re.findall(r"\]\(([^)\s]+)\)", page.read_text(encoding="utf-8")):
+        place, _, anchor = link.partition("#")
+        target = page.parent / place if place else page
+        assert ":" in link or target.exists(), link
+        if anchor and ":" not in link:
+            heads = re.findall(r"^#+ (.*)$", target.read_text(encoding="utf-8"), re.M)
+            assert anchor in {re.sub(r"[^\w -]", "", head).lower().replace(" ", "-") for head in heads}, link
+
+
+@pytest.mark.parametrize("index", ["README.md", "workflow/README.md"])
+def test_every_tutorial_is_linked(index):
+    text = (ROOT / index).read_text(encoding="utf-8")
+    assert [name for name in PAGES if f"tutorials/{name}.md)" not in text] == []
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_a_tutorial_is_short(name):
+    lines = (FOLDER / f"{name}.md").read_text(encoding="utf-8").splitlines()
+    assert 40 <= len(lines) <= 120
+
+
+@pytest.mark.parametrize(
+    ("quoted", "output", "same"),
+    [
+        ("    a 1.00 b\n", "x\na   1.01 b\n", True),
+        ("    a 1.00 b\n", "a 1.03 b\n", False),
+        ("    in ... s, 2e-4\n", "in 0.31 s, 0.0002\n", True),
+        ("    b\n    a\n", "a\nb\n", False),
+        ("    a 1\n", "a 1 2\n", False),
+    ],
+)
+def test_quoted_output_is_compared_line_by_line_with_its_numbers(quoted, output, same):
+    if same:
+        tutorial.compare(quoted, output)
+    else:
+        with pytest.raises(AssertionError, match="not found"):
+            tutorial.compare(quoted, output)
