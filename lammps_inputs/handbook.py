@@ -21,7 +21,7 @@ def scenes() -> str:
 
 def keys() -> list[str]:
     """All keys of a scene that have a section."""
-    return [key for names, _ in _sections() for key in names]
+    return [key for names, _ in sections() for key in names]
 
 
 def of_key(name: str) -> str | None:
@@ -29,7 +29,7 @@ def of_key(name: str) -> str | None:
     if not re.fullmatch(r"[a-z_]+([.\[][a-z0-9_.\]]*)?", name):
         return None
     key = re.split(r"[.[]", name)[0]
-    return next((_plain(section) for names, section in _sections() if key in names), None)
+    return next((_plain(section) for names, section in sections() if key in names), None)
 
 
 def of_word(word: str) -> str | None:
@@ -42,11 +42,11 @@ def of_word(word: str) -> str | None:
     whole = re.compile(rf"(?<![\w-]){word}(?![\w-])")
     found = [
         (names, section)
-        for names, section in _sections()
+        for names, section in sections()
         if any(whole.search(code) for code in re.findall(r"^\| `[^|]*", section, re.M))
     ] or [
         (names, section)
-        for names, section in _sections()
+        for names, section in sections()
         if any(whole.search(code) for code in re.findall(r"`([^`\n]*)`", section))
     ]
     if len(found) == 1:
@@ -55,7 +55,7 @@ def of_word(word: str) -> str | None:
     return f"{word}\n    part of {places}; `granchain help KEY` explains each" if found else None
 
 
-def _sections() -> Iterator[tuple[list[str], str]]:
+def sections() -> Iterator[tuple[list[str], str]]:
     """Keys and text of every section."""
     for section in re.split(r"^(?=##? [^\n]*\n\n)", page(), flags=re.M):  # not comments in code
         head, _, _ = section.partition("\n")
@@ -64,10 +64,10 @@ def _sections() -> Iterator[tuple[list[str], str]]:
 
 
 def _plain(markdown: str) -> str:
-    """Markdown as it is read in a terminal: wrapped, rows of tables as entries, without marks."""
+    """Markdown as it is read in a terminal: wrapped, rows of tables as entries, without marks and pictures."""
     lines: list[str] = []
     code = False
-    for block in re.split(r"\n\n+", re.sub(r"<!--.*?-->\n?", "", markdown).strip()):
+    for block in re.split(r"\n\n+", re.sub(r"<!--.*?-->\n?|^!\[.*\)\n\n?", "", markdown, flags=re.M).strip()):
         if lines and not code:
             lines.append("")
         if block.startswith("```") or code:

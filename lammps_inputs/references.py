@@ -10,6 +10,7 @@ from lammps_inputs import materials
 if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene
 
+UNEQUAL = {"pattern": "jayaprakash2011", "taper": "doney2006", "disorder": "ponson2010", "striker": "sokolow2007"}
 SCHEMES = {"verlet": "swope1982", "suzuki4": "suzuki1990"}
 
 
@@ -55,8 +56,7 @@ def of_scene(scene: "BaseScene") -> dict[str, list[str]]:
     names = [kind.material for kind in kinds] + ([scene.material.name] if scene.material else [])
     if solids := [materials.CATALOGUE[name].source for name in names if name]:
         found["material"] = list(dict.fromkeys(solids))
-    if scene.pattern:
-        found["pattern"] = ["jayaprakash2011"]
+    found |= {key: [source] for key, source in UNEQUAL.items() if getattr(scene, key)}
     for key, ingredient in scene.named:
         if keys := ingredient.cited():
             found[key] = list(keys)

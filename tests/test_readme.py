@@ -8,8 +8,10 @@ from gallery import FOLDER, PICTURES
 
 from lammps_inputs import shipped
 
-README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
-SHOWN = set(re.findall(r"\]\(\.github/([\w/-]+)\.png\)", README))
+README, SCENES = (
+    (Path(__file__).parents[1] / page).read_text(encoding="utf-8") for page in ("README.md", "lammps_inputs/SCENES.md")
+)
+SHOWN = set(re.findall(r"\]\([./]*\.github/([\w/-]+)\.png\)", README + SCENES))
 OTHERS = {"trade", "view"}  # of one machine's speed, and of a page in a browser
 
 

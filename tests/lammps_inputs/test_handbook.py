@@ -58,6 +58,24 @@ def test_the_whole_page_holds_every_section_without_markdown():
     assert all(handbook.of_key(key) in whole for key in (*BaseScene.model_fields, *INGREDIENTS))
 
 
+MODELS = ("gap", "material", "kinds", "taper", "disorder", "striker", "kick", *INGREDIENTS)
+
+
+@pytest.mark.parametrize("key", MODELS)
+def test_the_section_of_a_model_has_example_exclusions_spelling_sources_and_a_picture(key):
+    section = next(section for names, section in handbook.sections() if key in names)
+    (example,) = re.findall(r"```yaml\n(.*?)```", section, re.S)
+    assert len(example.splitlines()) <= 6
+    assert all(f"\n{word}: " in section for word in ("Excluded", "LAMMPS", "Source"))
+    assert "Installed scene" in section
+    assert "![" in section
+    assert "![" not in handbook.of_key(key)
+    assert " = " in section, "no equation"
+    cited = re.search(r"<!-- sources: (.*) -->", section)[1].split()
+    own = INGREDIENTS[key].sources if key in INGREDIENTS else (references.UNEQUAL.get(key, cited[0]),)
+    assert set(own) <= set(cited)
+
+
 EXAMPLES = {
     "\n".join(chosen)
     for block in re.findall(r"```yaml\n(.*?)```", handbook.page(), re.S)

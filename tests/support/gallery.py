@@ -1,7 +1,7 @@
 """Draws the pictures of the README anew: ``python tests/support/gallery.py [NAME...]``, all of them or some.
 
 Each is a figure that ``granchain run SCENE -o DIR`` and ``granchain analyze DIR`` leave, made small. A new picture is a
-line in `PICTURES` and a cell in the README.
+line in `PICTURES` and a cell in the README, or a place in SCENES.md.
 """
 
 import sys
@@ -37,6 +37,8 @@ PICTURES = {
     "gallery/driven-chain": ("driven-chain", "spectra"),
     "gallery/drive-above-the-cut-off": ("drive-above-the-cut-off", "spectra"),
     "gallery/column-of-rings": ("column-of-rings", "budget"),
+    "gallery/tapered-chain": ("tapered-chain", "spacetime"),
+    "gallery/disordered-chain": ("disordered-chain", "spacetime"),
     "gallery/two-chains-gapped": ("two-chains-gapped", "spacetime"),
 }
 """File in ``.github`` -> installed scene, and which of its figures."""

@@ -92,6 +92,11 @@ STEADY = 0.01
 NOT_REACHED = "no recorded bead was reached"
 
 UNRESOLVED = "no pulse keeps its shape, or recorded beads are too far apart to show beats"
+NO_AGREEMENT = f"it does not, or not for as long as half a beat; a single chain; {UNRESOLVED}"
+COUNTED = (
+    "to the last recorded bead that all leading waves passed clear of the chains' ends; counted along the pulse's way, "
+    "which is the bead's number for pulses towards higher numbers, whichever bead is kicked"
+)
 
 
 @result
@@ -204,8 +209,8 @@ class Equipartition:
     )
     amplitudes: dict[str, int | None] = declare(
         "bead from which on the difference of the chains' amplitudes, (largest - smallest) / mean, stays below 0.1, "
-        "0.01 and 0.001",
-        undefined=f"it does not; {UNRESOLVED}",
+        f"0.01 and 0.001 {COUNTED}",
+        undefined=NO_AGREEMENT,
         columns=(
             Column("agree_10", "bead from which the chains agree to 10%", "0.1"),
             Column("agree_1", "bead from which the chains agree to 1%", "0.01"),
@@ -213,8 +218,8 @@ class Equipartition:
     )
     arrivals: dict[str, int | None] = declare(
         "bead from which on the difference of the chains' arrivals, latest - earliest over the time in which the wave "
-        "passes (at half its height), stays below 0.1, 0.01 and 0.001",
-        undefined=f"it does not; {UNRESOLVED}",
+        f"passes (at half its height), stays below 0.1, 0.01 and 0.001 {COUNTED}",
+        undefined=NO_AGREEMENT,
         columns=(Column("in_step_1", "bead from which arrivals agree to 1%", "0.01"),),
     )
     final: Final | None = declare(
