@@ -9,9 +9,9 @@ WIDTH = 100
 INDENT = " " * 6
 
 
-def page() -> str:
+def page(name: str = "SCENES.md") -> str:
     """The page, in Markdown."""
-    return (importlib.resources.files("lammps_inputs") / "SCENES.md").read_text(encoding="utf-8")
+    return (importlib.resources.files("lammps_inputs") / name).read_text(encoding="utf-8")
 
 
 def scenes() -> str:
@@ -53,6 +53,21 @@ def of_word(word: str) -> str | None:
         return _plain(found[0][1])
     places = ", ".join(names[0] for names, _ in found)
     return f"{word}\n    part of {places}; `granchain help KEY` explains each" if found else None
+
+
+def of_term(word: str) -> str | None:
+    """A symbol or term as the tables of units and notation in `MODEL.md` define it; None where they do not."""
+    tables = page("MODEL.md").partition("## Units")[2]
+    rows = [_plain_math(row).strip("| ").split(" | ") for row in re.findall(r"^\|.*\|$", tables, re.M)]
+    found = [": ".join(meaning) for term, *meaning in rows if word in re.split(r", | \(|\)", _unmarked(term))]
+    lines = [f"    {line}" for meaning in found for line in textwrap.wrap(_unmarked(meaning), WIDTH - 4)]
+    return "\n".join([word, *lines]) if lines else None
+
+
+def _plain_math(text: str) -> str:
+    """Formulas of GitHub's Markdown as they are written in one line."""
+    text = re.sub(r" ?\\rvert ?", "| ", re.sub(r"\\lvert ?", "|", text)).replace("\\dots", "...")
+    return re.sub(r"\\(\w+)", r"\1", text).translate({ord("$"): None, ord("{"): "(", ord("}"): ")"})
 
 
 def sections() -> Iterator[tuple[list[str], str]]:

@@ -42,6 +42,21 @@ def test_a_key_within_another_is_explained_there(key):
     assert "Springs between the beads of one row" in handbook.of_key(key)
 
 
+@pytest.mark.parametrize(
+    ("word", "meaning"),
+    [
+        ("V", "largest magnitude of the velocities of kick"),
+        ("T", "time: L / V"),
+        ("kappa", "stiffness k T^2 / m"),
+        ("row", "the beads of one number in all chains"),
+        ("agree_1", None),
+    ],
+)
+def test_a_symbol_or_term_is_explained_as_in_the_notation(word, meaning):
+    found = handbook.of_term(word)
+    assert found is None if meaning is None else meaning in " ".join(found.split())
+
+
 def test_unit_bounds_and_default_are_printed():
     found = " ".join(handbook.of_key("gap").split())
     assert "unit: m; valid: number >= 0; default: 0" in found

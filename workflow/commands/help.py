@@ -1,4 +1,4 @@
-"""Explain a key of a scene, a quantity or a command."""
+"""Explain a key of a scene, a quantity, a term or a command."""
 
 import argparse
 
@@ -9,6 +9,7 @@ EXAMPLES = (
     "help scene                # all keys; units: reduced, or SI with a material",
     "help coupling.rows",
     "help run",
+    "help kappa               # a symbol or term",
     "help agree_1             # a column of the table of `granchain collect`",
 )
 
@@ -16,7 +17,7 @@ EXAMPLES = (
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The word."""
     parser.add_argument(
-        "word", metavar="scene|KEY|COMMAND|QUANTITY", nargs="?", help="what to explain (default all commands)"
+        "word", metavar="scene|KEY|COMMAND|QUANTITY|TERM", nargs="?", help="what to explain (default all commands)"
     )
 
 
@@ -30,12 +31,14 @@ def execute(arguments: argparse.Namespace) -> int:
     elif word in cli.COMMANDS and handbook.of_key(word) is None:
         cli.main([word, "--help"])
     else:
-        found = handbook.of_key(word) or "\n".join(filter(None, [_of_quantity(word), handbook.of_word(word)]))
+        found = handbook.of_key(word) or "\n".join(
+            filter(None, [handbook.of_term(word), _of_quantity(word), handbook.of_word(word)])
+        )
         if not found:
             from workflow.sweep.table import QUANTITIES
 
             hint = library.suggestion(word[:200], (*handbook.keys(), *cli.COMMANDS, *QUANTITIES))
-            raise InputError(f"help: {word[:60]!r} is no key of a scene, no command and no quantity{hint}")
+            raise InputError(f"help: {word[:60]!r} is no key of a scene, no command, no quantity and no term{hint}")
         print(found)
     return 0
 

@@ -162,6 +162,12 @@ class ChainSummary:
 class Final(Estimate):
     """The asymptotic amplitude."""
 
+    uncertainty: float = declare(
+        "its uncertainty: largest deviation from it over the last half beat, or the extrapolated change that is still "
+        "to come where that is larger",
+        "V",
+    )
+
     @property
     @derived()
     def reduction(self) -> float:
