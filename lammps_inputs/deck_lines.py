@@ -144,4 +144,4 @@ def whole_contacts(link: "Across") -> tuple[str, ...]:
 
     Ties of an open row of chains never lead to a bead within reach.
     """
-    return () if link.open_row else ("special_bonds lj/coul 1 1 1      # no contact is left out for a spring",)
+    return () if link.open_row else ("special_bonds lj/coul 1 1 1      # contacts between bonded beads are kept",)

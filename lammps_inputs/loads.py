@@ -192,7 +192,7 @@ def _lines(load: Load, name: str, layout: "Layout") -> Lines:
     return Lines(
         variables=variables,
         motion=(
-            f"# push on bead {load.bead} of chain {load.chain}: mean of the force over the step around each instant",
+            f"# push on bead {load.bead} of chain {load.chain}: force averaged over a time step about each instant",
             f"variable {name}before equal (step-0.5)*v_timestep",
             f"variable {name}after equal (step+0.5)*v_timestep",
             f"variable {name}from equal {within(f'v_{name}before')}",

@@ -20,7 +20,7 @@ _PHASE: dict[SchemeName, float] = {"verlet": 2.0, "suzuki4": 2.72 / 5.0}
 """Largest stable product of angular frequency and mean step, from the trace of the cycle of an oscillator."""
 
 
-QUIET = ("log none                         # LAMMPS has four lines to say about every substep",)
+QUIET = ("log none                         # LAMMPS would write four lines for each substep",)
 LOUD = ("log log.lammps append", 'print "arrived at step $(step)"')
 
 _SINCE = 20220623
@@ -50,8 +50,8 @@ def variable_lines(scheme: SchemeName) -> list[str]:
         return []
     outer, *_ = _WEIGHTS[scheme]
     return [
-        f"variable outer equal {5.0 * outer!r}   # Suzuki's weights: 4 Verlet steps of this many mean ones,",
-        f"variable inner equal {5.0 * _WEIGHTS[scheme][2]!r}   # the one in their middle backwards",
+        f"variable outer equal {5.0 * outer!r}   # Suzuki's weights: four Verlet steps of this length, in mean steps,",
+        f"variable inner equal {5.0 * _WEIGHTS[scheme][2]!r}   # and the one between them, which is negative",
         "variable verlet equal v_timestep*(v_outer+(v_inner-v_outer)*(step%5==2))",
         f'if "$(version) < {_SINCE}" then "print \'{TOO_OLD}\'" "quit 1"',
     ]

@@ -96,7 +96,7 @@ def _damped(link: Link, system: System) -> Link:
 
 def place_lines(system: System) -> list[str]:
     """Notes where beads rest, where that is no formula of their numbers."""
-    return [] if physics.even(system) else [f"fix {PLACES} all store/state 0 x     # where the beads rest"]
+    return [] if physics.even(system) else [f"fix {PLACES} all store/state 0 x     # places at rest"]
 
 
 def hold_lines(system: System) -> list[str]:
@@ -106,7 +106,7 @@ def hold_lines(system: System) -> list[str]:
     load = [float(find(laws.load(link.law))) for link in system.along for find in (np.min, np.max)]
     said = f"{load[0]:.6g}" if load[0] == load[1] else f"{load[0]:.6g} to {load[1]:.6g}"
     lines = [
-        f"# static load: contacts carry {said} at rest; the forces found there are subtracted",
+        f"# static load: contact forces at rest {said}; the resultants found at rest are subtracted",
         "run 0 post no",
     ]
     if not physics.even(system):
@@ -132,7 +132,7 @@ def stop_lines(system: System) -> list[str]:
     if not (physics.loaded(system) and system.dampers):
         return []
     return [
-        "# no dashpot acts while the forces at rest are found",
+        "# no dashpots while the forces at rest are determined",
         "fix moving all store/state 0 vx vy vz",
         "set group all vx 0.0 vy 0.0 vz 0.0",
     ]

@@ -50,7 +50,7 @@ def look_steps(timestep: float, cycle: int, pace: float = 1.0) -> int:
 def setup_lines(window: int, beads: int, spacing: float, scheme: SchemeName) -> list[str]:
     """Variables and groups that know where the front is; ``tail`` and ``head`` are rows."""
     return [
-        "# a window that follows the pulse: rows of the tail are taken, at rest, to the head; molecule = row",
+        "# a window that follows the pulse: rows at the tail are moved to the head, at rest; molecule = row",
         "variable tail equal 1",
         f"variable head equal v_tail+{window - 1}",
         "variable moves atom vx!=0.0",
@@ -58,7 +58,7 @@ def setup_lines(window: int, beads: int, spacing: float, scheme: SchemeName) -> 
         f"variable front equal bound(moving,xmax)/{text(spacing)}",
         f"variable ahead equal {beads}-v_head",
         f"variable few equal v_ahead<{block(window)}",
-        f"variable some equal v_few*v_ahead+(1-v_few)*{block(window)}   # rows to take, or what is left of them",
+        f"variable some equal v_few*v_ahead+(1-v_few)*{block(window)}   # rows to move",
         f"variable near equal (v_head-v_front<{HEADROOM})&&(v_ahead>0)",
         "variable outrun equal (v_head-v_front<0.5)&&(v_ahead>0)",
         "variable behind atom mol<v_tail+v_some",
@@ -67,7 +67,7 @@ def setup_lines(window: int, beads: int, spacing: float, scheme: SchemeName) -> 
         f"variable place atom mol*{text(spacing)}",
         "variable parked atom x",
         "variable displaced atom vy",
-        f"variable kicked atom vx+0.5*v_{step_variable(scheme)}*fx   # by the first half of a step",
+        f"variable kicked atom vx+0.5*v_{step_variable(scheme)}*fx   # after the first half of a step",
     ]
 
 

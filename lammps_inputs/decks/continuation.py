@@ -58,8 +58,8 @@ def render_continuation(problem: Problem) -> str:
     again = f"lmp -in {file_names.CONTINUE}"
     sections = [
         [
-            f"# {problem.name}, continued bit for bit from a restart, on any number of ranks",
-            f"# {again}     or: {again} -var dump {dump_part(3)}, to continue once more",
+            f"# {problem.name}, continued from a restart: bitwise the same result, on any number of ranks",
+            f"# {again}     or: {again} -var dump {dump_part(3)}, to continue again",
         ],
         [
             f"variable restart index {file_names.RESTART}",
@@ -69,17 +69,16 @@ def render_continuation(problem: Problem) -> str:
             *scheme.variable_lines(problem.scheme),
         ],
         [
-            "processors * 1 1                 # ranks divide the rows, so no row is cut",
-            "newton off                       # bit for bit the same on any number of ranks",
+            *deck.START,
             *deck.neighbour_lines(problem),
-            "read_restart ${restart}          # beads at rest; vy is where they are",
+            "read_restart ${restart}          # x: places at rest; vy: present places",
             *deck.inner_lines(problem),
         ],
         *deck.interactions(problem),
         [
             *static_load.stop_lines(system),
             "group free empty",
-            "group free clear                 # a continued run's restart has this group",
+            "group free clear                 # the restart of a continued run holds this group",
             *deck.motion_lines(problem, "free"),
             *static_load.go_on_lines(system),
         ],
@@ -90,11 +89,11 @@ def render_continuation(problem: Problem) -> str:
             *_delayed(dumps),
         ],
         [
-            "# neighbours, ranks and order of the beads are settled at rest; then the forces where they are",
+            "# setup with the beads at rest (neighbours, ranks, order); then forces at their present places",
             "timestep ${timestep}",
             *(_given_forces() if system.dampers else []),
             "variable before equal $(step-1)",
-            "reset_timestep 0                 # the time is that of the step",
+            "reset_timestep 0                 # resets the time, which the next line sets to that of the step",
             "reset_timestep ${before}",
             *deck.moved_lines(problem),
             "run 0 post no",
@@ -110,7 +109,7 @@ def render_continuation(problem: Problem) -> str:
 
 def _delayed(dumps: list[str]) -> list[str]:
     return [
-        "# no frame before the beads are where they were",
+        "# no frame before the beads are at their present places",
         *(f"dump_modify {dump} delay $(step)" for dump in dumps),
         *(f'if "$(version) < {_TIMED_SINCE}" then "dump_modify {dump} time no"' for dump in dumps),
     ]
@@ -131,7 +130,7 @@ def _from_rest() -> list[str]:
 
 def _given_forces() -> list[str]:
     return [
-        "variable given atom vz           # forces know the velocities of half a step before",
+        "variable given atom vz           # forces, computed with the velocities half a step earlier",
         "group given union all",
         "fix given given setforce v_given 0.0 0.0",
     ]

@@ -32,13 +32,29 @@ from lammps_inputs.links import Across, Along, Link, Wall, words
 from lammps_inputs.numbers import text
 from lammps_inputs.problem import Problem
 from lammps_inputs.system import System
-from lammps_inputs.units import sphere_density
+from lammps_inputs.units import Scale, sphere_density
 
 if TYPE_CHECKING:
     from lammps_inputs.scene import Scene
 
 COLUMNS = ("id", "x", "vx")
 WINDOW_COLUMNS = ("id", "mol", "x", "vx")
+
+START = (
+    "units lj                         # dimensionless",
+    "processors * 1 1                 # ranks divide the rows; beads of one row are on one rank",
+    "newton off                       # bitwise the same result on any number of ranks",
+)
+"""First commands of a deck and of its continuation."""
+
+KINETIC = (
+    "# in the log: sums of m vx^2/2 and of m vx over all atoms",
+    "compute kinetic all temp/partial 1 0 0",
+    "compute_modify kinetic extra/dof 0",
+    "variable momentum equal mass(all)*vcm(all,x)",
+    "thermo_style custom step ke v_momentum",
+    "thermo_modify temp kinetic norm no lost error",
+)
 
 
 def render(scene: "Scene", problem: Problem | None = None) -> dict[str, str]:
@@ -73,10 +89,9 @@ def render_deck(problem: Problem) -> str:
         _title(problem),
         _variables(problem),
         [
-            "processors * 1 1                 # ranks divide the rows, so no row is cut",
-            "newton off                       # bit for bit the same on any number of ranks",
+            *START,
             f"atom_style {_atom_style(problem)}",
-            "boundary s f f                   # keep a bead that rebounds; no periodic images",
+            "boundary s f f                   # x: the box follows rebounding beads; y, z: no periodic images",
             *neighbour_lines(problem),
             f"read_data {file_names.DATA}",
             *inner_lines(problem),
@@ -113,18 +128,18 @@ def neighbour_lines(problem: Problem) -> list[str]:
         "atom_modify sort 0 0",
         "comm_modify vel yes",
         f"neighbor {text(_skin(problem))} bin",
-        "neigh_modify once yes            # on a line, neighbours stay neighbours",
+        "neigh_modify once yes            # neighbours on a line never change",
     ]
 
 
 def inner_lines(problem: Problem) -> list[str]:
-    """Tells inner atoms, which touch nothing, from beads; none where there are none."""
+    """Groups of beads and of inner atoms, which have no contacts; none where there are no inner atoms."""
     if problem.system.inner_mass is None:
         return []
     return [
         f"group beads id 1:{problem.chains * problem.beads}",
         "group inner subtract all beads",
-        "neigh_modify exclude group inner all   # atoms inside the beads touch nothing",
+        "neigh_modify exclude group inner all   # atoms inside the beads have no contacts",
     ]
 
 
@@ -204,7 +219,7 @@ def motion_lines(problem: Problem, group: str) -> list[str]:
         *(line for found in _from_outside(problem) for line in found.motion),
     ]
     if _tied(system):
-        lines.append("fix line all lineforce 1 0 0     # beads move along their chain only")
+        lines.append("fix line all lineforce 1 0 0     # beads move along their chains only")
     return lines
 
 
@@ -226,12 +241,23 @@ def output_lines(problem: Problem, every: str, dump: str, snapshots: str = file_
     ]
     return [
         f"dump frames {recorded} custom {every} {dump} {' '.join(columns(problem))}",
-        "dump_modify frames flush yes time yes   # complete frames survive a kill, and hold their time",
+        "dump_modify frames flush yes time yes   # each frame is written at once, with its time",
         *(whole if problem.frames_per_snapshot is not None else []),
-        "thermo_style custom step",
-        "thermo_modify lost error",
+        *_thermo_lines(problem),
         "thermo ${thermo}",
     ]
+
+
+def _thermo_lines(problem: Problem) -> list[str]:
+    """Columns of the log: kinetic energy and momentum where a line is written every many steps.
+
+    Not where each substep, or each frame, is a run of its own, which LAMMPS begins and ends with a line; nor where its
+    masses are not those of the beads.
+    """
+    seldom = problem.scheme == "verlet" and not problem.peaks
+    if seldom and all(lines.heavier is None for lines in spelling(problem)):
+        return [*KINETIC]
+    return ["thermo_style custom step", "thermo_modify lost error"]
 
 
 def _mass_lines(problem: Problem) -> list[str]:
@@ -241,15 +267,15 @@ def _mass_lines(problem: Problem) -> list[str]:
         mass = "1.0" if isinstance(problem.system.mass, float) else "mass"
         half = "".join(f"+0.5*v_timestep*v_{name}" for name in heavier)
         return [
-            "# by half of what drag takes in a step, which makes the step one of order 2",
+            "# masses increased by half of drag times time step: the step is of order 2 with drag",
             f"variable heavier atom {mass}{half}",
             "set group all mass v_heavier",
         ]
     if not isinstance(problem.system.mass, float):
         return []
     if problem.system.inner_mass is not None:
-        return ["set group beads mass 1.0         # exact; the data file's density is within rounding"]
-    return ["set group all mass 1.0           # exact; the data file's density is within rounding"]
+        return ["set group beads mass 1.0         # exact; by the density in the data file, within rounding"]
+    return ["set group all mass 1.0           # exact; by the density in the data file, within rounding"]
 
 
 def recorded_lines(problem: Problem) -> list[str]:
@@ -308,8 +334,22 @@ def _title(problem: Problem) -> list[str]:
         parts.append(f"coupling {words(system.across)}")
     run = f"lmp -in {file_names.DECK}"
     return [
-        f"# {problem.name}: {', '.join(parts)}; dimensionless at V = 1",
+        f"# {problem.name}: {', '.join(parts)}",
         f"# {run}     or: mpirun -np 4 {run}     or: {run} -var steps 1000",
+        *_scale_lines(problem.scale),
+    ]
+
+
+def _scale_lines(scale: Scale) -> list[str]:
+    """The scene's units in comments; none where all scales are 1."""
+    names = ("length", "time", "velocity", "force", "mass", "energy")
+    scales = [(name, float(getattr(scale, name))) for name in names]
+    if all(value == 1.0 for _, value in scales):
+        return ["# all quantities are dimensionless and those of the scene (reduced units)"]
+    units = "SI" if scale.si else "reduced"
+    return [
+        f"# all quantities are dimensionless; multiplied by these scales, they are in {units} units:",
+        *(f"# {name:10}{text(value)}{scale.after(name)}" for name, value in scales),
     ]
 
 
@@ -319,7 +359,7 @@ def _variables(problem: Problem) -> list[str]:
         for number, (chain, bead, velocity) in enumerate(problem.system.kicks, 1)
     ]
     return [
-        "# change these here, or with -var NAME VALUE",
+        "# parameters; a value on the command line, -var NAME VALUE, replaces the one here",
         *number_lines(problem),
         *kicks,
         *scheme.variable_lines(problem.scheme),
@@ -331,8 +371,8 @@ def number_lines(problem: Problem) -> list[str]:
     return [
         f"variable timestep index {text(problem.timestep)}",
         f"variable steps index {problem.steps}",
-        f"variable every index {problem.steps_per_frame}   # steps from frame to frame",
-        f"variable thermo index {min(max(1, problem.steps // 20), 2**31 - 1)}   # steps from line to line of the log",
+        f"variable every index {problem.steps_per_frame}   # steps between frames",
+        f"variable thermo index {min(max(1, problem.steps // 20), 2**31 - 1)}   # steps between lines of the log",
         *(line for found in spelling(problem) for line in found.variables),
     ]
 

@@ -62,13 +62,13 @@ class Hertz(NamedTuple):
         if np.ndim(self.strength) == 0:
             return Lines(
                 interactions=(
-                    "# contacts: force = overlap^1.5, no friction, no loss (LAMMPS reports no energy for this style)",
+                    "# contacts: force = overlap^1.5, no friction, no loss; this style computes no energy",
                     f"pair_style gran/hertz/history {unit * float(self.strength)!r} 0 0 0 0 0",
                     "pair_coeff * *",
                 )
             )
         types = types_by_contact(np.asarray(self.strength))
-        says = "# contacts: force = strength * overlap^1.5, strength by the types of the two; no friction, no loss"
+        says = "# contacts: force = strength * overlap^1.5, strength by the bead types; no friction, no loss"
         return Lines(types=types, interactions=(says, *_granular(unit, types, "0", "damping velocity")))
 
     def _damped(self, unit: float, coefficient: float, model: str) -> Lines:
@@ -151,7 +151,7 @@ class Power(NamedTuple):
     def _linear(self) -> Lines:
         return Lines(
             interactions=(
-                "# contacts: force = overlap, no friction, no loss (LAMMPS reports no energy for this style)",
+                "# contacts: force = overlap, no friction, no loss; this style computes no energy",
                 f"pair_style gran/hooke {text(float(self.strength))} 0 0 0 0 0",
                 "pair_coeff * *",
             )

@@ -75,7 +75,7 @@ class Dashpot(NamedTuple):
         the velocities before and after, which is of order 2. The deck does that where nothing else spoils the order.
         """
         return Lines(
-            variables=(f"variable {name} index {text(float(np.max(self.coefficient)))}   # force over velocity",),
+            variables=(f"variable {name} index {text(float(np.max(self.coefficient)))}   # force per velocity",),
             motion=(f"fix {name} all viscous ${{{name}}}",),
             heavier=name if layout.centred else None,
         )
@@ -92,11 +92,11 @@ class Dashpot(NamedTuple):
         cutoff = text(4.25**0.5 * apart if pressed == 0.0 else math.hypot(2.0 * apart, 0.5 * (apart - pressed)))
         return Lines(
             types=AtomTypes(types, {}, 2),
-            variables=(f"variable {name} index {text(float(np.max(self.coefficient)))}   # force over velocity",),
+            variables=(f"variable {name} index {text(float(np.max(self.coefficient)))}   # force per velocity",),
             beside=(
                 f"dpd/ext/tstat 0 0 {cutoff} 1",
-                "# dashpots between chains: a thermostat at no temperature, the same in all directions, up to a cutoff",
-                "special_bonds lj/coul 1 1 1      # also between those that have springs",
+                "# dashpots between chains: DPD thermostat at temperature 0, isotropic, up to a cutoff distance",
+                "special_bonds lj/coul 1 1 1      # also between bonded beads",
                 f"pair_coeff 1 2 dpd/ext/tstat ${{{name}}} ${{{name}}} 0 0 {cutoff}",
             ),
         )
@@ -261,7 +261,7 @@ def beside(elastic: Lines, layout: "Layout") -> Lines:
         interactions=(says.replace("no loss", "with a dashpot beside it"), *lines),
         beside=(
             "granular",
-            "# dashpots of contacts: those of spheres of no stiffness",
+            "# dashpots of contacts: spheres with a contact stiffness of 0",
             f"pair_coeff * * granular hertz 0 ${{contact_damping}} tangential linear_nohistory 0 0 {model}",
         ),
     )

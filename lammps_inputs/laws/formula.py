@@ -28,7 +28,7 @@ def along(energy: str) -> "Callable[[Any, str, Layout], Lines]":
 
     def spell(law: Any, name: str, layout: "Layout") -> Lines:
         return contacts(
-            _filled(law, name, energy, f"({text(layout.diameter)}-r)"), "= minus the slope of an energy", layout
+            _filled(law, name, energy, f"({text(layout.diameter)}-r)"), "= minus the derivative of an energy", layout
         )
 
     return spell

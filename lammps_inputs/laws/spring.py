@@ -72,7 +72,7 @@ class Linear(NamedTuple):
             coefficients=tuple(f"{k} 0" for k in stiffness),
             variables=(f"variable kappa index {text(values[0][0])}",) if one else (),
             interactions=(
-                "# springs between chains: r0 = 0 makes them linear along the chain at any lateral distance",
+                "# springs between chains: with r0 = 0 linear along the chain at any lateral distance",
                 *whole_contacts(link),
             ),
         )

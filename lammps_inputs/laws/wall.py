@@ -35,7 +35,7 @@ def wall_lines(link: "Wall", layout: "Layout") -> Lines:
     walls = [(*face, g) for face, g in zip(faces(link, layout), lost, strict=True)]
     if len(set(walls)) == 1:
         hard, face, g = walls[0]
-        strength = f"variable {name} index {text(hard)}   # force over overlap^{text(exponent)}"
+        strength = f"variable {name} index {text(hard)}   # force per overlap^{text(exponent)}"
         dashpot = f"variable {name}_damping index {text(g)}   # {model}"
         coefficient = "0" if loss is None else f"${{{name}_damping}}"
         return Lines(

@@ -360,7 +360,9 @@ def test_the_longest_run_that_a_scene_may_ask_for_fits_the_integers_of_lammps(ex
 def test_the_deck_of_one_chain_has_no_word_of_what_it_does_not_need(case):
     text = deck.render_deck(case.problem()).replace(f"# {case.name}:", "#").lower()
     assert [
-        word for word in ("bond", "spring", "kappa", "setforce", "lineforce", "damp", "visc", "units") if word in text
+        word
+        for word in ("bond", "spring", "kappa", "setforce", "lineforce", "damp", "visc", "addforce")
+        if word in text
     ] == []
 
 
@@ -397,10 +399,33 @@ def test_the_deck_of_one_chain_is_the_same_for_every_v_to_rounding(exponent):
     velocity = 10.0**exponent
     slow = scene(kick=(Kick(velocity=velocity),), duration=4.0 * velocity**-0.2)
     assert slow.problem().timestep == pytest.approx(0.01, rel=1e-14)
-    ours, theirs = deck.render_deck(slow.problem()).splitlines(), deck.render_deck(scene().problem()).splitlines()
-    assert [line for line in ours if "timestep index" not in line] == [
-        line for line in theirs if "timestep index" not in line
-    ]
+    ours, theirs = (
+        [line for line in deck.render_deck(case.problem()).splitlines() if not re.match("#|variable timestep", line)]
+        for case in (slow, scene())
+    )
+    assert ours == theirs
+
+
+def test_the_head_holds_the_scales_that_turn_the_log_and_the_frames_into_si_units():
+    case = find("two-chains-steel")
+    head = deck.render_deck(case.problem()).partition("\nvariable")[0]
+    found = {name: (float(value), unit) for name, value, unit in re.findall(r"^# (\w+) +(\S+) (\S+)$", head, re.M)}
+    scale = case.scale
+    assert found["length"] == (scale.length, "m")
+    assert found["time"] == (scale.time, "s")
+    assert found["velocity"] == (scale.velocity, "m/s")
+    assert found["force"] == (scale.force, "N")
+    assert "reduced units" in deck.render_deck(find("two-chains").problem())
+
+
+def test_the_log_holds_kinetic_energy_and_momentum(tmp_path):
+    result = run(scene(chains=2, beads=8, kappa=0.1, duration=5.0, every=0.05), tmp_path / "run")
+    logged = np.array([line.split() for line in re.findall(r"^ +\d+ +[\d.e-]+ +[\d.e-]+ *$", result.log, re.M)], float)
+    frame = np.rint(logged[:, 0] / result.problem.steps_per_frame).astype(int)
+    velocity = result.velocity[frame]
+    assert len(logged) == 21
+    np.testing.assert_allclose(logged[:, 1], 0.5 * (velocity**2).sum((1, 2)), rtol=1e-7)  # eight digits in the log
+    np.testing.assert_allclose(logged[:, 2], velocity.sum((1, 2)), rtol=1e-7)
 
 
 @pytest.mark.slow
