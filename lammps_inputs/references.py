@@ -11,7 +11,15 @@ if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene
 
 UNEQUAL = {"pattern": "jayaprakash2011", "taper": "doney2006", "disorder": "ponson2010", "striker": "sokolow2007"}
+HERTZ, POWER_LAW = "hertz1882", ("nesterenko2001", "spadoni2010")
+LAMMPS, REFERENCE = "thompson2022", "blanes2002"
 SCHEMES = {"verlet": "swope1982", "suzuki4": "suzuki1990"}
+ENGINES = [LAMMPS, SCHEMES["verlet"], REFERENCE]
+"""What every run by LAMMPS, checked against the reference, cites."""
+
+
+LINKS = {"doi": "doi", "eprint": "arXiv"}
+"""Field of an entry that leads to the publication -> its prefix."""
 
 
 @functools.cache
@@ -25,15 +33,22 @@ def bibtex() -> dict[str, str]:
 def text(key: str) -> str:
     """A publication in one line."""
     entry = _fields(key)
-    *others, last = entry["author"].replace(" and others", " et al.").split(" and ")
-    doi = f", doi:{entry['doi']}" if "doi" in entry else ""
-    return f"{', '.join(others)}{' & ' * bool(others)}{last}, {entry['title']}, {_place(entry)} ({entry['year']}){doi}"
+    *others, last = entry.get("author", "").replace(" and others", " et al.").split(" and ")
+    authors = f"{', '.join(others)}{' & ' * bool(others)}{last}"
+    named = ", ".join(filter(None, (authors, entry["title"], _place(entry))))
+    links = "".join(f", {name}:{entry[field]}" for field, name in LINKS.items() if field in entry)
+    return f"{named} ({entry['year']}){links}"
+
+
+def number(key: str) -> int:
+    """Place of a publication in the list of references of MODEL.md, from 1."""
+    return list(bibtex()).index(key) + 1
 
 
 def short(key: str) -> str:
     """Authors, year and DOI of a publication."""
     entry = _fields(key)
-    names = [re.sub(r"^(\S+\. )+", "", author) for author in entry["author"].split(" and ")]
+    names = [re.sub(r"^(\S+\. )+", "", author) for author in entry.get("author", entry["title"]).split(" and ")]
     several = f"{', '.join(names[:-1])} & {names[-1]}" if names[1:] else names[0]
     listed = f"{names[0]} et al." if len(names) > 3 or "others" in names else several
     place = f"doi:{entry['doi']}" if "doi" in entry else _place(entry)
@@ -45,13 +60,27 @@ def _fields(key: str) -> dict[str, str]:
 
 
 def _place(entry: dict[str, str]) -> str:
-    return f"{entry['journal']} {entry['volume']}, {entry['pages']}" if "journal" in entry else entry["publisher"]
+    if "journal" in entry:
+        return f"{entry['journal']} {entry['volume']}, {entry['pages']}"
+    return entry.get("publisher", "")
+
+
+def of_models() -> dict[str, list[str]]:
+    """Laws and schemes that a scene can choose: subject -> keys of `bibtex`."""
+    from lammps_inputs.ingredients import INGREDIENTS, damping
+
+    found = {"contacts of spheres": [HERTZ], "`contact.exponent`": [*POWER_LAW]}
+    found |= {f"`{key}`": [source] for key, source in UNEQUAL.items()}
+    found |= {f"`{key}`": [*kind.sources] for key, kind in INGREDIENTS.items() if kind.sources}
+    found |= {f"`damping.contact`, law `{law}`": [*keys] for law, keys in damping.SOURCES.items()}
+    found |= {f"`scheme: {name}`": [key] for name, key in SCHEMES.items()}
+    return found | {"engine LAMMPS": [LAMMPS], "reference integrator": [REFERENCE]}
 
 
 def of_scene(scene: "BaseScene") -> dict[str, list[str]]:
     """What a paper on a scene cites: subject -> keys of `bibtex`."""
     exponent = scene.contact_scale[0]
-    found = {"contacts": ["hertz1882"] if exponent == 1.5 else ["nesterenko2001", "spadoni2010"]}
+    found = {"contacts": [HERTZ] if exponent == 1.5 else [*POWER_LAW]}
     kinds = [*(scene.kinds or {}).values(), *filter(None, [scene.striker])]
     names = [kind.material for kind in kinds] + ([scene.material.name] if scene.material else [])
     if solids := [materials.CATALOGUE[name].source for name in names if name]:
@@ -60,5 +89,5 @@ def of_scene(scene: "BaseScene") -> dict[str, list[str]]:
     for key, ingredient in scene.named:
         if keys := ingredient.cited():
             found[key] = list(keys)
-    found["engine"] = ["thompson2022", SCHEMES[scene.scheme or "verlet"]]
-    return found | {"reference integrator": ["blanes2002"]}
+    found["engine"] = [LAMMPS, SCHEMES[scene.scheme or "verlet"]]
+    return found | {"reference integrator": [REFERENCE]}

@@ -1,15 +1,17 @@
-"""A self-contained HTML page of statements, tables and figures; its sections as files. Knows no physics."""
+"""A self-contained HTML page of statements, tables and figures; its sections as files."""
 
 import base64
 import html
 import json
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
 from matplotlib.figure import Figure
 
 from analysis.figures.style import picture as content_of
+from lammps_inputs import references
+from workflow.provenance import foot
 from workflow.runs.files import write_bytes, write_text
 from workflow.runs.own_files import claim
 
@@ -54,6 +56,7 @@ class Section:
         statements: row by row.
         pictures: below them.
         notes: paragraphs between the two.
+        sources: publications, by key of the bibliography, and what of each could be read.
         failed: why there are no statements, where that is so.
     """
 
@@ -62,6 +65,7 @@ class Section:
     statements: Sequence[Statement]
     pictures: Sequence[Picture] = field(default_factory=tuple)
     notes: Sequence[str] = field(default_factory=tuple)
+    sources: Mapping[str, str] = field(default_factory=dict)
     failed: str = ""
 
 
@@ -109,13 +113,20 @@ def render(
         said_by: heading of the statements.
         contents: whether a list of the sections with their verdicts comes first.
     """
-    body = "\n".join(_section(section, number, said_by) for number, section in enumerate(sections))
-    return document(title, summary, _contents(sections) + body if contents else body)
+    cited = list(dict.fromkeys([key for section in sections for key in section.sources] + references.ENGINES))
+    body = "\n".join(_section(section, number, said_by, cited) for number, section in enumerate(sections))
+    return document(title, summary, _contents(sections) + body if contents else body, cited)
 
 
-def document(title: str, summary: str, body: str) -> str:
-    """A whole page around what its body says in HTML."""
-    return _PAGE.format(title=html.escape(title), summary=html.escape(summary), body=body)
+def document(title: str, summary: str, body: str, cited: Iterable[str]) -> str:
+    """A whole page around what its body says in HTML.
+
+    Args:
+        title, summary: its head.
+        body: HTML.
+        cited: keys of the bibliography, for its last section (`workflow.provenance.foot`).
+    """
+    return _PAGE.format(title=html.escape(title), summary=html.escape(summary), body=body, foot=foot(cited))
 
 
 def _contents(sections: Sequence[Section]) -> str:
@@ -145,18 +156,26 @@ def _kind(holds: str) -> str:
     return {HOLDS: "yes", FAILS: "no"}.get(holds, "partly")
 
 
-def _section(section: Section, number: int, said_by: str) -> str:
+def _section(section: Section, number: int, said_by: str, cited: Sequence[str]) -> str:
     head = f'<section id="s{number}"><h2>{html.escape(section.title)}</h2><p>{html.escape(section.introduction)}</p>'
     if section.failed:
         return f'{head}<p class="no"><strong>failed</strong>: {html.escape(section.failed)}</p></section>'
     rows = "\n".join(_row(statement) for statement in section.statements)
     pictures = "\n".join(shown(picture) for picture in section.pictures)
     notes = "".join(f"<p>{html.escape(note)}</p>" for note in section.notes)
+    read = "; ".join(f"{_cite(key, cited)} {html.escape(how)}" for key, how in section.sources.items())
+    notes = f"<p>Sources: {read}.</p>{notes}" if read else notes
     table = (
         f'<table class="statements"><thead><tr><th>{html.escape(said_by)}</th><th>found here</th><th></th></tr></thead>'
         f"<tbody>{rows}</tbody></table>"
     )
     return f"{head}{table}{notes}{pictures}</section>"
+
+
+def _cite(key: str, cited: Sequence[str]) -> str:
+    """The number of a publication on this page, as a link."""
+    number = cited.index(key) + 1
+    return f'<a href="#r{number}">[{number}]</a>'
 
 
 def _row(statement: Statement) -> str:
@@ -198,12 +217,14 @@ th, td {{ text-align: left; vertical-align: top; padding: .5rem .7rem; border-bo
 figure {{ margin: 1.5rem 0; }}
 img {{ max-width: 100%; height: auto; }}
 figcaption {{ color: #555; font-size: .9rem; }}
+footer {{ font-size: .9rem; border-top: 1px solid #ccc; margin-top: 2rem; }}
 </style>
 </head>
 <body>
 <h1>{title}</h1>
 <p>{summary}</p>
 {body}
+{foot}
 </body>
 </html>
 """

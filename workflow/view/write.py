@@ -1,7 +1,7 @@
 """The pages of a directory, of a run, of a sweep or of a comparison: files of HTML that need no other."""
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -13,8 +13,10 @@ from bokeh.resources import INLINE
 
 from analysis.figures.style import axis_unit, shown_chains
 from analysis.files.binary_dump import CutDumpWarning
-from lammps_inputs import InputError, Problem, file_names, strict_yaml
+from lammps_inputs import InputError, Problem, Scene, file_names, references, strict_yaml
+from workflow import provenance
 from workflow.runs.files import write_text
+from workflow.runs.job import Job
 from workflow.runs.own_files import claim
 from workflow.runs.run_directory import RunDirectory
 from workflow.sweep.collect import collect
@@ -76,13 +78,13 @@ def folded(heading: str, text: str) -> str:
     return f"<details><summary>{escape(heading)}</summary><pre>{escape(text)}</pre></details>"
 
 
-def render(title: str, root: Any, *, head: str, foot: str = "") -> str:
+def render(title: str, root: Any, *, head: str, foot: str) -> str:
     """The page.
 
     Args:
         title: its heading, as text.
         root: a Bokeh layout.
-        head, foot: HTML above and below.
+        head, foot: HTML above and below; the latter with `workflow.provenance.foot`.
 
     Raises:
         InputError: it would be larger than `MOST_BYTES`.
@@ -155,11 +157,23 @@ def _run(path: Path) -> Path:
         f"{scene.name}: {problem.chains} x {problem.beads} beads",
         layout(problem, part, found, list(default_beads(problem))),
         head=paragraphs([scene.description] * bool(scene.description) + lines),
-        foot=foot,
+        foot=foot + provenance.foot(_cited([scene]), _computed(directory.job)),
     )
     claim(path, (VIEW,))
     write_text(path / VIEW, made)
     return path / VIEW
+
+
+def _cited(scenes: Iterable[Scene]) -> list[str]:
+    """Publications that some scenes use, none twice."""
+    return list(dict.fromkeys(key for scene in scenes for keys in references.of_scene(scene).values() for key in keys))
+
+
+def _computed(job: Job) -> str:
+    """When, where and with which versions a run was computed, as far as it recorded that."""
+    versions = " and ".join(f"{name} {job.versions[name]}" for name in ("granchain", "lammps") if name in job.versions)
+    parts = [job.started or "", f"with {versions}" if versions else "", f"on {job.machine}" if job.machine else ""]
+    return f"The run was computed: {', '.join(filter(None, parts))}." if any(parts) else ""
 
 
 def _left_out(problem: Problem, part: Thinned) -> list[str]:
@@ -197,6 +211,7 @@ def _sweep(directory: Path) -> Path:
         sweep_layout(table, pages),
         head="<p>Click a column's head to sort, a case or a point to open it"
         " (<code>granchain view " + escape(str(directory.name)) + "/CASE</code> makes a case's page).</p>",
+        foot=provenance.foot(_cited(RunDirectory(directory / row["case"]).scene for row in table.rows)),
     )
     path = directory / VIEW
     if path.exists() and not path.read_text(encoding="utf-8", errors="replace").startswith("<!DOCTYPE html>"):

@@ -117,6 +117,7 @@ def test_the_report_is_one_page_with_its_pictures_inside(found):
     assert page.count("<img") == 5
     assert 'src="http' not in page
     assert "set against" in page
+    assert '<footer class="provenance">' in page
 
 
 @pytest.mark.slow

@@ -1,13 +1,20 @@
 """Pages of statements, and sections kept as files."""
 
+import html
+import importlib.metadata
 import re
 
 from matplotlib.figure import Figure
 
+from lammps_inputs import references
 from workflow.studies.page import FAILS, HOLDS, SECTION, Section, Statement, drawn, keep, kept, render
 
 SOME = Section(
-    "Waves", "of beads", [Statement("fast", ["1"], HOLDS), Statement("slow", ["2"], FAILS, "not so")], notes=["read"]
+    "Waves",
+    "of beads",
+    [Statement("fast", ["1"], HOLDS), Statement("slow", ["2"], FAILS, "not so")],
+    notes=["read"],
+    sources={"rosas2007": "abstract read"},
 )
 
 
@@ -26,7 +33,7 @@ def test_a_damaged_section_is_none(tmp_path):
 def test_the_contents_link_to_each_section_and_count_its_verdicts():
     text = render("t", "s", [SOME, Section("Lost", "", (), failed="no <disk>")], contents=True)
     targets = re.findall(r'<section id="(\w+)"', text)
-    assert re.findall(r'href="#(\w+)"', text) == targets
+    assert re.findall(r'href="#(s\d+)"', text) == targets
     listed = text[text.index("<ol") : text.index("</ol>")]
     assert re.findall(r"<strong>(.*?)</strong>", listed) == ["1 holds", "1 does not hold", "failed"]
     assert "no &lt;disk&gt;" in text
@@ -35,3 +42,14 @@ def test_the_contents_link_to_each_section_and_count_its_verdicts():
 def test_text_from_outside_cannot_become_markup():
     section = Section("<script>", "a & b", [Statement("<b>", ["<i>"], HOLDS)])
     assert "<script>" not in render("t", "s", [section])
+
+
+def test_a_page_ends_with_full_references_versions_date_and_machine():
+    text = render("t", "s", [SOME])
+    foot = text[text.index('<footer class="provenance">') :]
+    assert references.text("rosas2007") in html.unescape(foot)
+    assert '<a href="#r1">[1]</a> abstract read' in text
+    for name in ("granchain", "lammps"):
+        assert importlib.metadata.version(name) in foot
+    assert re.search(r"Date: \d{4}-\d\d-\d\d \d\d:\d\d[+-]", foot)
+    assert re.search(r"Machine: .+, \d+ cores", foot)

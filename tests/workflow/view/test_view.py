@@ -143,6 +143,7 @@ def test_the_page_of_a_run_says_the_right_numbers_and_moves_the_right_beads(ran,
     assert "<iframe" in shown._repr_html_()
     page, frames = look(path / "view.html"), RunDirectory(path).trajectory
     assert "view.html" in ran.directory.job.files
+    assert "Starosvetsky" in page.locator("footer.provenance").inner_text()
 
     time = float(frames.time[FRAME])
     page.mouse.move(*page.evaluate(WHERE, ["chain 2", BEAD, time]))
@@ -247,6 +248,7 @@ def test_the_page_of_a_sweep_draws_any_column_over_any_other(tmp_path, look):
     table = api.sweep(what, tmp_path / "swept", jobs=1, check=False)
     assert main(["view", str(tmp_path / "swept"), "--no-open", "--quiet"]) == 0
     page = look(tmp_path / "swept" / "view.html")
+    assert "References" in page.locator("footer.provenance").inner_text()
     page.evaluate("() => { Bokeh.documents[0].get_model_by_name('column').value = 'steps'; }")
     assert model(page, "cases", "Array.from(it.data.y)") == [row["steps"] for row in table.rows]
     assert model(page, "cases", "Array.from(it.data.x)") == [0.01, 0.1, 1.0]

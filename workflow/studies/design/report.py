@@ -13,6 +13,7 @@ from analysis.gauges.forces import at_frames
 from analysis.gauges.gauge import gauges
 from analysis.mirror import direction_of
 from analysis.trajectory import Floats
+from lammps_inputs import references
 from workflow.runs.run_directory import RunDirectory
 from workflow.studies.design.found import Found, Verified
 from workflow.studies.design.search import RULED_OUT, worth
@@ -36,7 +37,8 @@ def page(found: Found) -> str:
         "every design was computed by the reference, the best again by LAMMPS. "
         f"In {found.undefined} of them the objective or a quantity with a limit is undefined; they do not count."
     )
-    return document(f"{scene}: {wanted}", summary, "\n".join(parts))
+    cited = {key: None for keys in references.of_scene(best.directory.scene).values() for key in keys}
+    return document(f"{scene}: {wanted}", summary, "\n".join(parts), cited)
 
 
 def _shown(pictures: list[Picture]) -> str:

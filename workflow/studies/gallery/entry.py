@@ -266,8 +266,7 @@ class Entry:
         axes, draw, caption: labels, contents and caption of a figure of one panel.
         pictures: figures in its place.
         swept: likewise name -> scene, run by the reference only.
-        sources: where it was published, and what of it could be read; without any, the errors of the runs stand in the
-            statements.
+        sources: publications, by key of the bibliography, and what of each could be read.
     """
 
     title: str
@@ -279,7 +278,7 @@ class Entry:
     caption: str = ""
     pictures: Callable[[Results], Sequence[Picture]] = lambda _: ()
     swept: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
-    sources: Sequence[str] = ()
+    sources: Mapping[str, str] = field(default_factory=dict)
 
     def build(self, folder: Path) -> Section:
         """Run what an earlier start has not run, and measure it.
@@ -300,11 +299,11 @@ class Entry:
             results[name] = {
                 engine: Ran(kept_run(scene, engine, folder / f"{scene.name}-{engine}")) for engine in engines
             }
-        notes = [*self.sources, _own_errors(results)] if self.sources else []
+        notes = [_own_errors(results)] if results else []
         pictures = [*self.pictures(results)]
         if self.draw is not None:
             pictures.append(drawn("figure", _panel(self.axes, self.draw, results), self.caption))
-        return Section(self.title, self.introduction, list(self.statements(results)), pictures, notes)
+        return Section(self.title, self.introduction, list(self.statements(results)), pictures, notes, self.sources)
 
 
 def _own_errors(results: Results) -> str:

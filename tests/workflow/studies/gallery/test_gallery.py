@@ -8,7 +8,7 @@ import pytest
 
 from workflow import api
 from workflow.cli import main
-from workflow.studies.gallery import entries
+from workflow.studies.gallery import entries, sources
 from workflow.studies.gallery.entries import ENTRIES
 from workflow.studies.page import CORRECTED, FAILS, HOLDS, kept
 
@@ -84,6 +84,11 @@ def test_every_entry_is_listed(capsys):
 def test_every_file_of_an_entry_is_listed():
     files = [path for path in Path(entries.__file__).parent.glob("*.py") if path.stem != "__init__"]
     assert sorted(path.stem.replace("_", "-") for path in files) == sorted(ENTRIES)
+
+
+def test_the_table_of_sources_in_the_manual_is_that_of_models_and_entries():
+    page = sources.PAGE.read_text(encoding="utf-8")
+    assert sources.renewed(page) == page, "run `python -m workflow.studies.gallery.sources`"
 
 
 @pytest.mark.slow

@@ -64,10 +64,9 @@ ENTRY = Entry(
     title="Beats on a foundation",
     introduction="Two chains in an elastic matrix (each bead on a spring of stiffness 1), coupled by springs of 0.1; "
     "bead 1 of chain 1 is kicked with 0.1.",
-    sources=(
-        "Y. Starosvetsky, M. A. Hasan, A. F. Vakakis & L. I. Manevitch, SIAM J. Appl. Math. 72, 337 (2012). The paper "
-        "could not be read here; the time of two oscillators follows from their frequencies.",
-    ),
+    sources={
+        "starosvetsky2012": "could not be read; the exchange time is that of two linear oscillators",
+    },
     scenes={"beats": SCENE},
     statements=statements,
     axes=("time", "share of the energy in chain 2"),

@@ -78,11 +78,10 @@ def draw(axis: Axes, results: Results) -> None:
 ENTRY = Entry(
     title="Collision of equal and opposite waves",
     introduction="Both ends of a chain of 100 or 101 beads are kicked; the waves collide in the middle.",
-    sources=(
-        "F. Santibanez, R. Munoz, A. Caussarieu, S. Job & F. Melo, Phys. Rev. E 84, 026604 (2011), arXiv 1102.3364 "
-        "(abstract read; it gives no numbers). Nearly elastic: Ahnert & Pikovsky, arXiv 0808.3059 (abstract read). "
-        "Secondary waves were first seen by M. Manciu, S. Sen & A. J. Hurd (2001), which could not be read here.",
-    ),
+    sources={
+        "santibanez2011": "abstract read, no numbers",
+        "ahnert2009": "abstract read: nearly elastic collisions",
+    },
     scenes={"even": _both_ends(100), "odd": _both_ends(101), "alone": ALONE},
     statements=statements,
     axes=("time (T)", "velocity of bead 62 (V), enlarged"),

@@ -67,11 +67,9 @@ def draw(axis: Axes, results: Results) -> None:
 ENTRY = Entry(
     title="Decorated chains",
     introduction="Small beads between large ones, all of the same material.",
-    sources=(
-        "U. Harbola, A. Rosas, A. H. Romero, M. Esposito & K. Lindenberg, Phys. Rev. E 80, 051302 (2009), arXiv "
-        "0909.2627 (abstract read): undecorated chains of renormalised mass and effective interaction. The effective "
-        "constants here are those of a light bead between two contacts in series; the paper's own could not be read.",
-    ),
+    sources={
+        "harbola2009decorated": "abstract read; the paper's own effective constants could not be read",
+    },
     scenes={
         f"radius-{radius:g}": chain(
             141,

@@ -72,10 +72,9 @@ ENTRY = Entry(
     title="Resonance of dimers",
     introduction="The same chains of heavy and light beads, at the mass ratios at which the pulse loses most to the "
     "light beads behind it.",
-    sources=(
-        "K. R. Jayaprakash, Y. Starosvetsky, A. F. Vakakis & O. V. Gendelman, J. Nonlinear Sci. 23, 363 (2013). The "
-        "paper could not be read here; 0.59 is as it is quoted in the field, without the distance it was seen at.",
-    ),
+    sources={
+        "jayaprakash2013": "as quoted in the literature; the paper could not be read",
+    },
     scenes={_name(ratio): dimer(ratio, BEADS) for ratio in (RESONANCE, 0.3428)},
     swept={_name(ratio): dimer(ratio, BEADS) for ratio in SWEPT if ratio != 0.3428},
     statements=statements,

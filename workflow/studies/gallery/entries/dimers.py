@@ -77,10 +77,9 @@ ENTRY = Entry(
     title="Anti-resonances of dimers",
     introduction="Alternating heavy and light beads, all contacts alike. In general light beads oscillate behind the "
     "pulse, which decays; at some mass ratios there is no residual motion.",
-    sources=(
-        "K. R. Jayaprakash, Y. Starosvetsky & A. F. Vakakis, Phys. Rev. E 83, 036606 (2011). The paper could not be "
-        "read here; the ratios are as they are quoted in the field.",
-    ),
+    sources={
+        "jayaprakash2011": "as quoted in the literature; the paper could not be read",
+    },
     scenes={_name(ratio): dimer(ratio) for ratio in PUBLISHED_RATIOS},
     swept={_name(ratio * factor): dimer(ratio * factor) for ratio in PUBLISHED_RATIOS for factor in AROUND},
     statements=statements,

@@ -92,13 +92,12 @@ ENTRY = Entry(
     title="The exact wave of the discrete chain",
     introduction="Between the long-wave theory and the discrete chain: a series fitted by Sen & Manciu, and what is "
     "known of the exact wave.",
-    sources=(
-        "S. Sen & M. Manciu, Physica A 299, 551 (2001) and Phys. Rev. E 64, 056605 (2001); the coefficients are as "
-        "they are quoted in the field, and the papers could not be read here; nor could A. Chatterjee, Phys. Rev. E "
-        "59, 5912 (1999), of which only the abstract was found. K. Ahnert & A. Pikovsky, Phys. Rev. E 79, 026209 "
-        "(2009), arXiv 0808.3059 (abstract read): super-exponential tails and the iteration. English & Pego, Proc. "
-        "Am. Math. Soc. 133, 1763 (2005).",
-    ),
+    sources={
+        "sen2001": "as quoted in the literature; the paper could not be read",
+        "sen2001solution": "as quoted in the literature; the paper could not be read",
+        "ahnert2009": "abstract read",
+        "english2005": "travelling-wave equation",
+    },
     scenes={"chain": SCENE},
     statements=statements,
     axes=("distance ahead of the wave (beads)", "displacement (its shift)"),

@@ -55,11 +55,10 @@ def draw(axis: Axes, results: Results) -> None:
 ENTRY = Entry(
     title="A column under gravity",
     introduction="Three hundred beads one on top of the other; the top one is tapped.",
-    sources=(
-        "J. Hong, J.-Y. Ji & H. Kim, Phys. Rev. Lett. 82, 3058 (1999), arXiv cond-mat/9812137, and patt-sol/9808008 "
-        "(abstracts read: exponent 0.250 of the leading peak for Hertzian contacts; phase velocity (1 - 1/p)/2. For "
-        "waves that oscillate they give (1/3 + 1/p)/4 for the velocity, which is 1/4 for p = 3/2, too).",
-    ),
+    sources={
+        "hong1999": "abstract read",
+        "hong1998": "abstract read",
+    },
     scenes={
         "column": chain(
             300, 230, timestep=0.01, every=0.25, gravity=0.01, walls={"right": "flat"}, kick={"velocity": 1e-3}

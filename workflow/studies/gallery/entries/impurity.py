@@ -94,11 +94,9 @@ def draw(axis: Axes, results: Results) -> None:
 ENTRY = Entry(
     title="An impurity",
     introduction="One bead of another mass in an otherwise uniform chain; its contacts are as the others'.",
-    sources=(
-        "S. Job, F. Santibanez, F. Tapia & F. Melo, Phys. Rev. E 80, 025602 (2009), arXiv 0901.3532 (abstract read): "
-        "a light intruder oscillates at frequencies above the wave's spectrum, which depend on its size as dimensions "
-        "demand. The paper's intruders are smaller, not only lighter; its numbers could not be read here.",
-    ),
+    sources={
+        "job2009": "abstract read; its intruders are smaller, not only lighter",
+    },
     scenes={_name(mass): _scene(mass) for mass in (*LIGHT, *HEAVY)},
     statements=statements,
     axes=("time (T)", "velocity of the impurity (V)"),

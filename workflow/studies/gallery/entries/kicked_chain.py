@@ -46,10 +46,9 @@ def draw(axis: Axes, results: Results) -> None:
 ENTRY = Entry(
     title="A kicked chain",
     introduction="One hundred touching beads; the first starts with V = 1.",
-    sources=(
-        "E. J. Hinch & S. Saint-Jean, Proc. R. Soc. A 455, 3201 (1999), as it is quoted in the field. The paper itself "
-        "could not be read here.",
-    ),
+    sources={
+        "hinch1999": "as quoted in the literature; the paper could not be read",
+    },
     scenes={"kicked": chain(100, 150)},
     statements=statements,
     axes=("bead", "velocity of the leading pulse (V)"),

@@ -42,11 +42,10 @@ def draw(axis: Axes, results: Results) -> None:
 ENTRY = Entry(
     title="Viscoelastic contacts",
     introduction="Contacts that lose energy as viscoelastic spheres do, b overlap^(1/2) times the rate of overlap.",
-    sources=(
-        "The law: G. Kuwabara & K. Kono, Jpn. J. Appl. Phys. 26, 1230 (1987); N. V. Brilliantov, F. Spahn, J.-M. "
-        "Hertzsch & T. Poeschel, Phys. Rev. E 53, 5382 (1996); neither could be read here. The decay is derived from "
-        "the exact wave for weak damping; no published number was found for it.",
-    ),
+    sources={
+        "kuwabara1987": "the law; could not be read",
+        "brilliantov1996": "the law; could not be read",
+    },
     scenes={_name(one): chain(120, 130, damping={"contact": one, "law": "viscoelastic"}) for one in COEFFICIENTS},
     statements=statements,
     axes=("bead", "peak velocity to the power -1/5"),

@@ -85,12 +85,11 @@ ENTRY = Entry(
     introduction="The long-wave theory of an uncompressed chain, whose sound speed is zero: compact waves that are "
     "faster the stronger they are. A single kicked chain, and a striker of four beads' mass, which makes "
     "a train of them.",
-    sources=(
-        "V. F. Nesterenko, J. Appl. Mech. Tech. Phys. 24, 733 (1983); Dynamics of Heterogeneous Materials (2001). The "
-        "formulas are derived in this program (analysis/shape/exact_wave.py). C. Coste, E. Falcon & S. Fauve, "
-        "Phys. Rev. E 56, 6104 (1997), whose abstract was read here, found good agreement in experiments without free "
-        "parameter.",
-    ),
+    sources={
+        "nesterenko1983": "long-wave theory, derived again in analysis/shape/exact_wave.py",
+        "nesterenko2001": "long-wave theory",
+        "coste1997": "abstract read: agreement with experiments without free parameter",
+    },
     scenes={"single": chain(100, 125, every=0.05), "striker-4": chain(200, 200, striker={"mass": 4, "velocity": 1})},
     statements=statements,
     axes=("largest force", "speed (beads per unit time)"),

@@ -154,6 +154,7 @@ ENTRY = Entry(
         f"alone, with omega = sqrt(2 kappa). The gap of eq. 5 is theta = {THETA_OF_EQ_5:.4f}. Row n is the contact in "
         "which bead n is struck; impulses are in units of m V."
     ),
+    sources={"starosvetsky2013": "section 3"},
     scenes={},
     statements=statements,
     pictures=pictures,

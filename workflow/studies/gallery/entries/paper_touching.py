@@ -153,6 +153,7 @@ ENTRY = Entry(
         "LAMMPS run and in a run of the reference integrator. Uncertainties are the differences between the two for "
         "LAMMPS, and the reference's own bound on its error."
     ),
+    sources={"starosvetsky2013": "section 2"},
     scenes={name: name for name, *_ in CASES},
     statements=statements,
     pictures=pictures,

@@ -55,12 +55,11 @@ def draw(axis: Axes, results: Results) -> None:
 ENTRY = Entry(
     title="Waves in precompressed chains",
     introduction="A chain under a constant load has a speed of sound; solitary waves run ahead of it.",
-    sources=(
-        "C. Coste, E. Falcon & S. Fauve, Phys. Rev. E 56, 6104 (1997) (abstract read: measured at three static "
-        "forces, all on one curve in rescaled variables, that of Nesterenko). C. Daraio, V. F. Nesterenko, E. B. "
-        "Herbold & S. Jin, Phys. Rev. E 73, 026610 (2006), which could not be read here; the formula is that of "
-        "Nesterenko (2001).",
-    ),
+    sources={
+        "nesterenko2001": "long-wave theory",
+        "coste1997": "abstract read: measured at three static forces",
+        "daraio2006": "could not be read",
+    },
     scenes={_name(load): chain(120, 105, timestep=0.01, precompression={"force": load}) for load in LOADS},
     statements=statements,
     axes=("largest force over that at rest", "speed over that of sound"),

@@ -73,11 +73,10 @@ def draw(axis: Axes, results: Results) -> None:
 ENTRY = Entry(
     title="Dissipation: a second wave",
     introduction="Linear dashpots in the contacts of a kicked chain.",
-    sources=(
-        "A. Rosas, A. H. Romero, V. F. Nesterenko & K. Lindenberg, Phys. Rev. Lett. 98, 164301 (2007), arXiv "
-        "cond-mat/0608517, and Phys. Rev. E 78, 051303 (2008), arXiv 0808.0527 (abstracts read; their critical "
-        "viscosity is not in them). The law of weak damping is derived from the exact wave, not published.",
-    ),
+    sources={
+        "rosas2007": "abstract read",
+        "rosas2008": "abstract read; the critical viscosity is not in it",
+    },
     scenes={_name(damping): chain(140, 130, damping={"contact": damping}) for damping in (WEAK, TWO_WAVES, STRONG)},
     statements=statements,
     axes=("bead", f"velocity at t = {WHEN:g} T (V)"),

@@ -93,13 +93,11 @@ def draw(axis: Axes, results: Results) -> None:
 ENTRY = Entry(
     title="Tapered chains",
     introduction="Twenty beads, each smaller than the one before by the same share: a shock absorber.",
-    sources=(
-        "Hard spheres: R. Doney & S. Sen, ARL-TR-3612 (2005) and Phys. Rev. E 72, 041304 (2005), formula as it "
-        "follows from two-body collisions. Binary collisions: U. Harbola, A. Rosas, M. Esposito & K. Lindenberg, "
-        "Phys. Rev. E 80, 031303 (2009), arXiv 0905.4512 (abstract read: quantitatively accurate). L. P. Machado, A. "
-        "Rosas & K. Lindenberg, arXiv 1307.1191 (abstract read): trends right, energies and momenta not in good "
-        "quantitative agreement.",
-    ),
+    sources={
+        "doney2005": "could not be read; the formula follows from two-body collisions",
+        "harbola2009": "abstract read: binary collisions quantitatively accurate",
+        "machado2013": "abstract read: trends right, energies and momenta not in good quantitative agreement",
+    },
     scenes={_name(taper): chain(BEADS, 25, timestep=0.002, every=0.02, taper=taper) for taper in TAPERS},
     statements=statements,
     axes=("taper", "energy that the last bead gets (share)"),

@@ -84,12 +84,10 @@ ENTRY = Entry(
     title="Reflection at a wall",
     introduction="A chain ends at a fixed bead, a flat wall of the same material, a rigid flat wall, or a soft one "
     "(a tenth of a contact's constant).",
-    sources=(
-        "S. Job, F. Melo, A. Sokolow & S. Sen, Phys. Rev. Lett. 94, 178002 (2005); its numbers could not be read "
-        "here. M. Przedborski, T. A. Harroun & S. Sen, arXiv 1507.01021 (abstract read): soft walls slow the "
-        "reflection. The two numbers are those of the collisions on this page: by mirror symmetry a wave at such a "
-        "wall is one that meets its equal.",
-    ),
+    sources={
+        "job2005": "could not be read",
+        "przedborski2015": "abstract read",
+    },
     scenes={name: chain(BEADS, 120, walls={"right": wall}) for name, wall in WALLS.items()},
     statements=statements,
     axes=("time (T)", "force on the wall"),
