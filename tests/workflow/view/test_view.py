@@ -253,6 +253,7 @@ def test_the_page_of_a_sweep_draws_any_column_over_any_other(tmp_path, look):
     assert model(page, "cases", "Array.from(it.data.y)") == [row["steps"] for row in table.rows]
     assert model(page, "cases", "Array.from(it.data.x)") == [0.01, 0.1, 1.0]
     assert model(page, "top", "it.children[0].name") == "plot log"
+    page.wait_for_function(f"({LABELS})()[0] == '0.01'")  # after the layout of the plot
     assert page.evaluate(LABELS) == ["0.01", "0.02", "0.05", "0.1", "0.2", "0.5", "1"]
     page.evaluate("() => { Bokeh.documents[0].get_model_by_name('column').value = 'agree_10'; }")
     agree = [row["agree_10"] for row in table.rows]
