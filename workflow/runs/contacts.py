@@ -23,9 +23,11 @@ class Contacts:
     overlap: float = declare(
         "largest approach of two centres over the radius; of beads that differ, over their harmonic mean"
     )
-    force: float = declare("largest force of a contact", "N", symbol="F")
+    force: float = declare(
+        "largest force in a contact of two beads, static load included; walls are not", "N", symbol="F"
+    )
     pressure: float = declare("largest pressure in the middle of a contact", "Pa", symbol="p_0")
-    yield_strength: float = declare("least yield strength with which beads stay elastic", "Pa")
+    yield_strength: float = declare("least yield strength with which contacts of beads stay elastic", "Pa")
 
     def plain(self) -> dict[str, Any]:
         """For ``run.json`` and ``analysis.json``."""
