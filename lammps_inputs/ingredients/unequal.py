@@ -206,6 +206,11 @@ def with_its_like(scene: "BaseScene", bead: int) -> float | Floats:
     return np.asarray(modulus[:, bead] * np.sqrt(radius[:, bead]))
 
 
+def modulus(scene: "BaseScene", bead: int) -> float | Floats:
+    """Plane modulus of a bead (from 0, or the end) of every chain, [chain], in the reference bead's."""
+    return 1.0 if all(getattr(scene, key) is None for key in KEYS) else _beads(scene)[2][:, bead]
+
+
 def _refuse(scene: "BaseScene") -> None:
     kinds = scene.kinds or {}
     for known_name, kind in kinds.items():

@@ -14,11 +14,13 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from lammps_inputs import materials
 from lammps_inputs.deck_lines import MOST_GROUPS
 from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients.base import Ingredient, Part, Positive
 from lammps_inputs.ingredients.contact import HERTZ
-from lammps_inputs.ingredients.unequal import with_its_like
+from lammps_inputs.ingredients.unequal import Kind as Bead
+from lammps_inputs.ingredients.unequal import modulus, with_its_like
 from lammps_inputs.laws import Law
 from lammps_inputs.laws.contact import Hertz
 from lammps_inputs.links import Wall
@@ -40,10 +42,14 @@ def _of_exponent(scene: Mapping[str, Any]) -> str:
 
 
 class Face(Part):
-    """A wall of any strength."""
+    """A wall of any strength, or the flat face of a block of a material."""
 
-    stiffness: Annotated[Positive, Unit(_of_exponent)]
-    """Constant of the wall's contact: force over overlap^p."""
+    example: ClassVar[str] = "{stiffness: 2.0}"
+
+    stiffness: Annotated[Positive, Unit(_of_exponent)] | None = None
+    """Constant A_w of the wall's contact: force over overlap^p."""
+    material: materials.Name | None = None
+    """Material of a block with a flat face, by name (see `material`); with a material only."""
 
 
 Kind = Literal["bead", "flat", "rigid"] | Face
@@ -66,24 +72,34 @@ class Walls(Ingredient):
     def refuse(self, scene: "BaseScene") -> None:
         """Refuse what is no wall."""
         if self.left is None and self.right is None:
-            raise ValueError("walls: name left, right or both: bead, flat, rigid or {stiffness: ...}")
+            raise ValueError("walls: name left, right or both: bead, flat, rigid, {stiffness: ...} or {material: ...}")
         contact = scene.contact_law(1.0)
         if hasattr(contact, "remember"):
             raise ValueError("walls: contacts that remember are known between beads only; leave the walls out")
         own = contact is not None and not hasattr(contact, "exponent")
         for key in ("left", "right"):
             kind = getattr(self, key)
-            if isinstance(kind, Face) and not LEAST <= (strength := _strength(kind, scene)) <= MOST:
+            block = isinstance(kind, Face) and kind.material is not None
+            if isinstance(kind, Face) and (kind.stiffness is None) == (kind.material is None):
+                raise ValueError(f"walls.{key}: give either stiffness or material")
+            if block and scene.material is None:
+                raise ValueError(f"walls.{key}.material: is in SI units; give the beads a `material`, too")
+            if isinstance(kind, Face) and not block and not LEAST <= (strength := _strength(kind, scene, 0)) <= MOST:
                 raise ValueError(
                     f"walls.{key}.stiffness: {strength:.3g} times that of two beads; from {LEAST:g} to {MOST:g} times"
                 )
             if kind not in (None, "bead") and own:
                 raise ValueError(f"walls.{key}: is known for contacts whose force is a power of the overlap; take bead")
-            if kind in ("flat", "rigid") and (exponent := scene.contact_scale[0]) != HERTZ:
+            if (block or kind in ("flat", "rigid")) and (exponent := scene.contact_scale[0]) != HERTZ:
                 raise ValueError(
-                    f"walls.{key}: how hard a {kind} wall is is known for spheres, of exponent {HERTZ:g}, not "
-                    f"{exponent:g}; take bead or {{stiffness: ...}}"
+                    f"walls.{key}: the contact constant of such a wall is known for spheres, of exponent {HERTZ:g}, "
+                    f"not {exponent:g}; take bead or {{stiffness: ...}}"
                 )
+
+    def cited(self) -> tuple[str, ...]:
+        """Also of the blocks' materials."""
+        blocks = (kind.material for kind in (self.left, self.right) if isinstance(kind, Face))
+        return (*self.sources, *dict.fromkeys(materials.CATALOGUE[name].source for name in blocks if name))
 
     def links(self, scene: "BaseScene") -> tuple[Wall, ...]:
         """One for each wall."""
@@ -92,7 +108,7 @@ class Walls(Ingredient):
             kind = getattr(self, key)
             if kind is not None:
                 strength = np.zeros((scene.chains, scene.beads))
-                strength[:, last] = _strength(kind, scene) * _bead(kind, scene, last)
+                strength[:, last] = _strength(kind, scene, last)
                 if len(np.unique(strength[:, last])) > MOST_GROUPS:
                     raise ValueError(
                         f"walls.{key}: beads of more than {MOST_GROUPS} kinds meet it, too many for LAMMPS; "
@@ -118,13 +134,11 @@ def _law(key: str, strength: NDArray[np.float64], scene: "BaseScene") -> Law:
     return law
 
 
-def _bead(kind: Kind, scene: "BaseScene", bead: int) -> float | NDArray[np.float64]:
-    """What its bead makes of a wall that is named by its kind, for each chain where they differ."""
-    return 1.0 if isinstance(kind, Face) else with_its_like(scene, bead)
-
-
-def _strength(kind: Kind, scene: "BaseScene") -> float:
-    """Dimensionless."""
-    if isinstance(kind, Face):
+def _strength(kind: Kind, scene: "BaseScene", bead: int) -> float | NDArray[np.float64]:
+    """Dimensionless, of a wall beside a bead (from 0, or the end), for each chain where its beads there differ."""
+    if not isinstance(kind, Face):
+        return STRENGTHS[kind] * with_its_like(scene, bead)
+    if kind.stiffness is not None:
         return kind.stiffness / float(scene.scale.force / scene.scale.length ** scene.contact_scale[0])
-    return STRENGTHS[kind]
+    block, own = Bead(material=kind.material).relative(scene.material)[2], modulus(scene, bead)
+    return STRENGTHS["rigid"] * block / (block + own) * with_its_like(scene, bead)

@@ -359,7 +359,7 @@ _UNLIKE_ENDS = {
     "kinds": {"heavy": {}, "light": {"mass": 0.5, "stiffness": 2.0}},
     "pattern": [["heavy", "heavy", "light", "light"], ["light", "light", "heavy", "heavy"]],
 }
-_FOR_SPHERES = "wall is is known for spheres, of exponent 1.5, not 2"
+_FOR_SPHERES = "the contact constant of such a wall is known for spheres, of exponent 1.5, not 2"
 _ONLY_LINEAR = "LAMMPS damps equal linear springs between each chain and the next, of equal beads, only"
 
 REFUSED = [
@@ -461,8 +461,10 @@ REFUSED = [
     _refused("kick: one bead is kicked twice", striker={"mass": 2.0, "velocity": 1.0}),
     _walled(": name left, right or both", {}),
     _walled(".right: should be 'bead', 'flat' or 'rigid', 'soft' given", {"right": "soft"}),
-    _walled(f".right: how hard a flat {_FOR_SPHERES}", {"right": "flat"}, **_SQUARE),
-    _walled(f".left: how hard a rigid {_FOR_SPHERES}", {"left": "rigid"}, **_SQUARE),
+    _walled(".right.material: is in SI units", {"right": {"material": "steel"}}),
+    _walled(".right: give either stiffness or material", {"right": {}}),
+    _walled(f".right: {_FOR_SPHERES}", {"right": "flat"}, **_SQUARE),
+    _walled(f".left: {_FOR_SPHERES}", {"left": "rigid"}, **_SQUARE),
     _walled(".right.stiffness: should be greater than 0, 0.0 given", {"right": {"stiffness": 0.0}}),
     _walled(".right.stifness: unknown key (did you mean `stiffness`?)", {"right": {"stifness": 2.0}}),
     _walled(".right.stiffness: 1e+07 times that of two beads", {"right": {"stiffness": 1e7}}),

@@ -12,7 +12,7 @@ from analysis import motion
 from analysis.mirror import mirrored, mirrored_problem
 from analysis.sharing.survey import survey
 from analysis.trajectory import joined
-from lammps_inputs import find
+from lammps_inputs import find, library, physics
 from lammps_inputs.limits.rates import stability_bound
 from workflow.cli import main
 from workflow.engines.reference import engine
@@ -41,6 +41,32 @@ def test_a_weak_wall_is_reached_into_without_second_beads_meeting_it(tmp_path):
     found = run(case, tmp_path / "run")
     assert found.trajectory.displacement.max() > 8.0
     assert found.check.velocity < 5e-4
+
+
+BLOCKS = {
+    "steel": ({"right": {"material": "steel"}}, {"right": "flat"}, {}),
+    "brass": (
+        {"left": {"material": "brass"}},
+        {"left": {"stiffness": 4.0 / 3.0 * math.sqrt(4.76e-3) / ((1 - 0.3**2) / 193e9 + (1 - 0.34**2) / 103e9)}},
+        {},
+    ),
+    "softer bead": (
+        {"right": {"material": "steel"}},
+        {"right": {"stiffness": 4.0 / 3.0 * math.sqrt(2e-3) / ((1 - 0.3**2) / 193e9 + (1 - 0.46**2) / 1.46e9)}},
+        {"kinds": {"end": {"material": "ptfe", "radius": 2e-3}}, "replace": {"bead": 20, "kind": "end"}},
+    ),
+}
+
+
+@pytest.mark.parametrize("block", BLOCKS)
+def test_a_block_of_a_material_is_that_of_hertz(block):
+    walls, same, changes = BLOCKS[block]
+    base = {"name": "a", "beads": 20, "kick": {"velocity": 1.0}, "duration": 1e-4, **changes}
+    base |= {"material": {"name": "steel", "radius": 4.76e-3}}
+    found, given = (library.from_plain(base | {"walls": one}, "").system for one in (walls, same))
+    strengths = [np.asarray(physics.walls(system)[0].law.strength) for system in (found, given)]
+    assert strengths[0] == pytest.approx(strengths[1], rel=1e-12)
+    assert strengths[0].max() > 0.0
 
 
 # --- of other exponents -----------------------------------------------------------------------------------------------
