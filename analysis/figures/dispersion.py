@@ -6,7 +6,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from analysis.figures.style import STYLE, Unit, title
+from analysis.figures.style import STYLE, Unit, axis_unit, title
 from analysis.sound.dispersion import Branches, Map
 from lammps_inputs import Problem
 
@@ -20,9 +20,10 @@ HIGHEST = 1.25
 @mpl.rc_context(STYLE)
 def dispersion_figure(problem: Problem, found: Map) -> Figure:
     """The map of the chain with the largest excitation; branches as lines, borders of the bands dotted."""
-    unit = Unit(1.0 / problem.scale.time, problem.scale.symbol("frequency"))
+    edges = found.cell.bands()
+    unit = axis_unit(problem, "frequency", float(edges.max()))
     worth = unit.worth
-    bands = found.cell.bands() * worth
+    bands = edges * worth
     shown = found.frequency * worth <= HIGHEST * bands.max()
     step = found.wavenumber[1] - found.wavenumber[0]
     figure = Figure(figsize=(6.4, 4.8), layout="constrained")
@@ -53,8 +54,8 @@ def dispersion_figure(problem: Problem, found: Map) -> Figure:
         [-math.pi, -math.pi / 2, 0.0, math.pi / 2, math.pi], [r"$-\pi$", r"$-\pi/2$", "0", r"$\pi/2$", r"$\pi$"]
     )
     axis.set_xlabel(Unit(1.0, "rad/bead").label(Branches, "wavenumber"))
-    axis.set_ylabel(f"angular {unit.label(Branches, 'frequency')}")
+    axis.set_ylabel(unit.label(Branches, "frequency", "angular frequency"))
     bar = figure.colorbar(image, ax=axis)
-    bar.set_label("power of velocity, decades below the largest")
+    bar.set_label(r"$\log_{10}$ (power of velocity / maximum)")
     figure.suptitle(f"{title(problem)}; chain {found.chain}")
     return figure

@@ -5,7 +5,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from analysis.conservation import Account
-from analysis.figures.style import STYLE, axis_unit, chain_legend, draw_chain, shown_chains, title
+from analysis.figures.style import STYLE, Frames, axis_unit, chain_legend, draw_chain, letter, shown_chains, title
 from analysis.sharing.energies import Flow
 from lammps_inputs import Problem
 
@@ -40,7 +40,7 @@ def budget_figure(problem: Problem, account: Account) -> Figure:
     least = min(0.0, float(np.min(account.put_in)))  # a drive may begin by taking up energy
     axis.set_ylim(1.06 * least * energy.worth, 1.06 * most * energy.worth)
     axis.set_xlabel(time.label(Account, "time"))
-    axis.set_ylabel(f"energy ({energy.symbol})")
+    axis.set_ylabel(energy.label(Frames, "energy"))
     figure.suptitle(title(problem, until=float(account.time[-1])))
     handles, labels = axis.get_legend_handles_labels()
     figure.legend(handles[::-1], labels[::-1], loc="outside right center", handleheight=1.4)  # as the layers lie
@@ -58,9 +58,10 @@ def energy_figure(problem: Problem, flow: Flow) -> Figure:
         draw_chain(place, position, chain, flow.time * time.worth, flow.centre[:, chain])
         near = (flow.centre[:, chain] - flow.spread[:, chain], flow.centre[:, chain] + flow.spread[:, chain])
         place.fill_between(flow.time * time.worth, *near, alpha=0.15, color=place.lines[-1].get_color(), linewidth=0)
-    share.set_ylabel("share of the energy")
+    share.set_ylabel("share of the energy $E_n / E$")
     share.set_ylim(0.0, max(1.0, 1.05 * float(np.nanmax(flow.share))))
-    place.set_ylabel("centre of the energy (bead),\nband: its spread")
+    place.set_ylabel("centre of the energy (bead),\nband: standard deviation")
+    letter((share, place))
     place.set_xlabel(time.label(Flow, "time"))
     figure.suptitle(title(problem, each_chain=True, until=float(flow.time[-1])))
     chain_legend(figure, share)

@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from analysis.figures.style import CHAIN_COLOURS, CHAIN_DASHES, STYLE, Frames, axis_unit, shown_chains, title
+from analysis.figures.style import CHAIN_COLOURS, CHAIN_DASHES, STYLE, Frames, axis_unit, letter, shown_chains, title
 from analysis.trajectory import Floats, Integers
 from lammps_inputs import Problem
 
@@ -68,7 +68,7 @@ def engines_figure(problem: Problem, rows: Sequence[int], curves: Sequence[Curve
         first.set_title(curve.engine, loc="left")
         first.set_xlabel("bead")
         if column == 0:
-            first.set_ylabel("first impulse / ($m V$)")
+            first.set_ylabel("first impulse $I / (m V)$")
         first.set_xlim(0, problem.beads + 1)
     for line, (position, span) in enumerate(zip(chosen, spans, strict=True), 1):
         axis = figure.add_subplot(grid[line, :])
@@ -78,7 +78,8 @@ def engines_figure(problem: Problem, rows: Sequence[int], curves: Sequence[Curve
                 axis.plot(curve.time * time.worth, values, color=_colour(place), label=curve.engine, **_look(number))
         axis.set_xlim(span[0] * time.worth, span[1] * time.worth)
         axis.set_title(f"bead {rows[position]}", loc="left")
-        axis.set_ylabel(f"velocity $v$ ({velocity.symbol})")
+        axis.set_ylabel(velocity.label(Frames, "velocity"))
+    letter(figure.axes)
     axis.set_xlabel(time.label(Frames, "time"))
     handles = [Line2D([], [], color="black", label=curve.engine, **_look(k)) for k, curve in enumerate(curves)]
     if len(chains) > 1:
@@ -141,6 +142,7 @@ def scan_figure(theta: Floats, differences: Floats, rows: Sequence[int], agree: 
         axis.set_yscale("log")
         axis.set_ylim(8e-5, 3.0)
         axis.set_title(f"row {row}", loc="left")
+    letter(axes)
     figure.supylabel("difference of the chains' first impulses / mean")
     axes[-1].set_xlabel(r"$\theta = \omega D / V$")
     return figure

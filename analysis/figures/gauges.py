@@ -4,7 +4,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from analysis.figures.style import STYLE, Unit, axis_unit, chain_legend, draw_chain, shown_chains, title
+from analysis.figures.style import STYLE, axis_unit, chain_legend, draw_chain, letter, shown_chains, title
 from analysis.gauges.forces import ForceTable, Readings
 from analysis.gauges.spectra import Spectra, SpectrumTable
 from lammps_inputs import Problem
@@ -30,6 +30,7 @@ def force_figure(problem: Problem, readings: Readings) -> Figure:
             largest += f", dynamic {dynamic:.4g}" if np.isfinite(dynamic) else ", never above the static force"
         axis.set_title(readings.gauges[place].name, loc="left")
         axis.set_title(largest, loc="right", fontsize=8, color="0.3")
+    letter(axes)
     axes[-1].set_xlabel(time.label(ForceTable, "time"))
     left_out = len(readings.gauges) - count
     more = f"; {left_out} more gauges are in forces.csv" if left_out else ""
@@ -48,7 +49,7 @@ DEEPEST = 1e-8
 def spectra_figure(problem: Problem, spectra: Spectra) -> Figure:
     """One panel a bead (the first eight), a line for each chain that other figures show too; drives are dotted."""
     velocity = axis_unit(problem, "velocity", float(np.max(spectra.amplitude)))
-    frequency = Unit(1.0 / problem.scale.time, problem.scale.symbol("cycles"))
+    frequency = axis_unit(problem, "cycles", float(np.max(spectra.frequency)))
     count = min(len(spectra.beads), MOST_BEADS)
     top = float(np.max(spectra.amplitude, initial=1e-30)) * velocity.worth
     figure = Figure(figsize=(7.0, 1.2 + 1.6 * count), layout="constrained")
@@ -60,7 +61,9 @@ def spectra_figure(problem: Problem, spectra: Spectra) -> Figure:
             height = np.maximum(spectra.amplitude[:, chain, place] * velocity.worth, DEEPEST * top)
             draw_chain(axis, position, chain, spectra.frequency * frequency.worth, height)
         axis.set_yscale("log")
-        axis.set_ylabel(f"bead {spectra.beads[place]}: velocity\namplitude ({velocity.symbol})")
+        axis.set_title(f"bead {spectra.beads[place]}", loc="left")
+    letter(axes)
+    figure.supylabel(velocity.label(SpectrumTable, "amplitude", "amplitude of the velocity"), fontsize="medium")
     axes[0].set_ylim(DEEPEST * top, 2.0 * top)
     axes[-1].set_xlabel(frequency.label(SpectrumTable, "frequency"))
     figure.suptitle(title(problem, each_chain=True, until=problem.duration))

@@ -7,8 +7,9 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter
 
-from analysis.figures.style import CHAIN_COLOURS, STYLE
+from analysis.figures.style import CHAIN_COLOURS, STYLE, shortened
 from analysis.trajectory import Floats, Integers
 
 
@@ -37,6 +38,15 @@ def _legend(figure: Figure) -> None:
     figure.legend(loc="outside upper center", ncols=2)
 
 
+def _name(axis: Axes, x: str, y: str) -> None:
+    """Label the axes; SI units have a prefix."""
+    for setting, label in ((axis.xaxis, x), (axis.yaxis, y)):
+        text, worth = shortened(label, np.asarray(setting.get_data_interval()))
+        setting.set_label_text(text)
+        if worth != 1.0:
+            setting.set_major_formatter(FuncFormatter(lambda value, _, worth=worth: f"{value * worth:.6g}"))
+
+
 @mpl.rc_context(STYLE)
 def history_figure(what: Objective, values: Floats) -> Figure:
     """Every design that keeps the limits (NaN: one that does not), in the order of the search, and the best so far."""
@@ -47,7 +57,7 @@ def history_figure(what: Objective, values: Floats) -> Figure:
     best = what.sign * np.fmin.accumulate(what.sign * values)
     axis.plot(number, best, color=CHAIN_COLOURS[0], drawstyle="steps-post", label="best so far")
     _line(axis, what)
-    axis.set(xlabel="design", ylabel=what.label)
+    _name(axis, "design", what.label)
     _legend(figure)
     return figure
 
@@ -72,7 +82,7 @@ def front_figure(what: Objective, values: Floats, label: str, others: Floats) ->
         order = best[np.argsort(x[best])]
         axis.plot(x[order], y[order], "o-", color=colour, markersize=4, label=f"front to the {way}")
     _line(axis, what)
-    axis.set(xlabel=label, ylabel=what.label)
+    _name(axis, label, what.label)
     _legend(figure)
     return figure
 
@@ -84,7 +94,7 @@ def members_figure(what: Objective, best: float, members: Sequence[float]) -> Fi
     axis = figure.subplots()
     axis.hist(members, bins=max(5, len(members) // 4), color="0.8")
     axis.axvline(best, color=CHAIN_COLOURS[0], label="as designed")
-    axis.set(xlabel=what.label, ylabel="members")
+    _name(axis, what.label, "members")
     _legend(figure)
     return figure
 
@@ -96,6 +106,6 @@ def wall_figure(curves: Sequence[tuple[str, Floats, Floats]], time_label: str, f
     axis = figure.subplots()
     for place, (name, time, force) in enumerate(curves):
         axis.plot(time, force, color=CHAIN_COLOURS[place], label=name)
-    axis.set(xlabel=time_label, ylabel=force_label)
+    _name(axis, time_label, force_label)
     _legend(figure)
     return figure

@@ -1,5 +1,6 @@
 """Velocity in space and time."""
 
+import math
 from typing import Any
 
 import matplotlib as mpl
@@ -7,13 +8,26 @@ import numpy as np
 from matplotlib.colors import FuncNorm
 from matplotlib.figure import Figure
 
-from analysis.figures.style import STYLE, Frames, axis_unit, evenly_spaced, grid, name_columns, shown_chains, title
+from analysis.figures.style import (
+    STYLE,
+    Frames,
+    axis_unit,
+    evenly_spaced,
+    grid,
+    letter,
+    name_columns,
+    shown_chains,
+    title,
+)
 from analysis.trajectory import Flags, Floats, Integers, Trajectory
 from lammps_inputs import Problem, physics
 
 MAX_PIXELS = 1200
 
 PANELS_A_ROW = 4
+
+COLOUR_SCALE = "colour: signed square root"
+"""What a bar of colours says of the scale."""
 
 NEAR = 5
 """Beads beside a kicked one whose first motion is faster than any wave."""
@@ -130,14 +144,15 @@ def spacetime_figure(data: SpaceTime) -> Figure:
     if even:
         axes[0, 0].xaxis.get_major_locator().set_params(integer=True)
         axes[0, 0].set_xlim(*moving_part(data.beads, np.max(size, axis=(0, 1)) > STILL * largest, places))
+    letter(axes.flat[: len(chains)])
     for axis in axes[:, 0]:
         axis.set_ylabel(time.label(Frames, "time"))
     shape: dict[str, Any] = {"aspect": 20 * rows, "extendfrac": 0.05 / rows, "fraction": 0.15 / columns}
     beyond = "both" if float(np.max(size)) > largest else "neither"
-    bar = figure.colorbar(image, ax=list(axes.flat[: len(chains)]), ticks=_ticks(top), extend=beyond, **shape)
+    bar = figure.colorbar(image, ax=list(axes.flat[: len(chains)]), ticks=round_ticks(top), extend=beyond, **shape)
     bar.ax.yaxis.set_major_formatter("{x:.4g}")
     bar.ax.minorticks_off()
-    bar.set_label(unit.label(Frames, "velocity"))
+    bar.set_label(f"{unit.label(Frames, 'velocity')}; {COLOUR_SCALE}")
     grey = "\ngrey: the window has left" if np.isnan(data.velocity).any() else ""
     figure.suptitle(title(problem, each_chain=True, panels=True, until=data.until) + grey)
     return figure
@@ -161,8 +176,11 @@ def _square(value: Floats) -> Floats:
     return np.asarray(np.sign(value) * np.square(value))
 
 
-def _ticks(top: float) -> list[float]:
-    """Round numbers of either sign at about the squares of even steps."""
-    sizes = [float(f"{top * share:.1g}") for share in (1.0, 0.5, 0.2, 0.05)]
-    sizes = [size for size in dict.fromkeys(sizes) if size <= top]
+def round_ticks(top: float) -> list[float]:
+    """1, 2 or 5 times a power of ten, of either sign: about evenly spaced where colours follow the square root."""
+    decade = 10.0 ** math.floor(math.log10(top))
+    largest = next(digit * decade for digit in (5.0, 2.0, 1.0) if digit * decade <= top)
+    digit = round(largest / decade)
+    shares = {5: (1.0, 0.4, 0.1), 2: (1.0, 0.5, 0.1), 1: (1.0, 0.5, 0.1)}[digit]
+    sizes = [float(f"{largest * share:.1g}") for share in shares]
     return [*(-size for size in sizes), 0.0, *reversed(sizes)]

@@ -1,7 +1,10 @@
-"""What all figures share: colours, dashes, sizes, labels, and how one becomes the content of a file."""
+"""What all figures share: colours, dashes, sizes, labels, units, and how one becomes the content of a file."""
 
 import io
 import math
+import re
+import string
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,6 +17,7 @@ from matplotlib.figure import Figure
 from analysis.quantity import declare, declared, result
 from analysis.trajectory import Floats, Integers
 from lammps_inputs import Problem, laws, physics
+from lammps_inputs.units import SI
 
 CHAIN_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#882255", "#7F7F7F")
 """Okabe and Ito's palette, ordered for contrast between the first few; wine (Tol) and grey."""
@@ -70,10 +74,13 @@ class Unit:
     worth: float
     symbol: str
 
-    def label(self, kind: Any, name: str) -> str:
-        """Of an axis that shows a quantity: name and symbol as its type declares them, and unit; ``time $t$ (ms)``."""
+    def label(self, kind: Any, name: str, words: str = "") -> str:
+        """Of an axis that shows a quantity: name (or words) and symbol as its type declares them, and unit.
+
+        Such as ``time $t$ (ms)``.
+        """
         symbol = declared(kind)[name][0].symbol
-        return f"{name.replace('_', ' ')}{f' ${symbol}$' if symbol else ''} ({self.symbol})"
+        return f"{words or name.replace('_', ' ')}{f' ${symbol}$' if symbol else ''} ({self.symbol})"
 
 
 @result
@@ -82,6 +89,8 @@ class Frames:
 
     time: Floats = declare("time of the frame", "time", symbol="t")
     velocity: Floats = declare("velocity of the bead", "velocity", symbol="v")
+    energy: Floats = declare("energy of the beads and of the forces on them", "energy", symbol="E")
+    lag: Floats = declare("time of the frame after another instant", "time", symbol="\\Delta t")
 
 
 def axis_unit(problem: Problem, quantity: str, largest: float) -> Unit:
@@ -89,21 +98,52 @@ def axis_unit(problem: Problem, quantity: str, largest: float) -> Unit:
 
     Args:
         problem: what is drawn.
-        quantity: ``time``, ``velocity``, ``length``, ``force`` or ``energy``.
+        quantity: a key of `lammps_inputs.units.SI`, such as ``time`` or ``frequency``.
         largest: size of the largest number on the axis, dimensionless.
     """
-    worth = float(getattr(problem.scale, quantity))
-    size = abs(largest) * worth
-    power = math.floor(math.log10(size) / 3.0) if 0.0 < size < math.inf else 0
-    if not problem.scale.si:
-        if -1 <= power <= 1:
-            return Unit(worth, "reduced")
-        return Unit(worth / 10.0 ** (3 * power), f"$10^{{{3 * power}}}$ reduced")
-    power = min(max(power, min(_PREFIXES)), 0 if quantity == "time" else 1)
-    return Unit(worth / 10.0 ** (3 * power), _PREFIXES[power] + problem.scale.symbol(quantity))
+    worth = float(problem.scale.measured(1.0, quantity))
+    if problem.scale.si:
+        unit = prefixed(SI[quantity], largest * worth)
+        return Unit(worth * unit.worth, unit.symbol)
+    power = _thousands(largest * worth)
+    if -1 <= power <= 1:
+        return Unit(worth, "reduced")
+    return Unit(worth / 10.0 ** (3 * power), f"$10^{{{3 * power}}}$ reduced")
 
 
-_PREFIXES = {1: "k", 0: "", -1: "m", -2: "\N{MICRO SIGN}", -3: "n", -4: "p"}
+def prefixed(symbol: str, largest: float) -> Unit:
+    """An SI unit with the prefix that leaves one to three digits before the point, and what the plain one is worth.
+
+    Seconds have no prefix above 1; units that take none (beads/s, kg and products of it) are as they are.
+    """
+    power = min(max(_thousands(largest), min(_PREFIXES)), 0 if symbol == "s" else max(_PREFIXES))
+    if symbol not in (*SI.values(), "Pa") or symbol.startswith(("kg", "beads")):
+        power = 0
+    return Unit(10.0 ** (-3 * power), _PREFIXES[power] + symbol)
+
+
+def shortened(label: str, values: Floats) -> tuple[str, float]:
+    """A label that ends in an SI unit, such as ``frequency (Hz)``, with a prefix for these values, and their factor."""
+    found = re.fullmatch(r"(.*) \((.+)\)", label)
+    if found is None:
+        return label, 1.0
+    unit = prefixed(found[2], float(np.max(np.abs(values[np.isfinite(values)]), initial=0.0)))
+    return f"{found[1]} ({unit.symbol})", unit.worth
+
+
+def _thousands(size: float) -> int:
+    """Power of 1000 just below a size; 0 for 0."""
+    return math.floor(math.log10(abs(size)) / 3.0) if 0.0 < abs(size) < math.inf else 0
+
+
+_PREFIXES = {3: "G", 2: "M", 1: "k", 0: "", -1: "m", -2: "\N{MICRO SIGN}", -3: "n", -4: "p"}
+
+
+def letter(axes: Iterable[Axes]) -> None:
+    """Letter the panels of a figure, (a), (b), ..., before their titles on the left; a single panel has no letter."""
+    panels = list(axes)
+    for axis, mark in zip(panels, string.ascii_lowercase if len(panels) > 1 else "", strict=False):
+        axis.set_title(f"({mark}) {axis.get_title(loc='left')}".rstrip(), loc="left")
 
 
 def grid(problem: Problem) -> tuple[int, int] | None:

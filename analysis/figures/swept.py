@@ -2,7 +2,7 @@
 
 import textwrap
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import matplotlib as mpl
@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike
 
-from analysis.figures.style import STYLE
+from analysis.figures.style import STYLE, shortened
 from analysis.trajectory import Flags, Floats
 
 MOST_LINES = 8
@@ -51,6 +51,13 @@ class Axis:
         found = np.isfinite(self.values)
         return found & self.unsettled if self.unsettled is not None else np.zeros_like(found)
 
+    @property
+    def prefixed(self) -> tuple["Axis", float]:
+        """The same with a prefix before an SI unit, such that numbers are short; and the factor."""
+        label, worth = shortened(self.label, self.values)
+        error = None if self.error is None else self.error * worth
+        return replace(self, label=label, values=self.values * worth, error=error), worth
+
 
 def logarithmic(values: ArrayLike) -> bool:
     """Whether distinct values are rather spaced by a factor than by a difference."""
@@ -78,6 +85,8 @@ def swept_figure(
         title: for the top.
         passed: ranges of the horizontal axis, [band, 2], that let small waves pass; all else is shaded.
     """
+    quantity, (over, worth) = quantity.prefixed[0], over.prefixed
+    beside, passed = beside and beside.prefixed[0], None if passed is None else passed * worth
     figure = Figure(figsize=(5.5 if beside is None else 6.5, 3.8), layout="constrained")
     axis = figure.subplots()
     notes = [title] if title else []
@@ -259,9 +268,9 @@ def map_figure(columns: dict[str, Floats]) -> Figure:
         axis.set_xlabel("coupling $\\kappa$ (at $V$ = 1)")
     distance.set_yscale("log")
     distance.set_ylabel("bead from which the chains agree")
-    distance.set_title("distance to 1% (solid) and 10% (dotted)")
-    amplitude.set_ylabel("mean leading peak / $V$")
-    amplitude.set_title("amplitude at the end (x: not level there)")
+    distance.set_title("(a) distance to 1% (solid) and 10% (dotted)")
+    amplitude.set_ylabel(r"mean leading peak $v_\mathrm{max} / V$")
+    amplitude.set_title("(b) amplitude at the end (x: not level there)")
     amplitude.set_ylim(bottom=0.0)
     amplitude.legend(ncols=2)
     return figure

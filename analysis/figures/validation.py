@@ -7,7 +7,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from analysis.against.difference import Deviation, ErrorMap
-from analysis.figures.style import CHAIN_COLOURS, STYLE, Frames, axis_unit, evenly_spaced, name_columns
+from analysis.figures.style import CHAIN_COLOURS, STYLE, Frames, axis_unit, evenly_spaced, letter, name_columns
 from analysis.files.traces import Traces
 from analysis.trajectory import Floats
 from lammps_inputs import Problem
@@ -36,6 +36,7 @@ def validation_figure(
     space, bars = figure.subplots(1, 2, width_ratios=(1.6, 1.0))
     _draw_map(figure, space, problem, errors)
     _draw_bars(bars, deviations, tolerances)
+    letter((space, bars))
     figure.suptitle(f"{problem.name}: against {against}")
     return figure
 
@@ -65,7 +66,7 @@ def _draw_map(figure: Figure, space: Axes, problem: Problem, errors: ErrorMap) -
         name_columns(space, beads)
     space.set_ylabel(unit.label(Frames, "time"))
     space.set_title("largest velocity error of any chain")
-    figure.colorbar(image, ax=space).set_label("$|v - v_{ref}|$ / $V$")
+    figure.colorbar(image, ax=space).set_label(r"error $|v - v_\mathrm{ref}| / V$")
 
 
 def _draw_bars(bars: Axes, deviations: dict[str, Deviation], tolerances: dict[str, float]) -> None:
@@ -122,6 +123,7 @@ def residual_figure(
         left.plot(at, ((given.values - found)[:, place] / size[place])[thin], ".", color="0.3", markersize=2)
         left.axhline(0.0, color=CHAIN_COLOURS[0], linewidth=0.8)
         left.set_ylabel(f"residual\n/ {unit}", fontsize=8)
+    letter(axes[::2])
     axes[-1].set_xlabel(time.label(Frames, "time"))
     axes[0].legend(loc="upper right")
     more = f"; {len(given.channels) - count} more channels" if len(given.channels) > count else ""

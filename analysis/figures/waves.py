@@ -15,6 +15,7 @@ from analysis.figures.style import (
     axis_unit,
     chain_legend,
     draw_chain,
+    letter,
     shown_chains,
     title,
 )
@@ -51,9 +52,9 @@ def distance_figure(problem: Problem, shared: Sharing, energies: EnergyShares, d
         panels.append(lambda axis: _draw_lag(axis, problem, shared))
     figure = Figure(figsize=(7.0, 0.8 + 2.0 * len(panels)), layout="constrained")
     axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
-    for panel, axis, letter in zip(panels, axes, "abcd", strict=False):
+    for panel, axis in zip(panels, axes, strict=True):
         panel(axis)
-        axis.set_title(f"({letter})", loc="left")
+    letter(axes)
     axes[-1].set_xlabel("bead" if direction > 0 else f"bead, counted from bead {problem.beads}")
     axes[-1].xaxis.get_major_locator().set_params(integer=True)
     chain_legend(figure, axes[0])
@@ -64,7 +65,7 @@ def distance_figure(problem: Problem, shared: Sharing, energies: EnergyShares, d
 def _draw_amplitude(axis: Axes, problem: Problem, shared: Sharing) -> None:
     for place, chain in enumerate(shown_chains(problem)):
         draw_chain(axis, place, chain, shared.bead.astype(np.float64), shared.amplitude[:, chain])
-    axis.set_ylabel("peak velocity / $V$")
+    axis.set_ylabel(r"peak velocity $v_\mathrm{max} / V$")
     axis.set_ylim(bottom=0.0)
     bead = shared.agrees_from(AGREED)
     if bead is not None:
@@ -107,7 +108,7 @@ def _draw_lag(axis: Axes, problem: Problem, shared: Sharing) -> None:
     unit = axis_unit(problem, "time", float(np.nanmax(np.abs(shared.lag), initial=0.0)))
     for place, chain in enumerate(shown_chains(problem)):
         draw_chain(axis, place, chain, shared.bead.astype(np.float64), shared.lag[:, chain] * unit.worth)
-    axis.set_ylabel(f"lag behind chain {shared.kicked + 1} ({unit.symbol})")
+    axis.set_ylabel(unit.label(Frames, "lag", f"lag behind chain {shared.kicked + 1},"))
 
 
 MARKERS = "os^DvP*Xp"
@@ -151,10 +152,11 @@ def shape_figure(problem: Problem, waveforms: Waveforms, beads: Sequence[int]) -
         above.set_title(f"bead {bead}", loc="left")
         if column == len(beads) - 1:
             above.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), handletextpad=0.3)
-        below.set_xlabel("distance ahead of the peak (beads)")
+        below.set_xlabel("distance ahead of the peak\n" r"$c\,(t_\mathrm{peak} - t)$ (beads)")
         below.ticklabel_format(axis="y", scilimits=(-2, 2))
-    axes[0, 0].set_ylabel("velocity / peak")
+    axes[0, 0].set_ylabel(r"velocity $v / v_\mathrm{max}$")
     axes[1, 0].set_ylabel("difference from\nexact wave")
+    letter(axes[0])
     figure.suptitle(title(problem, each_chain=True))
     return figure
 
@@ -214,7 +216,8 @@ def response_figure(data: BeadHistory) -> Figure:
         _draw(near, data, number, (data.time - middle) * close.worth, velocity.worth, inside)
         near.set_title(rf"$t_\mathrm{{peak}}$ = {middle * time.worth:.4g}{then}", loc="left")
         whole.set_title(f"bead {data.beads[number]}", loc="left")
-        whole.set_ylabel(f"velocity $v$ ({velocity.symbol})")
+        whole.set_ylabel(velocity.label(Frames, "velocity"))
+    letter(axes.flat)
     axes[-1, 0].set_xlabel(time.label(Frames, "time"))
     axes[-1, 1].set_xlabel(rf"$t - t_\mathrm{{peak}}$ ({close.symbol})")
     chain_legend(figure, axes[0, 0])

@@ -10,7 +10,7 @@ from matplotlib.axis import XAxis, YAxis
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from analysis.figures.style import CHAIN_COLOURS, STYLE, title
+from analysis.figures.style import CHAIN_COLOURS, STYLE, letter, title
 from analysis.trajectory import Flags, Floats
 from lammps_inputs import Problem
 
@@ -77,6 +77,7 @@ def work_precision_figure(
     forces.set_xlabel("force evaluations")
     _finish(forces, "velocity", floors["velocity"])
     handles, labels = velocity.get_legend_handles_labels()
+    letter(figure.axes)
     figure.legend(handles, labels, loc="outside lower center", ncols=4)
     figure.suptitle(title(problem))
     return figure

@@ -67,6 +67,7 @@ class SpectrumTable:
         "amplitude of the velocity of each chosen bead, in columns such as ``chain 1 bead 10``: that of a sine whose "
         "frequency falls on a line is the height of the line (Hann's window)",
         "velocity",
+        symbol="\\hat v",
     )
 
 

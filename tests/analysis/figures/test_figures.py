@@ -10,8 +10,8 @@ from synthetic_waves import reader, reference
 
 from analysis.conservation import Account
 from analysis.figures.energy import budget_figure
-from analysis.figures.spacetime import SpaceTime, spacetime_figure
-from analysis.figures.style import CHAIN_DASHES, MAX_PANELS, axis_unit, shown_chains
+from analysis.figures.spacetime import SpaceTime, round_ticks, spacetime_figure
+from analysis.figures.style import CHAIN_DASHES, MAX_PANELS, axis_unit, shortened, shown_chains
 from analysis.figures.waves import BeadHistory, distance_figure, response_figure, shape_figure
 from analysis.sharing.survey import survey
 from lammps_inputs import Kick
@@ -62,7 +62,7 @@ def test_distance_figure_shows_amplitudes_energies_and_lags(found):
         assert np.array_equal(curves(waves)[name].get_ydata(), found.energies.wave[:, k], equal_nan=True)
         assert np.array_equal(curves(chains)[name].get_ydata(), found.energies.chain[:, k])
         assert np.array_equal(curves(lag)[name].get_ydata(), found.shared.lag[:, k])
-    assert lag.get_ylabel() == "lag behind chain 1 (reduced)"
+    assert lag.get_ylabel() == r"lag behind chain 1, $\Delta t$ (reduced)"
     assert lag.get_xlabel() == "bead"
 
 
@@ -140,13 +140,13 @@ def test_beside_the_whole_run_the_passage_is_shown_close_up(found):
     at = found.waves.at(50)
     assert y.max() == pytest.approx(at.peak_velocity[0], abs=2e-3)
     assert abs(x[np.argmax(y)]) < 0.5
-    assert near.get_title(loc="left").startswith(r"$t_\mathrm{peak}$ = ")
+    assert near.get_title(loc="left").startswith(r"(b) $t_\mathrm{peak}$ = ")
 
 
 def test_a_cut_run_says_so_and_beads_that_have_not_moved_are_named_not_drawn():
     trajectory = reference(2, 0.1, 60, 80.0)
     figure = response_figure(history(trajectory, (10, 50, 60), frames=len(trajectory.time) // 4))
-    assert [axis.get_title(loc="left") for axis in figure.axes[::2]] == ["bead 10"]
+    assert [axis.get_title(loc="left") for axis in figure.axes[::2]] == ["(a) bead 10"]
     assert "beads 50, 60 have not moved" in figure.get_suptitle()
     for cut in (figure, spacetime_figure(spacetime(trajectory, len(trajectory.time) // 4))):
         assert "cut short at 25% of its time" in cut.get_suptitle()
@@ -166,7 +166,7 @@ def test_si_axes_have_prefixed_units_and_numbers_without_powers_of_ten():
         figures[0].axes[0].get_ylabel(), figures[1].axes[0].get_ylabel(), figures[2].axes[-1].get_ylabel()
     )  # fmt: skip
     assert (time, velocity) == ("time $t$ (ms)", "velocity $v$ (mm/s)")
-    assert lag == "lag behind chain 1 (\N{MICRO SIGN}s)"
+    assert lag == "lag behind chain 1, $\\Delta t$ (\N{MICRO SIGN}s)"
     for figure in figures:
         figure.draw_without_rendering()
         for axis in figure.axes:
@@ -206,7 +206,7 @@ def test_letters_in_a_pdf_can_be_searched_and_embedded(tmp_path):
 def test_shape_figure_shows_the_samples_on_the_exact_wave(found):
     figure = shape_figure(found.problem, found.waveforms, [10, 50])
     above, late = figure.axes[:2]
-    assert [axis.get_title(loc="left") for axis in (above, late)] == ["bead 10", "bead 50"]
+    assert [axis.get_title(loc="left") for axis in (above, late)] == ["(a) bead 10", "(b) bead 50"]
     exact = late.get_lines()[0]
     for line in late.get_lines()[1:]:
         difference = line.get_ydata() - np.interp(line.get_xdata(), exact.get_xdata(), exact.get_ydata())
@@ -246,7 +246,29 @@ def test_the_layers_of_the_budget_add_up_to_what_was_put_in_in_the_units_of_the_
     nano = si.scale.energy * 1e9
     assert tops == pytest.approx([0.3 * nano, 0.49 * nano, 0.5 * nano, 0.5 * nano])
     assert curves(axis)["energy input"].get_ydata() == pytest.approx(np.full(5, 0.5 * nano))
-    assert axis.get_ylabel() == "energy (nJ)"
+    assert axis.get_ylabel() == "energy $E$ (nJ)"
     hatches = [layer.get_hatch() for layer in axis.collections]
     assert hatches[-1]  # tells what is lost from what is there in grey
     assert not any(hatches[:-1])
+
+
+@pytest.mark.parametrize(
+    ("label", "values", "shown"),
+    [
+        ("drive frequency (Hz)", [4e3, np.nan, 9.3e4], ("drive frequency (kHz)", 1e-3)),
+        ("peak velocity (m/s)", [-0.02, 0.01], ("peak velocity (mm/s)", 1e3)),
+        ("speed (beads/s)", [9e4], ("speed (beads/s)", 1.0)),
+        ("coupling (reduced)", [9e4], ("coupling (reduced)", 1.0)),
+        ("peak velocity / $V$", [1e-4], ("peak velocity / $V$", 1.0)),
+    ],
+)
+def test_labels_that_end_in_an_si_unit_take_the_prefix_that_makes_numbers_short(label, values, shown):
+    assert shortened(label, np.array(values)) == (shown[0], pytest.approx(shown[1]))
+
+
+@pytest.mark.parametrize("top", [1.0, 0.55, 4.3e2, 2.0001e-6])
+def test_ticks_of_colours_are_round_and_reach_most_of_the_scale(top):
+    ticks = round_ticks(top)
+    assert ticks == sorted(ticks) == [-tick for tick in reversed(ticks)]
+    assert 0.4 * top <= ticks[-1] <= top
+    assert {f"{tick:.3e}"[:5] for tick in ticks if tick > 0.0} <= {"1.000", "2.000", "5.000"}

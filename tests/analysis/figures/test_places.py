@@ -72,7 +72,8 @@ def test_a_bead_that_moves_is_seen_where_and_when_it_does(chain, bead, frame, si
     assert axis.get_xlabel() == "bead"
     seen = (bottom + (row + 0.5) * (top - bottom) / rows) * unit_on(figure.axes[0].get_ylabel(), what, "time")
     assert seen == pytest.approx(frame * what.every * what.scale.time, abs=0.51 * what.every * what.scale.time)
-    bar = figure.axes[-1].get_ylabel()
+    bar, scale = figure.axes[-1].get_ylabel().split("; ")
+    assert scale == "colour: signed square root"
     assert values[row, column] * unit_on(bar, what, "velocity") == pytest.approx(0.5 * SPEED)
     assert not np.any(np.ma.filled(panel(figure, 3 - chain)[1].get_array(), 0.0))
 
@@ -101,7 +102,7 @@ def test_the_response_is_that_of_the_bead_and_chain_it_names(chain, bead, frame,
     data = BeadHistory(what, (3, 8))
     data.add(moving(what, chain, bead, frame))
     whole, near = response_figure(data).axes  # of the other bead, which has not moved, there is none
-    assert whole.get_title(loc="left") == f"bead {bead}"
+    assert whole.get_title(loc="left") == f"(a) bead {bead}"
     velocities = unit_on(whole.get_ylabel(), what, "velocity")
     for axis, when in ((whole, frame * what.every * what.scale.time), (near, 0.0)):
         times = unit_on(axis.get_xlabel(), what, "time")
@@ -134,7 +135,7 @@ def shared(what):
 def test_the_distance_figure_has_each_chain_at_its_beads_in_its_units(si):
     what = problem(si)
     amplitude, _, lag = distance_figure(what, shared(what), EnergyShares(what, shared(what))).axes
-    assert amplitude.get_ylabel() == "peak velocity / $V$"
+    assert amplitude.get_ylabel() == r"peak velocity $v_\mathrm{max} / V$"
     for chain in (1, 2):
         (line,) = (line for line in amplitude.get_lines() if line.get_label() == f"chain {chain}")
         assert line.get_xdata().tolist() == [2.0, 3.0, 4.0, 5.0]
@@ -152,8 +153,8 @@ def test_the_engines_figure_has_each_bead_and_engine_where_it_says(si):
     velocity[1, 1, 1] = 0.5  # chain 2, the second of the rows shown
     curve = Curve("rigid", time, velocity, np.array([2, 3]), np.array([[0.7, 0.6], [0.2, 0.1]]))
     first, *rows = engines_figure(what, (4, 9), [curve]).axes
-    assert [axis.get_title(loc="left") for axis in (first, *rows)] == ["rigid", "bead 4", "bead 9"]
-    assert first.get_ylabel() == "first impulse / ($m V$)"
+    assert [axis.get_title(loc="left") for axis in (first, *rows)] == ["(a) rigid", "(b) bead 4", "(c) bead 9"]
+    assert first.get_ylabel() == "first impulse $I / (m V)$"
     assert [line.get_ydata().tolist() for line in first.get_lines()] == [[0.7, 0.6], [0.2, 0.1]]
     assert not np.any([line.get_ydata() for line in rows[0].get_lines()])
     moved = rows[1].get_lines()[1]
