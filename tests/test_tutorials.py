@@ -9,6 +9,8 @@ import pytest
 import tutorial
 
 import workflow
+from lammps_inputs import library, strict_yaml
+from workflow.sweep import file as sweep_file
 
 pytest_plugins = ("slurm",)
 
@@ -30,6 +32,16 @@ def test_the_commands_of_a_tutorial_print_what_it_quotes(name, tmp_path, request
     tutorial.follow(page, tmp_path, environment)
 
 
+@pytest.mark.slow
+def test_the_python_examples_of_the_readme_pages_run_one_after_the_other(tmp_path):
+    pages = [(ROOT / name / "README.md").read_text(encoding="utf-8") for name in (".", "analysis")]
+    programs = [program for page in pages for program in re.findall(r"```python\n(.*?)```", page, re.S)]
+    assert len(programs) == 2
+    for number, program in enumerate(programs):
+        (tmp_path / f"example{number}.py").write_text(program, encoding="utf-8")
+        tutorial.typed(f"{sys.executable} example{number}.py", tmp_path, os.environ)
+
+
 @pytest.mark.parametrize("page", MANUAL, ids=lambda page: str(page.relative_to(ROOT)))
 def test_links_and_pictures_of_the_manual_exist(page):
     for link in re.findall(r"\]\(([^)\s]+)\)", page.read_text(encoding="utf-8")):
@@ -39,6 +51,16 @@ def test_links_and_pictures_of_the_manual_exist(page):
         if anchor and ":" not in link:
             heads = re.findall(r"^#+ (.*)$", target.read_text(encoding="utf-8"), re.M)
             assert anchor in {re.sub(r"[^\w -]", "", head).lower().replace(" ", "-") for head in heads}, link
+
+
+@pytest.mark.parametrize("page", ["README.md", "workflow/README.md"])
+def test_scenes_and_sweeps_of_the_readme_pages_are_valid(page, tmp_path):
+    for block in re.findall(r"```yaml\n(.*?)```", (ROOT / page).read_text(encoding="utf-8"), re.S):
+        data = strict_yaml.parse(block, page)
+        if "vary" not in data:
+            assert library.from_plain(data, page).problem()
+        elif "minimize" not in data:
+            assert sweep_file.all_cases(sweep_file.from_plain(data, tmp_path / "sweep.yaml"))
 
 
 @pytest.mark.parametrize("index", ["README.md", "workflow/README.md"])
