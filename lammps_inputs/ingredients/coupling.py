@@ -90,10 +90,7 @@ class Coupling(Ingredient):
     rows: Rows | None = None
     """First and last row with springs; all rows if omitted."""
     topology: _Topology | None = None
-    """Which chains are coupled: each to the next (`open`), also the last to the first (`ring`), a `{lattice: [rows,
-    columns]}`, or `{edges: [[1, 3], [2, 3, 0.4]]}`, where a third number is the stiffness of that pair; `open` if
-    omitted.
-    """
+    """Which chains are coupled, by the table below; `open` if omitted."""
     cubic: Annotated[float, Field(ge=0, le=1e30), Unit("N/m3")] | None = None
     """Cubic stiffness c; none if omitted."""
 
