@@ -291,8 +291,14 @@ class Report:
         undefined="not all beads are recorded, or momentum is not conserved (ground, walls, weights)",
     )
     units: str = declare("the scene's units: ``SI`` or ``reduced``")
-    scale: dict[str, float] = declare("dimensionless mass, length, time and velocity of 1 in the scene's units")
-    kappa: float = declare("dimensionless stiffness of the coupling at V = 1, k T**2 / m", symbol="\\kappa")
+    scale: dict[str, float] = declare(
+        "mass m, length L, time T and velocity V of the dimensionless problem, in the scene's units"
+    )
+    kappa: float = declare(
+        "dimensionless stiffness of the coupling, k T**2 / m: the largest where springs differ; 0 without springs, and "
+        "of purely cubic ones",
+        symbol="\\kappa",
+    )
     arrival: str = declare("definition of arrivals: ``maximum`` of the velocity, or centre of the ``impulse``")
     noise: float = declare("standard deviation of the recorded velocities' noise; 0 without noise", "V")
     waves: list[ChainSummary] = declare("leading wave of each chain at its last clear bead")
