@@ -1,16 +1,15 @@
-"""Compute the paper's figures and statements, as an HTML page."""
+"""Compute the paper's statements and figures: ``granchain gallery`` with the paper's entries only."""
 
 import argparse
 from pathlib import Path
 
-from workflow.errors import RunError
-from workflow.screen import count_bar, one_line
-from workflow.studies.gallery.study import PAGE, PAPER, gallery
+from workflow.screen import Answer
+from workflow.studies.gallery.command import ANSWERS, run_entries
+from workflow.studies.gallery.entries import PAPER
 
-EXAMPLES = (
-    "reproduce -o paper        # then open paper/index.html",
-    "reproduce -o paper --quiet",
-)
+__all__ = ["ANSWERS"]
+
+EXAMPLES = ("reproduce -o paper        # ten seconds; then open paper/index.html",)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -20,12 +19,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def execute(arguments: argparse.Namespace) -> int:
-    """Run what is missing, write the page and its figures."""
-    with count_bar("reproduce") as progress:
-        found = gallery(arguments.output, collection=PAPER, progress=progress)
-    print(one_line(arguments.output / PAGE))
-    for name, section in found.items():
-        if section.failed:
-            raise RunError(f"{name}: {section.failed}")
-    return 0
+def execute(arguments: argparse.Namespace) -> Answer:
+    """Run what is missing, write the page, print the verdicts."""
+    return run_entries(arguments.output, PAPER)

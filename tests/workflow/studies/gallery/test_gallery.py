@@ -27,6 +27,8 @@ KNOWN = {
 def verdicts(page: Path, name: str) -> list[str]:
     section = kept(page / "entries" / name)
     assert section is not None
+    assert {statement.source.partition(", ")[0] for statement in section.statements} <= {*section.sources, ""}
+    assert all(bool(statement.published) == bool(statement.source) for statement in section.statements)
     return [statement.holds for statement in section.statements]
 
 

@@ -1,18 +1,20 @@
-"""Two kinds of alternating beads under a load pass on no sound between two frequencies."""
+"""Two kinds of alternating beads under a load do not transmit sound between two frequencies."""
 
 import math
 
 from matplotlib.axes import Axes
 
 from analysis.sound.dispersion import Dispersion, Map
-from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statement, chain, number
+from workflow.studies.gallery.criteria import Measured, near, state
+from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, chain
+from workflow.studies.page import Statement
 
 LIGHT, LOAD = 0.5, 1.0
 STIFFNESS = 1.5 * LOAD ** (1.0 / 3.0)
 EDGES = {
-    "The acoustic band ends": math.sqrt(2.0 * STIFFNESS),
-    "The optical band begins": math.sqrt(2.0 * STIFFNESS / LIGHT),
-    "The optical band ends": math.sqrt(2.0 * STIFFNESS * (1.0 + 1.0 / LIGHT)),
+    "The acoustic band ends": ("2 k / M", math.sqrt(2.0 * STIFFNESS)),
+    "The optical band begins": ("2 k / m", math.sqrt(2.0 * STIFFNESS / LIGHT)),
+    "The optical band ends": ("2 k (1/M + 1/m)", math.sqrt(2.0 * STIFFNESS * (1.0 + 1.0 / LIGHT))),
 }
 PLACES = ((0, 1), (1, 0), (1, 1))
 
@@ -28,15 +30,19 @@ def statements(results: Results) -> list[Statement]:
     second = {engine: run.problem.scale.time for engine, run in runs.items()}
     bin_width = max(found.bin / second[engine] for engine, found in maps.items())
     return [
-        number(
-            f"{says} at an angular frequency of {edge:.4f}.",
-            edge,
-            {engine: float(found.measured_bands()[place]) / second[engine] for engine, found in maps.items()},
-            within=bin_width,
-            form="4",
-            correction=f"A bin of frequency is {bin_width:.4f} wide.",
+        state(
+            Measured(
+                "angular frequency of the edge",
+                {engine: float(found.measured_bands()[place]) / second[engine] for engine, found in maps.items()},
+                near(edge, bin_width),
+                "4",
+            ),
+            published=f"{says} at the squared angular frequency {formula}.",
+            source="brillouin1946",
+            derived=f"k = 3/2 F_0^(1/3) = {STIFFNESS:g}, M = 1, m = {LIGHT:g}: an angular frequency of {edge:.4f}; "
+            f"the spectrum resolves {bin_width:.4f}.",
         )
-        for (says, edge), place in zip(EDGES.items(), PLACES, strict=True)
+        for (says, (formula, edge)), place in zip(EDGES.items(), PLACES, strict=True)
     ]
 
 
@@ -46,7 +52,7 @@ def draw(axis: Axes, results: Results) -> None:
     found, second = _map(run), run.problem.scale.time
     for branch in range(2):
         axis.plot(found.folded, found.measured[:, branch] / second, "o", ms=4, color=COLOURS[branch])
-    for edge in EDGES.values():
+    for _, edge in EDGES.values():
         axis.axhline(edge, **PUBLISHED)
 
 
@@ -72,5 +78,5 @@ ENTRY = Entry(
     statements=statements,
     axes=("wavenumber (radians a bead)", "angular frequency"),
     draw=draw,
-    caption="Frequencies over wavenumber as the LAMMPS run shows them; lines: the published edges.",
+    caption="Frequencies over wavenumber in the LAMMPS run; lines: the published edges.",
 )

@@ -5,7 +5,9 @@ import math
 from matplotlib.axes import Axes
 
 from analysis.trajectory import Floats
-from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Results, Statement, claim, each, engines, number
+from workflow.studies.gallery.criteria import Measured, at_least, at_most, near, state
+from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Results, each
+from workflow.studies.page import Statement
 
 GROUND, COUPLING = 1.0, 0.1
 SCENE = {
@@ -18,31 +20,28 @@ SCENE = {
     "output": {"every": 0.25},
 }
 OSCILLATORS = math.pi / (math.sqrt(GROUND + 2.0 * COUPLING) - math.sqrt(GROUND))
-"""Time in which two oscillators, so coupled, exchange their energy."""
+"""Time in which two oscillators with this coupling exchange their energy."""
 
 
 def statements(results: Results) -> list[Statement]:
-    """How much goes over, and when."""
+    """How much energy is exchanged, and when."""
     runs = results["beats"]
     share = each(runs, lambda run: run.flow.extremes(1)[1][0])
     when = each(runs, lambda run: run.flow.extremes(1)[1][1] * run.problem.scale.time)
+    returned = each(runs, lambda run: _return(run.flow.share[:, 1]))
     return [
-        claim(
-            "Weakly coupled chains on a foundation exchange their energy almost completely, and back again.",
-            [
-                *engines(share, digits=4, label="largest share of the chain that was not kicked: "),
-                *engines(each(runs, lambda run: _return(run.flow.share[:, 1])), digits=4, label="least after that: "),
-            ],
-            min(share.values()) > 0.95,
+        state(
+            Measured("largest share of the chain that was not kicked", share, at_least(0.95), "4"),
+            Measured("smallest share after that", returned, at_most(0.05), "4"),
+            published="Weakly coupled chains on a foundation exchange their energy almost completely, periodically.",
+            source="starosvetsky2012, not read",
         ),
-        number(
-            f"As two linear oscillators would, after a time of {OSCILLATORS:.1f}.",
-            OSCILLATORS,
-            when,
-            within=0.25,
-            roughly=0.1 * OSCILLATORS,
-            form="2",
-            correction="A little later: contacts press on the beads while the pulse spreads.",
+        state(
+            Measured("time of the largest share", when, near(OSCILLATORS, 0.25, 0.1 * OSCILLATORS), "2"),
+            derived="Two linear oscillators, coupled alike, exchange their energy in pi / (sqrt(k_f + 2 k) - "
+            "sqrt(k_f)) "
+            f"= {OSCILLATORS:.1f}; required within one frame.",
+            correction="It is later: contacts press on the beads while the pulse spreads.",
         ),
     ]
 

@@ -3,20 +3,12 @@
 import numpy as np
 from matplotlib.axes import Axes
 
-from workflow.studies.gallery.entry import (
-    COLOURS,
-    PUBLISHED,
-    Entry,
-    Results,
-    Statement,
-    chain,
-    claim,
-    each,
-    engines,
-    number,
-)
+from workflow.studies.gallery.criteria import Measured, at_most, near, state
+from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Results, chain, each
+from workflow.studies.page import Statement
 
 PUBLISHED_RATIOS = (0.3428, 0.1548, 0.0901)
+SOURCE = "jayaprakash2011, as quoted"
 AROUND = (0.98, 0.99, 1.01, 1.02)
 BEADS = 90
 
@@ -45,20 +37,20 @@ def statements(results: Results) -> list[Statement]:
     for ratio in PUBLISHED_RATIOS:
         runs = results[_name(ratio)]
         left = each(runs, lambda run: run.left_behind(2))
+        least = {"reference": _least(results, ratio)}
         found.append(
-            number(
-                f"No residual energy at a mass ratio of {ratio}.",
-                ratio,
-                {"reference": _least(results, ratio)},
-                within=1e-4,
-                roughly=2e-3,
+            state(
+                Measured("mass ratio of the smallest residual energy", least, near(ratio, 1e-4, 2e-3)),
+                published=f"There is no residual motion at a mass ratio of {ratio}.",
+                source=SOURCE,
+                derived="Required within one unit of the last digit.",
             )
         )
         found.append(
-            claim(
-                f"There a genuine solitary wave runs ({ratio}).",
-                engines(left, digits=10, label="share of the energy left in a cell: "),
-                max(left.values()) < 2e-7,
+            state(
+                Measured("share of the pulse's energy that stays in a cell", left, at_most(2e-7), "1e"),
+                published=f"At {ratio} a solitary wave propagates.",
+                source=SOURCE,
             )
         )
     return found
@@ -83,7 +75,7 @@ ENTRY = Entry(
     scenes={_name(ratio): dimer(ratio) for ratio in PUBLISHED_RATIOS},
     swept={_name(ratio * factor): dimer(ratio * factor) for ratio in PUBLISHED_RATIOS for factor in AROUND},
     statements=statements,
-    axes=("mass ratio over the published one", "energy left in a cell (share)"),
+    axes=("mass ratio over the published one", "share of the energy that stays in a cell"),
     draw=draw,
     caption="Residual energy of a cell around the published mass ratios (reference).",
 )

@@ -5,25 +5,14 @@ from matplotlib.axes import Axes
 
 from analysis.shape.exact_wave import solitary_wave
 from analysis.trajectory import Floats
-from workflow.studies.gallery.entry import (
-    COLOURS,
-    NAMES,
-    PUBLISHED,
-    Entry,
-    Ran,
-    Results,
-    Statement,
-    chain,
-    claim,
-    each,
-    engines,
-    number,
-)
+from workflow.studies.gallery.criteria import NAMES, Measured, at_most, near, state
+from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, chain, each
+from workflow.studies.page import Statement
 
 SCENE = chain(100, 125)
 BEAD = 80
 _DIGITS = {"lammps": 1e-11, "reference": 1e-200}
-"""Velocities below which an engine's are not to be taken at their word, in units of V."""
+"""Velocities that an engine resolves, in units of V."""
 SERIES = (2.39536, 0.268529, 0.0061347)
 
 
@@ -57,26 +46,39 @@ def statements(results: Results) -> list[Statement]:
     runs = results["chain"]
     series = each(runs, lambda run: float(np.max(np.abs(_series(_moved(run)[0]) - _moved(run)[1]))))
     tails = {engine: _tail(run) for engine, run in runs.items()}
+    rise, last = float(np.max(np.diff(tails["reference"]))), float(tails["reference"][-1])
     exact = solitary_wave()
     return [
-        claim(
-            "A bead's displacement is A/2 (1 - tanh(f/2)), f = 2.39536 x + 0.268529 x^3 + 0.0061347 x^5 (x in beads).",
-            engines(series, digits=6, label="largest difference, in A: "),
-            max(series.values()) < 5e-4,
+        state(
+            Measured("largest difference, in A", series, at_most(5e-4), "6"),
+            published="The displacement of a bead is A/2 (1 - tanh(f/2)), f = 2.39536 x + 0.268529 x^3 + "
+            "0.0061347 x^5 (x in "
+            "beads).",
+            source="sen2001, as quoted",
         ),
-        claim(
-            "The wave falls off super-exponentially: with each bead farther ahead the logarithm of the velocity falls "
-            "faster, by a factor that tends to the exponent 3/2.",
-            [f"{NAMES[engine]}: " + ", ".join(f"{value:.3f}" for value in one) for engine, one in tails.items()],
-            bool(np.all(np.diff(tails["reference"]) < 0.0)) and abs(float(tails["reference"][-1]) - 1.5) < 0.03,
+        state(
+            Measured("factor at the farthest bead", {"reference": last}, near(1.5, 0.03), "3"),
+            Measured("largest change of the factor from bead to bead", {"reference": rise}, at_most(0.0), "3"),
+            published="The tails of the wave fall off super-exponentially.",
+            source="ahnert2009, abstract",
+            derived="With each bead farther ahead of the wave the logarithm of the velocity falls faster, by a "
+            "factor that "
+            "decreases to the exponent 3/2 of the contact force.",
+            also=[
+                f"factors, {NAMES[engine]}: " + ", ".join(f"{value:.3f}" for value in one)
+                for engine, one in tails.items()
+            ],
         ),
-        number(
-            "What the iteration of the equation of travelling waves gives is the wave that runs in the chain: "
-            f"c = {exact.speed:.6f} V_m^(1/5).",
-            exact.speed,
-            each(runs, lambda run: run.speed(60, 90) / run.peak(75) ** 0.2),
-            within=2e-5,
-            form="6",
+        state(
+            Measured(
+                "speed over V_m^(1/5)",
+                each(runs, lambda run: run.speed(60, 90) / run.peak(75) ** 0.2),
+                near(exact.speed, 2e-5),
+                "6",
+            ),
+            published="The travelling-wave equation c^2 r = Lambda * r^(3/2) is solved by iteration.",
+            source="ahnert2009, abstract",
+            derived=f"The iteration converges to c = {exact.speed:.6f} V_m^(1/5) beads per unit time.",
         ),
     ]
 
@@ -90,8 +92,8 @@ def draw(axis: Axes, results: Results) -> None:
 
 ENTRY = Entry(
     title="The exact wave of the discrete chain",
-    introduction="Between the long-wave theory and the discrete chain: a series fitted by Sen & Manciu, and what is "
-    "known of the exact wave.",
+    introduction="Properties of the travelling wave of the discrete chain: a series fitted by Sen & Manciu, its tails, "
+    "and its speed.",
     sources={
         "sen2001": "as quoted in the literature; the paper could not be read",
         "sen2001solution": "as quoted in the literature; the paper could not be read",
@@ -100,7 +102,7 @@ ENTRY = Entry(
     },
     scenes={"chain": SCENE},
     statements=statements,
-    axes=("distance ahead of the wave (beads)", "displacement (its shift)"),
+    axes=("distance ahead of the wave (beads)", "difference of the displacement (share of the total)"),
     draw=draw,
-    caption="What the series is off by, in the displacement that the wave leaves behind.",
+    caption="Difference of the displacement by the series from that by LAMMPS, as a share of the final displacement.",
 )

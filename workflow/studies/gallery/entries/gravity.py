@@ -5,7 +5,9 @@ from itertools import pairwise
 import numpy as np
 from matplotlib.axes import Axes
 
-from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statement, chain, each, number
+from workflow.studies.gallery.criteria import Measured, near, state
+from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, chain, each
+from workflow.studies.page import Statement
 
 DEPTHS = np.arange(60, 241, 20)
 
@@ -24,23 +26,20 @@ def statements(results: Results) -> list[Statement]:
         speed = [run.speed(int(a), int(b)) for a, b in pairwise(DEPTHS)]
         return float(np.polyfit(middle, np.log(speed), 1)[0])
 
+    falls = each(runs, lambda run: float(np.polyfit(depth, np.log(_peaks(run)), 1)[0]))
+    between = f"beads {DEPTHS[0]} to {DEPTHS[-1]}"
     return [
-        number(
-            "The velocity of the leading peak falls as depth^(-0.250).",
-            -0.25,
-            each(runs, lambda run: float(np.polyfit(depth, np.log(_peaks(run)), 1)[0])),
-            within=0.005,
-            roughly=0.02,
-            form="4",
-            correction="Down to some 240 beads it falls a little more slowly: the pulse still grows broader.",
+        state(
+            Measured(f"exponent of the leading peak, {between}", falls, near(-0.25, 0.005, 0.02), "4"),
+            published="The velocity of the leading peak falls as depth^(-0.250).",
+            source="hong1998, abstract",
+            correction=f"Down to {DEPTHS[-1]} beads it falls a little more slowly: the pulse still becomes broader.",
         ),
-        number(
-            "The pulse's speed grows as depth^(1/2 (1 - 1/p)), with the exponent p = 3/2 of the contact force: 1/6.",
-            1.0 / 6.0,
-            each(runs, speeds),
-            within=0.005,
-            roughly=0.02,
-            form="4",
+        state(
+            Measured(f"exponent of the speed, {between}", each(runs, speeds), near(1.0 / 6.0, 0.005, 0.02), "4"),
+            published="The phase velocity grows as depth^(1/2 (1 - 1/p)), p being the exponent of the contact force.",
+            source="hong1999, abstract",
+            derived="p = 3/2: exponent 1/6.",
         ),
     ]
 
@@ -54,7 +53,7 @@ def draw(axis: Axes, results: Results) -> None:
 
 ENTRY = Entry(
     title="A column under gravity",
-    introduction="Three hundred beads one on top of the other; the top one is tapped.",
+    introduction="A vertical column of three hundred beads; the top one is kicked weakly.",
     sources={
         "hong1999": "abstract read",
         "hong1998": "abstract read",

@@ -4,19 +4,9 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from analysis.shape.exact_wave import solitary_wave
-from workflow.studies.gallery.entry import (
-    COLOURS,
-    NAMES,
-    Entry,
-    Ran,
-    Results,
-    Statement,
-    chain,
-    claim,
-    each,
-    engines,
-    number,
-)
+from workflow.studies.gallery.criteria import NAMES, Measured, at_least, at_most, near, state
+from workflow.studies.gallery.entry import COLOURS, Entry, Ran, Results, chain, each
+from workflow.studies.page import Statement
 
 LIGHT, HEAVY = (0.05, 0.1, 0.2), (2.0, 8.0)
 PLACE = 40
@@ -32,53 +22,52 @@ def _name(mass: float) -> str:
 
 
 def _frequency(run: Ran) -> float:
-    """Of the first swing of the impurity, while the wave presses on it most."""
+    """Of the first oscillation of the impurity, while the wave presses on it most."""
     first, second = run.passages(PLACE)[:2]
     return float(1.0 / (second - first))
 
 
 def statements(results: Results) -> list[Statement]:
-    """Light ones swing, heavy ones throw back."""
+    """Light beads oscillate, heavy ones reflect."""
     frequency = {mass: each(results[_name(mass)], _frequency) for mass in LIGHT}
-    passes = each(results[_name(0.1)], lambda run: float(run.speed(60, 75)))
-    spectrum = {engine: speed / solitary_wave().width for engine, speed in passes.items()}
+    width = solitary_wave().width
+    spectrum = each(results[_name(0.1)], lambda run: float(run.speed(60, 75)) / width)
+    above = {engine: frequency[0.1][engine] / spectrum[engine] for engine in NAMES}
     slope = {
         engine: float(np.polyfit(np.log(LIGHT), [np.log(frequency[mass][engine]) for mass in LIGHT], 1)[0])
         for engine in NAMES
     }
     passed = {mass: each(results[_name(mass)], lambda run: run.peak(70) / run.peak(PLACE - 15)) for mass in HEAVY}
     return [
-        claim(
-            "A light bead in the chain oscillates while the wave passes, faster than the wave's own spectrum.",
-            [
-                *(
-                    line
-                    for mass in LIGHT
-                    for line in engines(frequency[mass], " 1/T", 4, f"mass {mass:g}: oscillations: ")
-                ),
-                *engines(spectrum, " 1/T", 4, "one over the time in which the wave passes: "),
+        state(
+            Measured(
+                "frequency of mass 0.1 over one over the time in which the wave passes", above, at_least(1.0), "2"
+            ),
+            published="A light intruder oscillates while the wave passes, at frequencies above the wave's spectrum.",
+            source="job2009, abstract",
+            also=[
+                f"mass {mass:g}, {NAMES[engine]}: {value:.4f} 1/T"
+                for mass in LIGHT
+                for engine, value in frequency[mass].items()
             ],
-            min(frequency[0.1].values()) > max(spectrum.values()),
         ),
-        number(
-            "Its frequency follows from dimensions: with the contacts' stiffness as they are, as mass^(-1/2).",
-            -0.5,
-            slope,
-            within=0.02,
-            roughly=0.1,
-            form="3",
-            correction=f"mass^({slope['reference']:.2f}): the lightest stay longest within one wave.",
+        state(
+            Measured("exponent", slope, near(-0.5, 0.02, 0.1), "3"),
+            published="The frequency follows from dimensional analysis.",
+            source="job2009, abstract",
+            derived="Contacts of unchanged stiffness: frequency as mass^(-1/2).",
+            correction=f"mass^({slope['reference']:.2f}): the lightest bead remains longest within one wave.",
         ),
-        claim(
-            "A heavy bead throws part of the wave back and lets a train of weaker ones on.",
-            [
-                line
-                for mass in HEAVY
-                for line in engines(
-                    passed[mass], digits=5, label=f"mass {mass:g}: first wave behind it over incident one: "
-                )
-            ],
-            max(passed[8.0].values()) < min(passed[2.0].values()) < 1.0,
+        state(
+            Measured("mass 2: transmitted over incident velocity", passed[2.0], at_most(1.0)),
+            Measured(
+                "mass 8: the same, over that of mass 2",
+                {engine: passed[8.0][engine] / passed[2.0][engine] for engine in NAMES},
+                at_most(1.0),
+            ),
+            derived="A heavy bead reflects part of the wave, the more the heavier it is, and transmits a train of "
+            "weaker "
+            "waves.",
         ),
     ]
 
@@ -93,7 +82,7 @@ def draw(axis: Axes, results: Results) -> None:
 
 ENTRY = Entry(
     title="An impurity",
-    introduction="One bead of another mass in an otherwise uniform chain; its contacts are as the others'.",
+    introduction="One bead of another mass in an otherwise uniform chain; its contacts are those of the other beads.",
     sources={
         "job2009": "abstract read; its intruders are smaller, not only lighter",
     },
@@ -101,5 +90,5 @@ ENTRY = Entry(
     statements=statements,
     axes=("time (T)", "velocity of the impurity (V)"),
     draw=draw,
-    caption="A light impurity oscillates several times while the wave passes; heavy ones are slow (LAMMPS).",
+    caption="A light impurity oscillates several times while the wave passes; heavy ones move slowly (LAMMPS).",
 )

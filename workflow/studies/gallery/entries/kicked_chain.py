@@ -1,8 +1,10 @@
-"""The first bead of an uncompressed chain is hit: what runs off, what stays behind, what flies off at the end."""
+"""The first bead of an uncompressed chain is kicked: the leading wave, the last bead, and the rebound of the first."""
 
 from matplotlib.axes import Axes
 
-from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Results, Statement, chain, each, number
+from workflow.studies.gallery.criteria import Measured, near, state
+from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Results, chain, each
+from workflow.studies.page import Statement
 
 BEAD = 80
 
@@ -10,27 +12,23 @@ BEAD = 80
 def statements(results: Results) -> list[Statement]:
     """Amplitude, last bead, first bead."""
     runs = results["kicked"]
+    last, first = (each(runs, lambda run, n=n: float(run.trajectory.velocity[-1, 0, n])) for n in (-1, 0))  # type: ignore[misc]
+    peak = each(runs, lambda run: run.peak(BEAD))
     return [
-        number(
-            "The leading solitary wave has a velocity of 0.682 V.",
-            0.682,
-            each(runs, lambda run: run.peak(BEAD)),
-            within=5e-4,
-            form="5 V",
+        state(
+            Measured(f"velocity of the leading pulse at bead {BEAD}", peak, near(0.682, 5e-4), "5 V"),
+            published="The leading solitary wave has the velocity 0.682 V.",
+            source="hinch1999, as quoted",
         ),
-        number(
-            "The last ball flies off with 0.986 V.",
-            0.986,
-            each(runs, lambda run: float(run.trajectory.velocity[-1, 0, -1])),
-            within=5e-4,
-            form="5 V",
+        state(
+            Measured("velocity of the last bead at the end", last, near(0.986, 5e-4), "5 V"),
+            published="The last ball leaves the chain with 0.986 V.",
+            source="hinch1999, as quoted",
         ),
-        number(
-            "The kicked ball rebounds with 0.071 V.",
-            -0.071,
-            each(runs, lambda run: float(run.trajectory.velocity[-1, 0, 0])),
-            within=5e-4,
-            form="5 V",
+        state(
+            Measured("velocity of bead 1 at the end", first, near(-0.071, 5e-4), "5 V"),
+            published="The impacting ball rebounds with 0.071 V.",
+            source="hinch1999, as quoted",
         ),
     ]
 

@@ -3,7 +3,9 @@
 import numpy as np
 from matplotlib.axes import Axes
 
-from workflow.studies.gallery.entry import COLOURS, Entry, Ran, Results, Statement, chain, each, number
+from workflow.studies.gallery.criteria import Measured, near, state
+from workflow.studies.gallery.entry import COLOURS, Entry, Ran, Results, chain, each
+from workflow.studies.page import Statement
 
 COEFFICIENTS = (0.01, 0.002)
 BEADS = np.arange(40, 101)
@@ -18,15 +20,17 @@ def _inverse(run: Ran) -> "np.ndarray[tuple[int], np.dtype[np.float64]]":
 
 
 def statements(results: Results) -> list[Statement]:
-    """How evenly the peak velocity to the power -1/5 rises."""
+    """How the peak velocity to the power -1/5 rises."""
     return [
-        number(
-            "The peak velocity to the power -1/5 rises evenly, by 0.07577 times the coefficient a bead (here "
-            f"{one:g}).",
-            0.07577,
-            each(results[_name(one)], lambda run, one=one: float(np.polyfit(BEADS, _inverse(run), 1)[0]) / one),  # type: ignore[misc]
-            within=1e-3,
-            roughly=4e-3,
+        state(
+            Measured(
+                "rise a bead over the coefficient",
+                each(results[_name(one)], lambda run, one=one: float(np.polyfit(BEADS, _inverse(run), 1)[0]) / one),  # type: ignore[misc]
+                near(0.07577, 1e-3, 4e-3),
+            ),
+            derived="For weak damping the peak velocity to the power -1/5 rises linearly along the chain, by "
+            "0.07577 times "
+            f"the coefficient a bead (exact wave; here {one:g}).",
             correction="Derived for vanishing damping.",
         )
         for one in COEFFICIENTS
@@ -41,7 +45,7 @@ def draw(axis: Axes, results: Results) -> None:
 
 ENTRY = Entry(
     title="Viscoelastic contacts",
-    introduction="Contacts that lose energy as viscoelastic spheres do, b overlap^(1/2) times the rate of overlap.",
+    introduction="Dashpots in the contacts as of viscoelastic spheres: b overlap^(1/2) times the rate of overlap.",
     sources={
         "kuwabara1987": "the law; could not be read",
         "brilliantov1996": "the law; could not be read",
@@ -50,5 +54,5 @@ ENTRY = Entry(
     statements=statements,
     axes=("bead", "peak velocity to the power -1/5"),
     draw=draw,
-    caption="What rises evenly along the chain (LAMMPS).",
+    caption="Peak velocity to the power -1/5 along the chain (LAMMPS).",
 )

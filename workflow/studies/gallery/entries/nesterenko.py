@@ -7,7 +7,9 @@ from matplotlib.axes import Axes
 
 from analysis.shape.exact_wave import nesterenko, solitary_wave
 from analysis.trajectory import Floats
-from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statement, chain, each, number
+from workflow.studies.gallery.criteria import Measured, near, state
+from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, chain, each
+from workflow.studies.page import Statement
 
 BEAD, FAR = 80, 110
 HALF = 2.0 * math.acos(0.5**0.25) / math.pi
@@ -18,38 +20,39 @@ def statements(results: Results) -> list[Statement]:
     """Constants of the wave, then the exponents of the train of a heavy striker."""
     single, train = results["single"], results["striker-4"]
     theory, exact = nesterenko(), solitary_wave()
+    width = HALF * theory.width
+    exponents = each(train, lambda run: _slope(*_train(run)[:2]))
+    of_force = each(train, lambda run: _slope(_train(run)[2], _train(run)[1]))
+    speed = each(single, lambda run: run.speed(60, 90) / run.peak(75) ** 0.2)
     return [
-        number(
-            f"Speed: c = (4/5)^(2/5) V_m^(1/5) = {theory.speed:.4f} V_m^(1/5) beads per unit time.",
-            theory.speed,
-            each(single, lambda run: run.speed(60, 90) / run.peak(75) ** 0.2),
-            within=1e-4,
-            roughly=0.01,
+        state(
+            Measured("speed over V_m^(1/5)", speed, near(theory.speed, 1e-4, 0.01)),
+            published="Long-wave theory: a compact wave overlap^(1/2) = 5/4 (c cos)^2, velocity = c overlap.",
+            source="nesterenko2001, ch. 1",
+            derived=f"c = (4/5)^(2/5) V_m^(1/5) = {theory.speed:.4f} V_m^(1/5) beads per unit time.",
             correction=f"{exact.speed:.5f}: the long-wave theory of the discrete chain is 0.8% too fast.",
         ),
-        number(
-            "Shape: velocities as cos^4 over five beads from end to end, so "
-            f"{HALF * theory.width:.3f} beads wide at half their height.",
-            HALF * theory.width,
-            each(single, lambda run: run.width(BEAD)),
-            within=0.005,
-            roughly=0.25,
-            form="3 beads",
+        state(
+            Measured(
+                "full width at half maximum",
+                each(single, lambda run: run.width(BEAD)),
+                near(width, 0.005, 0.25),
+                "3 beads",
+            ),
+            published="The wave is cos^4, five beads wide.",
+            source="nesterenko1983",
+            derived=f"End to end 5 pi / sqrt(10) = {theory.width:.2f} beads, {width:.3f} at half the maximum.",
             correction=f"{exact.width:.3f} beads: the wave of the discrete chain is an eighth narrower.",
         ),
-        number(
-            "Speed grows as the fifth root of the velocity of the beads: exponent 1/5.",
-            0.2,
-            each(train, lambda run: _slope(*_train(run)[:2])),
-            within=0.002,
-            form="4",
+        state(
+            Measured("exponent", exponents, near(0.2, 0.002), "4"),
+            published="The speed grows as the fifth root of the velocity of the beads.",
+            source="nesterenko1983",
         ),
-        number(
-            "Speed grows as the sixth root of the force: exponent 1/6.",
-            1.0 / 6.0,
-            each(train, lambda run: _slope(_train(run)[2], _train(run)[1])),
-            within=0.002,
-            form="4",
+        state(
+            Measured("exponent", of_force, near(1.0 / 6.0, 0.002), "4"),
+            published="The speed grows as the sixth root of the force.",
+            source="coste1997",
         ),
     ]
 
@@ -82,8 +85,8 @@ def draw(axis: Axes, results: Results) -> None:
 
 ENTRY = Entry(
     title="Nesterenko's solitary wave",
-    introduction="The long-wave theory of an uncompressed chain, whose sound speed is zero: compact waves that are "
-    "faster the stronger they are. A single kicked chain, and a striker of four beads' mass, which makes "
+    introduction="The long-wave theory of an uncompressed chain, whose sound speed is zero: compact waves whose "
+    "speed grows with their amplitude. A single kicked chain, and a striker of four beads' mass, which makes "
     "a train of them.",
     sources={
         "nesterenko1983": "long-wave theory, derived again in analysis/shape/exact_wave.py",

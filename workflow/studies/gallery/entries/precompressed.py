@@ -1,4 +1,4 @@
-"""Chains pressed together: sound, and solitary waves on top of the load."""
+"""Chains under a static load: sound, and solitary waves on top of the load."""
 
 import math
 
@@ -7,7 +7,9 @@ from matplotlib.axes import Axes
 
 from analysis.shape.loaded_wave import speed_over_sound
 from analysis.sound.loaded_pulse import LoadedPulse, LoadedWave
-from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, Statement, chain, number
+from workflow.studies.gallery.criteria import Measured, near, state
+from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, chain
+from workflow.studies.page import Statement
 
 LOADS = (0.1, 0.01, 0.003)
 
@@ -25,23 +27,25 @@ def _wave(run: Ran) -> LoadedWave:
 def statements(results: Results) -> list[Statement]:
     """Sound, then the wave's speed over it at three force ratios."""
     waves = {load: {engine: _wave(run) for engine, run in results[_name(load)].items()} for load in LOADS}
-    found = []
-    for load, by_engine in waves.items():
-        wave = by_engine["reference"]
-        found.append(
-            number(
-                f"At F_m / F_0 = {wave.force_ratio:.2f} the wave is {wave.theory:.4f} times as fast as sound, "
-                f"c_0 = sqrt(3/2) F_0^(1/6) = {math.sqrt(1.5) * load ** (1.0 / 6.0):.4f}.",
-                wave.theory,
+    return [
+        state(
+            Measured(
+                "speed of the wave over that of sound",
                 {engine: one.over_sound for engine, one in by_engine.items()},
-                within=1e-3,
-                roughly=0.012 * wave.theory,
-                form="4",
-                correction="The discrete chain is faster than the long-wave theory, the more so the farther it is "
-                "from sound.",
-            )
+                near(by_engine["reference"].theory, 1e-3, 0.012 * by_engine["reference"].theory),
+                "4",
+            ),
+            published="Long-wave theory: V_s / c_0 = sqrt((4/15) (3 + 2 f^(5/3) - 5 f^(2/3))) / (f^(2/3) - 1), f "
+            "= F_m / F_0.",
+            source="daraio2006, as quoted",
+            derived=f"F_0 = {load:g}, f = {by_engine['reference'].force_ratio:.2f}: "
+            f"{by_engine['reference'].theory:.4f} times "
+            f"c_0 = sqrt(3/2) F_0^(1/6) = {math.sqrt(1.5) * load ** (1.0 / 6.0):.4f}.",
+            correction="The discrete chain is faster than the long-wave theory, the more so the farther it is "
+            "from sound.",
         )
-    return found
+        for load, by_engine in waves.items()
+    ]
 
 
 def draw(axis: Axes, results: Results) -> None:
@@ -54,7 +58,7 @@ def draw(axis: Axes, results: Results) -> None:
 
 ENTRY = Entry(
     title="Waves in precompressed chains",
-    introduction="A chain under a constant load has a speed of sound; solitary waves run ahead of it.",
+    introduction="A chain under a constant load has a speed of sound; solitary waves are faster.",
     sources={
         "nesterenko2001": "long-wave theory",
         "coste1997": "abstract read: measured at three static forces",
@@ -62,7 +66,7 @@ ENTRY = Entry(
     },
     scenes={_name(load): chain(120, 105, timestep=0.01, precompression={"force": load}) for load in LOADS},
     statements=statements,
-    axes=("largest force over that at rest", "speed over that of sound"),
+    axes=("largest force over the static force", "speed over that of sound"),
     draw=draw,
     caption="Speed of the pulse over that of sound; the line is the long-wave theory.",
 )

@@ -1,9 +1,12 @@
-"""Heavy strikers and several beads hit at once: trains of solitary waves."""
+"""Heavy strikers and several beads kicked at once: trains of solitary waves."""
 
 import numpy as np
 from matplotlib.axes import Axes
 
-from workflow.studies.gallery.entry import COLOURS, Entry, Results, Statement, chain, claim
+from analysis.trajectory import Floats
+from workflow.studies.gallery.criteria import NAMES, Measured, at_least, at_most, near, state
+from workflow.studies.gallery.entry import COLOURS, Entry, Results, Runs, chain
+from workflow.studies.page import Statement
 
 BEAD = 110
 LEAST = 0.05
@@ -15,41 +18,48 @@ def _launched(count: int) -> dict[str, object]:
 
 def statements(results: Results) -> list[Statement]:
     """As many waves as beads; a heavy striker's decrease, nearly geometrically."""
-    counted = {name: {engine: run.train(BEAD, LEAST) for engine, run in runs.items()} for name, runs in results.items()}
+    trains = {name: _train(runs) for name, runs in results.items()}
+    count = {name: {engine: float(len(one)) for engine, one in found.items()} for name, found in trains.items()}
     lines = {
-        name: [
-            f"{engine}: " + ", ".join(f"{v:.5f}" for v in train.peak_velocity) + " V" for engine, train in found.items()
-        ]
-        for name, found in counted.items()
+        name: [f"{NAMES[engine]}: " + ", ".join(f"{v:.5f}" for v in one) + " V" for engine, one in found.items()]
+        for name, found in trains.items()
     }
-    train = counted["striker-4"]["reference"].peak_velocity
-    ratio = train[1:] / train[:-1]
+    ratios = {engine: one[1:] / one[:-1] for engine, one in trains["striker-4"].items()}
+    spread = {engine: float(np.ptp(one) / np.mean(one)) for engine, one in ratios.items()}
+    steepest = {engine: float(one.max()) for engine, one in ratios.items()}
     return [
         *(
-            claim(
-                f"{count} striking beads make {count} solitary waves.",
-                lines[f"launched-{count}"],
-                all(len(found) == count for found in counted[f"launched-{count}"].values()),
-                f"Counted at bead {BEAD}, from {LEAST} V on.",
+            state(
+                Measured("number of waves", count[f"launched-{beads}"], near(float(beads), 0.0), "0"),
+                published="When m grains hit a chain, m solitons are generated.",
+                source="multisoliton2003, abstract",
+                derived=f"m = {beads}; counted at bead {BEAD}, from {LEAST} V on.",
+                also=lines[f"launched-{beads}"],
             )
-            for count in (2, 3)
+            for beads in (2, 3)
         ),
-        claim(
-            "A heavy striker makes a train of solitary waves, each weaker than the one before.",
-            lines["striker-4"],
-            all(
-                len(found) > 3 and bool(np.all(np.diff(found.peak_velocity) < 0))
-                for found in counted["striker-4"].values()
-            ),
+        state(
+            Measured("number of waves", count["striker-4"], at_least(4.0), "0"),
+            Measured("largest ratio of a wave to the one before", steepest, at_most(1.0), "3"),
+            published="The impact of a large striker generates a train of solitary waves ordered by decreasing "
+            "amplitude.",
+            source="job2007, abstract",
+            also=lines["striker-4"],
         ),
-        claim(
-            "The striker unloads nearly exponentially: velocities of the train form nearly a geometric series.",
-            ["ratios " + ", ".join(f"{value:.3f}" for value in ratio)],
-            float(np.ptp(ratio)) < 0.1 * float(np.mean(ratio)),
-            f"Ratios differ by {np.ptp(ratio) / np.mean(ratio):.0%}.",
-            partly=float(np.ptp(ratio)) < 0.25 * float(np.mean(ratio)),
+        state(
+            Measured("range of the ratios over their mean", spread, at_most(0.1, 0.25), "3"),
+            published="The force at the end of the chain unloads nearly exponentially.",
+            source="job2007, abstract",
+            derived="Velocities of the train form nearly a geometric series.",
+            correction=f"Ratios differ by {spread['reference']:.0%}.",
+            also=["ratios " + ", ".join(f"{value:.3f}" for value in ratios["reference"])],
         ),
     ]
+
+
+def _train(runs: Runs) -> dict[str, Floats]:
+    """Velocities of the waves that pass bead `BEAD`, by engine."""
+    return {engine: run.train(BEAD, LEAST).peak_velocity for engine, run in runs.items()}
 
 
 def draw(axis: Axes, results: Results) -> None:
@@ -75,5 +85,5 @@ ENTRY = Entry(
     statements=statements,
     axes=("time (T)", f"velocity of bead {BEAD} (V)"),
     draw=draw,
-    caption="Trains past one bead (LAMMPS).",
+    caption=f"Velocity of bead {BEAD} as trains pass it (LAMMPS).",
 )

@@ -1,22 +1,14 @@
-"""Each bead is smaller than the one before: hard spheres, binary collisions, and what is so."""
+"""Each bead is smaller than the one before: hard spheres, binary collisions, and Hertzian contacts."""
+
+from itertools import pairwise
 
 import numpy as np
 from matplotlib.axes import Axes
 
 from lammps_inputs import physics
-from workflow.studies.gallery.entry import (
-    COLOURS,
-    NAMES,
-    PUBLISHED,
-    Entry,
-    Ran,
-    Results,
-    Statement,
-    chain,
-    claim,
-    each,
-    number,
-)
+from workflow.studies.gallery.criteria import NAMES, Measured, at_most, near, state
+from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, chain, each
+from workflow.studies.page import Statement
 
 BEADS = 20
 TAPERS = (0.02, 0.05, 0.08)
@@ -47,35 +39,39 @@ def _arrives(run: Ran) -> float:
 def statements(results: Results) -> list[Statement]:
     """Energy that arrives, and how velocities grow."""
     arrives = {taper: each(results[_name(taper)], _arrives) for taper in TAPERS}
+    growth = {taper: each(results[_name(taper)], lambda run: run.peak(LAST) / run.peak(FIRST)) for taper in TAPERS}
+    falls = [{engine: arrives[b][engine] / arrives[a][engine] for engine in NAMES} for a, b in pairwise(TAPERS)]
     return [
         *(
-            number(
-                f"Hard spheres: the last of {BEADS} beads, each {taper:.0%} smaller, gets {_hard_spheres(taper):.4f} "
-                "of the energy.",
-                _hard_spheres(taper),
-                arrives[taper],
-                within=0.005,
-                roughly=0.06,
-                form="4",
-                correction="Hard spheres pass on too much: Hertzian beads share their energy with neighbours.",
+            state(
+                Measured("share of the energy", arrives[taper], near(_hard_spheres(taper), 0.005, 0.06), "4"),
+                published="Hard spheres: the last of n beads gets [4 f / (1 + f)^2]^(n - 1) of the energy.",
+                source="doney2005, as quoted",
+                derived=f"n = {BEADS}, each {taper:.0%} smaller, f = (1 - {taper:g})^3: {_hard_spheres(taper):.4f}.",
+                correction="Hard spheres transmit too much: Hertzian beads share their energy with neighbours.",
             )
             for taper in TAPERS
         ),
-        claim(
-            "The larger the taper, the less arrives.",
-            [f"{NAMES[engine]}: " + ", ".join(f"{arrives[taper][engine]:.4f}" for taper in TAPERS) for engine in NAMES],
-            all(arrives[0.02][engine] > arrives[0.05][engine] > arrives[0.08][engine] for engine in NAMES),
+        state(
+            *(
+                Measured(f"share at {b:.0%} over that at {a:.0%}", fall, at_most(1.0), "4")
+                for (a, b), fall in zip(pairwise(TAPERS), falls, strict=True)
+            ),
+            derived="The larger the taper, the smaller the share of the energy that arrives.",
         ),
         *(
-            number(
-                f"Binary collisions: from bead {FIRST} to {LAST} the velocity grows {_growth(taper):.4f} times (taper "
-                f"{taper:.0%}).",
-                _growth(taper),
-                each(results[_name(taper)], lambda run: run.peak(LAST) / run.peak(FIRST)),
-                within=0.01 * _growth(taper),
-                roughly=0.2 * _growth(taper),
-                form="4",
-                correction="The trend is right, the number too large: beads do not meet two by two.",
+            state(
+                Measured(
+                    "ratio of the velocities",
+                    growth[taper],
+                    near(_growth(taper), 0.01 * _growth(taper), 0.2 * _growth(taper)),
+                    "4",
+                ),
+                published="The binary collision approximation gives quantitatively accurate results.",
+                source="harbola2009, abstract",
+                derived=f"Taper {taper:.0%}: from bead {FIRST} to {LAST} the velocity grows by the factor "
+                f"{_growth(taper):.4f}; required within 1%.",
+                correction="The trend is right, the number too large: beads do not collide in pairs.",
             )
             for taper in TAPERS
         ),
@@ -100,7 +96,7 @@ ENTRY = Entry(
     },
     scenes={_name(taper): chain(BEADS, 25, timestep=0.002, every=0.02, taper=taper) for taper in TAPERS},
     statements=statements,
-    axes=("taper", "energy that the last bead gets (share)"),
+    axes=("taper", "largest energy of the last bead (share of the kick)"),
     draw=draw,
-    caption="Share of the kick's energy that comes out of twenty beads; the line is for hard spheres.",
+    caption="Largest kinetic energy of bead 20 as a share of that of the kick; the line is for hard spheres.",
 )

@@ -1,10 +1,19 @@
 """A wave is reflected by a wall."""
 
+from itertools import pairwise
+
 from matplotlib.axes import Axes
 
-from workflow.studies.gallery.entry import COLOURS, Entry, Ran, Results, Statement, chain, claim, each, engines, number
+from workflow.studies.gallery.criteria import NAMES, Measured, at_least, near, state
+from workflow.studies.gallery.entry import COLOURS, Entry, Ran, Results, chain, each
+from workflow.studies.page import Statement
 
 WALLS: dict[str, object] = {"soft": {"stiffness": 0.1}, "bead": "bead", "flat": "flat", "rigid": "rigid"}
+MIRRORS = (
+    ("rigid", 0.99852, "A rigid flat wall mirrors the collision of equal waves in a contact"),
+    ("bead", 0.99978, "A fixed bead mirrors the collision of equal waves on a bead"),
+)
+"""Wall, reflected over incident velocity, and why."""
 BEADS, SEEN = 60, 35
 
 
@@ -22,7 +31,7 @@ def _back(run: Ran) -> tuple[float, float]:
 
 
 def statements(results: Results) -> list[Statement]:
-    """Force, what comes back, and when."""
+    """Force, reflected velocity, and delay."""
     ratio = {name: each(runs, _ratio) for name, runs in results.items()}
     back = {name: each(runs, lambda run: _back(run)[1] / run.peak(SEEN)) for name, runs in results.items()}
     delay = {
@@ -30,44 +39,36 @@ def statements(results: Results) -> list[Statement]:
         for name, runs in results.items()
     }
     return [
-        claim(
-            "How a wave is reflected depends on the mechanical properties of the wall.",
-            [
-                line
-                for name in WALLS
-                for line in engines(ratio[name], label=f"{name}: force on the wall over that in the chain: ")
-            ],
-            all(
-                later > earlier
-                for earlier, later in zip(
-                    [min(one.values()) for one in ratio.values()][:-1],
-                    [max(one.values()) for one in ratio.values()][1:],
-                    strict=True,
+        state(
+            *(
+                Measured(
+                    f"{name}: force on the wall over that in the chain",
+                    ratio[name],
+                    at_least(max(ratio[softer].values())),
                 )
+                for softer, name in pairwise(WALLS)
             ),
+            published="The reflection of a wave depends on the mechanical properties of the wall.",
+            source="job2005, as quoted",
+            derived="The stiffer the wall, the larger the force on it; required is more than on the softer one.",
+            also=[f"soft, {NAMES[engine]}: {value:.5f}" for engine, value in ratio["soft"].items()],
         ),
-        claim(
-            "Soft walls slow the reflection.",
-            [
-                line
-                for name in ("rigid", "soft")
-                for line in engines(delay[name], " T", 3, f"{name}: back at bead {SEEN} after: ")
-            ],
-            min(delay["soft"].values()) > max(delay["rigid"].values()),
+        state(
+            Measured(
+                f"time to return to bead {SEEN}, soft", delay["soft"], at_least(max(delay["rigid"].values())), "3 T"
+            ),
+            published="Soft walls slow the reflection.",
+            source="przedborski2015, abstract",
+            also=[f"rigid, {NAMES[engine]}: {value:.3f} T" for engine, value in delay["rigid"].items()],
         ),
-        number(
-            "A rigid flat wall is the mirror of a collision of equal waves in a contact: the reflected wave has "
-            f"0.99852 of the peak velocity of the incident one at bead {SEEN}.",
-            0.99852,
-            back["rigid"],
-            within=1e-4,
-        ),
-        number(
-            "A held bead is the mirror of a collision on a bead: the reflected wave has 0.99978 of the peak velocity "
-            f"of the incident one at bead {SEEN}.",
-            0.99978,
-            back["bead"],
-            within=1e-4,
+        *(
+            state(
+                Measured("reflected over incident velocity", back[wall], near(value, 1e-4)),
+                derived=f"{says}: by mirror symmetry the reflected wave has {value} of the velocity of the "
+                "incident one at "
+                f"bead {SEEN}, as in the entry on collisions.",
+            )
+            for wall, value, says in MIRRORS
         ),
     ]
 
