@@ -56,6 +56,6 @@ def dispersion_figure(problem: Problem, found: Map) -> Figure:
     axis.set_xlabel(Unit(1.0, "rad/bead").label(Branches, "wavenumber"))
     axis.set_ylabel(unit.label(Branches, "frequency", "angular frequency"))
     bar = figure.colorbar(image, ax=axis)
-    bar.set_label(r"$\log_{10}$ (power of velocity / maximum)")
+    bar.set_label(r"$\log_{10}$ (power / maximum)")
     figure.suptitle(f"{title(problem)}; chain {found.chain}")
     return figure
