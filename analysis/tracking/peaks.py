@@ -118,15 +118,10 @@ class PeakFinder:
         """Take the next frames, evenly spaced in time with those before."""
         if self._carried is not None:  # a window may have moved on
             self._carried = self._carried.on(block.first, block.first + block.velocity.shape[2] - 1)
-        if self._carried is None or not self._started or block.frames < 3:
-            if self._carried is not None:
-                block = joined([self._carried, block])
-            if not self._started and block.frames >= len(NODES):
-                self._start(block)
-            if self._started:
-                self._search(block, block.frames - 2)
-        else:
-            self._search(joined([self._carried, block[:3]]), 4)
+            block = joined([self._carried, block])
+        if not self._started and block.frames >= len(NODES):
+            self._start(block)
+        if self._started:
             self._search(block, block.frames - 2)
         self._carried = block[-3:] if self._started else block
 
