@@ -33,7 +33,6 @@ JOB_FILES = (
     "job.frames",
     ".job.check",
     ".job.reserve",
-    ".job.in",
     ".job.keep",
     ".job.yes",
     ".job.no",

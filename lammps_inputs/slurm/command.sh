@@ -3,7 +3,7 @@ set -u
 export LC_ALL=C OMP_NUM_THREADS=1
 number=${1:-1}  # of this job among those that submitted each other
 cd -- "${SLURM_SUBMIT_DIR:-$PWD}" || exit 1
-exec >>job.out 2>&1
+[ ! /dev/stdout -ef /dev/null ] || exec >>job.out 2>&1
 
 set +u  # the site's own scripts may not be so strict
 for module in "${modules[@]}"; do

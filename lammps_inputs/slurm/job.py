@@ -2,14 +2,14 @@
 
 | file          | what                                                                                  |
 |---------------|---------------------------------------------------------------------------------------|
-| job.sbatch    | asks for nodes and time, checks before it computes, goes on until done (``job.sh``)    |
-| in.job        | the deck, or its continuation, for as long as the time limit lets it; then a restart    |
-| in.continue   | see `continuation`                                                                    |
+| job.sbatch    | requests nodes and time, checks LAMMPS and the deck, submits itself until done (``job.sh``) |
+| in.job        | the deck, or its continuation, up to the time limit; then a restart; removed when done  |
+| in.continue   | see `continuation`; removed when done                                                 |
 | cases.txt     | of an array: the directories of one task a line                                       |
-| job.state     | left by the job: what state the run is in, for `granchain status`                      |
-| job.step      | left by the job: the step that the run has safely reached                              |
-| job.frames    | left by the job: which frames belong to the restart                                    |
-| job.out       | what the job says                                                                      |
+| job.state     | written by the job: the state of the run, for `granchain status`                       |
+| job.step      | written by the job: step of the last restart; removed when done                        |
+| job.frames    | written by the job: which frames belong to the restart; removed when done              |
+| job.out       | output of the job, and messages of Slurm                                               |
 
 The deck itself is not touched. Every text that comes from a user is checked by a pattern and quoted.
 
@@ -39,7 +39,7 @@ _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}")
 _MAX_CASES = 100_000
 
 
-def render_job(options: JobOptions, problem: Problem) -> dict[str, str]:
+def render_job(options: JobOptions, problem: Problem, directory: Path | None = None) -> dict[str, str]:
     """File name -> text of what a job needs beside the deck, in the deck's directory.
 
     Raises:
@@ -47,7 +47,7 @@ def render_job(options: JobOptions, problem: Problem) -> dict[str, str]:
     """
     if options.ranks > problem.rows:
         raise InputError(f"--ranks-per-node: {options.ranks} ranks in all, but ranks divide the {problem.rows} rows")
-    return {file_names.JOB: _script(options, problem.name), **case_files(problem)}
+    return {file_names.JOB: _script(options, problem.name, directory), **case_files(problem)}
 
 
 def case_files(problem: Problem) -> dict[str, str]:
@@ -67,6 +67,7 @@ def render_array(
     *,
     name: str = "sweep",
     tasks: Sequence[int] | None = None,
+    directory: Path | None = None,
 ) -> dict[str, str]:
     """File name -> text of one array over directories that each hold a deck and `case_files`.
 
@@ -78,6 +79,7 @@ def render_array(
         cases: of each task its directory, or several, relative, with `/` between their parts.
         name: of the job.
         tasks: numbers of the tasks to do, from 0; all by default.
+        directory: that the files are written to.
 
     Raises:
         InputError: no cases, too many, one twice, or a directory with another name than letters, digits and ``._=,+-``.
@@ -96,7 +98,7 @@ def render_array(
     if not numbers or numbers[0] < 0 or numbers[-1] >= len(cases):
         raise InputError(f"tasks of an array: numbers from 0 to {len(cases) - 1}, {list(numbers)[:5]} given")
     listing = "".join(f"{' '.join(line)}\n" for line in lines)
-    return {file_names.JOB: _script(options, name, listing, _ranges(numbers)), file_names.CASES: listing}
+    return {file_names.JOB: _script(options, name, directory, listing, _ranges(numbers)), file_names.CASES: listing}
 
 
 def _ranges(numbers: Sequence[int]) -> str:
@@ -110,56 +112,56 @@ def _ranges(numbers: Sequence[int]) -> str:
     return ",".join(str(first) if first == last else f"{first}-{last}" for first, last in found)
 
 
-def _head(options: JobOptions, name: str, more: Mapping[str, object]) -> list[str]:
+def _head(options: JobOptions, name: str, directory: Path | None, more: Mapping[str, object]) -> list[str]:
     """First lines of a job: what it asks Slurm for, ``more`` by option without those that are None.
+
+    Slurm would expand a % in the directory's name but for the backslashes before the name of the output. A backslash
+    in the directory's name it takes away, so there the script alone opens its output.
 
     Raises:
         InputError: the name is none.
     """
     if not _NAME.fullmatch(name):
         raise InputError(f"{name!r}: not a name for a job; letters, digits, `.`, `_`, `-`, at most 64")
+    plain = "\\" not in str((directory or Path()).absolute())
     asked = {
         "job-name": name,
         "nodes": options.nodes,
-        **{key: value for key, value in more.items() if key != "array"},
+        **more,
         "time": options.time,
         "partition": options.partition,
         "account": options.account,
         "qos": options.qos,
         "constraint": options.constraint,
-        "array": more.get("array"),
-        "output": "/dev/null",  # the script opens its own: Slurm would expand a % or backslash in the directory's name
+        "output": rf"\\{file_names.JOB_OUTPUT}" if plain else "/dev/null",
+        "open-mode": "append",
     }
     return ["#!/bin/bash", *(f"#SBATCH --{key}={value}" for key, value in asked.items() if value is not None), ""]
 
 
-def _script(options: JobOptions, name: str, listing: str | None = None, tasks: str = "") -> str:
+def _script(options: JobOptions, name: str, directory: Path | None, listing: str | None = None, tasks: str = "") -> str:
     limit = "" if options.array_limit is None else f"%{options.array_limit}"
     asked = {
-        "ntasks": options.ranks,
         "ntasks-per-node": options.ranks_per_node or 1,
         "cpus-per-task": 1,
         "array": None if listing is None else tasks + limit,
     }
     values = {
-        "ranks": options.ranks,
-        "time_limit": options.limit,
         "margin": options.stop_before,
         "checkpoint": options.checkpoint,
         "max_jobs": options.max_jobs,
         "lmp": options.lmp,
-        "cases": "" if listing is None else file_names.CASES,
-        "cases_sum": "" if listing is None else hashlib.sha256(listing.encode()).hexdigest(),
+        **({} if listing is None else {"cases_sum": hashlib.sha256(listing.encode()).hexdigest()}),
     }
     lines = [
-        *_head(options, name, asked),
-        f"# In this directory: sbatch {file_names.JOB}    How far it is: granchain status .",
+        *_head(options, name, directory, asked),
+        f"# In this directory: sbatch {file_names.JOB}    State: granchain status .    Output: {file_names.JOB_OUTPUT}",
         *(f"{key}={shlex.quote(str(value))}" for key, value in values.items()),
-        f"launch=({shlex.join(options.launch)})",
+        f"launch=({shlex.join(shlex.split(options.launcher))})",
         f"modules=({shlex.join(options.modules)})",
         "",
     ]
-    return "\n".join(lines) + "\n" + _body("job.sh")
+    return "\n".join(lines) + "\n" + _body("job.sh") + ("compute\n" if listing is None else _body("array.sh"))
 
 
 def _body(name: str) -> str:
@@ -167,7 +169,15 @@ def _body(name: str) -> str:
     return Path(str(importlib.resources.files("lammps_inputs.slurm") / name)).read_text(encoding="utf-8")
 
 
-def render_command(options: JobOptions, name: str, words: Sequence[str], *, cores: int, jobs: int | None = None) -> str:
+def render_command(
+    options: JobOptions,
+    name: str,
+    words: Sequence[str],
+    *,
+    cores: int,
+    jobs: int | None = None,
+    directory: Path | None = None,
+) -> str:
     """The text of ``job.sbatch``, to be submitted in the directory that the command works in.
 
     Args:
@@ -176,6 +186,7 @@ def render_command(options: JobOptions, name: str, words: Sequence[str], *, core
         words: of the command.
         cores: that it uses.
         jobs: at most, each submitted by the one before; by default as the options say.
+        directory: that the job works in.
 
     Raises:
         InputError: more than one node is asked for.
@@ -184,8 +195,8 @@ def render_command(options: JobOptions, name: str, words: Sequence[str], *, core
         raise InputError(f"--nodes: {options.nodes} given; this command works on the cores of one node")
     asked = {"ntasks": 1, "cpus-per-task": cores, "signal": f"B:TERM@{options.stop_before}"}
     lines = [
-        *_head(options, name, asked),
-        f"# In this directory: sbatch {file_names.JOB}    What it says: {file_names.JOB_OUTPUT}",
+        *_head(options, name, directory, asked),
+        f"# In this directory: sbatch {file_names.JOB}    Output: {file_names.JOB_OUTPUT}",
         f"max_jobs={options.max_jobs if jobs is None else jobs}",
         f"command=({shlex.join(words)})",
         f"modules=({shlex.join(options.modules)})",

@@ -130,11 +130,6 @@ class JobOptions(BaseModel):
         """MPI ranks in all; one a node where nothing was said."""
         return self.nodes * (self.ranks_per_node or 1)
 
-    @property
-    def launch(self) -> tuple[str, ...]:
-        """Words of the command that starts the ranks."""
-        return tuple(word.replace(RANKS, str(self.ranks)) for word in shlex.split(self.launcher))
-
 
 def seconds(time: str) -> int:
     """Seconds of a time that `JobOptions` accepts."""

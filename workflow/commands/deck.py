@@ -37,7 +37,7 @@ def execute(arguments: argparse.Namespace) -> int:
     files = deck.render(scene)
     if options is not None:
         options = with_ranks(options, scene.problem())
-        files |= job.render_job(options, scene.problem())
+        files |= job.render_job(options, scene.problem(), arguments.output)
     refuse_to_overwrite(arguments.scene, arguments.output)
     names = (*LAMMPS_FILES, *(file_names.JOB_FILES if options is not None else ()))
     with prepared(arguments.output, names, overwrite=arguments.overwrite), replacing(arguments.output, names):

@@ -28,7 +28,7 @@ def write_job(
     """
     # -P: the directory it works in is no place for modules
     command = [sys.executable, "-P", "-m", "workflow", *words]
-    text = render_command(options, f"granchain-{words[0]}", command, cores=cores, jobs=jobs)
+    text = render_command(options, f"granchain-{words[0]}", command, cores=cores, jobs=jobs, directory=directory)
     make_directory(directory)
     claim(directory, (file_names.JOB, file_names.JOB_OUTPUT))
     write_text(directory / file_names.JOB, text)

@@ -81,8 +81,8 @@ def write_array(
         options = _for_all(options, problems)
         place = {name: number for number, line in enumerate(lines) for name in line}
         tasks = [place[case.name] for case in todo]
-        files = job.render_array(options, lines, name=problems[0].name, tasks=tasks)
-        claim(directory, files)
+        files = job.render_array(options, lines, name=problems[0].name, tasks=tasks, directory=directory)
+        claim(directory, (*files, file_names.JOB_OUTPUT))
         for name, text in files.items():
             write_text(directory / name, text)
     return Written(len(cases), len(tasks), len(under_way), options.ranks, len(lines))

@@ -201,8 +201,30 @@ def test_a_job_that_is_done_does_nothing_when_it_runs_again(good):
     assert {path.name: path.stat().st_mtime_ns for path in good.iterdir()} == before
 
 
-def test_a_job_that_is_done_leaves_no_restart_and_nothing_hidden(good):
-    assert [path.name for path in good.iterdir() if path.name.startswith((".", "chains.restart"))] == []
+def test_a_job_that_is_done_leaves_its_results_and_nothing_that_only_a_resumed_one_needs(good):
+    assert {path.name for path in good.iterdir()} == {
+        *(file_names.SCENE, file_names.DECK, file_names.DATA, file_names.DUMP, file_names.LOG),
+        *(file_names.JOB, file_names.JOB_STATE),
+    }
+
+
+@pytest.mark.slow
+def test_what_the_launcher_writes_when_it_fails_stands_in_the_output_of_the_job(tmp_path):
+    launcher = tmp_path / "launcher"
+    launcher.write_text("#!/bin/sh\necho first; echo second; exit 1\n")
+    launcher.chmod(0o755)
+    said = go(placed(scene(beads=4), tmp_path / "job", launcher=str(launcher)))
+    assert "\nfirst\nsecond\n" in said
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("ranks", "nodes"), [(3, 1), (2, 2)])
+def test_the_number_of_ranks_stands_in_the_requests_to_slurm_alone(ranks, nodes, tmp_path):
+    directory = placed(
+        scene(beads=8), tmp_path / "job", ranks_per_node=ranks, nodes=nodes, launcher="echo ranks={ranks}"
+    )
+    assert f"ranks={nodes * ranks} {WHEEL}" in go(directory)
+    assert "ranks=7 " in go(directory, SLURM_NTASKS=7)  # as sbatch --ntasks=7 sets it
 
 
 @pytest.mark.slow
@@ -210,7 +232,7 @@ def test_a_job_that_is_done_leaves_no_restart_and_nothing_hidden(good):
     ("options", "says"),
     [
         ({"lmp": "/nowhere/lmp"}, "/nowhere/lmp cannot be started"),
-        ({"lmp": "/bin/true"}, "/bin/true has no package GRANULAR"),
+        ({"lmp": "/bin/true"}, "/bin/true cannot be started as LAMMPS"),
         ({"launcher": "/nowhere/srun"}, "cannot be started"),
         ({"modules": ("no/such",)}, "module load no/such failed"),
         ({"ranks_per_node": 2, "launcher": "/usr/bin/env"}, "2 ranks asked, found: 1 by 1 by 1;"),
@@ -263,7 +285,7 @@ def test_a_task_of_several_cases_does_each_once_also_those_after_one_that_fails(
     bad.write_text(whole.replace("fix motion all nve", "fix motion all nonsense"))
     go(directory, SLURM_ARRAY_TASK_ID=0)
     assert [told(directory / name)["state"] for name in ("one", "bad", "two")] == ["done", "failed", "done"]
-    assert "the deck cannot be read" in told(directory / "bad")["reason"]
+    assert "LAMMPS ended with exit code 1: ERROR: Unrecognized fix style" in told(directory / "bad")["reason"]
     alone = placed(SHORT, tmp_path / "alone")
     go(alone)
     frames = (alone / file_names.DUMP).read_bytes()
@@ -349,25 +371,28 @@ def test_every_option_stands_in_the_script_once_and_what_was_not_asked_does_not(
     assert re.findall(r"^#SBATCH --(.*)", script, flags=re.MULTILINE) == [
         "job-name=many",
         "nodes=2",
-        "ntasks=8",
         "ntasks-per-node=4",
         "cpus-per-task=1",
+        "array=0-1%3",
         "time=1-12:30:00",
         "partition=long,short",
         "account=grains",
         "qos=high",
         "constraint=milan",
-        "array=0-1%3",
-        "output=/dev/null",
+        r"output=\\job.out",
+        "open-mode=append",
     ]
     plain = job.render_job(JobOptions(), scene(beads=4).problem())[file_names.JOB]
     assert not re.search(r"^#SBATCH --(partition|account|qos|constraint|array)", plain, flags=re.MULTILINE)
 
 
 @pytest.mark.parametrize(("time", "seconds"), [("00:10:00", 600), ("1-12:30:05", 131405), ("100:00:00", 360000)])
-def test_the_script_knows_its_time_limit_in_seconds(time, seconds):
-    script = job.render_job(JobOptions(time=time), scene(beads=4).problem())[file_names.JOB]
-    assert f"\ntime_limit={seconds}\n" in script
+def test_where_slurm_does_not_tell_the_end_of_a_job_its_time_limit_does(time, seconds, tmp_path):
+    directory = placed(scene(beads=4), tmp_path / "job", time=time, lmp="/nowhere/lmp")
+    (tmp_path / "date").write_text('#!/bin/sh\n[ "$*" = +%s ] && echo 1000000\n')
+    (tmp_path / "date").chmod(0o755)
+    go(directory, PATH=f"{tmp_path}:{os.environ['PATH']}")
+    assert int(told(directory)["ends"]) == 1_000_000 + seconds
 
 
 @pytest.mark.slow
@@ -389,7 +414,7 @@ def test_hostile_text_is_refused_or_one_quoted_word(option, text, tmp_path):
     assert script.count("#SBATCH") == job.render_job(JobOptions(), scene(beads=4).problem())[file_names.JOB].count(
         "#SBATCH"
     )
-    values = script.split("# In this directory")[1].split("# From here on")[0].partition("\n")[2]
+    values = script.split("# In this directory")[1].split("# The same in every job")[0].partition("\n")[2]
     shown = subprocess.run(
         ["bash", "-c", values + '\nprintf "%s\\0" "$lmp" "${launch[@]}"'], cwd=tmp_path, capture_output=True, check=True
     )
@@ -473,12 +498,11 @@ def test_more_ranks_than_rows_are_refused():
         "/etc/hosts 0",
     ],
 )
-def test_what_a_run_directory_from_someone_else_holds_reaches_no_shell_and_no_other_file(frames, good, tmp_path):
+def test_what_a_run_directory_from_someone_else_holds_reaches_no_shell_and_no_other_file(frames, tmp_path):
     thesis = tmp_path / "thesis.txt"
     thesis.write_text("all of it")
-    directory = tmp_path / "x" / "job"
-    directory.parent.mkdir()
-    subprocess.run(["cp", "-r", good, directory], check=True)
+    (tmp_path / "x").mkdir()
+    directory = placed(scene(beads=4), tmp_path / "x" / "job", ranks_per_node=1)
     (directory / file_names.JOB_STATE).write_text("state $(touch pwned)\njob $(touch pwned); touch pwned\n")
     (directory / file_names.JOB_STEP).write_text("a[$(touch pwned)]\n")
     (directory / file_names.RESTART).write_text("none")

@@ -44,9 +44,9 @@ def test_options_stand_in_the_script_and_win_over_the_site_that_the_environment_
     words += ["--launcher", "mpirun -np {ranks}"]
     assert main(["deck", "two-chains", "-o", str(tmp_path / "run"), *words]) == 0
     script = (tmp_path / "run" / file_names.JOB).read_text()
-    assert {"partition=short", "account=grains", "time=01:00:00", "nodes=2", "ntasks=8"} <= set(asked(script))
-    assert "lmp='/opt/my lammps/lmp'\nc" in script
-    assert "\nlaunch=(mpirun -np 8)\nmodules=(gcc/13 lammps)\n" in script
+    assert {"partition=short", "account=grains", "time=01:00:00", "nodes=2", "ntasks-per-node=4"} <= set(asked(script))
+    assert "\nlmp='/opt/my lammps/lmp'\n" in script
+    assert "\nlaunch=(mpirun -np '{ranks}')\nmodules=(gcc/13 lammps)\n" in script
     assert f"\nmax_jobs={site.JobOptions().max_jobs}\n" in script
 
 

@@ -113,8 +113,9 @@ def test_a_job_of_two_ranks_ends_bit_for_bit_as_a_run_on_this_machine(cluster, t
 
 
 @pytest.mark.slow
-def test_a_job_runs_in_a_directory_whose_name_means_something_to_slurm(cluster, tmp_path):
-    directory = written(SHORT, tmp_path / "50%j of a\\b %x", ranks_per_node=1)
+@pytest.mark.parametrize("name", ["50%j of a b %x", "50%j of a\\b %x"])
+def test_a_job_runs_in_a_directory_whose_name_means_something_to_slurm(name, cluster, tmp_path):
+    directory = written(SHORT, tmp_path / name, ranks_per_node=1)
     cluster.submit(directory)
     cluster.wait()
     assert told(directory).state == "done", list(tmp_path.rglob("job.out"))
@@ -163,13 +164,23 @@ def test_a_job_cut_by_its_time_limit_submits_itself_and_ends_bit_for_bit_as_one_
 
 
 @pytest.mark.slow
+def test_a_shell_that_slurm_cannot_start_is_told_in_the_output(cluster, tmp_path):
+    directory = written(SHORT, tmp_path / "job", ranks_per_node=1)
+    script = directory / file_names.JOB
+    script.write_text(script.read_text().replace("#!/bin/bash", "#!/nowhere/bash", 1))
+    cluster.submit(directory)
+    cluster.wait()
+    assert "No such file or directory" in (directory / file_names.JOB_OUTPUT).read_text()
+
+
+@pytest.mark.slow
 def test_copies_of_a_serial_lammps_are_caught_before_they_compute(cluster, tmp_path):
     directory = written(SHORT, tmp_path / "job", ranks_per_node=2, launcher="srun --mpi=none")
     cluster.submit(directory)
     cluster.wait()
     found = told(directory)
     assert found.state == "failed"
-    assert found.why.startswith("2 ranks asked, found: 1 by 1 by 1 1 by 1 by 1")
+    assert found.why.startswith("2 ranks asked, found: 1 by 1 by 1;")
     assert parts(directory) == []
 
 
