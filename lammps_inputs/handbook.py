@@ -57,7 +57,7 @@ def of_word(word: str) -> str | None:
 
 def of_term(word: str) -> str | None:
     """A symbol or term as the tables of units and notation in `MODEL.md` define it; None where they do not."""
-    tables = page("MODEL.md").partition("## Units")[2]
+    tables = page("MODEL.md").partition("## Units")[2].partition("## References")[0]
     rows = [_plain_math(row).strip("| ").split(" | ") for row in re.findall(r"^\|.*\|$", tables, re.M)]
     found = [": ".join(meaning) for term, *meaning in rows if word in re.split(r", | \(|\)", _unmarked(term))]
     lines = [f"    {line}" for meaning in found for line in textwrap.wrap(_unmarked(meaning), WIDTH - 4)]

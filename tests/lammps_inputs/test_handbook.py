@@ -50,6 +50,7 @@ def test_a_key_within_another_is_explained_there(key):
         ("kappa", "stiffness k T^2 / m"),
         ("row", "the beads of one number in all chains"),
         ("agree_1", None),
+        ("dimers", None),
     ],
 )
 def test_a_symbol_or_term_is_explained_as_in_the_notation(word, meaning):
