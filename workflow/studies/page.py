@@ -3,6 +3,7 @@
 import base64
 import html
 import json
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
@@ -188,6 +189,11 @@ def _cite(key: str, cited: Sequence[str]) -> str:
 HEADS = ("published", "derived here", "found", "verdict")
 
 
+def _unbroken(line: str) -> str:
+    """With numbers that no browser breaks at their signs."""
+    return re.sub(r"(?<=\de)-(?=\d)", "\N{NON-BREAKING HYPHEN}", line)
+
+
 def _row(statement: Statement, cited: Sequence[str]) -> str:
     key, _, place = statement.source.partition(", ")
     source = f" {_cite(key, cited)}{html.escape(f', {place}' if place else '')}" if key else ""
@@ -195,7 +201,7 @@ def _row(statement: Statement, cited: Sequence[str]) -> str:
     cells = (
         html.escape(statement.published) + source or "-",
         html.escape(statement.derived) or "-",
-        "".join(f"<p>{html.escape(line)}</p>" for line in statement.found),
+        "".join(f"<p>{html.escape(_unbroken(line))}</p>" for line in statement.found),
     )
     verdict = f'<td class="{_kind(statement.holds)}"><strong>{html.escape(statement.holds)}</strong>{correction}</td>'
     return f"<tr>{''.join(f'<td>{cell}</td>' for cell in cells)}{verdict}</tr>"

@@ -1,10 +1,10 @@
-"""What section 3 of the paper says about gapped beads, measured: numbers for the report, nothing drawn and no file.
+"""The statements of section 3 of the paper on beads with gaps, as numbers.
 
 Two chains throughout, bead 1 of chain 1 kicked with V = 1. Two models of the same gap: rigid beads (engine
 `collisions`) depend on theta = omega D / V alone, omega = sqrt(2 kappa); Hertz beads (eq. 2, the reference) also on
-kappa, through the share of a swing that a contact lasts.
+kappa, through the ratio of the duration of a contact to the period of the springs.
 
-Row n is the contact in which bead n is struck, and its impulse what bead n gets; see `analysis.sharing.impulses`.
+The impulse of row n is that which bead n receives from bead n - 1; see `analysis.sharing.impulses`.
 """
 
 import math
@@ -31,7 +31,7 @@ SLOWEST = 0.25
 """Speed of the slowest pulse that a run of Hertz beads waits for, in units of V: below equal sharing (1/2)."""
 
 LAST_STRAGGLERS = 0.01
-"""The same for rigid beads, some of which are first struck by what the pulse left behind; waiting costs nothing."""
+"""The same for rigid beads, some of which first collide with beads behind the pulse."""
 
 
 def gap_at(theta: float, kappa: float) -> float:
@@ -40,7 +40,7 @@ def gap_at(theta: float, kappa: float) -> float:
 
 
 def problem_at(theta: float, kappa: float, row: int, *, every: float = 0.25, slowest: float = SLOWEST) -> Problem:
-    """Two chains in which the pulse gets past a row, with ten rows more and the time for a few periods.
+    """Two chains in which the pulse passes a row, with ten rows more and the time for a few periods.
 
     Args:
         theta: omega D / V.
@@ -65,7 +65,7 @@ def problem_at(theta: float, kappa: float, row: int, *, every: float = 0.25, slo
 
 
 def rigid_problem(theta: float, row: int) -> Problem:
-    """Rigid beads at some theta until all is over; kappa = 1/2, so omega = 1 and D = theta."""
+    """Rigid beads at some theta until all collisions have happened; kappa = 1/2, so omega = 1 and D = theta."""
     return problem_at(theta, 0.5, row, slowest=LAST_STRAGGLERS)
 
 
@@ -79,7 +79,7 @@ def _impulses(problem: Problem, found: collisions.CollisionRun) -> Impulses:
 
 
 def hertz_impulses(problem: Problem) -> Impulses:
-    """Impulses of a problem's Hertz beads, by the reference; one frame at a time is kept."""
+    """Impulses of a problem's Hertz beads, by the reference, frame by frame."""
     meter = ImpulseMeter(problem)
     for block in reference.blocks(problem):
         meter.add(block)
@@ -117,7 +117,6 @@ class FirstRow:
         other_bead: displacement of bead 1 of chain 2 at the first collision, as a share of D.
     """
 
-    theta: float
     phase: Floats
     striker: Floats
     target: Floats
@@ -138,7 +137,7 @@ def first_row(theta: float) -> FirstRow:
     index = np.concatenate(first)
     start = collisions.sample(found, found.time[index[:1]])
     share = float(start.displacement[0, 1, 0]) / physics.gap(problem.system)
-    return FirstRow(theta, found.time[index].copy(), found.striker[index], found.target[index], share)
+    return FirstRow(found.time[index].copy(), found.striker[index], found.target[index], share)
 
 
 # --- scan over theta --------------------------------------------------------------------------------------------------
@@ -150,8 +149,8 @@ class Scan:
 
     Attributes:
         theta: [theta].
-        bead: [row], numbers of the struck beads.
-        first: [theta, chain, row], 0 where a bead was never struck.
+        bead: [row], numbers of the beads.
+        first: [theta, chain, row], 0 where a bead had no collision.
     """
 
     theta: Floats
@@ -159,7 +158,7 @@ class Scan:
     first: Floats
 
     def difference(self) -> Floats:
-        """How unequal the chains are, [theta, row]: (largest - smallest) / mean; 2 where one chain got nothing."""
+        """Difference of the chains, [theta, row]: (largest - smallest) / mean; 2 where one chain received nothing."""
         return np.array([relative_difference(first) for first in self.first])
 
     def agreeing(self, bead: int, tolerance: float = AGREE) -> Floats:
@@ -202,7 +201,7 @@ def sensitivity(thetas: Iterable[float], bead: int = 25, change: float = 1e-13) 
 
 @dataclass(frozen=True)
 class RelativeMode:
-    """The difference of the chains along the way of the pulse.
+    """The difference of the chains over the rows.
 
     Attributes:
         bead: [row].
@@ -259,11 +258,11 @@ class RigidLimit:
 def rigid_limit(
     theta: float = 1.0, kappas: Sequence[float] = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6), last_bead: int = 4
 ) -> RigidLimit:
-    """How gapped Hertz beads become rigid ones.
+    """The limit in which Hertz beads with gaps become rigid ones.
 
-    A contact lasts about 2.44 T and a swing 2 pi / sqrt(2 kappa) T, so their ratio, and with it the difference, falls
-    as sqrt(kappa): rate 1/2. Before that, a bead may be struck in one model and pass in the other, and the more so the
-    farther along the chain: the limit is reached row by row.
+    A contact lasts about 2.44 T and a period 2 pi / sqrt(2 kappa) T, so their ratio, and with it the difference, falls
+    as sqrt(kappa): rate 1/2. At larger kappa a bead may collide in one model only, the more so the farther along the
+    chain: the limit is reached row by row.
     """
     bead = np.arange(2, last_bead + 1)
     rigid = rigid_impulses(rigid_problem(theta, last_bead)).first[:, : len(bead)]

@@ -1,7 +1,7 @@
-"""Makes the gallery: entries side by side in processes of their own, each kept in a folder, then one page of all.
+"""Makes the gallery: its entries in parallel, each in a folder, then one page of all.
 
-What an entry leaves is kept: its runs, which a later start takes, and its section of the page, which stays when only
-other entries are asked for.
+The folder of an entry holds its runs, which a later start uses again, and its section of the page, which remains when
+only other entries are asked for.
 """
 
 from collections.abc import Sequence
@@ -81,7 +81,7 @@ def _side_by_side(names: Sequence[str], folder: Path, progress: evaluate.Progres
 
 
 def run_entry(name: str, folder: str) -> None:
-    """Run one entry in its own folder, and keep its section there."""
+    """Run one entry in its own folder, and write its section there."""
     own = Path(folder) / name
     runs = own / "runs"
     runs.mkdir(parents=True, exist_ok=True)

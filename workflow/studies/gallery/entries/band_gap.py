@@ -76,7 +76,7 @@ ENTRY = Entry(
         )
     },
     statements=statements,
-    axes=("wavenumber (radians a bead)", "angular frequency"),
+    axes=("wavenumber (rad / bead)", "angular frequency (reduced)"),
     draw=draw,
     caption="Frequencies over wavenumber in the LAMMPS run; lines: the published edges.",
 )

@@ -5,7 +5,7 @@ import math
 from matplotlib.axes import Axes
 
 from analysis.trajectory import Floats
-from workflow.studies.gallery.criteria import Measured, at_least, at_most, near, state
+from workflow.studies.gallery.criteria import NAMES, Measured, at_least, at_most, near, state
 from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Results, each
 from workflow.studies.page import Statement
 
@@ -55,7 +55,7 @@ def draw(axis: Axes, results: Results) -> None:
     """Share of the second chain over time."""
     for place, (engine, run) in enumerate(results["beats"].items()):
         time = run.flow.time * run.problem.scale.time
-        axis.plot(time, run.flow.share[:, 1], "--" if place else "-", color=COLOURS[place], label=engine)
+        axis.plot(time, run.flow.share[:, 1], "--" if place else "-", color=COLOURS[place], label=NAMES[engine])
     axis.axvline(OSCILLATORS, **PUBLISHED)
 
 
@@ -68,7 +68,7 @@ ENTRY = Entry(
     },
     scenes={"beats": SCENE},
     statements=statements,
-    axes=("time", "share of the energy in chain 2"),
+    axes=("time (reduced)", "share of the energy in chain 2"),
     draw=draw,
     caption="Share of the energy in the chain that was not kicked; the line is half a beat of two oscillators.",
 )

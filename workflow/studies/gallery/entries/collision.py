@@ -86,7 +86,7 @@ ENTRY = Entry(
     },
     scenes={"even": _both_ends(100), "odd": _both_ends(101), "alone": ALONE},
     statements=statements,
-    axes=("time (T)", "velocity of bead 62 (V), enlarged"),
+    axes=("time (T)", "velocity of bead 62 (V)"),
     draw=draw,
     caption="Velocity of bead 62, twelve beads behind the middle: after the wave a secondary wave passes.",
 )

@@ -87,7 +87,7 @@ ENTRY = Entry(
         for radius in RADII
     },
     statements=statements,
-    axes=("radius of the small beads", "speed (cells per unit time)"),
+    axes=("radius of the small beads (share of that of the large ones)", "speed (cells / T)"),
     draw=draw,
     caption="Speed of the pulse over the radius of the small beads; the line is the effective chain's.",
 )

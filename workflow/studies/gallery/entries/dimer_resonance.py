@@ -81,7 +81,7 @@ ENTRY = Entry(
     scenes={_name(ratio): dimer(ratio, BEADS) for ratio in (RESONANCE, 0.3428)},
     swept={_name(ratio): dimer(ratio, BEADS) for ratio in SWEPT if ratio != 0.3428},
     statements=statements,
-    axes=("mass of the light beads", "velocity of the heavy bead (V)"),
+    axes=("mass of the light beads (m)", "peak velocity of the heavy bead (V)"),
     draw=draw,
     caption="Peak velocity of a heavy bead in two cells over the mass of the light beads (reference); line: 0.59.",
 )

@@ -26,7 +26,7 @@ def _name(ratio: float) -> str:
 def _least(results: Results, ratio: float) -> float:
     """Where no energy stays in a cell: near it, the energy grows as the square of the distance, its root linearly."""
     ratios = np.array([ratio * factor for factor in AROUND])
-    left = np.array([results[_name(one)]["reference"].left_behind(2) for one in ratios])
+    left = np.array([results[_name(one)]["reference"].residual(2) for one in ratios])
     roots = np.roots(np.polyfit(ratios / ratio - 1.0, np.copysign(np.sqrt(left), ratios - ratio), 2))
     return float(ratio * (1.0 + roots[np.argmin(np.abs(roots))].real))
 
@@ -36,7 +36,7 @@ def statements(results: Results) -> list[Statement]:
     found = []
     for ratio in PUBLISHED_RATIOS:
         runs = results[_name(ratio)]
-        left = each(runs, lambda run: run.left_behind(2))
+        left = each(runs, lambda run: run.residual(2))
         least = {"reference": _least(results, ratio)}
         found.append(
             state(
@@ -60,7 +60,7 @@ def draw(axis: Axes, results: Results) -> None:
     """Residual energy over the ratio."""
     for place, ratio in enumerate(PUBLISHED_RATIOS):
         cases = sorted((*AROUND, 1.0))
-        left = [results[_name(ratio * factor)]["reference"].left_behind(2) for factor in cases]
+        left = [results[_name(ratio * factor)]["reference"].residual(2) for factor in cases]
         axis.semilogy(cases, left, "o-", ms=4, color=COLOURS[place], label=f"near {ratio}")
     axis.axvline(1.0, **PUBLISHED)
 
@@ -75,7 +75,7 @@ ENTRY = Entry(
     scenes={_name(ratio): dimer(ratio) for ratio in PUBLISHED_RATIOS},
     swept={_name(ratio * factor): dimer(ratio * factor) for ratio in PUBLISHED_RATIOS for factor in AROUND},
     statements=statements,
-    axes=("mass ratio over the published one", "share of the energy that stays in a cell"),
+    axes=("mass ratio (published ratio)", "share of the energy that stays in a cell"),
     draw=draw,
     caption="Residual energy of a cell around the published mass ratios (reference).",
 )

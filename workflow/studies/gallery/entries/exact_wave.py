@@ -102,7 +102,7 @@ ENTRY = Entry(
     },
     scenes={"chain": SCENE},
     statements=statements,
-    axes=("distance ahead of the wave (beads)", "difference of the displacement (share of the total)"),
+    axes=("distance ahead of the wave (beads)", "difference (share of A)"),
     draw=draw,
     caption="Difference of the displacement by the series from that by LAMMPS, as a share of the final displacement.",
 )

@@ -6,10 +6,10 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from workflow.studies.gallery.criteria import Measured, near, state
-from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, chain, each
+from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, chain, each, exponent
 from workflow.studies.page import Statement
 
-DEPTHS = np.arange(60, 241, 20)
+DEPTHS = np.arange(60.0, 241.0, 20.0)
 
 
 def _peaks(run: Ran) -> "np.ndarray[tuple[int], np.dtype[np.float64]]":
@@ -19,21 +19,20 @@ def _peaks(run: Ran) -> "np.ndarray[tuple[int], np.dtype[np.float64]]":
 def statements(results: Results) -> list[Statement]:
     """Exponents of velocity and of speed over depth."""
     runs = results["column"]
-    depth = np.log(DEPTHS)
-    middle = np.log(0.5 * (DEPTHS[1:] + DEPTHS[:-1]))
+    middle = 0.5 * (DEPTHS[1:] + DEPTHS[:-1])
 
     def speeds(run: Ran) -> float:
         speed = [run.speed(int(a), int(b)) for a, b in pairwise(DEPTHS)]
-        return float(np.polyfit(middle, np.log(speed), 1)[0])
+        return exponent(np.array(speed), middle)
 
-    falls = each(runs, lambda run: float(np.polyfit(depth, np.log(_peaks(run)), 1)[0]))
-    between = f"beads {DEPTHS[0]} to {DEPTHS[-1]}"
+    falls = each(runs, lambda run: exponent(_peaks(run), DEPTHS))
+    between = f"beads {DEPTHS[0]:g} to {DEPTHS[-1]:g}"
     return [
         state(
             Measured(f"exponent of the leading peak, {between}", falls, near(-0.25, 0.005, 0.02), "4"),
             published="The velocity of the leading peak falls as depth^(-0.250).",
             source="hong1998, abstract",
-            correction=f"Down to {DEPTHS[-1]} beads it falls a little more slowly: the pulse still becomes broader.",
+            correction=f"Down to {DEPTHS[-1]:g} beads it falls a little more slowly: the pulse still becomes broader.",
         ),
         state(
             Measured(f"exponent of the speed, {between}", each(runs, speeds), near(1.0 / 6.0, 0.005, 0.02), "4"),

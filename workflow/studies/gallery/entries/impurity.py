@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 
 from analysis.shape.exact_wave import solitary_wave
 from workflow.studies.gallery.criteria import NAMES, Measured, at_least, at_most, near, state
-from workflow.studies.gallery.entry import COLOURS, Entry, Ran, Results, chain, each
+from workflow.studies.gallery.entry import COLOURS, Entry, Ran, Results, chain, each, exponent
 from workflow.studies.page import Statement
 
 LIGHT, HEAVY = (0.05, 0.1, 0.2), (2.0, 8.0)
@@ -34,8 +34,7 @@ def statements(results: Results) -> list[Statement]:
     spectrum = each(results[_name(0.1)], lambda run: float(run.speed(60, 75)) / width)
     above = {engine: frequency[0.1][engine] / spectrum[engine] for engine in NAMES}
     slope = {
-        engine: float(np.polyfit(np.log(LIGHT), [np.log(frequency[mass][engine]) for mass in LIGHT], 1)[0])
-        for engine in NAMES
+        engine: exponent(np.array([frequency[mass][engine] for mass in LIGHT]), np.array(LIGHT)) for engine in NAMES
     }
     passed = {mass: each(results[_name(mass)], lambda run: run.peak(70) / run.peak(PLACE - 15)) for mass in HEAVY}
     return [

@@ -2,7 +2,7 @@
 
 from matplotlib.axes import Axes
 
-from workflow.studies.gallery.criteria import Measured, near, state
+from workflow.studies.gallery.criteria import NAMES, Measured, near, state
 from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Results, chain, each
 from workflow.studies.page import Statement
 
@@ -37,7 +37,7 @@ def draw(axis: Axes, results: Results) -> None:
     """The leading pulse over distance."""
     for place, (engine, run) in enumerate(results["kicked"].items()):
         marks = "-" if place else "o"
-        axis.plot(run.waves.bead, run.waves.peak_velocity, marks, ms=3, color=COLOURS[place], label=engine)
+        axis.plot(run.waves.bead, run.waves.peak_velocity, marks, ms=3, color=COLOURS[place], label=NAMES[engine])
     axis.axhline(0.682, **PUBLISHED)
 
 

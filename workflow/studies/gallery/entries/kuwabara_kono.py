@@ -52,7 +52,7 @@ ENTRY = Entry(
     },
     scenes={_name(one): chain(120, 130, damping={"contact": one, "law": "viscoelastic"}) for one in COEFFICIENTS},
     statements=statements,
-    axes=("bead", "peak velocity to the power -1/5"),
+    axes=("bead", "(peak velocity / V)^(-1/5)"),
     draw=draw,
     caption="Peak velocity to the power -1/5 along the chain (LAMMPS).",
 )

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from analysis.shape.exact_wave import nesterenko, solitary_wave
 from analysis.trajectory import Floats
 from workflow.studies.gallery.criteria import Measured, near, state
-from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, chain, each
+from workflow.studies.gallery.entry import COLOURS, PUBLISHED, Entry, Ran, Results, chain, each, exponent
 from workflow.studies.page import Statement
 
 BEAD, FAR = 80, 110
@@ -21,8 +21,8 @@ def statements(results: Results) -> list[Statement]:
     single, train = results["single"], results["striker-4"]
     theory, exact = nesterenko(), solitary_wave()
     width = HALF * theory.width
-    exponents = each(train, lambda run: _slope(*_train(run)[:2]))
-    of_force = each(train, lambda run: _slope(_train(run)[2], _train(run)[1]))
+    exponents = each(train, lambda run: exponent(_train(run)[1], _train(run)[0]))
+    of_force = each(train, lambda run: exponent(_train(run)[1], _train(run)[2]))
     speed = each(single, lambda run: run.speed(60, 90) / run.peak(75) ** 0.2)
     return [
         state(
@@ -52,14 +52,9 @@ def statements(results: Results) -> list[Statement]:
         state(
             Measured("exponent", of_force, near(1.0 / 6.0, 0.002), "4"),
             published="The speed grows as the sixth root of the force.",
-            source="coste1997",
+            source="nesterenko1983",
         ),
     ]
-
-
-def _slope(amplitude: Floats, speed: Floats) -> float:
-    """Exponent of a power law."""
-    return float(np.polyfit(np.log(amplitude), np.log(speed), 1)[0])
 
 
 def _train(run: Ran) -> tuple[Floats, Floats, Floats]:
@@ -95,7 +90,7 @@ ENTRY = Entry(
     },
     scenes={"single": chain(100, 125, every=0.05), "striker-4": chain(200, 200, striker={"mass": 4, "velocity": 1})},
     statements=statements,
-    axes=("largest force", "speed (beads per unit time)"),
+    axes=("largest contact force (m V / T)", "speed (beads / T)"),
     draw=draw,
     caption="Speed of the pulses of one train over their force.",
 )

@@ -37,7 +37,7 @@ def statements(results: Results) -> list[Statement]:
             ),
             published="Long-wave theory: V_s / c_0 = sqrt((4/15) (3 + 2 f^(5/3) - 5 f^(2/3))) / (f^(2/3) - 1), f "
             "= F_m / F_0.",
-            source="daraio2006, as quoted",
+            source="nesterenko2001",
             derived=f"F_0 = {load:g}, f = {by_engine['reference'].force_ratio:.2f}: "
             f"{by_engine['reference'].theory:.4f} times "
             f"c_0 = sqrt(3/2) F_0^(1/6) = {math.sqrt(1.5) * load ** (1.0 / 6.0):.4f}.",
@@ -66,7 +66,7 @@ ENTRY = Entry(
     },
     scenes={_name(load): chain(120, 105, timestep=0.01, precompression={"force": load}) for load in LOADS},
     statements=statements,
-    axes=("largest force over the static force", "speed over that of sound"),
+    axes=("largest force / static force", "speed / speed of sound"),
     draw=draw,
     caption="Speed of the pulse over that of sound; the line is the long-wave theory.",
 )

@@ -96,7 +96,7 @@ ENTRY = Entry(
     },
     scenes={_name(taper): chain(BEADS, 25, timestep=0.002, every=0.02, taper=taper) for taper in TAPERS},
     statements=statements,
-    axes=("taper", "largest energy of the last bead (share of the kick)"),
+    axes=("taper (decrease of the radius from bead to bead)", "energy of bead 20 (share of the kick)"),
     draw=draw,
     caption="Largest kinetic energy of bead 20 as a share of that of the kick; the line is for hard spheres.",
 )

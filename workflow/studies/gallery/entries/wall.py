@@ -91,7 +91,7 @@ ENTRY = Entry(
     },
     scenes={name: chain(BEADS, 120, walls={"right": wall}) for name, wall in WALLS.items()},
     statements=statements,
-    axes=("time (T)", "force on the wall"),
+    axes=("time (T)", "force on the wall (m V / T)"),
     draw=draw,
     caption="Force on the wall over time (LAMMPS).",
 )
