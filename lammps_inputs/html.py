@@ -3,19 +3,31 @@
 from collections.abc import Iterable, Sequence
 from html import escape
 
-_STYLE = "text-align: right; padding: 0 0.8em 0 0"
+from lammps_inputs.numbers import known
+
+_STYLE = "text-align: right; padding: 0 0.8em 0 0; white-space: nowrap"
 
 
 def table(title: str, head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    """A table; what is in the cells is text, not markup."""
+    """A table that scrolls where it is wider than the page; what is in the cells is text, not markup.
+
+    Of a float four digits are shown, and ``-`` for None and what is no number.
+    """
     lines = [_row("th", head)] if head else []
     lines += [_row("td", row) for row in rows]
-    return f"<table><caption style='text-align: left'>{escape(title)}</caption>{''.join(lines)}</table>"
+    caption = f"<caption style='text-align: left'>{escape(title)}</caption>"
+    return f"<div style='overflow-x: auto'><table>{caption}{''.join(lines)}</table></div>"
 
 
 def _row(tag: str, cells: Sequence[object]) -> str:
-    inner = "".join(f"<{tag} style='{_STYLE}'>{escape(str(cell))}</{tag}>" for cell in cells)
+    inner = "".join(f"<{tag} style='{_STYLE}'>{escape(_cell(cell))}</{tag}>" for cell in cells)
     return f"<tr>{inner}</tr>"
+
+
+def _cell(value: object) -> str:
+    if value is None or (isinstance(value, float) and known(value) is None):
+        return "-"
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
 def text(words: str) -> str:

@@ -31,6 +31,8 @@ from workflow.verdicts.validate_table import validate_against
 from workflow.view import need_bokeh
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from workflow.studies.design.found import Found
     from workflow.studies.fit.found import Fit
     from workflow.studies.gallery.study import Sections
@@ -38,6 +40,7 @@ if TYPE_CHECKING:
 __all__ = [
     "InputError",
     "Page",
+    "Picture",
     "Run",
     "RunError",
     "analyse",
@@ -47,6 +50,7 @@ __all__ = [
     "fit",
     "gallery",
     "load",
+    "plot",
     "run",
     "sweep",
     "universe",
@@ -64,6 +68,18 @@ class Page:
     def _repr_html_(self) -> str:
         place = escape(os.path.relpath(self.path), quote=True)
         return f'<p><a href="{place}">{place}</a></p><iframe src="{place}" width="100%" height="900"></iframe>'
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure, which shows itself in a notebook."""
+
+    figure: "Figure"
+
+    def _repr_png_(self) -> bytes:
+        from analysis.figures.style import picture  # matplotlib takes half a second to import
+
+        return picture(self.figure, "png", dpi=100)
 
 
 @dataclass(frozen=True, repr=False)
@@ -218,6 +234,15 @@ def collect(directory: Path | str) -> Table:
     """
     with count_bar("analyse") as progress:
         return collecting.collect(_path(directory), progress)
+
+
+def plot(table: Table, quantity: str, over: str, beside: str | None = None) -> Picture:
+    """Draw a column of a sweep's table over a varied field, or over two, as ``granchain collect --plot`` does.
+
+    Raises:
+        InputError: no such column or field, nothing to draw, or several cases at one point.
+    """
+    return Picture(collecting.drawn(table, quantity, over, beside))
 
 
 def fit(

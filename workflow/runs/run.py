@@ -60,9 +60,9 @@ class Run:
 
     def _repr_html_(self) -> str:
         record = self.directory.job.plain()
-        rows = [
-            (key, record[key]) for key in ("outcome", "engine", "steps", "ranks", "engine_seconds") if key in record
-        ]
+        shown = {"outcome": "outcome", "engine": "engine", "steps": "time steps", "ranks": "MPI ranks"}
+        shown["engine_seconds"] = "time of the engine (s)"
+        rows = [(words, record[key]) for key, words in shown.items() if key in record]
         return html.table(repr(self)[1:-1], (), rows) + ("" if self.check is None else self.check._repr_html_())
 
 

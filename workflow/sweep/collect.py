@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,6 +19,9 @@ from workflow.sweep.table import QUANTITIES, UNCERTAINTIES, UNSETTLED, Table
 from workflow.verdicts.analysis_report import REPORT
 from workflow.workers import evaluate
 from workflow.workers.pool import Pool
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 def collect(directory: Path, progress: Callable[[int, int], None] | None = None) -> Table:
@@ -181,11 +184,17 @@ def _placed(row: dict[str, Any], axes: list[str]) -> bool:
 def plot(
     table: Table, directory: Path, quantity: str, over: str, beside: str | None, title: str = ""
 ) -> tuple[Path, ...]:
-    """Draw a quantity over a field, or two, into a directory.
+    """Draw a quantity over a field, or two, into a directory; see `drawn`."""
+    figure = drawn(table, quantity, over, beside, title)
+    fields = "-and-".join(filter(None, (over, beside)))
+    return write_figure(directory, f"{quantity}-over-{fields}".replace("[", "").replace("]", ""), figure)
+
+
+def drawn(table: Table, quantity: str, over: str, beside: str | None = None, title: str = "") -> "Figure":
+    """The figure of a quantity over a field, or two.
 
     Args:
         table: what to draw from; cases that are not done count as having no number.
-        directory: for the figure.
         quantity: one of `QUANTITIES`.
         over: the field along the horizontal axis.
         beside: a second field, as lines or as a map.
@@ -205,11 +214,11 @@ def plot(
         if name is not None:
             _refuse_unless_varied(option, name, table)
     rows = [row for row in table.rows if row["outcome"] == "done"]
-    drawn = replace(table, rows=rows)
+    done = replace(table, rows=rows)
     for name in shown:
-        if rows and not np.all(np.isfinite(drawn.numbers(name))):
+        if rows and not np.all(np.isfinite(done.numbers(name))):
             raise InputError(f"{name}: is not a number in every case, so it cannot be an axis")
-    if not np.any(np.isfinite(drawn.numbers(quantity))):
+    if not np.any(np.isfinite(done.numbers(quantity))):
         raise InputError(f"--plot: no case that is done has a number for {quantity}")
     points = {tuple(row[name] for name in shown) for row in rows}
     if len(points) < len(rows):
@@ -218,18 +227,16 @@ def plot(
             f"--plot: {len(rows)} cases lie at {len(points)} points; choose among {', '.join(others)} "
             f"with --where {others[0] if others else 'FIELD'}=VALUE, or with --and"
         )
-    bands = drawn.passed(over)
+    bands = done.passed(over)
     rows += [{**row, quantity: None} for row in table.rows if row["outcome"] != "done" and _placed(row, shown)]
-    drawn = replace(table, rows=rows)
-    along, *second = [Axis(drawn.label(name), drawn.numbers(name)) for name in shown]
+    placed = replace(table, rows=rows)
+    along, *second = [Axis(placed.label(name), placed.numbers(name)) for name in shown]
     error = UNCERTAINTIES.get(quantity)
     upwards = Axis(
-        drawn.label(quantity),
-        drawn.numbers(quantity),
-        None if error is None else drawn.numbers(error),
+        placed.label(quantity),
+        placed.numbers(quantity),
+        None if error is None else placed.numbers(error),
         np.array([QUANTITIES[quantity].path[0] == "equipartition" and row["state"] in UNSETTLED for row in rows]),
     )
     title = ", ".join(filter(None, (table.scene, title)))
-    figure = swept_figure(upwards, along, second[0] if second else None, title, bands)
-    name = f"{quantity}-over-{'-and-'.join(shown)}".replace("[", "").replace("]", "")
-    return write_figure(directory, name, figure)
+    return swept_figure(upwards, along, second[0] if second else None, title, bands)

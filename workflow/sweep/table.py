@@ -13,6 +13,7 @@ from analysis.trajectory import Floats
 from lammps_inputs import html
 from lammps_inputs.numbers import text
 from lammps_inputs.units import REDUCED
+from workflow.runs.files import RECORD
 from workflow.verdicts.quantities import OWN, collect_columns
 
 QUANTITIES = collect_columns()
@@ -54,8 +55,11 @@ class Table:
         return f"<table of {len(self.rows)} cases over {', '.join(self.fields)}>"
 
     def _repr_html_(self) -> str:
-        rows = [["" if row[name] is None else _written(row[name]) for name in self.columns] for row in self.rows]
-        return html.table(repr(self)[1:-1], [self.heading(name) for name in self.columns], rows)
+        own = [name for name, found in QUANTITIES.items() if found.file != RECORD]
+        names = [*self.fields, "outcome", *own, "reason"]
+        names = [name for name in names if any(row[name] not in (None, "") for row in self.rows)]
+        rows = [[row[name] for name in names] for row in self.rows]
+        return html.table(repr(self)[1:-1], [self.heading(name) for name in names], rows)
 
     def array(self) -> NDArray[Any]:
         """The table as a structured array: a field per column, text or float64; NaN is unknown."""

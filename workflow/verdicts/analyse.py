@@ -12,7 +12,7 @@ from analysis.conservation import Conservation
 from analysis.files.binary_dump import CutDumpWarning
 from analysis.files.recording import FARTHEST
 from analysis.mirror import along_the_way, direction_of
-from analysis.quantity import csv_of, plain
+from analysis.quantity import csv_of, headings, plain
 from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.survey import Survey, survey
 from analysis.tracking.leading_waves import Arrival, Waves, usual_arrival
@@ -84,12 +84,12 @@ class Analysis:
 
     def _repr_html_(self) -> str:
         drawn = ", ".join(path.name for path in self.figures)
-        head = ["chain", "last bead", "arrival", "peak velocity", "beads a unit of time"]
+        shown = {"arrival": "arrival", "peak_velocity": "peak velocity", "speed": "speed"}
+        head = ["chain", "last bead", *headings(type(self.waves), self.problem.scale, shown)]
         rows = []
         for chain in np.unique(self.waves.chain).tolist():
             last = self.si.of_chain(chain).array()[-1]
-            numbers = (f"{float(last[name]):.6g}" for name in ("arrival", "peak_velocity", "speed"))
-            rows.append((chain, last["bead"], *numbers))
+            rows.append((chain, last["bead"], *(float(last[name]) for name in shown)))
         return html.table(repr(self)[1:-1], head, rows) + html.text(drawn)
 
 

@@ -97,7 +97,8 @@ class Validation:
             for name, found in self.deviations.items()
         ]
         words = html.text("\n".join((*self.causes, *self.remarks))) if self.causes or self.remarks else ""
-        return html.table(repr(self)[1:-1], ("quantity", "largest", "tolerance", ""), rows) + words
+        head = ("quantity", "largest (in V, L, T)", "tolerance (in V, L, T)", "")
+        return html.table(repr(self)[1:-1], head, rows) + words
 
     def plain(self) -> dict[str, Any]:
         """The contents of ``validation.json``, dimensionless; what is not a finite number is null there.
