@@ -13,6 +13,10 @@ from pathlib import Path
 from lammps_inputs import references
 
 HOME = Path(__file__).resolve().parents[1]
+STYLE = (
+    "<style>.provenance { font-size: .9rem; border-top: 1px solid #999; margin-top: 2rem; } "
+    ".provenance h2 { font-size: 1.1rem; margin: .8rem 0 .2rem; } .provenance p { margin: .2rem 0; }</style>"
+)
 
 
 def foot(cited: Iterable[str], note: str = "") -> str:
@@ -27,7 +31,7 @@ def foot(cited: Iterable[str], note: str = "") -> str:
     )
     literature = f"<h2>References</h2><ol>{listed}</ol>" if listed else ""
     lines = "".join(f"<p>{html.escape(line)}</p>" for line in (*made_by(), note) if line)
-    return f'<footer class="provenance">{literature}<h2>Provenance</h2>{lines}</footer>'
+    return f'<footer class="provenance">{STYLE}{literature}<h2>Provenance</h2>{lines}</footer>'
 
 
 def made_by() -> tuple[str, ...]:

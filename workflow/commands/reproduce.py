@@ -1,4 +1,4 @@
-"""Compute the paper's statements and figures: ``granchain gallery`` with the paper's entries only."""
+"""Compute the statements and figures of the paper: the gallery with the entries of the paper only."""
 
 import argparse
 from pathlib import Path

@@ -238,7 +238,6 @@ th, td {{ text-align: left; vertical-align: top; padding: .5rem .7rem; border-bo
 figure {{ margin: 1.5rem 0; }}
 img {{ max-width: 100%; height: auto; }}
 figcaption {{ color: #555; font-size: .9rem; }}
-footer {{ font-size: .9rem; border-top: 1px solid #ccc; margin-top: 2rem; }}
 </style>
 </head>
 <body>

@@ -10,7 +10,7 @@ from workflow.studies.gallery.study import PAGE, gallery
 from workflow.studies.page import VERDICTS
 
 EXAMPLES = (
-    "gallery -o gallery                # some minutes; the same command resumes; then open gallery/index.html",
+    "gallery -o gallery                # half a minute; the same command resumes; then open gallery/index.html",
     "gallery -o gallery --only dimers  # recompute this one; the others remain",
     "gallery --list",
 )

@@ -7,18 +7,13 @@ from dataclasses import dataclass
 from workflow.studies.page import CORRECTED, FAILS, HOLDS, Statement
 
 RULE = (
-    "Rule of the verdicts. Each statement is reduced to quantities, which are measured in the runs of every "
-    "engine, and "
-    "to the range in which each quantity is required to lie. The statement holds if every quantity of every "
-    "engine lies "
-    "in its range; it holds with a correction, which the last column states, if all of them lie in their wider "
-    "ranges, "
-    "given in parentheses; otherwise it does not hold. An undefined quantity lies in no range. “Published” holds "
-    "claims "
-    "and numbers of the cited source only; “derived here” holds what this program computes beforehand, also from "
-    "published formulas, and “found” what is measured in the runs. The range about a published number is half a "
-    "unit of "
-    "its last digit unless another one is given."
+    "Rule of the verdicts. Each statement is reduced to quantities, which are measured in the runs of every engine, "
+    "and to the range in which each quantity is required to lie. The statement holds if every quantity of every "
+    "engine lies in its range; it holds with a correction, which the last column states, if all of them lie in "
+    "their wider ranges, given in parentheses; otherwise it does not hold. An undefined quantity lies in no range. "
+    "“Published” holds claims and numbers of the cited source only; “derived here” holds what this program computes "
+    "beforehand, also from published formulas, and “found” what is measured in the runs. The range about a "
+    "published number is half a unit of its last digit unless another one is given."
 )
 
 NAMES = {"lammps": "LAMMPS", "reference": "reference"}

@@ -250,8 +250,8 @@ class Entry:
 
 LARGE = 1e-3
 AMPLIFIED = (
-    " In these chains light beads behind the pulse amplify any error of their velocities; the statements are about the "
-    "leading pulse."
+    " In these chains light beads behind the pulse amplify any error of their velocities; the statements are about "
+    "the leading pulse."
 )
 
 

@@ -89,22 +89,20 @@ def hertz_impulses(problem: Problem) -> Impulses:
 # --- eq. 5 and the paper's Figs 8 and 9 -------------------------------------------------------------------------------
 
 
-def rigid_curve(problem: Problem, rows: Sequence[int] = (5, 25)) -> Curve:
-    """Velocities of rows of rigid beads over time, from the exact motion, and their first impulses."""
-    found = collisions.run(problem)
-    return _curve("rigid", problem, rows, collisions.blocks(found), _impulses(problem, found))
-
-
-def hertz_curve(problem: Problem, rows: Sequence[int] = (5, 25)) -> Curve:
-    """The same of Hertz beads, by the reference."""
-    return _curve("Hertz", problem, rows, reference.blocks(problem), hertz_impulses(problem))
-
-
-def _curve(name: str, problem: Problem, rows: Sequence[int], blocks: Iterable[Trajectory], found: Impulses) -> Curve:
+def curves(problem: Problem, rows: Sequence[int] = (5, 25)) -> list[Curve]:
+    """Velocities over time and first impulses of rows of rigid beads (exact) and of Hertz beads (reference)."""
     place = [int(np.flatnonzero(problem.recorded_beads == row)[0]) for row in rows]
-    parts = [(block.time, block.velocity[:, :, place].copy()) for block in blocks]
-    time, velocity = (np.concatenate(column) for column in zip(*parts, strict=True))
-    return Curve(name, time, velocity, found.bead, found.first)
+    rigid = collisions.run(problem)
+    models: dict[str, tuple[Iterable[Trajectory], Impulses]] = {
+        "rigid": (collisions.blocks(rigid), _impulses(problem, rigid)),
+        "Hertz": (reference.blocks(problem), hertz_impulses(problem)),
+    }
+    found = []
+    for name, (blocks, impulses) in models.items():
+        parts = [(block.time, block.velocity[:, :, place].copy()) for block in blocks]
+        time, velocity = (np.concatenate(column) for column in zip(*parts, strict=True))
+        found.append(Curve(name, time, velocity, impulses.bead, impulses.first))
+    return found
 
 
 @dataclass(frozen=True)
@@ -161,17 +159,10 @@ class Scan:
         """Difference of the chains, [theta, row]: (largest - smallest) / mean; 2 where one chain received nothing."""
         return np.array([relative_difference(first) for first in self.first])
 
-    def agreeing(self, bead: int, tolerance: float = AGREE) -> Floats:
-        """The thetas at which the chains of one row agree."""
-        return self.theta[self.difference()[:, self._row(bead)] <= tolerance]
-
     def keeping(self, first_bead: int, last_bead: int, tolerance: float = AGREE) -> Floats:
         """The thetas at which the chains of every row in a range agree."""
-        rows = slice(self._row(first_bead), self._row(last_bead) + 1)
+        rows = (self.bead >= first_bead) & (self.bead <= last_bead)
         return self.theta[np.all(self.difference()[:, rows] <= tolerance, axis=1)]
-
-    def _row(self, bead: int) -> int:
-        return int(np.flatnonzero(self.bead == bead)[0])
 
 
 def scan(thetas: Iterable[float], last_bead: int = 30) -> Scan:
@@ -185,7 +176,7 @@ def scan(thetas: Iterable[float], last_bead: int = 30) -> Scan:
 def sensitivity(thetas: Iterable[float], bead: int = 25, change: float = 1e-13) -> Floats:
     """Largest change of a rigid row's first impulses when D changes by a relative amount, [theta].
 
-    Late rows magnify rounding: where this is not small, the impulse is a property of the arithmetic, not of theta.
+    Late rows amplify rounding: where this is not small, the impulse is a property of the arithmetic, not of theta.
     """
     result = []
     for theta in thetas:
@@ -246,7 +237,6 @@ class RigidLimit:
         rate: exponent p of ``difference ~ kappa**p`` of each row, over the last three kappas, [row].
     """
 
-    theta: float
     kappa: Floats
     bead: NDArray[np.int64]
     rigid: Floats
@@ -269,4 +259,4 @@ def rigid_limit(
     hertz = np.array([hertz_impulses(problem_at(theta, kappa, last_bead)).first[:, : len(bead)] for kappa in kappas])
     difference = np.max(np.abs(hertz - rigid), axis=1)
     rate = np.polyfit(np.log(kappas[-3:]), np.log(difference[-3:]), 1)[0]
-    return RigidLimit(theta, np.array(kappas), bead, rigid, hertz, difference, np.asarray(rate))
+    return RigidLimit(np.array(kappas), bead, rigid, hertz, difference, np.asarray(rate))

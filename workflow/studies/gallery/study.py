@@ -34,9 +34,10 @@ class Sections(dict[str, page.Section]):
 STUDY = Study("gallery", f"{PAGE} is the page", tables=(PAGE,), others=(FOLDER,))
 TITLE = "Granular chains: published results, recomputed"
 SUMMARY = (
-    "Each result was computed by LAMMPS and by the reference integrator when its section was made. Where a publication "
-    "could not be read, its section says what is known of it. Mass and contact constant of a bead are 1; V is the kick "
-    "velocity, T = L / V and L = (m V^2 / A)^(2/5) the units of time and length, unless a line says otherwise."
+    "Each result was computed by LAMMPS and by the reference integrator when its section was made. Where a "
+    "publication could not be read, its section says what is known of it. Mass and contact constant of a bead are "
+    "1; V is the kick velocity, T = L / V and L = (m V^2 / A)^(2/5) the units of time and length, unless a line "
+    "says otherwise."
 )
 
 

@@ -112,7 +112,7 @@ def test_the_verdict_on_chains_with_gaps_agrees_with_the_page(
     name: str, kappa: str, report: Path, paper: Callable[[str], Path]
 ) -> None:
     found = json.loads((paper(name) / "analysis.json").read_text())["equipartition"]
-    assert re.search(rf"kappa = {kappa}: within 1% from row [0-9]+ on", (report / "index.html").read_text())
+    assert re.search(rf"impulses agree within 1%: .*kappa = {kappa}: [0-9]+[,;]", (report / "index.html").read_text())
     assert found["state"] == "equipartitioned and synchronised"
 
 

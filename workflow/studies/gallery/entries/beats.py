@@ -39,8 +39,7 @@ def statements(results: Results) -> list[Statement]:
         state(
             Measured("time of the largest share", when, near(OSCILLATORS, 0.25, 0.1 * OSCILLATORS), "2"),
             derived="Two linear oscillators, coupled alike, exchange their energy in pi / (sqrt(k_f + 2 k) - "
-            "sqrt(k_f)) "
-            f"= {OSCILLATORS:.1f}; required within one frame.",
+            f"sqrt(k_f)) = {OSCILLATORS:.1f}; required within one frame.",
             correction="It is later: contacts press on the beads while the pulse spreads.",
         ),
     ]
@@ -61,8 +60,8 @@ def draw(axis: Axes, results: Results) -> None:
 
 ENTRY = Entry(
     title="Beats on a foundation",
-    introduction="Two chains in an elastic matrix (each bead on a spring of stiffness 1), coupled by springs of 0.1; "
-    "bead 1 of chain 1 is kicked with 0.1.",
+    introduction="Two chains in an elastic matrix (each bead on a spring of stiffness 1), coupled by springs of "
+    "0.1; bead 1 of chain 1 is kicked with 0.1.",
     sources={
         "starosvetsky2012": "could not be read; the exchange time is that of two linear oscillators",
     },

@@ -45,10 +45,9 @@ def statements(results: Results) -> list[Statement]:
                 Measured("speed, cells per unit time", speed, near(expected, 2e-3 * expected), "4"),
                 published="A decorated chain acts as a plain chain of renormalised mass and interaction.",
                 source=SOURCE,
-                derived=f"Radius {radius:g}: the light bead, between its two contacts in series, gives the "
-                "contact constant "
-                f"and mass of a plain chain whose wave of {velocity:.4f} V has the speed {expected:.4f}; required "
-                "within 0.2%.",
+                derived=f"Radius {radius:g}: the light bead, between its two contacts in series, gives the contact "
+                f"constant and mass of a plain chain whose wave of {velocity:.4f} V has the speed {expected:.4f}; "
+                "required within 0.2%.",
             )
         )
         found.append(

@@ -73,8 +73,8 @@ def draw(axis: Axes, results: Results) -> None:
 
 ENTRY = Entry(
     title="Resonance of dimers",
-    introduction="The same chains of heavy and light beads, at the mass ratios at which the pulse loses most energy to "
-    "the light beads behind it.",
+    introduction="The same chains of heavy and light beads, at the mass ratios at which the pulse loses most energy "
+    "to the light beads behind it.",
     sources={
         "jayaprakash2013": "as quoted in the literature; the paper could not be read",
     },

@@ -67,8 +67,8 @@ def draw(axis: Axes, results: Results) -> None:
 
 ENTRY = Entry(
     title="Anti-resonances of dimers",
-    introduction="Alternating heavy and light beads, all contacts alike. In general light beads oscillate behind the "
-    "pulse, which decays; at some mass ratios there is no residual motion.",
+    introduction="Alternating heavy and light beads, all contacts alike. In general light beads oscillate behind "
+    "the pulse, which decays; at some mass ratios there is no residual motion.",
     sources={
         "jayaprakash2011": "as quoted in the literature; the paper could not be read",
     },

@@ -51,9 +51,8 @@ def statements(results: Results) -> list[Statement]:
     return [
         state(
             Measured("largest difference, in A", series, at_most(5e-4), "6"),
-            published="The displacement of a bead is A/2 (1 - tanh(f/2)), f = 2.39536 x + 0.268529 x^3 + "
-            "0.0061347 x^5 (x in "
-            "beads).",
+            published="The displacement of a bead is A/2 (1 - tanh(f/2)), f = 2.39536 x + 0.268529 x^3 + 0.0061347 "
+            "x^5 (x in beads).",
             source="sen2001, as quoted",
         ),
         state(
@@ -62,8 +61,7 @@ def statements(results: Results) -> list[Statement]:
             published="The tails of the wave fall off super-exponentially.",
             source="ahnert2009, abstract",
             derived="With each bead farther ahead of the wave the logarithm of the velocity falls faster, by a "
-            "factor that "
-            "decreases to the exponent 3/2 of the contact force.",
+            "factor that decreases to the exponent 3/2 of the contact force.",
             also=[
                 f"factors, {NAMES[engine]}: " + ", ".join(f"{value:.3f}" for value in one)
                 for engine, one in tails.items()
@@ -92,8 +90,8 @@ def draw(axis: Axes, results: Results) -> None:
 
 ENTRY = Entry(
     title="The exact wave of the discrete chain",
-    introduction="Properties of the travelling wave of the discrete chain: a series fitted by Sen & Manciu, its tails, "
-    "and its speed.",
+    introduction="Properties of the travelling wave of the discrete chain: a series fitted by Sen & Manciu, its "
+    "tails, and its speed.",
     sources={
         "sen2001": "as quoted in the literature; the paper could not be read",
         "sen2001solution": "as quoted in the literature; the paper could not be read",

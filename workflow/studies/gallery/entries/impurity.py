@@ -65,8 +65,7 @@ def statements(results: Results) -> list[Statement]:
                 at_most(1.0),
             ),
             derived="A heavy bead reflects part of the wave, the more the heavier it is, and transmits a train of "
-            "weaker "
-            "waves.",
+            "weaker waves.",
         ),
     ]
 

@@ -29,8 +29,7 @@ def statements(results: Results) -> list[Statement]:
                 near(0.07577, 1e-3, 4e-3),
             ),
             derived="For weak damping the peak velocity to the power -1/5 rises linearly along the chain, by "
-            "0.07577 times "
-            f"the coefficient a bead (exact wave; here {one:g}).",
+            f"0.07577 times the coefficient a bead (exact wave; here {one:g}).",
             correction="Derived for vanishing damping.",
         )
         for one in COEFFICIENTS

@@ -81,8 +81,8 @@ def draw(axis: Axes, results: Results) -> None:
 ENTRY = Entry(
     title="Nesterenko's solitary wave",
     introduction="The long-wave theory of an uncompressed chain, whose sound speed is zero: compact waves whose "
-    "speed grows with their amplitude. A single kicked chain, and a striker of four beads' mass, which makes "
-    "a train of them.",
+    "speed grows with their amplitude. A single kicked chain, and a striker of four beads' mass, which makes a "
+    "train of them.",
     sources={
         "nesterenko1983": "long-wave theory, derived again in analysis/shape/exact_wave.py",
         "nesterenko2001": "long-wave theory",

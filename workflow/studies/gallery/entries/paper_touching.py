@@ -16,7 +16,7 @@ from workflow.studies.page import Picture, Statement, drawn
 CASES = (("two-chains", 55, "1", "2"), ("two-chains-strong", 55, "3", "4"), ("three-chains", 90, "5", "6"))
 """Scene, the bead of the paper's figure, and the numbers of its figures in space and time and of that bead."""
 PAPER = "starosvetsky2013"
-COARSE = "The paper rounds to 5%; required within half of that."
+COARSE = "The percentages of the paper are multiples of 5; required within half of that."
 
 
 def statements(runs: Results) -> list[Statement]:
@@ -51,7 +51,7 @@ def statements(runs: Results) -> list[Statement]:
             source=PAPER,
             derived="Identical: the peaks differ by at most 1% of their mean.",
             correction="At kappa = 0.1 they become so: at bead 55 they still differ by "
-            f"{_percent(_mismatch_at(two['reference'], 55))}.",
+            f"{_mismatch_at(two['reference'], 55):.1%}.",
             also=[f"{name}: {_within('1%', _agrees(runs[name]['reference'], 0.01))}" for name, *_ in CASES],
         ),
         state(
@@ -80,8 +80,7 @@ def statements(runs: Results) -> list[Statement]:
             source=PAPER,
             derived="Required: a change of at most 5%; beyond the couplings of the paper a correction is enough.",
             correction="It holds between 0.1 and 0.5. With weaker coupling the distance grows as 1/kappa and the "
-            "final "
-            "waves become much weaker: the spring of each row keeps energy after the pulse has passed.",
+            "final waves become much weaker: the spring of each row keeps energy after the pulse has passed.",
             also=[f"kappa = {case.kappa:g}: {case.amplitude:.4f} V, {_within('1%', case.one)}" for case in weaker],
         ),
         state(
@@ -112,14 +111,13 @@ def _reduction(says: str, figures: str, claimed: float, runs: Runs) -> Statement
 
 def _settles(final: Mapping[str, float]) -> str:
     amplitude = final["reference"]
-    return f"It settles at {amplitude:.4f} V, a reduction of {_percent(1.0 - amplitude)}."
+    return f"It settles at {amplitude:.4f} V, a reduction of {1.0 - amplitude:.1%}."
 
 
 def _final_lines(runs: Runs) -> list[str]:
     return [
-        f"{NAMES[engine]}: final amplitude {_final(run).value:.5f} V, uncertainty {run.errors[0]:.0e} V, "
-        "variation over "
-        f"the last half beat {_final(run).uncertainty:.0e} V"
+        f"{NAMES[engine]}: final amplitude {_final(run).value:.5f} V, uncertainty {run.errors[0]:.0e} V, variation "
+        f"over the last half beat {_final(run).uncertainty:.0e} V"
         for engine, run in runs.items()
     ]
 
@@ -170,15 +168,11 @@ def _within(tolerance: str, bead: int | None) -> str:
     return f"within {tolerance} from bead {bead} on"
 
 
-def _percent(share: float) -> str:
-    return f"{100.0 * share:.1f}%"
-
-
 ENTRY = Entry(
     title="Pulse equipartition, section 2: touching beads (eq. 1, Figs 1 to 6)",
     introduction=(
-        "Two or three chains of 120 touching beads; bead 1 of chain 1 starts with V = 1. The uncertainty of LAMMPS is "
-        "the difference from the reference, that of the reference the bound on its own error."
+        "Two or three chains of 120 touching beads; bead 1 of chain 1 starts with V = 1. The uncertainty of LAMMPS "
+        "is the difference from the reference, that of the reference the bound on its own error."
     ),
     sources={"starosvetsky2013": "section 2"},
     scenes={name: name for name, *_ in CASES},

@@ -35,14 +35,14 @@ def statements(results: Results) -> list[Statement]:
                 near(by_engine["reference"].theory, 1e-3, 0.012 * by_engine["reference"].theory),
                 "4",
             ),
-            published="Long-wave theory: V_s / c_0 = sqrt((4/15) (3 + 2 f^(5/3) - 5 f^(2/3))) / (f^(2/3) - 1), f "
-            "= F_m / F_0.",
+            published="Long-wave theory: V_s / c_0 = sqrt((4/15) (3 + 2 f^(5/3) - 5 f^(2/3))) / (f^(2/3) - 1), f = "
+            "F_m / F_0.",
             source="nesterenko2001",
             derived=f"F_0 = {load:g}, f = {by_engine['reference'].force_ratio:.2f}: "
-            f"{by_engine['reference'].theory:.4f} times "
-            f"c_0 = sqrt(3/2) F_0^(1/6) = {math.sqrt(1.5) * load ** (1.0 / 6.0):.4f}.",
-            correction="The discrete chain is faster than the long-wave theory, the more so the farther it is "
-            "from sound.",
+            f"{by_engine['reference'].theory:.4f} times c_0 = sqrt(3/2) F_0^(1/6) = "
+            f"{math.sqrt(1.5) * load ** (1.0 / 6.0):.4f}.",
+            correction="The discrete chain is faster than the long-wave theory, the more so the farther it is from "
+            "sound.",
         )
         for load, by_engine in waves.items()
     ]

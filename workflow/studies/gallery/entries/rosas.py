@@ -62,9 +62,8 @@ def statements(results: Results) -> list[Statement]:
         ),
         state(
             Measured("slope over the coefficient", each(results[_name(WEAK)], _decay), near(-0.10586, 1e-3, 2e-3)),
-            derived="For weak damping the peak velocity to the power 1/5 falls linearly along the chain, by "
-            "0.10586 times the "
-            f"coefficient a bead (exact wave; here {WEAK:g}).",
+            derived="For weak damping the peak velocity to the power 1/5 falls linearly along the chain, by 0.10586 "
+            f"times the coefficient a bead (exact wave; here {WEAK:g}).",
             correction="Derived for vanishing damping; at this one the amplitude lost is 1% less.",
         ),
     ]

@@ -64,9 +64,8 @@ def statements(results: Results) -> list[Statement]:
         *(
             state(
                 Measured("reflected over incident velocity", back[wall], near(value, 1e-4)),
-                derived=f"{says}: by mirror symmetry the reflected wave has {value} of the velocity of the "
-                "incident one at "
-                f"bead {SEEN}, as in the entry on collisions.",
+                derived=f"{says}: by mirror symmetry the reflected wave has {value} of the velocity of the incident "
+                f"one at bead {SEEN}, as in the entry on collisions.",
             )
             for wall, value, says in MIRRORS
         ),
