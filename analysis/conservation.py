@@ -1,7 +1,7 @@
 """How well a run conserves energy and momentum, and its energy budget, from its trajectory.
 
 LAMMPS reports neither for these chains. The budget is what was put in, where it is, and what dashpots have taken, by
-source: in units of m V**2, from frames of all beads. What was exchanged between frames is in their ledger.
+source: in units of m V**2, from frames of all beads. What was exchanged between frames is in their exchange.
 """
 
 from collections.abc import Callable
@@ -21,14 +21,14 @@ MOST_INSTANTS = 500
 def energy_input(block: Trajectory) -> Floats:
     """[frame] energy put in until each: that of the kicks, and the work of pushes and drives since then.
 
-    NaN where that work is not known: nobody has counted it in the frames' ledger.
+    NaN where that work is not known: nobody has counted it in the frames' exchange.
     """
     problem = block.problem
     if not physics.acted_on(problem.system):
         return np.full(block.frames, physics.energy(problem.system))
-    if block.ledger is None:
+    if block.exchange is None:
         return np.full(block.frames, np.nan)
-    return np.asarray(kinetic_energy_at_start(problem) + block.ledger[:, -1])
+    return np.asarray(kinetic_energy_at_start(problem) + block.exchange[:, -1])
 
 
 def kinetic_energy_at_start(problem: Problem) -> float:
@@ -45,7 +45,7 @@ class Account:
     """Energy over time, each [instant]."""
 
     time: Floats = declare("time of some frames", "time", symbol="t")
-    put_in: Floats = declare("energy input until then, by kicks and by forces from outside", "energy")
+    energy_input: Floats = declare("energy input until then, by kicks and by forces from outside", "energy")
     kinetic: Floats = declare("kinetic energy", "energy")
     contacts: Floats = declare("energy of the contacts", "energy")
     springs: Floats = declare("energy of the springs between chains", "energy")
@@ -57,12 +57,12 @@ class Account:
     @derived("energy")
     def missing(self) -> Floats:
         """Energy input that is nowhere."""
-        return np.asarray(self.put_in - sum(self.held.values()) - sum(self.lost.values()))
+        return np.asarray(self.energy_input - sum(self.stored.values()) - sum(self.lost.values()))
 
     def sentence(self, scale: Scale) -> str:
         """Where the energy is at the last instant, largest part first."""
-        total = float(self.put_in[-1])
-        parts = {name: float(part[-1]) for name, part in (*self.held.items(), *self.losses.items())}
+        total = float(self.energy_input[-1])
+        parts = {name: float(part[-1]) for name, part in (*self.stored.items(), *self.losses.items())}
         named = sorted(((part, name) for name, part in parts.items() if part > 0.0), reverse=True)
         said = f"energy input {scale.written(total, 'energy')} until t = {scale.written(self.time[-1], 'time')}"
         if not total > _LITTLE * self.most:  # a drive may have taken back what it gave
@@ -70,9 +70,9 @@ class Account:
         return f"{said}, of which {', '.join(f'{part / total:.2%} {name}' for part, name in named)}"
 
     @property
-    def held(self) -> dict[str, Floats]:
+    def stored(self) -> dict[str, Floats]:
         """Where the energy is."""
-        return {name: getattr(self, name) for name in HELD}
+        return {name: getattr(self, name) for name in STORED}
 
     @property
     def losses(self) -> dict[str, Floats]:
@@ -82,20 +82,22 @@ class Account:
     @property
     def most(self) -> float:
         """That was put in until any instant."""
-        return float(np.max(np.abs(self.put_in)))
+        return float(np.max(np.abs(self.energy_input)))
 
 
 @result
 class ClosedAccount(Account):
     """The account, and how well it is known."""
 
-    closed: float = declare("largest ``missing`` over the largest ``put_in``", undefined="of a run that blew up")
-    between_frames: float = declare("uncertainty of what was exchanged between frames over the largest ``put_in``")
+    closed: float = declare("largest ``missing`` over the largest ``energy_input``", undefined="of a run that blew up")
+    between_frames: float = declare(
+        "uncertainty of what was exchanged between frames over the largest ``energy_input``"
+    )
     stated: float | None = declare("error of the velocities that the run states", "V", "it states none")
 
 
 class Budget:
-    """Adds up a run of all beads that is given block by block, with its ledger, from its first frame on."""
+    """Adds up a run of all beads that is given block by block, with its exchange, from its first frame on."""
 
     def __init__(self, problem: Problem) -> None:
         self._problem = problem
@@ -107,40 +109,40 @@ class Budget:
 
     def add(self, block: Trajectory) -> tuple[Floats, Floats]:
         """Take the next frames; what was put in, and what was lost, until each of them, [frame]."""
-        ledger = block.ledger
-        assert ledger is not None
-        put_in, lost = self._kicked + ledger[:, -1], ledger[:, :-1]
+        exchange = block.exchange
+        assert exchange is not None
+        energy_input, lost = self._kicked + exchange[:, -1], exchange[:, :-1]
 
         def at(frames: slice) -> tuple[Floats, ...]:
-            held = _held(self._problem, block.displacement[frames], block.velocity[frames])
-            return block.time[frames], put_in[frames], *held.values(), *lost[frames].T
+            stored = _stored(self._problem, block.displacement[frames], block.velocity[frames])
+            return block.time[frames], energy_input[frames], *stored.values(), *lost[frames].T
 
         self._found.append(at(slice(-self._seen % self._stride, None, self._stride)))
         self._last = at(slice(-1, None))
         self._seen += block.frames
-        return put_in, np.sum(lost, axis=1)
+        return energy_input, np.sum(lost, axis=1)
 
     def result(self) -> Account:
         """Of the frames so far, some of them and the last."""
-        time, put_in, *parts = (np.concatenate(part) for part in zip(*self._found, strict=True))
+        time, energy_input, *parts = (np.concatenate(part) for part in zip(*self._found, strict=True))
         if time[-1] < self._last[0][0]:
-            time, put_in, *parts = map(np.append, (time, put_in, *parts), self._last)
-        held, lost = parts[: len(HELD)], parts[len(HELD) :]
-        sinks = physics.dashpot_names(self._problem.system)
-        by_sink = {name: part for name, part in zip(sinks, lost, strict=True) if name is not None}
-        return Account(time, put_in, **dict(zip(HELD, held, strict=True)), lost=by_sink)
+            time, energy_input, *parts = map(np.append, (time, energy_input, *parts), self._last)
+        stored, lost = parts[: len(STORED)], parts[len(STORED) :]
+        names = physics.dashpot_names(self._problem.system)
+        by_dashpot = {name: part for name, part in zip(names, lost, strict=True) if name is not None}
+        return Account(time, energy_input, **dict(zip(STORED, stored, strict=True)), lost=by_dashpot)
 
 
-HELD = ("kinetic", "contacts", "springs", "ground", "walls")
+STORED = ("kinetic", "contacts", "springs", "ground", "walls")
 """Where energy may be."""
 
 
-def _held(problem: Problem, x: Floats, v: Floats) -> dict[str, Floats]:
+def _stored(problem: Problem, x: Floats, v: Floats) -> dict[str, Floats]:
     system = problem.system
     kinetic = motion.kinetic_energy(system, v).sum(axis=(-2, -1))
     kinds = (system.along, system.across, physics.ground_springs(system), physics.walls(system))
     stored = [sum((link.energy(x).sum(axis=(-2, -1)) for link in links), np.zeros(len(x))) for links in kinds]
-    return dict(zip(HELD, [kinetic, *stored], strict=True))
+    return dict(zip(STORED, [kinetic, *stored], strict=True))
 
 
 class Conservation:
@@ -160,7 +162,7 @@ class Conservation:
     """
 
     def __init__(self, counted: Callable[[Trajectory], Trajectory] | None = None) -> None:
-        """Begin; ``counted`` gives frames their ledger where those who computed them kept none."""
+        """Begin; ``counted`` gives frames their exchange where those who computed them kept none."""
         self._counted = counted
         self.energy_drift = 0.0
         self.momentum_drift = 0.0
@@ -168,7 +170,7 @@ class Conservation:
         self.last_time = 0.0
         self.front: int | None = None
         self.budget: Budget | None = None
-        self._put_in = self._missing = 0.0
+        self._energy_input = self._missing = 0.0
 
     def add(self, block: Trajectory) -> None:
         """Take more frames into account."""
@@ -209,16 +211,16 @@ class Conservation:
 
     def _balanced(self, block: Trajectory, energy: Floats) -> None:
         """With forces from outside or dashpots: energy is what was put in until then less what was lost."""
-        if block.ledger is None and self._counted is not None:
+        if block.exchange is None and self._counted is not None:
             block = self._counted(block)
-        if block.ledger is None:
+        if block.exchange is None:
             self.energy_drift = float("nan")
             return
         self.budget = self.budget or Budget(block.problem)
-        put_in, lost = self.budget.add(block)
-        self._put_in = max(self._put_in, float(np.max(np.abs(put_in))))
-        self._missing = float(np.maximum(self._missing, np.max(np.abs(energy + lost - put_in))))
-        self.energy_drift = self._missing / self._put_in if self._missing != 0.0 else 0.0
+        energy_input, lost = self.budget.add(block)
+        self._energy_input = max(self._energy_input, float(np.max(np.abs(energy_input))))
+        self._missing = float(np.maximum(self._missing, np.max(np.abs(energy + lost - energy_input))))
+        self.energy_drift = self._missing / self._energy_input if self._missing != 0.0 else 0.0
 
     def _pushed(self, block: Trajectory, momentum: Floats) -> None:
         """With forces from outside: momentum is that of the kicks and what they have given."""

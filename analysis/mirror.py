@@ -14,8 +14,8 @@ Number = TypeVar("Number", int, Integers)
 
 def direction_of(problem: Problem) -> int:
     """Direction of the largest excitation and the leading pulse: 1 towards higher bead numbers, -1 towards lower."""
-    _, _, hardest = physics.largest_excitation(problem.system)
-    return 1 if hardest > 0.0 else -1
+    _, _, excitation = physics.largest_excitation(problem.system)
+    return 1 if excitation > 0.0 else -1
 
 
 def mirrored_bead(problem: Problem, bead: Number) -> Number:

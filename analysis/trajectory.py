@@ -17,7 +17,7 @@ Flags = NDArray[np.bool_]
 BLOCK_BYTES = 1 << 20
 LEAST_FRAMES = 8
 
-LEDGER = ("along", "across", "ground", "walls", "put_in")
+EXCHANGES = ("along", "across", "ground", "walls", "energy_input")
 """What dashpots of each kind of link, and of walls, have taken; what forces from outside and given motions put in."""
 
 
@@ -56,7 +56,7 @@ class Trajectory:
         displacement: [frame, chain, bead] along the chain, in units of L; 0 at the start.
         velocity: [frame, chain, bead], in units of V.
         first: bead that the last axis begins with; more than 1 in a window that has followed the pulse.
-        ledger: [frame, `LEDGER`] energy that was exchanged until each frame, in units of m V**2; None where nobody
+        exchange: [frame, `EXCHANGES`] energy that was exchanged until each frame, in units of m V**2; None where nobody
             counted, or nothing is exchanged.
     """
 
@@ -65,7 +65,7 @@ class Trajectory:
     displacement: Floats
     velocity: Floats
     first: int = 1
-    ledger: Floats | None = None
+    exchange: Floats | None = None
 
     def __repr__(self) -> str:
         until = f"to t = {self.time[-1]:.6g} T" if len(self.time) else "none yet"
@@ -101,7 +101,7 @@ class Trajectory:
             time=self.time[frames],
             displacement=self.displacement[frames],
             velocity=self.velocity[frames],
-            ledger=None if self.ledger is None else self.ledger[frames],
+            exchange=None if self.exchange is None else self.exchange[frames],
         )
 
     def last(self) -> "Trajectory":
@@ -163,14 +163,14 @@ def joined(blocks: Iterable[Trajectory]) -> Trajectory:
     if parts[0].problem.window is not None:
         first, last = min(part.beads[0] for part in parts), max(part.beads[-1] for part in parts)
         parts = [part.on(int(first), int(last), behind=np.nan) for part in parts]
-    ledgers = [part.ledger for part in parts]
+    exchanges = [part.exchange for part in parts]
     return Trajectory(
         parts[0].problem,
         np.concatenate([part.time for part in parts]),
         np.concatenate([part.displacement for part in parts]),
         np.concatenate([part.velocity for part in parts]),
         parts[0].first,
-        None if any(ledger is None for ledger in ledgers) else np.concatenate(ledgers),  # type: ignore[arg-type]
+        None if any(exchange is None for exchange in exchanges) else np.concatenate(exchanges),  # type: ignore[arg-type]
     )
 
 

@@ -61,9 +61,9 @@ class Layout:
         return physics.wall_loss(self.system, side)
 
     @property
-    def centred(self) -> bool:
+    def velocity_at_full_steps(self) -> bool:
         """Whether LAMMPS's step is of order 2 by masses that are larger (`lammps_inputs.laws.dashpot.Dashpot`)."""
-        return physics.centred(self.system)
+        return physics.velocity_at_full_steps(self.system)
 
     @cached_property
     def diameter(self) -> float:
@@ -72,12 +72,12 @@ class Layout:
         """
         system, total = self.system, physics.energy(self.system)
         law, rest = system.along[0].law, float(np.max(laws.rest(system.along[0].law)))
-        alone, shared = (rest + laws.reach(law, energy) for energy in (total, total / 2.0))
+        alone, shared = (rest + laws.max_strain(law, energy) for energy in (total, total / 2.0))
         held = (link.law for link in physics.walls(system))
-        walls = (2.0 * float(np.max(laws.rest(law) + law.reach(total, *law))) for law in held)
+        walls = (2.0 * float(np.max(laws.rest(law) + law.max_strain(total, *law))) for law in held)
         # a row's dashpots know each other by their distance
         damped = any(isinstance(link, Across) for link in system.dampers)
-        rows = (rest + 2.0 * laws.reach(link.law, total) for link in system.across if damped)
+        rows = (rest + 2.0 * laws.max_strain(link.law, total) for link in system.across if damped)
         return power_of_two_at_least(max(4.0, 2.0 * alone, 2.0 * shared, *walls, *rows))
 
     @property

@@ -69,7 +69,7 @@ class Load:
         return math.isinf(self.end)
 
     @property
-    def blow(self) -> float:
+    def total_impulse(self) -> float:
         """All of its impulse; of one that never ends, that of half a period."""
         return self.law.total if self.endless else float(self.impulse(self.end))
 

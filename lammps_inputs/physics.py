@@ -127,7 +127,7 @@ def initial_velocity(system: System) -> NDArray[np.float64]:
 
 def excitations(system: System) -> tuple[tuple[int, int, float], ...]:
     """(chain, bead, impulse), counted from 1, of every kick, load and motion: what sets the beads in motion."""
-    loads = ((load.chain, load.bead, load.blow) for load in system.loads)
+    loads = ((load.chain, load.bead, load.total_impulse) for load in system.loads)
     motions = ((motion.chain, motion.bead, motion.amplitude * motion.omega) for motion in system.motions)
     return (*system.kicks, *loads, *motions)
 
@@ -220,7 +220,7 @@ def dashpot_names(system: System) -> tuple[str | None, ...]:
     return tuple(" and ".join(dict.fromkeys(names(kind))) or None for kind in (Along, Across, Ground, Wall))
 
 
-def centred(system: System) -> bool:
+def velocity_at_full_steps(system: System) -> bool:
     """Whether LAMMPS's step is of order 2 by masses that are larger (`lammps_inputs.laws.dashpot.Dashpot`)."""
     return bool(system.dampers) and system.holds(Fact.SECOND_ORDER)
 

@@ -608,10 +608,10 @@ else:
 
 def _kick_key(scene: BaseScene, number: int) -> str:
     """What a kick is called, by its place in ``scene.kicks``."""
-    struck = len(scene.kicks) - len(scene.kick)
-    if number < struck:
+    strikers = len(scene.kicks) - len(scene.kick)
+    if number < strikers:
         return "striker"
-    return "kick" if len(scene.kick) == 1 else f"kick[{number - struck + 1}]"
+    return "kick" if len(scene.kick) == 1 else f"kick[{number - strikers + 1}]"
 
 
 def _named(data: dict[str, Any]) -> Iterator[tuple[str, Any]]:

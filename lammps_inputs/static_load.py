@@ -67,7 +67,7 @@ def under_load(system: System, force: NDArray[np.float64]) -> System:
 
 def _grid(system: System, rest: float) -> float:
     """The difference of two numbers of LAMMPS as large as the last bead's place may be, with overlaps up to this."""
-    alone = max(laws.reach(link.law, physics.energy(system)) for link in (*system.along, *physics.walls(system)))
+    alone = max(laws.max_strain(link.law, physics.energy(system)) for link in (*system.along, *physics.walls(system)))
     diameter = power_of_two_at_least(max(Layout(system).diameter, 4.0, 2.0 * (rest + alone)))
     return float(np.spacing(0.75 * power_of_two_at_least((system.beads + 1) * diameter)))
 

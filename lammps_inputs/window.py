@@ -42,9 +42,9 @@ def rows_for(rows: int) -> int:
     return next(width for width in itertools.count(LEAST_WINDOW) if behind(width) >= rows)
 
 
-def look_steps(timestep: float, cycle: int, pace: float = 1.0) -> int:
+def look_steps(timestep: float, cycle: int, front_speed: float = 1.0) -> int:
     """Steps between two looks at the front, a whole number of the scheme's cycles; pace: of the fastest pulse."""
-    return max(1, int(LOOK / (pace * timestep)) // cycle) * cycle
+    return max(1, int(LOOK / (front_speed * timestep)) // cycle) * cycle
 
 
 def setup_lines(window: int, beads: int, spacing: float, scheme: SchemeName) -> list[str]:
@@ -118,8 +118,8 @@ def _stretch_lines(scheme: SchemeName) -> list[str]:
     return ["variable goal equal $(step+v_stretch:%.0f)", *onward_lines(scheme, "goal")]
 
 
-def stretch_line(timestep: float, cycle: int, pace: float = 1.0) -> str:
+def stretch_line(timestep: float, cycle: int, front_speed: float = 1.0) -> str:
     """The variable ``stretch``: steps to the next look at the front, or to the end of the run."""
-    steps = look_steps(timestep, cycle, pace)
+    steps = look_steps(timestep, cycle, front_speed)
     left, next_look = "(v_steps-step)", f"({steps}-step%{steps})"  # also of a run that is continued in between
     return f"variable stretch equal ({left}<{next_look})*{left}+({left}>={next_look})*{next_look}"

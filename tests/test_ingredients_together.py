@@ -157,7 +157,7 @@ def test_a_plain_scene_has_no_trace_of_ingredients():
     assert (problem.system.ground, problem.system.loads, problem.system.dampers) == ((), (), ())
     assert not problem.system.lacks
     assert not physics.loaded(problem.system)
-    assert rates.pace(problem.system) == 1.0
+    assert rates.front_speed(problem.system) == 1.0
 
 
 def test_no_stiffness_is_no_coupling():

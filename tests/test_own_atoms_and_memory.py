@@ -61,7 +61,7 @@ class Worn(NamedTuple):
         return 1.5 * strength / (1.0 - share) * np.sqrt(np.maximum(s, 0.0))
 
     @staticmethod
-    def reach(energy, strength, share):
+    def max_strain(energy, strength, share):
         return (2.5 * energy / strength) ** 0.4
 
     @staticmethod

@@ -46,7 +46,7 @@ class Quintic(NamedTuple):
         return 5.0 * quintic * s**4
 
     @staticmethod
-    def reach(energy, quintic):
+    def max_strain(energy, quintic):
         return (6.0 * energy / quintic) ** (1.0 / 6.0)
 
     ground = formula.ground("quintic*s^5")
@@ -92,7 +92,7 @@ class Stiffening(NamedTuple):
         return strength * (1.5 * closed**0.5 + 2.5 * b * closed**1.5)
 
     @staticmethod
-    def reach(energy, strength, b):
+    def max_strain(energy, strength, b):
         return (2.5 * energy / np.where(strength > 0.0, strength, np.inf)) ** 0.4
 
     along = formula.along("strength*(0.4*s^2.5+b/3.5*s^3.5)")

@@ -121,7 +121,7 @@ class Difference:
 
     Args:
         tolerances: quantity -> largest difference that is let pass, dimensionless; the keys are `QUANTITIES`.
-        counted: gives frames of the first their ledger; see `analysis.conservation.Conservation`.
+        counted: gives frames of the first their exchange; see `analysis.conservation.Conservation`.
     """
 
     tolerances: dict[str, float]

@@ -115,7 +115,7 @@ def identify_beads(trajectory: Trajectory) -> Felt | None:
     behind, ahead = np.full((2, problem.chains, problem.beads - 1), np.nan)
     power = np.sum(contacts**2, axis=0)
     telling = power > TELLING * power.max(axis=1, keepdims=True)
-    told = {(motion.chain, motion.bead) for motion in system.motions}  # how they move, whatever they weigh
+    prescribed = {(motion.chain, motion.bead) for motion in system.motions}  # how they move, whatever they weigh
     for chain, bead in np.ndindex(problem.chains, problem.beads):
         columns = [column[:, chain, bead] for column in others]
         sides = [(ahead, bead - 1, 1.0)] if bead > 0 else []
@@ -123,7 +123,7 @@ def identify_beads(trajectory: Trajectory) -> Felt | None:
         columns += [sign * contacts[:, chain, contact] for _, contact, sign in sides]
         factors = np.linalg.lstsq(np.array(columns).T, change[:, chain, bead], rcond=1e-9)[0]
         for (side, contact, _), factor in zip(sides, factors[len(others) :], strict=True):
-            if telling[chain, contact] and (chain + 1, bead + 1) not in told:
+            if telling[chain, contact] and (chain + 1, bead + 1) not in prescribed:
                 side[chain, contact] = factor
     mass, strength = np.full(change.shape[1:], np.nan), np.full(behind.shape, np.nan)
     for chain in range(problem.chains):
@@ -347,7 +347,7 @@ class StaticLoad:
         pressed: force in the contacts at rest.
     """
 
-    held: float
+    holding: float
     pressed: float
 
 
@@ -379,12 +379,12 @@ def identify_load(trajectory: Trajectory) -> StaticLoad | None:
     power = float(np.sum(outside**2) * np.sum(np.diff(trajectory.time)))
     size = float(np.max(np.abs(outside)))
     far = 1e-9 * size * problem.chains * problem.beads
-    held = 1.0 + float(np.sum(left(1.0).sum(axis=0) * outside)) / power if size > far else np.nan
+    holding = 1.0 + float(np.sum(left(1.0).sum(axis=0) * outside)) / power if size > far else np.nan
     factors = np.concatenate([[0.0], 10.0 ** (np.arange(-40, 41) / 40.0)])
     missing = np.array([float(np.sum(left(float(factor)) ** 2)) for factor in factors])
     best = int(np.argmin(missing))
     explains = missing[best] < _EXPLAINED * missing[factors == 1.0][0]
-    return StaticLoad(held, float(factors[best]) if explains else 1.0)
+    return StaticLoad(holding, float(factors[best]) if explains else 1.0)
 
 
 def _at_rest(link: Link) -> Floats:

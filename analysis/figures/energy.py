@@ -9,7 +9,7 @@ from analysis.figures.style import STYLE, Frames, axis_unit, chain_legend, draw_
 from analysis.sharing.energies import Flow
 from lammps_inputs import Problem
 
-_HELD = {"kinetic": "#0072B2", "contacts": "#56B4E9", "springs": "#009E73", "ground": "#F0E442", "walls": "#332288"}
+_STORED = {"kinetic": "#0072B2", "contacts": "#56B4E9", "springs": "#009E73", "ground": "#F0E442", "walls": "#332288"}
 """Okabe and Ito's palette and one of Tol's, as for what is lost; a hatch tells that from what is still there."""
 
 _LOST = ("#D55E00", "#E69F00", "#CC79A7", "#999999")
@@ -23,7 +23,7 @@ def budget_figure(problem: Problem, account: Account) -> Figure:
     """Energy held, and above it energy lost, by where and by source, in layers; what was put in as a line."""
     most = account.most
     time, energy = axis_unit(problem, "time", float(account.time[-1])), axis_unit(problem, "energy", most)
-    layers = [(name, account.held[name], colour, "") for name, colour in _HELD.items()]
+    layers = [(name, account.stored[name], colour, "") for name, colour in _STORED.items()]
     lost = zip(account.losses.items(), _LOST, strict=False)  # there are four at most
     layers += [(name, part, colour, "////") for (name, part), colour in lost]
     figure = Figure(figsize=(7.0, 4.2), layout="constrained")
@@ -35,9 +35,9 @@ def budget_figure(problem: Problem, account: Account) -> Figure:
         above = below + part * energy.worth
         axis.fill_between(t, below, above, facecolor=colour, hatch=hatch, edgecolor="white", linewidth=0.0, label=name)
         below = above
-    axis.plot(t, account.put_in * energy.worth, color="black", label="energy input")
+    axis.plot(t, account.energy_input * energy.worth, color="black", label="energy input")
     axis.set_xlim(t[0], t[-1])
-    least = min(0.0, float(np.min(account.put_in)))  # a drive may begin by taking up energy
+    least = min(0.0, float(np.min(account.energy_input)))  # a drive may begin by taking up energy
     axis.set_ylim(1.06 * least * energy.worth, 1.06 * most * energy.worth)
     axis.set_xlabel(time.label(Account, "time"))
     axis.set_ylabel(energy.label(Frames, "energy"))

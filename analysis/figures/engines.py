@@ -63,8 +63,8 @@ def engines_figure(problem: Problem, rows: Sequence[int], curves: Sequence[Curve
     for column, curve in enumerate(curves):
         first = figure.add_subplot(grid[0, column], sharey=first)
         for place, chain in enumerate(chains):
-            struck = np.where(curve.first[chain] > 0.0, curve.first[chain], np.nan)
-            first.plot(curve.bead, struck, **_chain_marks(place))
+            kicked = np.where(curve.first[chain] > 0.0, curve.first[chain], np.nan)
+            first.plot(curve.bead, kicked, **_chain_marks(place))
         first.set_title(curve.engine, loc="left")
         first.set_xlabel("bead")
         if column == 0:

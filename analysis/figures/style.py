@@ -164,7 +164,7 @@ def shown_chains(problem: Problem, *, panels: bool = False) -> list[int]:
     most = MAX_PANELS_OF_LATTICE if panels and grid(problem) is not None else MAX_PANELS
     if problem.chains <= most:
         return list(range(problem.chains))
-    by_kick = sorted(physics.excitations(problem.system), key=lambda blow: -abs(blow[2]))
+    by_kick = sorted(physics.excitations(problem.system), key=lambda kick: -abs(kick[2]))
     chosen = list(dict.fromkeys(chain - 1 for chain, _, _ in by_kick))[:MAX_PANELS]
     distance = np.min([_distances(problem, chain) for chain in chosen], axis=0)
     while len(chosen) < MAX_PANELS:

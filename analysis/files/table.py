@@ -269,8 +269,8 @@ def load_dump(path: Path, beads: int, timestep: float) -> Table:
     try:
         with path.open(encoding="utf-8") as file:
             while (read := _frame(file, path)) is not None:
-                step, told, names, rows = read
-                times.append(step * timestep if told is None else told)
+                step, given, names, rows = read
+                times.append(step * timestep if given is None else given)
                 frames.append(rows[np.argsort(rows[:, names.index("id")])])
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror or error})") from None

@@ -96,7 +96,7 @@ class FarEnd:
         self._time.append(block.time.copy())
         with np.errstate(over="ignore", invalid="ignore"):  # of a run that blew up
             a = motion.acceleration(self.problem.system, x, self._near.start + 1, velocity=v)
-            now, after, before = (self._held(x + late * v, v + late * a) for late in (0.0, INSTANT, -INSTANT))
+            now, after, before = (self._stored(x + late * v, v + late * a) for late in (0.0, INSTANT, -INSTANT))
             self._energy.append(now)
             self._rate.append((after - before) / (2.0 * INSTANT))
             self._input.append(energy_input(block))
@@ -104,7 +104,7 @@ class FarEnd:
                 self._force.append(at_frames(block, self._wall)[..., 0])
                 self._strain.append(strain_at_frames(block, self._wall[0].probes[0]))
 
-    def _held(self, x: Floats, v: Floats) -> Floats:
+    def _stored(self, x: Floats, v: Floats) -> Floats:
         """Energy of the last tenth of the beads, [frame], from states of those near."""
         rows = slice(self._rows.start - self._near.start, self._rows.stop - self._near.start)
         x, v = x[..., rows], v[..., rows]
@@ -118,21 +118,21 @@ class FarEnd:
         time, force = np.concatenate(self._time), np.concatenate(self._force)
         strain = np.concatenate(self._strain, axis=1)
         chains = np.arange(self.problem.chains)
-        when, hardest = _arrived(time, force, strain, chains, self._wall[0])
+        when, largest_force = _arrived(time, force, strain, chains, self._wall[0])
         of_one = float(
             np.fmax.reduce([_arrived(time, force, strain, one, self._wall[0])[1] for one in chains[:, None]])
         )
-        return Transmitted(hardest, of_one, when, transmitted)
+        return Transmitted(largest_force, of_one, when, transmitted)
 
     def _of_energy(self) -> tuple[float, float]:
         """When the energy first reaches half of its largest value, and its largest share of the energy input."""
-        time, energy, rate, put_in = map(np.concatenate, (self._time, self._energy, self._rate, self._input))
-        share = np.divide(energy, put_in, out=0.0 * put_in, where=put_in > 0.0)
+        time, energy, rate, energy_input = map(np.concatenate, (self._time, self._energy, self._rate, self._input))
+        share = np.divide(energy, energy_input, out=0.0 * energy_input, where=energy_input > 0.0)
         late = transmitted = math.nan
         if _passed(time, energy):
             late = _reached(time, energy, rate, 0.5 * _largest(time, energy, rate, np.ones_like(time)))
         if _passed(time, share):
-            transmitted = _largest(time, energy, rate, put_in)
+            transmitted = _largest(time, energy, rate, energy_input)
         return late, transmitted
 
 
@@ -190,12 +190,12 @@ def _largest(time: Floats, energy: Floats, rate: Floats, total: Floats) -> float
     if not 0 < k < len(time) - 1:
         return float(share[k])
     spacing = float(time[k] - time[k - 1])
-    held = _about(k, energy, rate, spacing)
+    stored = _about(k, energy, rate, spacing)
     nodes = tuple(range(max(-2, -k), min(2, len(time) - 1 - k) + 1))
     whole = hermite.coefficients(nodes, total[k + nodes[0] : k + nodes[-1] + 1, np.newaxis], spacing)
 
     def value(s: Floats) -> Floats:
-        return np.asarray(hermite.value(held, s) / hermite.value(whole, s))
+        return np.asarray(hermite.value(stored, s) / hermite.value(whole, s))
 
     return float(np.fmax(share[k], value(maximum(value, np.array([-1.0]), np.array([1.0])))[0]))
 

@@ -278,8 +278,8 @@ class ForceMeter:
                 at, static = largest_at[chain, place], self._static[chain, place]
                 if np.isnan(at) or len(start) == 0:
                     continue
-                hardest = max(int(np.searchsorted(start, at, side="right")) - 1, 0)
-                span = start[hardest], end[hardest]
+                at_largest = max(int(np.searchsorted(start, at, side="right")) - 1, 0)
+                span = start[at_largest], end[at_largest]
                 if static > 0.0:
                     above = PULSE * (largest[chain, place] - static)
                     span = excursion(time, force[:, chain, place] - static, float(at), above)

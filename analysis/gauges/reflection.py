@@ -71,10 +71,10 @@ def _of_chain(pulses: tuple[Pulse, ...], problem: Problem, chain: int, right: bo
     towards = 1 if right else -1
     own = [pulse for pulse in pulses if pulse.chain == chain]
     close = [pulse for pulse in own if _distance(pulse, problem, right).min() <= NEAR]
-    came = _clear([pulse for pulse in close if pulse.direction == towards])
-    if not came:
+    arriving = _clear([pulse for pulse in close if pulse.direction == towards])
+    if not arriving:
         return None
-    incident, *later = sorted(came, key=lambda pulse: float(pulse.arrival[-1]))
+    incident, *later = sorted(arriving, key=lambda pulse: float(pulse.arrival[-1]))
     after, before = incident.arrival[-1], min((pulse.arrival[-1] for pulse in later), default=np.inf)
     back = [pulse for pulse in close if pulse.direction == -towards and _distance(pulse, problem, right)[0] <= NEAR]
     went = _clear([pulse for pulse in back if pulse.arrival[-1] > after and pulse.arrival[0] < before])

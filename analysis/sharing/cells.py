@@ -72,7 +72,7 @@ class CellEnergies:
     """What the leading pulses carry through unlike beads, and leave."""
 
     beads: int = declare("beads of a cell, what the pattern repeats", "beads")
-    left_behind: float = declare(
+    residual_energy: float = declare(
         "residual energy per cell: lost by the pulse of the kicked chain from one cell to the next",
         INPUT,
         UNLIKE_CELLS,
@@ -114,12 +114,12 @@ def _along(found: Survey, chain: int) -> tuple[Integers, Floats]:
     way, share = along_the_way(problem, found.waves.bead[own]), found.shape.energy[own] / found.shared.energy
     order = np.argsort(way)
     way, share = way[order], share[order]
-    struck = [
+    kicked = [
         along_the_way(problem, bead)
-        for _, bead, blow in physics.excitations(problem.system)
-        if blow * found.direction > 0.0
+        for _, bead, excitation in physics.excitations(problem.system)
+        if excitation * found.direction > 0.0
     ]
-    known = np.isfinite(share) & (way > max(struck) + reach(problem))  # none of the energy of kicked beads
+    known = np.isfinite(share) & (way > max(kicked) + reach(problem))  # none of the energy of kicked beads
     return way[known], share[known]
 
 
@@ -151,8 +151,8 @@ class FinalEnergy:
     def end(self, found: Survey, chain: int) -> float | None:
         """Of the last bead on the pulse's way, in that of the energy input; None if no pulse came there."""
         way = along_the_way(found.problem, found.waves.bead[found.waves.chain == chain])
-        came = found.problem.beads in way and found.shared.energy > 0.0
-        return float(self._end[chain - 1] / found.shared.energy) if came else None
+        arrived = found.problem.beads in way and found.shared.energy > 0.0
+        return float(self._end[chain - 1] / found.shared.energy) if arrived else None
 
     def split(self, found: Survey, chain: int, bead: int) -> Split:
         """Where the energy is at the end, seen from a bead."""
@@ -171,13 +171,15 @@ def _only_once(found: Survey, chain: int, bead: int) -> bool:
     """Whether the leading pulse, and nothing else, has come to a bead and passed on, and no energy is lost."""
     problem, here = found.problem, along_the_way(found.problem, bead)
     alone = len(physics.tied_to(problem.system, chain - 1)) == 1 and not dissipates(problem.system)
-    struck = all(
-        along_the_way(problem, hit) < here for at, hit, _ in physics.excitations(problem.system) if at == chain
+    kicked = all(
+        along_the_way(problem, kicked_bead) < here
+        for at, kicked_bead, _ in physics.excitations(problem.system)
+        if at == chain
     )
     way, _ = _along(found, chain)
     passed = bool(np.any(way > here + CLEAR))
     others = [pulse for pulse in found.pulses if pulse.chain == chain and not found.leads(pulse)]
-    return alone and struck and passed and not any(_crosses(pulse, problem, here) for pulse in others)
+    return alone and kicked and passed and not any(_crosses(pulse, problem, here) for pulse in others)
 
 
 def _crosses(pulse: Pulse, problem: Problem, here: int) -> bool:

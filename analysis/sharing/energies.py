@@ -69,8 +69,8 @@ class EnergyFlow:
         between = np.zeros(len(x))
         for link in block.problem.system.across:
             between += np.sum(link.energy(x, block.first), axis=(-2, -1))
-        put_in = energy_input(block)[chosen]
-        between /= np.where(put_in > 0.0, put_in, np.nan)
+        given = energy_input(block)[chosen]
+        between /= np.where(given > 0.0, given, np.nan)
         with np.errstate(invalid="ignore", divide="ignore"):
             weight = np.where(share > LEAST, 1.0, np.nan)[..., np.newaxis] * energy / of_chain
         centre = np.sum(weight * block.beads, axis=-1)

@@ -125,7 +125,7 @@ class Sharing:
             speed = self.loaded.at(self.kicked + 1, self.bead, self._mean)
         return np.asarray(self.exact.width / speed)
 
-    def sure_to(self) -> tuple[float, float]:
+    def uncertainties(self) -> tuple[float, float]:
         """How well amplitudes (relative) and arrivals (in passages) of single waves are known over the last half beat.
 
         Infinite where an arrival is not defined; errors that are not known count as 0.
@@ -275,7 +275,7 @@ def sharing(waves: Waves, problem: Problem, noise: float = 0.0) -> Sharing:
         noise: standard deviation of an amplitude, in units of V.
     """
     system = problem.system
-    kicked, hit, _ = physics.largest_excitation(system)
+    kicked, kicked_bead, _ = physics.largest_excitation(system)
     beads = problem.recorded_beads
     place = {int(bead): k for k, bead in enumerate(beads)}
     rows = np.array([place[int(bead)] for bead in waves.bead], dtype=np.int64)
@@ -292,7 +292,7 @@ def sharing(waves: Waves, problem: Problem, noise: float = 0.0) -> Sharing:
         apart[physics.tied_to(system, kicked - 1)] = False
     clear = np.ones(len(beads), dtype=bool)
     clear = np.all(np.isfinite(side_by_side(waves.peak_velocity)[:, ~apart]), axis=1)
-    clear &= (beads > hit) & (beads <= problem.beads - CLEAR)
+    clear &= (beads > kicked_bead) & (beads <= problem.beads - CLEAR)
     clear &= of_one_kind(problem)[beads - 1]
     found = Sharing(
         kicked - 1,
@@ -357,7 +357,7 @@ def resolved(shared: Sharing, system: System) -> bool:
     apart = int(np.diff(shared.bead).max(initial=1))
     if apart == 1 or not physics.coupled(system):
         return True
-    kappa = physics.kappa(system) if physics.open_row(system) else 0.5 * rates.swing(system) ** 2
+    kappa = physics.kappa(system) if physics.open_row(system) else 0.5 * rates.modal_frequency(system) ** 2
     return bool(physics.gap(system) == 0.0 and apart <= RESOLVED / math.sqrt(kappa))
 
 

@@ -18,7 +18,7 @@ from analysis.shape.waveforms import Passages, Shape, Waveforms, reach
 from analysis.sharing.energies import EnergyShares
 from analysis.sharing.equipartition import Sharing, sharing
 from analysis.sharing.is_solitary import Character, Tolerances, characterise, measured_at, passages_of
-from analysis.sharing.verdict import DecayFit, Verdict, fit_decay, judge
+from analysis.sharing.verdict import DecayFit, Verdict, fit_decay, verdict_on
 from analysis.tracking.leading_waves import (
     Arrival,
     Waves,
@@ -42,7 +42,7 @@ MAX_PASSAGES = 4000
 HALF = 2.0
 """Beads from its peak within which the exact wave has all but 1e-5 of its energy."""
 
-SURE = 5.0
+NOISE_MARGIN = 5.0
 """Standard deviations of the noise that a peak must exceed."""
 
 
@@ -103,7 +103,7 @@ def _leads(pulse: Pulse, waves: Waves, direction: int, problem: Problem) -> bool
     return pulse.direction == direction and bool(np.any((own.bead == pulse.bead[-1]) & same))
 
 
-def _told_from_sound(
+def _distinct_from_sound(
     tracks: tuple[Pulse, ...], waves: Waves, direction: int, problem: Problem
 ) -> tuple[tuple[Pulse, ...], tuple[Pulse, ...]]:
     """Pulses, and the crests of sound that there are under a static load."""
@@ -137,7 +137,7 @@ def survey(
         arrival: what counts as the arrival of a leading wave; by default
             `analysis.tracking.leading_waves.usual_arrival`.
         leading: the leading waves with that arrival, where they were found at more beads than are recorded.
-        counted: gives frames of all beads their ledger (`analysis.trajectory.LEDGER`) where they have none.
+        counted: gives frames of all beads their exchange (`analysis.trajectory.EXCHANGES`) where they have none.
 
     Raises:
         ValueError: there was no frame.
@@ -148,7 +148,7 @@ def survey(
         raise ValueError("no frames to analyse")
     noise = noise_at_start(first)
     left = left_by_smoothing(noise, problem.every)
-    options: dict[str, Any] = {"threshold": max(THRESHOLD, SURE * left), "noisy": noise > 0.0}
+    options: dict[str, Any] = {"threshold": max(THRESHOLD, NOISE_MARGIN * left), "noisy": noise > 0.0}
     forward, backward = PeakFinder(direction=1, **options), PeakFinder(direction=-1, **options)
     given, window = _Input(), _Window()
     counts = counted if physics.exchanges(system) and problem.whole else None
@@ -159,7 +159,7 @@ def survey(
 
     direction = direction_of(problem)
     along = problem if direction > 0 else mirrored_problem(problem)
-    smallest = max(SMALLEST, 2.0 * SURE * left)
+    smallest = max(SMALLEST, 2.0 * NOISE_MARGIN * left)
     tracks = once_each(
         tuple(
             pulse
@@ -181,7 +181,7 @@ def survey(
     every_bead = along if leading is None else replace(along, recorded=None)
     shared = sharing(waves if direction > 0 else mirrored_waves(waves, problem), every_bead, left)
     shared = replace(shared, energy=given.energy)
-    pulses, crests = _told_from_sound(tracks, waves, direction, problem)
+    pulses, crests = _distinct_from_sound(tracks, waves, direction, problem)
     back = {direction: returns(waves, problem, direction), -direction: np.full((problem.chains, problem.beads), np.inf)}
     clear = tuple(clear_of_ends(pulse, problem, back[pulse.direction]) for pulse in pulses)
     at = [measured_at(pulse, problem, last_time, mask) for pulse, mask in zip(pulses, clear, strict=True)]
@@ -215,7 +215,7 @@ def survey(
         shared=shared,
         energies=energies,
         decay=decay,
-        verdict=judge(shared, along, decay),
+        verdict=verdict_on(shared, along, decay),
     )
 
 
@@ -299,7 +299,7 @@ def _first_reading(
     """Show the run to all; a noisy one once as recorded and once smoothed. Returns the time of the last frame."""
     last_time = 0.0
     for block in read():
-        if counted is not None and block.ledger is None:
+        if counted is not None and block.exchange is None:
             block = counted(block)
         for watcher in watchers:
             watcher.add(block)

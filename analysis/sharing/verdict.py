@@ -94,18 +94,18 @@ def fit_decay(shared: Sharing, problem: Problem) -> DecayFit | None:
         or len(shared) == 0
     ):
         return None
-    chain, hit = shared.kicked, physics.excitations(system)[0][1]
+    chain, kicked_bead = shared.kicked, physics.excitations(system)[0][1]
     springs = stiffness_of_springs(problem, chain)
     if not springs:
         return None
     others = np.nanmax(np.delete(shared.amplitude, chain, axis=1), axis=1)
     regime = others < LARGEST_NEIGHBOUR * shared.amplitude[:, chain]
-    ahead = shared.bead >= hit + FIRST
+    ahead = shared.bead >= kicked_bead + FIRST
     ended = np.flatnonzero(ahead & ~regime)
     used = np.flatnonzero(ahead)[: None if len(ended) == 0 else int(ended[0] - np.argmax(ahead))]
     if len(used) < LEAST_BEADS:
         return None
-    way, amplitude = (shared.bead[used] - hit).astype(float), shared.amplitude[used, chain]
+    way, amplitude = (shared.bead[used] - kicked_bead).astype(float), shared.amplitude[used, chain]
     (slope, intercept), covariance = np.polyfit(way, amplitude**0.4, 1, cov=True)
     if slope >= 0.0:
         return None
@@ -119,7 +119,7 @@ def fit_decay(shared: Sharing, problem: Problem) -> DecayFit | None:
         v0=float(intercept**2.5),
         n_star=n_star,
         n_star_error=n_star * float(np.sqrt(max(relative, 0.0))),
-        n_star_expected=expected_n_star(springs) if hit == 1 else float("nan"),
+        n_star_expected=expected_n_star(springs) if kicked_bead == 1 else float("nan"),
         deviation=float(np.max(np.abs(law / amplitude - 1.0))),
     )
 
@@ -163,9 +163,9 @@ class Verdict:
     sentence: str
 
 
-def judge(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict:
+def verdict_on(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict:
     """The verdict on a run. Equality must have lasted for half a beat to count."""
-    found = _judge(shared, problem, decay)
+    found = _verdict_on(shared, problem, decay)
     if found.state in (State.BEATING, State.SHORT) and len(shared) and unlike(problem.system, shared.kicked):
         what = f"the chains are {State.UNLIKE.value}: at bead {shared.bead[-1]} amplitudes differ by "
         what += f"{shared.mismatch[-1]:.1%}, and no agreement to 1% has lasted for half a beat"
@@ -173,7 +173,7 @@ def judge(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict:
     return found
 
 
-def _judge(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict:
+def _verdict_on(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict:
     system = problem.system
     if not system.holds(Fact.PULSE):
         return Verdict(State.NO_PULSE, None, None, f"{State.NO_PULSE.value}: no pulse keeps its shape in this scene")
@@ -226,7 +226,7 @@ def _judge(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict
 
 def _doubt(shared: Sharing) -> str:
     """Why agreement to 1% cannot be told from these waves; empty if it can."""
-    amplitude, arrival = shared.sure_to()
+    amplitude, arrival = shared.uncertainties()
     if arrival == math.inf:
         return "beads fly freely when they are fastest, so that arrivals at the maximum are not defined"
     if max(amplitude, arrival) > AGREEMENT:

@@ -101,7 +101,7 @@ class Sound:
             overlap=_ends(rest),
             speed=speed,
             metres=None if bead_length is None or speed is None else speed / problem.scale.time * bead_length,
-            cutoff=rates.swing(system) if found is None else float(found.max()),
+            cutoff=rates.modal_frequency(system) if found is None else float(found.max()),
             crest=max((float(crest.peak_velocity.max()) for crest in crests), default=None),
             pulse=pulse,
         )
@@ -128,7 +128,7 @@ class LoadedPulse:
     def __init__(self, problem: Problem) -> None:
         self._problem = problem
         shape = problem.chains, problem.beads - 1
-        self._least = SMALLEST / rates.pace(problem.system)
+        self._least = SMALLEST / rates.front_speed(problem.system)
         self._arrival, self._strain = np.full(shape, np.nan), np.full(shape, np.nan)
         self._carried: Trajectory | None = None
 
@@ -159,8 +159,8 @@ class LoadedPulse:
         problem = self._problem
         system = problem.system
         way = direction_of(problem)
-        hit, bead, _ = physics.largest_excitation(system)
-        chain, count = hit - 1, problem.beads - 1
+        number, bead, _ = physics.largest_excitation(system)
+        chain, count = number - 1, problem.beads - 1
         contact = np.arange(count)
         distance = contact - (bead - 1) if way > 0 else (bead - 2) - contact
         ahead = count - contact if way > 0 else contact + 1
@@ -181,4 +181,4 @@ class LoadedPulse:
         taken = float(self._arrival[chain, last] - self._arrival[chain, first])
         sound = float(np.mean(sound_speed(system)[chain, used]))
         theory = float(speed_over_sound(ratio, physics.exponent(system) or 1.5)) if physics.one_kind(system) else np.nan
-        return LoadedWave(hit, first + 1, last + 1, ratio, abs(last - first) / taken, sound, theory)
+        return LoadedWave(number, first + 1, last + 1, ratio, abs(last - first) / taken, sound, theory)

@@ -16,12 +16,14 @@ class Residual:
     """What the window has left."""
 
     rows: int | None = declare("rows of the window", "rows")
-    left_behind: float = declare(
+    residual_velocity: float = declare(
         "largest velocity along the chain of a bead when the window left it; 0 if it left none", "V"
     )
     bead: int = declare("number of that bead; 0 if the window left none")
     slowest_wave: float = declare(
-        "amplitude of the lowest leading wave, which ``left_behind`` must not exceed", "V", "the window has not moved"
+        "amplitude of the lowest leading wave, which ``residual_velocity`` must not exceed",
+        "V",
+        "the window has not moved",
     )
 
     @property
@@ -30,8 +32,8 @@ class Residual:
         """Whether anything could have caught up, in words."""
         if self.bead == 0:
             return "window: no residual motion behind it"
-        found = f"window: residual velocity of the beads behind it {self.left_behind:.2g} V or less"
-        if self.left_behind < self.slowest_wave:
+        found = f"window: residual velocity of the beads behind it {self.residual_velocity:.2g} V or less"
+        if self.residual_velocity < self.slowest_wave:
             return f"{found}, every leading wave at {self.slowest_wave:.2g} V or more: nothing catches up"
         return (
             f"{found}, a leading wave at {self.slowest_wave:.2g} V only: what was left might catch up; take a wider "

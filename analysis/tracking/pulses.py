@@ -201,7 +201,7 @@ class _Track:
     """
 
     passages: list[int]
-    pace: float = 1.0
+    usual_delay: float = 1.0
     bound: float = np.inf
 
 
@@ -220,7 +220,7 @@ def _linked(
     for number, (start, end) in enumerate(zip(starts, ends, strict=True)):
         if start < end and open_tracks:
             last = np.array([track.passages[-1] for track in open_tracks])
-            pace = np.array([[track.pace] for track in open_tracks])
+            usual_delay = np.array([[track.usual_delay] for track in open_tracks])
             bound = np.array([[track.bound] for track in open_tracks])
             here = np.arange(start, end)
             amplitude = np.sqrt(peaks.velocity[last][:, np.newaxis] * peaks.velocity[here])
@@ -228,16 +228,18 @@ def _linked(
             delay = (peaks.time[here] - peaks.time[last][:, np.newaxis]) * speed_at(amplitude, peaks.bead[here]) / way
             ratio = peaks.velocity[here] / peaks.velocity[last][:, np.newaxis]
             ratio = np.minimum(ratio, 1.0 / ratio)
-            cost = (delay - pace) ** 2 + 0.1 * np.log(ratio) ** 2
+            cost = (delay - usual_delay) ** 2 + 0.1 * np.log(ratio) ** 2
             slack = SCATTER * noise / amplitude * speed_at(amplitude, peaks.bead[here]) / way
-            far = (np.abs(delay - pace) > bound + slack) | (delay < EARLIEST - slack) | (delay > LATEST + slack)
+            far = (np.abs(delay - usual_delay) > bound + slack) | (delay < EARLIEST - slack) | (delay > LATEST + slack)
             cost[far | (ratio < FAINTEST)] = np.inf
             taken = set()
             for row, column in _cheapest_pairs(cost):
                 track = open_tracks[row]
                 track.passages.append(int(here[column]))
                 steady = noise > 0.0 and np.isfinite(track.bound)
-                track.pace = 0.5 * (track.pace + delay[row, column]) if steady else float(delay[row, column])
+                track.usual_delay = (
+                    0.5 * (track.usual_delay + delay[row, column]) if steady else float(delay[row, column])
+                )
                 track.bound = UNSTEADIEST
                 taken.add(column)
         else:

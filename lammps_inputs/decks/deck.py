@@ -317,7 +317,7 @@ def travel_lines(problem: Problem) -> list[str]:
     if problem.window is None:
         return scheme.run_lines(problem.scheme, "${steps}")
     travel = [
-        window.stretch_line(problem.timestep, scheme.cycle(problem.scheme), rates.pace(problem.system)),
+        window.stretch_line(problem.timestep, scheme.cycle(problem.scheme), rates.front_speed(problem.system)),
         *window.travel_lines(problem.scheme),
     ]
     return travel if problem.scheme == "verlet" else [*scheme.QUIET, *travel, *scheme.LOUD]

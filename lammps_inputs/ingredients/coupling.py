@@ -67,14 +67,14 @@ class Graph(Part):
     _from_list = field_validator("lattice", "edges", mode="before")(strict_yaml.as_tuple)
 
 
-def _told_apart(model: type[Part]) -> Discriminator:
+def _distinguished(model: type[Part]) -> Discriminator:
     """Pairs of keys and values are the model, all else is tried as the plain value."""
     return Discriminator(lambda value: "<keys>" if isinstance(value, dict | model) else "<plain>")
 
 
-_Stiffness = Annotated[Annotated[Stiffness, Tag("<plain>")] | Annotated[Ramp, Tag("<keys>")], _told_apart(Ramp)]
+_Stiffness = Annotated[Annotated[Stiffness, Tag("<plain>")] | Annotated[Ramp, Tag("<keys>")], _distinguished(Ramp)]
 _Name = Literal["open", "ring"]
-_Topology = Annotated[Annotated[_Name, Tag("<plain>")] | Annotated[Graph, Tag("<keys>")], _told_apart(Graph)]
+_Topology = Annotated[Annotated[_Name, Tag("<plain>")] | Annotated[Graph, Tag("<keys>")], _distinguished(Graph)]
 
 
 class Coupling(Ingredient):

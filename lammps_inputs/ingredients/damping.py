@@ -19,7 +19,7 @@ from lammps_inputs.ingredients.base import Ingredient
 from lammps_inputs.ingredients.contact import HERTZ
 from lammps_inputs.laws import Parameter
 from lammps_inputs.laws.dashpot import (
-    NO_FLOOR,
+    NO_LIMIT,
     ContactDashpot,
     ContactLoss,
     Dashpot,
@@ -197,10 +197,10 @@ class Damping(Ingredient):
             coefficient = alpha(self.contact, exponent) * np.sqrt(reduced * strength)
             return RESTITUTIONS[exponent](coefficient, self.contact)
         unit = scale.force / scale.velocity
-        floor = strength if self.tension == "cut" else NO_FLOOR
+        tensile_limit = strength if self.tension == "cut" else NO_LIMIT
         if self.law == "viscoelastic":
-            return Viscoelastic(self.contact / unit * scale.length**0.5, floor)
-        return ContactDashpot(self.contact / unit, floor)
+            return Viscoelastic(self.contact / unit * scale.length**0.5, tensile_limit)
+        return ContactDashpot(self.contact / unit, tensile_limit)
 
     def _at_wall(self, wall: Wall, scene: "BaseScene") -> WallDashpot:
         """That of the contacts, of one bead: as much of the speed is lost, or as much of the force is the dashpot's.
@@ -221,8 +221,8 @@ class Damping(Ingredient):
             of[2.0] = float(self.contact / unit * scene.scale.length**0.5) * strength
         else:
             of[1.0] = np.where(strength > 0.0, float(self.contact / unit), 0.0)
-        floor = strength if self.tension == "cut" else NO_FLOOR
-        return WallDashpot(of[1.0], of[2.0], of[HERTZ], floor)
+        tensile_limit = strength if self.tension == "cut" else NO_LIMIT
+        return WallDashpot(of[1.0], of[2.0], of[HERTZ], tensile_limit)
 
 
 def _walls(scene: "BaseScene") -> tuple[Wall, ...]:

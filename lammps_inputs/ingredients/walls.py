@@ -126,7 +126,7 @@ def _law(key: str, strength: NDArray[np.float64], scene: "BaseScene") -> Law:
     """
     law = scene.contact_law(strength) or Hertz(strength)
     with np.errstate(all="ignore"):
-        if not np.all(np.isfinite(law.reach(1.0, *law))):
+        if not np.all(np.isfinite(law.max_strain(1.0, *law))):
             raise ValueError(
                 f"walls.{key}: a wall has the law of the contacts, and the reach of theirs is not 0 where its strength "
                 "is; make it so, or leave the wall out"

@@ -58,7 +58,7 @@ class Law(Protocol):
         """See above."""
 
     @property
-    def reach(self) -> Callable[..., Any]:
+    def max_strain(self) -> Callable[..., Any]:
         """See above."""
 
     def __iter__(self) -> Iterator[Any]:
@@ -80,9 +80,9 @@ def stiffness(law: Law, strain: Any) -> Any:
     return law.stiffness(strain, *law)
 
 
-def reach(law: Law, total_energy: float) -> float:
+def max_strain(law: Law, total_energy: float) -> float:
     """Largest strain that an energy can bring any of the links to."""
-    return float(np.max(law.reach(total_energy, *law)))
+    return float(np.max(law.max_strain(total_energy, *law)))
 
 
 def stiffest(law: Law, total_energy: float) -> float:
@@ -98,7 +98,7 @@ def stiffest_of_each(law: Law, total_energy: float) -> Any:
     """
     if hasattr(law, "stiffest"):
         return law.stiffest(total_energy, *law)
-    farthest = law.reach(total_energy, *law)
+    farthest = law.max_strain(total_energy, *law)
     return functools.reduce(np.fmax, (law.stiffness(part * farthest, *law) for part in _PARTS))
 
 

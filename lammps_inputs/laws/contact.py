@@ -46,7 +46,7 @@ class Hertz(NamedTuple):
         return strength * (1.5 * np.sqrt(np.maximum(s, 0.0)))
 
     @staticmethod
-    def reach(energy: Any, strength: Any) -> Any:
+    def max_strain(energy: Any, strength: Any) -> Any:
         """Overlap at which one contact holds the whole energy; 0 where there is none."""
         return (2.5 * energy / np.where(np.asarray(strength) > 0.0, strength, np.inf)) ** 0.4
 
@@ -133,7 +133,7 @@ class Power(NamedTuple):
         return strength * (exponent * np.maximum(s, 0.0) ** (exponent - 1.0)) * (np.asarray(s) > 0.0)
 
     @staticmethod
-    def reach(energy: Any, strength: Any, exponent: Any) -> Any:
+    def max_strain(energy: Any, strength: Any, exponent: Any) -> Any:
         """Overlap at which one contact holds the whole energy; 0 where there is none."""
         strong = np.where(np.asarray(strength) > 0.0, strength, np.inf)
         return ((exponent + 1.0) * energy / strong) ** (1.0 / (exponent + 1.0))

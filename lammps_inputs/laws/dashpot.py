@@ -12,8 +12,8 @@ strain, rate of strain and the parameters:
 - ``granular(layout)``: of contacts, what LAMMPS's ``pair_style granular`` calls it: coefficient and model.
 
 Dashpots of contacts act while the beads touch; under a static load ``rest`` is the overlap from which the strain
-counts. Where they pull harder than the contact pushes, so does their sum; ``floor`` cuts it at nothing where it is the
-contact's strength, and is `NO_FLOOR` where beads may stick.
+counts. Where a dashpot pulls harder than the contact pushes, so does their sum; with the contact's strength as
+``tensile_limit`` the sum is never tensile, with `NO_LIMIT` it may be.
 
 The dashpot of a wall is one of the contacts': any of the three, so that coefficients of two are 0.
 """
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from lammps_inputs.links import Across
 
 
-NO_FLOOR = 1e300
+NO_LIMIT = 1e300
 """A contact of this strength is never pulled open: its product with an overlap is finite, and 0 at none."""
 
 LEAST = 1e-4
@@ -77,7 +77,7 @@ class Dashpot(NamedTuple):
         return Lines(
             variables=(f"variable {name} index {text(float(np.max(self.coefficient)))}   # force per velocity",),
             motion=(f"fix {name} all viscous ${{{name}}}",),
-            heavier=name if layout.centred else None,
+            heavier=name if layout.velocity_at_full_steps else None,
         )
 
     def across(self, link: "Across", layout: "Layout") -> Lines:
@@ -107,33 +107,33 @@ class ContactDashpot(NamedTuple):
 
     coefficient: Parameter
     """g, in units of m / T."""
-    floor: Parameter = NO_FLOOR
+    tensile_limit: Parameter = NO_LIMIT
     rest: Parameter = 0.0
 
     @staticmethod
-    def damping(s: Any, rate: Any, coefficient: Any, floor: Any, rest: Any) -> Any:
+    def damping(s: Any, rate: Any, coefficient: Any, tensile_limit: Any, rest: Any) -> Any:
         """Jumps where the beads meet and part."""
         closed = np.maximum(s + rest, 0.0)
-        return np.maximum((closed > 0.0) * (coefficient * rate), -floor * (closed * np.sqrt(closed)))
+        return np.maximum((closed > 0.0) * (coefficient * rate), -tensile_limit * (closed * np.sqrt(closed)))
 
     @staticmethod
-    def resistance(s: Any, coefficient: Any, floor: Any, rest: Any) -> Any:  # noqa: ARG004
+    def resistance(s: Any, coefficient: Any, tensile_limit: Any, rest: Any) -> Any:  # noqa: ARG004
         """The same at any overlap."""
         return coefficient * (np.asarray(s + rest) > 0.0)
 
     @staticmethod
-    def growth(s: Any, coefficient: Any, floor: Any, rest: Any) -> Any:  # noqa: ARG004
+    def growth(s: Any, coefficient: Any, tensile_limit: Any, rest: Any) -> Any:  # noqa: ARG004
         """None."""
         return 0.0 * coefficient * s
 
     @staticmethod
-    def impulse(s: Any, coefficient: Any, floor: Any, rest: Any) -> Any:  # noqa: ARG004
+    def impulse(s: Any, coefficient: Any, tensile_limit: Any, rest: Any) -> Any:  # noqa: ARG004
         """``g ((d0 + s)+ - d0)``."""
         return coefficient * np.maximum(s, -rest)
 
     def granular(self, layout: "Layout") -> tuple[float, str]:  # noqa: ARG002
         """LAMMPS's own coefficient."""
-        return float(np.max(self.coefficient)), "damping velocity" + _limit(self.floor)
+        return float(np.max(self.coefficient)), "damping velocity" + _limit(self.tensile_limit)
 
 
 class Viscoelastic(NamedTuple):
@@ -141,27 +141,27 @@ class Viscoelastic(NamedTuple):
 
     coefficient: Parameter
     """b, in units of m / (T L**0.5)."""
-    floor: Parameter = NO_FLOOR
+    tensile_limit: Parameter = NO_LIMIT
     rest: Parameter = 0.0
 
     @staticmethod
-    def damping(s: Any, rate: Any, coefficient: Any, floor: Any, rest: Any) -> Any:
+    def damping(s: Any, rate: Any, coefficient: Any, tensile_limit: Any, rest: Any) -> Any:
         """Proportional to the contact's radius."""
         root = np.sqrt(np.maximum(s + rest, 0.0))
-        return np.maximum(coefficient * root * rate, -floor * (root * root * root))
+        return np.maximum(coefficient * root * rate, -tensile_limit * (root * root * root))
 
     @staticmethod
-    def resistance(s: Any, coefficient: Any, floor: Any, rest: Any) -> Any:  # noqa: ARG004
+    def resistance(s: Any, coefficient: Any, tensile_limit: Any, rest: Any) -> Any:  # noqa: ARG004
         """Grows with the overlap."""
         return coefficient * np.sqrt(np.maximum(s + rest, 0.0))
 
     @staticmethod
-    def growth(s: Any, coefficient: Any, floor: Any, rest: Any) -> Any:  # noqa: ARG004
+    def growth(s: Any, coefficient: Any, tensile_limit: Any, rest: Any) -> Any:  # noqa: ARG004
         """Without end where the beads meet, and so cut there."""
         return 0.5 * coefficient * (s + rest > 0.0) / np.sqrt(np.maximum(s + rest, LEAST))
 
     @staticmethod
-    def impulse(s: Any, coefficient: Any, floor: Any, rest: Any) -> Any:  # noqa: ARG004
+    def impulse(s: Any, coefficient: Any, tensile_limit: Any, rest: Any) -> Any:  # noqa: ARG004
         """``2/3 b ((d0 + s)+**1.5 - d0**1.5)``."""
         closed = np.maximum(s + rest, 0.0)
         return coefficient * (2.0 / 3.0 * closed * np.sqrt(closed) - 2.0 / 3.0 * rest * np.sqrt(rest))
@@ -169,7 +169,7 @@ class Viscoelastic(NamedTuple):
     def granular(self, layout: "Layout") -> tuple[float, str]:
         """LAMMPS multiplies by the contact's radius, sqrt(diameter / 4 * overlap), and the reduced mass, 1/2."""
         unit = 2.0 / float(np.sqrt(layout.diameter / 4.0))
-        return unit * float(np.max(self.coefficient)), "damping viscoelastic" + _limit(self.floor)
+        return unit * float(np.max(self.coefficient)), "damping viscoelastic" + _limit(self.tensile_limit)
 
 
 class Restitution(NamedTuple):
@@ -232,12 +232,12 @@ def resistance(law: Any, strain: Any) -> Any:
 
 def cut(law: Any) -> bool:
     """Whether a law of damping cuts tension, so that its force does not follow from the strain and its rate alone."""
-    return bool(np.min(getattr(law, "floor", NO_FLOOR)) < NO_FLOOR)
+    return bool(np.min(getattr(law, "floor", NO_LIMIT)) < NO_LIMIT)
 
 
-def at_reach(law: Any, elastic: laws.Law, energy: float) -> Any:
+def at_max_strain(law: Any, elastic: laws.Law, energy: float) -> Any:
     """Resistance of contacts where each alone holds an energy."""
-    return resistance(law, elastic.reach(energy, *elastic))
+    return resistance(law, elastic.max_strain(energy, *elastic))
 
 
 def beside(elastic: Lines, layout: "Layout") -> Lines:
@@ -281,8 +281,8 @@ def overlaid(contacts: list[str], beside: list[tuple[str, ...]]) -> list[str]:
     return [*lines, *(line for _, *more in beside for line in more)]
 
 
-def _limit(floor: Parameter) -> str:
-    return " limit_damping" if np.min(floor) < NO_FLOOR else ""
+def _limit(tensile_limit: Parameter) -> str:
+    return " limit_damping" if np.min(tensile_limit) < NO_LIMIT else ""
 
 
 class WallDashpot(NamedTuple):
@@ -294,27 +294,29 @@ class WallDashpot(NamedTuple):
     """b, in units of m / (T L**0.5)."""
     by_stiffness: Parameter
     """a, in units of m / (T L**0.25)."""
-    floor: Parameter
-    """Strength of the wall where tension is cut, else `NO_FLOOR`."""
+    tensile_limit: Parameter
+    """Strength of the wall where tension is cut, else `NO_LIMIT`."""
     rest: Parameter = 0.0
 
     @staticmethod
-    def damping(s: Any, rate: Any, steady: Any, by_radius: Any, by_stiffness: Any, floor: Any, rest: Any) -> Any:
+    def damping(
+        s: Any, rate: Any, steady: Any, by_radius: Any, by_stiffness: Any, tensile_limit: Any, rest: Any
+    ) -> Any:
         """As of the contacts."""
         closed = np.maximum(s + rest, 0.0)
         root = np.sqrt(closed)
         force = ((closed > 0.0) * steady + by_radius * root + by_stiffness * np.sqrt(root)) * rate
-        return np.maximum(force, -floor * (closed * root))
+        return np.maximum(force, -tensile_limit * (closed * root))
 
     @staticmethod
-    def resistance(s: Any, steady: Any, by_radius: Any, by_stiffness: Any, floor: Any, rest: Any) -> Any:  # noqa: ARG004
+    def resistance(s: Any, steady: Any, by_radius: Any, by_stiffness: Any, tensile_limit: Any, rest: Any) -> Any:  # noqa: ARG004
         """Grows with the overlap."""
         closed = np.maximum(s + rest, 0.0)
         root = np.sqrt(closed)
         return (closed > 0.0) * steady + by_radius * root + by_stiffness * np.sqrt(root)
 
     @staticmethod
-    def growth(s: Any, steady: Any, by_radius: Any, by_stiffness: Any, floor: Any, rest: Any) -> Any:  # noqa: ARG004
+    def growth(s: Any, steady: Any, by_radius: Any, by_stiffness: Any, tensile_limit: Any, rest: Any) -> Any:  # noqa: ARG004
         """Without end where the bead meets the wall, and so cut there."""
         overlap = s + rest
         closed = np.maximum(overlap, LEAST)
@@ -322,7 +324,7 @@ class WallDashpot(NamedTuple):
         return (overlap > 0.0) * (0.5 * by_radius / root + 0.25 * by_stiffness / (root * np.sqrt(root)))
 
     @staticmethod
-    def impulse(s: Any, steady: Any, by_radius: Any, by_stiffness: Any, floor: Any, rest: Any) -> Any:  # noqa: ARG004
+    def impulse(s: Any, steady: Any, by_radius: Any, by_stiffness: Any, tensile_limit: Any, rest: Any) -> Any:  # noqa: ARG004
         """Nothing at rest, to the last bit."""
         closed = np.maximum(s + rest, 0.0)
         root, low = np.sqrt(closed), np.sqrt(rest)

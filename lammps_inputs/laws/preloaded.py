@@ -59,7 +59,7 @@ class Preloaded(NamedTuple):
         return strength * (1.5 * np.sqrt(np.maximum(rest + s, 0.0)))
 
     @staticmethod
-    def reach(energy: Any, strength: Any, rest: Any, load: Any) -> Any:
+    def max_strain(energy: Any, strength: Any, rest: Any, load: Any) -> Any:
         """Strain at which one contact holds the whole energy; 0 where there is no contact."""
         there = np.asarray(strength) > 0.0
         a = np.where(there, strength, 1.0)
@@ -108,9 +108,9 @@ class PreloadedPower(NamedTuple):
         return Power.stiffness(rest + s, strength, exponent)
 
     @staticmethod
-    def reach(energy: Any, strength: Any, exponent: Any, rest: Any, load: Any) -> Any:
+    def max_strain(energy: Any, strength: Any, exponent: Any, rest: Any, load: Any) -> Any:
         """Strain at which one contact holds the whole energy."""
-        alone = Power.reach(energy, strength, exponent)
+        alone = Power.max_strain(energy, strength, exponent)
         return _strain(energy, PreloadedPower(strength, exponent, rest, load), alone)
 
     def along(self, name: str, layout: "Layout") -> Lines:

@@ -37,7 +37,7 @@ class Linear(NamedTuple):
         return spring * np.ones_like(s)
 
     @staticmethod
-    def reach(energy: Any, spring: Any) -> Any:
+    def max_strain(energy: Any, spring: Any) -> Any:
         """Strain at which one spring holds the whole energy; 0 where there is none."""
         # roots apart: the quotient may overflow
         return np.sqrt(2.0 * energy) / np.sqrt(np.where(np.asarray(spring) > 0.0, spring, np.inf))
@@ -115,7 +115,7 @@ class Duffing(NamedTuple):
         return spring * np.ones_like(s) + 3.0 * cubic * (s * s)
 
     @staticmethod
-    def reach(energy: Any, spring: Any, cubic: Any) -> Any:
+    def max_strain(energy: Any, spring: Any, cubic: Any) -> Any:
         """Strain at which one spring holds the whole energy; 0 where there is no spring."""
         # s**2 is the root of c q**2 + 2 k q - 4 energy, in the form that has no difference of like numbers
         root = spring + np.sqrt(spring * spring + 4.0 * cubic * energy)

@@ -52,7 +52,7 @@ def never_closes(chains: int, kappa: float, gap: float, kicks: Iterable[tuple[in
     return all(_stays_open(closing, kappa, gap) for closing in relative)
 
 
-def slowest_swing(chains: int, kappa: float) -> float:
+def lowest_modal_frequency(chains: int, kappa: float) -> float:
     """Angular frequency of the slowest mode in which a row of chains oscillates: sqrt(2 kappa) for two."""
     return 2.0 * math.sqrt(kappa) * math.sin(math.pi / (2.0 * chains))
 
@@ -61,10 +61,10 @@ def _stays_open(closing: Floats, kappa: float, gap: float) -> bool:
     """Whether a row whose beads set out with these velocities [chain] provably never advances by the gap anywhere."""
     chains = len(closing)
     drift = min(0.0, float(closing.mean()))
-    swing = closing - closing.mean()
+    deviation = closing - closing.mean()
     # no bead of a row swings by more than this share of the norm of the row
-    share = math.sqrt((chains - 1) / chains) * float(np.linalg.norm(swing))
-    slowest = slowest_swing(chains, kappa)
+    share = math.sqrt((chains - 1) / chains) * float(np.linalg.norm(deviation))
+    slowest = lowest_modal_frequency(chains, kappa)
     rounding = 1e-12 * float(np.abs(closing).max())
     if share / slowest < gap or drift + share <= rounding:
         return True
@@ -80,5 +80,5 @@ def _stays_open(closing: Floats, kappa: float, gap: float) -> bool:
     shape = np.sqrt(2.0 / chains) * np.cos(math.pi / chains * np.outer(mode, np.arange(chains) + 0.5))
     omega = 2.0 * math.sqrt(kappa) * np.sin(math.pi / (2.0 * chains) * mode)
     time = np.linspace(0.0, end, math.ceil(steps) + 2)[:, np.newaxis]
-    advance = drift * time + (np.sin(omega * time) * (shape @ swing) / omega) @ shape
+    advance = drift * time + (np.sin(omega * time) * (shape @ deviation) / omega) @ shape
     return bool(advance.max() < 0.5 * gap)

@@ -36,7 +36,7 @@ def of_contacts(system: System) -> float:
     return float(np.sqrt(_contacts(system)))
 
 
-def swing(system: System) -> float:
+def modal_frequency(system: System) -> float:
     """Angular frequency, at most, of a bead on its springs, those across and those to the ground, and of sound."""
     return float(np.sqrt(_springs(system) + sound_frequency(system) ** 2))
 
@@ -51,7 +51,7 @@ def sound_frequency(system: System) -> float:
     return float(np.sqrt(np.max(total / system.mass)))
 
 
-def pace(system: System) -> float:
+def front_speed(system: System) -> float:
     """Beads that a pulse passes in a unit of time, at most.
 
     As fast as sound at the largest force, if any bead is lighter, or any contact under load or harder, than the
@@ -70,10 +70,10 @@ def drag(system: System) -> float:
     contacts, others = np.zeros(1), 0.0
     for link in system.dampers:
         if isinstance(link, Along):
-            reached = dashpot.at_reach(link.law, system.along[0].law, physics.energy(system))
+            reached = dashpot.at_max_strain(link.law, system.along[0].law, physics.energy(system))
             contacts = contacts + _on_beads(system, reached)
         elif isinstance(link, Wall):
-            contacts = contacts + dashpot.at_reach(
+            contacts = contacts + dashpot.at_max_strain(
                 link.law, physics.wall_at(system, link.side).law, physics.energy(system)
             )
         else:
@@ -156,7 +156,7 @@ the second order.
 def stability_bound(system: System, scheme: SchemeName = "verlet") -> float:
     """Largest stable (mean) Verlet step, ``2 / omega_max`` for velocity Verlet, of a dimensionless system."""
     bound = largest_phase(scheme) / fastest(system)
-    if not system.dampers or physics.centred(system):
+    if not system.dampers or physics.velocity_at_full_steps(system):
         return bound
     # the root of (omega h)**2 + 2 drag h = 4, from the characteristic polynomial with velocities of the half step
     braked = 0.5 * bound * drag(system)
@@ -178,9 +178,9 @@ def _order(scheme: SchemeName) -> float:
 
 def timestep_for(accuracy: float, duration: float, system: System, scheme: SchemeName = "verlet") -> float:
     """A (mean) step of Verlet that should end with an error below the accuracy, by the rule; all dimensionless."""
-    contacts, springs, braked = of_contacts(system), swing(system), drag(system)
+    contacts, springs, braked = of_contacts(system), modal_frequency(system), drag(system)
     step = largest_timestep(accuracy, system, scheme)
-    if system.dampers and not physics.centred(system):
+    if system.dampers and not physics.velocity_at_full_steps(system):
         step = min(step, accuracy / (_DASHPOTS * (contacts + braked)))
     elif system.dampers:
         step = min(step, math.sqrt(accuracy / _LATE_DRAG) / braked)

@@ -160,10 +160,10 @@ def overlap_bounds(system: System) -> tuple[float, float]:
     law = system.along[0].law
     if physics.loaded(system):
         rest = laws.rest(law)
-        return float(np.max(rest)), float(np.max(rest + law.reach(physics.energy(system), *law)))
+        return float(np.max(rest)), float(np.max(rest + law.max_strain(physics.energy(system), *law)))
     as_reference = bool(np.all(np.equal(laws.strength(law), 1.0)))
     if not (as_reference and physics.simply_coupled(system) and system.holds(Fact.MOMENTUM)):
-        return 0.0, laws.reach(law, physics.energy(system))
+        return 0.0, laws.max_strain(law, physics.energy(system))
     chains, beads, kappa, coupled = system.chains, system.beads, physics.kappa(system), physics.coupled(system)
     velocities = {(chain, bead): velocity for chain, bead, velocity in system.kicks}
     groups: dict[int, list[float]] = {}
@@ -182,7 +182,7 @@ def overlap_bounds(system: System) -> tuple[float, float]:
     # each of the two beads has at most two springs, and n springs of energy E pull with sqrt(2 n kappa E) at most
     springs = min(4, 2 * (chains - 1)) if coupled else 0
     pull = math.sqrt(2.0 * springs * kappa * max(storable, 0.0))
-    high = laws.reach(law, max(storable, 0.0))
+    high = laws.max_strain(law, max(storable, 0.0))
     return min(_comes_to_rest(law, closing, pull, physics.gap(system)), high), high
 
 
@@ -191,7 +191,7 @@ def _comes_to_rest(law: Law, speed: float, pull: float, gap: float) -> float:
     energy = 0.5 * speed**2 - pull * gap
     if not energy > 0.0:
         return 0.0
-    low, high = 0.0, laws.reach(law, 0.5 * energy)
+    low, high = 0.0, laws.max_strain(law, 0.5 * energy)
     if pull == 0.0:
         return high
     for _ in range(60):

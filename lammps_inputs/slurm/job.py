@@ -221,7 +221,11 @@ def render_input(problem: Problem) -> str:
         'if "${kept} == lost" then "quit 3"',
     ]
     cycle = scheme.cycle(problem.scheme)
-    grain = cycle if problem.window is None else window.look_steps(problem.timestep, cycle, rates.pace(problem.system))
+    grain = (
+        cycle
+        if problem.window is None
+        else window.look_steps(problem.timestep, cycle, rates.front_speed(problem.system))
+    )
     sizes = _size_lines("dump", "v_every", _frame_bytes(problem))
     if whole is not None:
         sizes += _size_lines("snapshots", f"({whole}*v_every)", _frame_bytes(problem.snapshots()))

@@ -31,7 +31,7 @@ LOST = np.array([0.0, 0.2, 0.3, 0.0, 0.7])
 
 def account_of(problem, motion, cuts=()):
     budget, whole = Budget(problem), written_down(problem, motion)
-    whole = replace(whole, ledger=whole.time[:, np.newaxis] * LOST)
+    whole = replace(whole, exchange=whole.time[:, np.newaxis] * LOST)
     for start, end in zip((0, *cuts), (*cuts, whole.frames), strict=True):
         budget.add(whole[start:end])
     return budget.result()
@@ -43,7 +43,7 @@ def test_what_is_lost_is_told_by_the_name_of_what_takes_it(cuts):
     assert sorted(account.lost) == ["bead_damping", "coupling_damping"]
     np.testing.assert_allclose(account.lost["coupling_damping"], 0.2 * account.time)
     np.testing.assert_allclose(account.lost["bead_damping"], 0.3 * account.time)
-    np.testing.assert_allclose(account.put_in, 0.5 + 0.7 * account.time)  # the kick has the energy 1/2
+    np.testing.assert_allclose(account.energy_input, 0.5 + 0.7 * account.time)  # the kick has the energy 1/2
     np.testing.assert_allclose(account.held["kinetic"], 16 * 0.5 * 0.5**2)
 
 
@@ -92,20 +92,20 @@ def test_what_is_missing_is_told_in_the_scenes_units():
     scale = make_scale(2.0, 3.0, 0.1, si=True)
     account = Account(np.array([0.0, 7.0]), np.array([4.0, 4.0]), **NONE | {"kinetic": np.array([4.0, 1.0])}, lost={})
     assert plain(account, scale)["missing"] == pytest.approx([0.0, 3.0 * scale.energy])
-    assert plain(account, scale)["put_in"] == pytest.approx([4.0 * scale.energy] * 2)
+    assert plain(account, scale)["energy_input"] == pytest.approx([4.0 * scale.energy] * 2)
 
 
 def test_a_heavy_bead_is_kicked_with_its_own_energy():
     heavy = {"kinds": {"heavy": {"mass": 4.0}}, "replace": {"bead": 1, "kind": "heavy"}, "damping": {"beads": 0.2}}
     account = account_of(library.from_plain({**PLAIN, **heavy}, "test").problem(), lambda t: (0.0 * t, 0.0 * t))
-    assert account.put_in[0] == pytest.approx(2.0)
+    assert account.energy_input[0] == pytest.approx(2.0)
 
 
 @pytest.mark.parametrize("cuts", [(), (1, 30)])
 def test_the_drift_is_in_shares_of_the_most_that_was_put_in(cuts):
     problem, seen = library.from_plain(PLAIN, "test").problem(), Conservation()
     whole = written_down(problem, lambda t: (0.0 * t, 0.5 + 0.0 * t))
-    whole = replace(whole, ledger=whole.time[:, np.newaxis] * LOST)
+    whole = replace(whole, exchange=whole.time[:, np.newaxis] * LOST)
     for start, end in zip((0, *cuts), (*cuts, whole.frames), strict=True):
         seen.add(whole[start:end])
     missing = 2.0 + 0.5 * whole.time - (0.5 + 0.7 * whole.time)
@@ -116,5 +116,5 @@ def test_the_last_frame_counts_though_it_is_none_of_these():
     problem = library.from_plain({**PLAIN, "duration": 120.1}, "test").problem()
     account = account_of(problem, lambda t: (0.0 * t, 0.0 * t), (100, 101, 1201))
     assert account.time.tolist() == (np.append(np.arange(0, 1201, 3), 1201) * problem.every).tolist()
-    assert account.put_in[-1] == pytest.approx(0.5 + 0.7 * problem.duration)
+    assert account.energy_input[-1] == pytest.approx(0.5 + 0.7 * problem.duration)
     assert "cut short" not in budget_figure(problem, account).get_suptitle()

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 from case import Case
-from check_sharing import put_in
+from check_sharing import energy_input
 from check_waves import CLEAR, near_energy, period, reach, tied
 from comparing import About, Either, Given, Holds, Unknown
 from scene_keys import blows, hardest
@@ -24,13 +24,13 @@ def cells(case: Case) -> dict[str, Any]:
     """See `workflow.verdicts.findings.pulses`."""
     chains = range(1, case.scene.chains + 1)
 
-    def left_behind(found: Any) -> Any:  # noqa: ARG001
+    def residual_energy(found: Any) -> Any:  # noqa: ARG001
         told = case.report["cells"]["chains"][hardest(case.scene)[0] - 1]
         return About(None if told is None else told["per_cell"])
 
     return {
         "beads": period(case),
-        "left_behind": Given(left_behind),
+        "residual_energy": Given(residual_energy),
         "chains": [Given(lambda found, chain=chain: left(case, chain, found)) for chain in chains],
         "last_bead": [last_bead(case, chain) for chain in chains],
         "replaced": [
@@ -51,7 +51,7 @@ def alone(case: Case, chain: int) -> bool:
 
 def shares(case: Case, chain: int) -> dict[int, tuple[float, bool]]:
     """Bead along the way -> share of the energy near the leading wave's peak, and whether no other pulse is as near."""
-    energy, _ = put_in(case)
+    energy, _ = energy_input(case)
     found = {}
     first = max(along(case, bead) for _, bead, blow in blows(case.scene) if blow * case.way > 0.0)
     for row in case.directory.table("waves.csv"):
@@ -72,8 +72,8 @@ def left(case: Case, chain: int, found: Any) -> Any:
     first, last = along(case, found["first"]), along(case, found["last"])
     if first not in known or last not in known:
         return {name: Unknown("which maxima") for name in found}
-    _, off = put_in(case)
-    within = 1e-9 + 2.0 * off / put_in(case)[0]
+    _, off = energy_input(case)
+    within = 1e-9 + 2.0 * off / energy_input(case)[0]
     count = (last - first) // cell
     lost = (known[first][0] - known[last][0]) / count if count else None
     like = [bead for bead in known if first <= bead <= last and (last - bead) % cell == 0 and known[bead][1]]
@@ -111,14 +111,14 @@ def last_bead(case: Case, chain: int) -> Any:
     rows = case.directory.table("waves.csv")
     if not any((row["chain"], row["bead"]) == (chain, end) for row in rows):
         return None
-    energy, off = put_in(case)
+    energy, off = energy_input(case)
     most = float(np.max(case.nature.kinetic(case.frames.v)[:, chain - 1, end - 1]))
     return About(most / energy, 1e-12 + most / energy**2 * 2.0 * off)
 
 
 def split(case: Case, chain: int, bead: int, found: Any) -> dict[str, Any]:
     """Where the energy is in the last frame, and what of the pulse before the bead is on its side."""
-    energy, off = put_in(case)
+    energy, off = energy_input(case)
     share = case.nature.of_beads(case.frames.x[-1], case.frames.v[-1])[chain - 1] / energy
     parts = float(share[: bead - 1].sum()), float(share[bead - 1]), float(share[bead:].sum())
     within = 1e-10 + 4.0 * off / energy

@@ -89,8 +89,11 @@ def transmitted(case: Case, value: Any, delay: Any = None) -> tuple[Any, Any]:
     if any(one.bead in range(case.scene.beads)[part] for one in (*own.pushes, *own.moved)):
         return None, None  # energy is input there
     series = at_end(case.frames.x, case.frames.v)
-    put_in = work_input(case, case.frames.time)
-    share, most = np.divide(series, put_in, out=0.0 * put_in, where=put_in > 1e-9), float(series.max())
+    energy_input = work_input(case, case.frames.time)
+    share, most = (
+        np.divide(series, energy_input, out=0.0 * energy_input, where=energy_input > 1e-9),
+        float(series.max()),
+    )
     if value is None:
         return Holds("known", lambda _: unsettled(share)), Holds(
             "known", lambda found: found is None or unsettled(share)
@@ -103,7 +106,7 @@ def transmitted(case: Case, value: Any, delay: Any = None) -> tuple[Any, Any]:
     # of a quintic through energies and rates; of a quartic through the work, which pulses of a driven bead bend
     coarse = 0.03 * quickest(case) ** 4 + case.energy_off
     bend = 0.003 * float(np.abs(np.diff(share[top - 1 : top + 2], 2)).max(initial=0.0)) if case.acted_on else 0.0
-    off = coarse * float(share.max()) + 3.0 * case.energy_off / float(put_in[np.argmax(share)]) + 1e-9
+    off = coarse * float(share.max()) + 3.0 * case.energy_off / float(energy_input[np.argmax(share)]) + 1e-9
     if delay is None and unsettled(series):
         return About(exact, off + bend), About(None)
     true = at_end(*case.truth.fine)
@@ -143,7 +146,7 @@ def window(case: Case) -> dict[str, Any]:
 
     return {
         "rows": rows,
-        "left_behind": About(worst, 1e-12),
+        "residual_velocity": About(worst, 1e-12),
         "bead": bead,
         "slowest_wave": About(slowest),
         "sentence": Holds("what the numbers say", fits),

@@ -1,4 +1,4 @@
-"""Energy, momentum and where they are, from the frames of a run and the true ledger of what is exchanged."""
+"""Energy, momentum and where they are, from the frames of a run and the true exchange of what is exchanged."""
 
 from typing import Any
 
@@ -48,20 +48,20 @@ def energy_drift(case: Case) -> Any:
     if not case.exchanges:
         drift = np.max(np.abs(held / own.kick_energy - 1.0))
         return About(float(drift), 1e-9 * (1.0 + float(np.max(own.load)) ** 2))
-    put_in, lost = exchanged(case, frames.time)
-    most = float(np.max(np.abs(put_in)))
-    missing = float(np.max(np.abs(held + summed(lost) - put_in)))
+    energy_input, lost = exchanged(case, frames.time)
+    most = float(np.max(np.abs(energy_input)))
+    missing = float(np.max(np.abs(held + summed(lost) - energy_input)))
     return About(missing / most, case.energy_off / most + 1e-9)
 
 
 def exchanged(case: Case, time: Any) -> tuple[Any, dict[str, Any]]:
     """What was put in, and what dashpots took, until times."""
-    lost = case.truth.ledger(time)
-    put_in = lost.pop("put_in") + case.nature.kick_energy
+    lost = case.truth.exchange(time)
+    energy_input = lost.pop("energy_input") + case.nature.kick_energy
     walls = {name: lost.pop(name) for name in list(lost) if "wall" in name}
     if walls:
         lost[" and ".join(walls)] = summed(walls)
-    return put_in, lost
+    return energy_input, lost
 
 
 def momentum_drift(case: Case) -> Any:
@@ -93,7 +93,7 @@ def budget(case: Case) -> dict[str, Any]:
     chosen = instants(frames, last=True)
     time = frames.time[chosen]
     held = own.held(frames.x[chosen], frames.v[chosen])
-    put_in, lost = exchanged(case, time)
+    energy_input, lost = exchanged(case, time)
     off = case.energy_off * unit.energy
     scaled = {name: column(part * unit.energy, 1e-11 * unit.energy) for name, part in held.items()}
     check = case.directory.record["check"]["velocity"]
@@ -101,12 +101,12 @@ def budget(case: Case) -> dict[str, Any]:
     def missing(found: Any) -> Any:  # noqa: ARG001
         told = case.report["budget"]
         parts = [told[name] for name in HELD] + list(told["lost"].values())
-        rest = np.array(told["put_in"]) - np.sum(np.array(parts), axis=0)
-        return column(rest, 1e-9 * unit.energy * (1.0 + float(np.max(np.abs(put_in)))))
+        rest = np.array(told["energy_input"]) - np.sum(np.array(parts), axis=0)
+        return column(rest, 1e-9 * unit.energy * (1.0 + float(np.max(np.abs(energy_input)))))
 
     return {
         "time": column(time * unit.time),
-        "put_in": column(put_in * unit.energy, off),
+        "energy_input": column(energy_input * unit.energy, off),
         **scaled,
         "lost": {name: column(part * unit.energy, off) for name, part in lost.items()},
         "missing": Given(missing),
@@ -156,12 +156,12 @@ def work_input(case: Case, time: Any) -> Any:
     return exchanged(case, time)[0] if case.acted_on else np.full(np.shape(time), case.nature.kick_energy)
 
 
-def shared_out(case: Case, energy: float, put_in: float) -> Any:
+def shared_out(case: Case, energy: float, energy_input: float) -> Any:
     """A share of what was put in; null where that is nothing, unknown where it may be."""
     off = case.energy_off if case.acted_on else 1e-12
-    if put_in < 10.0 * off:
-        return Unknown("next to nothing was put in") if put_in > -off else None
-    return About(energy / put_in, (off + abs(energy) / put_in * off) / put_in)
+    if energy_input < 10.0 * off:
+        return Unknown("next to nothing was put in") if energy_input > -off else None
+    return About(energy / energy_input, (off + abs(energy) / energy_input * off) / energy_input)
 
 
 def hit(case: Case) -> tuple[int, int]:

@@ -448,10 +448,10 @@ def _drifts(case: Case, match: Any) -> Said | bool:
 @rule(r"energy input <n>(?: J)? until t = <n>(?: s)?, (?:at most <n>(?: J)? before|of which (.*))")
 def _budget(case: Case, match: Any) -> Said:
     told = case.report["budget"]
-    total = told["put_in"][-1]
+    total = told["energy_input"][-1]
     found = [(match[1], total), (match[2], told["time"][-1])]
     if match[3] is not None:
-        found.append((match[3], max(map(abs, told["put_in"]))))
+        found.append((match[3], max(map(abs, told["energy_input"]))))
     for part in (match[4] or "").split(", "):
         word, _, name = part.partition(" ")
         if word:

@@ -201,7 +201,7 @@ def span(case: Case) -> Any:
     }
 
 
-def put_in(case: Case) -> tuple[float, float]:
+def energy_input(case: Case) -> tuple[float, float]:
     """Energy of the kicks, and work of pushes and drives until the end; and its error."""
     if not case.acted_on:
         return case.nature.kick_energy, 0.0
@@ -212,7 +212,7 @@ def put_in(case: Case) -> tuple[float, float]:
 
 def share(case: Case) -> dict[str, Any]:
     """Of the exact waves of the last amplitudes, and of what the frames hold within three beads of the peaks."""
-    shared, (energy, off) = shared_of(case), put_in(case)
+    shared, (energy, off) = shared_of(case), energy_input(case)
     exact = None
     plain = case.alike and case.pulse and not (case.nature.loaded or case.nature.gap or dissipates(case))
     if len(shared) and plain and np.isfinite(energy):

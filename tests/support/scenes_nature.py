@@ -197,7 +197,7 @@ class Nature:
         return force
 
     def power(self, time: Any, x: Floats, v: Floats) -> dict[str, Any]:
-        """Taken by each kind of dashpots, and ``put_in`` from outside, [...]."""
+        """Taken by each kind of dashpots, and ``energy_input`` from outside, [...]."""
         rate, (_coefficient, _power) = v[..., :-1] - v[..., 1:], self.loss
         lost: dict[str, Any] = {}
         if self._has["loss"]:
@@ -210,13 +210,13 @@ class Nature:
             lost["coupling_damping"] = self.drag_across * sum(across)
         if self.drag:
             lost["bead_damping"] = self.drag * (v**2).sum(axis=(-2, -1))
-        put_in = sum((p.force(time) * v[..., p.chain, p.bead] for p in self.pushes), np.zeros(np.shape(time)))
+        energy_input = sum((p.force(time) * v[..., p.chain, p.bead] for p in self.pushes), np.zeros(np.shape(time)))
         if self.moved:  # what moves a bead bears all forces on it
             forces = replace(self, moved=[]).acceleration(time, x, v) * self.mass
             for one in self.moved:
                 needed = one.acceleration(time) * self.mass[one.chain, one.bead] - forces[..., one.chain, one.bead]
-                put_in = put_in + needed * v[..., one.chain, one.bead]
-        return {"put_in": put_in, **lost}
+                energy_input = energy_input + needed * v[..., one.chain, one.bead]
+        return {"energy_input": energy_input, **lost}
 
     # --- energies -----------------------------------------------------------------------------------------------------
 

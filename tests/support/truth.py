@@ -78,8 +78,8 @@ class Truth:
         found = found.reshape(*shape, 2, *self.nature.mass.shape)
         return found[..., 0, :, :], found[..., 1, :, :]
 
-    def ledger(self, time: Floats) -> dict[str, Floats]:
-        """Energy ``put_in`` by forces from outside, and taken by each kind of dashpots, until times."""
+    def exchange(self, time: Floats) -> dict[str, Floats]:
+        """Energy ``energy_input`` by forces from outside, and taken by each kind of dashpots, until times."""
         return dict(zip(_names(self.nature), self.solution(time)[2 * self.nature.mass.size :], strict=True))
 
     @cached_property
@@ -194,7 +194,7 @@ def _names(own: Nature) -> list[str]:
 
 
 def _solved(own: Nature, end: float, rtol: float) -> OdeSolution:
-    """States over time: displacements, velocities, ledger; from kink to kink of what comes from outside."""
+    """States over time: displacements, velocities, exchange; from kink to kink of what comes from outside."""
     size, shape = own.mass.size, own.mass.shape
     counted = own.lossy or bool(own.pushes) or bool(own.moved)
     names = _names(own)

@@ -69,7 +69,7 @@ def test_quiet_still_says_what_is_wrong(capsys):
     [
         ("scenes", "two-chains"),
         ("show tiny.yaml", "duration"),
-        ("run tiny.yaml -o other --engine reference", "certificate"),
+        ("run tiny.yaml -o other --engine reference", "uncertainty"),
         ("analyze run --no-figures", "energy_drift"),
         ("validate run", "passed"),
     ],

@@ -60,7 +60,7 @@ def test_the_budget_of_lammps_closes_to_the_error_of_the_run_however_far_apart_i
         keeper = Accountant(problem.coarser(coarse))
         missing, account = budget(done.directory.blocks(coarse), keeper)
         assert missing < 2.0 * done.check.velocity
-        assert keeper.unsure < 0.1 * done.check.velocity
+        assert keeper.uncertainty < 0.1 * done.check.velocity
         assert account.lost["contact_damping"][-1] > 0.2
         assert np.all(np.diff(account.lost["contact_damping"]) >= 0.0)
 
@@ -108,10 +108,10 @@ def test_a_run_by_the_reference_takes_the_steps_that_close_its_budget(tmp_path: 
 def test_contacts_that_stick_and_part_take_steps_of_their_own_for_that() -> None:
     kicks = (Kick(bead=10, velocity=1.0), Kick(bead=11, velocity=-0.4904698767034886))
     scene = damped(damping=Damping(contact=0.785972041541755, tension="cut"), kick=kicks, every=0.05)
-    for certifier in closing(scene.problem()):
-        for _ in certifier.blocks():
+    for halving in closing(scene.problem()):
+        for _ in halving.blocks():
             pass
-    assert certifier.certificate.energy < 1e-9
+    assert halving.uncertainty.energy < 1e-9
 
 
 @pytest.mark.slow
@@ -152,12 +152,12 @@ def test_frames_that_are_followed_by_the_reference_have_the_ledger_of_its_own_ru
     problem = damped(every=0.5).problem()
     own = engine.run(problem)
     keeper = Accountant(problem)
-    again = keeper.of(replace(own, ledger=None))
-    assert 0.0 < keeper.unsure < 1e-6
-    assert own.ledger is not None
-    assert again.ledger is not None
+    again = keeper.of(replace(own, exchange=None))
+    assert 0.0 < keeper.uncertainty < 1e-6
+    assert own.exchange is not None
+    assert again.exchange is not None
     # where beads at rest are reached within a step, the run has them from the next part of it on
-    np.testing.assert_allclose(again.ledger, own.ledger, rtol=0.0, atol=1e-10)
+    np.testing.assert_allclose(again.exchange, own.exchange, rtol=0.0, atol=1e-10)
 
 
 LAWS = {

@@ -226,7 +226,8 @@ def _print_amplitude(found: Survey) -> None:
         print(f"no asymptotic amplitude: {why}; peak velocities of {numbers} ({worth}){share}")
         return
     kicked = any(
-        abs(velocity) == max(abs(blow) for *_, blow in physics.excitations(system)) for *_, velocity in system.kicks
+        abs(velocity) == max(abs(impulse) for *_, impulse in physics.excitations(system))
+        for *_, velocity in system.kicks
     )
     than = f"the kick ({worth})" if kicked else f"the velocity that the push gives a free bead ({worth})"
     far = f"{abs(1.0 - final.value):.1%} {'above' if final.value > 1.0 else 'below'} {than}"
@@ -308,12 +309,12 @@ def _rows(found: Analysis) -> list[int]:
     recorded = alike if len(alike) else recorded
     recorded = along_the_way(found.problem, recorded)
     # behind the kicked beads first maxima are those of rebounds
-    struck = [
-        along_the_way(found.problem, hit)
-        for _, hit, blow in physics.excitations(found.problem.system)
-        if blow * found.survey.direction > 0.0
+    kicked_beads = [
+        along_the_way(found.problem, kicked_bead)
+        for _, kicked_bead, impulse in physics.excitations(found.problem.system)
+        if impulse * found.survey.direction > 0.0
     ]
-    recorded = recorded[recorded >= min(struck)]
+    recorded = recorded[recorded >= min(kicked_beads)]
     if len(recorded) == 0:
         return []
     last = int(along_the_way(found.problem, found.waves.bead)[last_clear_bead(found.waves, found.problem)])

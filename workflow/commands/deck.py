@@ -48,9 +48,9 @@ def execute(arguments: argparse.Namespace) -> int:
         print(f"warning: {why}")
     if settings is not None:
         print(f"{scene.name}: {settings.sentence(scene.problem())}")
-    hardest = contacts.at_most(scene)
-    if hardest is not None:
-        print("\n".join(hardest.lines()))
+    overlaps = contacts.at_most(scene)
+    if overlaps is not None:
+        print("\n".join(overlaps.lines()))
     print(f"{one_line(arguments.output)}: {', '.join(files)}")
     if options is not None:
         print(ranks.cost(scene.problem(), options.ranks).sentence())

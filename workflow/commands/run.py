@@ -122,29 +122,29 @@ def _tell(result: running.Run, settings: Settings | None) -> int:
         )
         return 130
     print(f"{path}: {ENGINES[result.directory.engine].sentence(job)}")
-    hardest = None if job.contacts is None else Contacts(**job.contacts)
-    if hardest is not None:
-        print("\n".join(hardest.lines()))
-    return max(_tell_error(result, settings), 0 if hardest is None or hardest.possible else 1)
+    overlaps = None if job.contacts is None else Contacts(**job.contacts)
+    if overlaps is not None:
+        print("\n".join(overlaps.lines()))
+    return max(_tell_error(result, settings), 0 if overlaps is None or overlaps.possible else 1)
 
 
 def _tell_error(result: running.Run, settings: Settings | None) -> int:
     """Say how exact a run is; exit code 1 if not as accurate as asked."""
-    problem, certificate = result.directory.problem, result.directory.job.certificate
+    problem, uncertainty = result.directory.problem, result.directory.job.uncertainty
     if result.check is not None:
         print(_checked(result.check, problem))
-        return _judged(result.check, result.directory.scene, settings)
-    if settings is not None and certificate is not None and certificate.velocity is not None:
-        return 0 if certificate.velocity <= settings.accuracy else 1
+        return _exit_code(result.check, result.directory.scene, settings)
+    if settings is not None and uncertainty is not None and uncertainty.velocity is not None:
+        return 0 if uncertainty.velocity <= settings.accuracy else 1
     return 0
 
 
-def _judged(check: Check, scene: Scene, settings: Settings | None) -> int:
+def _exit_code(check: Check, scene: Scene, settings: Settings | None) -> int:
     """Say so if a run is less accurate than it should be; exit code 1 if an accuracy was asked for."""
-    limit, sure = TOLERANCES["velocity"] if settings is None else settings.accuracy, check.reference.velocity
-    if check.velocity <= limit and sure <= limit:
+    limit, uncertainty = TOLERANCES["velocity"] if settings is None else settings.accuracy, check.reference.velocity
+    if check.velocity <= limit and uncertainty <= limit:
         return 0
-    if not check.velocity - sure > limit:
+    if not check.velocity - uncertainty > limit:
         finer = "`granchain validate` takes a finer one" if settings is None else "errors grow in so long a run"
         print(f"inconclusive: the uncertainty of the reference is too large to compare with {limit:g} V; {finer}")
     elif settings is None:

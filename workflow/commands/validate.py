@@ -114,9 +114,9 @@ def _print(found: validation.Validation) -> None:
         ["quantity", "largest", "rms", "tolerance", "", "largest at"],
         rows,
     )
-    if found.certificate is not None:
-        certificate = found.certificate
-        print(f"uncertainty of the reference: {certificate.velocity:.1e} V, {certificate.arrival:.1e} T")
+    if found.uncertainty is not None:
+        uncertainty = found.uncertainty
+        print(f"uncertainty of the reference: {uncertainty.velocity:.1e} V, {uncertainty.arrival:.1e} T")
     if found.interpolation is not None:
         x, v = found.interpolation
         print(f"interpolating between frames adds at most {x:.1e} to displacements, {v:.1e} to velocities")

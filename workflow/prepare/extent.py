@@ -12,7 +12,7 @@ from analysis.gauges.forces import PULSE, at_frames
 from analysis.gauges.gauge import far_wall
 from lammps_inputs import InputError, Output, Problem, Scene, physics, window
 from lammps_inputs.limits import rates
-from lammps_inputs.limits.closing import slowest_swing
+from lammps_inputs.limits.closing import lowest_modal_frequency
 from lammps_inputs.numbers import time_text
 from workflow import screen
 from workflow.cluster.ranks import REFERENCE_FORCE
@@ -66,7 +66,7 @@ def with_duration(scene: Scene, *, wall: bool = False) -> Scene:
     far = far_wall(system) if wall or (scene.output.forces is not None and scene.output.forces.wall) else None
     last = scene.until_bead if far is None else max(scene.until_bead, system.beads)
     pushed = max((load.end for load in system.loads if not load.endless), default=0.0)
-    cadence = 0.1 / rates.pace(system) if physics.loaded(system) else 0.1  # sound may be faster
+    cadence = 0.1 / rates.front_speed(system) if physics.loaded(system) else 0.1  # sound may be faster
     limit = (_SLOWEST * (last + 10) * (1.0 + gap) + pushed) * scene.scale.time
     beads = {scene.until_bead} if far is None else {scene.until_bead, far.bead}
     trial = _trial(scene, limit, cadence, tuple(sorted(beads)))
@@ -76,7 +76,7 @@ def with_duration(scene: Scene, *, wall: bool = False) -> Scene:
         still[physics.tied_to(problem.system, chain - 1)] = False
     reached, released = still.copy(), still | (far is None)
     share = 1.0 if scene.until_bead == scene.beads else 0.5
-    largest, hardest = np.zeros(problem.chains), np.zeros(problem.chains)
+    largest, largest_force = np.zeros(problem.chains), np.zeros(problem.chains)
     rows = None if scene.window is None else min(scene.beads, _WINDOW if scene.window == "auto" else 2 * scene.window)
     _say_what_it_takes(problem, rows, last * (1.0 + gap), f"until_bead: {scene.until_bead}")
     for block in engine.blocks(problem, window=rows):
@@ -85,14 +85,14 @@ def with_duration(scene: Scene, *, wall: bool = False) -> Scene:
         for time, velocity, pressing in zip(block.time, speed, force, strict=True):
             reached |= (largest > _RISEN) & (velocity <= share * largest)
             largest = np.maximum(largest, velocity)
-            released |= (hardest > _RISEN) & (pressing <= PULSE * hardest)
-            hardest = np.maximum(hardest, pressing)
+            released |= (largest_force > _RISEN) & (pressing <= PULSE * largest_force)
+            largest_force = np.maximum(largest_force, pressing)
             if reached.all() and released.all():
                 every = scene.resolved().output.every or 0.0
                 after = _AFTER
                 if gap > 0.0 and physics.coupled(problem.system):
                     slowest = (
-                        slowest_swing(problem.chains, physics.kappa(problem.system))
+                        lowest_modal_frequency(problem.chains, physics.kappa(problem.system))
                         if physics.open_row(problem.system)
                         else 0.0
                     )

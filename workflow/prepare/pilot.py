@@ -23,8 +23,8 @@ from lammps_inputs.limits import rates
 from lammps_inputs.scene import DEFAULT_ACCURACY
 from workflow import screen
 from workflow.engines.reference import engine
-from workflow.engines.reference.certify import Certificate, Certifier
 from workflow.engines.reference.schemes import BLANES_MOAN, SUZUKI4, VERLET
+from workflow.engines.reference.step_halving import StepHalving, Uncertainty
 from workflow.prepare.settings import Settings
 
 SPACING = 0.4
@@ -42,9 +42,9 @@ def stride(problem: Problem, spacing: float = SPACING) -> int:
     """
     if problem.frames <= FEW:
         return 1
-    swing, drag = rates.swing(problem.system), rates.drag(problem.system)
-    if swing > 0.0:
-        spacing = min(spacing, 0.5 * math.pi / swing)
+    modal_frequency, drag = rates.modal_frequency(problem.system), rates.drag(problem.system)
+    if modal_frequency > 0.0:
+        spacing = min(spacing, 0.5 * math.pi / modal_frequency)
     if drag > 0.0:
         spacing = min(spacing, 0.25 / drag)
     most = max(1, min(math.floor(spacing / problem.every * (1.0 + 1e-9)), problem.frames))
@@ -54,8 +54,8 @@ def stride(problem: Problem, spacing: float = SPACING) -> int:
 TABLES = {"verlet": VERLET, "suzuki4": SUZUKI4}
 """By the name of the scheme in LAMMPS."""
 
-SURE = 0.25
-"""Part of the accuracy to which the reference is certified."""
+UNCERTAINTY_PART = 0.25
+"""Part of the accuracy to which the reference is accurate_reference."""
 
 CADENCE = 0.05
 """Time between the instants that are compared, if frames are not farther apart."""
@@ -84,10 +84,10 @@ KEPT_BYTES = 1 << 27
 
 @dataclass(frozen=True)
 class Kept:
-    """A certified reference run in memory."""
+    """A accurate_reference reference run in memory."""
 
     frames: tuple[Trajectory, ...]
-    certificate: Certificate
+    uncertainty: Uncertainty
 
     def is_of(self, problem: Problem) -> bool:
         """Whether these are the frames of a problem: the same beads at the same times."""
@@ -96,7 +96,7 @@ class Kept:
         return same and math.isclose(own.every, problem.every, rel_tol=1e-9)
 
     def blocks(self) -> Iterator[Trajectory]:
-        """As `Certifier.blocks`."""
+        """As `StepHalving.blocks`."""
         return iter(self.frames)
 
     def of(self, problem: Problem) -> "Kept":
@@ -136,7 +136,7 @@ def measure(problem: Problem, accuracy: float, most_work: float) -> Settings | N
     )
     steps = guessed_reference_steps(problem, accuracy)
     errors: dict[int, float] = {}
-    certificates: dict[int, float] = {}
+    uncertainties: dict[int, float] = {}
     good: dict[int, Settings] = {}
     kept: dict[int, Kept] = {}
     spent = 0.0
@@ -146,23 +146,23 @@ def measure(problem: Problem, accuracy: float, most_work: float) -> Settings | N
             return None
         if steps not in kept and _bytes(problem) <= KEPT_BYTES:
             kept = {steps: _in_memory(problem, steps)}
-        reference = kept[steps] if steps in kept else Certifier(problem, steps_per_frame=steps)
-        error, certificates[steps] = _trial(problem, cycles, reference)
-        sure = certificates[steps] <= SURE * accuracy
-        if sure and error <= _HIGHEST * accuracy:
+        reference = kept[steps] if steps in kept else StepHalving(problem, steps_per_frame=steps)
+        error, uncertainties[steps] = _trial(problem, cycles, reference)
+        accurate = uncertainties[steps] <= UNCERTAINTY_PART * accuracy
+        if accurate and error <= _HIGHEST * accuracy:
             limited = cycles == fewest
             step, own = problem.every / (cycles * cycle), problem.every / steps
             chosen = accuracy, step, cycles * cycle, own, error, error
             good[cycles] = Settings(*chosen, measured=1.0, limited=limited, reference=kept.get(steps))
             if error >= _LOWEST * accuracy or cycles == fewest:
                 break
-        if error > 2.0 * certificates[steps] or sure:
+        if error > 2.0 * uncertainties[steps] or accurate:
             errors[cycles] = error
             cycles = _better(cycles, error / accuracy, _measured_order(errors, problem), fewest)
             if cycles in good:
                 break
-        if not sure:
-            steps = _surer(certificates, accuracy)
+        if not accurate:
+            steps = _steps_for(uncertainties, accuracy)
     if not good:
         raise UnreachableError("contacts amplify errors too much")
     return good[min(good)]
@@ -182,7 +182,7 @@ def work(problem: Problem, verlet_steps: int, reference_steps: int) -> float:
 def _rows_by_time(problem: Problem) -> float:
     """Integral over time of the number of rows that have moved, roughly: no pulse is faster than the system's pace."""
     first, last = (choose(bead for _, bead, _ in physics.excitations(problem.system)) for choose in (min, max))
-    way = rates.pace(problem.system) * np.linspace(0.0, problem.duration, 101)
+    way = rates.front_speed(problem.system) * np.linspace(0.0, problem.duration, 101)
     rows = np.minimum(problem.beads, last + way) - np.maximum(1.0, first - way) + 1.0
     if problem.window is not None:
         rows = np.minimum(rows, engine.WIDER * problem.window)
@@ -195,13 +195,13 @@ def guessed_step(problem: Problem, accuracy: float) -> float:
 
 
 def guessed_reference_steps(problem: Problem, accuracy: float) -> int:
-    """Steps a frame of the reference that are usually sure enough: at its default, contacts leave it unsure by 1e-5."""
+    """Steps a frame that usually suffice: with the default number, contacts leave an uncertainty of 1e-5 V."""
     usual = engine.default_steps_per_frame(problem)
-    contacts, swings = (
-        1e-5 / (SURE * accuracy),
-        9e-8 * rates.swing(problem.system) * problem.duration / (SURE * accuracy),
+    contacts, oscillations = (
+        1e-5 / (UNCERTAINTY_PART * accuracy),
+        9e-8 * rates.modal_frequency(problem.system) * problem.duration / (UNCERTAINTY_PART * accuracy),
     )
-    return 2 * math.ceil(0.5 * usual * max(1.0, math.pow(contacts, 1.0 / _LEAST_ORDER), math.pow(swings, 0.25)))
+    return 2 * math.ceil(0.5 * usual * max(1.0, math.pow(contacts, 1.0 / _LEAST_ORDER), math.pow(oscillations, 0.25)))
 
 
 def largest_step(problem: Problem, accuracy: float) -> float:
@@ -216,18 +216,18 @@ def _bytes(problem: Problem) -> float:
 
 
 def _in_memory(problem: Problem, steps: int) -> Kept:
-    certifier = Certifier(problem, steps_per_frame=steps)
-    return Kept(tuple(certifier.blocks()), certifier.certificate)
+    halving = StepHalving(problem, steps_per_frame=steps)
+    return Kept(tuple(halving.blocks()), halving.uncertainty)
 
 
-def _trial(problem: Problem, cycles: int, reference: Certifier | Kept) -> tuple[float, float]:
-    """Largest difference of any velocity of the pilot run from the reference, and the reference's certificate."""
+def _trial(problem: Problem, cycles: int, reference: StepHalving | Kept) -> tuple[float, float]:
+    """Largest difference of any velocity of the pilot run from the reference, and the reference's uncertainty."""
     runs = engine.blocks(problem, scheme=TABLES[problem.scheme], steps_per_frame=cycles)
     largest = 0.0
     with np.errstate(over="ignore", invalid="ignore"):
         for own, right in zip(runs, reference.blocks(), strict=True):
             largest = max(largest, _difference(*on_common_rows(own, right)))
-    return largest, reference.certificate.velocity
+    return largest, reference.uncertainty.velocity
 
 
 def _difference(own: Trajectory, right: Trajectory) -> float:
@@ -255,25 +255,25 @@ def _measured_order(errors: dict[int, float], problem: Problem) -> float:
     return min(highest, max(lowest, math.log(large / small) / math.log(many / few)))
 
 
-def uncertainty(problem: Problem, steps: int) -> float:
+def uncertainty_of(problem: Problem, steps: int) -> float:
     """Uncertainty of the reference with so many steps a frame."""
-    certifier = Certifier(problem, steps_per_frame=steps)
-    for _ in certifier.blocks():
+    halving = StepHalving(problem, steps_per_frame=steps)
+    for _ in halving.blocks():
         pass
-    return certifier.certificate.velocity
+    return halving.uncertainty.velocity
 
 
-def _surer(certificates: dict[int, float], accuracy: float) -> int:
-    """Steps of the reference, an even number, that should do, if those that were tried (steps -> certificate) do not.
+def _steps_for(uncertainties: dict[int, float], accuracy: float) -> int:
+    """Steps of the reference, an even number, that should do, if those that were tried (steps -> uncertainty) do not.
 
     Raises:
-        UnreachableError: six times as many steps have left the reference hardly surer.
+        UnreachableError: six times as many steps have hardly reduced the uncertainty of the reference.
     """
-    steps, uncertainty = max(certificates.items())
-    for fewer, before in certificates.items():
-        if steps >= 6 * fewer and uncertainty > max(before / 3.0, accuracy * SURE):
+    steps, uncertainty = max(uncertainties.items())
+    for fewer, before in uncertainties.items():
+        if steps >= 6 * fewer and uncertainty > max(before / 3.0, accuracy * UNCERTAINTY_PART):
             raise UnreachableError(f"the uncertainty of the reference itself is {uncertainty:.0e} V: {CHAOS}")
-    ratio: float = 1.1 * (uncertainty / (SURE * accuracy)) ** (1.0 / _LEAST_ORDER)
+    ratio: float = 1.1 * (uncertainty / (UNCERTAINTY_PART * accuracy)) ** (1.0 / _LEAST_ORDER)
     return 2 * math.ceil(0.5 * steps * min(6.0, max(1.25, ratio)))
 
 
@@ -339,7 +339,7 @@ def _found(problem: Problem, accuracy: float, most_work: float) -> Settings:
         elif share < 1.0:
             _refuse_chaos(problem, trial, share, accuracy, most_work)
             return _carried_over(measured, problem, share, asked, accuracy)
-        elif _may_be_sure(problem, accuracy, most_work):
+        elif _can_be_accurate(problem, accuracy, most_work):
             return _carried_over(measured, problem, share, asked, accuracy)
     return by_rule(problem, accuracy)
 
@@ -370,10 +370,10 @@ def _first_work(problem: Problem, accuracy: float) -> float:
     return work(problem, verlet, guessed_reference_steps(problem, accuracy))
 
 
-def _may_be_sure(problem: Problem, accuracy: float, most_work: float) -> bool:
+def _can_be_accurate(problem: Problem, accuracy: float, most_work: float) -> bool:
     """Whether the reference gets sure enough with the usual number of steps, as far as that can be afforded."""
     steps = guessed_reference_steps(problem, accuracy)
-    return work(problem, 0, steps) > most_work or uncertainty(problem, steps) <= accuracy
+    return work(problem, 0, steps) > most_work or uncertainty_of(problem, steps) <= accuracy
 
 
 def _refuse_chaos(problem: Problem, shorter: Problem, share: float, accuracy: float, most_work: float) -> None:
@@ -385,10 +385,10 @@ def _refuse_chaos(problem: Problem, shorter: Problem, share: float, accuracy: fl
     steps = engine.default_steps_per_frame(problem)
     if work(problem, 0, steps) > most_work:
         return
-    certificate = uncertainty(problem, steps)
-    usual = uncertainty(shorter, engine.default_steps_per_frame(shorter)) / share
-    if certificate > max(_STEADY * usual, SURE * accuracy):
-        raise UnreachableError(f"errors grow {certificate / usual:.0f} times as much as they usually do: {CHAOS}")
+    uncertainty = uncertainty_of(problem, steps)
+    usual = uncertainty_of(shorter, engine.default_steps_per_frame(shorter)) / share
+    if uncertainty > max(_STEADY * usual, UNCERTAINTY_PART * accuracy):
+        raise UnreachableError(f"errors grow {uncertainty / usual:.0f} times as much as they usually do: {CHAOS}")
 
 
 def _carried_over(measured: Settings, problem: Problem, share: float, asked: float, accuracy: float) -> Settings:

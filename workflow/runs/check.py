@@ -17,13 +17,13 @@ from analysis.tracking.leading_waves import Waves, leading_finder, leading_passa
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem, html, physics
 from workflow.engines.reference import engine
-from workflow.engines.reference.certify import MOST_HALVINGS, Certificate, Certifier
 from workflow.engines.reference.energy_exchange import Accountant
+from workflow.engines.reference.step_halving import MOST_HALVINGS, StepHalving, Uncertainty
 from workflow.prepare.pilot import CADENCE, SPACING, Kept, stride
 from workflow.prepare.settings import Settings
 from workflow.runs.run_directory import RunDirectory
 
-SURE = 1.0 / 3.0
+UNCERTAINTY_PART = 1.0 / 3.0
 """Part of an accuracy to which the reference must be sure that tells whether a run keeps it."""
 
 _MOST_DOUBLINGS = 4
@@ -35,39 +35,39 @@ _MOST_STEPS = 256
 """In place of one usual step, for that."""
 
 
-def certifiers(problem: Problem, settings: Settings | None) -> Iterator[Certifier]:
+def references_of(problem: Problem, settings: Settings | None) -> Iterator[StepHalving]:
     """References of a problem, of which the last counts; each is asked how sure it is when its blocks were taken.
 
     With an accuracy in ever more steps, until the uncertainty is small enough or falls hardly more. Without one, or
     where nothing could be measured for the default, the usual reference.
     """
     if settings is None or (settings.measured == 0.0 and not settings.asked):
-        yield Certifier(problem)
+        yield StepHalving(problem)
         return
     steps = 2 * math.ceil(0.5 * problem.every / settings.reference_timestep * (1.0 - 1e-9))
     before = math.inf
     for _ in range(_MOST_DOUBLINGS):
-        certifier = Certifier(problem, steps_per_frame=steps)
-        yield certifier
-        sure = certifier.certificate.velocity
-        if sure <= SURE * settings.accuracy or sure > 0.5 * before:
+        halving = StepHalving(problem, steps_per_frame=steps)
+        yield halving
+        uncertainty = halving.uncertainty.velocity
+        if uncertainty <= UNCERTAINTY_PART * settings.accuracy or uncertainty > 0.5 * before:
             return
-        before, steps = sure, 2 * steps
+        before, steps = uncertainty, 2 * steps
 
 
-def closing(problem: Problem) -> Iterator[Certifier]:
+def closing(problem: Problem) -> Iterator[StepHalving]:
     """The usual reference; where energy is exchanged with ever more steps, until the budget is closed."""
-    certifier = Certifier(problem)
-    yield certifier
-    usual = certifier.certificate.steps_per_frame
-    while physics.exchanges(problem.system) and (missing := certifier.certificate.energy) > CLOSED:
-        steps = certifier.certificate.steps_per_frame
+    halving = StepHalving(problem)
+    yield halving
+    usual = halving.uncertainty.steps_per_frame
+    while physics.exchanges(problem.system) and (missing := halving.uncertainty.energy) > CLOSED:
+        steps = halving.uncertainty.steps_per_frame
         # contacts that open and close leave an order of 2.5
         steps = min(math.ceil(1.5 * steps * (missing / CLOSED) ** 0.4), _MOST_STEPS * usual)
-        if steps <= certifier.certificate.steps_per_frame:
+        if steps <= halving.uncertainty.steps_per_frame:
             return
-        certifier = Certifier(problem, steps_per_frame=steps)
-        yield certifier
+        halving = StepHalving(problem, steps_per_frame=steps)
+        yield halving
 
 
 def accountant(directory: RunDirectory, problem: Problem) -> Accountant:
@@ -77,11 +77,11 @@ def accountant(directory: RunDirectory, problem: Problem) -> Accountant:
         directory: the run.
         problem: of the frames.
     """
-    certificate = directory.account.certificate  # only the reference's runs have one
-    if certificate is None or certificate.steps_per_frame is None:
+    uncertainty = directory.account.uncertainty  # only the reference's runs have one
+    if uncertainty is None or uncertainty.steps_per_frame is None:
         return Accountant(problem)
     most = 2**MOST_HALVINGS * engine.default_steps_per_frame(problem)
-    return Accountant(problem, min(certificate.steps_per_frame, most))
+    return Accountant(problem, min(uncertainty.steps_per_frame, most))
 
 
 LITTLE = 100_000
@@ -108,7 +108,7 @@ class Check:
     where: Place | None
     arrival: float
     amplitude: float
-    reference: Certificate
+    reference: Uncertainty
     seconds: float
 
     def __repr__(self) -> str:
@@ -118,8 +118,11 @@ class Check:
 
     def _repr_html_(self) -> str:
         errors = {"velocities (V)": self.velocity, "peaks (V)": self.amplitude, "arrivals (T)": self.arrival}
-        sure = {"velocities (V)": self.reference.velocity, "arrivals (T)": self.reference.arrival}
-        rows = [(name, f"{error:.1e}", f"{sure[name]:.1e}" if name in sure else "") for name, error in errors.items()]
+        uncertainty = {"velocities (V)": self.reference.velocity, "arrivals (T)": self.reference.arrival}
+        rows = [
+            (name, f"{error:.1e}", f"{uncertainty[name]:.1e}" if name in uncertainty else "")
+            for name, error in errors.items()
+        ]
         return html.table("error against the reference", ("", "largest", "uncertainty of the reference"), rows)
 
     def plain(self) -> dict[str, object]:
@@ -128,7 +131,7 @@ class Check:
 
 
 def check(directory: RunDirectory, settings: Settings | None = None) -> Check:
-    """Compare a run with the certified reference.
+    """Compare a run with the accurate_reference reference.
 
     Args:
         directory: the run.
@@ -143,54 +146,54 @@ def check(directory: RunDirectory, settings: Settings | None = None) -> Check:
     problem = directory.problem
     little = problem.frames * problem.chains * len(problem.recorded_beads) <= LITTLE
     step = 1 if little else stride(problem, SPACING if settings is None else CADENCE)
-    found, certificate = _compared(problem.coarser(step), lambda: directory.blocks(step), settings)
+    found, uncertainty = _compared(problem.coarser(step), lambda: directory.blocks(step), settings)
     velocity = found["velocity"]
     if problem.frames_per_snapshot is not None:
-        others, sure = _compared(problem.snapshots(), directory.snapshots, settings)
+        others, uncertainty = _compared(problem.snapshots(), directory.snapshots, settings)
         velocity = max(velocity, others["velocity"], key=lambda deviation: deviation.largest)
-        certificate = replace(certificate, velocity=max(certificate.velocity, sure.velocity))
+        uncertainty = replace(uncertainty, velocity=max(uncertainty.velocity, uncertainty.velocity))
     amplitude, arrival = (found[name].largest if name in found else math.nan for name in ("amplitude", "arrival"))
     waves = directory.peaks_table()
     if waves is not None:
-        true, sure = _leading(replace(problem, recorded=None), settings)
+        true, uncertainty = _leading(replace(problem, recorded=None), settings)
         more = waves_apart(waves, true)
         amplitude, arrival = (float(np.fmax(*pair)) for pair in zip((amplitude, arrival), more, strict=True))
-        certificate = replace(
-            certificate,
-            velocity=max(certificate.velocity, sure.velocity),
-            arrival=max(certificate.arrival, sure.arrival),
+        uncertainty = replace(
+            uncertainty,
+            velocity=max(uncertainty.velocity, uncertainty.velocity),
+            arrival=max(uncertainty.arrival, uncertainty.arrival),
         )
     return Check(
         velocity=velocity.largest,
         where=velocity.where,
         arrival=arrival,
         amplitude=amplitude,
-        reference=certificate,
+        reference=uncertainty,
         seconds=time.perf_counter() - started,
     )
 
 
 def _compared(
     problem: Problem, frames: Callable[[], Iterator[Trajectory]], settings: Settings | None
-) -> tuple[dict[str, Deviation], Certificate]:
+) -> tuple[dict[str, Deviation], Uncertainty]:
     """Error of the frames in each quantity, and the uncertainty of the reference."""
-    for certifier in _references(problem, settings):
+    for halving in _references(problem, settings):
         difference = Difference(dict.fromkeys(("velocity", "displacement", "amplitude", "arrival"), math.inf))
-        for block, reference in paired(frames(), certifier.blocks()):
+        for block, reference in paired(frames(), halving.blocks()):
             difference.add(block, reference)
-    return difference.deviations(), certifier.certificate
+    return difference.deviations(), halving.uncertainty
 
 
-def _references(problem: Problem, settings: Settings | None) -> Iterable[Certifier | Kept]:
+def _references(problem: Problem, settings: Settings | None) -> Iterable[StepHalving | Kept]:
     """The pilot run's reference where it has the same frames, else new ones."""
     kept = None if settings is None else settings.reference
-    return (kept.of(problem),) if kept is not None and kept.is_of(problem) else certifiers(problem, settings)
+    return (kept.of(problem),) if kept is not None and kept.is_of(problem) else references_of(problem, settings)
 
 
-def _leading(problem: Problem, settings: Settings | None) -> tuple[Waves, Certificate]:
+def _leading(problem: Problem, settings: Settings | None) -> tuple[Waves, Uncertainty]:
     """The reference's own leading waves, found at the same times as LAMMPS's, and how sure it is of itself."""
-    for certifier in certifiers(problem, settings):
+    for halving in references_of(problem, settings):
         finder = leading_finder(problem)
-        for block in certifier.blocks():
+        for block in halving.blocks():
             finder.add(block)
-    return leading_waves(leading_passages(finder.result(), problem), usual_arrival(problem)), certifier.certificate
+    return leading_waves(leading_passages(finder.result(), problem), usual_arrival(problem)), halving.uncertainty

@@ -69,7 +69,7 @@ def at_most(scene: Scene) -> Contacts | None:
     if not solids.is_of_spheres(law):
         return None
     high = (
-        laws.rest(law) + law.reach(physics.energy(system), *law)
+        laws.rest(law) + law.max_strain(physics.energy(system), *law)
         if laws.differs(law)
         else solids.overlap_bounds(system)[1]
     )

@@ -17,7 +17,7 @@ from lammps_inputs.decks import deck
 from workflow.cluster import ranks as model
 from workflow.engines.lammps import engine as lammps_engine
 from workflow.prepare.settings import Settings
-from workflow.runs.check import certifiers, closing
+from workflow.runs.check import closing, references_of
 from workflow.runs.files import EVENTS, LAMMPS_FILES, RECORD, write_text
 from workflow.runs.job import Job
 from workflow.runs.run_directory import RunDirectory
@@ -150,15 +150,15 @@ class _Reference(Engine):
     def compute(self, work: Work) -> dict[str, Any]:
         """To the accuracy if one is asked for; else, where energy is exchanged, until the energy budget is closed."""
         problem, settings, started = work.result.problem, work.settings, time.perf_counter()
-        for certifier in closing(problem) if settings is None else certifiers(problem, settings):
-            ending = _write_frames(work.result.path / file_names.DUMP, problem, certifier.blocks(), work.progress)
+        for halving in closing(problem) if settings is None else references_of(problem, settings):
+            ending = _write_frames(work.result.path / file_names.DUMP, problem, halving.blocks(), work.progress)
             if ending["outcome"] != "done":
                 return ending
-            certificate = certifier.certificate
-            if settings is not None and certificate.velocity <= settings.accuracy:
+            uncertainty = halving.uncertainty
+            if settings is not None and uncertainty.velocity <= settings.accuracy:
                 break
         seconds = time.perf_counter() - started
-        return {**ending, "engine_seconds": seconds, "certificate": asdict(certificate)}
+        return {**ending, "engine_seconds": seconds, "uncertainty": asdict(uncertainty)}
 
     def sentence(self, job: Job) -> str:
         errors = self.errors(job)
@@ -169,8 +169,8 @@ class _Reference(Engine):
         )
 
     def errors(self, job: Job) -> tuple[float, float] | None:
-        certificate = job.certificate
-        return None if certificate is None else (_known(certificate.velocity), _known(certificate.arrival))
+        uncertainty = job.uncertainty
+        return None if uncertainty is None else (_known(uncertainty.velocity), _known(uncertainty.arrival))
 
 
 class _Collisions(Engine):

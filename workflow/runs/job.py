@@ -72,7 +72,7 @@ class StepChoice(_Part):
     model_config = ConfigDict(extra="forbid")
 
 
-class Certificate(_Part):
+class Uncertainty(_Part):
     """Uncertainty of a run by the reference, dimensionless."""
 
     steps_per_frame: Count | None = None
@@ -162,7 +162,7 @@ class Job(_Part):
     engine_seconds: Seconds = 0.0
     wall_seconds: Seconds = 0.0
     collisions: Count | None = None
-    certificate: Certificate | None = None
+    uncertainty: Uncertainty | None = None
     check: Error | None = None
     results: Results | None = None
     contacts: dict[str, Any] | None = None

@@ -218,9 +218,9 @@ def carry_out(
         ending = engine.compute(Work(result, settings, progress, start))
         if ending["outcome"] == "done":
             ending["results"] = results(result)
-            hardest = contacts.measure(result)
-            if hardest is not None:
-                ending["contacts"] = hardest.plain()
+            overlaps = contacts.measure(result)
+            if overlaps is not None:
+                ending["contacts"] = overlaps.plain()
         result.update(**ending, wall_seconds=time.perf_counter() - started)
     except (RunError, OSError) as error:
         reason = str(error) if isinstance(error, RunError) else f"{path}: cannot be written ({error.strerror})"

@@ -137,7 +137,7 @@ def _at_least(scene: Scene) -> Problem:
     if scene.until_bead is not None:
         system = scene.system
         way = min(abs(scene.until_bead - bead) for _, bead, _ in physics.excitations(system))
-        changes |= {"until_bead": None, "duration": max(1, way) / rates.pace(system) * scene.scale.time}
+        changes |= {"until_bead": None, "duration": max(1, way) / rates.front_speed(system) * scene.scale.time}
     if scene.window == "auto":
         changes["window"] = LEAST_WINDOW
     return scene.model_copy(update=changes).problem()

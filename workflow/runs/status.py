@@ -96,13 +96,13 @@ def _status(directory: Path, queue: Queue | None) -> Status:
     if not directory.is_dir():
         return Status(directory, "none", why="no such directory")
     queued = queue.job_in(directory) if queue is not None else None
-    told, recorded = directory / file_names.JOB_STATE, directory / RECORD
+    reported, recorded = directory / file_names.JOB_STATE, directory / RECORD
     job = None
     with suppress(InputError):
         job = load(recorded)
     account = job is None or job.outcome is not None  # else it only lists what is in the directory
-    if told.is_file() and not (account and recorded.stat().st_mtime > told.stat().st_mtime):
-        return _of_slurm(directory, told, queue, queued)
+    if reported.is_file() and not (account and recorded.stat().st_mtime > reported.stat().st_mtime):
+        return _of_slurm(directory, reported, queue, queued)
     if job is None:
         return Status(directory, "failed", _last_step(directory), _steps(directory), f"{RECORD} cannot be read")
     if account:
@@ -174,12 +174,12 @@ def _of_slurm(directory: Path, account: Path, queue: Queue | None, queued: Queue
     """A Slurm job, by its account; where the queue knows the job, the queue is right."""
     with account.open(encoding="utf-8", errors="replace") as file:
         lines = file.read(1 << 14).splitlines()
-    told = {key: _clean(value) for key, _, value in (line.partition(" ") for line in lines)}
-    state, reason, number = told.get("state", ""), told.get("reason", ""), told.get("job", "")
-    step, steps, ends = (_number(told.get(key)) for key in ("step", "steps", "ends"))
+    reported = {key: _clean(value) for key, _, value in (line.partition(" ") for line in lines)}
+    state, reason, number = reported.get("state", ""), reported.get("reason", ""), reported.get("job", "")
+    step, steps, ends = (_number(reported.get(key)) for key in ("step", "steps", "ends"))
     if state == "done":
         return Status(directory, "done", step, steps)
-    here = queue is not None and queue.cluster == told.get("cluster")
+    here = queue is not None and queue.cluster == reported.get("cluster")
     if queue is not None and here and queued is None:
         queued = queue.job(number)
     step = _latest(step, _last_step(directory))
@@ -192,22 +192,22 @@ def _of_slurm(directory: Path, account: Path, queue: Queue | None, queued: Queue
         why = f"job {number} is gone: killed, or its node lost; {again} {goes_on}"
         return Status(directory, "incomplete", step, steps, why)
     if state == "waiting":
-        return Status(directory, "waiting", step, steps, f"job {number} {reason}, {_as_told(told)}")
+        return Status(directory, "waiting", step, steps, f"job {number} {reason}, {_as_reported(reported)}")
     if state == "running":
         if time.time() > (ends or 0) + GRACE:
             why = f"job {number} is past its time limit, so it was killed; {again} {goes_on}"
             return Status(directory, "incomplete", step, steps, why)
-        return Status(directory, "running", step, steps, f"job {number}, {_as_told(told)}")
+        return Status(directory, "running", step, steps, f"job {number}, {_as_reported(reported)}")
     if state == "incomplete":
         return Status(directory, "incomplete", step, steps, f"{reason}; {again} {goes_on}")
     why = reason if state == "failed" else f"{file_names.JOB_STATE} cannot be read"
     return Status(directory, "failed", step, steps, f"{why}; {again} tries again")
 
 
-def _as_told(told: dict[str, str]) -> str:
+def _as_reported(reported: dict[str, str]) -> str:
     """When a job last wrote of itself, and where."""
-    moment = time.localtime(_number(told.get("time")) or 0)
-    return time.strftime("as reported on %Y-%m-%d %H:%M", moment) + f" by {told.get('host') or 'its node'}"
+    moment = time.localtime(_number(reported.get("time")) or 0)
+    return time.strftime("as reported on %Y-%m-%d %H:%M", moment) + f" by {reported.get('host') or 'its node'}"
 
 
 def _sbatch(directory: Path) -> str:

@@ -34,7 +34,7 @@ def kept_run(scene: Scene, engine: str, path: Path, settings: Settings | None = 
 def errors(directory: RunDirectory) -> tuple[float, float]:
     """Bounds on the errors of a run's peak velocities, in units of V, and of its arrivals, in units of T.
 
-    For LAMMPS the difference from the reference found when it was run, for the reference its certificate.
+    For LAMMPS the difference from the reference found when it was run, for the reference its uncertainty.
     """
     found = ENGINES[directory.engine].errors(directory.job)
     assert found is not None

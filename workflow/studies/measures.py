@@ -110,7 +110,7 @@ def of_frames(
     if any(name in _AT_THE_END for name in names):
         end, count = FarEnd(problem), Accountant(problem).of
         for block in frames():
-            end.add(count(block) if physics.acted_on(problem.system) and block.ledger is None else block)
+            end.add(count(block) if physics.acted_on(problem.system) and block.exchange is None else block)
         found["far_end"] = quantity.plain(end.result(), problem.scale)
     if any(name not in (MASS, *_AT_THE_END, *quick) for name in names):
         seen, allowed, count = Conservation(), Tolerances(), Accountant(problem).of

@@ -122,7 +122,7 @@ def quantities(report: dict[str, Any], record: dict[str, Any], scene: dict[str, 
 
     A file of somebody else's that holds other things holds None.
     """
-    sources = {REPORT: {**report, "hit": _hit(report, scene)}, RECORD: record}
+    sources = {REPORT: {**report, "hit": _kicked(report, scene)}, RECORD: record}
     found: dict[str, Any] = {}
     for name, quantity in QUANTITIES.items():
         value: Any = sources[quantity.file]
@@ -133,18 +133,18 @@ def quantities(report: dict[str, Any], record: dict[str, Any], scene: dict[str, 
     return found
 
 
-def _hit(report: dict[str, Any], scene: dict[str, Any]) -> dict[str, Any]:
+def _kicked(report: dict[str, Any], scene: dict[str, Any]) -> dict[str, Any]:
     """What ``analysis.json`` says of the leading wave in the chain with the largest excitation."""
-    blows = [scene.get(key) for key in ("kick", "push", "striker")]
-    each = [hit for blow in blows for hit in (blow if isinstance(blow, list | tuple) else [blow])]
-    chain = max((hit for hit in each if isinstance(hit, dict)), key=_size, default={}).get("chain", 1)
+    kicks = [scene.get(key) for key in ("kick", "push", "striker")]
+    each = [kick for kick in kicks for kick in (kick if isinstance(kick, list | tuple) else [kick])]
+    chain = max((kick for kick in each if isinstance(kick, dict)), key=_size, default={}).get("chain", 1)
     waves = report.get("waves")
     entries = waves if isinstance(waves, list) else []
     return next((entry for entry in entries if isinstance(entry, dict) and entry.get("chain") == chain), {})
 
 
-def _size(blow: dict[str, Any]) -> float:
-    velocity = blow.get("velocity", blow.get("peak"))
+def _size(kick: dict[str, Any]) -> float:
+    velocity = kick.get("velocity", kick.get("peak"))
     return abs(velocity) if isinstance(velocity, int | float) else 0.0
 
 

@@ -125,7 +125,7 @@ def analyse(
             f"{directory.path}: its frames are {every} apart, too far to find waves between them; "
             f"run it with output.every at most {limit}"
         )
-    ledger = accountant(directory, problem)
+    exchange = accountant(directory, problem)
     conservation, fingerprint = Conservation(), Fingerprint()
     measures = [one for kind in FINDINGS if (one := kind.measure(directory)) is not None]
     watchers: list[Any] = [conservation, fingerprint, *measures]
@@ -145,12 +145,12 @@ def analyse(
         tolerances=allowed,
         arrival=arrival,
         leading=directory.peaks_table() if arrival in (None, usual_arrival(problem)) else None,
-        counted=ledger.of,
+        counted=exchange.of,
     )
     whole = conservation
     if problem.frames_per_snapshot is not None:
-        ledger = accountant(directory, problem.snapshots())
-        whole = Conservation(ledger.of)
+        exchange = accountant(directory, problem.snapshots())
+        whole = Conservation(exchange.of)
         for block in _sane(directory, directory.snapshots()):
             whole.add(block)
             fingerprint.add(block)
@@ -162,7 +162,7 @@ def analyse(
     conservation.momentum_drift = whole.momentum_drift if changes else np.nan
     conservation.budget = whole.budget if changes else None
     findings = [measure.finish(found) for measure in measures]
-    findings.append(energy.closed(directory, conservation, ledger))
+    findings.append(energy.closed(directory, conservation, exchange))
     there = {one.key: one for one in findings if one is not None}
     tables, drawn = _write(directory, found, conservation, allowed, there, (spacetime, history) if figures else None)
     return Analysis(
@@ -237,9 +237,11 @@ def default_beads(problem: Problem) -> tuple[int, ...]:
     """Three recorded beads: near a sixth, a half and nine tenths of the way, or near that hit, where no pulse runs."""
     recorded = problem.recorded_beads
     if not problem.system.holds(Fact.PULSE):
-        hit = physics.largest_excitation(problem.system)[1]
+        kicked_bead = physics.largest_excitation(problem.system)[1]
         way = 1 if direction_of(problem) > 0 else -1
-        return tuple(sorted({int(recorded[np.argmin(np.abs(recorded - hit - way * far))]) for far in (0, 2, 5)}))
+        return tuple(
+            sorted({int(recorded[np.argmin(np.abs(recorded - kicked_bead - way * far))]) for far in (0, 2, 5)})
+        )
     places = np.unique(np.round(np.array([0.17, 0.5, 0.9]) * (len(recorded) - 1)).astype(int))
     return tuple(int(recorded[place]) for place in places)
 

@@ -67,8 +67,8 @@ def waves_csv(found: Survey) -> str:
 def _lag(found: Survey) -> Floats:
     """[wave] arrival behind the wave of the chain that was kicked at the same bead; NaN where that was not seen."""
     waves = found.waves
-    hit = waves.of_chain(found.shared.kicked + 1)
-    arrival = dict(zip(hit.bead.tolist(), hit.arrival.tolist(), strict=True))
+    of_kicked = waves.of_chain(found.shared.kicked + 1)
+    arrival = dict(zip(of_kicked.bead.tolist(), of_kicked.arrival.tolist(), strict=True))
     return waves.arrival - np.array([arrival.get(bead, np.nan) for bead in waves.bead.tolist()], dtype=np.float64)
 
 

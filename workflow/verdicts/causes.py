@@ -304,10 +304,10 @@ def _static(own: Trajectory, reference: Trajectory) -> list[str]:
         if felt.pressed == 0.0:
             return ["the static load is missing"]
         return [f"the contacts carry about {felt.pressed:.2g} times the static load of the scene"]
-    if abs(felt.held - 1.0) > _LOAD_DOUBT + 3.0 * abs(right.held - 1.0):
-        if abs(felt.held) < _LOAD_DOUBT:
+    if abs(felt.holding - 1.0) > _LOAD_DOUBT + 3.0 * abs(right.holding - 1.0):
+        if abs(felt.holding) < _LOAD_DOUBT:
             return ["the forces that hold the beads at rest (on the ends, or weights) are missing"]
-        return [f"the forces that hold the beads at rest are {felt.held:.4g} times what the scene says"]
+        return [f"the forces that hold the beads at rest are {felt.holding:.4g} times what the scene says"]
     return []
 
 

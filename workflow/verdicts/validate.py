@@ -1,4 +1,4 @@
-"""Is a run right? Compared with the certified reference, quantity by quantity."""
+"""Is a run right? Compared with the accurate_reference reference, quantity by quantity."""
 
 import warnings
 from collections.abc import Iterable
@@ -12,7 +12,7 @@ from analysis.files.binary_dump import CutDumpWarning
 from analysis.trajectory import Trajectory, joined
 from lammps_inputs import InputError, Problem, html, physics
 from lammps_inputs.facts import Fact
-from workflow.engines.reference.certify import Certificate, Certifier
+from workflow.engines.reference.step_halving import StepHalving, Uncertainty
 from workflow.formats import figure_files
 from workflow.runs.check import accountant
 from workflow.runs.files import write_figure, write_json
@@ -53,7 +53,7 @@ class Validation:
         tolerances: what was let pass.
         causes: what seems to be wrong, in words; empty if nothing does.
         remarks: what else is worth knowing, in words; does not count against the run.
-        certificate: uncertainty of the reference; None for a user's table.
+        uncertainty: uncertainty of the reference; None for a user's table.
         interpolation: bounds on the errors of (displacement, velocity) that interpolating between frames added; None if
             that was not needed.
         frames: number of frames that the run has, as far as the scene asks for them.
@@ -66,7 +66,7 @@ class Validation:
     tolerances: dict[str, float]
     causes: tuple[str, ...]
     remarks: tuple[str, ...]
-    certificate: Certificate | None
+    uncertainty: Uncertainty | None
     interpolation: tuple[float, float] | None
     frames: int
     compared: int
@@ -83,7 +83,7 @@ class Validation:
     @property
     def passed(self) -> bool:
         """Whether the run is complete, all is within its tolerance, nothing seems wrong, and the reference is sure."""
-        certain = self.certificate is None or not _doubts(self.certificate, self.tolerances)
+        certain = self.uncertainty is None or not _doubts(self.uncertainty, self.tolerances)
         return self.complete and certain and not self.causes and not any(map(self.exceeded, self.deviations))
 
     def __repr__(self) -> str:
@@ -112,7 +112,7 @@ class Validation:
         | quantities          | of each: tolerance, exceeded, largest, rms, where the largest is, and first, |
         |                     | the first place in time where the tolerance is exceeded                      |
         | causes, remarks     | in words                                                                     |
-        | reference           | the certificate; null against a file                                         |
+        | reference           | the uncertainty; null against a file                                         |
         | interpolation_error | bounds for [displacement, velocity]; null if nothing was interpolated        |
         """
         return {
@@ -127,13 +127,13 @@ class Validation:
             },
             "causes": list(self.causes),
             "remarks": list(self.remarks),
-            "reference": None if self.certificate is None else asdict(self.certificate),
+            "reference": None if self.uncertainty is None else asdict(self.uncertainty),
             "interpolation_error": None if self.interpolation is None else list(self.interpolation),
         }
 
 
 def validate(directory: RunDirectory, tolerances: dict[str, float] | None = None) -> Validation:
-    """Compare a run with the certified reference, and write ``validation.json`` and a figure beside it.
+    """Compare a run with the accurate_reference reference, and write ``validation.json`` and a figure beside it.
 
     Args:
         directory: the run.
@@ -144,12 +144,12 @@ def validate(directory: RunDirectory, tolerances: dict[str, float] | None = None
     """
     problem = directory.problem
     limits = limits_of(problem, tolerances)
-    certifier = _sure_enough(problem, limits)
+    halving = _accurate_enough(problem, limits)
     difference = Difference(limits, accountant(directory, problem).of)
     kept: list[tuple[Trajectory, Trajectory]] = []
     kept_bytes = 0
     try:
-        for block, reference in paired(blocks(directory), certifier.blocks()):
+        for block, reference in paired(blocks(directory), halving.blocks()):
             difference.add(block, reference)
             if kept_bytes < _DIAGNOSED_BYTES:
                 kept.append((block, reference))
@@ -170,8 +170,8 @@ def validate(directory: RunDirectory, tolerances: dict[str, float] | None = None
         deviations=deviations,
         tolerances=limits,
         causes=tuple(found),
-        remarks=(*filter(None, [directory.failure]), *_half(problem), *_doubts(certifier.certificate, limits)),
-        certificate=certifier.certificate,
+        remarks=(*filter(None, [directory.failure]), *_half(problem), *_doubts(halving.uncertainty, limits)),
+        uncertainty=halving.uncertainty,
         interpolation=None,
         frames=difference.frames,
         compared=difference.frames,
@@ -193,8 +193,8 @@ def limits_of(problem: Problem, tolerances: dict[str, float] | None) -> dict[str
     return {**TOLERANCES, **exchanged, **first_order, **(tolerances or {})}
 
 
-def _doubts(certificate: Certificate, limits: dict[str, float]) -> tuple[str, ...]:
-    sizes = {"velocity": certificate.velocity, "arrival": certificate.arrival}
+def _doubts(uncertainty: Uncertainty, limits: dict[str, float]) -> tuple[str, ...]:
+    sizes = {"velocity": uncertainty.velocity, "arrival": uncertainty.arrival}
     return tuple(
         f"the uncertainty of the reference, {size:.1e} in {name}, is too large for this tolerance"
         for name, size in sizes.items()
@@ -202,24 +202,27 @@ def _doubts(certificate: Certificate, limits: dict[str, float]) -> tuple[str, ..
     )
 
 
-_SURER = 4.0
+_MORE_ACCURATE = 4.0
 """The reference must be this many times surer than what it is to decide."""
 
 _MOST_DOUBLINGS = 5
 
 
-def _sure_enough(problem: Problem, limits: dict[str, float]) -> Certifier:
-    """A reference whose certificate is well below the tolerances, as far as some doublings of its steps allow."""
+def _accurate_enough(problem: Problem, limits: dict[str, float]) -> StepHalving:
+    """A reference whose uncertainty is well below the tolerances, as far as some doublings of its steps allow."""
     steps = None
     for _ in range(_MOST_DOUBLINGS):
-        trial = Certifier(problem, steps_per_frame=steps)
+        trial = StepHalving(problem, steps_per_frame=steps)
         for _ in trial.blocks():
             pass
-        certificate = trial.certificate
-        if _SURER * certificate.velocity <= limits["velocity"] and _SURER * certificate.arrival <= limits["arrival"]:
+        uncertainty = trial.uncertainty
+        if (
+            _MORE_ACCURATE * uncertainty.velocity <= limits["velocity"]
+            and _MORE_ACCURATE * uncertainty.arrival <= limits["arrival"]
+        ):
             break
-        steps = 2 * certificate.steps_per_frame
-    return Certifier(problem, steps_per_frame=steps)
+        steps = 2 * uncertainty.steps_per_frame
+    return StepHalving(problem, steps_per_frame=steps)
 
 
 def blocks(directory: RunDirectory) -> Iterable[Trajectory]:

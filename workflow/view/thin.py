@@ -104,7 +104,7 @@ def thinned(problem: Problem, blocks: Iterable[Trajectory], chains: list[int], *
             time=block.time[first],
             displacement=block.displacement[first],
             velocity=_largest(block.velocity, first),
-            ledger=None,
+            exchange=None,
         )
         largest = _whole(fastest).velocity[:, chains, beads]
         for place, values in zip(nearest.tolist(), largest, strict=True):

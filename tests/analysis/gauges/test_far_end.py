@@ -132,7 +132,7 @@ def test_transmitted_energy_is_a_share_of_the_work_done_until_then(set_in_motion
     run = engine.run(small)
     end, unknown = FarEnd(small), FarEnd(small)
     end.add(run)
-    unknown.add(replace(run, ledger=None))
+    unknown.add(replace(run, exchange=None))
     there = motion.bead_energy(small.system, run.displacement, run.velocity)[:, 0, 27:].sum(axis=-1)
     work = motion.energy(small.system, run.displacement, run.velocity)
     assert end.result().transmitted_energy == pytest.approx(np.nanmax(there[1:] / work[1:]), rel=1e-4)

@@ -252,8 +252,8 @@ def test_the_error_of_a_peak_is_below_what_is_said_where_a_push_ends_between_two
         columns = what.recorded_beads - 1
         found = leading_waves(find_peaks([Trajectory(what, time, x[..., columns], v[..., columns])]), "impulse")
         (peak,), (centre,) = found.peak_velocity, found.arrival
-        true = push.end - push.travel(push.end) / push.blow
-        assert abs(peak - push.blow) <= found.peak_velocity_error[0]
+        true = push.end - push.travel(push.end) / push.total_impulse
+        assert abs(peak - push.total_impulse) <= found.peak_velocity_error[0]
         assert abs(centre - true) <= found.arrival_error[0]
 
 

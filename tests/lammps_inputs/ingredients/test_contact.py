@@ -51,7 +51,7 @@ def test_linear_contacts_carry_no_pulse(tmp_path):
 
 
 def test_a_pulse_is_no_faster_than_a_bead_a_unit_of_time_whatever_the_exponent():
-    assert [rates.pace(touching(p).system) for p in (1.0, 1.25, 1.5, 2.0, 3.0)] == [1.0] * 5
+    assert [rates.front_speed(touching(p).system) for p in (1.0, 1.25, 1.5, 2.0, 3.0)] == [1.0] * 5
 
 
 def test_an_accuracy_is_kept_with_another_exponent(tmp_path):

@@ -38,7 +38,7 @@ def test_dashpots_between_chains_reach_as_far_as_their_springs_and_not_to_the_ne
     cutoff = float(re.findall(r"dpd/ext/tstat 0 0 (\S+)", deck.render_deck(problem))[0])
     beside, reach = (
         2.0 * problem.layout.diameter,
-        float(laws.reach(problem.system.across[0].law, physics.energy(problem.system))),
+        float(laws.max_strain(problem.system.across[0].law, physics.energy(problem.system))),
     )
     assert reach > 0.45 * problem.layout.spacing or load is None
     assert math.hypot(beside, reach) < cutoff < math.hypot(beside, problem.layout.spacing - reach)

@@ -186,7 +186,7 @@ def test_the_end_at_a_bead_comes_sooner_the_faster_sound_is():
         for f in (0.1, 100.0)
     ]
     assert ends[0] > 2.0 * ends[1]
-    assert ends[1] > 30 / rates.pace(loaded(precompression={"force": 100.0}).system)
+    assert ends[1] > 30 / rates.front_speed(loaded(precompression={"force": 100.0}).system)
 
 
 def test_the_work_of_a_run_counts_the_rows_that_sound_reaches():

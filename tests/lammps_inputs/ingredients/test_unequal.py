@@ -238,7 +238,7 @@ def test_energy_of_a_pulse_behind_a_heavy_bead_is_its_own_wherever_it_is_stated(
     analyse(directory, figures=False)
     report = json.loads((tmp_path / "run" / "analysis.json").read_text())
     cells, first, share = report["cells"], report["pulses"][0], report["equipartition"]["energy_share"]["measured"]
-    assert (cells["beads"], cells["left_behind"], cells["chains"][0]["per_cell"]) == (1, None, None)
+    assert (cells["beads"], cells["residual_energy"], cells["chains"][0]["per_cell"]) == (1, None, None)
     # the exact wave of that amplitude; 67 % were said where the second pulse counted
     expected = solitary_wave().energy_at(first["peak_velocity"]) / 0.5
     assert expected == pytest.approx(0.5538, abs=1e-4)

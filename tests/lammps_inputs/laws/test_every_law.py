@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from lammps_inputs import laws
 from lammps_inputs.laws import dashpot
 from lammps_inputs.laws.contact import Hertz, Power
-from lammps_inputs.laws.dashpot import NO_FLOOR, ContactDashpot, Restitution, Viscoelastic, WallDashpot
+from lammps_inputs.laws.dashpot import NO_LIMIT, ContactDashpot, Restitution, Viscoelastic, WallDashpot
 from lammps_inputs.laws.preloaded import under
 from lammps_inputs.laws.spring import Duffing, Linear
 from lammps_inputs.links import Wall
@@ -43,7 +43,7 @@ def test_force_is_the_slope_of_the_energy_and_stiffness_that_of_the_force(law, s
 @pytest.mark.parametrize("law", [law for name, law in ELASTIC.items() if "pressed wall" not in name])
 @given(energy=st.floats(1e-6, 1e6))
 def test_the_largest_strain_holds_the_whole_energy(law, energy):
-    np.testing.assert_allclose(laws.energy(law, law.reach(energy, *law)), energy, rtol=1e-11)
+    np.testing.assert_allclose(laws.energy(law, law.max_strain(energy, *law)), energy, rtol=1e-11)
 
 
 def test_at_hertz_s_exponent_a_law_of_any_exponent_is_hertz_s_to_rounding():
@@ -54,10 +54,10 @@ def test_at_hertz_s_exponent_a_law_of_any_exponent_is_hertz_s_to_rounding():
 
 PLACES = np.array([-0.6, -0.2, 0.3, 1.1])
 WALLS = {
-    "linear": WallDashpot(0.3, 0.0, 0.0, NO_FLOOR),
+    "linear": WallDashpot(0.3, 0.0, 0.0, NO_LIMIT),
     "linear, cut": WallDashpot(0.3, 0.0, 0.0, 2.0),
-    "viscoelastic": WallDashpot(0.0, 0.3, 0.0, NO_FLOOR),
-    "restitution": WallDashpot(0.0, 0.0, 0.3, NO_FLOOR),
+    "viscoelastic": WallDashpot(0.0, 0.3, 0.0, NO_LIMIT),
+    "restitution": WallDashpot(0.0, 0.0, 0.3, NO_LIMIT),
 }
 CONTACTS = {
     "linear": ContactDashpot(0.3),
@@ -112,7 +112,7 @@ def test_a_cut_dashpot_pulls_as_hard_as_the_contact_pushes_and_no_harder(law):
     for rate in (-1e3, -10.0):
         np.testing.assert_allclose(dashpot.damping(law, overlap, rate), -2.0 * overlap**1.5)
     weak = dashpot.damping(law, overlap[1:], -1e-3)
-    np.testing.assert_allclose(weak, dashpot.damping(law._replace(floor=NO_FLOOR), overlap[1:], -1e-3))
+    np.testing.assert_allclose(weak, dashpot.damping(law._replace(tensile_limit=NO_LIMIT), overlap[1:], -1e-3))
 
 
 def test_beads_without_a_wall_feel_nothing_however_hard_they_are_pressed():

@@ -39,12 +39,12 @@ def test_the_diameter_is_a_power_of_two_of_at_least_4(energy):
 
 @given(ENERGIES)
 def test_no_overlap_that_the_energy_allows_reaches_half_the_diameter(energy):
-    assert laws.reach(HERTZ, energy) <= Layout(system(energy)).diameter / 2
+    assert laws.max_strain(HERTZ, energy) <= Layout(system(energy)).diameter / 2
 
 
 @given(ENERGIES, st.floats(0.0, 1.0))
 def test_no_share_of_the_energy_lets_second_neighbours_meet(energy, share):
-    two = laws.reach(HERTZ, share * energy) + laws.reach(HERTZ, (1 - share) * energy)
+    two = laws.max_strain(HERTZ, share * energy) + laws.max_strain(HERTZ, (1 - share) * energy)
     assert two <= Layout(system(energy)).diameter
 
 

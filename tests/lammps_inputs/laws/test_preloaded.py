@@ -40,7 +40,7 @@ def test_the_energy_of_any_exponent_goes_on_smoothly_from_its_series():
 
 def test_reach_of_a_pressed_wall_is_what_an_energy_adds_and_0_for_beads_without_one():
     law = LAWS["wall"]
-    added = law.reach(0.5, *law)
+    added = law.max_strain(0.5, *law)
     assert law.rest[2] > 0.3
     assert added[:2].tolist() == [0.0, 0.0]
     assert laws.energy(law, added)[2] == pytest.approx(0.5, rel=1e-12)

@@ -38,10 +38,10 @@ def test_a_wall_never_pulls_and_only_one_side_feels_it(place, gap, side, exponen
 @given(POSITIVE, POSITIVE, SIDE, st.floats(0.0, 5.0), EXPONENT)
 def test_the_largest_overlap_holds_the_whole_energy(held, strength, side, gap, exponent):
     link = wall(strength, side, gap, exponent)
-    overlap = float(link.law.reach(held, *link.law)[0, 0])
+    overlap = float(link.law.max_strain(held, *link.law)[0, 0])
     rounding = 4e-16 * (1.0 + gap / overlap)
     np.testing.assert_allclose(energy(link, side * (gap + overlap)), held, rtol=20.0 * rounding)
-    assert type(link.law)(0.0, *link.law[1:]).reach(held, 0.0, *link.law[1:]) == 0.0
+    assert type(link.law)(0.0, *link.law[1:]).max_strain(held, 0.0, *link.law[1:]) == 0.0
 
 
 @given(st.floats(-10.0, 10.0), SIDE, EXPONENT)

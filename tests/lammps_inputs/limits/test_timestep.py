@@ -15,8 +15,8 @@ from lammps_inputs.laws.contact import Hertz
 from lammps_inputs.limits import rates
 from lammps_inputs.scene import DEFAULT_ACCURACY
 from workflow.engines.reference import engine
-from workflow.engines.reference.certify import certified
 from workflow.engines.reference.schemes import SUZUKI4, VERLET
+from workflow.engines.reference.step_halving import accurate_reference
 
 
 def growth(omega, step):
@@ -40,7 +40,7 @@ def cycle_growth(omega, step):
 def test_with_springs_alone_verlet_is_stable_up_to_the_bound_and_not_beyond(chains):
     kappa = 0.7
     bound = rates.stability_bound(system(0.0, kappa, chains))
-    omega = rates.swing(system(0.0, kappa, chains))
+    omega = rates.modal_frequency(system(0.0, kappa, chains))
     assert growth(omega, 0.999 * bound) == pytest.approx(1.0, abs=1e-12)
     assert growth(omega, 1.001 * bound) > 1.05
 
@@ -68,7 +68,7 @@ class Softening(NamedTuple):
         return spring / np.cosh(s) ** 2
 
     @staticmethod
-    def reach(energy, spring):
+    def max_strain(energy, spring):
         return np.arccosh(np.exp(energy / spring))
 
 
@@ -129,7 +129,7 @@ def test_the_rule_keeps_the_default_accuracy_where_springs_are_stiff(kappa, chai
     problem = stiff.problem()
     cycles = problem.steps_per_frame // len(table.drifts)
     runs = engine.blocks(problem, scheme=table, steps_per_frame=cycles)
-    right = certified(problem, 1e-5).blocks()
+    right = accurate_reference(problem, 1e-5).blocks()
     assert max(np.abs(a.velocity - b.velocity).max() for a, b in zip(runs, right, strict=True)) < DEFAULT_ACCURACY
 
 
@@ -148,7 +148,7 @@ def test_velocity_verlet_needs_ten_times_the_steps_for_a_hundredth_of_the_error(
 
 
 def test_with_springs_alone_suzukis_cycle_is_stable_up_to_its_bound_and_not_beyond():
-    omega = rates.swing(system(0.0, 0.7, 3))
+    omega = rates.modal_frequency(system(0.0, 0.7, 3))
     bound = rates.stability_bound(system(0.0, 0.7, 3), "suzuki4")
     assert cycle_growth(omega, 0.999 * bound) == pytest.approx(1.0, abs=1e-9)
     assert cycle_growth(omega, 1.01 * bound) > 1.01

@@ -17,7 +17,7 @@ from lammps_inputs.scene import DEFAULT_ACCURACY
 from lammps_inputs.units import make_scale
 from workflow.cli import main
 from workflow.engines.reference import engine
-from workflow.engines.reference.certify import certified
+from workflow.engines.reference.step_halving import accurate_reference
 from workflow.errors import RunError
 from workflow.prepare import pilot
 from workflow.prepare.pilot import stride
@@ -72,7 +72,7 @@ def error(problem, accuracy):
             scheme=pilot.TABLES[problem.scheme],
             steps_per_frame=problem.steps_per_frame // pilot.scheme.cycle(problem.scheme),
         ),
-        certified(problem, accuracy / 5.0).blocks(),
+        accurate_reference(problem, accuracy / 5.0).blocks(),
     )
     pairs = (on_common_rows(own, right) for own, right in zip(*runs, strict=True))
     return max(float(np.abs(own.velocity - right.velocity).max()) for own, right in pairs)
@@ -159,7 +159,7 @@ def test_a_run_of_lammps_ends_with_the_error_that_was_measured_beforehand(tmp_pa
 @pytest.mark.parametrize("accuracy", [1e-3, 1e-7])
 def test_a_run_of_the_reference_is_certified_to_what_was_asked(tmp_path, accuracy):
     result = run(asking(SMALL["five chains"], accuracy), tmp_path / "run", engine="reference")
-    assert result.directory.job.certificate.velocity <= accuracy
+    assert result.directory.job.uncertainty.velocity <= accuracy
 
 
 @pytest.mark.parametrize(

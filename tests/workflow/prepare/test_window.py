@@ -215,7 +215,7 @@ def test_a_dump_whose_molecules_are_no_rows_is_refused(tmp_path):
 @pytest.mark.usefixtures("analysed")
 def test_what_a_window_leaves_behind_is_slower_than_the_leading_waves(both):
     left = json.loads((both[1].path / "analysis.json").read_text())["window"]
-    assert 0.0 < left["left_behind"] < left["slowest_wave"]
+    assert 0.0 < left["residual_velocity"] < left["slowest_wave"]
     assert "nothing catches up" in left["sentence"]
 
 

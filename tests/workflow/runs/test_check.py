@@ -17,7 +17,7 @@ from lammps_inputs import Kick, Output, strict_yaml
 from workflow.cli import main
 from workflow.commands.run import _judged
 from workflow.engines.reference import engine
-from workflow.engines.reference.certify import Certifier, certified
+from workflow.engines.reference.step_halving import StepHalving, accurate_reference
 from workflow.prepare import pilot
 from workflow.prepare.pilot import better_timestep
 from workflow.prepare.settings import Settings
@@ -39,10 +39,10 @@ def finished(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def full(finished):
-    """Deviations of all its frames from a reference that is certified to 1e-9."""
+    """Deviations of all its frames from a reference that is accurate_reference to 1e-9."""
     problem = finished.directory.problem
     difference = Difference(dict.fromkeys(("velocity", "displacement", "amplitude", "arrival"), math.inf))
-    for pair in paired(finished.directory.blocks(), certified(problem, 1e-9).blocks()):
+    for pair in paired(finished.directory.blocks(), accurate_reference(problem, 1e-9).blocks()):
         difference.add(*pair)
     return difference.deviations()
 
@@ -97,7 +97,7 @@ def sampled(finished, monkeypatch):
 def test_its_velocity_error_is_the_largest_of_the_frames_that_it_compares(sampled):
     directory = sampled.directory
     step = stride(directory.problem)
-    fine = certified(directory.problem, 1e-9)
+    fine = accurate_reference(directory.problem, 1e-9)
     exact = engine.run(directory.problem, steps_per_frame=fine.steps_per_frame).velocity[::step]
     error = np.max(np.abs(directory.trajectory.velocity[::step] - exact))
     assert sampled.check.velocity == pytest.approx(error, abs=sampled.check.reference.velocity + 1e-9)
@@ -207,7 +207,7 @@ def test_its_wave_errors_are_also_those_of_peaks_csv_at_beads_that_are_not_recor
     output = Output(every=0.25, beads=(1, 4), peaks=True)
     done = run(scene(beads=8, kick=kicks, duration=15.0, output=output, timestep=0.025), tmp_path / "run")
     problem = replace(done.directory.problem, recorded=None)
-    exact = leading_waves(leading_passages(find_peaks(certified(problem, 1e-9).blocks()), problem))
+    exact = leading_waves(leading_passages(find_peaks(accurate_reference(problem, 1e-9).blocks()), problem))
     table = done.directory.peaks_table()
     assert len(table) == len(exact) > 4
     clear = exact.peak_velocity > 0.1
@@ -238,9 +238,9 @@ def test_snapshots_are_checked_as_frames_are(wrong, tmp_path, monkeypatch):
     monkeypatch.setattr(RunDirectory, "snapshots", lambda _: moved)
     found = check(directory)
     assert found.velocity == pytest.approx(wrong, abs=1e-3)
-    frames, whole = (Certifier(of) for of in (directory.problem, directory.problem.snapshots()))
+    frames, whole = (StepHalving(of) for of in (directory.problem, directory.problem.snapshots()))
     for one in (frames, whole):
         for _ in one.blocks():
             pass
-    assert found.reference.velocity == max(one.certificate.velocity for one in (frames, whole))
-    assert frames.certificate.velocity < whole.certificate.velocity
+    assert found.reference.velocity == max(one.uncertainty.velocity for one in (frames, whole))
+    assert frames.uncertainty.velocity < whole.uncertainty.velocity

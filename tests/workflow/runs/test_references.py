@@ -1,4 +1,4 @@
-"""How many steps references take, with certificates made up, and those whose ledger a run's frames get."""
+"""How many steps references take, with uncertainties made up, and those whose exchange a run's frames get."""
 
 from types import SimpleNamespace
 
@@ -9,7 +9,7 @@ from workflow.engines.reference import engine
 from workflow.prepare.settings import Settings
 from workflow.runs import check
 from workflow.runs.check import accountant
-from workflow.runs.job import Certificate, Job
+from workflow.runs.job import Job, Uncertainty
 
 ASKED = Settings(1e-4, 0.01, 10, 0.025, 5e-5, 5e-5, 1.0, limited=False, seconds=0.1)
 
@@ -23,15 +23,15 @@ ASKED = Settings(1e-4, 0.01, 10, 0.025, 5e-5, 5e-5, 1.0, limited=False, seconds=
     ],
 )
 def test_steps_are_doubled_until_the_reference_is_sure_or_hardly_gets_surer(fall, steps, monkeypatch):
-    """From 1e-3 at four steps a frame the certificate falls by a factor with each doubling."""
+    """From 1e-3 at four steps a frame the uncertainty falls by a factor with each doubling."""
 
     class Falling:
         def __init__(self, _, *, steps_per_frame=None):
             self.steps = steps_per_frame
-            self.certificate = SimpleNamespace(velocity=1e-3 * fall ** [4, 8, 16, 32].index(steps_per_frame))
+            self.uncertainty = SimpleNamespace(velocity=1e-3 * fall ** [4, 8, 16, 32].index(steps_per_frame))
 
-    monkeypatch.setattr(check, "Certifier", Falling)
-    assert [one.steps for one in check.certifiers(problem(), ASKED)] == steps
+    monkeypatch.setattr(check, "StepHalving", Falling)
+    assert [one.steps for one in check.references_of(problem(), ASKED)] == steps
 
 
 @pytest.mark.parametrize(
@@ -39,7 +39,7 @@ def test_steps_are_doubled_until_the_reference_is_sure_or_hardly_gets_surer(fall
     [(6, 6), (None, None), (10**12, 2**12 * engine.default_steps_per_frame(problem()))],
 )
 def test_frames_of_the_reference_are_followed_with_its_own_steps_as_far_as_it_would_take_them(taken, steps):
-    """A run of another engine has no certificate."""
-    certificate = None if taken is None else Certificate(steps_per_frame=taken, velocity=None, arrival=None)
-    directory = SimpleNamespace(account=Job(certificate=certificate))
+    """A run of another engine has no uncertainty."""
+    uncertainty = None if taken is None else Uncertainty(steps_per_frame=taken, velocity=None, arrival=None)
+    directory = SimpleNamespace(account=Job(uncertainty=uncertainty))
     assert accountant(directory, problem()).steps_per_frame == steps

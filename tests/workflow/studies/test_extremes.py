@@ -15,7 +15,7 @@ from lammps_inputs import InputError
 from lammps_inputs.laws.spring import Linear
 from workflow.cli import main
 from workflow.engines.lammps import mpi
-from workflow.engines.reference.certify import rows_to_judge
+from workflow.engines.reference.step_halving import compared_rows
 from workflow.errors import RunError
 from workflow.prepare.pilot import stride
 from workflow.runs import check as checking
@@ -51,7 +51,7 @@ def named(axis, value):
         ("RIGHT", None, 1e-5),
         ("RIGHT", Told(0.0, 0.0), 1e-9),
         ("REPORTED", Told(0.1, 1e-3), 0.1),
-        ("REPORTED", Told(1e-4, 0.1), 0.1),  # says how unsure it is
+        ("REPORTED", Told(1e-4, 0.1), 0.1),  # says how uncertainty it is
         ("REPORTED", Told(math.nan, 0.0), math.nan),
         ("WRONG", None, 1e-3),
         ("WRONG", None, math.nan),
@@ -246,8 +246,8 @@ def test_an_accuracy_is_kept_in_every_phase_of_a_swing():
 @pytest.mark.parametrize(("duration", "rows"), [(250.0, None), (600.0, 200)])
 def test_a_window_that_has_stood_at_the_end_for_long_is_judged_by_the_whole_chains(duration, rows):
     problem = scene(chains=2, beads=200, kappa=0.05, window=64, duration=duration).problem()
-    assert rows_to_judge(problem) == rows
-    assert rows_to_judge(replace(problem, window=None)) is None
+    assert compared_rows(problem) == rows
+    assert compared_rows(replace(problem, window=None)) is None
 
 
 @pytest.mark.parametrize(

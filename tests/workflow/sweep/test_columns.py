@@ -22,7 +22,7 @@ REPORT = {
         "verdict": "they beat",
     },
     "far_end": {"wall_force": 1.3, "wall_force_chain": 0.9, "delay": 80.0, "transmitted_energy": 0.7},
-    "cells": {"left_behind": 0.002},
+    "cells": {"residual_energy": 0.002},
     "spectra": {"transmissibility": 0.4},
 }
 RECORD = {
@@ -35,7 +35,8 @@ RECORD = {
 EXPECTED = {
     "amplitude": 0.34, "amplitude_uncertainty": 0.01, "agree_10": 20, "agree_1": 40, "in_step_1": 45,
     "beat_length": 12.0, "beat_length_uncertainty": 0.5, "energy_share": 0.98, "state": "beating",
-    "bead": 54, "arrival": 71.0, "peak_velocity": 0.32, "speed": 0.75, "left_behind": 0.002, "transmissibility": 0.4,
+    "bead": 54, "arrival": 71.0, "peak_velocity": 0.32, "speed": 0.75, "residual_energy": 0.002,
+    "transmissibility": 0.4,
     "wall_force": 1.3, "wall_force_chain": 0.9, "delay": 80.0, "transmitted_energy": 0.7, "front": 58,
     "energy_drift": 1e-6, "error_velocity": 1e-4, "error_amplitude": 1e-5, "error_arrival": 1e-3, "engine": "lammps",
     "steps": 1000, "engine_seconds": 2.0, "wall_seconds": 3.0, "verdict": "they beat",

@@ -8,7 +8,7 @@ from small_problems import written_down
 
 from analysis.against import symptoms
 from lammps_inputs import library, physics
-from workflow.engines.reference.certify import Certificate
+from workflow.engines.reference.step_halving import Uncertainty
 from workflow.verdicts import validate
 from workflow.verdicts.causes import causes
 
@@ -112,19 +112,19 @@ def test_a_shift_in_time_is_named_where_it_explains_nearly_all_of_the_difference
     assert causes(own, reference) == said
 
 
-def certificate(velocity, arrival):
-    return Certificate(steps_per_frame=2, velocity=velocity, arrival=arrival, energy=0.0, momentum=0.0, order=None)
+def uncertainty(velocity, arrival):
+    return Uncertainty(steps_per_frame=2, velocity=velocity, arrival=arrival, energy=0.0, momentum=0.0, order=None)
 
 
 @pytest.mark.parametrize(("velocity", "arrival", "doubted"), [(5e-4, 2e-3, []), (6e-4, 0.0, ["velocity"])])
 def test_a_reference_is_doubted_that_is_less_sure_than_a_tolerance(velocity, arrival, doubted):
-    for sure, names in ((certificate(velocity, arrival), doubted), (certificate(0.0, 2.1e-3), ["arrival"])):
+    for sure, names in ((uncertainty(velocity, arrival), doubted), (uncertainty(0.0, 2.1e-3), ["arrival"])):
         said = validate._doubts(sure, validate.TOLERANCES)
         assert [line.split(" in ")[1].split(",")[0] for line in said] == names
 
 
 def test_the_reference_takes_more_steps_until_it_is_four_times_surer_than_a_tolerance(monkeypatch):
-    """One whose certificates halve as its steps double, from 1e-3 at ten steps a frame."""
+    """One whose uncertainties halve as its steps double, from 1e-3 at ten steps a frame."""
 
     class Halving:
         def __init__(self, _, *, steps_per_frame=None):
@@ -134,12 +134,12 @@ def test_the_reference_takes_more_steps_until_it_is_four_times_surer_than_a_tole
             return iter(())
 
         @property
-        def certificate(self):
-            return replace(certificate(1e-2 / self.steps, 1e-2 / self.steps), steps_per_frame=self.steps)
+        def uncertainty(self):
+            return replace(uncertainty(1e-2 / self.steps, 1e-2 / self.steps), steps_per_frame=self.steps)
 
-    monkeypatch.setattr(validate, "Certifier", Halving)
+    monkeypatch.setattr(validate, "StepHalving", Halving)
     for limits, steps in (({"velocity": 4e-3}, 10), ({"velocity": 3.9e-3}, 20), ({"arrival": 1e-3}, 40)):
-        assert validate._sure_enough(None, {"velocity": 1.0, "arrival": 1.0, **limits}).steps == steps
+        assert validate._accurate_enough(None, {"velocity": 1.0, "arrival": 1.0, **limits}).steps == steps
 
 
 def test_where_energy_is_exchanged_it_may_miss_what_velocities_may():

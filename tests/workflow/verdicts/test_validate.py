@@ -68,7 +68,7 @@ def test_a_run_of_the_reference_passes_without_any_difference(tmp_path):
     assert found.passed
     # positions below 256 were rounded on their way into the dump
     assert max(found.deviations[name].largest for name in ("velocity", "displacement", "arrival")) < 1e-12
-    assert found.certificate.velocity > 1e-9
+    assert found.uncertainty.velocity > 1e-9
 
 
 @pytest.mark.parametrize("gap", [0.0, 0.1])
@@ -276,7 +276,7 @@ def test_the_report_holds_every_quantity_with_its_tolerance_and_places(good, tmp
     assert velocity["largest"] == found.deviations["velocity"].largest
     assert velocity["first"]["time"] <= velocity["where"]["time"]
     assert report["quantities"]["energy"]["rms"] is None
-    assert report["reference"]["velocity"] == found.certificate.velocity
+    assert report["reference"]["velocity"] == found.uncertainty.velocity
 
 
 def test_the_velocity_error_is_that_of_an_independent_comparison(good, validated):
@@ -285,9 +285,9 @@ def test_the_velocity_error_is_that_of_an_independent_comparison(good, validated
     found = validated
     own, fine = good.trajectory, engine.run(good.problem, steps_per_frame=64)
     error = np.abs(own.velocity - fine.velocity)
-    assert found.deviations["velocity"].largest == pytest.approx(error.max(), abs=2.0 * found.certificate.velocity)
+    assert found.deviations["velocity"].largest == pytest.approx(error.max(), abs=2.0 * found.uncertainty.velocity)
     assert found.deviations["velocity"].rms == pytest.approx(
-        np.sqrt(np.mean(error**2)), abs=2.0 * found.certificate.velocity
+        np.sqrt(np.mean(error**2)), abs=2.0 * found.uncertainty.velocity
     )
 
 

@@ -29,7 +29,7 @@ CONTACT, LOOK_AGAIN, NEVER = 0, 1, 2
 
 
 @ieee_inner
-def reach(g: float, slope: float, bend: float) -> float:
+def advance_to(g: float, slope: float, bend: float) -> float:
     """The first positive root of ``g + slope s - bend s**2 / 2`` for g, bend >= 0; inf if there is none."""
     root = math.sqrt(slope * slope + 2.0 * bend * g)
     if slope < 0.0:
@@ -51,12 +51,12 @@ def safe_step(
         least: the smallest step where the distance is not closing.
         most: time beyond which nothing matters.
     """
-    step = reach(g, slope, bounds[0])
+    step = advance_to(g, slope, bounds[0])
     if slope >= 0.0:
         step = max(step, least)
     while step < most:
         ahead = 2.0 * step
-        proven = reach(g, slope, max(bounds[1] * ahead - curvature, 0.0))
+        proven = advance_to(g, slope, max(bounds[1] * ahead - curvature, 0.0))
         if proven <= ahead:
             return max(step, proven)
         step = ahead

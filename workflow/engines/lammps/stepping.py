@@ -32,7 +32,7 @@ class Travel:
 
     Attributes:
         first: row that the state begins with, counted from 1; more than 1 once a window has moved.
-        left_behind: energy of the rows that the window has left, in units of m V**2.
+        energy_behind: energy of the rows that the window has left, in units of m V**2.
         heard: what the first rank said with the last state.
     """
 
@@ -40,10 +40,10 @@ class Travel:
         self._lmp = lmp
         self._problem = problem
         self.first = 1 if problem.window is None else int(self._variable("tail"))
-        self.left_behind = 0.0
+        self.energy_behind = 0.0
         self.heard = 0.0
         if self.first > 1:  # continued
-            self.left_behind = physics.energy(problem.system) - float(
+            self.energy_behind = physics.energy(problem.system) - float(
                 motion.energy(problem.system, *self.state(), self.first)
             )
         if problem.scheme != "verlet":
@@ -59,7 +59,7 @@ class Travel:
         if problem.window is None:
             self._run(steps)
             return
-        look = window.look_steps(problem.timestep, scheme.cycle(problem.scheme), rates.pace(problem.system))
+        look = window.look_steps(problem.timestep, scheme.cycle(problem.scheme), rates.front_speed(problem.system))
         while steps > 0:
             self._follow()
             self._run(min(look, steps))
@@ -75,7 +75,7 @@ class Travel:
             self._commands(window.move_lines())
             left = int(self._variable("tail")) - self.first
             stay = motion.energy(self._problem.system, x[:, left:], v[:, left:], self.first + left)
-            self.left_behind += float(motion.energy(self._problem.system, x, v, self.first)) - float(stay)
+            self.energy_behind += float(motion.energy(self._problem.system, x, v, self.first)) - float(stay)
             self.first += left
 
     def state(self, word: float = 0.0) -> tuple[Floats, Floats]:

@@ -106,7 +106,11 @@ def segments(
     largest = max(1, SEGMENT_BEAD_STEPS // (problem.chains * problem.rows))
     # a restart falls between two cycles of the scheme, and where the window may follow
     cycle = scheme.cycle(problem.scheme)
-    whole = cycle if problem.window is None else window.look_steps(problem.timestep, cycle, rates.pace(problem.system))
+    whole = (
+        cycle
+        if problem.window is None
+        else window.look_steps(problem.timestep, cycle, rates.front_speed(problem.system))
+    )
     begun = done = int(lmp.extract_global("ntimestep"))
     frames = Path(continuation.dump_part(part))
     travel = Travel(lmp, problem)
@@ -130,7 +134,7 @@ def segments(
         if report.speaks and not on_disk.whole(done):
             reason = f"{frames} does not hold all frames until step {done}; is the disk full?"
             return {"end": "failed", "reason": reason, "disk": True}
-        wrong = invariants.fault(problem, displacement, velocity, first=travel.first, elsewhere=travel.left_behind)
+        wrong = invariants.fault(problem, displacement, velocity, first=travel.first, elsewhere=travel.energy_behind)
         if wrong is not None:
             return {"end": "failed", "reason": f"by step {done}, {wrong}", "step": done}
         moving = np.flatnonzero(np.any(np.abs(velocity) > 1e-3, axis=0))

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.trajectory import LEDGER, Floats, Trajectory, joined
+from analysis.trajectory import EXCHANGES, Floats, Trajectory, joined
 from lammps_inputs import Problem
 from lammps_inputs.laws import dashpot
 from workflow.engines.reference import engine
@@ -17,17 +17,17 @@ from workflow.engines.reference.schemes import BLANES_MOAN
 
 @dataclass
 class Accountant:
-    """Gives blocks of frames, from the first of a run on, their ledger.
+    """Gives blocks of frames, from the first of a run on, their exchange.
 
     Args:
         problem: of the run.
         steps_per_frame: of the reference, an even number; by default as many as `engine.default_steps_per_frame` says.
-            With those of a run by the reference the ledger is the run's own.
+            With those of a run by the reference the exchange is the run's own.
     """
 
     problem: Problem
     steps_per_frame: int | None = None
-    unsure: float = field(init=False, default=0.0)
+    uncertainty: float = field(init=False, default=0.0)
     """How much half as many steps change the energy that is left, at most, in units of m V**2."""
 
     def __post_init__(self) -> None:
@@ -35,7 +35,7 @@ class Accountant:
         self._last: Trajectory | None = None
 
     def of(self, block: Trajectory) -> Trajectory:
-        """The next frames, with their ledger."""
+        """The next frames, with their exchange."""
         if not self._followers:
             steps = self.steps_per_frame or engine.default_steps_per_frame(self.problem)
             self._followers = [_Follower(self.problem, count) for count in (steps, max(1, steps // 2))]
@@ -43,11 +43,11 @@ class Accountant:
         self._last = block[-1:]
         fine, coarse = (follower.along(both)[both.frames - block.frames :] for follower in self._followers)
         apart = (fine - coarse) @ _LEFT
-        self.unsure = float(np.maximum(self.unsure, np.max(np.abs(apart))))
-        return replace(block, ledger=fine)
+        self.uncertainty = float(np.maximum(self.uncertainty, np.max(np.abs(apart))))
+        return replace(block, exchange=fine)
 
 
-_LEFT = np.where(np.array(LEDGER) == "put_in", 1.0, -1.0)
+_LEFT = np.where(np.array(EXCHANGES) == "energy_input", 1.0, -1.0)
 
 
 class _Follower:
@@ -58,7 +58,7 @@ class _Follower:
         self._problem = problem
         self._steps = steps
         self._state = engine.make_state(problem, None)
-        self._until = np.zeros((1, len(LEDGER)))
+        self._until = np.zeros((1, len(EXCHANGES)))
         self._more = 0.0
         self._over = np.inf
         if not system.dampers and not system.motions:

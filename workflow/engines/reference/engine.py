@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.trajectory import LEDGER, Floats, Trajectory, frames_per_block, joined
+from analysis.trajectory import EXCHANGES, Floats, Trajectory, frames_per_block, joined
 from lammps_inputs import Problem, System, physics
 from lammps_inputs.ingredients import coupled_chains
 from lammps_inputs.limits import rates
@@ -96,21 +96,21 @@ def blocks(
     recorded = _recorded(problem, state, 0.0)
     start = x[recorded, :chains].T[np.newaxis].copy(), v[recorded, :chains].T[np.newaxis].copy()
     counts = scheme is not VERLET and physics.exchanges(problem.system)
-    none = np.zeros((1, len(LEDGER))) if counts else None
+    none = np.zeros((1, len(EXCHANGES))) if counts else None
     yield Trajectory(problem, np.zeros(1), *start, _first(problem, recorded), none)
     size = frames_per_block(problem)
     if problem.window is not None:
-        size = max(1, min(size, math.floor(_ADVANCE / (rates.pace(problem.system) * problem.every))))
+        size = max(1, min(size, math.floor(_ADVANCE / (rates.front_speed(problem.system) * problem.every))))
     for first in range(1, problem.frames + 1, size):
         frame = np.arange(first, min(first + size, problem.frames + 1))
         recorded = _recorded(problem, state, len(frame) * problem.every)
         shape = (len(frame), chains, len(recorded))
-        ledger = np.zeros((len(frame), len(LEDGER)))
-        frames = Frames(np.empty(shape), np.empty(shape), ledger)
+        exchange = np.zeros((len(frame), len(EXCHANGES)))
+        frames = Frames(np.empty(shape), np.empty(shape), exchange)
         time = np.asarray(frame * problem.every, dtype=np.float64)
         state.advance(scheme, step, (first - 1) * steps, steps, recorded, frames)
-        ledger[:, -1] += brought_up(problem, time)
-        yield Trajectory(problem, time, frames.x, frames.v, _first(problem, recorded), ledger if counts else None)
+        exchange[:, -1] += brought_up(problem, time)
+        yield Trajectory(problem, time, frames.x, frames.v, _first(problem, recorded), exchange if counts else None)
 
 
 def brought_up(problem: Problem, time: Floats) -> Floats:
@@ -137,7 +137,7 @@ def _recorded(problem: Problem, state: "State", ahead: float) -> NDArray[np.int6
     # see `analysis.against.common_times.near_the_front`: a window has moved before the front reaches its head
     first = 1 if front < problem.window else front - problem.window // 2
     return np.arange(
-        first, min(problem.beads, front + math.ceil(rates.pace(problem.system) * ahead) + problem.window) + 1
+        first, min(problem.beads, front + math.ceil(rates.front_speed(problem.system) * ahead) + problem.window) + 1
     )
 
 
@@ -174,8 +174,8 @@ class State:
         """Fill frames of the recorded beads, so many steps each, after ``first_step`` earlier ones."""
         from workflow.engines.reference.kernel import Steps
 
-        kernel, pace = self.kernel, Steps(np.array(scheme.kicks), np.array(scheme.drifts), h)
-        kernel.program.advance(self.compiled, kernel.parameters, pace, first_step, steps, recorded, frames)
+        kernel, stepping = self.kernel, Steps(np.array(scheme.kicks), np.array(scheme.drifts), h)
+        kernel.program.advance(self.compiled, kernel.parameters, stepping, first_step, steps, recorded, frames)
 
 
 def make_state(problem: Problem, window: int | None, *, as_lammps: bool = False, step: float = 0.0) -> State:

@@ -76,7 +76,7 @@ class Frames(NamedTuple):
 
     x: Floats
     v: Floats
-    ledger: Floats
+    exchange: Floats
 
 
 class Passing(NamedTuple):

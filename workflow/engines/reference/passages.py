@@ -38,7 +38,7 @@ class Passages:
 def usual_timestep(problem: Problem) -> float:
     """0.1, or less where the springs are stiff, in units of T: peaks are then right to below 1e-5 of V."""
     system = problem.system
-    step = 0.1 / math.sqrt(max(1.0, rates.swing(system) ** 2 / 2.0))
+    step = 0.1 / math.sqrt(max(1.0, rates.modal_frequency(system) ** 2 / 2.0))
     return step if physics.alike(system) and not physics.loaded(system) else min(step, stability_bound(system) / 8.0)
 
 

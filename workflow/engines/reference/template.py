@@ -108,12 +108,12 @@ def advance(state, p, scheme, first_step, steps, recorded, frames):
                 frames.x[frame, j, k] = x[recorded[k] * chains + j]
                 frames.v[frame, j, k] = {actual}[recorded[k] * chains + j]
         ?counts_lost for kind in range(4):
-        ?counts_lost     frames.ledger[frame, kind] = 0.0
+        ?counts_lost     frames.exchange[frame, kind] = 0.0
         ?counts_lost     for k in range(lost.shape[1]):
-        ?counts_lost         frames.ledger[frame, kind] += lost[kind, k]
+        ?counts_lost         frames.exchange[frame, kind] += lost[kind, k]
         {held_by_dashpots}
-        ?counts_work frames.ledger[frame, 4] = work[0]
-        ?moved_with_loss frames.ledger[frame, 4] += held
+        ?counts_work frames.exchange[frame, 4] = work[0]
+        ?moved_with_loss frames.exchange[frame, 4] += held
 '''
 
 UNPACKED = """

@@ -104,7 +104,7 @@ def make_terms(system: System, *, as_lammps: bool, step: float) -> tuple[Terms, 
     walls = [link for link in ends[Ground] if isinstance(link, Wall)]
     beads = [link for link in ends[Ground] if not isinstance(link, Wall)]
     cut = any(dashpot.cut(link.law) for link in system.dampers)
-    inverse = _inverse_mass(system, step if as_lammps and physics.centred(system) else 0.0)
+    inverse = _inverse_mass(system, step if as_lammps and physics.velocity_at_full_steps(system) else 0.0)
     terms = Terms(
         contacts=tuple(
             replace(taken.term(link.law, *between, first=2), memory=f"memory_{n}" * hasattr(link.law, "remember"))

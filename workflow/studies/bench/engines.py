@@ -16,8 +16,8 @@ from lammps_inputs.ingredients import coupled_chains
 from lammps_inputs.units import Scale
 from workflow.engines import collisions
 from workflow.engines.reference import engine
-from workflow.engines.reference.certify import certified
 from workflow.engines.reference.schemes import BLANES_MOAN
+from workflow.engines.reference.step_halving import accurate_reference
 from workflow.studies.bench.alternatives import paper_scene, seconds
 from workflow.studies.bench.study import Ratio, make_ratio, ratio_of
 
@@ -27,7 +27,7 @@ from workflow.studies.bench.study import Ratio, make_ratio, ratio_of
 def reference_against_scipy(_root: Path) -> Iterator[Ratio]:
     """Work at an error of 1e-6 in all velocities at the end, and the cost of a force."""
     problem = paper_scene().problem()
-    truth = certified(problem, 1e-9)
+    truth = accurate_reference(problem, 1e-9)
     exact = last_velocities(problem, truth.steps_per_frame)
     ours = next(
         (steps for steps in (1, 2, 4, 8, 16, 32) if np.max(np.abs(last_velocities(problem, steps) - exact)) <= 1e-6), 32

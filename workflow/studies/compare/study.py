@@ -79,8 +79,8 @@ def measure(directory: RunDirectory, rows: Sequence[int]) -> Result:
         table = events.from_csv(directory.path / EVENTS, problem.scale)
         impulses = from_events(problem, table)
         for k, row in enumerate(rows):
-            struck = table.row + 1 == row
-            np.maximum.at(peak[:, k], table.chain[struck] - 1, table.striker[struck])
+            kicked = table.row + 1 == row
+            np.maximum.at(peak[:, k], table.chain[kicked] - 1, table.striker[kicked])
     else:
         impulses, found = meter.result(), finder.result()
         for k, row in enumerate(rows):

@@ -39,7 +39,10 @@ def execute(arguments: argparse.Namespace) -> int:
             outcome.axis,
             outcome.value,
             outcome.kind,
-            *(study.written(number) for number in (outcome.error, outcome.told, outcome.told_sure, outcome.asked)),
+            *(
+                study.written(number)
+                for number in (outcome.error, outcome.reported, outcome.reported_uncertainty, outcome.asked)
+            ),
             "-" if outcome.steps is None else f"{outcome.steps:,}",
             f"{outcome.seconds:.1f}",
         ]

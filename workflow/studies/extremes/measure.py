@@ -24,9 +24,9 @@ from lammps_inputs.layout import Layout
 from lammps_inputs.scene import DEFAULT_ACCURACY
 from workflow.engines.lammps import engine, hosted
 from workflow.engines.reference import engine as reference_engine
-from workflow.engines.reference.certify import Certifier
 from workflow.engines.reference.passages import passages, usual_timestep
 from workflow.engines.reference.schemes import BLANES_MOAN
+from workflow.engines.reference.step_halving import StepHalving
 from workflow.errors import RunError
 from workflow.runs.run import run
 from workflow.runs.run_directory import RunDirectory
@@ -55,11 +55,11 @@ class TrueError:
     """What the judge found: the largest error, its uncertainty (units of V), and how it was found."""
 
     error: float
-    sure: float
+    uncertainty: float
     by: str
 
 
-def judge(directory: RunDirectory, tolerance: float, *, longest: float = LONGEST) -> TrueError:
+def compared_with(directory: RunDirectory, tolerance: float, *, longest: float = LONGEST) -> TrueError:
     """The largest error of any velocity.
 
     Args:
@@ -73,7 +73,7 @@ def judge(directory: RunDirectory, tolerance: float, *, longest: float = LONGEST
         return _by_leading_pulse(directory)
     for _ in range(_HALVINGS):
         truth = _by_reference(directory, problem, steps)
-        if truth.sure <= tolerance or _seconds(problem, 2 * steps) > longest:
+        if truth.uncertainty <= tolerance or _seconds(problem, 2 * steps) > longest:
             break
         steps *= 2
     return truth
@@ -88,12 +88,12 @@ def _seconds(problem: Problem, steps_per_frame: int) -> float:
 
 
 def _by_reference(directory: RunDirectory, problem: Problem, steps_per_frame: int) -> TrueError:
-    certifier = Certifier(problem, steps_per_frame=steps_per_frame)
+    halving = StepHalving(problem, steps_per_frame=steps_per_frame)
     difference = Difference(dict.fromkeys(("velocity", "displacement", "amplitude", "arrival"), math.inf))
-    references = (replace(block, problem=directory.problem) for block in certifier.blocks())
+    references = (replace(block, problem=directory.problem) for block in halving.blocks())
     for block, reference in paired(directory.blocks(), references):
         difference.add(block, reference)
-    return TrueError(difference.deviations()["velocity"].largest, certifier.certificate.velocity, "reference")
+    return TrueError(difference.deviations()["velocity"].largest, halving.uncertainty.velocity, "reference")
 
 
 def _by_leading_pulse(directory: RunDirectory) -> TrueError:
@@ -159,11 +159,11 @@ LEAST_ERROR = 1e-8
 
 
 @dataclass(frozen=True)
-class Told:
+class Reported:
     """What a run says of its velocities, in units of V: their largest error, and its uncertainty."""
 
     error: float
-    sure: float
+    uncertainty: float
 
 
 @dataclass(frozen=True)
@@ -176,7 +176,7 @@ class Outcome:
         why: in words, what the kind rests on.
         asked: largest error that was asked for, in units of V.
         error, sure: as the judge found; None where nothing came to its end.
-        told, told_sure: what the run itself said.
+        told, reported_uncertainty: what the run itself said.
         judge: "reference", or "leading pulse" where all beads were too many.
         steps: time steps of the run.
         seconds: what running and judging took.
@@ -188,15 +188,15 @@ class Outcome:
     why: str
     asked: float
     error: float | None = None
-    sure: float | None = None
-    told: float | None = None
-    told_sure: float | None = None
-    judge: str | None = None
+    uncertainty: float | None = None
+    reported: float | None = None
+    reported_uncertainty: float | None = None
+    compared_with: str | None = None
     steps: int | None = None
     seconds: float = 0.0
 
 
-def classify(asked: float, told: Told | None, truth: TrueError) -> tuple[str, str]:
+def classify(asked: float, reported: Reported | None, truth: TrueError) -> tuple[str, str]:
     """Kind and reason of a run that came to its end. NaN counts as an infinite error.
 
     Args:
@@ -204,13 +204,16 @@ def classify(asked: float, told: Told | None, truth: TrueError) -> tuple[str, st
         told: what the run says of itself; None if it says nothing.
         truth: what is true of it.
     """
-    if told is not None:
-        most = TRUE_WITHIN * (told.error + told.sure) + LEAST_ERROR
-        if most < truth.error - truth.sure or (truth.error != truth.error and most == most):
-            return "WRONG", f"reports {told.error:.1e} V (uncertainty {told.sure:.1e}), is {truth.error:.1e} V"
+    if reported is not None:
+        most = TRUE_WITHIN * (reported.error + reported.uncertainty) + LEAST_ERROR
+        if most < truth.error - truth.uncertainty or (truth.error != truth.error and most == most):
+            return (
+                "WRONG",
+                f"reports {reported.error:.1e} V (uncertainty {reported.uncertainty:.1e}), is {truth.error:.1e} V",
+            )
     if truth.error <= asked:
         return "RIGHT", ""
-    if told is not None and not told.error + told.sure <= asked:
+    if reported is not None and not reported.error + reported.uncertainty <= asked:
         return "REPORTED", f"more than {asked:.0e} V, and reports it"
     return "WRONG", f"is {truth.error:.1e} V, more than {asked:.0e} V, and does not report it"
 
@@ -271,20 +274,20 @@ def _run_and_judge(cell: Cell, folder: Path, outcome: Outcome) -> Outcome:
         return replace(outcome, kind="STOPPED", why=str(error))
     if done.outcome != "done":
         raise KeyboardInterrupt
-    told = None if done.check is None else Told(done.check.velocity, done.check.reference.velocity)
-    sharp = min(outcome.asked, outcome.asked if told is None else max(told.error, LEAST_ERROR))
-    truth = judge(done.directory, sharp / SHARPER)
-    kind, why = classify(outcome.asked, told, truth)
+    reported = None if done.check is None else Reported(done.check.velocity, done.check.reference.velocity)
+    sharp = min(outcome.asked, outcome.asked if reported is None else max(reported.error, LEAST_ERROR))
+    truth = compared_with(done.directory, sharp / SHARPER)
+    kind, why = classify(outcome.asked, reported, truth)
     fault = _fault(cell, done.directory, folder)
     return replace(
         outcome,
         kind=kind if fault is None else "WRONG",
         why=why if fault is None else fault,
         error=truth.error,
-        sure=truth.sure,
-        told=None if told is None else told.error,
-        told_sure=None if told is None else told.sure,
-        judge=truth.by,
+        uncertainty=truth.uncertainty,
+        reported=None if reported is None else reported.error,
+        reported_uncertainty=None if reported is None else reported.uncertainty,
+        compared_with=truth.by,
         steps=done.directory.problem.steps,
     )
 

@@ -5,8 +5,8 @@ import math
 from lammps_inputs import Problem
 from workflow.runs.engines import LAMMPS, REFERENCE
 from workflow.studies.trade import settings, work_precision
-from workflow.studies.trade.certified import Certified
 from workflow.studies.trade.study import WELL_ABOVE, Findings
+from workflow.studies.trade.truth import Truth
 from workflow.studies.trade.work_precision import Point, Points
 
 ACCURACIES = (1e-2, 1e-4, 1e-6, 1e-8)
@@ -17,14 +17,14 @@ def sentences(study: Findings) -> list[str]:
     truth = study.truth
     if truth is None:
         return list(study.notes)
-    found = [certificate(study, truth)]
+    found = [uncertainty(study, truth)]
     found += left_out(study)
     found += [advice(study, truth, accuracy) for accuracy in ACCURACIES]
     found += suzuki(study, truth) + ranks(study) + windows(study) + rigid(study) + frames(study)
     return found + study.notes
 
 
-def certificate(study: Findings, truth: Certified) -> str:
+def uncertainty(study: Findings, truth: Truth) -> str:
     """The uncertainty of the reference, and which errors are not well above it."""
     floor = truth.floors["velocity"]
     near = [point for point in study.engines if point.measured and point.errors["velocity"] < WELL_ABOVE * floor]
@@ -34,7 +34,7 @@ def certificate(study: Findings, truth: Certified) -> str:
     return f"{said}; errors of velocities below ten times that, which are not well known, are marked ~."
 
 
-def advice(study: Findings, truth: Certified, accuracy: float) -> str:
+def advice(study: Findings, truth: Truth, accuracy: float) -> str:
     """Which engine and settings are the cheapest that keep an accuracy of all velocities; and in LAMMPS."""
     floor = truth.floors["velocity"]
     points = study.comparable
@@ -93,7 +93,7 @@ def left_out(study: Findings) -> list[str]:
     return said
 
 
-def suzuki(study: Findings, truth: Certified) -> list[str]:
+def suzuki(study: Findings, truth: Truth) -> list[str]:
     """From which accuracy on suzuki4 beats Verlet in LAMMPS."""
     floor = WELL_ABOVE * truth.floors["velocity"]
     first, second = (

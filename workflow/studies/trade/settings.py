@@ -23,7 +23,7 @@ from workflow.engines.lammps import mpi
 from workflow.engines.reference import engine as reference
 from workflow.engines.reference.schemes import BLANES_MOAN, SUZUKI4, VERLET, Scheme
 from workflow.errors import RunError
-from workflow.studies.trade.certified import write
+from workflow.studies.trade.truth import write
 from workflow.studies.trade.work_precision import Setting
 
 # --- runs -------------------------------------------------------------------------------------------------------------
@@ -236,12 +236,12 @@ def by_window(problem: Problem) -> list[Setting]:
     several = stepped(problem, FINEST["blanes-moan"])
     fine = next((own for own in several if own.timestep <= USUAL), several[-1])
     forward = all(velocity > 0.0 and bead <= LEAST_WINDOW - HEADROOM for _, bead, velocity in system.kicks)
-    hit = [bead for _, bead, _ in physics.excitations(system)]
+    kicked = [bead for _, bead, _ in physics.excitations(system)]
     found = []
     if physics.uniform(system) and forward and system.holds(Fact.FRONT):
         narrow = [Job("lammps", replace(problem, window=rows)) for rows in widths]
         found += [(LAMMPS + WINDOW, job) for job in (*narrow, Job("lammps", problem))]
-    if max(hit) - min(hit) <= LEAST_WINDOW // 2:
+    if max(kicked) - min(kicked) <= LEAST_WINDOW // 2:
         found += [(REFERENCE + WINDOW, Job("reference", fine, window=rows)) for rows in (*widths, None)]
     return [_setting(curve, job.rows, f"{job.rows} rows", job) for curve, job in found]
 

@@ -29,7 +29,7 @@ from workflow.runs.own_files import prepared
 from workflow.runs.run_directory import provenance
 from workflow.studies.study import Study, csv_text
 from workflow.studies.trade import settings, work_precision
-from workflow.studies.trade.certified import QUANTITIES, Certified, deviation, make_truth
+from workflow.studies.trade.truth import QUANTITIES, Truth, deviation, make_truth
 from workflow.studies.trade.work_precision import Limits, Point, Points, pareto
 
 if TYPE_CHECKING:
@@ -96,7 +96,7 @@ class Findings:
     """
 
     problem: Problem
-    truth: Certified | None = None
+    truth: Truth | None = None
     engines: Points = ()
     frames: Sequence[Interval] = ()
     seconds: float = 0.0
@@ -333,7 +333,7 @@ def plain(found: Findings, advice: Sequence[str]) -> dict[str, Any]:
         "whole": found.whole,
         "seconds": found.seconds,
         "advice": list(advice),
-        "reference": None if truth is None else {**asdict(truth.certificate), "seconds": truth.seconds},
+        "reference": None if truth is None else {**asdict(truth.uncertainty), "seconds": truth.seconds},
         "orders": {
             name: {quantity: None if order is None else asdict(order) for quantity, order in by.items()}
             for name, by in found.orders().items()
@@ -359,7 +359,7 @@ def plain(found: Findings, advice: Sequence[str]) -> dict[str, Any]:
     }
 
 
-def _figure(found: Findings, truth: Certified) -> "Figure":
+def _figure(found: Findings, truth: Truth) -> "Figure":
     from analysis.figures.work_precision import Curve, work_precision_figure  # matplotlib takes a while to import
 
     drawn = []

@@ -57,22 +57,22 @@ class Budget(Finding):
         return budget_figure(self.problem, self.found)
 
 
-def closed(directory: RunDirectory, seen: Conservation, ledger: Accountant) -> Budget | None:
+def closed(directory: RunDirectory, seen: Conservation, exchange: Accountant) -> Budget | None:
     """The budget of what was seen; None where nothing is exchanged, and where not all beads are recorded.
 
     Args:
         directory: the run.
         seen: its energy.
-        ledger: what counted there what was exchanged.
+        exchange: what counted there what was exchanged.
     """
     if seen.budget is None:
         return None
     account = seen.budget.result()
-    stated = directory.account.check or directory.account.certificate
+    stated = directory.account.check or directory.account.uncertainty
     found = ClosedAccount(
         **vars(account),
         closed=seen.energy_drift,
-        between_frames=ledger.unsure / account.most,
+        between_frames=exchange.uncertainty / account.most,
         stated=None if stated is None else stated.velocity,
     )
     return Budget(directory.problem, found)

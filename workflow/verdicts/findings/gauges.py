@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 from analysis.gauges.far_end import FarEnd as Collected
 from analysis.gauges.far_end import Transmitted
 from analysis.largest_overlap import LargestOverlap, shown_by_frames
-from workflow.runs.contacts import Contacts as Hardest
+from workflow.runs.contacts import Contacts as ContactOverlaps
 from workflow.runs.contacts import has_contacts, of_overlap
 
 _WORDS = {"largest": "largest", "at": "at", "impulse": "impulse", "dwell": "dwell"}
@@ -227,9 +227,9 @@ class FarEnd(Finding):
 class Contacts(Finding):
     """The hardest contact."""
 
-    key, kind = "contacts", Hardest
+    key, kind = "contacts", ContactOverlaps
 
-    found: Hardest
+    found: ContactOverlaps
 
     def said(self) -> Iterator[str]:
         """With a warning where Hertz's law ends."""
@@ -244,7 +244,7 @@ class Contacts(Finding):
         overlap = LargestOverlap()
 
         def finish(_: Survey) -> Contacts | None:
-            hardest = of_overlap(directory.scene, overlap)
-            return None if hardest is None else cls(problem, hardest)
+            largest = of_overlap(directory.scene, overlap)
+            return None if largest is None else cls(problem, largest)
 
         return Measure(finish, overlap.add) if shown_by_frames(problem) else Measure(finish)

@@ -66,7 +66,7 @@ class Cells(Finding):
             kicked = each[physics.largest_excitation(system)[0] - 1]
             energies = CellEnergies(
                 beads=beads,
-                left_behind=math.nan if kicked is None else kicked.per_cell,
+                residual_energy=math.nan if kicked is None else kicked.per_cell,
                 chains=each,
                 last_bead=tuple(final.end(found, chain) for chain in chains),
                 replaced=tuple(final.split(found, one.chain, one.bead) for one in scene.replace or ()),

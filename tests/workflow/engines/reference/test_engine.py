@@ -11,12 +11,12 @@ from stock_lammps import scene
 from analysis import motion
 from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import find_peaks
-from analysis.trajectory import LEDGER
+from analysis.trajectory import EXCHANGES
 from lammps_inputs import Kick, Output, find, physics
-from workflow.engines.reference.certify import Certifier
 from workflow.engines.reference.engine import blocks, make_state, run
 from workflow.engines.reference.kernel import Frames
 from workflow.engines.reference.schemes import BLANES_MOAN, VERLET, Scheme
+from workflow.engines.reference.step_halving import StepHalving
 from workflow.runs.run_directory import RunDirectory
 
 SCHEMES = [VERLET, BLANES_MOAN]
@@ -35,7 +35,7 @@ def problem(**changes):
 def integrated(state, like, scheme, h, steps):
     """One frame, ``steps`` steps of h after a state of the kernel."""
     shape = (1, like.chains, like.beads)
-    frames = Frames(np.empty(shape), np.empty(shape), np.zeros((1, len(LEDGER))))
+    frames = Frames(np.empty(shape), np.empty(shape), np.zeros((1, len(EXCHANGES))))
     state.span[3] = 1
     state.advance(scheme, h, 0, steps, np.arange(1, like.beads + 1), frames)
     return frames.x[0], frames.v[0]
@@ -386,9 +386,9 @@ def test_dop853_agrees_within_the_certified_error(chains, kappa, gap):
 
     start = np.concatenate([np.zeros(like.chains * like.beads), physics.initial_velocity(like.system).ravel()])
     dop = solve_ivp(rate, (0.0, like.duration), start, method="DOP853", rtol=1e-13, atol=1e-14, max_step=0.02)
-    certifier = Certifier(like, steps_per_frame=64)
-    *_, last = certifier.blocks()
-    bound = certifier.certificate.velocity + 500 * 1e-13  # and DOP853's own tolerance in each of its steps
+    halving = StepHalving(like, steps_per_frame=64)
+    *_, last = halving.blocks()
+    bound = halving.uncertainty.velocity + 500 * 1e-13  # and DOP853's own tolerance in each of its steps
     assert np.abs(last.velocity[-1] - dop.y[:, -1].reshape(shape)[1]).max() < bound
 
 

@@ -112,10 +112,10 @@ def test_the_work_on_frames_is_that_on_their_own_motion():
     """A bead that leaves its chain on a spring: the same push does 2% more on a motion that is 2% larger."""
     one = pushed(Load(1, 8, HalfSine(0.8, 2.03)), steps_per_frame=50, frames=6)
     own = engine.run(one)
-    larger = replace(own, displacement=1.02 * own.displacement, velocity=1.02 * own.velocity, ledger=None)
-    found = Accountant(one).of(larger).ledger[:, -1]
-    assert own.ledger[-1, -1] > 0.4
-    np.testing.assert_allclose(found, 1.02 * own.ledger[:, -1], rtol=2e-4, atol=1e-15)
+    larger = replace(own, displacement=1.02 * own.displacement, velocity=1.02 * own.velocity, exchange=None)
+    found = Accountant(one).of(larger).exchange[:, -1]
+    assert own.exchange[-1, -1] > 0.4
+    np.testing.assert_allclose(found, 1.02 * own.exchange[:, -1], rtol=2e-4, atol=1e-15)
 
 
 def test_nothing_moves_that_the_push_has_not_reached():

@@ -9,16 +9,16 @@ from small_problems import REDUCED, problem
 
 from lammps_inputs import Scene
 from lammps_inputs.units import Scale
-from workflow.engines.reference.certify import Certificate
+from workflow.engines.reference.step_halving import Uncertainty
 from workflow.studies.trade import advice, settings
-from workflow.studies.trade.certified import Certified
 from workflow.studies.trade.settings import Job
 from workflow.studies.trade.study import Findings
+from workflow.studies.trade.truth import Truth
 from workflow.studies.trade.work_precision import Point, Setting
 
 
 def truth(velocity=1e-11):
-    return Certified(problem(), Path("nowhere"), Certificate(64, velocity, velocity, 0.0, 0.0, None), 1.0)
+    return Truth(problem(), Path("nowhere"), Uncertainty(64, velocity, velocity, 0.0, 0.0, None), 1.0)
 
 
 def point(setting, error, seconds):

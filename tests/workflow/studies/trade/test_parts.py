@@ -16,8 +16,8 @@ from workflow.engines.lammps import mpi
 from workflow.engines.reference import engine
 from workflow.errors import RunError
 from workflow.studies.trade import settings as choices
-from workflow.studies.trade.certified import deviation, make_truth
 from workflow.studies.trade.study import intervals
+from workflow.studies.trade.truth import deviation, make_truth
 
 
 @pytest.fixture(scope="module")
@@ -134,9 +134,9 @@ def test_rigid_beads_are_far_from_hertz_beads(tmp_path):
 
 
 def test_the_reference_is_refined_until_its_uncertainty_is_small_or_the_time_is_up(tmp_path):
-    fine = make_truth(problem(), tmp_path, seconds=HANGS).certificate
+    fine = make_truth(problem(), tmp_path, seconds=HANGS).uncertainty
     assert fine.velocity <= 1e-10
-    coarse = make_truth(problem(), tmp_path, seconds=0.0).certificate
+    coarse = make_truth(problem(), tmp_path, seconds=0.0).uncertainty
     assert coarse.velocity > fine.velocity
     assert coarse.steps_per_frame < fine.steps_per_frame
 

@@ -1,4 +1,4 @@
-"""The reference against what is independent of it, and its certificates against the errors that they are to bound.
+"""The reference against what is independent of it, and its uncertainties against the errors that they are to bound.
 
 Orders, symmetries and scaling of the schemes are in ``test_engine.py``.
 """
@@ -15,8 +15,8 @@ from analysis.against.difference import Difference
 from analysis.trajectory import joined
 from lammps_inputs import find
 from workflow.engines.reference import engine
-from workflow.engines.reference.certify import SAFETY, Certifier, certified
 from workflow.engines.reference.schemes import VERLET
+from workflow.engines.reference.step_halving import SAFETY, StepHalving, accurate_reference
 from workflow.errors import RunError
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
@@ -26,9 +26,9 @@ PAPER = find("two-chains").problem()
 
 @pytest.fixture(scope="module")
 def to_1e_9():
-    """Two chains of 120 beads to t = 192, kappa = 0.1, certified to 1e-9: trajectory and certificate."""
-    certifier = certified(PAPER, 1e-9)
-    return engine.run(PAPER, steps_per_frame=certifier.steps_per_frame), certifier.certificate
+    """Two chains of 120 beads to t = 192, kappa = 0.1, accurate_reference to 1e-9: trajectory and uncertainty."""
+    halving = accurate_reference(PAPER, 1e-9)
+    return engine.run(PAPER, steps_per_frame=halving.steps_per_frame), halving.uncertainty
 
 
 # --- against the independent ------------------------------------------------------------------------------------------
@@ -36,24 +36,24 @@ def to_1e_9():
 
 @pytest.mark.slow
 def test_two_chains_are_certified_to_1e_9(to_1e_9):
-    _, certificate = to_1e_9
-    assert certificate.velocity <= 1e-9
-    assert certificate.arrival <= 1e-8
-    assert certificate.energy <= 1e-9
-    assert certificate.momentum <= 1e-12
+    _, uncertainty = to_1e_9
+    assert uncertainty.velocity <= 1e-9
+    assert uncertainty.arrival <= 1e-8
+    assert uncertainty.energy <= 1e-9
+    assert uncertainty.momentum <= 1e-12
 
 
 @pytest.mark.slow
 def test_two_chains_certified_to_1e_9_are_found_so_by_velocity_verlet_at_very_fine_steps(to_1e_9):
-    reference, certificate = to_1e_9
+    reference, uncertainty = to_1e_9
     coarse, fine = (engine.run(PAPER, scheme=VERLET, steps_per_frame=steps).velocity for steps in (1500, 3000))
     # Verlet's error falls as h^2, but for terms of h^2.5: what is left of the finer run's, 2e-9, after extrapolation
     left = 0.25 * np.max(np.abs(fine - coarse)) / 3.0
     assert left < 1e-9
-    assert np.max(np.abs(reference.velocity - (4.0 * fine - coarse) / 3.0)) <= certificate.velocity + left
+    assert np.max(np.abs(reference.velocity - (4.0 * fine - coarse) / 3.0)) <= uncertainty.velocity + left
 
 
-# --- certificates -----------------------------------------------------------------------------------------------------
+# --- uncertainties ---------------------------------------------------------------------------------------------------
 
 SCENES = [
     problem(
@@ -68,16 +68,16 @@ SCENES = [
 
 @pytest.fixture(scope="module")
 def measured():
-    """Of each of `SCENES`: certificate, and deviations from a run with 16 times as many steps."""
+    """Of each of `SCENES`: uncertainty, and deviations from a run with 16 times as many steps."""
     results = []
     for scene in SCENES:
-        certifier = Certifier(scene)
+        halving = StepHalving(scene)
         difference = Difference(dict.fromkeys(("velocity", "displacement", "amplitude", "arrival"), math.inf))
         for block, finer in paired(
-            certifier.blocks(), engine.blocks(scene, steps_per_frame=16 * certifier.steps_per_frame)
+            halving.blocks(), engine.blocks(scene, steps_per_frame=16 * halving.steps_per_frame)
         ):
             difference.add(block, finer)
-        results.append((certifier.certificate, difference.deviations()))
+        results.append((halving.uncertainty, difference.deviations()))
     return results
 
 
@@ -86,56 +86,54 @@ def measured():
 def test_the_certificate_bounds_the_error_in_every_scene(quantity, measured):
     told = [(scene, *found) for scene, found in zip(SCENES, measured, strict=True) if quantity in found[1]]
     assert len(told) > 0.6 * len(SCENES)  # with kicks both ways and frames far apart no pulse may lead
-    for scene, certificate, deviations in told:
-        assert deviations[quantity].largest <= getattr(certificate, quantity), scene
+    for scene, uncertainty, deviations in told:
+        assert deviations[quantity].largest <= getattr(uncertainty, quantity), scene
 
 
 def test_the_certificate_is_no_wilder_than_it_must_be(measured):
     # twice the step makes an error of order 2.5 to 4 larger by 5.7 to 16, less the error itself
-    shares = [deviations["velocity"].largest / certificate.velocity for certificate, deviations in measured]
+    shares = [deviations["velocity"].largest / uncertainty.velocity for uncertainty, deviations in measured]
     assert 1.0 / (SAFETY * 15.0) / 2.0 < np.median(shares) < 1.0 / SAFETY
 
 
 @pytest.mark.parametrize("with_order", [False, True])
 @pytest.mark.parametrize("steps", range(1, 10))
 def test_steps_are_rounded_up_to_what_can_be_halved(steps, with_order):
-    certifier = Certifier(problem(frames=2), steps_per_frame=steps, with_order=with_order)
-    assert certifier.steps_per_frame % (4 if with_order else 2) == 0
-    assert 0 <= certifier.steps_per_frame - steps < (4 if with_order else 2)
-    joined(certifier.blocks())
-    assert (certifier.certificate.order is not None) == with_order
+    halving = StepHalving(problem(frames=2), steps_per_frame=steps, with_order=with_order)
+    assert halving.steps_per_frame % (4 if with_order else 2) == 0
+    assert 0 <= halving.steps_per_frame - steps < (4 if with_order else 2)
+    joined(halving.blocks())
+    assert (halving.uncertainty.order is not None) == with_order
 
 
 def test_the_order_is_that_of_the_differences_of_three_runs():
-    certifier = Certifier(problem(), steps_per_frame=8, with_order=True)
-    joined(certifier.blocks())
+    halving = StepHalving(problem(), steps_per_frame=8, with_order=True)
+    joined(halving.blocks())
     fine, middle, coarse = (engine.run(problem(), steps_per_frame=steps).velocity for steps in (8, 4, 2))
     differences = np.max(np.abs(coarse - middle)), np.max(np.abs(middle - fine))
-    assert certifier.certificate.order == pytest.approx(np.log2(differences[0] / differences[1]), rel=1e-12)
-    assert certifier.certificate.velocity == pytest.approx(SAFETY * differences[1], rel=1e-12)
+    assert halving.uncertainty.order == pytest.approx(np.log2(differences[0] / differences[1]), rel=1e-12)
+    assert halving.uncertainty.velocity == pytest.approx(SAFETY * differences[1], rel=1e-12)
 
 
 def test_the_blocks_are_those_of_the_finer_run():
-    certifier = Certifier(problem(), steps_per_frame=6)
-    np.testing.assert_array_equal(
-        joined(certifier.blocks()).velocity, engine.run(problem(), steps_per_frame=6).velocity
-    )
+    halving = StepHalving(problem(), steps_per_frame=6)
+    np.testing.assert_array_equal(joined(halving.blocks()).velocity, engine.run(problem(), steps_per_frame=6).velocity)
 
 
 def test_a_second_pass_certifies_the_same():
-    certifier = Certifier(problem())
-    joined(certifier.blocks())
-    once = certifier.certificate
-    joined(certifier.blocks())
-    assert certifier.certificate == once
+    halving = StepHalving(problem())
+    joined(halving.blocks())
+    once = halving.uncertainty
+    joined(halving.blocks())
+    assert halving.uncertainty == once
 
 
 def test_beads_that_fly_freely_have_no_error():
-    certifier = Certifier(problem(chains=1, beads=3, kappa=0.0, gap=50.0))
-    joined(certifier.blocks())
-    assert certifier.certificate.velocity < 1e-15
+    halving = StepHalving(problem(chains=1, beads=3, kappa=0.0, gap=50.0))
+    joined(halving.blocks())
+    assert halving.uncertainty.velocity < 1e-15
 
 
 def test_what_rounding_forbids_is_not_certified():
     with pytest.raises(RunError, match=r"does not reach an error of 1\.0e-20"):
-        certified(replace(problem(beads=4), frames=5), 1e-20)
+        accurate_reference(replace(problem(beads=4), frames=5), 1e-20)

@@ -1,4 +1,4 @@
-"""What errors are measured against: the certified reference, with the scene's frames, on the disk."""
+"""What errors are measured against: the accurate_reference reference, with the scene's frames, on the disk."""
 
 import math
 import time
@@ -17,12 +17,12 @@ from analysis.tracking.peaks import THRESHOLD, PeakFinder, Peaks, sharp
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem
 from workflow.engines.reference import engine
-from workflow.engines.reference.certify import Certificate, Certifier
+from workflow.engines.reference.step_halving import StepHalving, Uncertainty
 
 QUANTITIES = ("velocity", "amplitude", "arrival")
 
 GOAL = 1e-10
-"""Certificate of velocities beyond which the reference is not refined."""
+"""Uncertainty of velocities beyond which the reference is not refined."""
 
 REFINEMENT = 4
 
@@ -31,25 +31,25 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Certified:
+class Truth:
     """The reference run of a problem.
 
     Attributes:
         problem: with the scene's frames.
         path: its frames.
-        certificate: of its velocities and arrivals.
+        uncertainty: of its velocities and arrivals.
         seconds: wall time of the run that was kept.
     """
 
     problem: Problem
     path: Path
-    certificate: Certificate
+    uncertainty: Uncertainty
     seconds: float
 
     @property
     def floors(self) -> Errors:
         """By quantity, how wrong the reference itself may be."""
-        found = self.certificate
+        found = self.uncertainty
         return {"velocity": found.velocity, "amplitude": found.velocity, "arrival": found.arrival}
 
     def errors(self, blocks: Iterable[Trajectory]) -> Errors:
@@ -65,8 +65,8 @@ class Certified:
         return deviation(chain([first], stream), (replace(block, problem=own) for block in reference))
 
 
-def make_truth(problem: Problem, directory: Path, *, seconds: float) -> Certified:
-    """Refine the reference until its certificate is below `GOAL`, or the next refinement would take too long.
+def make_truth(problem: Problem, directory: Path, *, seconds: float) -> Truth:
+    """Refine the reference until its uncertainty is below `GOAL`, or the next refinement would take too long.
 
     Args:
         problem: with the scene's frames.
@@ -77,12 +77,12 @@ def make_truth(problem: Problem, directory: Path, *, seconds: float) -> Certifie
     engine.run(replace(problem, frames=1))  # compiles what it takes
     while True:
         started = time.perf_counter()
-        certifier = Certifier(problem, steps_per_frame=steps)
-        write(path, problem, certifier.blocks())
-        found = Certified(problem, path, certifier.certificate, time.perf_counter() - started)
-        if found.certificate.velocity <= GOAL or REFINEMENT * found.seconds > seconds:
+        halving = StepHalving(problem, steps_per_frame=steps)
+        write(path, problem, halving.blocks())
+        found = Truth(problem, path, halving.uncertainty, time.perf_counter() - started)
+        if found.uncertainty.velocity <= GOAL or REFINEMENT * found.seconds > seconds:
             return found
-        steps = REFINEMENT * certifier.steps_per_frame
+        steps = REFINEMENT * halving.steps_per_frame
 
 
 def write(path: Path, problem: Problem, blocks: Iterable[Trajectory]) -> None:

@@ -21,15 +21,15 @@ from workflow.errors import RunError
 MOST_HALVINGS = 12
 
 SAFETY = 3.0
-"""Certificate over the difference of the two runs. The difference alone would do if errors fell evenly, as the step
+"""Uncertainty over the difference of the two runs. The difference alone would do if errors fell evenly, as the step
 to the power 2.5 or faster; but the contacts' singularities fall on other parts of a step in each run. Measured: in one
 of a hundred random scenes the error of the finer run exceeded the difference, mostly less than 2.4 times; in 3246
-others the certificate was exceeded once by a velocity, by a quarter, and in 14 by an arrival, at most 5 times.
+others the uncertainty was exceeded once by a velocity, by a quarter, and in 14 by an arrival, at most 5 times.
 """
 
 
 @dataclass(frozen=True)
-class Certificate:
+class Uncertainty:
     """What is known of a reference run, dimensionless.
 
     Attributes:
@@ -49,8 +49,8 @@ class Certificate:
     order: float | None
 
 
-class Certifier:
-    """Runs a problem at two steps side by side; its `blocks` are the finer run's, its `certificate` bounds their error.
+class StepHalving:
+    """Runs a problem at two steps side by side; its `blocks` are the finer run's, its `uncertainty` bounds their error.
 
     Args:
         problem: what to integrate.
@@ -81,9 +81,9 @@ class Certifier:
         self._conservation = Conservation()
 
     def blocks(self) -> Iterator[Trajectory]:
-        """The finer run's frames from the start; the certificate is about those that were taken."""
+        """The finer run's frames from the start; the uncertainty is about those that were taken."""
         self._begin()
-        window = rows_to_judge(self.problem)
+        window = compared_rows(self.problem)
         runs = [
             engine.blocks(self.problem, scheme=self._scheme, steps_per_frame=steps, window=window)
             for steps in (self.steps_per_frame // divisor for divisor in self._divisors)
@@ -100,7 +100,7 @@ class Certifier:
             yield fine
 
     @property
-    def certificate(self) -> Certificate:
+    def uncertainty(self) -> Uncertainty:
         """Bounds on the errors of the blocks that were taken."""
         fine, coarse = (leading_passages(finder.result(), self.problem).first() for finder in self._finders)
         fine, coarse = matched(fine, coarse, self.problem.beads)
@@ -108,7 +108,7 @@ class Certifier:
         order = None
         if len(self._velocity) > 1:
             order = float(np.log2(self._velocity[1] / self._velocity[0])) if self._velocity[0] > 0.0 else math.inf
-        return Certificate(
+        return Uncertainty(
             steps_per_frame=self.steps_per_frame,
             velocity=SAFETY * float(self._velocity[0]),
             arrival=SAFETY * arrival,
@@ -118,7 +118,7 @@ class Certifier:
         )
 
 
-def rows_to_judge(problem: Problem) -> int | None:
+def compared_rows(problem: Problem) -> int | None:
     """Rows that the reference of a windowed run integrates; None for the engine's own choice.
 
     That judges a window that moves on. One that has stood at the end of the chains for long may lack the slower pulses
@@ -136,13 +136,17 @@ def rows_to_judge(problem: Problem) -> int | None:
     )
     arrival = float(np.min(found.waves.at(before_last).arrival, initial=problem.duration))
     # what it lacks would have to come from behind the tail
-    return problem.beads if rates.pace(problem.system) * (problem.duration - arrival) > problem.window / 2.0 else None
+    return (
+        problem.beads
+        if rates.front_speed(problem.system) * (problem.duration - arrival) > problem.window / 2.0
+        else None
+    )
 
 
-def certified(problem: Problem, tolerance: float) -> Certifier:
-    """A certifier whose run is within a tolerance in every velocity: steps are halved until the certificate says so.
+def accurate_reference(problem: Problem, tolerance: float) -> StepHalving:
+    """A halving whose run is within a tolerance in every velocity: steps are halved until the uncertainty says so.
 
-    The returned certifier has run once; its `blocks` run again.
+    The returned halving has run once; its `blocks` run again.
 
     Args:
         problem: what to integrate.
@@ -153,10 +157,10 @@ def certified(problem: Problem, tolerance: float) -> Certifier:
     """
     steps = engine.default_steps_per_frame(problem)
     for _ in range(MOST_HALVINGS):
-        certifier = Certifier(problem, steps_per_frame=steps)
-        for _ in certifier.blocks():
+        halving = StepHalving(problem, steps_per_frame=steps)
+        for _ in halving.blocks():
             pass
-        if certifier.certificate.velocity <= tolerance:
-            return certifier
+        if halving.uncertainty.velocity <= tolerance:
+            return halving
         steps *= 2
     raise RunError(f"the reference does not reach an error of {tolerance:.1e}; rounding is in the way")
