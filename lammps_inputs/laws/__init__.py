@@ -8,7 +8,7 @@ in which the law has them, as scalars or arrays:
 - ``force(s, ...)``: what drives the link's first bead back and its second forward;
 - ``energy(s, ...)``: stored by it, whose slope the force is;
 - ``stiffness(s, ...)``: slope of the force;
-- ``reach(energy, ...)``: largest strain to which an energy can bring it;
+- ``max_strain(energy, ...)``: largest strain to which an energy can bring it;
 - ``stiffest(energy, ...)``, only where `stiffest_of_each` would not find it: largest stiffness at such an energy.
 
 A law whose force depends on the past has two more, of which the reference integrator keeps one number for each contact:
