@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from small_problems import written_down
 
-from analysis.conservation import HELD, Account, Budget, Conservation
+from analysis.conservation import STORED, Account, Budget, Conservation
 from analysis.figures.energy import budget_figure
 from analysis.quantity import plain
 from lammps_inputs import library
 from lammps_inputs.units import make_scale
 
-NONE = dict.fromkeys(HELD, np.zeros(2))
+NONE = dict.fromkeys(STORED, np.zeros(2))
 
 PLAIN = {
     "name": "test",
@@ -44,7 +44,7 @@ def test_what_is_lost_is_told_by_the_name_of_what_takes_it(cuts):
     np.testing.assert_allclose(account.lost["coupling_damping"], 0.2 * account.time)
     np.testing.assert_allclose(account.lost["bead_damping"], 0.3 * account.time)
     np.testing.assert_allclose(account.energy_input, 0.5 + 0.7 * account.time)  # the kick has the energy 1/2
-    np.testing.assert_allclose(account.held["kinetic"], 16 * 0.5 * 0.5**2)
+    np.testing.assert_allclose(account.stored["kinetic"], 16 * 0.5 * 0.5**2)
 
 
 def test_springs_between_chains_and_to_the_ground_are_told_apart():
@@ -52,7 +52,7 @@ def test_springs_between_chains_and_to_the_ground_are_told_apart():
     problem = library.from_plain({**PLAIN, "foundation": {"stiffness": 0.5}}, "test").problem()
     ahead = np.array([[0.3], [0.0]])
     account = account_of(problem, lambda t: (ahead + 0.0 * t, 0.0 * t))
-    held = {name: part[0] for name, part in account.held.items()}
+    held = {name: part[0] for name, part in account.stored.items()}
     energy = 8 * 0.5 * 0.3**2
     assert held == pytest.approx(
         {"kinetic": 0.0, "contacts": 0.0, "springs": 0.1 * energy, "ground": 0.5 * energy, "walls": 0.0}

@@ -9,7 +9,10 @@ from workflow.studies.gallery.entries import PAPER
 
 __all__ = ["ANSWERS"]
 
-EXAMPLES = ("reproduce -o paper        # ten seconds; then open paper/index.html",)
+EXAMPLES = (
+    "reproduce -o paper      # some ten seconds; then open paper/index.html",
+    "gallery --list          # the entries of other papers",
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -87,7 +87,7 @@ class Kept:
     """A accurate_reference reference run in memory."""
 
     frames: tuple[Trajectory, ...]
-    uncertainty_of: Uncertainty
+    uncertainty: Uncertainty
 
     def is_of(self, problem: Problem) -> bool:
         """Whether these are the frames of a problem: the same beads at the same times."""
@@ -217,7 +217,7 @@ def _bytes(problem: Problem) -> float:
 
 def _in_memory(problem: Problem, steps: int) -> Kept:
     halving = StepHalving(problem, steps_per_frame=steps)
-    return Kept(tuple(halving.blocks()), halving.uncertainty_of)
+    return Kept(tuple(halving.blocks()), halving.uncertainty)
 
 
 def _trial(problem: Problem, cycles: int, reference: StepHalving | Kept) -> tuple[float, float]:
@@ -227,7 +227,7 @@ def _trial(problem: Problem, cycles: int, reference: StepHalving | Kept) -> tupl
     with np.errstate(over="ignore", invalid="ignore"):
         for own, right in zip(runs, reference.blocks(), strict=True):
             largest = max(largest, _difference(*on_common_rows(own, right)))
-    return largest, reference.uncertainty_of.velocity
+    return largest, reference.uncertainty.velocity
 
 
 def _difference(own: Trajectory, right: Trajectory) -> float:
@@ -260,7 +260,7 @@ def uncertainty_of(problem: Problem, steps: int) -> float:
     halving = StepHalving(problem, steps_per_frame=steps)
     for _ in halving.blocks():
         pass
-    return halving.uncertainty_of.velocity
+    return halving.uncertainty.velocity
 
 
 def _steps_for(uncertainties: dict[int, float], accuracy: float) -> int:
@@ -269,11 +269,11 @@ def _steps_for(uncertainties: dict[int, float], accuracy: float) -> int:
     Raises:
         UnreachableError: six times as many steps have hardly reduced the uncertainty of the reference.
     """
-    steps, uncertainty_of = max(uncertainties.items())
+    steps, uncertainty = max(uncertainties.items())
     for fewer, before in uncertainties.items():
-        if steps >= 6 * fewer and uncertainty_of > max(before / 3.0, accuracy * UNCERTAINTY_PART):
-            raise UnreachableError(f"the uncertainty of the reference itself is {uncertainty_of:.0e} V: {CHAOS}")
-    ratio: float = 1.1 * (uncertainty_of / (UNCERTAINTY_PART * accuracy)) ** (1.0 / _LEAST_ORDER)
+        if steps >= 6 * fewer and uncertainty > max(before / 3.0, accuracy * UNCERTAINTY_PART):
+            raise UnreachableError(f"the uncertainty of the reference itself is {uncertainty:.0e} V: {CHAOS}")
+    ratio: float = 1.1 * (uncertainty / (UNCERTAINTY_PART * accuracy)) ** (1.0 / _LEAST_ORDER)
     return 2 * math.ceil(0.5 * steps * min(6.0, max(1.25, ratio)))
 
 
@@ -385,10 +385,10 @@ def _refuse_chaos(problem: Problem, shorter: Problem, share: float, accuracy: fl
     steps = engine.default_steps_per_frame(problem)
     if work(problem, 0, steps) > most_work:
         return
-    uncertainty_of = uncertainty_of(problem, steps)
+    uncertainty = uncertainty_of(problem, steps)
     usual = uncertainty_of(shorter, engine.default_steps_per_frame(shorter)) / share
-    if uncertainty_of > max(_STEADY * usual, UNCERTAINTY_PART * accuracy):
-        raise UnreachableError(f"errors grow {uncertainty_of / usual:.0f} times as much as they usually do: {CHAOS}")
+    if uncertainty > max(_STEADY * usual, UNCERTAINTY_PART * accuracy):
+        raise UnreachableError(f"errors grow {uncertainty / usual:.0f} times as much as they usually do: {CHAOS}")
 
 
 def _carried_over(measured: Settings, problem: Problem, share: float, asked: float, accuracy: float) -> Settings:

@@ -11,7 +11,7 @@ from synthetic_waves import problem, reader, reference
 
 from analysis.sharing.equipartition import Sharing
 from analysis.sharing.survey import Survey, survey
-from analysis.sharing.verdict import SINGLE_CHAIN, State, expected_n_star, fit_decay, judge
+from analysis.sharing.verdict import SINGLE_CHAIN, State, expected_n_star, fit_decay, verdict_on
 from analysis.trajectory import blocks
 from lammps_inputs import Coupling, Kick, Output, Scene, library, physics
 from workflow.engines.reference import engine
@@ -202,7 +202,7 @@ def test_verdict_knows_since_when_amplitudes_and_arrivals_agree():
 
 def test_verdict_without_any_place_gives_the_rule_of_thumb():
     empty = Sharing(0, np.zeros(0, dtype=np.int64), np.zeros((0, 2)), np.zeros((0, 2)), 0.5)
-    verdict = judge(empty, problem(2, 0.1), None)
+    verdict = verdict_on(empty, problem(2, 0.1), None)
     assert (verdict.state, verdict.expected.value) == (State.SHORT, pytest.approx(60.0))
 
 

@@ -15,7 +15,7 @@ from analysis.tracking.leading_waves import leading_passages, leading_waves
 from analysis.tracking.peaks import find_peaks
 from lammps_inputs import Kick, Output, strict_yaml
 from workflow.cli import main
-from workflow.commands.run import _judged
+from workflow.commands.run import _exit_code
 from workflow.engines.reference import engine
 from workflow.engines.reference.step_halving import StepHalving, accurate_reference
 from workflow.prepare import pilot
@@ -177,7 +177,7 @@ def test_no_time_step_is_named_where_none_keeps_it_or_a_shorter_run_stood_for_th
 )
 def test_what_the_reference_is_not_sure_of_is_not_said(velocity, sure, says, finished, capsys):
     told = replace(finished.check, velocity=velocity, reference=replace(finished.check.reference, velocity=sure))
-    assert _judged(told, finished.directory.scene, None) == 0
+    assert _exit_code(told, finished.directory.scene, None) == 0
     printed = capsys.readouterr().out
     assert says in printed
     assert bool(says) == bool(printed)
@@ -194,9 +194,9 @@ def test_what_the_reference_is_not_sure_of_is_not_said(velocity, sure, says, fin
 def test_an_accuracy_that_was_asked_for_and_not_kept_is_a_failure(velocity, sure, code, says, finished, capsys):
     told = replace(finished.check, velocity=velocity, reference=replace(finished.check.reference, velocity=sure))
     asked = Settings(1e-4, 0.01, 10, 0.1, 5e-5, 5e-5, 1.0, limited=False, seconds=0.1)
-    assert _judged(told, finished.directory.scene, replace(asked, asked=False)) == 0
+    assert _exit_code(told, finished.directory.scene, replace(asked, asked=False)) == 0
     capsys.readouterr()
-    assert _judged(told, finished.directory.scene, asked) == code
+    assert _exit_code(told, finished.directory.scene, asked) == code
     printed = capsys.readouterr().out
     assert says in printed
     assert bool(says) == bool(printed)

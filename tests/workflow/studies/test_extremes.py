@@ -24,7 +24,7 @@ from workflow.studies.extremes import cells as all_cells
 from workflow.studies.extremes import measure
 from workflow.studies.extremes import study as report
 from workflow.studies.extremes.cells import BASE, Cell, changed, grid, scaled, springs
-from workflow.studies.extremes.measure import Outcome, Told, TrueError, _apart, classify, judge
+from workflow.studies.extremes.measure import Outcome, Reported, TrueError, _apart, classify, true_error
 from workflow.workers.pool import Pool, Task
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
@@ -46,28 +46,28 @@ def named(axis, value):
 @pytest.mark.parametrize(
     ("kind", "told", "truth"),
     [
-        ("RIGHT", Told(1e-5, 1e-6), 1e-5),
-        ("RIGHT", Told(1e-3, 1e-3), 1e-5),  # says more than is true
+        ("RIGHT", Reported(1e-5, 1e-6), 1e-5),
+        ("RIGHT", Reported(1e-3, 1e-3), 1e-5),  # says more than is true
         ("RIGHT", None, 1e-5),
-        ("RIGHT", Told(0.0, 0.0), 1e-9),
-        ("REPORTED", Told(0.1, 1e-3), 0.1),
-        ("REPORTED", Told(1e-4, 0.1), 0.1),  # says how uncertainty it is
-        ("REPORTED", Told(math.nan, 0.0), math.nan),
+        ("RIGHT", Reported(0.0, 0.0), 1e-9),
+        ("REPORTED", Reported(0.1, 1e-3), 0.1),
+        ("REPORTED", Reported(1e-4, 0.1), 0.1),  # says how uncertainty it is
+        ("REPORTED", Reported(math.nan, 0.0), math.nan),
         ("WRONG", None, 1e-3),
         ("WRONG", None, math.nan),
-        ("WRONG", Told(1e-5, 1e-6), 1e-3),
-        ("WRONG", Told(1e-5, 1e-6), math.nan),
-        ("WRONG", Told(1e-2, 1e-6), 2e-2),  # large, but still half of what is true
-        ("WRONG", Told(1e-7, 1e-8), 1e-5),  # as right as asked, and not as right as said
+        ("WRONG", Reported(1e-5, 1e-6), 1e-3),
+        ("WRONG", Reported(1e-5, 1e-6), math.nan),
+        ("WRONG", Reported(1e-2, 1e-6), 2e-2),  # large, but still half of what is true
+        ("WRONG", Reported(1e-7, 1e-8), 1e-5),  # as right as asked, and not as right as said
     ],
 )
 def test_a_run_that_ended_is_right_or_told_or_wrong(kind, told, truth):
     assert classify(5e-4, told, TrueError(truth, 0.0, "reference"))[0] == kind
 
 
-def test_what_the_judge_is_not_sure_of_is_not_held_against_a_run():
-    assert classify(5e-4, Told(1e-5, 1e-6), TrueError(1e-4, 1e-4, "reference"))[0] == "RIGHT"
-    assert classify(5e-4, Told(1e-5, 1e-6), TrueError(1e-4, 1e-6, "reference"))[0] == "WRONG"
+def test_an_error_within_the_uncertainty_of_the_reference_is_not_counted_against_a_run():
+    assert classify(5e-4, Reported(1e-5, 1e-6), TrueError(1e-4, 1e-4, "reference"))[0] == "RIGHT"
+    assert classify(5e-4, Reported(1e-5, 1e-6), TrueError(1e-4, 1e-6, "reference"))[0] == "WRONG"
 
 
 @pytest.mark.parametrize(
@@ -83,15 +83,15 @@ def test_a_run_that_ends_by_an_error_is_refused_or_stopped_or_a_crash(error, kin
     assert "no" in found.why
 
 
-def test_what_keeps_the_judge_from_judging_is_not_taken_for_a_refusal(monkeypatch):
-    """And the judge is asked to be ten times surer than what the run says of itself."""
+def test_a_failure_of_the_comparison_is_not_taken_for_a_refusal(monkeypatch):
+    """And the uncertainty asked for is a tenth of the error that the run reports."""
     asked = []
 
     def fail(directory, tolerance):
         asked.append(tolerance / directory.job.check.velocity)
         raise InputError("other beads")
 
-    monkeypatch.setattr(measure, "judge", fail)
+    monkeypatch.setattr(measure, "true_error", fail)
     assert measure.measure(Cell("x", "y", SHORT)).kind == "WRONG"
     assert asked == [pytest.approx(0.1)]
 
@@ -107,16 +107,16 @@ def wrong_kappa(tmp_path_factory):
 
 
 def test_a_deck_with_the_wrong_springs_is_silently_wrong(wrong_kappa):
-    truth = judge(wrong_kappa, 1e-5)
+    truth = true_error(wrong_kappa, 1e-5)
     assert truth.by == "reference"
     assert classify(measure.PROMISED, None, truth)[0] == "WRONG"
 
 
 @pytest.mark.slow
 def test_the_leading_pulse_alone_shows_the_wrong_springs(wrong_kappa):
-    truth = judge(wrong_kappa, 1e-5, longest=0.0)
+    truth = true_error(wrong_kappa, 1e-5, longest=0.0)
     assert truth.by == "leading pulse"
-    assert truth.error <= judge(wrong_kappa, 1e-5).error
+    assert truth.error <= true_error(wrong_kappa, 1e-5).error
     assert classify(measure.PROMISED, None, truth)[0] == "WRONG"
 
 
@@ -159,7 +159,7 @@ def good(tmp_path_factory):
 
 @pytest.mark.slow
 def test_the_leading_pulse_finds_no_fault_with_a_good_run(good):
-    assert judge(good, 1e-5, longest=0.0).error <= judge(good, 1e-5).error + 1e-6
+    assert true_error(good, 1e-5, longest=0.0).error <= true_error(good, 1e-5).error + 1e-6
 
 
 def test_one_bit_more_than_one_rank_computes_is_found(good, tmp_path):
@@ -234,7 +234,7 @@ def test_stiff_springs_are_checked_in_every_phase_of_their_swing():
     stiff = changed(SHORT, coupling=springs(1e4), timestep=2e-4, output={"every": 0.1}, duration=0.5)
     found = measure.measure(Cell("kappa", "1e4", stiff))
     assert found.kind == "REPORTED"
-    assert found.told == pytest.approx(found.error, rel=0.01)
+    assert found.reported == pytest.approx(found.error, rel=0.01)
 
 
 def test_an_accuracy_is_kept_in_every_phase_of_a_swing():

@@ -52,14 +52,14 @@ times it."""
 
 @dataclass(frozen=True)
 class TrueError:
-    """What the judge found: the largest error, its uncertainty (units of V), and how it was found."""
+    """The largest error, its uncertainty (units of V), and how it was found."""
 
     error: float
     uncertainty: float
     by: str
 
 
-def compared_with(directory: RunDirectory, tolerance: float, *, longest: float = LONGEST) -> TrueError:
+def true_error(directory: RunDirectory, tolerance: float, *, longest: float = LONGEST) -> TrueError:
     """The largest error of any velocity.
 
     Args:
@@ -175,9 +175,9 @@ class Outcome:
         kind: one of `KINDS`.
         why: in words, what the kind rests on.
         asked: largest error that was asked for, in units of V.
-        error, sure: as the judge found; None where nothing came to its end.
+        error, uncertainty: a `TrueError`; None where no run was completed.
         told, reported_uncertainty: what the run itself said.
-        judge: "reference", or "leading pulse" where all beads were too many.
+        compared_with: "reference", or "leading pulse" where all beads were too many.
         steps: time steps of the run.
         seconds: what running and judging took.
     """
@@ -231,7 +231,7 @@ def computed(**cell: Any) -> dict[str, Any]:
 
 
 def measure(cell: Cell) -> Outcome:
-    """Run a cell and judge it. Whatever happens, an outcome comes back, unless it is interrupted.
+    """Run a cell and compare it. Whatever happens, an outcome comes back, unless it is interrupted.
 
     LAMMPS runs in this process where the cell names a diameter, so such a cell is for a worker process.
     """
@@ -251,13 +251,13 @@ def _measure(cell: Cell) -> Outcome:
     outcome = Outcome(cell.axis, cell.value, "WRONG", "", PROMISED)
     with tempfile.TemporaryDirectory(prefix="granchain-extremes-") as folder:
         try:
-            outcome = _run_and_judge(cell, Path(folder), outcome)
-        except Exception as error:  # its user would see a traceback, or the judge cannot judge
+            outcome = _run_and_compare(cell, Path(folder), outcome)
+        except Exception as error:  # its user would see a traceback, or no reference can be computed
             outcome = replace(outcome, why=" ".join(f"crashed: {type(error).__name__}: {error}".split()))
     return replace(outcome, seconds=time.perf_counter() - started)
 
 
-def _run_and_judge(cell: Cell, folder: Path, outcome: Outcome) -> Outcome:
+def _run_and_compare(cell: Cell, folder: Path, outcome: Outcome) -> Outcome:
     path = folder / "run"
     try:
         scene = library.from_plain(cell.scene, "scene")
@@ -276,7 +276,7 @@ def _run_and_judge(cell: Cell, folder: Path, outcome: Outcome) -> Outcome:
         raise KeyboardInterrupt
     reported = None if done.check is None else Reported(done.check.velocity, done.check.reference.velocity)
     sharp = min(outcome.asked, outcome.asked if reported is None else max(reported.error, LEAST_ERROR))
-    truth = compared_with(done.directory, sharp / SHARPER)
+    truth = true_error(done.directory, sharp / SHARPER)
     kind, why = classify(outcome.asked, reported, truth)
     fault = _fault(cell, done.directory, folder)
     return replace(
@@ -313,7 +313,7 @@ def _differs_from_one_rank(directory: RunDirectory, path: Path) -> str | None:
 
 
 def _differs_from_scaled(cell: Cell, directory: RunDirectory, path: Path) -> str | None:
-    """Compare in the scenes' own units, so that these are judged too."""
+    """Compare in the scenes' own units, so that these are compared too."""
     # to V = 1; beads of a material at most ten times faster, for none is hit faster than its sound
     factor = 1.0 / directory.scene.scale.velocity if directory.scene.material is None else 10.0
     one = run(library.from_plain(scaled(cell.scene, factor), "scene"), path, check=False).directory

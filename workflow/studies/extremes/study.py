@@ -73,7 +73,7 @@ def cost(cell: Cell) -> float:
 
 
 def _program() -> str:
-    """Fingerprint of all that computes or judges."""
+    """Fingerprint of all that computes or compares."""
     root = Path(__file__).parents[3]
     digest = hashlib.sha256()
     for package in ("lammps_inputs", "analysis", "workflow"):
