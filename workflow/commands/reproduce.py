@@ -11,7 +11,7 @@ __all__ = ["ANSWERS"]
 
 EXAMPLES = (
     "reproduce -o paper      # some ten seconds; then open paper/index.html",
-    "gallery --list          # the entries of other papers",
+    "reproduce -o paper -q   # print nothing but errors",
 )
 
 
