@@ -48,7 +48,7 @@ def statements(runs: Results) -> list[Statement]:
                 "4",
             ),
             published="The waves in the chains are identical.",
-            source=PAPER,
+            source=f"{PAPER}, section 2",
             derived="Identical: the peaks differ by at most 1% of their mean.",
             correction="At kappa = 0.1 they become so: at bead 55 they still differ by "
             f"{_mismatch_at(two['reference'], 55):.1%}.",
@@ -65,7 +65,7 @@ def statements(runs: Results) -> list[Statement]:
                 for name, bead, _, _ in CASES
             ),
             published="The waves are synchronised.",
-            source=PAPER,
+            source=f"{PAPER}, section 2",
             derived="Synchronised: arrivals differ by at most 0.1 T.",
             also=[
                 f"{name}, {NAMES[engine]}: uncertainty {run.errors[1]:.0e} T"
@@ -77,7 +77,7 @@ def statements(runs: Results) -> list[Statement]:
             Measured("final amplitude at kappa = 0.5 over that at 0.1", ratio, at_least(0.95), "4"),
             Measured("weaker coupling, over that at 0.1", far, at_least(0.95, -math.inf), "4"),
             published="The final waves hardly depend on the coupling.",
-            source=PAPER,
+            source=f"{PAPER}, section 2",
             derived="Required: a change of at most 5%; beyond the couplings of the paper a correction is enough.",
             correction="It holds between 0.1 and 0.5. With weaker coupling the distance grows as 1/kappa and the "
             "final waves become much weaker: the spring of each row keeps energy after the pulse has passed.",
@@ -91,7 +91,7 @@ def statements(runs: Results) -> list[Statement]:
                 "0",
             ),
             published="Equipartition is robust in the number of chains.",
-            source=PAPER,
+            source=f"{PAPER}, section 2",
             derived="kappa = 0.1, N = 2 to 8; required is that there is such a bead.",
             also=[f"N = {case.chains}: {case.amplitude:.4f} V, {_within('10%', case.ten)}" for case in more],
         ),
