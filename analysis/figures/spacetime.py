@@ -26,6 +26,9 @@ MAX_PIXELS = 1200
 
 PANELS_A_ROW = 4
 
+COLOURS = "RdBu_r"
+"""Of velocities; white is 0."""
+
 COLOUR_SCALE = "colour: signed square root"
 """What a bar of colours says of the scale."""
 
@@ -130,8 +133,8 @@ def spacetime_figure(data: SpaceTime) -> Figure:
             aspect="auto",
             interpolation="nearest",
             extent=(*places, *instants),
-            cmap="RdBu_r",
-            norm=FuncNorm((_root, _square), -top, top),
+            cmap=COLOURS,
+            norm=FuncNorm((signed_root, _square), -top, top),
             rasterized=True,
         )
         axis.set_facecolor("0.75")
@@ -168,7 +171,8 @@ def moving_part(beads: Integers | Floats, moves: Flags, whole: tuple[float, floa
     return float(beads[low] - 0.5 * step), float(beads[high] + 0.5 * step)
 
 
-def _root(value: Floats) -> Floats:
+def signed_root(value: Floats) -> Floats:
+    """Square root of the size, with the sign."""
     return np.asarray(np.sign(value) * np.sqrt(np.abs(value)))
 
 

@@ -245,6 +245,11 @@ def _rows(scene: "BaseScene") -> tuple[tuple[str, ...], ...]:
     return scene.pattern if isinstance(scene.pattern[0], tuple) else (scene.pattern,) * scene.chains
 
 
+def radii(scene: "BaseScene") -> Floats:
+    """Radius of each bead, [chain, bead], over that of the reference bead."""
+    return _beads(scene)[1]
+
+
 def _beads(scene: "BaseScene") -> tuple[Floats, Floats, Floats]:
     """Masses, radii and plane moduli, each [chain, bead]."""
     shape = (scene.chains, scene.beads)

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 from bokeh.events import Tap
 from bokeh.models import (
@@ -10,12 +11,16 @@ from bokeh.models import (
     CrosshairTool,
     CustomJS,
     CustomJSHover,
+    FixedTicker,
     HoverTool,
     LinearColorMapper,
     Span,
 )
 from bokeh.plotting import figure
+from matplotlib.colors import to_hex
 
+from analysis.figures.spacetime import COLOUR_SCALE, COLOURS, round_ticks, signed_root
+from analysis.trajectory import Floats
 from workflow.view.axes import CHAIN_COLOURS, TOOLS, graph, label, name_places, number, put_legend_aside
 from workflow.view.thin import Thinned, Units, axis_label, behind
 
@@ -114,10 +119,34 @@ def maps_of(
         name_places(plot, part)
         plot.xaxis.ticker.desired_num_ticks = 8 // across + 2
         if len(found) == across - 1:
-            bar = ColorBar(color_mapper=colours, title=axis_label("velocity", units["velocity"]), width=10)
-            plot.add_layout(bar, "right")
+            plot.add_layout(_bar(colours, axis_label("velocity", units["velocity"])), "right")
         found.append(plot)
     return found, found[0].x_range, found[0].y_range
+
+
+def root_colours(largest: float) -> LinearColorMapper:
+    """Those of the figures: diverging from 0, along the signed square root of the velocity."""
+    share = np.linspace(-1.0, 1.0, 1025)
+    return LinearColorMapper(palette=_palette(signed_root(share)), low=-largest, high=largest, nan_color="#999999")
+
+
+def _palette(share: Floats) -> list[str]:
+    """Colours at shares of the scale, from -1 to 1."""
+    return [to_hex(colour) for colour in mpl.colormaps[COLOURS](0.5 + 0.5 * share)]
+
+
+def _bar(colours: LinearColorMapper, title: str) -> ColorBar:
+    """The bar of those colours: even along the root, with round numbers of velocity."""
+    end = float(np.sqrt(colours.high))
+    even = LinearColorMapper(palette=_palette(np.linspace(-1.0, 1.0, 255)), low=-end, high=end)
+    ticks = {float(signed_root(np.array(tick))): f"{tick:.4g}" for tick in round_ticks(colours.high)}
+    return ColorBar(
+        color_mapper=even,
+        title=f"{title}; {COLOUR_SCALE}",
+        width=10,
+        ticker=FixedTicker(ticks=list(ticks)),
+        major_label_overrides=ticks,
+    )
 
 
 def traces_of(part: Thinned, shown: list[int], time_range: Any, units: Units) -> tuple[Any, ColumnDataSource]:

@@ -1,18 +1,20 @@
 """The page of a run: its plots, and where they stand."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from bokeh.layouts import column, gridplot
-from bokeh.models import HoverTool, LinearColorMapper, Span
-from bokeh.palettes import diverging_palette, interp_palette
+from bokeh.layouts import column, gridplot, row
+from bokeh.models import HoverTool, Span
 
 from analysis.figures.spacetime import STILL, largest_afar, moving_part
+from analysis.gauges.forces import Readings
 from analysis.sharing.survey import Survey
+from analysis.trajectory import Floats
 from lammps_inputs import Problem, physics
 from lammps_inputs.facts import Fact
-from workflow.view.axes import graph, number, of_chain, put_legend_aside
-from workflow.view.maps import PLOTS_A_ROW, image_source, maps_of, on_click, traces_of
+from workflow.view.axes import CHAIN_COLOURS, graph, number, of_chain, put_legend_aside
+from workflow.view.maps import BEAD_DASHES, PLOTS_A_ROW, image_source, maps_of, on_click, root_colours, traces_of
 from workflow.view.moving import moving_beads
 from workflow.view.thin import Thinned, Units, axis_label, units_of
 
@@ -54,17 +56,64 @@ def energy(part: Thinned, time_range: Any, units: Units) -> Any:
     return plot
 
 
-_BLUE_RED = diverging_palette(
-    interp_palette(["#08306b", "#2166ac", "#4393c3", "#92c5de", "#d1e5f0", "#f7f7f7"], 128),
-    interp_palette(["#67001f", "#b2182b", "#d6604d", "#f4a582", "#fddbc7", "#f7f7f7"], 128),
-    n=255,
-)
+_NARROWEST = 480
+"""Pixels of a plot of lines; two stand side by side where there is room."""
 
 _BAR = 70
 """Width of the bar of colours."""
 
 
-def layout(problem: Problem, part: Thinned, found: Survey | None, shown: list[int]) -> Any:
+_MOST_INSTANTS = 4000
+"""Of a force over time."""
+
+
+def forces(problem: Problem, part: Thinned, readings: Readings | None, time_range: Any, units: Units) -> list[Any]:
+    """Forces that gauges read, a line for each and each chain that is shown, and those that push and drive beads."""
+    graphs, time = [], part.time / units["time"].worth
+    if readings is not None:
+        total = "total force" if readings.loaded else "force"
+        stride = slice(None, None, -(-len(readings.time) // _MOST_INSTANTS))
+        lines = [
+            (f"{gauge.name}, chain {chain}", readings.force[stride, chain - 1, place], k, place)
+            for place, gauge in enumerate(readings.gauges[: len(BEAD_DASHES)])
+            for k, chain in enumerate(part.chains)
+        ]
+        graphs.append((f"{total} at gauges", readings.time[stride], lines))
+    pushed = [(f"bead {one.bead}, chain {one.chain}", one, k, 0) for k, one in enumerate(problem.system.loads[:8])]
+    if pushed:
+        lines = [(name, np.array([one.force(t) for t in time]), k, dash) for name, one, k, dash in pushed]
+        graphs.append(("external force on beads", time, lines))
+    return [_forces(heading, at, lines, time_range, units) for heading, at, lines in graphs]
+
+
+def _forces(
+    heading: str, time: Floats, lines: Sequence[tuple[str, Floats, int, int]], time_range: Any, units: Units
+) -> Any:
+    """A plot of forces; name, values, colour and dash of each."""
+    force = units["force"]
+    plot = graph(heading, axis_label("time", units["time"]), axis_label("force", force), time_range)
+    one_chain = len({colour for _, _, colour, _ in lines}) == 1
+    drawn = []
+    for name, values, colour, dash in lines:
+        look = {"line_color": CHAIN_COLOURS[dash if one_chain else colour], "line_dash": BEAD_DASHES[dash]}
+        source = {"time": time * units["time"].worth, "force": values * force.worth}
+        drawn.append(plot.line("time", "force", source=source, legend_label=name, line_width=1.5, **look))
+    tips = [("time", "@time{custom}"), ("force", "@force{custom}")]
+    said = {"@time": number(units["time"]), "@force": number(force)}
+    plot.add_tools(HoverTool(renderers=drawn, tooltips=tips, formatters=said))
+    put_legend_aside(plot)
+    return plot
+
+
+def layout(
+    problem: Problem,
+    part: Thinned,
+    found: Survey | None,
+    shown: list[int],
+    *,
+    readings: Readings | None = None,
+    radius: Floats | None = None,
+) -> Any:
     """The plots of a page.
 
     Args:
@@ -72,13 +121,15 @@ def layout(problem: Problem, part: Thinned, found: Survey | None, shown: list[in
         part: of its frames, dimensionless.
         found: the waves in it; None where there are none.
         shown: beads whose velocity over time is drawn first.
+        readings: of the gauges that the scene asks for.
+        radius: of every bead, [chain, bead]; all are alike without it.
     """
     units = units_of(problem, part)
     part = part.measured(units)
     images = [image_source(part, place) for place in range(len(part.chains))]
     now = Span(dimension="width", location=float(part.time[0]), line_color="#d55e00", line_width=1.5)
     largest = largest_afar(problem, part.beads, part.velocity)
-    colours = LinearColorMapper(palette=_BLUE_RED, low=-largest, high=largest, nan_color="#999999")
+    colours = root_colours(largest)
     moved = np.nanmax(np.abs(part.velocity), axis=(0, 1), initial=0.0) > STILL * largest
     half = 0.5 * part.spacing
     whole = (float(part.places[0]) - half, float(part.places[-1]) + half)
@@ -89,14 +140,18 @@ def layout(problem: Problem, part: Thinned, found: Survey | None, shown: list[in
         for bead, share in zip(shown, (1, 3, 5), strict=False)
     ]
     traces, trace_source = traces_of(part, list(dict.fromkeys(shown)), time_range, units)
-    moving, controls = moving_beads(problem, part, images, now, colours, units)
+    every = np.ones((problem.chains, problem.beads)) if radius is None else radius / np.max(radius)
+    sizes = every[np.ix_(np.array(part.chains) - 1, part.beads - 1)]
+    moving, controls = moving_beads(problem, part, images, now, colours, units, sizes)
     on_click(maps, part, images, trace_source)
-    below = [traces]
+    below = [traces, *forces(problem, part, readings, traces.x_range, units)]
     if found is not None and problem.system.holds(Fact.PULSE):
         bead_range = place_range if part.even else (float(part.beads[0]) - 1.0, float(part.beads[-1]) + 1.0)
         below += distances(problem, part, found, bead_range, units)
     if problem.whole:
         below.append(energy(part, traces.x_range, units))
+    for plot in below:
+        plot.styles = {"flex": f"1 1 {_NARROWEST}px"}
     moving.toolbar.logo = None
     across = min(PLOTS_A_ROW, len(maps))
     side_by_side = gridplot(
@@ -111,11 +166,6 @@ def layout(problem: Problem, part: Thinned, found: Survey | None, shown: list[in
         side_by_side,
         controls,
         moving,
-        gridplot(
-            [below[k : k + 2] for k in range(0, len(below), 2)],
-            merge_tools=False,
-            toolbar_options={"logo": None},
-            sizing_mode="stretch_width",
-        ),
+        row(*below, styles={"flex-wrap": "wrap"}, sizing_mode="stretch_width"),
         sizing_mode="stretch_width",
     )

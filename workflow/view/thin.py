@@ -11,9 +11,11 @@ from numpy.typing import NDArray
 
 from analysis import motion
 from analysis.figures.spacetime import largest_afar
-from analysis.figures.style import Unit, axis_unit, evenly_spaced
+from analysis.figures.style import Frames, Unit, axis_unit, evenly_spaced
+from analysis.quantity import declared
 from analysis.trajectory import Floats, Integers, Trajectory
 from lammps_inputs import Problem
+from lammps_inputs.units import REDUCED
 
 MOST_BEADS = 500
 """Of a chain."""
@@ -185,8 +187,8 @@ def units_of(problem: Problem, part: Thinned) -> Units:
 
 
 def axis_label(name: str, unit: Unit) -> str:
-    """Such as ``time (ms)``; the name alone in reduced units."""
-    return f"{name} ({unit.symbol})" if unit.symbol else name
+    """Such as ``time t (ms)``, with the symbol of the figures."""
+    return f"{name} {declared(Frames)[name][0].symbol} ({unit.symbol or REDUCED})"
 
 
 def behind(unit: Unit) -> str:

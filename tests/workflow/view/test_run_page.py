@@ -14,6 +14,9 @@ from analysis.tracking.leading_waves import with_speeds
 from analysis.trajectory import Trajectory
 from lammps_inputs import Kick, Material, Output
 from lammps_inputs.ingredients.foundation import Foundation
+from lammps_inputs.ingredients.unequal import Kind, radii
+from lammps_inputs.laws.in_time import HalfSine
+from lammps_inputs.loads import Load
 from workflow.view import maps, moving, run_page
 from workflow.view.thin import thinned, units_of
 from workflow.view.write import _left_out
@@ -95,7 +98,8 @@ def test_axes_cursors_and_bars_have_the_unit_of_what_they_show(held):
         return f" {units[name].symbol}" if problem.scale.si else ""
 
     def axis(name):
-        return f"{name} ({units[name].symbol})" if problem.scale.si else name
+        symbols = {"time": "t", "velocity": "v", "energy": "E"}
+        return f"{name} {symbols[name]} ({units[name].symbol if problem.scale.si else 'reduced'})"
 
     assert len({unit(name) for name in units}) == (5 if problem.scale.si else 1)
     labels = {plot.title.text: (plot.xaxis.axis_label, plot.yaxis.axis_label) for plot in root.select({"type": figure})}
@@ -119,7 +123,7 @@ def test_axes_cursors_and_bars_have_the_unit_of_what_they_show(held):
         **{word: unit("length") for word in ("displacement", "overlap with the next")},
         "force on the next": unit("force"),
     }
-    assert [bar.title for bar in root.select({"type": ColorBar})] == [axis("velocity")]
+    assert [bar.title for bar in root.select({"type": ColorBar})] == [f"{axis('velocity')}; colour: signed square root"]
     assert root.select_one({"name": "time"}).format.args["unit"] == unit("time")
 
 
@@ -129,7 +133,7 @@ def test_springs_are_drawn_between_chains_that_are_tied(held):
     both = thinned(problem, [Trajectory(problem, *(np.zeros(s) for s in ((1,), (1, 3, 6), (1, 3, 6))))], [1, 2])
     for kept, springs in ((part, []), (both, [[0, 1]])):  # chains 1 and 3 are tied to chain 2 only
         colours = LinearColorMapper(palette=["#000"])
-        plot, _ = moving.moving_beads(problem, kept, images, Span(), colours, units)
+        plot, _ = moving.moving_beads(problem, kept, images, Span(), colours, units, np.ones((2, 6)))
         (move,) = (code for codes in plot.js_property_callbacks.values() for code in codes if "springs" in code.args)
         assert move.args["springs"] == springs
 
@@ -206,3 +210,36 @@ def test_no_peaks_are_drawn_where_no_pulse_leads():
         root = run_page.layout(problem, thinned(problem, [made(problem)], [0]), SimpleNamespace(waves=waves), [1, 3])
         assert ("peak velocity of the leading pulse" in headings(root)) == drawn
         assert "energy of each chain, without coupling" in headings(root)
+
+
+def test_forces_of_gauges_and_pushes_are_drawn_over_time_in_the_units_of_the_page(held):
+    problem, run, part, units = held
+    half = np.zeros((3, 3, 2))
+    half[1, 2] = 0.5, 0.25
+    places = [SimpleNamespace(name="right wall"), SimpleNamespace(name="contact 2")]
+    readings = SimpleNamespace(loaded=True, gauges=places, time=np.array([0.0, 1.0, 2.0]), force=half)
+    push = Load(2, 4, HalfSine(0.5, 3.0))
+    pushed = replace(problem, system=replace(problem.system, loads=(push,)))
+    gauged, external = run_page.forces(pushed, part, readings, (0, 1), units)
+    assert (gauged.title.text, external.title.text) == ("total force at gauges", "external force on beads")
+    lines = dict(zip((item.label.value for item in gauged.legend[0].items), gauged.renderers, strict=True))
+    assert list(lines) == ["right wall, chain 1", "right wall, chain 3", "contact 2, chain 1", "contact 2, chain 3"]
+    data = lines["contact 2, chain 3"].data_source.data
+    np.testing.assert_allclose(data["force"], np.array([0.0, 0.25, 0.0]) * units["force"].worth)
+    np.testing.assert_allclose(data["time"], readings.time * units["time"].worth)
+    (line,) = external.renderers
+    assert external.legend[0].items[0].label.value == "bead 4, chain 2"
+    expected = [push.force(time) * units["force"].worth for time in run.time]
+    np.testing.assert_allclose(line.data_source.data["force"], expected)
+
+
+def test_beads_are_drawn_at_their_sizes():
+    kinds = {"a": Kind(radius=1.0), "b": Kind(radius=0.5)}
+    what = scene(chains=1, beads=6, kick=(Kick(velocity=0.5),), duration=2.0, kinds=kinds, pattern=("a", "b"))
+    part = thinned(what.problem(), [made(what.problem())], [0])
+    root = run_page.layout(what.problem(), part, None, [1], radius=radii(what))
+    codes = [
+        code for plot in root.select({"type": figure}) for one in plot.js_property_callbacks.values() for code in one
+    ]
+    (sizes,) = (code.args["radius"] for code in codes if "radius" in code.args)
+    assert sizes == [[1.0, 0.5, 1.0, 0.5, 1.0, 0.5]]

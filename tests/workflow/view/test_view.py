@@ -221,6 +221,7 @@ def test_the_page_of_many_chains_and_few_beads_answers_clicks_and_keys(tmp_path,
     value = "Bokeh.documents[0].get_model_by_name('time').value"
     page.keyboard.press("Enter")
     page.wait_for_function(f"() => {value} > 2")
+    assert page.get_by_role("button", name="pause").count() == 1
     page.keyboard.press("Enter")
     assert model(page, "play", "it.active") is False
     still = f"const before = {value}; await new Promise(done => setTimeout(done, 200)); return {value} == before;"
