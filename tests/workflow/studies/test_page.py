@@ -7,6 +7,7 @@ import re
 from matplotlib.figure import Figure
 
 from lammps_inputs import references
+from workflow import provenance
 from workflow.studies.page import FAILS, HOLDS, SECTION, Section, Statement, drawn, keep, kept, render
 
 SOME = Section(
@@ -57,3 +58,10 @@ def test_a_page_ends_with_full_references_versions_date_and_machine():
         assert importlib.metadata.version(name) in foot
     assert re.search(r"Date: \d{4}-\d\d-\d\d \d\d:\d\d[+-]", foot)
     assert re.search(r"Machine: .+, \d+ cores", foot)
+
+
+def test_an_installed_package_has_no_commit(tmp_path, monkeypatch):
+    provenance.commit.cache_clear()
+    monkeypatch.setattr(provenance, "HOME", tmp_path)
+    assert provenance.commit() == ""
+    provenance.commit.cache_clear()
