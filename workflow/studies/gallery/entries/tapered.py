@@ -47,8 +47,8 @@ def statements(results: Results) -> list[Statement]:
                 Measured("share of the energy", arrives[taper], near(_hard_spheres(taper), 0.005, 0.06), "4"),
                 published="Hard spheres: the last of n beads gets [4 f / (1 + f)^2]^(n - 1) of the energy.",
                 source="doney2005, as quoted",
-                derived=f"n = {BEADS}, each {taper:.0%} smaller, f = (1 - {taper:g})^3: {_hard_spheres(taper):.4f}, taken "
-                "for Hertzian beads.",
+                derived=f"n = {BEADS}, each {taper:.0%} smaller, f = (1 - {taper:g})^3: {_hard_spheres(taper):.4f}, "
+                "taken for Hertzian beads.",
                 correction="Hard spheres transmit too much: Hertzian beads share their energy with neighbours.",
             )
             for taper in TAPERS
