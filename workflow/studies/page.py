@@ -238,6 +238,16 @@ th, td {{ text-align: left; vertical-align: top; padding: .5rem .7rem; border-bo
 figure {{ margin: 1.5rem 0; }}
 img {{ max-width: 100%; height: auto; }}
 figcaption {{ color: #555; font-size: .9rem; }}
+:root {{ color-scheme: light dark; }}
+@media (prefers-color-scheme: dark) {{
+  body {{ background: #1b1d21; color: #ddd; }}
+  a {{ color: #8ab4f8; }}
+  figcaption {{ color: #aaa; }}
+  th, td {{ border-color: #555; }}
+  .yes strong {{ color: #7fd1a0; }}
+  .partly strong {{ color: #e8b06a; }}
+  .no strong {{ color: #f28b82; }}
+}}
 </style>
 </head>
 <body>
