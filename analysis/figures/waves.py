@@ -12,6 +12,7 @@ from analysis.figures.style import (
     CHAIN_COLOURS,
     STYLE,
     Frames,
+    Unit,
     axis_unit,
     chain_legend,
     draw_chain,
@@ -207,19 +208,18 @@ def response_figure(data: BeadHistory) -> Figure:
     velocity = axis_unit(problem, "velocity", float(size.max(initial=0.0)))
     figure = Figure(figsize=(7.0, 1.2 + 1.9 * len(drawn)), layout="constrained")
     axes = figure.subplots(len(drawn), 2, sharex="col", sharey="row", squeeze=False, width_ratios=(2.0, 1.0))
-    spans = [_passage(data.time, size[:, number]) for number in drawn]
+    spans = [passage(data.time, size[:, number], int(np.argmax(size[:, number]))) for number in drawn]
     close = max((axis_unit(problem, "time", high - low) for _, low, high in spans), key=lambda unit: -unit.worth)
-    then = f" {time.symbol}" if problem.scale.si else ""
     for (whole, near), number, (middle, low, high) in zip(axes, drawn, spans, strict=True):
         _draw(whole, data, number, data.time * time.worth, velocity.worth)
         inside = (data.time >= low) & (data.time <= high)
         _draw(near, data, number, (data.time - middle) * close.worth, velocity.worth, inside)
-        near.set_title(rf"$t_\mathrm{{peak}}$ = {middle * time.worth:.4g}{then}", loc="left")
+        near.set_title(peak_title(problem, middle, time), loc="left")
         whole.set_title(f"bead {data.beads[number]}", loc="left")
         whole.set_ylabel(velocity.label(Frames, "velocity"))
     letter(axes.flat)
     axes[-1, 0].set_xlabel(time.label(Frames, "time"))
-    axes[-1, 1].set_xlabel(rf"$t - t_\mathrm{{peak}}$ ({close.symbol})")
+    axes[-1, 1].set_xlabel(after_peak(close))
     chain_legend(figure, axes[0, 0])
     figure.suptitle(title(problem, each_chain=True, until=float(data.time[-1])) + _still(data, moved))
     return figure
@@ -231,19 +231,44 @@ STILL = 1e-9
 _CLOSE = 0.1
 """Share of its largest velocity above which a bead counts as being passed."""
 
+MOST_PULSES = 3
+
 _MARGIN = 2.0
 """Time shown before and after a passage at least, in units of T."""
 
 
-def _passage(time: Floats, size: Floats) -> tuple[float, float, float]:
-    """When a bead is fastest, and the time around in which it is fast; ``size`` is [frame]."""
-    top = int(np.argmax(size))
+def passage(time: Floats, size: Floats, top: int) -> tuple[float, float, float]:
+    """The time of a peak in a frame, and of the ends of the time around it in which a size [frame] is large."""
     slow = np.flatnonzero(size <= _CLOSE * size[top])
     first, last = slow[slow < top], slow[slow > top]
     low = time[first[-1]] if len(first) else time[0]
     high = time[last[0]] if len(last) else time[-1]
     margin = max(_MARGIN, 0.3 * float(high - low))
     return float(time[top]), float(low) - margin, float(high) + margin
+
+
+def pulses(time: Floats, size: Floats) -> list[tuple[float, float, float]]:
+    """The passages of the largest pulses, at most `MOST_PULSES`, in their order in time.
+
+    A pulse is as large as a tenth of the largest one, and its passage takes less than half of the whole time.
+    """
+    around = np.pad(size, 1)
+    peaks = np.flatnonzero((size >= around[:-2]) & (size > around[2:]) & (size > _CLOSE * np.max(size)))
+    found: list[tuple[float, float, float]] = []
+    for top in peaks[np.argsort(-size[peaks], kind="stable")]:
+        if len(found) < MOST_PULSES and not any(low <= time[top] <= high for _, low, high in found):
+            found.append(passage(time, size, top))
+    return sorted(one for one in found if one[2] - one[1] < 0.5 * (time[-1] - time[0]))
+
+
+def peak_title(problem: Problem, peak: float, unit: Unit) -> str:
+    """Over a panel: the time of its peak."""
+    return rf"$t_\mathrm{{peak}}$ = {peak * unit.worth:.4g}{f' {unit.symbol}' if problem.scale.si else ''}"
+
+
+def after_peak(unit: Unit) -> str:
+    """The axis of time of such a panel."""
+    return rf"$t - t_\mathrm{{peak}}$ ({unit.symbol})"
 
 
 def _draw(axis: Axes, data: BeadHistory, number: int, x: Floats, worth: float, inside: Flags | None = None) -> None:

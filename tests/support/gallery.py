@@ -53,6 +53,7 @@ PICTURES = {
 PANELS = {
     "gallery/ring-of-three": (0,),
     "gallery/dimer": (0, 4),
+    "gallery/wall-reflection": (0, 2, 5),
     "gallery/striker-train": (0, 4),
     "gallery/beats-on-a-foundation": (0,),
     "gallery/driven-chain": (0, 3),

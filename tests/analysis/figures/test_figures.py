@@ -12,7 +12,7 @@ from analysis.conservation import Account
 from analysis.figures.energy import budget_figure
 from analysis.figures.spacetime import SpaceTime, round_ticks, spacetime_figure
 from analysis.figures.style import CHAIN_DASHES, MAX_PANELS, axis_unit, shortened, shown_chains
-from analysis.figures.waves import BeadHistory, distance_figure, response_figure, shape_figure
+from analysis.figures.waves import BeadHistory, distance_figure, pulses, response_figure, shape_figure
 from analysis.sharing.survey import survey
 from lammps_inputs import Kick
 from lammps_inputs.units import make_scale
@@ -272,3 +272,15 @@ def test_ticks_of_colours_are_round_and_reach_most_of_the_scale(top):
     assert ticks == sorted(ticks) == [-tick for tick in reversed(ticks)]
     assert 0.4 * top <= ticks[-1] <= top
     assert {f"{tick:.3e}"[:5] for tick in ticks if tick > 0.0} <= {"1.000", "2.000", "5.000"}
+
+
+def test_the_largest_pulses_are_shown_in_their_order_each_from_where_it_is_small_and_no_long_one():
+    time = np.linspace(0.0, 200.0, 2001)
+    bumps = [(30.0, 0.5), (60.0, 1.0), (100.0, 0.05), (140.0, 0.7), (180.0, 0.3)]
+    size = sum(height * np.exp(-((time - peak) ** 2)) for peak, height in bumps)
+    found = pulses(time, size)
+    assert [peak for peak, _, _ in found] == pytest.approx([30.0, 60.0, 140.0])
+    for peak, low, high in found:
+        assert 2.0 < peak - low < 8.0
+        assert 2.0 < high - peak < 8.0
+    assert pulses(time, np.sin(0.01 * time)) == []
