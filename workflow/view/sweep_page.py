@@ -1,27 +1,36 @@
-"""The page of a sweep: its table, sortable, and any column over any other."""
+"""The page of a sweep: its table, sortable, and any column over any other, of all cases or of some."""
 
 import math
 from typing import Any
 
 from bokeh.layouts import column, row
 from bokeh.models import (
+    BooleanFilter,
+    CategoricalColorMapper,
+    CDSView,
+    ColorBar,
     ColumnDataSource,
     CustomJS,
     CustomJSTicker,
     CustomJSTickFormatter,
     DataTable,
+    Div,
+    FixedTicker,
     HoverTool,
     HTMLTemplateFormatter,
+    LinearColorMapper,
+    LogColorMapper,
     OpenURL,
     Select,
     TableColumn,
     TapTool,
 )
+from bokeh.palettes import Viridis256
 from bokeh.plotting import figure
 
 from analysis.figures.swept import logarithmic
 from workflow.sweep.table import Table
-from workflow.view.axes import TICK, TOOLS
+from workflow.view.axes import CHAIN_COLOURS, TICK, TOOLS
 
 _LINK = '<a href="<%= link %>"><%- value %></a>'
 
@@ -43,8 +52,11 @@ _CHOOSE = """
 const numbers = name => Array.from(source.data[name], value => typeof value === "number" ? value : NaN);
 source.data.x = numbers(over.value); source.data.y = numbers(what.value); source.change.emit();
 const plot = plots[kinds[over.value]];
-const count = source.data.x.filter((x, k) => isNaN(x + source.data.y[k])).length;
-plot.title.text = count ? `${count} of ${source.data.x.length} cases have no number here` : "";
+const kept = source.data.case.map((_, k) => only.every(one => one.value == "all" || texts[one.title][k] == one.value));
+filter.booleans = kept;
+const shown = kept.flatMap((here, k) => here ? [source.data.x[k] + source.data.y[k]] : []);
+const count = shown.filter(isNaN).length;
+plot.title.text = count ? `${count} of ${shown.length} cases have no number here` : "";
 plot.below[0].axis_label = headings[over.value]; plot.left[0].axis_label = headings[what.value];
 if (top.children[0] != plot) top.children = [plot, top.children[1]];
 """
@@ -64,12 +76,15 @@ return found.filter(tick => low <= tick && tick <= high);
 """
 """On a logarithmic axis: 1, 2 and 5 of each decade where few are shown, evenly spaced ones within one."""
 
+_FEW = 8
+"""Values of a field that are ticks themselves."""
+
 _WIDEST, _LETTER = 600, 8
 """Pixels of a column, and of a letter in it."""
 
 
 def layout(table: Table, pages: dict[str, str]) -> Any:
-    """A table and a plot.
+    """A table and a plot, with points coloured by the second field; a choice for each varied field filters both.
 
     Args:
         table: of the sweep.
@@ -85,14 +100,26 @@ def layout(table: Table, pages: dict[str, str]) -> Any:
     source = ColumnDataSource(name="cases", data=data)
     headings = {name: table.heading(name) for name in table.columns}
     kinds = {name: "log" if logarithmic(_drawn(data[name])) else "linear" for name in numbers}
-    plots = {kind: _plot(source, kind, headings[over], headings[what]) for kind in sorted(set(kinds.values()))}
+    texts = {name: [_shown(value) for value in data[name]] for name in table.fields}
+    kept = BooleanFilter(name="filter", booleans=[True] * len(table.rows))
+    view, colour = CDSView(filter=kept), _colour(table, data, headings)
+    labels = headings[over], headings[what]
+    plots = {kind: _plot(source, view, kind, labels, colour) for kind in sorted(set(kinds.values()))}
     if unknown:
         plots[kinds[over]].title.text = f"{unknown} of {len(table.rows)} cases have no number here"
     choose_x = Select(title="over", value=over, options=numbers, name="over", stylesheets=[_DARK_CHOICE])
     choose_y = Select(title="column", value=what, options=numbers, name="column", stylesheets=[_DARK_CHOICE])
+    only = [
+        Select(title=name, value="all", options=["all", *dict.fromkeys(texts[name])], name=f"only {name}")
+        for name in table.fields
+    ]
+    for chooser in only:
+        chooser.stylesheets = [_DARK_CHOICE]
     args = {"source": source, "over": choose_x, "what": choose_y, "plots": plots, "kinds": kinds, "headings": headings}
-    top = row(plots[kinds[over]], column(choose_y, choose_x), name="top")
-    for chooser in (choose_x, choose_y):
+    args |= {"only": only, "texts": texts, "filter": kept}
+    choices = column(choose_y, choose_x, Div(text="Cases with:"), *only)
+    top = row(plots[kinds[over]], choices, name="top", styles={"flex-wrap": "wrap"}, sizing_mode="stretch_width")
+    for chooser in (choose_x, choose_y, *only):
         chooser.js_on_change("value", CustomJS(args={**args, "top": top}, code=_CHOOSE))
     columns = [
         TableColumn(
@@ -106,6 +133,7 @@ def layout(table: Table, pages: dict[str, str]) -> Any:
     ]
     grid = DataTable(
         source=source,
+        view=view,
         columns=columns,
         height=430,
         sizing_mode="stretch_width",
@@ -116,12 +144,34 @@ def layout(table: Table, pages: dict[str, str]) -> Any:
     return column(top, grid, sizing_mode="stretch_width")
 
 
-def _plot(source: ColumnDataSource, kind: str, over: str, what: str) -> Any:
+def _colour(table: Table, data: dict[str, list[Any]], headings: dict[str, str]) -> tuple[Any, Any]:
+    """Of the points, by the second varied field, and its bar; one colour and no bar where there is no such field."""
+    name = table.fields[1] if len(table.fields) > 1 else ""
+    texts = list(dict.fromkeys(map(str, data[name]))) if name else []
+    if len(texts) < 2:
+        return "#0072B2", None
+    bar = ColorBar(title=headings[name], width=12)
+    values = _drawn(data[name])
+    if any(map(math.isnan, values)):
+        colours = [CHAIN_COLOURS[k % len(CHAIN_COLOURS)] for k in range(len(texts))]
+        bar.color_mapper = CategoricalColorMapper(factors=texts, palette=colours)
+    else:
+        kind = LogColorMapper if logarithmic(values) else LinearColorMapper
+        bar.color_mapper = kind(palette=Viridis256[:230], low=min(values), high=max(values))
+        bar.formatter = CustomJSTickFormatter(code=TICK)
+        if len(texts) <= _FEW:
+            bar.ticker = FixedTicker(ticks=sorted(set(values)))
+    return {"field": name, "transform": bar.color_mapper}, bar
+
+
+def _plot(source: ColumnDataSource, view: CDSView, kind: str, labels: tuple[str, str], colour: tuple[Any, Any]) -> Any:
     """The column that is chosen over another, on a linear or a logarithmic axis; a click opens the case."""
+    (over, what), (fill, bar) = labels, colour
     plot = figure(
         tools=TOOLS,
         height=380,
-        width=760,
+        sizing_mode="stretch_width",
+        styles={"flex": "1 1 400px"},
         x_axis_type=kind,
         x_axis_label=over,
         y_axis_label=what,
@@ -132,7 +182,11 @@ def _plot(source: ColumnDataSource, kind: str, over: str, what: str) -> Any:
         plot.xaxis.ticker = CustomJSTicker(major_code=_TICKS)
         plot.xaxis.formatter = CustomJSTickFormatter(code=TICK)
         plot.xgrid.ticker = plot.xaxis[0].ticker
-    drawn = plot.scatter("x", "y", size=10, source=source, fill_color="#0072B2", line_color="white", name="points")
+    drawn = plot.scatter(
+        "x", "y", size=10, source=source, view=view, fill_color=fill, line_color="white", name="points"
+    )
+    if bar is not None:
+        plot.add_layout(bar.clone(), "right")
     plot.add_tools(HoverTool(renderers=[drawn], tooltips=[("case", "@case"), ("x", "@x"), ("y", "@y")]))
     plot.add_tools(TapTool(renderers=[drawn], callback=OpenURL(url="@link")))
     return plot

@@ -4,7 +4,7 @@ import math
 
 import pytest
 from bokeh.document import Document
-from bokeh.models import DataTable
+from bokeh.models import ColorBar, DataTable
 
 from workflow.sweep.table import QUANTITIES, Table
 from workflow.view.sweep_page import layout
@@ -18,13 +18,17 @@ def row(stiffness, velocity, **found):
     return {"case": name, **fields, "outcome": "done", **dict.fromkeys(QUANTITIES), "reason": None, **found}
 
 
-@pytest.fixture
-def page():
-    rows = [row(0.0285418299448364, 1), row(0.1, 1, amplitude=0.3), row(0.4, 1, amplitude=0.1)]
+def shown(rows):
     made = layout(Table(FIELDS, rows, si=True, units={"kick.velocity": "m/s"}), {one["case"]: "" for one in rows})
     document = Document()
     document.add_root(made)
     return document
+
+
+@pytest.fixture
+def page():
+    rows = [row(0.0285418299448364, 1), row(0.1, 1, amplitude=0.3), row(0.4, 1, amplitude=0.1)]
+    return shown(rows)
 
 
 def test_a_case_without_a_number_is_blank_in_the_table_drawn_nowhere_and_said(page):
@@ -42,3 +46,16 @@ def test_columns_are_as_wide_as_their_longest_text(page):
     assert widths["case"] > pixels * len("coupling.stiffness=0.0285418299448364,kick.velocity=1")
     assert all(width > pixels * len(title) for title, width in widths.items())
     assert widths["outcome"] < 100
+
+
+@pytest.mark.parametrize(("values", "ends"), [((1, 2.5), (1, 2.5)), (("low", "high"), None)])
+def test_points_have_the_colour_of_the_second_field_whose_values_can_be_chosen(page, values, ends):
+    two = shown([row(stiffness, value) for stiffness in (0.1, 0.2) for value in values])
+    colour = next(iter(two.select({"name": "points"}))).glyph.fill_color
+    (bar,) = two.select({"type": ColorBar})
+    assert (colour.field, bar.title) == ("kick.velocity", "kick.velocity (m/s)")
+    assert bar.color_mapper is colour.transform
+    found = (bar.color_mapper.low, bar.color_mapper.high) if ends else tuple(bar.color_mapper.factors)
+    assert found == (ends or values)
+    assert two.get_model_by_name("only kick.velocity").options == ["all", *map(str, values)]
+    assert list(page.select({"type": ColorBar})) == []  # all have one velocity
