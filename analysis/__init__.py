@@ -1,4 +1,4 @@
-"""What came out: trajectories, their energy and momentum, the waves in them, and their pictures.
+"""Trajectories, their energy and momentum, the waves in them, and figures.
 
-Builds on `lammps_inputs` only. Starts no process and knows no engine.
+Builds on `lammps_inputs` only. Starts no process and depends on no engine.
 """

@@ -1,6 +1,6 @@
 """How well a run conserves energy and momentum, and its energy budget, from its trajectory.
 
-LAMMPS reports neither for these chains. The budget is what was put in, where it is, and what dashpots have taken, by
+LAMMPS reports neither for these chains. The budget is the energy input, where it is, and what dashpots have dissipated, by
 source: in units of m V**2, from frames of all beads. What was exchanged between frames is in their exchange.
 """
 
@@ -19,7 +19,7 @@ MOST_INSTANTS = 500
 
 
 def energy_input(block: Trajectory) -> Floats:
-    """[frame] energy put in until each: that of the kicks, and the work of pushes and drives since then.
+    """[frame] energy input until each: that of the kicks, and the work of pushes and drives since then.
 
     NaN where that work is not known: nobody has counted it in the frames' exchange.
     """
@@ -37,7 +37,7 @@ def kinetic_energy_at_start(problem: Problem) -> float:
 
 
 _LITTLE = 1e-3
-"""Share of the most that was put in, at the end, from which on shares of it are told."""
+"""Share of the largest energy input, at the end, above which shares of it are printed."""
 
 
 @result
@@ -81,7 +81,7 @@ class Account:
 
     @property
     def most(self) -> float:
-        """That was put in until any instant."""
+        """Largest energy input until any instant."""
         return float(np.max(np.abs(self.energy_input)))
 
 
@@ -108,7 +108,7 @@ class Budget:
         self._last: tuple[Floats, ...] = ()
 
     def add(self, block: Trajectory) -> tuple[Floats, Floats]:
-        """Take the next frames; what was put in, and what was lost, until each of them, [frame]."""
+        """Take the next frames; energy input, and energy lost, until each of them, [frame]."""
         exchange = block.exchange
         assert exchange is not None
         energy_input, lost = self._kicked + exchange[:, -1], exchange[:, :-1]
@@ -146,12 +146,12 @@ def _stored(problem: Problem, x: Floats, v: Floats) -> dict[str, Floats]:
 
 
 class Conservation:
-    """Largest deviation of energy and momentum from what was put in, over the frames seen so far.
+    """Largest deviation of energy and momentum from their input, over the frames seen so far.
 
     That is the kicks', and what forces from outside have added until then.
 
     Attributes:
-        energy_drift: relative to the most that was put in; what dashpots have taken counts as being there. NaN where
+        energy_drift: relative to the largest energy input; what dashpots have dissipated is added. NaN where
             not all beads are recorded, as in a window, and where nobody has counted what was exchanged.
         momentum_drift: relative to the sum of the absolute momenta of kicks and forces from outside, from when these
             are over; NaN likewise.
@@ -162,7 +162,7 @@ class Conservation:
     """
 
     def __init__(self, counted: Callable[[Trajectory], Trajectory] | None = None) -> None:
-        """Begin; ``counted`` gives frames their exchange where those who computed them kept none."""
+        """Begin; ``counted`` gives frames their exchange where they were computed without."""
         self._counted = counted
         self.energy_drift = 0.0
         self.momentum_drift = 0.0
@@ -210,7 +210,7 @@ class Conservation:
         )
 
     def _balanced(self, block: Trajectory, energy: Floats) -> None:
-        """With forces from outside or dashpots: energy is what was put in until then less what was lost."""
+        """With forces from outside or dashpots: energy is the input until then less what was lost."""
         if block.exchange is None and self._counted is not None:
             block = self._counted(block)
         if block.exchange is None:

@@ -158,7 +158,7 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
 
 def strain_and_rates(block: Trajectory, frame: Integers, chain: Integers, bead: Integers) -> Floats:
     """Strain between chosen beads and the next recorded, and its derivatives, [derivative, entry]; the second one where
-    the frames tell the forces. Indices are as of `acceleration_and_rate`.
+    the frames determine the forces. Indices are as of `acceleration_and_rate`.
     """
     ends = [[values[frame, chain, bead + k] for k in (0, 1)] for values in (block.displacement, block.velocity)]
     if block.problem.forces_known:

@@ -18,7 +18,7 @@ BLOCK_BYTES = 1 << 20
 LEAST_FRAMES = 8
 
 EXCHANGES = ("along", "across", "ground", "walls", "energy_input")
-"""What dashpots of each kind of link, and of walls, have taken; what forces from outside and given motions put in."""
+"""What dashpots of each kind of link, and of walls, have dissipated; work input of forces from outside and of given motions."""
 
 
 def frames_per_block(problem: Problem) -> int:

@@ -29,7 +29,7 @@ _PLACES = {
     "Output": "output",
     "Scene": "scene",
 }
-"""Imported when first asked for: what a scene may be takes a while to load, and not every command needs it."""
+"""Imported on first use: the types of scenes take a while to load, and not every command needs them."""
 
 
 def __getattr__(name: str) -> Any:

@@ -1,4 +1,4 @@
-"""Lines of a deck that say what a law on a link is to LAMMPS, sorted by the place where LAMMPS wants them."""
+"""Lines of a deck that say what a law on a link is to LAMMPS, sorted by the place where LAMMPS expects them."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -58,7 +58,7 @@ class Lines:
 
 
 def types_by_contact(strength: NDArray[np.float64]) -> AtomTypes:
-    """Few types, so that those of any two neighbours tell how strong their contact is: some sqrt(2 n) for n strengths.
+    """Few types, so that those of any two neighbours determine the strength of their contact: some sqrt(2 n) for n strengths.
 
     Only neighbours ever meet, so any strength may be that of any pair of types, once.
 
@@ -92,7 +92,7 @@ def types_by_contact(strength: NDArray[np.float64]) -> AtomTypes:
 
 
 MOST_GROUPS = 24
-"""Of atoms that differ; LAMMPS has room for 32."""
+"""Of atoms that differ; LAMMPS allows 32."""
 
 
 def atoms_by_value(law: Iterable[Any], shape: tuple[int, int]) -> list[tuple[tuple[float, ...], str]]:

@@ -2,7 +2,7 @@
 
 
 class InputError(ValueError):
-    """A scene, file or option that cannot be used; its text is one line that tells what to do (exit code 2)."""
+    """A scene, file or option that cannot be used; its text is one line that states what to do (exit code 2)."""
 
     def __init__(self, message: str) -> None:
         one_line = " ".join(message.split())

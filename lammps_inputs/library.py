@@ -103,7 +103,7 @@ def from_plain(data: dict[str, Any], source: str) -> Scene:
 
 
 def mistaken(data: dict[str, Any], wanted: str) -> str:
-    """That plain data are of another kind of file than is wanted, and which command takes it; empty if they are not.
+    """That plain data are of another kind of file than expected, and which command takes it; empty if they are not.
 
     Args:
         data: what was read.
@@ -254,7 +254,7 @@ def _key(path: list[int | str]) -> str:
 
 
 def _listed(known: list[str]) -> str:
-    """As many of them as a line has room for."""
+    """As many of them as fit on a line."""
     text = ", ".join(known)
     return text if len(text) <= _ROOM else f"{text[:_ROOM].rpartition(',')[0]}, ..."
 

@@ -173,7 +173,7 @@ def lines(loads: tuple[Load, ...], layout: "Layout") -> list[Lines]:
     """What the loads are to LAMMPS, one after the other.
 
     Raises:
-        ValueError: LAMMPS cannot be told.
+        ValueError: LAMMPS has no command for it.
     """
     return [_lines(load, f"push{number}", layout) for number, load in enumerate(loads, 1)]
 

@@ -16,12 +16,12 @@ def text(value: float) -> str:
 
 
 def known(value: float) -> float | None:
-    """A number for a JSON file, which knows none that is infinite or not a number."""
+    """A number for a JSON file, which has none that is infinite or not a number."""
     return value if math.isfinite(value) else None
 
 
 def memory() -> int:
-    """Bytes of memory that this machine has; as good as endless where it does not tell."""
+    """Bytes of memory that this machine has; infinite where the system does not report it."""
     try:
         return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
     except (ValueError, OSError):

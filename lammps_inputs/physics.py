@@ -56,7 +56,7 @@ def alike(system: System) -> bool:
 
 @once
 def one_kind(system: System) -> bool:
-    """Whether all beads are the same, and all contacts but for the load that they bear."""
+    """Whether all beads are the same, and all contacts but for their static load."""
     return isinstance(system.mass, float) and not any(np.ndim(laws.strength(link.law)) for link in system.along)
 
 
@@ -82,7 +82,7 @@ def uniform(system: System) -> bool:
 
 
 def energy(system: System) -> float:
-    """Energy of the kicks; with loads the most that they and the kicks can put in: that of free beads.
+    """Energy of the kicks; with loads an upper bound: that of free beads.
 
     What never ends puts in without end; then it is what one contact is taken to hold, that of beads some times
     faster than the drive. Runs are checked for overlaps that LAMMPS could not hold.
@@ -148,7 +148,7 @@ def driven(system: System) -> bool:
 
 
 def exchanges(system: System) -> bool:
-    """Whether energy is put in after the start, or lost."""
+    """Whether energy is exchanged after the start: work input, or dissipation."""
     return acted_on(system) or bool(system.dampers)
 
 
@@ -167,7 +167,7 @@ def exponent(system: System) -> float | None:
 
 @once
 def loaded(system: System) -> bool:
-    """Whether contacts bear a load at rest, so that there is sound."""
+    """Whether contacts are loaded at rest, so that there is sound."""
     return any(np.any(laws.load(link.law)) for link in system.along)
 
 

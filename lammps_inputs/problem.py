@@ -82,7 +82,7 @@ class Problem:
 
     @property
     def forces_known(self) -> bool:
-        """Whether every frame tells the forces on its beads, but for those at the ends of a window."""
+        """Whether every frame determines the forces on its beads, but for those at the ends of a window."""
         return self.recorded is None and self.system.holds(Fact.FRAMES)
 
     @property

@@ -124,7 +124,7 @@ class Material(Part):
 
 
 class BaseScene(Part):
-    """Identical chains of touching or gapped beads on parallel lines, hit at the start.
+    """Identical chains of touching or gapped beads on parallel lines, kicked at the start.
 
     Beside the keys here, a scene has one for each ingredient that it names.
     """
@@ -384,7 +384,7 @@ class BaseScene(Part):
 
     @property
     def kicks(self) -> tuple[Kick, ...]:
-        """What is hit, and the striker's first bead."""
+        """The kicked beads, and the striker's first bead."""
         if self.striker is None:
             return self.kick
         return (Kick(chain=self.striker.chain, bead=1, velocity=self.striker.velocity), *self.kick)

@@ -1,7 +1,7 @@
 """How a run goes through time: velocity Verlet, or Suzuki's fourth-order composition of five Verlet steps.
 
-LAMMPS knows only the Verlet step. A composition is a cycle of Verlet steps of different lengths, so it needs no code in
-LAMMPS: the length is set anew after every step. The numbers stand beside the LAMMPS lines that mean the same.
+LAMMPS has only the Verlet step. A composition is a cycle of Verlet steps of different lengths, so it needs no code in
+LAMMPS: the length is set after every step. The numbers stand beside the LAMMPS lines that mean the same.
 """
 
 import itertools
@@ -24,7 +24,7 @@ QUIET = ("log none                         # LAMMPS would write four lines for e
 LOUD = ("log log.lammps append", 'print "arrived at step $(step)"')
 
 _SINCE = 20220623
-"""Earlier releases go on with the old time step until the next setup of a run."""
+"""Earlier releases use the old time step until the next setup of a run."""
 
 TOO_OLD = "scheme suzuki4 needs LAMMPS of 23Jun2022 or later, which changes the time step between steps"
 

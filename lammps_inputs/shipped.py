@@ -1,4 +1,4 @@
-"""The scenes that come along, found without loading what a scene may be, which takes half a second."""
+"""The installed scenes, found without loading the types of scenes, which takes half a second."""
 
 import importlib.resources
 from pathlib import Path

@@ -33,7 +33,7 @@ class LoadError(ValueError):
 
 
 def under_load(system: System, force: NDArray[np.float64]) -> System:
-    """The same system about the static state in which contacts bear forces.
+    """The same system about the static state in which contacts are loaded.
 
     Args:
         system: without load.

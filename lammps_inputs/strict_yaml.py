@@ -2,7 +2,7 @@
 
 No tags, anchors or aliases either, so what is read is dictionaries, lists, text, numbers, truth values and null.
 
-Nothing here knows what a scene is.
+Nothing here depends on scenes.
 """
 
 import re

@@ -23,7 +23,7 @@ from lammps_inputs.loads import Load, Motion
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class System:
-    """Beads, the links between them, and how they are hit, so that the fastest starts at 1."""
+    """Beads, the links between them, and their kicks, so that the fastest starts at 1."""
 
     chains: int
     beads: int

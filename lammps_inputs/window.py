@@ -3,7 +3,7 @@
 Nothing runs ahead of the front, and what is left far behind cannot catch up. So rows behind are taken, at rest, to
 the head, with their springs. The number of the row that a bead stands for is its molecule and travels with it, into
 the dump. The rows in the window are those of the whole chains to the last bit, but for the few at the tail, as long as
-nothing that was left behind would have come back. The LAMMPS lines stand beside the numbers.
+nothing behind the window would have come back. The LAMMPS lines stand beside the numbers.
 
 A move needs new neighbours, which LAMMPS finds by where beads are. So they are found with the beads at rest, their
 places parked in ``vy`` meanwhile. That loses the forces, so what these do first, the half kick that the next Verlet
@@ -95,7 +95,7 @@ def move_lines() -> list[str]:
 
 
 def travel_lines(scheme: SchemeName) -> list[str]:
-    """Go on to step ``steps`` and let the window follow; for the end of a deck."""
+    """Run to step ``steps`` with the window following; for the end of a deck."""
     return [
         "run 0 post no",
         "label travel",
@@ -112,7 +112,7 @@ def travel_lines(scheme: SchemeName) -> list[str]:
 
 
 def _stretch_lines(scheme: SchemeName) -> list[str]:
-    """Go on by ``stretch`` steps."""
+    """Run ``stretch`` steps."""
     if scheme == "verlet":
         return ["run $(v_stretch:%.0f) pre no post no"]
     return ["variable goal equal $(step+v_stretch:%.0f)", *onward_lines(scheme, "goal")]

@@ -117,7 +117,7 @@ def run(
     overwrite: bool = False,
     check: bool = True,
 ) -> Run:
-    """Run a scene in a new directory, with whatever it leaves open found beforehand.
+    """Run a scene in a new directory, after determining what it leaves open.
 
     Args:
         scene: see `load`.
@@ -172,7 +172,7 @@ def validate(
     """Compare a run with the accurate_reference reference, or with a table of your own.
 
     Args:
-        run: what to judge.
+        run: what to validate.
         against: a file of yours; the reference without it.
         units: of that file.
         tolerances: quantity -> largest error let pass, in place of the usual one; dimensionless.

@@ -12,7 +12,7 @@ class RunError(RuntimeError):
 
 
 class EndedError(RunError):
-    """A run that was ended from outside, by a signal or a full disk, and may go on."""
+    """A run that was ended from outside, by a signal or a full disk, and may be resumed."""
 
 
 def complaint(lines: Iterable[str]) -> str:

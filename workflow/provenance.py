@@ -59,7 +59,7 @@ def commit() -> str:
 
 @functools.cache
 def processor() -> str:
-    """Name of the processor, or its architecture where the system does not tell."""
+    """Name of the processor, or its architecture where the system does not report it."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()
     except OSError:

@@ -23,9 +23,9 @@ def on_common_rows(*blocks: Trajectory) -> tuple[Trajectory, ...]:
 
 
 def near_the_front(block: Trajectory) -> Trajectory:
-    """The half of a window's rows that is nearer to its head; all rows before any was left behind, or without a window.
+    """The half of a window's rows that is nearer to its head; all rows before any was dropped, or without a window.
 
-    Rows near the tail lack what they would get from those left behind. That spreads into the window more slowly than
+    Rows near the tail lack the influence of those behind the window. That spreads into the window more slowly than
     the window moves on.
     """
     window = block.problem.window

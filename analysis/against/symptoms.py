@@ -1,4 +1,4 @@
-"""What is wrong with a trajectory, as far as it can be told from the numbers alone.
+"""What is wrong with a trajectory, as far as it can be determined from the numbers alone.
 
 What is measured: to how many digits the numbers were rounded (`precision`), by how much a quantity is shifted in time
 (`time_shift`; displacement and velocity may be so by different amounts), and, from the change of momentum between
@@ -137,7 +137,7 @@ def _apart(behind: Floats, ahead: Floats) -> tuple[Floats, Floats]:
     good = np.flatnonzero((behind > 0.0) & (ahead > 0.0))
     if len(good) == 0:
         return mass, strength
-    # from the first contact that tells on, as far as all of them do
+    # from the first significant contact, as far as all of them are
     run = good[: int(np.argmax(np.r_[np.diff(good) > 1, True])) + 1]
     steps = np.log(behind[run]) - np.log(ahead[run])
     heavy = np.r_[0.0, np.cumsum(steps)]
@@ -170,7 +170,7 @@ _FEWEST = 20
 def precision(values: Floats) -> str | None:
     """What all of many numbers were rounded to: such as "6 digits" (``%g``), "8 decimals", or `SINGLE`; else None.
 
-    Sums with other numbers, such as rest positions, may have followed. Whole numbers tell nothing; None where fewer
+    Sums with other numbers, such as rest positions, may have followed. Whole numbers are no evidence; None where fewer
     than `_FEWEST` different others are found.
     """
     telling = values[np.isfinite(values) & (values != np.round(values)) & (np.abs(values) > 1e-200)].ravel()
@@ -199,7 +199,7 @@ def precision(values: Floats) -> str | None:
 
 
 def _all_near(sample: Floats, rounded: Floats, step: Floats) -> bool:
-    """Whether as good as all numbers are the rounded ones, which are still many different ones."""
+    """Whether practically all numbers are the rounded ones, which are still many different ones."""
     near = float(np.mean(np.abs(rounded - sample) <= _NEAR * step))
     return near > 0.99 and len(np.unique(rounded)) >= _FEWEST
 
@@ -256,7 +256,7 @@ def identify_springs(trajectory: Trajectory) -> Springs | None:
     """Fit the springs between the chains to a trajectory of all beads.
 
     None for one chain, for fewer than ten frames, where the chains never move apart, and where the problem ties them
-    otherwise than by equal linear springs from each to the next (`identify_strengths` knows those).
+    otherwise than by equal linear springs from each to the next (see `identify_strengths` for those).
 
     Between two frames, the change of a bead's velocity minus the impulse of its contacts is the impulse of its springs.
     Summed over the chains from the first to j, all that is left is the spring between j and j + 1 (of an open row).
@@ -265,7 +265,7 @@ def identify_springs(trajectory: Trajectory) -> Springs | None:
     system = problem.system
     if problem.chains < 2 or not physics.open_row(system) or not problem.forces_known or trajectory.frames < 10:
         return None
-    if system.motions:  # by forces that nobody knows
+    if system.motions:  # by unknown forces
         return None
     x, v = trajectory.displacement, trajectory.velocity
     change = unexplained(trajectory, (*system.along, *system.ground), system.dampers)
@@ -291,7 +291,7 @@ def identify_springs(trajectory: Trajectory) -> Springs | None:
 
 
 _TELLING = 1e-6
-"""Impulse of a kind of link, over the largest of any, from which on it is told; likewise what tells two apart."""
+"""Impulse of a kind of link, over the largest of any, from which on it is identified; likewise for the difference of two."""
 
 
 @dataclass(frozen=True)
@@ -311,7 +311,7 @@ def identify_strengths(trajectory: Trajectory) -> Strengths | None:
     """Find how strong each kind of link was felt to be.
 
     Least squares of the change of every bead's momentum between frames on the impulses of the links, without those that
-    as good as nothing has reached, such as a wall. None for fewer than ten frames, where not all beads are recorded,
+    practically nothing has reached, such as a wall. None for fewer than ten frames, where not all beads are recorded,
     and where the impulses of two kinds of link cannot be distinguished.
     """
     problem = trajectory.problem
@@ -340,7 +340,7 @@ _EXPLAINED = 0.05
 
 @dataclass(frozen=True)
 class StaticLoad:
-    """What bears the beads of a trajectory at rest, over what the problem says; 1 is right.
+    """Static force on the beads of a trajectory over that of the problem; 1 is right.
 
     Attributes:
         held: forces from outside that hold them (on the ends, weights); NaN where walls alone do.
@@ -388,7 +388,7 @@ def identify_load(trajectory: Trajectory) -> StaticLoad | None:
 
 
 def _at_rest(link: Link) -> Floats:
-    """Force at rest of each link that bears a load."""
+    """Force at rest of each loaded link."""
     return np.asarray(laws.load(link.law))
 
 
@@ -430,7 +430,7 @@ def identify_exponent(trajectory: Trajectory) -> float | None:
 
 
 def _but_for_driven(values: Floats, problem: Problem) -> Floats:
-    """Values [..., chain, bead] with 0, in place, at beads whose motion is given: by what forces, nobody knows."""
+    """Values [..., chain, bead] with 0, in place, at beads whose motion is given, by unknown forces."""
     for motion in problem.system.motions:
         values[..., motion.chain - 1, motion.bead - 1] = 0.0
     return values

@@ -10,7 +10,7 @@ from analysis.sharing.energies import Flow
 from lammps_inputs import Problem
 
 _STORED = {"kinetic": "#0072B2", "contacts": "#56B4E9", "springs": "#009E73", "ground": "#F0E442", "walls": "#332288"}
-"""Okabe and Ito's palette and one of Tol's, as for what is lost; a hatch tells that from what is still there."""
+"""Okabe and Ito's palette and one of Tol's, as for what is lost; a hatch distinguishes that from what is still there."""
 
 _LOST = ("#D55E00", "#E69F00", "#CC79A7", "#999999")
 
@@ -20,7 +20,7 @@ _NOTICED = 1e-3
 
 @mpl.rc_context({**STYLE, "hatch.linewidth": 0.6})
 def budget_figure(problem: Problem, account: Account) -> Figure:
-    """Energy held, and above it energy lost, by where and by source, in layers; what was put in as a line."""
+    """Energy held, and above it energy lost, by where and by source, in layers; the energy input as a line."""
     most = account.most
     time, energy = axis_unit(problem, "time", float(account.time[-1])), axis_unit(problem, "energy", most)
     layers = [(name, account.stored[name], colour, "") for name, colour in _STORED.items()]

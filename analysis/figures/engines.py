@@ -33,7 +33,7 @@ class Curve:
     Attributes:
         engine: its name.
         time, velocity: of the shown rows, [frame] and [frame, chain, shown row].
-        bead, first: numbers of the struck beads, and impulse of their first contact, [row] and [chain, row].
+        bead, first: numbers of the receiving beads, and impulse of their first contact, [row] and [chain, row].
     """
 
     engine: str

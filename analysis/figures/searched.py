@@ -15,7 +15,7 @@ from analysis.trajectory import Floats, Integers
 
 @dataclass(frozen=True)
 class Objective:
-    """What was wanted.
+    """The objective.
 
     Attributes:
         label: for an axis.

@@ -83,7 +83,7 @@ class SpaceTime:
 
 
 def largest_afar(problem: Problem, beads: Integers, velocity: Floats) -> float:
-    """Largest |velocity| [..., bead] of beads farther than `NEAR` from those that were hit; of all if that is 0."""
+    """Largest |velocity| [..., bead] of beads farther than `NEAR` from the kicked ones; of all if that is 0."""
     size = np.abs(np.nan_to_num(velocity))
     far = np.all([np.abs(beads - bead) > NEAR for _, bead, _ in physics.excitations(problem.system)], axis=0)
     return float(np.max(size[..., far], initial=0.0)) or float(np.max(size, initial=0.0)) or 1.0

@@ -153,7 +153,7 @@ def grid(problem: Problem) -> tuple[int, int] | None:
 
 
 def shown_chains(problem: Problem, *, panels: bool = False) -> list[int]:
-    """Chains that a figure shows, counted from 0, ascending: all, or those that were hit and some far from those.
+    """Chains that a figure shows, counted from 0, ascending: all, or the kicked ones and some far from those.
 
     Of more than `MAX_PANELS`, first the kicked ones (fastest first), then always the one farthest from all
     chosen so far, along the springs between chains.

@@ -79,7 +79,7 @@ def swept_figure(
     number are ticks at the foot, in a map grey.
 
     Args:
-        quantity: what came of each case.
+        quantity: the value of each case.
         over: the field along the horizontal axis.
         beside: the second field.
         title: for the top.

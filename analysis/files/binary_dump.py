@@ -1,6 +1,6 @@
 """LAMMPS binary dumps (``dump ... custom FILE.bin``): an index of their frames, and what stands in them.
 
-Pure numpy; knows the file format (`dump_layout`) and no physics. `recording` knows which atom is which bead.
+Pure numpy; the file format (`dump_layout`) and no physics. `recording` maps atoms to beads.
 Numbers are float64 as LAMMPS computed them. Memory does not grow with the file. `Parts` are the dumps of a run that was
 continued, as one file of frames.
 """

@@ -1,6 +1,6 @@
 """A run's frames in a file: dumps read as a trajectory, block by block, and frames written as LAMMPS writes them.
 
-Knows which atom is which bead: atom = (chain - 1) * beads + bead, and where it rests. The file format is in
+Maps atoms to beads: atom = (chain - 1) * beads + bead, and where it rests. The file format is in
 `binary_dump`.
 """
 
@@ -17,7 +17,7 @@ from analysis.trajectory import Floats, Integers, Trajectory, frames_per_block
 from lammps_inputs import InputError, Problem, physics
 
 FARTHEST = 2.0
-"""Time between frames from which on a wave, which passes a bead in 2 T, is missed; until then peaks say how sure they
+"""Time between frames from which on a wave, which passes a bead in 2 T, is missed; until then peaks state their uncertainty, which
 are."""
 
 
@@ -88,7 +88,7 @@ def blocks(paths: Sequence[Path], problem: Problem, stride: int = 1) -> Iterator
 
 
 def columns(problem: Problem) -> tuple[str, ...]:
-    """The columns of a dump that `of_frames` wants."""
+    """The columns of a dump that `of_frames` needs."""
     return ("x", "vx") if problem.window is None else ("mol", "x", "vx")
 
 

@@ -105,7 +105,7 @@ def _from_npz(path: Path) -> dict[str, Floats]:
 
 
 def _refuse_what_unpacks_to_too_much(path: Path, archive: zipfile.ZipFile) -> None:
-    """By the sizes that the archive's directory tells, beyond which nothing of an entry is unpacked."""
+    """By the sizes in the archive's directory, beyond which nothing of an entry is unpacked."""
     size, most = sum(entry.file_size for entry in archive.infolist()), min(MAX_BYTES, memory() // 4)
     if size > most:
         raise InputError(f"{path}: unpacks to {size / 1e9:.3g} GB; at most {most / 1e9:.3g} GB are read here")
@@ -304,7 +304,7 @@ def load_dump(path: Path, beads: int, timestep: float) -> Table:
 
 
 def _frame(file: TextIO, path: Path) -> tuple[int, float | None, list[str], Floats] | None:
-    """Step, time if it is told, names of the columns, and [atom, column] of the next whole frame; None at the end."""
+    """Step, time if it is given, names of the columns, and [atom, column] of the next whole frame; None at the end."""
     step, time, count = -1, None, -1
     while line := file.readline():
         item = line.strip()

@@ -144,7 +144,7 @@ class Readings:
 
     @property
     def loaded(self) -> bool:
-        """Whether any of them bears a static load."""
+        """Whether any of them is under a static load."""
         return bool(np.any(self.static))
 
     @property

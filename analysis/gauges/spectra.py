@@ -163,7 +163,7 @@ class SpectrumMeter:
 
     Args:
         problem: what was run.
-        beads: whose spectra are wanted, counted from 1.
+        beads: of the spectra, counted from 1.
         after: time from which on frames count, in units of T; half of the duration by default.
     """
 

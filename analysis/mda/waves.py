@@ -87,7 +87,7 @@ class LeadingWaves(AnalysisBase):  # type: ignore[misc]  # MDAnalysis has no typ
 
 
 class _Part:
-    """Peaks in frames in the midst of a run: found from the second block on, so that they go on from any before."""
+    """Peaks in frames in the midst of a run: found from the second block on, so that they continue any before."""
 
     def __init__(self, threshold: float) -> None:
         self._head: list[Trajectory] = []
@@ -105,7 +105,7 @@ class _Part:
             self._finder.forget()
 
     def follow(self, finder: PeakFinder) -> None:
-        """Have a finder go on through these frames, with what was found in them already."""
+        """Continue a finder through these frames, with what was found in them already."""
         for block in self._head:
             finder.add(block)
         if self._beyond:

@@ -20,7 +20,7 @@ the grid's spacing.
 | energy               | ``energy``         | m (L / T)**2    | ``energy * v**2``                     |
 | width, form          | ``width``, methods | beads           | the same                              |
 
-Mass and contact constant are 1. Nothing here knows of runs: waves found in a trajectory are compared elsewhere. The
+Mass and contact constant are 1. Nothing here depends on runs: waves found in a trajectory are compared elsewhere. The
 wave of a system's contacts, where they have one, is `wave_of`.
 """
 

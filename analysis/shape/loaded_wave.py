@@ -66,7 +66,7 @@ def repeats(columns: Floats) -> int | None:
 
 
 def cell_beads(system: System) -> int:
-    """After how many beads masses and contacts repeat, whatever load they bear; 1 where they do not."""
+    """After how many beads masses and contacts repeat, loads aside; 1 where they do not."""
     if physics.one_kind(system):
         return 1
     shape = system.chains, system.beads - 1

@@ -38,7 +38,7 @@ CONVERGES = 0.5
 
 RESOLVED = 2.0
 """Beads between recorded ones, times the square root of kappa, up to which beats are seen as they are: a quarter of the
-shortest, which is that of two chains. Other than in an open row, kappa is that of two chains that swing as fast.
+shortest, which is that of two chains. Other than in an open row, kappa is that of two chains with the same highest modal frequency.
 """
 
 SMALLEST_BEAT = 1e-5
@@ -69,7 +69,7 @@ class Sharing:
         arrival: [place, chain], in units of T.
             NaN where it is not defined.
         amplitude: [place, chain] peak velocity, in units of V.
-        energy: put in by kicks, pushes and drives, in units of m V**2; NaN where that is not known.
+        energy: input by kicks, pushes and drives, in units of m V**2; NaN where that is not known.
         noise: standard deviation of an amplitude, in units of V; 0 for a record without noise.
         arrival_error, amplitude_error: [place, chain] bounds on what the time between frames leaves; NaN if unknown.
         exact: the exact wave of the contacts.
@@ -139,7 +139,7 @@ class Sharing:
 
     @cached_property
     def wave_share(self) -> Floats:
-        """[place, chain] energy of the exact wave of this amplitude, in that put in; 0 where no wave counts."""
+        """[place, chain] energy of the exact wave of this amplitude, over the energy input; 0 where no wave counts."""
         return np.nan_to_num(self.exact.energy_at(self.amplitude)) / self.energy
 
     @cached_property

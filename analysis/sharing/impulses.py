@@ -1,7 +1,7 @@
 """Impulses of contacts: what each bead got from the bead behind it, in its first contact and in all of them.
 
-Row n stands for the contact in which bead n is struck by bead n - 1, so the first row has none. In units of m V: a bead
-at rest that is struck and let go leaves with its impulse as velocity; under a static load, of the force above that.
+Row n stands for the contact of bead n with bead n - 1, so the first row has none. In units of m V: a bead
+at rest leaves such a contact with its impulse as velocity; under a static load, of the force above that.
 Two sources, one result:
 
 - frames: the force is integrated between them along a polynomial of the overlap (`ImpulseMeter`);
@@ -35,7 +35,7 @@ class Impulses:
     """Impulses on beads from behind, [chain, row].
 
     Attributes:
-        bead: number of the struck bead of each row.
+        bead: number of the receiving bead of each row.
         first: impulse of the first contact (so far, if it still lasts), in units of m V; 0 where there was none.
         whole: of all contacts together.
         contacts: how many there were.
@@ -52,7 +52,7 @@ class Impulses:
     imbalance: float
 
     def row(self, bead: int) -> int:
-        """Position of the row in which a bead is struck.
+        """Position of the row in which a bead receives its impulse.
 
         Raises:
             ValueError: it is not among them.

@@ -114,9 +114,9 @@ def passages_of(pulses: tuple[Pulse, ...], at: list[int]) -> Passages:
 def characterise(
     pulse: Pulse, at: int, shape: dict[str, float], tolerances: Tolerances | None = None, *, problem: Problem
 ) -> Character:
-    """Judge a pulse at one of its passages.
+    """Assess a pulse at one of its passages.
 
-    Where beads differ, or bear a load, there is no exact wave to compare with: constancy alone counts, over beads of
+    Where beads differ, or are loaded, there is no exact wave to compare with: constancy alone counts, over beads of
     the same mass.
 
     Args:
@@ -140,7 +140,7 @@ def characterise(
     way = np.abs(pulse.bead[near[0]] - pulse.bead[at])
     variation = float(np.ptp(recent) / np.mean(recent)) if len(recent) > 1 and way > 0.5 * CONSTANT_OVER else np.nan
     differences = {"shape": shape["residual"], "speed": abs(excess)} if exact else {"amplitude": variation}
-    if np.isfinite(variation):  # too few beads recorded to tell otherwise
+    if np.isfinite(variation):  # else too few beads are recorded
         differences["amplitude"] = variation
     return Character(
         bead=int(pulse.bead[at]),

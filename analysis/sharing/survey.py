@@ -59,7 +59,7 @@ class Survey:
 
     Attributes:
         problem: what was run.
-        direction: 1 if the hardest kick is towards higher bead numbers, else -1; the leading waves run that way, and in
+        direction: 1 if the largest excitation is towards higher bead numbers, else -1; the leading waves run that way, and in
             ``shared``, ``energies``, ``decay`` and ``verdict`` beads are counted along it (from the last bead if -1).
         arrival: what an arrival of ``waves`` is; the passages of ``pulses`` are always the maxima.
         noise: standard deviation of the recorded velocities, in units of V; 0 where there is none.
@@ -177,7 +177,7 @@ def survey(
         sharp = np.isfinite(leading_waves(ahead).arrival)
     else:
         waves = leading
-        sharp = np.isfinite(waves.arrival) & (arrival == "maximum")  # of others nobody knows when they are fastest
+        sharp = np.isfinite(waves.arrival) & (arrival == "maximum")  # the time of the maximum of others is unknown
     every_bead = along if leading is None else replace(along, recorded=None)
     shared = sharing(waves if direction > 0 else mirrored_waves(waves, problem), every_bead, left)
     shared = replace(shared, energy=given.energy)
@@ -260,7 +260,7 @@ def _of_others(bead: Integers, waves: Waves, pulses: tuple[Pulse, ...], problem:
 
 
 class _Input:
-    """Energy put in until the last frame."""
+    """Energy input until the last frame."""
 
     energy = float("nan")
 

@@ -31,7 +31,7 @@ from lammps_inputs.facts import Fact
 from lammps_inputs.laws.spring import Linear
 
 SINGLE_CHAIN = 0.6816315
-"""Amplitude far down a single chain whose first bead was hit with V = 1."""
+"""Amplitude far down a single chain whose first bead was kicked with V = 1."""
 
 FIRST = 10
 """Beads after which the wave has formed."""
@@ -225,7 +225,7 @@ def _verdict_on(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Ve
 
 
 def _doubt(shared: Sharing) -> str:
-    """Why agreement to 1% cannot be told from these waves; empty if it can."""
+    """Why agreement to 1% cannot be determined from these waves; empty if it can."""
     amplitude, arrival = shared.uncertainties()
     if arrival == math.inf:
         return "beads fly freely when they are fastest, so that arrivals at the maximum are not defined"
@@ -256,7 +256,7 @@ def _expected(shared: Sharing, problem: Problem) -> Estimate | None:
         and physics.kappa(system) >= STRONG
         and resolved(shared, system)
     )
-    if problem.chains > 4:  # one hit within many chains first levels with its neighbours, and only later with all
+    if problem.chains > 4:  # a kicked chain among many first shares with its neighbours, and only later with all
         tried &= all(chain in (1, problem.chains) for chain, _, _ in physics.excitations(system))
     found = shared.expected_agreement(AGREEMENT) if tried else None
     if found is not None and last < found.value <= (1.0 + NEAR) * last:
@@ -265,7 +265,7 @@ def _expected(shared: Sharing, problem: Problem) -> Estimate | None:
 
 
 def _by_rule(problem: Problem, last: int) -> Estimate | None:
-    """Bead of 1% agreement when bead 1 of an open row's outer chain is hit, ``10 + 5 / kappa * (chains / 2)**1.6``.
+    """Bead of 1% agreement when bead 1 of an open row's outer chain is kicked, ``10 + 5 / kappa * (chains / 2)**1.6``.
 
     Measured at 2 to 20 chains, kappa = 0.01 to 2 (two chains: from 0.003 on): 0.8 to 1.1 times that, and never more
     than 5 beads off where that is more. None elsewhere, and where it is not ahead of the last bead seen.

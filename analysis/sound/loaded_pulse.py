@@ -1,4 +1,4 @@
-"""The leading pulse on top of a static load: how fast it runs, and how much more than at rest contacts bear in it."""
+"""The leading pulse on top of a static load: its speed, and the contact force in it over that at rest."""
 
 from collections.abc import Iterable
 

@@ -3,7 +3,7 @@
 Where all beads are recorded, the equation of motion gives acceleration and its rate at each frame; velocity and its
 first two derivatives at the two frames around a maximum fix a polynomial of degree five, and with displacement one of
 degree six. Where only some beads are recorded, that degree comes from displacement and velocity at four frames; where
-the record is noisy, degree three from velocity alone. What a polynomial of a lower degree says instead tells how
+the record is noisy, degree three from velocity alone. What a polynomial of a lower degree gives instead shows how
 uncertain that is.
 
 Contacts and walls that close or open near a frame exert forces that no polynomial follows (`kinks`). A force that
@@ -34,7 +34,7 @@ NEAREST = 1e-4
 """Distance, in frames, of a beginning from the frame that sees it; nearer ones are taken to be there."""
 
 DOUBT = (0.7, 1.0, 1.4)
-"""Of the distance of a beginning, which is told from the overlap and its rate at the frame that sees it."""
+"""Of the distance of a beginning, which follows from the overlap and its rate at the frame that sees it."""
 
 MARGIN = 1.1
 """For the samples of which tables are made, and a rate that is taken to be steady."""
@@ -195,7 +195,7 @@ class Brackets:
     beside: Floats
     """How far the velocity on the other side of the largest frame may exceed that frame's by such forces, [maximum]."""
     whole: Flags
-    """Whether frames told the forces on all beads."""
+    """Whether frames determine the forces on all beads."""
 
 
 def bracketed(
@@ -337,7 +337,7 @@ def _share_of_doubt(problem: Problem, spacing: float, quick: float, *, by_equati
     degree six, which has the sixth derivative, is the other one.
 
     Measured at couplings from 0.1 to 2 and times between frames from 0.1 to 2, with all beads and with a few; the
-    errors are a third of the bound or less where frames are up to 1 T apart. With a few beads nobody knows of contacts
+    errors are a third of the bound or less where frames are up to 1 T apart. With a few beads nothing is known of contacts
     that close or open between frames; there the whole of the bound is needed where frames are 0.1 T apart, and also
     farther apart where dashpots jump then. Contacts that harden fast have shorter waves.
     """

@@ -155,7 +155,7 @@ def from_csv(text: str, scale: Scale, *, direction: int = 1) -> Waves:
 
 
 def opposed(problem: Problem) -> bool:
-    """Whether there are kicks both ways, so that a bead's first maximum may be what the other pulse left behind."""
+    """Whether there are kicks both ways, so that a bead's first maximum may be residual motion of the other pulse."""
     return any(velocity * direction_of(problem) < 0.0 for _, _, velocity in physics.excitations(problem.system))
 
 
@@ -172,7 +172,7 @@ def leading_passages(peaks: Peaks, problem: Problem) -> Peaks:
 
 
 def beyond_kicks(peaks: Peaks, problem: Problem) -> Peaks:
-    """The maxima at beads that the leading pulse comes to; behind those that were hit, walls throw others back."""
+    """The maxima at beads that the leading pulse comes to; behind the kicked ones, walls reflect others."""
     if not physics.walls(problem.system):
         return peaks
     way = peaks.direction

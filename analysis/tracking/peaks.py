@@ -67,12 +67,12 @@ class Peaks:
 
 FREE = 0.05
 """Overlap at its peak, over velocity**0.8, below which a bead is taken for one that flies freely (the exact solitary
-wave has 0.66). Such a velocity reaches a level and stays: when it is largest is not to be told.
+wave has 0.66). Such a velocity reaches a level and stays: the time of its maximum is undefined.
 """
 
 
 def sharp(peaks: Peaks) -> Flags:
-    """Which passages have a time that can be told: all but those of beads that fly freely, as far as that is known."""
+    """Which passages have a defined time: all but those of beads that fly freely, as far as that is known."""
     return ~(peaks.overlap < FREE * peaks.velocity**0.8)
 
 
@@ -93,7 +93,7 @@ class PeakFinder:
         threshold: smallest maximum that counts, in units of V.
         first_only: whether only the first maximum of each bead is wanted, which is several times faster.
         noisy: whether the states do not obey the equation of motion, so that velocities alone are used.
-        direction: 1 for velocities towards higher bead numbers, -1 towards lower ones; None for the way of the hardest
+        direction: 1 for velocities towards higher bead numbers, -1 towards lower ones; None for the way of the largest
             kick.
     """
 
@@ -143,12 +143,12 @@ class PeakFinder:
         self._found.clear()
 
     def take_over(self, later: "PeakFinder") -> None:
-        """Go on where another is, which was given the same frames last, forgot what it had found, and found more."""
+        """Continue from another one, which was given the same frames last, dropped what it had found, and found more."""
         self._found += later._found
         self._carried = later._carried
 
     def state(self) -> dict[str, NDArray[Any]]:
-        """What `resumed` needs to go on later with the frames that follow, as arrays.
+        """What `resumed` needs to continue later with the frames that follow, as arrays.
 
         Raises:
             ValueError: there was no frame.
@@ -167,7 +167,7 @@ class PeakFinder:
         }
 
     def resumed(self, problem: Problem, state: Mapping[str, NDArray[Any]]) -> "PeakFinder":
-        """Go on, still unused, where another was when it gave its `state`."""
+        """Continue, still unused, from the `state` of another."""
         self._found = [Brackets(**{field.name: state[f"found_{field.name}"] for field in fields(Brackets)})]
         self._carried = Trajectory(
             problem, state["time"], state["displacement"], state["velocity"], first=int(state["first"])

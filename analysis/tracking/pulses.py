@@ -1,7 +1,7 @@
 """Compressive pulses: passages at single beads linked into what runs along a chain.
 
 A maximum of a bead's velocity is a passage; it belongs to the pulse whose speed brings it there at that time. A maximum
-without contact pressure, such as that of a bead that swings on its spring, is no passage. Where beads differ by
+without contact pressure, such as that of a bead that oscillates on its spring, is no passage. Where beads differ by
 turns, a pulse is followed on those of one kind, whose maxima can be compared. Pulses that run towards lower
 numbers are found in the mirror (`analysis.mirror`).
 
@@ -58,7 +58,7 @@ amplitude is in the long-wave theory; over the second half of the way on which i
 """
 
 NEAR_SOUND = 2e-3
-"""How much faster that solitary wave must be, over sound, to be told from it."""
+"""How much faster that solitary wave must be, over sound, to be distinguished from it."""
 
 
 @dataclass(frozen=True)

@@ -158,7 +158,7 @@ def _spelled(system: System) -> tuple[Link, ...]:
     return (*system.links, *dampers, *system.inner_links)
 
 
-@functools.lru_cache(maxsize=1)  # types of atoms that tell contacts apart take a second of many beads
+@functools.lru_cache(maxsize=1)  # types of atoms that distinguish contacts take a second of many beads
 def _of_links(problem: Problem) -> tuple[Lines, ...]:
     if why := refusal(problem.system):
         raise ValueError(why)

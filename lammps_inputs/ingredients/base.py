@@ -52,7 +52,7 @@ class Ingredient(Part):
     takes_away: ClassVar[frozenset[Fact]] = frozenset()
     """What no longer holds where any of its links exist."""
     why: ClassVar[Mapping[Fact, str]] = MappingProxyType({})
-    """Of what it takes away, the reason, for users who ask for what builds on it (`BaseScene.wanted`)."""
+    """Reasons for the facts that it removes, for users who ask for what needs them (`BaseScene.wanted`)."""
     several: ClassVar[bool] = False
     """Whether a scene may have a list of them."""
     sources: ClassVar[tuple[str, ...]] = ()
@@ -107,7 +107,7 @@ class Ingredient(Part):
         return ()
 
     def inner(self, scene: "BaseScene") -> Inner | None:  # noqa: ARG002
-        """Atoms beside the beads that it adds, dimensionless; frames then do not tell forces (`Fact.FRAMES`)."""
+        """Atoms beside the beads that it adds, dimensionless; frames then do not determine forces (`Fact.FRAMES`)."""
         return None
 
     def lacks(self, scene: "BaseScene") -> frozenset[Fact]:

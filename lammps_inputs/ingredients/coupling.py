@@ -97,7 +97,7 @@ class Coupling(Ingredient):
     _from_list = field_validator("rows", mode="before")(strict_yaml.as_tuple)
 
     def refuse(self, scene: "BaseScene") -> None:
-        """Refuse what does not fit the chains, springs as good as rigid, and rows that differ in a window."""
+        """Refuse what does not fit the chains, springs that are practically rigid, and rows that differ in a window."""
         own = bool(self._named) and all(len(edge) == 3 for edge in self._named)
         if self.stiffness is None and self.cubic is None and not own:
             raise ValueError("coupling.stiffness: is missing")

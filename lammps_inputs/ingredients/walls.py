@@ -1,7 +1,7 @@
-"""Walls at the ends of the chains: what the last bead of every chain, or the first, is thrown back by.
+"""Walls at the ends of the chains: from which the last bead of every chain, or the first, is reflected.
 
 How hard a wall is, over a contact of two of the beads (Hertz 1882; Johnson, Contact Mechanics, 1985, 4.2): 1 for a
-bead like the others, held fast; sqrt(2) for the flat face of a block of their material, whose curvature is half as
+bead like the others, fixed; sqrt(2) for the flat face of a block of their material, whose curvature is half as
 large; 2 sqrt(2) if that is also rigid. Where beads differ, all of this is about the bead that meets the wall. Of
 contacts of other laws only the held bead is known, or a stiffness for a power of the overlap.
 """
@@ -33,7 +33,7 @@ STRENGTHS = {"bead": 1.0, "flat": math.sqrt(2.0), "rigid": 2.0 * math.sqrt(2.0)}
 """Force over that of two beads at the same overlap."""
 
 MOST, LEAST = 1e6, 1e-6
-"""Force over that of two beads; beyond them a wall as good as stops beads dead, or is not there."""
+"""Force over that of two beads; beyond them a wall is practically rigid, or absent."""
 
 
 def _of_exponent(scene: Mapping[str, Any]) -> str:

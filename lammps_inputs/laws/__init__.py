@@ -19,7 +19,7 @@ A law whose force depends on the past has two more, of which the reference integ
 They are written without branches, so that NumPy takes them as they are and the reference's kernel compiles them into
 vector instructions. Methods ``along``, ``across`` and ``ground``, where a law has them, spell it in LAMMPS on that kind
 of link (`lammps_inputs.links`). They take the link's name, ``across`` the link itself, whose edges become bonds, and
-the layout of the beads in LAMMPS. Nothing here knows of scenes or problems.
+the layout of the beads in LAMMPS. Nothing here depends on scenes or problems.
 """
 
 import functools

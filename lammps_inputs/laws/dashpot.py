@@ -241,7 +241,7 @@ def at_max_strain(law: Any, elastic: laws.Law, energy: float) -> Any:
 
 
 def beside(elastic: Lines, layout: "Layout") -> Lines:
-    """The lines of contacts whose pair style knows no dashpots, with these beside them.
+    """The lines of contacts whose pair style has no dashpots, with these added.
 
     Raises:
         ValueError: contacts that are no single pair style.

@@ -200,12 +200,12 @@ class Sine(NamedTuple):
 
     @staticmethod
     def impulse(t: Any, peak: Any, omega: Any, phase: Any) -> Any:
-        """Swings about a mean that is not 0, unless the force begins at its largest."""
+        """Oscillates about a mean that is not 0, unless the force begins at its largest."""
         return peak / omega * (np.cos(phase) - np.cos(omega * np.maximum(t, 0.0) + phase))
 
     @staticmethod
     def travel(t: Any, peak: Any, omega: Any, phase: Any) -> Any:
-        """Swings, and drifts with the mean impulse."""
+        """Oscillates, and drifts with the mean impulse."""
         acting = np.maximum(t, 0.0)
         wave = (np.sin(omega * acting + phase) - np.sin(phase)) / omega
         return peak / omega * (acting * np.cos(phase) - wave)

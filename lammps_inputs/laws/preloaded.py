@@ -1,4 +1,4 @@
-"""Contacts that bear a static load, in incremental form: rest is exactly rest, and its energy exactly 0.
+"""Contacts under a static load, in incremental form: rest is exactly rest, and its energy exactly 0.
 
 The strain counts from the static state, in which the overlap is ``rest`` and the force ``load``. Whatever holds the
 beads there (forces on the ends, walls, gravity) is constant, and so part of the law: what a link adds to it is all that
@@ -126,7 +126,7 @@ _LEAST = 1e-80
 
 
 Contact = Hertz | Power
-"""Laws of contacts of which it is known how they bear a load."""
+"""Laws of contacts that have a form under a static load."""
 
 
 def rest_under(law: Contact, load: Parameter) -> Parameter:
@@ -138,7 +138,7 @@ def rest_under(law: Contact, load: Parameter) -> Parameter:
 
 
 def under(law: Contact, load: Parameter, grid: float) -> Preloaded | PreloadedPower:
-    """The contact that bears a load at rest, as nearly as places that are multiples of ``grid`` allow.
+    """The contact that carries a load at rest, as nearly as places that are multiples of ``grid`` allow.
 
     Args:
         law: of the contact without load.

@@ -1,6 +1,6 @@
 """Whether the kicks of a scene can ever close its gap: rows move by their springs until the first two beads meet.
 
-With a gap no bead feels a contact before. Row i has the mean velocity u_i of its kicks, and swings about it by its
+With a gap no bead feels a contact before. Row i has the mean velocity u_i of its kicks, and oscillates about it by its
 modes (`workflow.engines.collisions.modes` has them too). The gap before row i + 1 closes by d(t) = x_i - x_{i+1}.
 """
 
@@ -62,7 +62,7 @@ def _stays_open(closing: Floats, kappa: float, gap: float) -> bool:
     chains = len(closing)
     drift = min(0.0, float(closing.mean()))
     deviation = closing - closing.mean()
-    # no bead of a row swings by more than this share of the norm of the row
+    # no bead of a row oscillates by more than this share of the norm of the row
     share = math.sqrt((chains - 1) / chains) * float(np.linalg.norm(deviation))
     slowest = lowest_modal_frequency(chains, kappa)
     rounding = 1e-12 * float(np.abs(closing).max())
@@ -70,7 +70,7 @@ def _stays_open(closing: Floats, kappa: float, gap: float) -> bool:
         return True
     if drift > -rounding or chains**2 > MOST_WORK:
         return False
-    # the farthest that the drift can be made up for, in steps between which no swing rises by half the gap
+    # the farthest that the drift can be made up for, in steps between which no oscillation grows by half the gap
     end = (share / slowest - gap) / -drift
     fastest = 2.0 * math.sqrt(kappa)
     steps = end * math.sqrt(share * fastest / gap) / 2.0

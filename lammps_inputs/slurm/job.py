@@ -14,7 +14,7 @@
 The deck itself is not touched. Every text that comes from a user is checked by a pattern and quoted.
 
 `render_command` is a job that runs one command on the cores of one node, and submits itself until that has come to its
-end. The command is to end with exit code 130 when it is asked to stop, keeping what it has done, and to go on when it
+end. The command is to end with exit code 130 when it is interrupted, keeping its results, and to resume when it
 is started again. What it prints is in ``job.out``.
 """
 

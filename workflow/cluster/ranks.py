@@ -30,7 +30,7 @@ MESSAGES = 10e-6
 """Seconds a step for the messages of a rank to its neighbours, and for waiting for them: assumed."""
 
 MEMORY = 1000
-"""Bytes a bead, at the start, when it is most: of a lone chain; 600 to 700 of coupled ones."""
+"""Bytes a bead, at the start, when it is largest: of a single chain; 600 to 700 of coupled ones."""
 
 PROCESS = 40_000_000
 """Bytes a rank without any bead."""
@@ -47,7 +47,7 @@ bead whose motion is given.
 """
 
 LEPTON = 100e-6
-"""Seconds a step where contacts have an exponent other than 1 and 1.5, whose formula LAMMPS reads anew in each."""
+"""Seconds a step where contacts have an exponent other than 1 and 1.5, whose formula LAMMPS evaluates in each."""
 
 LOADED, DAMPED = 40e-9, 20e-9
 """Seconds a bead and step that a static load and dashpots of contacts add."""

@@ -111,7 +111,7 @@ def cell(name: str, row: dict[str, Any]) -> str:
     uncertainty = row.get(UNCERTAINTIES.get(name, ""))
     if value is None:
         return "-"
-    if isinstance(uncertainty, int | float) and 5e-5 <= uncertainty < math.inf:  # else the four digits are sure
+    if isinstance(uncertainty, int | float) and 5e-5 <= uncertainty < math.inf:  # else the four digits are certain
         digits = min(4, max(0, 1 - math.floor(math.log10(uncertainty))))
         return f"{value:.{digits}f} +- {uncertainty:.2g}"
     if isinstance(value, int | float):

@@ -46,7 +46,7 @@ def with_duration(scene: Scene, *, wall: bool = False) -> Scene:
     ``until_bead: n`` ends shortly after the first pulse in every chain that moves has passed bead n: its velocity there
     has risen above 1e-3 of V and fallen to less than half of its largest value. The last bead flies off with what it
     got: its velocity has risen above 1e-3 of V and rises no more. Where the beads have a gap, the chains of a row are
-    struck one after another as their springs oscillate: the run then goes on for a period of the slowest oscillation,
+    reached one after another as their springs oscillate: the run then continues for a period of the slowest oscillation,
     or for as long again if that is shorter.
 
     Where the force on walls is read, it also waits for the pulse at the wall that the largest excitation goes towards:
@@ -158,7 +158,7 @@ def with_window(scene: Scene) -> Scene:
 
     ``window: auto`` takes the least number of rows, doubled from 64 on, at which the leading pulse is the same as with
     twice as many; where slower pulses trail and come into play again, that is many. No more than 1024 are tried: the
-    check of the run tells what is then left of the error.
+    check of the run gives the remaining error.
     """
     if scene.window != "auto":
         return scene

@@ -37,7 +37,7 @@ FEW = 100
 def stride(problem: Problem, spacing: float = SPACING) -> int:
     """Frames from one that is compared to the next, so that the last is among them or nearly; 1 if there are few.
 
-    In a swing of stiff springs four are compared, lest all show the same phase of it; and four in the time in which
+    In a period of stiff springs four are compared, so that not all show the same phase of it; and four in the time in which
     dashpots stop a bead, for the error is largest when they begin to.
     """
     if problem.frames <= FEW:
@@ -180,7 +180,7 @@ def work(problem: Problem, verlet_steps: int, reference_steps: int) -> float:
 
 
 def _rows_by_time(problem: Problem) -> float:
-    """Integral over time of the number of rows that have moved, roughly: no pulse is faster than the system's pace."""
+    """Integral over time of the number of rows that have moved, roughly: no pulse is faster than `rates.front_speed`."""
     first, last = (choose(bead for _, bead, _ in physics.excitations(problem.system)) for choose in (min, max))
     way = rates.front_speed(problem.system) * np.linspace(0.0, problem.duration, 101)
     rows = np.minimum(problem.beads, last + way) - np.maximum(1.0, first - way) + 1.0
@@ -292,7 +292,7 @@ _STEADY = 4.0
 """Growth of the reference's own uncertainty over that in proportion to time, up to which it counts as the same."""
 
 _COARSEST = 1e-3
-"""Largest error from which a smaller one is told by the order."""
+"""Largest error from which a smaller one is extrapolated by the order."""
 
 _SHORTEST = 60.0
 """Time from which on a shorter problem stands for a longer one."""
@@ -371,7 +371,7 @@ def _first_work(problem: Problem, accuracy: float) -> float:
 
 
 def _can_be_accurate(problem: Problem, accuracy: float, most_work: float) -> bool:
-    """Whether the reference gets sure enough with the usual number of steps, as far as that can be afforded."""
+    """Whether the uncertainty of the reference with the usual number of steps suffices, where that can be afforded."""
     steps = guessed_reference_steps(problem, accuracy)
     return work(problem, 0, steps) > most_work or uncertainty_of(problem, steps) <= accuracy
 

@@ -1,4 +1,4 @@
-"""The duration and the time step of a scene, found and judged before anything is written or run."""
+"""The duration and the time step of a scene, determined and checked before anything is written or run."""
 
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any

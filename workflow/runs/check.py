@@ -24,19 +24,19 @@ from workflow.prepare.settings import Settings
 from workflow.runs.run_directory import RunDirectory
 
 UNCERTAINTY_PART = 1.0 / 3.0
-"""Part of an accuracy to which the reference must be sure that tells whether a run keeps it."""
+"""Largest uncertainty of the reference, as a part of the accuracy that is checked with it."""
 
 _MOST_DOUBLINGS = 4
 
 CLOSED = 1e-9
-"""Of the energy put in: what the budget of a run by the reference may miss."""
+"""Of the energy input: largest deviation of the budget of a run by the reference."""
 
 _MOST_STEPS = 256
 """In place of one usual step, for that."""
 
 
 def references_of(problem: Problem, settings: Settings | None) -> Iterator[StepHalving]:
-    """References of a problem, of which the last counts; each is asked how sure it is when its blocks were taken.
+    """References of a problem, of which the last counts; the uncertainty of each is read when its blocks were taken.
 
     With an accuracy in ever more steps, until the uncertainty is small enough or falls hardly more. Without one, or
     where nothing could be measured for the default, the usual reference.
@@ -191,7 +191,7 @@ def _references(problem: Problem, settings: Settings | None) -> Iterable[StepHal
 
 
 def _leading(problem: Problem, settings: Settings | None) -> tuple[Waves, Uncertainty]:
-    """The reference's own leading waves, found at the same times as LAMMPS's, and how sure it is of itself."""
+    """The reference's own leading waves, found at the same times as LAMMPS's, and its uncertainty."""
     for halving in references_of(problem, settings):
         finder = leading_finder(problem)
         for block in halving.blocks():

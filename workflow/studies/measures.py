@@ -121,7 +121,7 @@ def of_frames(
 
 
 def _is_plain(problem: Problem) -> bool:
-    """Whether one pulse leads, away from bead 1, so that its waves need not be told from others."""
+    """Whether one pulse leads, away from bead 1, so that its waves need not be distinguished from others."""
     return direction_of(problem) > 0 and not opposed(problem) and not problem.system.loads
 
 

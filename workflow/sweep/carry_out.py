@@ -87,7 +87,9 @@ def sweep(
                     else:
                         reason = " ".join(answer.failed.split()) or "was stopped"
                         failed.append((name, reason))
-                        with contextlib.suppress(RunError):  # the disk may be full: it is told at the end all the same
+                        with contextlib.suppress(
+                            RunError
+                        ):  # the disk may be full: it is reported at the end all the same
                             directories.note_failure(directory / name, reason)
                     if progress is not None:
                         progress(done + len(failed), len(cases), len(failed))

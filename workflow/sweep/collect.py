@@ -122,7 +122,7 @@ def quantities(report: dict[str, Any], record: dict[str, Any], scene: dict[str, 
 
     A file of somebody else's that holds other things holds None.
     """
-    sources = {REPORT: {**report, "hit": _kicked(report, scene)}, RECORD: record}
+    sources = {REPORT: {**report, "kicked": _kicked(report, scene)}, RECORD: record}
     found: dict[str, Any] = {}
     for name, quantity in QUANTITIES.items():
         value: Any = sources[quantity.file]

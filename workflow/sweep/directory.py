@@ -110,7 +110,7 @@ def refuse_another(path: Path, wanted: Asked, scene: Scene) -> None:
     if key is None and (path / file_names.SCENE).is_file():
         try:
             written = library.load(path / file_names.SCENE).plain()
-        except InputError:  # damaged: it is written anew
+        except InputError:  # damaged: it is rewritten
             return
         resolved = scene.resolved().plain()
         key = _first_difference(*(_without(data, found_beforehand(scene)) for data in (written, resolved)))

@@ -53,7 +53,7 @@ class Analysis:
         figures: files drawn.
         failure: why the run failed; empty where it did not.
         altered: whether frames or snapshots are not those that the run wrote, by the fingerprint in ``run.json``.
-        findings: what not every run has, by its key in ``analysis.json``, in the order in which it is told
+        findings: what not every run has, by its key in ``analysis.json``, in the order of the text
             (`workflow.verdicts.findings`).
     """
 
@@ -234,7 +234,7 @@ def _sane(directory: RunDirectory, blocks: Iterator[Trajectory]) -> Iterator[Tra
 
 
 def default_beads(problem: Problem) -> tuple[int, ...]:
-    """Three recorded beads: near a sixth, a half and nine tenths of the way, or near that hit, where no pulse runs."""
+    """Three recorded beads: near a sixth, a half and nine tenths of the way, or near the kicked one, where no pulse runs."""
     recorded = problem.recorded_beads
     if not problem.system.holds(Fact.PULSE):
         kicked_bead = physics.largest_excitation(problem.system)[1]

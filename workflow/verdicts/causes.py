@@ -107,7 +107,7 @@ def pushes(own: Trajectory, reference: Trajectory) -> list[str]:
         return []
     places = Counter((load.chain, load.bead) for load in system.loads)
     for load in system.loads:
-        if places[load.chain, load.bead] > 1:  # which of them is wrong, nobody can tell
+        if places[load.chain, load.bead] > 1:  # which of them is wrong cannot be determined
             continue
         right = load.impulse(own.time)
         off, method = (symptoms.impulse_given(one, load) - right for one in (own, reference))
@@ -185,7 +185,7 @@ _MOST_WRONG = 4
 
 
 def causes(own: Trajectory, reference: Trajectory) -> list[str]:
-    """What seems to be wrong, most of all first; empty if nothing can be told.
+    """What seems to be wrong, most of all first; empty if nothing can be determined.
 
     Args:
         own: consecutive frames of the trajectory, all beads.
@@ -296,7 +296,7 @@ def _beads(own: Trajectory, reference: Trajectory) -> list[str]:
 
 
 def _static(own: Trajectory, reference: Trajectory) -> list[str]:
-    """Whether other forces bear the beads at rest than the scene says."""
+    """Whether the static forces on the beads differ from the scene's."""
     felt, right = symptoms.identify_load(own), symptoms.identify_load(reference)
     if felt is None or right is None:
         return []

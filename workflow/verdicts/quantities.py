@@ -96,9 +96,9 @@ class CollectColumn:
 
     @property
     def path(self) -> tuple[str, ...]:
-        """Key by key; ``hit`` is the leading wave of the kicked chain."""
+        """Key by key; ``kicked`` is the leading wave of the kicked chain."""
         first, *others = (*self.place.path, *filter(None, [self.column.key]))
-        return ("hit" if first == "waves" else first, *others)
+        return ("kicked" if first == "waves" else first, *others)
 
     @property
     def label(self) -> str:

@@ -34,7 +34,7 @@ energy and momentum relative to the kick's.
 """
 
 FIRST_ORDER = {"amplitude": 2.5e-4, "arrival": 1e-2}
-"""Where LAMMPS's error is of first order in the time step: a peak is no surer than any velocity."""
+"""Where LAMMPS's error is of first order in the time step: a peak is no more accurate than any velocity."""
 
 REPORT = "validation.json"
 FIGURE = "validation"
@@ -82,7 +82,7 @@ class Validation:
 
     @property
     def passed(self) -> bool:
-        """Whether the run is complete, all is within its tolerance, nothing seems wrong, and the reference is sure."""
+        """Whether the run is complete, all is within its tolerance, nothing seems wrong, and the uncertainty of the reference suffices."""
         certain = self.uncertainty is None or not _doubts(self.uncertainty, self.tolerances)
         return self.complete and certain and not self.causes and not any(map(self.exceeded, self.deviations))
 
@@ -187,7 +187,7 @@ def _half(problem: Problem) -> tuple[str, ...]:
 
 
 def limits_of(problem: Problem, tolerances: dict[str, float] | None) -> dict[str, float]:
-    """Those that were asked for, or the usual: where energy comes and goes, its budget misses what velocities do."""
+    """Those that were asked for, or the usual: where energy is supplied or dissipated, the tolerance of its budget follows from that of velocities."""
     exchanged = {"energy": TOLERANCES["velocity"]} if physics.exchanges(problem.system) else {}
     first_order = {} if problem.system.holds(Fact.SECOND_ORDER) else FIRST_ORDER
     return {**TOLERANCES, **exchanged, **first_order, **(tolerances or {})}
@@ -203,7 +203,7 @@ def _doubts(uncertainty: Uncertainty, limits: dict[str, float]) -> tuple[str, ..
 
 
 _MORE_ACCURATE = 4.0
-"""The reference must be this many times surer than what it is to decide."""
+"""Ratio of a tolerance to the largest uncertainty of the reference that decides on it."""
 
 _MOST_DOUBLINGS = 5
 

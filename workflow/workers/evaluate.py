@@ -1,7 +1,7 @@
 """Evaluate the cases of a study: each once, side by side, with what an earlier start has found taken from a cache.
 
 A case is a function's name and its arguments as plain data (`Task`), under the key that its value is kept by. A study
-that plans its cases beforehand calls `evaluate` or `values` once; a search calls it for each generation, with one pool.
+that plans its cases in advance calls `evaluate` or `values` once; a search calls it for each generation, with one pool.
 """
 
 import contextlib

@@ -46,7 +46,7 @@ class Task(NamedTuple):
 
 
 class Answer(NamedTuple):
-    """What came of a task: the value of its function, or why there is none."""
+    """Result of a task: the value of its function, or why there is none."""
 
     value: Any = None
     failed: str = ""

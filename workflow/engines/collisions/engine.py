@@ -7,7 +7,7 @@ within a chain they sort the velocities of the beads that touch, so the outcome 
 exchanges is finite. At a contact the springs never press: the relative acceleration of the two beads is kappa times the
 distances of the neighbouring pairs in the same rows, all >= 0. So no contact lasts, and collisions do not pile up.
 
-The queue is a binary heap of fixed members that knows where each member stands, so that a time changes in place.
+The queue is a binary heap of fixed members with the place of each member, so that a time changes in place.
 Nothing outdated is ever kept, so its size is the number of members and nothing has to be thrown away.
 """
 
@@ -96,7 +96,7 @@ class State(NamedTuple):
 
 
 class Events(NamedTuple):
-    """Room for consecutive collisions."""
+    """Arrays for consecutive collisions."""
 
     time: Floats
     chain: Ints
@@ -127,7 +127,7 @@ def make_state(rows: Rows, modes: Modes) -> State:
 
 
 def make_events(size: int) -> Events:
-    """Empty room."""
+    """Empty arrays."""
     return Events(np.empty(size), np.empty(size, np.int64), np.empty(size, np.int64), np.empty(size), np.empty(size))
 
 
@@ -202,7 +202,7 @@ def predict_all(state: State, modes: Modes, gap: float, end: float) -> None:
 
 @ieee
 def collide(state: State, modes: Modes, gap: float, end: float, events: Events) -> int:
-    """Run until the room for events is full or nothing meets before the end; the number of events recorded."""
+    """Run until the arrays of events are full or nothing meets before the end; the number of events recorded."""
     rows, queue, near = state.rows, state.queue, state.near
     count = 0
     while count < len(events.time):

@@ -19,7 +19,7 @@ if TYPE_CHECKING:  # status reads restarts, and loads no numpy
 
 
 class FramesOnDisk:
-    """Compares the size of a file with what it must be. All its frames have one size, which the first ones tell.
+    """Compares the size of a file with what it must be. All its frames have one size, that of the first ones.
 
     Args:
         path: the file.

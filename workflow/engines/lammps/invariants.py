@@ -15,7 +15,7 @@ ENERGY_TOLERANCE = 0.02
 def fault(
     problem: Problem, displacement: Floats, velocity: Floats, *, first: int = 1, elsewhere: float = 0.0
 ) -> str | None:
-    """What is wrong with a state, in words that tell what to do; None if nothing is.
+    """What is wrong with a state, and what to do; None if nothing is.
 
     Args:
         problem: what is computed.

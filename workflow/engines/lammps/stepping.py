@@ -50,7 +50,7 @@ class Travel:
             self._commands([*scheme.QUIET])
 
     def advance(self, steps: int) -> None:
-        """Go on by some steps.
+        """Run some steps.
 
         Raises:
             OutrunError: the front has outrun the window.
@@ -154,7 +154,7 @@ class LivePeaks:
                 self._last = round(float(state["time"][-1]) / problem.timestep)
 
     def advance(self, steps: int) -> None:
-        """Go on by some steps."""
+        """Run some steps."""
         every = self._problem.steps_per_frame
         end = self._step + steps
         while self._step < end:

@@ -42,7 +42,7 @@ FIRST_SEGMENT = 200
 
 
 STOP, SAVE = 1.0, 2.0
-"""What the first rank may tell the others."""
+"""Messages of the first rank to the others."""
 
 
 def main() -> int:

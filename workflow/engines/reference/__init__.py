@@ -1,1 +1,1 @@
-"""The reference integrator: `engine` runs a scheme, `certify` bounds its error, one file a scheme."""
+"""The reference integrator: `engine` runs a scheme, `step_halving` bounds its error, one file a scheme."""

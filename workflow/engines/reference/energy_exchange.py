@@ -1,6 +1,6 @@
 """What is exchanged between frames that somebody else has computed: each is followed to the next by the reference.
 
-Knows nothing of files. Frames are of all beads; how far apart they are does not matter.
+Independent of files. Frames are of all beads, at any distance in time.
 """
 
 from dataclasses import dataclass, field, replace

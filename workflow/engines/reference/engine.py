@@ -123,7 +123,7 @@ def brought_up(problem: Problem, time: Floats) -> Floats:
 
 
 WIDER = 2
-"""Rows that the reference integrates over those of a window that it is to judge."""
+"""Rows that the reference integrates in addition to those of the window that it is compared with."""
 
 _ADVANCE = 16.0
 """Rows that the front may advance by in a block of frames where a window follows the pulse."""
@@ -163,7 +163,7 @@ class State:
     compiled: "Compiled"
 
     def restart(self, x: Floats, v: Floats, first: int, last: int) -> None:
-        """Go on from displacements and velocities [chain, bead] of which only those of some rows may be in motion."""
+        """Continue from displacements and velocities [chain, bead] of which only those of some rows may be in motion."""
         self.x[1:-1], self.v[1:-1] = x.T, v.T
         self.span[:2], self.span[3] = (first, last), 1
         self.compiled.push[:] = 0.0

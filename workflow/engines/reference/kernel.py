@@ -80,7 +80,7 @@ class Frames(NamedTuple):
 
 
 class Passing(NamedTuple):
-    """First maxima of the velocity, NaN where none was, and room; flat as the state."""
+    """First maxima of the velocity, NaN where none was, and scratch arrays; flat as the state."""
 
     arrival: Floats
     peak: Floats
@@ -111,7 +111,7 @@ class Kernel:
             frames of the recorded beads (counted from 1), so many steps each, after ``first_step`` earlier ones, and
             ``follow(state, parameters, scheme, first_step, steps, threshold, passing)``.
         parameters: of the laws.
-        room: arrays that the state must have room for.
+        room: number of scratch arrays of the state.
         memories: arrays of what contacts remember.
     """
 

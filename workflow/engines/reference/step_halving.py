@@ -33,7 +33,7 @@ class Uncertainty:
     """What is known of a reference run, dimensionless.
 
     Attributes:
-        steps_per_frame: of the run that it certifies.
+        steps_per_frame: of the finer run.
         velocity: its largest error is below this, in units of V, as far as `SAFETY` goes: so many times the largest
             difference from the run with half as many steps.
         arrival: the same for the leading pulse's arrivals, in units of T, where `analysis.tracking.peaks.sharp`.
@@ -121,8 +121,8 @@ class StepHalving:
 def compared_rows(problem: Problem) -> int | None:
     """Rows that the reference of a windowed run integrates; None for the engine's own choice.
 
-    That judges a window that moves on. One that has stood at the end of the chains for long may lack the slower pulses
-    that it left behind, which only the whole chains show.
+    For a window that moves. One that has stood at the end of the chains for long may lack the slower pulses
+    behind it, which only the complete chains show.
     """
     if problem.window is None:
         return None

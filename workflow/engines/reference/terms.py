@@ -32,8 +32,8 @@ class Term:
         strain, rate: source of both at k; empty of a law in time.
         parameters: source of each at k.
         over: array that the term is a loop over: distances to other beads, or the places of a law in time.
-        sums: room for three sums over distances, [sum, place].
-        memory: array of what the law remembers; empty of one that knows no past.
+        sums: scratch array of three sums over distances, [sum, place].
+        memory: array of the law's state; empty of one without.
         sign: source of a factor of what the law gives; empty of 1.
     """
 

@@ -68,7 +68,7 @@ def _text(scene: Scene, folder: Path) -> str:
 BEADS = (1_000, 3_000, 10_000, 30_000)
 ROWS = 64
 LONGEST_WHOLE = 1_000
-"""Whole chains are run to their end up to here; of longer ones a stretch in the middle of the run tells the rate."""
+"""Whole chains are run to their end up to here; of longer ones a stretch in the middle of the run gives the rate."""
 
 LESS, GROWTH = 50.0, 1.3
 

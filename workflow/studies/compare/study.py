@@ -39,7 +39,7 @@ class Result:
         impulses: of the contacts of every row.
         peak: largest velocity of each shown row, [chain, shown row].
         time, velocity: of the shown rows, [frame] and [frame, chain, shown row].
-        momentum: share of each chain at the end, [chain]. Contacts pass momentum on within a chain, so this swings by
+        momentum: share of each chain at the end, [chain]. Contacts pass momentum on within a chain, so this oscillates by
             the modes of one row whatever the contacts: a check of a run, not a result.
         energy: share of each chain's motion and contacts at the end, then of the springs, [chain + 1].
         seconds: wall time of the computation alone.
@@ -143,7 +143,7 @@ def kept_to(one: Impulses, other: Impulses, last: int) -> int:
 
 
 def arrival(impulses: Impulses, bead: int) -> float:
-    """When a row was first struck, the earliest of its chains, in units of T; NaN if it never was."""
+    """Time of the first impulse in a row, the earliest of its chains, in units of T; NaN without any."""
     times = impulses.time[:, impulses.row(bead)]
     return float(np.nanmin(times)) if np.isfinite(times).any() else math.nan
 
@@ -252,7 +252,7 @@ def plain(found: Comparison) -> dict[str, Any]:
     |----------------|------------------------------------------------------------------------------------|
     | answer         | sentences                                                                          |
     | last_bead      | up to which every engine passed an impulse on                                      |
-    | beads          | struck bead of each row of the arrays below                                        |
+    | beads          | receiving bead of each row of the arrays below                                      |
     | engines        | per engine: first_impulse, impulse, contacts, first_time [chain][row]; imbalance;  |
     |                | peak [chain][shown]; momentum_share, energy_share (last: springs); seconds         |
     """

@@ -35,7 +35,7 @@ from workflow.sweep.file import Range, number, scene_in, scene_of_file
 # --- variables --------------------------------------------------------------------------------------------------------
 
 DIGITS = 6
-"""Significant digits of what is not whole, so that two that are as good as the same are computed once."""
+"""Significant digits of what is not whole, so that two that are practically the same are computed once."""
 
 
 EDGE = 0.003

@@ -42,7 +42,7 @@ class Verified:
 
 @dataclass(frozen=True)
 class Found:
-    """What came of a search.
+    """Result of a search.
 
     Attributes:
         design: the objective.

@@ -46,7 +46,7 @@ def carry_out(
         design: the objective.
         directory: made if need be.
         processes: by default as many as there are cores.
-        progress: told what is going on.
+        progress: called with the state of the work.
 
     Raises:
         InputError: the directory or a scene cannot be used, or nothing fits the limits.

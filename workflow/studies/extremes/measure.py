@@ -151,7 +151,7 @@ KINDS = ("RIGHT", "REPORTED", "REFUSED", "STOPPED", "WRONG")
 
 TRUE_WITHIN = 1.5
 """A run's word on its own error is true if the error is no larger than this times it. A run compares frames 0.4 T
-apart, which may miss the largest error of a wave by 7%, and more of a faster swing, of which it meets four phases.
+apart, which may miss the largest error of a wave by 7%, and more of a faster oscillation, of which it meets four phases.
 """
 
 LEAST_ERROR = 1e-8
@@ -176,7 +176,7 @@ class Outcome:
         why: in words, what the kind rests on.
         asked: largest error that was asked for, in units of V.
         error, uncertainty: a `TrueError`; None where no run was completed.
-        told, reported_uncertainty: what the run itself said.
+        reported, reported_uncertainty: by the run itself.
         compared_with: "reference", or "leading pulse" where all beads were too many.
         steps: time steps of the run.
         seconds: what running and judging took.
@@ -201,7 +201,7 @@ def classify(asked: float, reported: Reported | None, truth: TrueError) -> tuple
 
     Args:
         asked: largest error that was asked for, in units of V.
-        told: what the run says of itself; None if it says nothing.
+        reported: by the run itself; None without a check.
         truth: what is true of it.
     """
     if reported is not None:
@@ -314,7 +314,7 @@ def _differs_from_one_rank(directory: RunDirectory, path: Path) -> str | None:
 
 def _differs_from_scaled(cell: Cell, directory: RunDirectory, path: Path) -> str | None:
     """Compare in the scenes' own units, so that these are compared too."""
-    # to V = 1; beads of a material at most ten times faster, for none is hit faster than its sound
+    # to V = 1; beads of a material at most ten times faster, for none is kicked faster than its sound
     factor = 1.0 / directory.scene.scale.velocity if directory.scene.material is None else 10.0
     one = run(library.from_plain(scaled(cell.scene, factor), "scene"), path, check=False).directory
     own_unit, unit = directory.scene.scale, one.scene.scale

@@ -1,4 +1,4 @@
-"""Least squares: the best parameters, their uncertainty, and which the data do not distinguish. Knows no physics.
+"""Least squares: the best parameters, their uncertainty, and which the data do not distinguish. No physics.
 
 The noise is taken to be normal, white and of one size in each channel, found from the residuals; `goodness` tests that.
 """

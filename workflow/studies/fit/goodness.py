@@ -1,4 +1,4 @@
-"""Test of fit: whether residuals are white noise of one size in each channel, as confidence intervals assume. Knows no
+"""Test of fit: whether residuals are white noise of one size in each channel, as confidence intervals assume. No
 physics.
 
 | test            | statistic                                               | reference                             |

@@ -1,6 +1,6 @@
 """What an entry of the gallery is: scenes, what was published of them, what is found in their runs, and a figure.
 
-`Ran` has what can be asked of a run; `workflow.studies.gallery.criteria` the rule by which a statement is judged.
+`Ran` has what can be asked of a run; `workflow.studies.gallery.criteria` the rule by which a statement is assessed.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence

@@ -121,7 +121,7 @@ def wanted(known: Known, axis: Axis, level: float) -> list[float]:
 
 
 def crossings(known: Known, axis: Axis, level: float) -> list[Crossing]:
-    """What is known where no value is `wanted` any more."""
+    """Result once no further value is `wanted`."""
     return [_crossing(known, pair, level) for pair in _brackets(known, axis, level)]
 
 

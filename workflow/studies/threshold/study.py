@@ -127,7 +127,7 @@ class Point:
 
 @dataclass(frozen=True)
 class Found:
-    """What came of a study.
+    """Result of a study.
 
     Attributes:
         question: what was asked.

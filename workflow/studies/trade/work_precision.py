@@ -1,6 +1,6 @@
 """Error against cost: settings run in rounds that take each in turn, and what the points say.
 
-`measure` runs settings and keeps what injected functions measure; it knows nothing of what is run. A setting lies on a
+`measure` runs settings and keeps what injected functions measure; it is independent of what is run. A setting lies on a
 curve (a method) at a value (its step, its width); ``effort`` is its work relative to others of its group, such as all
 that one program does. Of the points follow the Pareto front, orders of convergence, and which setting to take.
 """
@@ -213,7 +213,7 @@ def pareto(points: Points, error: str, cost: str) -> list[Point]:
 
 
 def order(points: Points, error: str, floor: float) -> Order | None:
-    """Order of one curve whose values are steps; None where fewer than two steps have an error that tells it.
+    """Order of one curve whose values are steps; None where fewer than two steps have a significant error.
 
     Args:
         points: of the curve.
@@ -243,7 +243,7 @@ Pair = tuple[float, float]
 
 
 def pairs(points: Points, error: str, cost: str, floor: float) -> list[Pair]:
-    """(error, cost) of those points of a curve that no other of it beats and whose error tells something."""
+    """(error, cost) of those points of a curve that no other of it beats and whose error is significant."""
     return [
         (point.errors[error], point.cost(cost))
         for point in pareto(points, error, cost)

@@ -1,4 +1,4 @@
-"""Energy over time: its budget where some is dissipated or put in, and its shares where no pulse keeps its shape."""
+"""Energy over time: its budget where some is dissipated or supplied, and its shares where no pulse keeps its shape."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -56,7 +56,7 @@ class Forces(Finding):
     readings: Readings
 
     def said(self) -> Iterator[str | Table]:
-        """Largest force, impulse and dwell of every gauge; what is so far; what walls bear and reflect."""
+        """Largest force, impulse and dwell of every gauge; what is so far; forces on walls, and what they reflect."""
         problem, readings, scale = self.problem, self.readings, self.problem.scale
         chains = range(min(problem.chains, MOST_CHAINS))
         loaded = readings.loaded
@@ -225,7 +225,7 @@ class FarEnd(Finding):
 
 @dataclass(frozen=True)
 class Contacts(Finding):
-    """The hardest contact."""
+    """The largest contact force."""
 
     key, kind = "contacts", ContactOverlaps
 

@@ -14,7 +14,7 @@ from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts.findings.finding import MOST_CHAINS, Finding, Measure
 
 SMALLEST_LOSS = 1e-8
-"""Share of the energy per cell that is told; what frames and time steps blur is less."""
+"""Smallest share of the energy per cell that is printed; below it frames and time steps decide."""
 
 
 @dataclass(frozen=True)
