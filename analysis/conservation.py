@@ -1,6 +1,6 @@
 """How well a run conserves energy and momentum, and its energy budget, from its trajectory.
 
-LAMMPS reports neither for these chains. The budget is the energy input, where it is, and what dashpots have dissipated, by
+LAMMPS reports neither for these chains. The budget is the energy input, where it is, and what dashpots dissipated, by
 source: in units of m V**2, from frames of all beads. What was exchanged between frames is in their exchange.
 """
 

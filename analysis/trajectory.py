@@ -18,7 +18,7 @@ BLOCK_BYTES = 1 << 20
 LEAST_FRAMES = 8
 
 EXCHANGES = ("along", "across", "ground", "walls", "energy_input")
-"""What dashpots of each kind of link, and of walls, have dissipated; work input of forces from outside and of given motions."""
+"""Dissipated by the dashpots of each kind of link and of walls; work input of outer forces and given motions."""
 
 
 def frames_per_block(problem: Problem) -> int:

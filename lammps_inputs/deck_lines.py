@@ -58,7 +58,7 @@ class Lines:
 
 
 def types_by_contact(strength: NDArray[np.float64]) -> AtomTypes:
-    """Few types, so that those of any two neighbours determine the strength of their contact: some sqrt(2 n) for n strengths.
+    """Few types, of which any two neighbours' determine the strength of their contact: some sqrt(2 n) for n strengths.
 
     Only neighbours ever meet, so any strength may be that of any pair of types, once.
 

@@ -291,7 +291,7 @@ def identify_springs(trajectory: Trajectory) -> Springs | None:
 
 
 _TELLING = 1e-6
-"""Impulse of a kind of link, over the largest of any, from which on it is identified; likewise for the difference of two."""
+"""Smallest impulse of a kind of link, over the largest of any, at which it, or its difference from another, is identified."""
 
 
 @dataclass(frozen=True)

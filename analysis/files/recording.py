@@ -17,8 +17,8 @@ from analysis.trajectory import Floats, Integers, Trajectory, frames_per_block
 from lammps_inputs import InputError, Problem, physics
 
 FARTHEST = 2.0
-"""Time between frames from which on a wave, which passes a bead in 2 T, is missed; until then peaks state their uncertainty, which
-are."""
+"""Time between frames from which on a wave, which passes a bead in 2 T, is missed; until then peaks state their
+uncertainty."""
 
 
 def rest_positions(problem: Problem) -> Floats:

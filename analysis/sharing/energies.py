@@ -97,7 +97,7 @@ class EnergyShares:
     Attributes:
         place: [instant] positions in the `Sharing`, of those at which all arrivals are defined.
         chain: [instant, chain] energy of a chain, over the energy input; NaN where not seen, as in a window.
-        wave: [instant, chain] energy inside its leading wave, over the energy input; likewise, and NaN where another pulse is
+        wave: [instant, chain] energy inside its leading wave, likewise, and NaN where another pulse is
             as near. 0 where the chain has none that counts.
     """
 

@@ -38,7 +38,7 @@ CONVERGES = 0.5
 
 RESOLVED = 2.0
 """Beads between recorded ones, times the square root of kappa, up to which beats are seen as they are: a quarter of the
-shortest, which is that of two chains. Other than in an open row, kappa is that of two chains with the same highest modal frequency.
+shortest, which is that of two chains. Unless the row is open, kappa is that of two chains of the same modal frequency.
 """
 
 SMALLEST_BEAT = 1e-5

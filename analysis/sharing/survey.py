@@ -59,7 +59,7 @@ class Survey:
 
     Attributes:
         problem: what was run.
-        direction: 1 if the largest excitation is towards higher bead numbers, else -1; the leading waves run that way, and in
+        direction: 1 if the largest kick is towards higher bead numbers, else -1; the leading waves run that way, and in
             ``shared``, ``energies``, ``decay`` and ``verdict`` beads are counted along it (from the last bead if -1).
         arrival: what an arrival of ``waves`` is; the passages of ``pulses`` are always the maxima.
         noise: standard deviation of the recorded velocities, in units of V; 0 where there is none.

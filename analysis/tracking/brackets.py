@@ -337,7 +337,7 @@ def _share_of_doubt(problem: Problem, spacing: float, quick: float, *, by_equati
     degree six, which has the sixth derivative, is the other one.
 
     Measured at couplings from 0.1 to 2 and times between frames from 0.1 to 2, with all beads and with a few; the
-    errors are a third of the bound or less where frames are up to 1 T apart. With a few beads nothing is known of contacts
+    errors are a third of the bound or less where frames are up to 1 T apart. With a few beads nothing shows contacts
     that close or open between frames; there the whole of the bound is needed where frames are 0.1 T apart, and also
     farther apart where dashpots jump then. Contacts that harden fast have shorter waves.
     """

@@ -143,7 +143,7 @@ class PeakFinder:
         self._found.clear()
 
     def take_over(self, later: "PeakFinder") -> None:
-        """Continue from another one, which was given the same frames last, dropped what it had found, and found more."""
+        """Continue from another one, given the same frames last, which dropped what it had found, and found more."""
         self._found += later._found
         self._carried = later._carried
 

@@ -75,7 +75,7 @@ class Precompression(_Load):
 
 
 class Gravity(_Load):
-    """Acceleration towards higher bead numbers: every bead carries the weight of those before it, a wall that of all."""
+    """Acceleration towards higher bead numbers: a bead carries the weight of those before it, a wall that of all."""
 
     key: ClassVar[str] = "gravity"
     alone: ClassVar[str | None] = "acceleration"

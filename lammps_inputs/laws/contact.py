@@ -53,7 +53,7 @@ class Hertz(NamedTuple):
     def along(self, _name: str, layout: "Layout") -> Lines:
         """LAMMPS's Hertz force is ``Kn * sqrt(diameter / 4) * overlap**1.5`` for equal beads.
 
-        Its diameters are equal even where the beads' are not. So they touch exactly, and contacts that differ are distinguished
+        Its diameters are equal even where the beads' are not. So they touch exactly, and contacts are distinguished
         apart by the types of their beads, which takes another pair style: 1.7 times the time of a step.
         """
         unit = float(1.0 / np.sqrt(layout.diameter / 4.0))

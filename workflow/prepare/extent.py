@@ -46,7 +46,7 @@ def with_duration(scene: Scene, *, wall: bool = False) -> Scene:
     ``until_bead: n`` ends shortly after the first pulse in every chain that moves has passed bead n: its velocity there
     has risen above 1e-3 of V and fallen to less than half of its largest value. The last bead flies off with what it
     got: its velocity has risen above 1e-3 of V and rises no more. Where the beads have a gap, the chains of a row are
-    reached one after another as their springs oscillate: the run then continues for a period of the slowest oscillation,
+    reached one after another as their springs oscillate: the run then continues for a period of the slowest mode,
     or for as long again if that is shorter.
 
     Where the force on walls is read, it also waits for the pulse at the wall that the largest excitation goes towards:

@@ -37,7 +37,7 @@ FEW = 100
 def stride(problem: Problem, spacing: float = SPACING) -> int:
     """Frames from one that is compared to the next, so that the last is among them or nearly; 1 if there are few.
 
-    In a period of stiff springs four are compared, so that not all show the same phase of it; and four in the time in which
+    In a period of stiff springs four are compared, so that not all show one phase of it; and four in the time in which
     dashpots stop a bead, for the error is largest when they begin to.
     """
     if problem.frames <= FEW:
@@ -180,7 +180,7 @@ def work(problem: Problem, verlet_steps: int, reference_steps: int) -> float:
 
 
 def _rows_by_time(problem: Problem) -> float:
-    """Integral over time of the number of rows that have moved, roughly: no pulse is faster than `rates.front_speed`."""
+    """Integral over time of the number of rows that have moved, roughly: no pulse exceeds `rates.front_speed`."""
     first, last = (choose(bead for _, bead, _ in physics.excitations(problem.system)) for choose in (min, max))
     way = rates.front_speed(problem.system) * np.linspace(0.0, problem.duration, 101)
     rows = np.minimum(problem.beads, last + way) - np.maximum(1.0, first - way) + 1.0

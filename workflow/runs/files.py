@@ -102,7 +102,7 @@ def alone(directory: Path) -> Iterator[int]:
 
 @contextmanager
 def changing(path: Path) -> Iterator[None]:
-    """Read a file and rewrite it with no other process doing so in between; a run and its analysis share ``run.json``."""
+    """Read and rewrite a file with no other process in between; a run and its analysis share ``run.json``."""
     while True:
         try:
             handle = os.open(path, os.O_RDONLY)

@@ -87,9 +87,7 @@ def sweep(
                     else:
                         reason = " ".join(answer.failed.split()) or "was stopped"
                         failed.append((name, reason))
-                        with contextlib.suppress(
-                            RunError
-                        ):  # the disk may be full: it is reported at the end all the same
+                        with contextlib.suppress(RunError):  # the disk may be full; reported at the end
                             directories.note_failure(directory / name, reason)
                     if progress is not None:
                         progress(done + len(failed), len(cases), len(failed))

@@ -82,7 +82,7 @@ class Validation:
 
     @property
     def passed(self) -> bool:
-        """Whether the run is complete, all is within its tolerance, nothing seems wrong, and the uncertainty of the reference suffices."""
+        """Whether the run is complete and within the tolerances, and the uncertainty of the reference suffices."""
         certain = self.uncertainty is None or not _doubts(self.uncertainty, self.tolerances)
         return self.complete and certain and not self.causes and not any(map(self.exceeded, self.deviations))
 
@@ -187,7 +187,7 @@ def _half(problem: Problem) -> tuple[str, ...]:
 
 
 def limits_of(problem: Problem, tolerances: dict[str, float] | None) -> dict[str, float]:
-    """Those that were asked for, or the usual: where energy is supplied or dissipated, the tolerance of its budget follows from that of velocities."""
+    """The given tolerances, or the usual ones: of an energy budget with exchange, that of the velocities."""
     exchanged = {"energy": TOLERANCES["velocity"]} if physics.exchanges(problem.system) else {}
     first_order = {} if problem.system.holds(Fact.SECOND_ORDER) else FIRST_ORDER
     return {**TOLERANCES, **exchanged, **first_order, **(tolerances or {})}

@@ -163,7 +163,7 @@ class State:
     compiled: "Compiled"
 
     def restart(self, x: Floats, v: Floats, first: int, last: int) -> None:
-        """Continue from displacements and velocities [chain, bead] of which only those of some rows may be in motion."""
+        """Continue from displacements and velocities [chain, bead] of which only some rows may be in motion."""
         self.x[1:-1], self.v[1:-1] = x.T, v.T
         self.span[:2], self.span[3] = (first, last), 1
         self.compiled.push[:] = 0.0

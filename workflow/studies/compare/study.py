@@ -39,7 +39,7 @@ class Result:
         impulses: of the contacts of every row.
         peak: largest velocity of each shown row, [chain, shown row].
         time, velocity: of the shown rows, [frame] and [frame, chain, shown row].
-        momentum: share of each chain at the end, [chain]. Contacts pass momentum on within a chain, so this oscillates by
+        momentum: share of each chain at the end, [chain]. Contacts conserve it within a chain, so this oscillates by
             the modes of one row whatever the contacts: a check of a run, not a result.
         energy: share of each chain's motion and contacts at the end, then of the springs, [chain + 1].
         seconds: wall time of the computation alone.

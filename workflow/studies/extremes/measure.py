@@ -150,8 +150,8 @@ KINDS = ("RIGHT", "REPORTED", "REFUSED", "STOPPED", "WRONG")
 """
 
 TRUE_WITHIN = 1.5
-"""A run's word on its own error is true if the error is no larger than this times it. A run compares frames 0.4 T
-apart, which may miss the largest error of a wave by 7%, and more of a faster oscillation, of which it meets four phases.
+"""The error that a run reports is right if the true error is no larger than this times it. A run compares frames 0.4 T
+apart, which may miss the largest error of a wave by 7%, and more of a faster mode, of which it meets four phases.
 """
 
 LEAST_ERROR = 1e-8
