@@ -291,7 +291,7 @@ def identify_springs(trajectory: Trajectory) -> Springs | None:
 
 
 _TELLING = 1e-6
-"""Smallest impulse of a kind of link, over the largest of any, at which it, or its difference from another, is identified."""
+"""Smallest impulse of a kind of link, over the largest of any, at which it (or a difference of two) is identified."""
 
 
 @dataclass(frozen=True)

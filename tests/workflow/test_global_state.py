@@ -40,6 +40,7 @@ CALLS = {
     "validate": lambda _, run: api.validate(run),
     "universe": lambda _, run: [*(ts.frame for ts in api.universe(run).trajectory), gc.collect()],
     "collect": lambda path, run: api.collect(of_one_case(path, run)),
+    "plot": lambda path, _: api.plot(api.sweep(SWEEP, path / "new", jobs=1), "peak_velocity", "kick.velocity"),
     "view": lambda _, run: api.view(run),
     "sweep": lambda path, _: api.sweep(SWEEP, path / "new", jobs=2),
     "fit": lambda path, _: api.fit(
@@ -51,7 +52,7 @@ CALLS = {
     "main, refused": lambda path, _: main(["analyze", str(path)]),
     "main, help": lambda _, __: explained(),
 }
-SLOW = ("sweep", "fit", "design", "gallery")
+SLOW = ("sweep", "plot", "fit", "design", "gallery")
 
 
 def explained():
