@@ -110,8 +110,6 @@ def moving_beads(
     slider = Slider(start=0, end=max(1, len(part.time) - 1), value=0, step=1, title="time", name="time", format=told)
     slider.sizing_mode = "stretch_width"
     button = Toggle(label="", width=70, name="play", stylesheets=[_PLAY_LABEL])
-    rows = {chain - 1: k for k, chain in enumerate(part.chains)}
-    edges = [edge for link in problem.system.across for edge in link.edges if edge[0] in rows and edge[1] in rows]
     move = CustomJS(
         args={
             "slider": slider,
@@ -124,7 +122,7 @@ def moving_beads(
             "moved": moved,
             **sources,
             "range": plot.x_range,
-            "springs": [[rows[one], rows[other]] for one, other in edges],
+            "springs": _springs(problem, part),
             "strongest": float(np.nanmax(part.force, initial=0.0)) or 1.0,
             "exaggerated": _EXAGGERATED * part.spacing,
             "length": length,
@@ -141,6 +139,13 @@ def moving_beads(
     plot.js_on_change("inner_width", move)  # once, when the page is laid out
     bar = row(button, slider, sizing_mode="stretch_width")
     return plot, column(bar, Div(text=_scales(part, units["length"])), sizing_mode="stretch_width")
+
+
+def _springs(problem: Problem, part: Thinned) -> list[list[int]]:
+    """Pairs of the chains shown, counted from 0 in their order, between which there are springs."""
+    rows = {chain - 1: k for k, chain in enumerate(part.chains)}
+    edges = (edge for link in problem.system.across for edge in link.edges)
+    return [[rows[one], rows[other]] for one, other in edges if one in rows and other in rows]
 
 
 def _scales(part: Thinned, length: Unit) -> str:

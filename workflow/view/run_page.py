@@ -46,10 +46,15 @@ def distances(problem: Problem, part: Thinned, found: Survey, bead_range: Any, u
     return graphs
 
 
+_LEAST_SPAN = 0.02
+"""Of an axis of energy, over the largest; less would show the error of the run."""
+
+
 def energy(part: Thinned, time_range: Any, units: Units) -> Any:
     """Energy of the beads of each chain that is shown, with their contacts and what holds them, over time."""
     heading = "energy of each chain, without coupling"
     plot = graph(heading, axis_label("time", units["time"]), axis_label("energy", units["energy"]), time_range)
+    plot.y_range.min_interval = _LEAST_SPAN * float(np.max(part.energy))
     for place, chain in enumerate(part.chains):
         plot.line(part.time, part.energy[place], **of_chain(place, chain))
     put_legend_aside(plot)
@@ -153,19 +158,23 @@ def layout(
     for plot in below:
         plot.styles = {"flex": f"1 1 {_NARROWEST}px"}
     moving.toolbar.logo = None
-    across = min(PLOTS_A_ROW, len(maps))
-    side_by_side = gridplot(
-        [maps[k : k + across] for k in range(0, len(maps), across)],
-        toolbar_location="right",
-        toolbar_options={"logo": None},
-        sizing_mode="stretch_width",
-    )
-    # beside the last of a row are the colours; a page that is narrow makes all maps narrower
-    side_by_side.cols = [f"calc((100% - {_BAR}px) / {across})"] * (across - 1) + ["1fr"]
     return column(
-        side_by_side,
+        _side_by_side(maps),
         controls,
         moving,
         row(*below, styles={"flex-wrap": "wrap"}, sizing_mode="stretch_width"),
         sizing_mode="stretch_width",
     )
+
+
+def _side_by_side(maps: list[Any]) -> Any:
+    """The maps of the chains in rows; a narrow page makes all of them narrower."""
+    across = min(PLOTS_A_ROW, len(maps))
+    found = gridplot(
+        [maps[k : k + across] for k in range(0, len(maps), across)],
+        toolbar_location="right",
+        toolbar_options={"logo": None},
+        sizing_mode="stretch_width",
+    )
+    found.cols = [f"calc((100% - {_BAR}px) / {across})"] * (across - 1) + ["1fr"]  # beside the last are the colours
+    return found
