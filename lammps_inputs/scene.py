@@ -407,7 +407,7 @@ class BaseScene(Part):
         key, _ = max(excitations, key=lambda one: one[1])
         largest = "largest " if len(excitations) > 1 else ""
         parts = [f"V = {scale.written(1.0, 'velocity')} ({largest}{_EXCITATIONS.get(key, key)})"]
-        parts += [f"{symbol} = {scale.written(1.0, name)}" for symbol, name in (("T", "time"), ("L", "length"))]
+        parts += [f"{symbol} = {scale.short(1.0, name)}" for symbol, name in (("T", "time"), ("L", "length"))]
         if physics.coupled(system):
             parts.append(f"kappa = {physics.kappa(system):.6g}")
         return f"units: {', '.join(parts)}{'' if scale.si else ' (reduced units)'}"

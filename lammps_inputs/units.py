@@ -128,6 +128,14 @@ class Scale:
         """
         return f"{self.measured(value, quantity):{digits}}{self.after(quantity)}"
 
+    def short(self, value: float, quantity: str) -> str:
+        """As `written`, with a prefix before the symbol of an SI unit, in ASCII: ``656.174 us``."""
+        if not self.si:
+            return self.written(value, quantity)
+        number = self.measured(value, quantity)
+        power, letter = prefix(SI[quantity], number)
+        return f"{number / 1000.0**power:.6g} {letter.replace(_PREFIXES[-2], 'u')}{SI[quantity]}"
+
     def heading(self, name: str, quantity: str) -> str:
         """A column's name in a table: ``arrival (s)``; without a unit in reduced units, and where it has none."""
         return f"{name} ({SI[quantity]})" if self.si and quantity in SI else name
@@ -150,6 +158,24 @@ SI = {
 
 PER_TIME = ("speed", "frequency", "cycles")
 """What is measured in beads, radians and cycles a unit of time."""
+
+_PREFIXES = {3: "G", 2: "M", 1: "k", 0: "", -1: "m", -2: "µ", -3: "n", -4: "p"}
+
+
+def prefix(symbol: str, largest: float) -> tuple[int, str]:
+    """Power of 1000 and prefix of an SI unit that leave one to three digits before the point of the largest number.
+
+    Seconds have no prefix above 1; units that take none (beads/s, kg and products of it) are as they are.
+    """
+    power = min(max(thousands(largest), min(_PREFIXES)), 0 if symbol == "s" else max(_PREFIXES))
+    if symbol not in (*SI.values(), "Pa") or symbol.startswith(("kg", "beads")):
+        power = 0
+    return power, _PREFIXES[power]
+
+
+def thousands(size: float) -> int:
+    """Power of 1000 just below a size; 0 for 0."""
+    return math.floor(math.log10(abs(size)) / 3.0) if 0.0 < abs(size) < math.inf else 0
 
 
 def make_scale(mass: float, contact_constant: float, velocity: float, *, si: bool, exponent: float = 1.5) -> Scale:

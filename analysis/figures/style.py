@@ -1,7 +1,6 @@
 """What all figures share: colours, dashes, sizes, labels, units, and how one becomes the content of a file."""
 
 import io
-import math
 import re
 import string
 from collections.abc import Iterable
@@ -17,7 +16,7 @@ from matplotlib.figure import Figure
 from analysis.quantity import declare, declared, result
 from analysis.trajectory import Floats, Integers
 from lammps_inputs import Problem, laws, physics
-from lammps_inputs.units import SI
+from lammps_inputs.units import SI, prefix, thousands
 
 CHAIN_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#882255", "#7F7F7F")
 """Okabe and Ito's palette, ordered for contrast between the first few; wine (Tol) and grey."""
@@ -106,21 +105,16 @@ def axis_unit(problem: Problem, quantity: str, largest: float) -> Unit:
     if problem.scale.si:
         unit = prefixed(SI[quantity], largest * worth)
         return Unit(worth * unit.worth, unit.symbol)
-    power = _thousands(largest * worth)
+    power = thousands(largest * worth)
     if -1 <= power <= 1:
         return Unit(worth, "reduced")
     return Unit(worth / 10.0 ** (3 * power), f"$10^{{{3 * power}}}$ reduced")
 
 
 def prefixed(symbol: str, largest: float) -> Unit:
-    """An SI unit with the prefix that leaves one to three digits before the point, and what the plain one is worth.
-
-    Seconds have no prefix above 1; units that take none (beads/s, kg and products of it) are as they are.
-    """
-    power = min(max(_thousands(largest), min(_PREFIXES)), 0 if symbol == "s" else max(_PREFIXES))
-    if symbol not in (*SI.values(), "Pa") or symbol.startswith(("kg", "beads")):
-        power = 0
-    return Unit(10.0 ** (-3 * power), _PREFIXES[power] + symbol)
+    """An SI unit with the prefix of `lammps_inputs.units.prefix`, and what the plain one is worth."""
+    power, letter = prefix(symbol, largest)
+    return Unit(10.0 ** (-3 * power), letter + symbol)
 
 
 def shortened(label: str, values: Floats) -> tuple[str, float]:
@@ -130,14 +124,6 @@ def shortened(label: str, values: Floats) -> tuple[str, float]:
         return label, 1.0
     unit = prefixed(found[2], float(np.max(np.abs(values[np.isfinite(values)]), initial=0.0)))
     return f"{found[1]} ({unit.symbol})", unit.worth
-
-
-def _thousands(size: float) -> int:
-    """Power of 1000 just below a size; 0 for 0."""
-    return math.floor(math.log10(abs(size)) / 3.0) if 0.0 < abs(size) < math.inf else 0
-
-
-_PREFIXES = {3: "G", 2: "M", 1: "k", 0: "", -1: "m", -2: "\N{MICRO SIGN}", -3: "n", -4: "p"}
 
 
 def letter(axes: Iterable[Axes]) -> None:

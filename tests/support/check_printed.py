@@ -13,6 +13,7 @@ from check_sharing import dissipates
 from comparing import Tally
 from scene_keys import blows, kicks
 
+PREFIXES = {"": 1.0, "p": 1e-12, "n": 1e-9, "u": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9}
 NUMBER = r"[-+]?(?:\d+\.?\d*(?:[eE][-+]?\d+)?|nan|inf)"
 
 Said = list[tuple[str, Any]]
@@ -256,12 +257,13 @@ def _beyond(case: Case, match: Any) -> bool:
 
 
 @rule(
-    r".*: units: V = <n>(?: m/s)? \((?:largest )?[a-z ]+\), T = <n>(?: s)?, L = <n>(?: m)?(?:, kappa = <n>)?"
-    r"(?: \(reduced units\))?"
+    r".*: units: V = <n>(?: m/s)? \((?:largest )?[a-z ]+\), T = <n>(?: ([numkMG]?)s)?, L = <n>(?: ([pnumkMG]?)m)?"
+    r"(?:, kappa = <n>)?(?: \(reduced units\))?"
 )
 def _units(case: Case, match: Any) -> Said:
-    found = [(match[1], case.unit.velocity), (match[2], case.unit.time), (match[3], case.unit.length)]
-    return found + ([(match[4], case.report["kappa"])] if match[4] else [])
+    time, length = (case.unit.time / PREFIXES[match[3] or ""], case.unit.length / PREFIXES[match[5] or ""])
+    found = [(match[1], case.unit.velocity), (match[2], time), (match[4], length)]
+    return found + ([(match[6], case.report["kappa"])] if match[6] else [])
 
 
 # --- lines of `analyze` -----------------------------------------------------------------------------------------------
