@@ -117,7 +117,7 @@ def atoms_by_value(law: Iterable[Any], shape: tuple[int, int]) -> list[tuple[tup
         if any(value):
             ranges.setdefault(value, []).append(f"{start + 1}:{end}")
     if len(ranges) > MOST_GROUPS:
-        raise ValueError(f"{len(ranges)} different values; LAMMPS has room for {MOST_GROUPS}")
+        raise ValueError(f"{len(ranges)} different values; LAMMPS allows {MOST_GROUPS}")
     return [(value, " ".join(found)) for value, found in ranges.items()]
 
 

@@ -181,7 +181,7 @@ def test_a_contact_that_remembers_its_largest_overlap_gives_two_beads_their_rest
     """Of the energy 0.4 d**2.5 at the largest overlap d, the share is lost: e**2 = 1 - share."""
     two = {**CHAIN, "beads": 2, "wear": {"share": 0.19}, "duration": 8, "timestep": 0.01}
     seen = found(tmp_path, MEMORY, two)
-    assert "LAMMPS does not know this force; use the reference engine" in seen["refused"]
+    assert "LAMMPS has no such force; use the reference engine" in seen["refused"]
     # the memory lags behind the largest overlap by h**2 / 8 of an acceleration below 1.5 at most
     assert seen["velocity"] == pytest.approx([0.05, 0.95], abs=2e-3)
     assert seen["fine"] == pytest.approx([0.05, 0.95], abs=1e-6)

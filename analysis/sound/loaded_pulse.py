@@ -84,7 +84,7 @@ class Sound:
         "largest velocity of crests of sound, which are no pulses (analysis/README.md)", "velocity", "there is none"
     )
     pulse: LoadedWave | None = declare(
-        "the leading pulse of the kicked chain", undefined="it did not run far enough, or does not stay together"
+        "the leading pulse of the kicked chain", undefined="it did not run far enough, or does not keep its shape"
     )
 
     @classmethod

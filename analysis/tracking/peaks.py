@@ -154,7 +154,7 @@ class PeakFinder:
             ValueError: there was no frame.
         """
         if self._carried is None:
-            raise ValueError("no frames to go on from")
+            raise ValueError("no frames to continue from")
         found = together(self._found)
         return {
             **{f"found_{field.name}": getattr(found, field.name) for field in fields(Brackets)},

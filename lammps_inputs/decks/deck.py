@@ -178,7 +178,7 @@ def refusal(system: System) -> str:
     """Why there are no words of LAMMPS for a system; empty where there are."""
     unknown = next((link.name for link in _spelled(system) if not hasattr(link.law, _kind(link))), None)
     if unknown is not None:
-        return f"{unknown}: LAMMPS does not know this force; use the reference engine"
+        return f"{unknown}: LAMMPS has no such force; use the reference engine"
     if system.inner_mass is not None and system.ground:
         return "atoms inside the beads: LAMMPS has no ground springs beside them; use the reference engine"
     return ""

@@ -70,7 +70,7 @@ class Damping(Ingredient):
 
     why = MappingProxyType(
         {
-            Fact.FRONT: "a window moves on with forces that do not know the velocities of the step before",
+            Fact.FRONT: "a window restarts with forces from velocities other than those of half a step before",
             Fact.REVERSIBLE: "suzuki4 has steps backwards in time, in which dashpots would give",
         }
     )

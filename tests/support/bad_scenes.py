@@ -397,7 +397,7 @@ REFUSED = [
     _damped(".coupling: there is no coupling between chains", {"coupling": None}, coupling=0.1),
     _damped(": 2e+03 in dimensionless units; at most 1000", contact=2e3),
     _damped(": suzuki4 has steps backwards in time", {"scheme": "suzuki4"}, contact=0.1),
-    _damped(": a window moves on with forces that do not know the velocities", _WINDOW, contact=0.1),
+    _damped(": a window restarts with forces from velocities other", _WINDOW, contact=0.1),
     _damped(f".coupling: {_ONLY_LINEAR}", {"coupling": {"stiffness": 0.1, "cubic": 0.1}}, coupling=0.1),
     _damped(".tension: LAMMPS cuts tension where dashpots pull harder", _SQUARE, contact=0.1, tension="cut"),
     _damped(

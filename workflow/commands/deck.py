@@ -57,10 +57,10 @@ def execute(arguments: argparse.Namespace) -> int:
         slower = ranks.too_many(scene.problem(), options.ranks)
         if slower:
             print(slower)
-        print(f"on the cluster, there: sbatch {file_names.JOB}    then: granchain status {one_line(arguments.output)}")
+        print(f"submit there: sbatch {file_names.JOB}; state: granchain status {one_line(arguments.output)}")
         return 0
     print(f"{size.sentence()} on one core")
     if scene.output.peaks:
         print("output.peaks: found by `granchain run` only; lmp alone leaves no peaks.csv")
-    print(f"run it there with: lmp -in {file_names.DECK}    then: granchain analyze {one_line(arguments.output)}")
+    print(f"run there: lmp -in {file_names.DECK}; then: granchain analyze {one_line(arguments.output)}")
     return 0

@@ -66,7 +66,7 @@ def _run(what: file.Sweep, arguments: argparse.Namespace) -> Answer:
     if end.failed:
         print("the same command runs those that failed again")
     else:
-        print(f"gather them with: granchain collect {one_line(arguments.output)}")
+        print(f"table: granchain collect {one_line(arguments.output)}")
     return Answer(1 if end.failed else 0, data)
 
 
@@ -79,7 +79,7 @@ def _write(what: file.Sweep, output: Path, options: JobOptions) -> Answer:
     print(f"{output}: {written.tasks} of {written.cases} cases to do{under_way}")
     if written.tasks:
         ranks = f"{written.ranks} rank{'s' * (written.ranks > 1)}"
-        print(f"on the cluster, there: sbatch {file_names.JOB}    (one array, each case on {ranks})")
+        print(f"submit there: sbatch {file_names.JOB} (one array, each case on {ranks})")
         if written.numbers > on_cluster.USUAL_LIMIT:
             print(f"its numbers go to {written.numbers - 1}; Slurm's MaxArraySize is often {on_cluster.USUAL_LIMIT}")
     print(f"then: granchain status {output}    and: granchain collect {output}")

@@ -36,5 +36,5 @@ def write_job(
 
 def submit_hint(directory: Path) -> str:
     """What to do with it, in one line."""
-    said = f"what it says: {file_names.JOB_OUTPUT}"
-    return f"{directory}: {file_names.JOB}; on the cluster, there: sbatch {file_names.JOB}    ({said})"
+    said = f"output: {file_names.JOB_OUTPUT}"
+    return f"{directory}: submit there: sbatch {file_names.JOB}; {said}"

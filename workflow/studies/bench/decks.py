@@ -106,7 +106,7 @@ def window_ratios(root: Path) -> Iterator[Ratio]:
         )
     different = _different(root / f"whole-{LONGEST_WHOLE}", root / f"window-{LONGEST_WHOLE}")
     name = f"numbers near the front that differ, 2 x {LONGEST_WHOLE:,}"
-    yield make_ratio(name, different, 0, "bit for bit", below=True)
+    yield make_ratio(name, different, 0, "bitwise", below=True)
 
 
 def _run(case: Scene, directory: Path) -> float:

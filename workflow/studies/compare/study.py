@@ -1,4 +1,4 @@
-"""The same scene with several engines side by side: what the cheap model of rigid beads keeps, and what it loses.
+"""The same scene with several engines side by side: what the model of rigid beads reproduces, and what not.
 
 Each engine's run has a directory of its name; ``compare.json`` and a figure are beside them.
 """
@@ -192,16 +192,16 @@ def _rigid_against(rigid: Result, hertz: Result, last: int) -> list[str]:
         )
     sentences = []
     if kept:
-        sentences.append(f"Rigid beads keep, within {100.0 * KEPT:.0f} %: {'; '.join(kept)}.")
+        sentences.append(f"Rigid beads reproduce, within {100.0 * KEPT:.0f} %: {'; '.join(kept)}.")
     if lost:
-        sentences.append(f"{'They' if kept else 'Rigid beads'} lose: {'; '.join(lost)}.")
+        sentences.append(f"{'They' if kept else 'Rigid beads'} do not reproduce: {'; '.join(lost)}.")
     if len(one.first) > 1:
         a, b = unevenness(one, last), unevenness(other, last)
         if math.isfinite(a) and math.isfinite(b):
             verdict = "the same" if abs(a - b) <= KEPT else "not the same"
             sentences.append(
-                f"Sharing is {verdict}: on the last quarter of the way to bead {last} the chains' impulses differ by "
-                f"{_percent(a)} of their mean in rigid beads, by {_percent(b)} in Hertz beads."
+                f"Energy exchange between chains is {verdict}: on the last quarter of the way to bead {last} the "
+                f"chains' impulses differ by {_percent(a)} of their mean in rigid beads, by {_percent(b)} in Hertz beads."
             )
     ratio = hertz.seconds / rigid.seconds if rigid.seconds > 0.0 else math.inf
     sentences.append(

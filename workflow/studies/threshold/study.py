@@ -180,9 +180,9 @@ def cost(question: Question) -> str:
     each = halvings + 2 * math.ceil((halvings + 1) * math.log(2.0) / math.log(APART))
     seconds = [_seconds(question, value, over) for value in (axis.low, axis.high) for over in question.lines]
     known = [one for one in seconds if one is not None]
-    time = f", {min(known):.2g} to {max(known):.2g} s each by estimate" if known else ""
+    time = f", {min(known):.2g} to {max(known):.2g} s each (estimate)" if known else ""
     many = f" for each of {lines} values of {question.over}" if question.over else ""
-    return f"{scan} scenes, and about {each} for each crossing{many}{time}"
+    return f"{scan} scenes, and about {each} per crossing{many}{time}"
 
 
 def _seconds(question: Question, value: float, over: Any) -> float | None:

@@ -92,8 +92,8 @@ def test_the_struck_bead_of_rigid_beads_has_its_velocity_as_peak(found):
 def test_the_answer_says_what_is_lost_and_what_it_costs(found):
     text = " ".join(found[1]["answer"])
     assert "LAMMPS and the reference agree on first impulses to" in text
-    assert "lose: the first impulses, from bead 2 on" in text
-    assert "Sharing is not the same" in text
+    assert "do not reproduce: the first impulses, from bead 2 on" in text
+    assert "Energy exchange between chains is not the same" in text
     assert "times as long" in text
 
 
@@ -123,7 +123,7 @@ def test_weak_swings_keep_the_cheap_model_right(tmp_path):
     result = compare(case, tmp_path / "out", engines=("collisions", "reference"))
     assert result.last == 14 - 5
     text = " ".join(result.answer)
-    assert "Rigid beads keep, within 10 %: the first impulses of beads 2 to " in text
+    assert "Rigid beads reproduce, within 10 %: the first impulses of beads 2 to " in text
 
 
 def test_touching_beads_are_compared_without_rigid_ones(tmp_path):
