@@ -201,7 +201,7 @@ def _rigid_against(rigid: Result, hertz: Result, last: int) -> list[str]:
             verdict = "the same" if abs(a - b) <= KEPT else "not the same"
             sentences.append(
                 f"Energy exchange between chains is {verdict}: on the last quarter of the way to bead {last} the "
-                f"chains' impulses differ by {_percent(a)} of their mean in rigid beads, by {_percent(b)} in Hertz beads."
+                f"chains' impulses differ by {_percent(a)} of their mean in rigid, by {_percent(b)} in Hertz beads."
             )
     ratio = hertz.seconds / rigid.seconds if rigid.seconds > 0.0 else math.inf
     sentences.append(
