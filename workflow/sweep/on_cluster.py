@@ -3,13 +3,15 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-from lammps_inputs import InputError, Problem, Scene, file_names, load
+from lammps_inputs import InputError, Problem, Scene, file_names, library, load
 from lammps_inputs.decks import deck
 from lammps_inputs.slurm import job
 from lammps_inputs.slurm.site import JobOptions
 from workflow.cluster import queue
 from workflow.cluster.job_arguments import with_ranks
+from workflow.engines.lammps.mpi import cores
 from workflow.prepare.settings import settle
 from workflow.runs.engines import LAMMPS
 from workflow.runs.files import LAMMPS_FILES, RECORD, write_json, write_text
@@ -17,8 +19,9 @@ from workflow.runs.job import Job
 from workflow.runs.own_files import claim, listed, retire
 from workflow.runs.status import status
 from workflow.sweep.carry_out import planned, request
-from workflow.sweep.directory import begin
+from workflow.sweep.directory import Asked, begin
 from workflow.sweep.file import Case, Sweep, scene_of
+from workflow.workers.pool import Pool, Task
 
 USUAL_LIMIT = 1001
 """Tasks of an array where a site did not say otherwise (MaxArraySize)."""
@@ -73,15 +76,11 @@ def write_array(
             _refuse_if_queued(directory, listed, known)
         count = options.cases_per_task
         lines += [tuple(new[first : first + count]) for first in range(0, len(new), count)]
-        problems = []
-        for count, case in enumerate(todo, 1):
-            problems.append(_write_case(what, case, directory / case.name))
-            if progress is not None:
-                progress(count, len(todo))
-        options = _for_all(options, problems)
+        small = _write_cases(what, todo, directory.absolute(), progress)
+        options = _for_all(options, small)
         place = {name: number for number, line in enumerate(lines) for name in line}
         tasks = [place[case.name] for case in todo]
-        files = job.render_array(options, lines, name=problems[0].name, tasks=tasks, directory=directory)
+        files = job.render_array(options, lines, name=small[0].name, tasks=tasks, directory=directory)
         claim(directory, (*files, file_names.JOB_OUTPUT))
         for name, text in files.items():
             write_text(directory / name, text)
@@ -104,44 +103,83 @@ def _refuse_if_queued(directory: Path, listed: list[str], known: queue.Queue | N
             )
 
 
-def _write_case(what: Sweep, case: Case, path: Path) -> Problem:
-    """The deck of a case, unless it is there whole, and what a job needs beside it; a restart is resumed."""
-    scene = scene_of(what, case)
+def _write_cases(
+    what: Sweep, todo: list[Case], directory: Path, progress: Callable[[int, int], None] | None
+) -> list[Problem]:
+    """Write what each case needs, on all cores; the problems of the fewest beads and of the fewest rows.
+
+    Raises:
+        InputError: a case cannot be a job.
+    """
+    tasks = []
+    for case in todo:
+        wanted = request(what, case, scene_of(what, case)).plain()
+        arguments = {
+            "directory": str(directory / case.name),
+            "case": wanted,
+            "source": f"{what.source}: case {case.name}",
+        }
+        tasks.append((directory / case.name, Task(f"{__name__}:write_case", arguments)))
+    sizes: dict[Path, dict[str, int]] = {}
+    with Pool(min(cores(), len(tasks))) as pool:
+        for path, found in pool.values(tasks):
+            if "refused" in found:
+                raise InputError(found["refused"])
+            sizes[path] = found
+            if progress is not None:
+                progress(len(sizes), len(todo))
+    fewest = [min(sizes, key=lambda path: sizes[path][of]) for of in ("beads", "rows")]
+    return [load(path / file_names.SCENE).problem() for path in fewest]
+
+
+def write_case(directory: str, case: dict[str, Any], source: str) -> dict[str, Any]:
+    """Write the deck of a case, unless it is there whole, and what a job needs beside it; a restart is resumed.
+
+    Returns:
+        Numbers of beads and rows in LAMMPS; or ``refused``, why the case cannot be a job.
+    """
+    path, wanted = Path(directory), Asked(**case)
+    try:
+        problem = _write_case(path, wanted, library.from_plain(wanted.scene, source), source)
+    except InputError as error:
+        return {"refused": str(error)}
+    return {"beads": problem.chains * problem.rows, "rows": problem.rows}
+
+
+def _write_case(path: Path, wanted: Asked, scene: Scene, source: str) -> Problem:
     if not all((path / name).is_file() for name in (file_names.SCENE, file_names.DECK, file_names.DATA)):
-        _write_deck(path, what, case, scene)
+        _write_deck(path, wanted, scene, source)
     try:
         written = load(path / file_names.SCENE)
     except InputError:  # damaged
-        _write_deck(path, what, case, scene)
+        _write_deck(path, wanted, scene, source)
         written = load(path / file_names.SCENE)
     problem = written.problem()
-    for name, text in deck.render(written).items():
+    for name, text in deck.render(written, problem).items():
         if (path / name).read_bytes() != text.encode("utf-8"):  # damaged
             write_text(path / name, text)
     retire(path, listed(path).difference(LAMMPS_FILES, file_names.JOB_FILES))  # of a run that did not end here
     files = job.case_files(problem)
     claim(path, file_names.JOB_FILES)
-    account = Job(files=sorted(listed(path)), request=request(what, case, scene).plain())
-    write_json(path / RECORD, account.plain())
+    write_json(path / RECORD, Job(files=sorted(listed(path)), request=wanted.plain()).plain())
     for name, text in files.items():
         write_text(path / name, text)
     return problem
 
 
-def _write_deck(path: Path, what: Sweep, case: Case, scene: Scene) -> None:
-    settled, _ = settle(scene, source=f"{what.source}: case {case.name}")
+def _write_deck(path: Path, wanted: Asked, scene: Scene, source: str) -> None:
+    settled, _ = settle(scene, source=source)
     files = deck.render(settled)
-    begin(path, request(what, case, scene), scene)
+    begin(path, wanted, scene)
     claim(path, LAMMPS_FILES)
     for name, text in files.items():
         write_text(path / name, text)
 
 
-def _for_all(options: JobOptions, problems: list[Problem]) -> JobOptions:
+def _for_all(options: JobOptions, small: list[Problem]) -> JobOptions:
     """Ranks that suit the smallest case where none were asked for; never more than any case has rows."""
-    small = min(problems, key=lambda problem: problem.chains * problem.rows)
-    options = with_ranks(options, small)
-    rows = min(problem.rows for problem in problems)
+    options = with_ranks(options, small[0])
+    rows = small[-1].rows
     if options.ranks > rows:
         raise InputError(f"--ranks-per-node: {options.ranks} ranks in all, but ranks divide the {rows} rows of a case")
     return options
