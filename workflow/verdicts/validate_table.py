@@ -1,6 +1,6 @@
 """Is a run right? Compared with a user's own trajectory in a file, quantity by quantity, or with measured traces."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -50,13 +50,7 @@ def validate_against(
     own = joined(blocks(directory))
     own = own[: problem.frames + 1]
     theirs = as_trajectory(given, problem, dimensionless=dimensionless)
-    columns = np.searchsorted(problem.recorded_beads, given.beads)
-    own_part = replace(
-        own,
-        problem=theirs.problem,
-        displacement=own.displacement[:, :, columns],
-        velocity=own.velocity[:, :, columns],
-    )
+    own_part = _part(own, theirs.problem, given.beads)
     try:
         resampled = common_times.at_times(own_part, theirs.time)
     except InputError as error:
@@ -121,13 +115,7 @@ def validate_traces(
     if dimensionless:
         given = replace(given, time=given.time * problem.scale.time, values=given.values * worth)
     whole = joined(directory.blocks())[: problem.frames + 1]
-    columns = np.searchsorted(problem.recorded_beads, beads)
-    run = replace(
-        whole,
-        problem=replace(problem, recorded=beads),
-        displacement=whole.displacement[:, :, columns],
-        velocity=whole.velocity[:, :, columns],
-    )
+    run = _part(whole, replace(problem, recorded=beads), beads)
     try:
         found = read_at(run, given.channels, given.time)
     except InputError as error:
@@ -156,6 +144,14 @@ def validate_traces(
     allowed = np.array(list(own.values())) * worth
     write(directory.path, result, residual_figure(problem, given, found, allowed, "tolerance"))
     return result
+
+
+def _part(run: Trajectory, problem: Problem, beads: Sequence[int]) -> Trajectory:
+    """A run at some of its recorded beads; ``problem`` records only those."""
+    columns = np.searchsorted(run.problem.recorded_beads, beads)
+    return replace(
+        run, problem=problem, displacement=run.displacement[:, :, columns], velocity=run.velocity[:, :, columns]
+    )
 
 
 def _deviation(channel: Channel, apart: Floats, times: Floats, tolerance: float, problem: Problem) -> Deviation:
