@@ -12,7 +12,7 @@ from analysis.files import table, traces
 from analysis.files.table import Table
 from analysis.files.traces import Channel
 from analysis.gauges.channels import beads_of, complaint, read_at
-from analysis.trajectory import Floats, Trajectory, joined
+from analysis.trajectory import Floats, Integers, Trajectory, joined
 from lammps_inputs import InputError, Problem
 from workflow.runs.run_directory import RunDirectory
 from workflow.verdicts import causes
@@ -146,7 +146,7 @@ def validate_traces(
     return result
 
 
-def _part(run: Trajectory, problem: Problem, beads: Sequence[int]) -> Trajectory:
+def _part(run: Trajectory, problem: Problem, beads: Sequence[int] | Integers) -> Trajectory:
     """A run at some of its recorded beads; ``problem`` records only those."""
     columns = np.searchsorted(run.problem.recorded_beads, beads)
     return replace(

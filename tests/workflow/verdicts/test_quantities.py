@@ -50,7 +50,7 @@ def test_help_says_symbol_and_every_place_of_a_name():
 def test_a_column_reads_the_value_that_its_quantity_declares():
     found = collect_columns()["agree_1"]
     assert (found.file, found.path) == ("analysis.json", ("equipartition", "amplitudes", "0.01"))
-    assert collect_columns()["arrival"].path == ("hit", "arrival")
+    assert collect_columns()["arrival"].path == ("kicked", "arrival")
 
 
 def test_names_of_columns_are_those_of_one_quantity():
