@@ -232,7 +232,7 @@ def resistance(law: Any, strain: Any) -> Any:
 
 def cut(law: Any) -> bool:
     """Whether a law of damping cuts tension, so that its force does not follow from the strain and its rate alone."""
-    return bool(np.min(getattr(law, "floor", NO_LIMIT)) < NO_LIMIT)
+    return bool(np.min(getattr(law, "tensile_limit", NO_LIMIT)) < NO_LIMIT)
 
 
 def at_max_strain(law: Any, elastic: laws.Law, energy: float) -> Any:
