@@ -3,6 +3,9 @@
 import math
 import os
 
+import numpy as np
+from numpy.typing import NDArray
+
 
 def power_of_two_at_least(value: float) -> float:
     """The smallest power of two that is not below a positive value."""
@@ -13,6 +16,12 @@ def power_of_two_at_least(value: float) -> float:
 def text(value: float) -> str:
     """The shortest text that reads back as exactly this number, without a trailing ``.0``."""
     return repr(float(value)).removesuffix(".0")
+
+
+def random_shares(seed: int | list[int], count: int) -> NDArray[np.float64]:
+    """Evenly distributed numbers from 0 to 1: 53 bits of a generator whose stream NumPy keeps as it is."""
+    stream = np.random.PCG64(np.random.SeedSequence(seed))
+    return np.asarray((stream.random_raw(count) >> np.uint64(11)) * 2.0**-53)
 
 
 def known(value: float) -> float | None:

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene
 
 UNEQUAL = {"pattern": "jayaprakash2011", "taper": "doney2006", "disorder": "ponson2010", "striker": "sokolow2007"}
-HERTZ, POWER_LAW = "hertz1882", ("nesterenko2001", "spadoni2010")
+HERTZ, POWER_LAW, GRADED = "hertz1882", ("nesterenko2001", "spadoni2010"), "chaunsali2018"
 LAMMPS, REFERENCE = "thompson2022", "blanes2002"
 SCHEMES = {"verlet": "swope1982", "suzuki4": "suzuki1990"}
 ENGINES = [LAMMPS, SCHEMES["verlet"], REFERENCE]
@@ -69,7 +69,7 @@ def of_models() -> dict[str, list[str]]:
     """Laws and schemes that a scene can choose: subject -> keys of `bibtex`."""
     from lammps_inputs.ingredients import INGREDIENTS, damping
 
-    found = {"contacts of spheres": [HERTZ], "`contact.exponent`": [*POWER_LAW]}
+    found = {"contacts of spheres": [HERTZ], "`contact.exponent`": [*POWER_LAW], "`contact.strength`": [GRADED]}
     found |= {f"`{key}`": [source] for key, source in UNEQUAL.items()}
     found |= {f"`{key}`": [*kind.sources] for key, kind in INGREDIENTS.items() if kind.sources}
     found |= {f"`damping.contact`, law `{law}`": [*keys] for law, keys in damping.SOURCES.items()}

@@ -102,6 +102,15 @@ class Ingredient(Part):
         """
         return None
 
+    @property
+    def strength_key(self) -> str:
+        """Key that changes the strength of the contacts along the chains; empty where none does."""
+        return ""
+
+    def strengths(self, scene: "BaseScene") -> Parameter:  # noqa: ARG002
+        """Factors on the strengths of the contacts, a number or [chain, contact]."""
+        return 1.0
+
     def dampers(self, scene: "BaseScene") -> tuple[Link, ...]:  # noqa: ARG002
         """Links with laws of damping (`lammps_inputs.laws.dashpot`), dimensionless; they store no energy."""
         return ()

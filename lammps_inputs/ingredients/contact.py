@@ -8,11 +8,13 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, field_validator
 
-from lammps_inputs import laws
+from lammps_inputs import strict_yaml
 from lammps_inputs.facts import Fact
+from lammps_inputs.ingredients import profile
 from lammps_inputs.ingredients.base import Ingredient, Positive
+from lammps_inputs.ingredients.profile import Strength
 from lammps_inputs.laws import Law, Parameter
 from lammps_inputs.laws.contact import Hertz, Power
 from lammps_inputs.links import Along
@@ -38,14 +40,20 @@ class Contact(Ingredient):
         {Fact.REVERSIBLE: "contacts of an exponent below 1.5 open and close so abruptly that suzuki4 gains nothing"}
     )
 
-    exponent: Annotated[float, Field(ge=1, le=3), PURE]
+    exponent: Annotated[float, Field(ge=1, le=3), PURE] = HERTZ
     """Exponent p."""
     stiffness: Annotated[Positive, Unit("N/m^p")] | None = None
     """Constant A. Reduced units: 1 if omitted. With a material: required unless p = 1.5, where the material gives it.
     """
+    strength: Strength | None = None
+    """Factor on A of each contact: a number, a profile, or a list with one for each contact; 1 if omitted."""
+
+    _from_list = field_validator("strength", mode="before")(strict_yaml.as_tuple)
 
     def refuse(self, scene: "BaseScene") -> None:
-        """Refuse units that do not fit, and what is known of spheres only."""
+        """Refuse units that do not fit, what is known of spheres only, and profiles that do not fit the chains."""
+        if not self.model_fields_set:
+            raise ValueError(f"contact: names nothing; valid: `contact: {self.example}`")
         if scene.material is not None and self.exponent == HERTZ and self.stiffness is not None:
             raise ValueError("contact.stiffness: the material says how stiff contacts of the exponent 1.5 are")
         if scene.material is not None and self.exponent != HERTZ and self.stiffness is None:
@@ -53,9 +61,9 @@ class Contact(Ingredient):
 
     def refuse_system(self, scene: "BaseScene", system: "System") -> None:  # noqa: ARG002
         """Refuse what is known of spheres only."""
-        if self.exponent == HERTZ:
-            return
-        if any(np.ndim(strength) or strength != 1.0 for strength in (laws.strength(link.law) for link in system.along)):
+        from lammps_inputs.ingredients.unequal import sizes_and_moduli
+
+        if self.exponent != HERTZ and any(np.any(np.not_equal(one, 1.0)) for one in sizes_and_moduli(scene)):
             raise ValueError(
                 f"contact.exponent: {self.exponent:g} given; how the contacts of beads of unlike radius or modulus "
                 "differ is known for spheres, which have 1.5; let them differ in mass alone"
@@ -64,6 +72,20 @@ class Contact(Ingredient):
     def contact_law(self, strength: Parameter) -> Law:
         """Hertz's law where it is that."""
         return Hertz(strength) if self.exponent == HERTZ else Power(strength, self.exponent)
+
+    def cited(self) -> tuple[str, ...]:
+        """Of the profile."""
+        return () if self.strength is None else ("chaunsali2018",)
+
+    @property
+    def strength_key(self) -> str:
+        """That of the profile."""
+        return "" if self.strength is None else "contact.strength"
+
+    def strengths(self, scene: "BaseScene") -> Parameter:
+        """Those of the profile."""
+        profile.refuse(self.strength_key, self.strength, scene)
+        return profile.strengths(self.strength, scene)
 
     def contact_scale(self) -> tuple[float, float | None]:
         """By which the contacts have the strength 1."""

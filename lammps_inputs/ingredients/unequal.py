@@ -13,6 +13,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from lammps_inputs import materials
 from lammps_inputs.ingredients.base import Count, Part, Positive
+from lammps_inputs.numbers import random_shares
 from lammps_inputs.units import PURE, Unit, sphere_mass
 
 if TYPE_CHECKING:
@@ -115,9 +116,8 @@ class Disorder(Part):
     """Seed of the random numbers; the same beads on any machine."""
 
     def factors(self, name: str, shape: tuple[int, int]) -> Floats:
-        """Of one of the three, [chain, bead]; 53 bits of a generator whose stream NumPy keeps as it is."""
-        stream = np.random.PCG64(np.random.SeedSequence([self.seed, ("mass", "radius", "stiffness").index(name)]))
-        share = (stream.random_raw(shape[0] * shape[1]) >> np.uint64(11)) * 2.0**-53
+        """Of one of the three, [chain, bead]."""
+        share = random_shares([self.seed, ("mass", "radius", "stiffness").index(name)], shape[0] * shape[1])
         return np.asarray(1.0 + getattr(self, name) * (2.0 * share - 1.0)).reshape(shape)
 
 
@@ -167,25 +167,32 @@ def masses_and_strengths(scene: "BaseScene") -> tuple[float | Floats, float | Fl
     Raises:
         ValueError: naming the key, what was found and what to do.
     """
-    if all(getattr(scene, key) is None for key in KEYS):
-        return 1.0, 1.0
-    _refuse(scene)
-    mass, *_ = _beads(scene)
-    size, modulus = sizes_and_moduli(scene)
-    strength = np.asarray(modulus * np.sqrt(size))
+    given = {one.strength_key: one.strengths(scene) for one in scene.ingredients if one.strength_key}
+    unlike = any(getattr(scene, key) is not None for key in KEYS)
+    mass: float | Floats = 1.0
+    strength: float | Floats = 1.0
+    if unlike:
+        _refuse(scene)
+        mass, *_ = _beads(scene)
+        size, modulus = sizes_and_moduli(scene)
+        strength = np.asarray(modulus * np.sqrt(size))
+    for factor in given.values():
+        strength = strength * factor
     for name, values in (("mass", mass), ("contact strength", strength)):
-        least, most = float(values.min()), float(values.max())
+        least, most = float(np.min(values)), float(np.max(values))
         if not (least >= 1.0 / MOST and most <= MOST):
-            key = next(key for key in reversed(KEYS) if getattr(scene, key) is not None)
+            keys = [key for key in KEYS if getattr(scene, key) is not None]
+            key = [*keys, *([] if name == "mass" else given)][-1]
             raise ValueError(
                 f"{key}: the {name} goes from {least:.3g} to {most:.3g} of the reference bead's; at most a million "
                 "times, or one in a million"
             )
     if scene.window is not None and not (np.all(mass == 1.0) and np.ptp(strength) == 0.0):
-        raise ValueError("window: its rows stand for one after another, and the beads differ; leave the window out")
+        which = "beads" if unlike else "contacts"
+        raise ValueError(f"window: its rows stand for one after another, and the {which} differ; leave the window out")
     return (
         1.0 if np.all(mass == 1.0) else mass,
-        float(strength[0, 0]) if np.ptp(strength) == 0.0 else strength,
+        float(np.max(strength)) if np.ptp(strength) == 0.0 else strength,
     )
 
 

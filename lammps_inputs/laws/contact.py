@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
 
-from lammps_inputs.deck_lines import AtomTypes, Lines, types_by_contact
-from lammps_inputs.laws import Pure, formula
+from lammps_inputs.deck_lines import Lines, types_by_contact
+from lammps_inputs.laws import Parameter, Pure, formula
 from lammps_inputs.numbers import text
 from lammps_inputs.units import Dimension
 
@@ -57,44 +57,50 @@ class Hertz(NamedTuple):
         apart by the types of their beads, which takes another pair style: 1.7 times the time of a step.
         """
         unit = float(1.0 / np.sqrt(layout.diameter / 4.0))
-        if layout.contact_loss is not None:
-            return self._damped(unit, *layout.contact_loss.granular(layout))
-        if np.ndim(self.strength) == 0:
-            return Lines(
-                interactions=(
-                    "# contacts: force = overlap^1.5, no friction, no loss; this style computes no energy",
-                    f"pair_style gran/hertz/history {unit * float(self.strength)!r} 0 0 0 0 0",
-                    "pair_coeff * *",
-                )
-            )
-        types = types_by_contact(np.asarray(self.strength))
-        says = "# contacts: force = strength * overlap^1.5, strength by the bead types; no friction, no loss"
-        return Lines(types=types, interactions=(says, *_granular(unit, types, "0", "damping velocity")))
-
-    def _damped(self, unit: float, coefficient: float, model: str) -> Lines:
-        """With a dashpot beside the spring, from a deck variable."""
-        same = np.ndim(self.strength) == 0
-        types = None if same else types_by_contact(np.asarray(self.strength))
-        says = "# contacts: force = strength * overlap^1.5 and a dashpot, no friction"
-        strength = unit * float(self.strength) if same else unit
+        if layout.contact_loss is not None or np.ndim(self.strength) > 0:
+            return _granular("hertz", unit, self.strength, "overlap^1.5", layout)
         return Lines(
-            types=types,
-            variables=(f"variable contact_damping index {text(coefficient)}   # {model}", *_since(model)),
-            interactions=(says, *_granular(strength, types, "${contact_damping}", model)),
-            damped=True,
+            interactions=(
+                "# contacts: force = overlap^1.5, no friction, no loss; this style computes no energy",
+                f"pair_style gran/hertz/history {unit * float(self.strength)!r} 0 0 0 0 0",
+                "pair_coeff * *",
+            )
         )
 
 
-def _granular(strength: float, types: AtomTypes | None, loss: str, model: str) -> tuple[str, ...]:
-    """Of a dashpot, in LAMMPS's words, and strengths by types, times one that others have."""
+def _granular(law: str, unit: float, strength: Parameter, power: str, layout: "Layout") -> Lines:
+    """A pair style that distinguishes contacts by the types of their beads, and has dashpots beside them.
+
+    Args:
+        law: in LAMMPS's words.
+        unit: LAMMPS's constant of a contact of strength 1.
+        strength: a number, or [chain, contact].
+        power: of the overlap, for the comment.
+        layout: of the beads.
+    """
+    same, loss = np.ndim(strength) == 0, "0"
+    variables: tuple[str, ...] = ()
+    types = None if same else types_by_contact(np.asarray(strength))
+    says, model = f"{power}, strength by the bead types; no friction, no loss", "damping velocity"
+    if layout.contact_loss is not None:
+        coefficient, model = layout.contact_loss.granular(layout)
+        loss, says = "${contact_damping}", f"{power} and a dashpot, no friction"
+        variables = (f"variable contact_damping index {text(coefficient)}   # {model}", *_since(model))
     model = f"{loss} tangential linear_nohistory 0 0 {model}"
-    return (
-        "pair_style granular",
-        f"pair_coeff * * hertz {text(strength)} {model}",
-        *(
-            f"pair_coeff {one} {two} hertz {text(strength * a)} {model}"
-            for (one, two), a in ({} if types is None else types.strength).items()
+    general = unit * float(strength) if same else unit
+    return Lines(
+        types=types,
+        variables=variables,
+        interactions=(
+            f"# contacts: force = strength * {says}",
+            "pair_style granular",
+            f"pair_coeff * * {law} {text(general)} {model}",
+            *(
+                f"pair_coeff {one} {two} {law} {text(unit * a)} {model}"
+                for (one, two), a in ({} if types is None else types.strength).items()
+            ),
         ),
+        damped=bool(variables),
     )
 
 
@@ -142,13 +148,20 @@ class Power(NamedTuple):
         """Linear contacts are a style of LAMMPS's own; others it has from a formula of the energy, eight times slower.
 
         Raises:
-            ValueError: contacts that differ.
+            ValueError: contacts that differ, of an exponent other than 1.
         """
+        if self.exponent == 1.0:
+            return self._linear(layout)
         if np.ndim(self.strength) > 0:
-            raise ValueError(f"{name}: LAMMPS has one strength for contacts of this law; use the reference engine")
-        return self._linear() if self.exponent == 1.0 else self._by_formula(layout)
+            raise ValueError(
+                f"{name}: LAMMPS has strengths that differ from contact to contact for the exponents 1 and 1.5, not "
+                f"{self.exponent:g}; use the reference engine"
+            )
+        return self._by_formula(layout)
 
-    def _linear(self) -> Lines:
+    def _linear(self, layout: "Layout") -> Lines:
+        if np.ndim(self.strength) > 0:
+            return _granular("hooke", 1.0, self.strength, "overlap", layout)
         return Lines(
             interactions=(
                 "# contacts: force = overlap, no friction, no loss; this style computes no energy",

@@ -45,6 +45,7 @@ PICTURES = {
     "gallery/drive-above-the-cut-off": ("drive-above-the-cut-off", "spectra"),
     "gallery/column-of-rings": ("column-of-rings", "budget"),
     "gallery/tapered-chain": ("tapered-chain", "spacetime"),
+    "gallery/graded-contacts": ("graded-contacts", "spacetime"),
     "gallery/disordered-chain": ("disordered-chain", "spacetime"),
     "gallery/two-chains-gapped": ("two-chains-gapped", "spacetime"),
 }

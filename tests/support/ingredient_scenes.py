@@ -45,9 +45,17 @@ UNDER_LOAD = ("linear", "viscoelastic, cut", "restitution", "all")
 """Of these; what is cut under a load is before a wall, too."""
 
 
-def exponent(p: float, **more: Any) -> dict[str, Any]:
-    return {"contact": {"exponent": p}, **more}
+def exponent(p: float, profile: Any = None, **more: Any) -> dict[str, Any]:
+    return {"contact": {"exponent": p, **({} if profile is None else {"strength": profile})}, **more}
 
+
+def strength(profile: Any, **more: Any) -> dict[str, Any]:
+    return {"contact": {"strength": profile}, **more}
+
+
+RISING = {"from": 1.0, "to": 4.0, "contacts": [2, 6]}
+WAVY = {"mean": 1.2, "amplitude": 0.5, "wavenumber": 0.618, "phase": 40.0}
+RANDOM = {"spread": 0.3, "seed": 4}
 
 CASES: dict[str, dict[str, Any]] = {
     "one chain": {"chains": 1, "coupling": None},
@@ -80,6 +88,15 @@ CASES: dict[str, dict[str, Any]] = {
     "exponent 3": exponent(3.0),
     "walls of exponent 2": exponent(2.0, **AT_END),
     "walls of exponent 3, gap": exponent(3.0, **AT_END, gap=0.3),
+    "graded contacts": strength(RISING),
+    "wavy contacts, gap, walls": strength(WAVY, gap=0.3, **AT_END),
+    "random contacts": strength(RANDOM),
+    "random contacts of a dimer of sizes": strength({**RISING, **RANDOM}, **SIZES),
+    "graded contacts, pressed": strength(RISING, **HELD),
+    "graded column of exponent 1": exponent(1.0, RISING, gravity=0.05, walls={"right": "bead"}),
+    "random contacts, damping viscoelastic": strength(RANDOM, damping=LOSSES["viscoelastic"], coupling=None, **PRESSED),
+    "graded contacts, damping restitution": strength(RISING, damping=LOSSES["restitution"]),
+    "wavy contacts of exponent 1, damped": exponent(1.0, WAVY, damping=LOSSES["linear"]),
     "column of exponent 1": exponent(1.0, walls={"right": "bead"}, gravity=0.05),
     "pressed column of exponent 2": exponent(2.0, **PRESSED_COLUMN),
     "unlike columns of exponent 2": exponent(2.0, walls={"right": "bead"}, gravity=0.05, coupling=None, **MASSES),

@@ -114,6 +114,27 @@ def beads_of(scene: Scene) -> tuple[Floats, Floats, Floats]:
     return found[0], found[1], found[2]
 
 
+def along(scene: Scene) -> Floats:
+    """Factors on the strengths of the contacts by their place, [chain, contact]."""
+    given = None if scene.contact is None else scene.contact.strength
+    found = np.ones((scene.chains, scene.beads - 1))
+    if given is None or isinstance(given, float | tuple):
+        return found * (1.0 if given is None else given)
+    keys = given.model_dump(exclude_none=True)
+    for i in range(1, scene.beads):
+        if "to" in keys:
+            first, last = keys["contacts"]
+            share = min(max((i - first) / (last - first), 0.0), 1.0)
+            found[:, i - 1] *= keys["from"] + share * (keys["to"] - keys["from"])
+        if "amplitude" in keys:
+            angle = 2.0 * math.pi * keys["wavenumber"] * i + math.radians(keys.get("phase", 0.0))
+            found[:, i - 1] *= keys.get("mean", 1.0) + keys["amplitude"] * math.cos(angle)
+    if "spread" in keys:
+        spread = keys["spread"]
+        found *= np.random.default_rng(keys.get("seed", 1)).uniform(1.0 - spread, 1.0 + spread, found.shape)
+    return found
+
+
 def _random(seed: int, number: int, scene: Scene) -> Floats:
     bits = np.random.PCG64(np.random.SeedSequence([seed, number])).random_raw(scene.chains * scene.beads)
     return ((bits >> np.uint64(11)) * 2.0**-53).reshape(scene.chains, scene.beads)
@@ -234,7 +255,7 @@ def _nature(text: str) -> Nature:
     unit, p = units(scene), exponent(scene)
     mass, radius, modulus = beads_of(scene)
     size = 2.0 * radius[:, 1:] * radius[:, :-1] / (radius[:, 1:] + radius[:, :-1])
-    strength = 2.0 / (1.0 / modulus[:, 1:] + 1.0 / modulus[:, :-1]) * np.sqrt(size)
+    strength = 2.0 / (1.0 / modulus[:, 1:] + 1.0 / modulus[:, :-1]) * np.sqrt(size) * along(scene)
     load = loads(scene, mass)
     loss = _losses(scene, mass, strength)
     walls = _walls(scene, mass, load, loss)

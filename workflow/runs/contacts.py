@@ -63,10 +63,9 @@ class Contacts:
 
 def at_most(scene: Scene) -> Contacts | None:
     """What energy and momentum allow, before anything runs; None without a material, or without contacts of spheres."""
-    problem = scene.problem()
-    system = problem.system
+    system = scene.problem().system
     law = system.along[0].law
-    if not solids.is_of_spheres(law):
+    if not _of_spheres(scene, law):
         return None
     high = (
         laws.rest(law) + law.max_strain(physics.energy(system), *law)
@@ -100,8 +99,14 @@ def measure(directory: RunDirectory) -> Contacts | None:
 
 def has_contacts(directory: RunDirectory) -> bool:
     """Whether the run has contacts of spheres, in SI units."""
-    spheres = all(solids.is_of_spheres(link.law) for link in directory.problem.system.along)
-    return directory.scene.material is not None and spheres and ENGINES[directory.engine].deforms
+    scene = directory.scene
+    spheres = all(_of_spheres(scene, link.law) for link in directory.problem.system.along)
+    return scene.material is not None and spheres and ENGINES[directory.engine].deforms
+
+
+def _of_spheres(scene: Scene, law: laws.Law) -> bool:
+    """Whether contacts are those of the scene's beads as elastic spheres, whose pressure is known."""
+    return solids.is_of_spheres(law) and not any(ingredient.strength_key for ingredient in scene.ingredients)
 
 
 def _contacts(scene: Scene, overlap: Any, *, measured: bool) -> Contacts | None:
