@@ -38,12 +38,14 @@ class Axis:
         values: one number a case; NaN where there is none.
         error: uncertainty of each; NaN where it is unknown, None where all are.
         unsettled: whether a case had not come to its end state; None where that means nothing.
+        bands: ranges around the values, the widest first, each [low or high, case]; NaN where undefined.
     """
 
     label: str
     values: Floats
     error: Floats | None = None
     unsettled: Flags | None = None
+    bands: tuple[Floats, ...] = ()
 
     @property
     def open(self) -> Flags:
@@ -56,7 +58,8 @@ class Axis:
         """The same with a prefix before an SI unit, such that numbers are short; and the factor."""
         label, worth = shortened(self.label, self.values)
         error = None if self.error is None else self.error * worth
-        return replace(self, label=label, values=self.values * worth, error=error), worth
+        bands = tuple(band * worth for band in self.bands)
+        return replace(self, label=label, values=self.values * worth, error=error, bands=bands), worth
 
 
 def logarithmic(values: ArrayLike) -> bool:
@@ -126,6 +129,8 @@ def _line(axis: Axes, quantity: Axis, over: Axis, here: Flags, level: int = 0, *
     chosen = np.flatnonzero(here)[np.argsort(over.values[here], kind="stable")]
     x, y = over.values[chosen], quantity.values[chosen]
     axis.plot(x, y, markersize=5, **look)
+    for low, high in quantity.bands:
+        axis.fill_between(x, low[chosen], high[chosen], color=look["color"], alpha=0.2, linewidth=0.0)
     missing = x[~np.isfinite(y)]
     if len(missing):
         axis.plot(

@@ -11,10 +11,12 @@ from analysis import quantity
 from analysis.conservation import Conservation
 from analysis.gauges.far_end import FarEnd
 from analysis.mirror import direction_of
+from analysis.motion import bead_energy
+from analysis.sharing.energies import participation
 from analysis.sharing.equipartition import sharing
 from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.survey import survey
-from analysis.tracking.leading_waves import beyond_kicks, leading_waves, opposed, usual_arrival
+from analysis.tracking.leading_waves import Waves, beyond_kicks, leading_waves, opposed, usual_arrival
 from analysis.tracking.peaks import PeakFinder
 from analysis.trajectory import Trajectory, blocks
 from lammps_inputs import InputError, Problem, Scene, library, physics
@@ -25,7 +27,7 @@ from workflow.prepare.extent import with_duration
 from workflow.sweep import fields
 from workflow.sweep.collect import quantities
 from workflow.sweep.table import QUANTITIES
-from workflow.verdicts.analysis_report import REPORT, report
+from workflow.verdicts.analysis_report import REPORT, ChainSummary, report
 
 MASS = "mass"
 """Of all beads, in the scene's units: known before anything runs."""
@@ -43,21 +45,36 @@ KNOWN = (
 )
 """Quantities that a design may be about."""
 
+AT_BEAD = tuple(name for name, quantity in QUANTITIES.items() if quantity.path[0] == "kicked" and name != "bead")
+"""Quantities of the kicked chain's leading wave; ``peak_velocity@100`` is that at bead 100."""
+
 _OF_SHARING = ("amplitude", "agree_10", "agree_1", "in_step_1", "beat_length")
+
+PARTICIPATION = "participation"
 
 Measured = dict[str, float | None]
 """By name, in the scene's units; None where there is none."""
 
 
 def refuse_unknown(name: str, where: str, what: str) -> None:
-    """See that a quantity is one of `KNOWN`.
+    """See that a quantity is one of `KNOWN`, or one of `AT_BEAD` at a bead.
 
     Raises:
         InputError: it is not; says where it was given and what it is not.
     """
-    if name not in KNOWN:
+    base, bead = _at_bead(name)
+    if base in AT_BEAD and not bead:
+        raise InputError(f"{where}: {name[:60]!r} should end in the number of a bead, such as {base}@100")
+    if not base and name not in KNOWN:
         hint = library.suggestion(name, KNOWN) or f"; known are {', '.join(KNOWN)}"
         raise InputError(f"{where}: {name[:60]!r} is no {what}{hint}")
+
+
+def _at_bead(name: str) -> tuple[str, int]:
+    """Quantity and bead of ``peak_velocity@100``; empty without a bead, and 0 where that is no number."""
+    base, at, bead = name.partition("@")
+    plain = bead.isascii() and bead.isdecimal() and len(bead) < 10
+    return (base, int(bead) if plain else 0) if at and base in AT_BEAD else ("", 0)
 
 
 def heading(name: str, scene: dict[str, Any]) -> str:
@@ -66,7 +83,8 @@ def heading(name: str, scene: dict[str, Any]) -> str:
     if name == MASS:
         unit = SI["mass"] if si else REDUCED
     else:
-        unit = QUANTITIES[name].unit(si=si) if name in QUANTITIES else fields.unit(fields.parse(name), scene)
+        base = _at_bead(name)[0] or name
+        unit = QUANTITIES[base].unit(si=si) if base in QUANTITIES else fields.unit(fields.parse(name), scene)
     return name if unit in ("", REDUCED) else f"{name} ({unit})"
 
 
@@ -86,6 +104,9 @@ def scene_to_run(plain: dict[str, Any], names: tuple[str, ...], source: str) -> 
     scene = with_duration(library.from_plain({**plain, "output": {}}, source), wall=at_the_end)
     if scene.window is not None:
         raise InputError(f"{source}: window: rows behind it count here; leave it out")
+    for name in names:
+        if _at_bead(name)[1] > scene.beads:
+            raise InputError(f"{source}: {name}: the chains have {scene.beads} beads")
     return scene
 
 
@@ -106,7 +127,8 @@ def of_frames(
 ) -> Measured:
     """Quantities of a run; ``frames`` reads it again."""
     found: dict[str, Any] = {}
-    quick = _shared(problem, frames) if set(names) & set(_OF_SHARING) and _is_plain(problem) else {}
+    at_bead: dict[str, Any] = {}
+    quick = _quick(problem, frames, scene, names) if _is_plain(problem) else {}
     if any(name in _AT_THE_END for name in names):
         end, count = FarEnd(problem), Accountant(problem).of
         for block in frames():
@@ -116,8 +138,18 @@ def of_frames(
         seen, allowed, count = Conservation(), Tolerances(), Accountant(problem).of
         surveyed = survey(frames, problem, watchers=[seen], tolerances=allowed, counted=count)
         found |= quantity.plain(report(surveyed, seen, allowed), problem.scale)
-    known = {**quantities(found, {}, scene.plain()), **quick, MASS: mass_of(scene)}
+        at_bead = _at_beads(surveyed.waves, problem, scene, names)
+    known = {**quantities(found, {}, scene.plain()), **quick, **at_bead, MASS: mass_of(scene)}
     return {name: None if known[name] is None else float(known[name]) for name in names}
+
+
+def _at_beads(waves: Waves, problem: Problem, scene: Scene, names: tuple[str, ...]) -> dict[str, Any]:
+    """Quantities of the kicked chain's leading wave at chosen beads."""
+    found = {}
+    for name, (base, bead) in ((name, _at_bead(name)) for name in names if _at_bead(name)[0]):
+        here = [ChainSummary.of(waves.at(bead), problem, 1 + chain) for chain in range(problem.chains)]
+        found[name] = quantities({"waves": quantity.plain(here, problem.scale)}, {}, scene.plain())[base]
+    return found
 
 
 def _is_plain(problem: Problem) -> bool:
@@ -125,12 +157,27 @@ def _is_plain(problem: Problem) -> bool:
     return direction_of(problem) > 0 and not opposed(problem) and not problem.system.loads
 
 
-def _shared(problem: Problem, frames: Callable[[], Iterable[Trajectory]]) -> dict[str, float | None]:
-    """What an analysis finds of how the chains share the pulse, without all else that it looks for."""
-    finder = PeakFinder()
-    for block in frames():
-        finder.add(block)
-    found = sharing(leading_waves(beyond_kicks(finder.result(), problem), usual_arrival(problem)), problem)
+def _quick(
+    problem: Problem, frames: Callable[[], Iterable[Trajectory]], scene: Scene, names: tuple[str, ...]
+) -> dict[str, float | None]:
+    """What an analysis finds of the leading waves and of the last frame, without all else that it looks for."""
+    if not any(name in (*_OF_SHARING, PARTICIPATION) or _at_bead(name)[0] for name in names):
+        return {}
+    finder, last = PeakFinder(), None
+    for last in frames():
+        finder.add(last)
+    waves = leading_waves(beyond_kicks(finder.result(), problem), usual_arrival(problem))
+    quick: dict[str, float | None] = dict(_at_beads(waves, problem, scene, names))
+    if set(names) & set(_OF_SHARING):
+        quick |= _shared(waves, problem)
+    if last is not None and problem.whole:
+        energy = bead_energy(problem.system, last.displacement[-1], last.velocity[-1])
+        quick[PARTICIPATION] = quantity.plain(participation(energy), problem.scale)
+    return quick
+
+
+def _shared(waves: Waves, problem: Problem) -> dict[str, float | None]:
+    found = sharing(waves, problem)
     final, beat = found.final, found.beat_length
     values = (
         None if final is None else final.value,

@@ -8,6 +8,7 @@ from analysis.conservation import Conservation
 from analysis.mirror import along_the_way, mirrored_bead
 from analysis.quantity import Column, declare, derived, result, table, to_csv
 from analysis.shape.exact_wave import has_wave, wave_of
+from analysis.sharing.energies import participation
 from analysis.sharing.equipartition import AGREEMENTS, Estimate, dissipates, resolved
 from analysis.sharing.is_solitary import Character, Tolerances
 from analysis.sharing.survey import Survey
@@ -290,6 +291,13 @@ class Report:
         "largest deviation of the momentum over the momentum of kicks and forces from outside",
         undefined="not all beads are recorded, or momentum is not conserved (ground, walls, weights)",
     )
+    participation: float | None = declare(
+        "participation number (sum e)^2 / sum e^2 of the beads' energies e in the last frame: N where N beads have the "
+        "same energy and all others none; e is kinetic energy, half of that of each contact, and that of springs to "
+        "the ground",
+        undefined="not all beads are recorded, as in a window, or none has energy",
+        column="participation number of the beads' energies at the end",
+    )
     units: str = declare("the scene's units: ``SI`` or ``reduced``")
     scale: dict[str, float] = declare(
         "mass m, length L, time T and velocity V of the dimensionless problem, in the scene's units"
@@ -320,6 +328,7 @@ def report(found: Survey, seen: Conservation, tolerances: Tolerances) -> Report:
         front=seen.front,
         energy_drift=seen.energy_drift,
         momentum_drift=seen.momentum_drift,
+        participation=None if seen.bead_energy is None else participation(seen.bead_energy),
         units="SI" if scale.si else "reduced",
         scale={"mass": scale.mass, "length": scale.length, "time": scale.time, "velocity": scale.velocity},
         kappa=physics.kappa(problem.system),

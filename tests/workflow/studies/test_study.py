@@ -139,4 +139,4 @@ def test_ctrl_c_keeps_what_was_computed_and_leaves_neither_processes_nor_files_o
 
 
 def test_the_studies_that_are_known_are_found():
-    assert {study.command for study in declared()} >= {"map", "extremes", "gallery", "threshold"}
+    assert {study.command for study in declared()} >= {"map", "extremes", "gallery", "threshold", "ensemble"}

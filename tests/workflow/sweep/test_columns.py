@@ -8,6 +8,7 @@ from workflow.sweep.table import QUANTITIES, UNCERTAINTIES, Table
 REPORT = {
     "front": 58,
     "energy_drift": 1e-6,
+    "participation": 4.5,
     "waves": [
         {"chain": 1, "bead": 55, "arrival": 70.0, "peak_velocity": 0.31, "speed": 0.74},
         {"chain": 2, "bead": 54, "arrival": 71.0, "peak_velocity": 0.32, "speed": 0.75},
@@ -38,8 +39,8 @@ EXPECTED = {
     "bead": 54, "arrival": 71.0, "peak_velocity": 0.32, "speed": 0.75, "residual_energy": 0.002,
     "transmissibility": 0.4,
     "wall_force": 1.3, "wall_force_chain": 0.9, "delay": 80.0, "transmitted_energy": 0.7, "front": 58,
-    "energy_drift": 1e-6, "error_velocity": 1e-4, "error_amplitude": 1e-5, "error_arrival": 1e-3, "engine": "lammps",
-    "steps": 1000, "engine_seconds": 2.0, "wall_seconds": 3.0, "verdict": "they beat",
+    "participation": 4.5, "energy_drift": 1e-6, "error_velocity": 1e-4, "error_amplitude": 1e-5, "error_arrival": 1e-3,
+    "engine": "lammps", "steps": 1000, "engine_seconds": 2.0, "wall_seconds": 3.0, "verdict": "they beat",
 }  # fmt: skip
 
 

@@ -28,7 +28,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from lammps_inputs import InputError, library, schema, strict_yaml
-from workflow.studies.measures import KNOWN, heading, refuse_unknown
+from workflow.studies.measures import AT_BEAD, KNOWN, heading, refuse_unknown
 from workflow.sweep import fields
 from workflow.sweep.file import Range, number, scene_in, scene_of_file
 
@@ -272,7 +272,7 @@ def schema_of_file() -> dict[str, Any]:
     found, scene = schema.of(_File, "design"), scene_of_file()
     found["$defs"] |= scene.pop("$defs")
     spot: dict[str, Any] = {"anyOf": [{"type": "string"}, scene]}
-    quantity = {"enum": list(KNOWN)}
+    quantity = {"anyOf": [{"enum": list(KNOWN)}, {"pattern": f"^({'|'.join(AT_BEAD)})@[1-9][0-9]*$"}]}
     bounds = {"type": "object", "required": ["from", "to"], "additionalProperties": False}
     keys = {"from": {"type": "number"}, "to": {"type": "number"}, "spacing": {"enum": ["linear", "log"]}}
     places = {"type": "integer", "minimum": 1, "maximum": MOST_PLACES}

@@ -4,12 +4,11 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from lammps_inputs import InputError, library
 from workflow.engines.lammps.mpi import cores
 from workflow.formats import figure_files
 from workflow.screen import Answer, count_bar, one_line, print_table
+from workflow.studies.options import number, second_field, split
 from workflow.studies.threshold import study
 from workflow.studies.threshold.bracket import Axis
 from workflow.studies.threshold.study import Found, Question, Threshold
@@ -60,10 +59,10 @@ def execute(arguments: argparse.Namespace) -> Answer:
 def _question(arguments: argparse.Namespace) -> Question:
     name = arguments.scene
     plain = library.find(name).plain()
-    quantity, level = _split(arguments.where, "--where", "agree_1=100")
-    field, ends = _split(arguments.vary, "--vary", "coupling.stiffness=0.02:0.5")
-    over, places = _split(arguments.over, "--over", "chains=2,3,4") if arguments.over else ("", "")
-    low, high = (_number(end, "--vary", "FIELD=0.02:0.5") for end in (*ends.split(":", 1), "")[:2])
+    quantity, level = split(arguments.where, "--where", "agree_1=100")
+    field, ends = split(arguments.vary, "--vary", "coupling.stiffness=0.02:0.5")
+    over, values = second_field(arguments.over)
+    low, high = (number(end, "--vary", "FIELD=0.02:0.5") for end in (*ends.split(":", 1), "")[:2])
     try:
         whole = fields.is_whole(fields.parse(field, plain))
     except InputError as error:
@@ -78,27 +77,7 @@ def _question(arguments: argparse.Namespace) -> Question:
     if not 1e-12 <= arguments.tolerance <= 0.5:
         raise InputError(f"--tolerance: {arguments.tolerance:g} given; 1e-12 to 0.5")
     axis = Axis(low, high, arguments.log, whole, arguments.points, arguments.tolerance)
-    values = tuple(yaml.safe_load(f"[{places}]")) if over else ()
-    if over and (not values or len(set(map(str, values))) < len(values)):
-        raise InputError(f"--over: {places!r} given; different values with commas between, such as chains=2,3,4")
-    return Question(name, plain, quantity, _number(level, "--where", "agree_1=100"), field, axis, over, values)
-
-
-def _split(text: str, option: str, example: str) -> tuple[str, str]:
-    name, sign, value = (part.strip() for part in text.partition("="))
-    if not (name and sign and value):
-        raise InputError(f"{option}: {text!r} given; such as {example}")
-    return name, value
-
-
-def _number(text: str, option: str, example: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = float("nan")
-    if not abs(value) < 1e300:
-        raise InputError(f"{option}: {text!r} is no number; such as {example}")
-    return value
+    return Question(name, plain, quantity, number(level, "--where", "agree_1=100"), field, axis, over, values)
 
 
 def _print(found: Found, output: Path) -> None:

@@ -1,0 +1,125 @@
+"""Statistics of quantities of a scene over the seeds of its disorder."""
+
+import argparse
+from pathlib import Path
+
+from lammps_inputs import InputError, library
+from workflow.engines.lammps.mpi import cores
+from workflow.formats import figure_files
+from workflow.screen import Answer, count_bar, one_line, print_table
+from workflow.studies.ensemble import study
+from workflow.studies.ensemble.study import Found, Question
+from workflow.studies.measures import heading
+from workflow.studies.options import number, second_field
+from workflow.sweep.file import MAX_CASES
+from workflow.workers.pool import Pool
+
+ANSWERS = "the statistics, and the seeds"
+DRAWS = True
+EXAMPLES = (
+    "ensemble disordered-chain --seeds 0:199 --quantity peak_velocity@100 -o found",
+    "ensemble disordered-chain --seeds 0:99 --over disorder.mass=0.05,0.1,0.2,0.4 --quantity participation -o spread",
+)
+
+_SHOWN = {
+    "values": "values",
+    "undefined": "undefined",
+    "mean": "mean",
+    "interval_95": "+- (95 %)",
+    "standard_error": "std. error",
+    "standard_deviation": "std. dev.",
+    "q2_5": "2.5 %",
+    "q16": "16 %",
+    "q50": "50 %",
+    "q84": "84 %",
+    "q97_5": "97.5 %",
+}
+"""Statistic -> head in the printed table."""
+
+_SHORT = ("interval_95", "standard_error")
+"""Printed with four digits."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The ensemble, where to, and how."""
+    parser.add_argument("scene", metavar="SCENE", help="the scene, with disorder; its other fields are constant")
+    parser.add_argument("--seeds", metavar="FIRST:LAST", required=True, help="the seeds, both ends included")
+    parser.add_argument(
+        "--quantity",
+        metavar="NAME",
+        action="append",
+        help="of `granchain collect`, or of the leading wave at a bead: peak_velocity@100; several times for several "
+        "(default peak_velocity)",
+    )
+    parser.add_argument("--over", metavar="FIELD=A,B,...", help="one ensemble for each value of a second field")
+    parser.add_argument(
+        "--precision",
+        metavar="X",
+        type=float,
+        default=0.01,
+        help="wished half-width of the 95%% interval / the mean, to say how many seeds it needs (default 0.01)",
+    )
+    parser.add_argument("-o", "--output", metavar="DIR", type=Path, required=True, help="made, or resumed")
+    parser.add_argument("--jobs", metavar="N", type=int, default=cores(), help="scenes at a time (default all cores)")
+
+
+def execute(arguments: argparse.Namespace) -> Answer:
+    """Print the statistics; exit code 1 without any value, 130 when interrupted, with all that was computed kept."""
+    if not 1 <= arguments.jobs <= 1024:
+        raise InputError(f"--jobs: {arguments.jobs} given; 1 to 1024")
+    question = _question(arguments)
+    try:
+        with count_bar("ensemble") as progress, Pool(arguments.jobs, interrupt=True) as pool:
+            found = study.carry_out(question, arguments.output, pool=pool, progress=progress)
+    except KeyboardInterrupt:
+        print("interrupted: computed scenes remain; the same command resumes")
+        return Answer(130, {})
+    _print(found, arguments.output)
+    return Answer(0 if any(one.values for one in found.statistics.values()) else 1, found.plain())
+
+
+def _question(arguments: argparse.Namespace) -> Question:
+    first, last = (number(end, "--seeds", "0:199") for end in (*arguments.seeds.split(":", 1), "")[:2])
+    if not (first.is_integer() and last.is_integer() and 0 <= first <= last < 2**53 and last - first < MAX_CASES):
+        raise InputError(f"--seeds: {arguments.seeds} given; whole numbers, the smaller one first, such as 0:199")
+    if not 1e-9 <= arguments.precision < 1.0:
+        raise InputError(f"--precision: {arguments.precision:g} given; 1e-9 to 1, such as 0.01")
+    over, values = second_field(arguments.over)
+    return Question(
+        arguments.scene,
+        library.find(arguments.scene).plain(),
+        tuple(dict.fromkeys(arguments.quantity or ["peak_velocity"])),
+        range(int(first), int(last) + 1),
+        arguments.precision,
+        over,
+        values,
+    )
+
+
+def _print(found: Found, output: Path) -> None:
+    asked = found.question
+    for name in asked.quantities:
+        rows = [
+            [
+                *([_text(over)] if asked.over else []),
+                *(_text(getattr(one, key), key) for key in (*_SHOWN, "seeds_needed")),
+            ]
+            for (quantity, over), one in found.statistics.items()
+            if quantity == name
+        ]
+        head = [*(heading(field, asked.scene) for field in [asked.over] if field), *_SHOWN.values()]
+        print_table(
+            f"{one_line(asked.source)}: {heading(name, asked.scene)}, seeds {asked.seeds[0]} to {asked.seeds[-1]}",
+            [*head, f"seeds for {100.0 * asked.precision:g} %"],
+            rows,
+        )
+    if found.refused:
+        print(one_line(f"some scenes cannot be computed: {found.refused}"))
+    files = ", ".join((study.TABLE, study.SEEDS, *figure_files(*asked.files.values())))
+    print(f"{len(found.seeds)} scenes computed; {one_line(output)}: {files}")
+
+
+def _text(value: object, key: str = "") -> str:
+    if isinstance(value, float):
+        return f"{value:.{4 if key in _SHORT else 6}g}"
+    return "-" if value is None else one_line(value)
