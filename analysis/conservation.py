@@ -159,7 +159,7 @@ class Conservation:
         last_time: time of the last of them, in units of T.
         budget: where the energy is; None where that is not known, and where none is exchanged.
         front: largest number of a bead seen moving faster than 1e-3 of V; None if none was.
-        bead_energy: [chain, bead] in the last frame (`analysis.motion.bead_energy`); None where not all are recorded.
+        participation: of the beads' energies in the last frame (`analysis.motion`); NaN where not all are recorded.
     """
 
     def __init__(self, counted: Callable[[Trajectory], Trajectory] | None = None) -> None:
@@ -171,7 +171,7 @@ class Conservation:
         self.last_time = 0.0
         self.front: int | None = None
         self.budget: Budget | None = None
-        self.bead_energy: Floats | None = None
+        self.participation = float("nan")
         self._energy_input = self._missing = 0.0
 
     def add(self, block: Trajectory) -> None:
@@ -190,7 +190,7 @@ class Conservation:
         # all beads, for the order in which a sum is taken must not depend on which of them move in this block
         energy = motion.energy(system, block.displacement, velocity)
         momentum = motion.momentum(system, velocity)
-        self.bead_energy = motion.bead_energy(system, block.displacement[-1], velocity[-1])
+        self.participation = motion.participation(motion.bead_energy(system, block.displacement[-1], velocity[-1]))
         if not system.dampers and not system.holds(Fact.ENERGY):
             energy[:] = np.nan
         if physics.exchanges(system):

@@ -52,6 +52,12 @@ def bead_energy(system: System, displacement: Floats, velocity: Floats, first: i
     return total
 
 
+def participation(energy: Floats) -> float:
+    """(sum e)^2 / sum e^2: N where N beads have the same energy and all others none; NaN where none has any."""
+    total = float(np.sum(energy))
+    return 1.0 / float(np.sum((energy / total) ** 2)) if total > 0.0 else np.nan
+
+
 def contact_energy(system: System, displacement: Floats, first: int = 1) -> Floats:
     """Energy in each contact, [..., chain, bead - 1]."""
     return np.asarray(sum(link.energy(displacement, first) for link in system.along))

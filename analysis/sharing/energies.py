@@ -26,12 +26,6 @@ LEAST = 1e-9
 NO_CENTRE = "the chain has no energy"
 
 
-def participation(energy: Floats) -> float:
-    """(sum e)^2 / sum e^2: N where N beads have the same energy and all others none; NaN where none has any."""
-    total = float(np.sum(energy))
-    return 1.0 / float(np.sum((energy / total) ** 2)) if total > 0.0 else np.nan
-
-
 @result
 class Flow:
     """Energy at some instants."""

@@ -103,3 +103,9 @@ def test_energy_and_momentum_of_many_frames_are_those_of_each():
         assert motion.momentum(found.problem.system, found.velocity)[frame] == motion.momentum(
             found.problem.system, found.velocity[frame]
         )
+
+
+def test_the_participation_number_is_one_over_the_sum_of_squared_shares_of_the_beads_energies():
+    assert motion.participation(np.array([[0.0, 2.0, 2.0], [2.0, 0.0, 2.0]])) == pytest.approx(4.0, rel=1e-14)
+    assert motion.participation(np.array([3.0, 1.0])) == pytest.approx(1.6, rel=1e-14)
+    assert np.isnan(motion.participation(np.zeros(3)))

@@ -11,8 +11,7 @@ from analysis import quantity
 from analysis.conservation import Conservation
 from analysis.gauges.far_end import FarEnd
 from analysis.mirror import direction_of
-from analysis.motion import bead_energy
-from analysis.sharing.energies import participation
+from analysis.motion import bead_energy, participation
 from analysis.sharing.equipartition import sharing
 from analysis.sharing.is_solitary import Tolerances
 from analysis.sharing.survey import survey

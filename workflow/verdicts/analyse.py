@@ -161,7 +161,7 @@ def analyse(
     conservation.energy_drift = whole.energy_drift if changes else np.nan
     conservation.momentum_drift = whole.momentum_drift if changes else np.nan
     conservation.budget = whole.budget if changes else None
-    conservation.bead_energy = whole.bead_energy
+    conservation.participation = whole.participation
     findings = [measure.finish(found) for measure in measures]
     findings.append(energy.closed(directory, conservation, exchange))
     there = {one.key: one for one in findings if one is not None}

@@ -8,7 +8,6 @@ from analysis.conservation import Conservation
 from analysis.mirror import along_the_way, mirrored_bead
 from analysis.quantity import Column, declare, derived, result, table, to_csv
 from analysis.shape.exact_wave import has_wave, wave_of
-from analysis.sharing.energies import participation
 from analysis.sharing.equipartition import AGREEMENTS, Estimate, dissipates, resolved
 from analysis.sharing.is_solitary import Character, Tolerances
 from analysis.sharing.survey import Survey
@@ -291,7 +290,7 @@ class Report:
         "largest deviation of the momentum over the momentum of kicks and forces from outside",
         undefined="not all beads are recorded, or momentum is not conserved (ground, walls, weights)",
     )
-    participation: float | None = declare(
+    participation: float = declare(
         "participation number (sum e)^2 / sum e^2 of the beads' energies e in the last frame: N where N beads have the "
         "same energy and all others none; e is kinetic energy, half of that of each contact, and that of springs to "
         "the ground",
@@ -328,7 +327,7 @@ def report(found: Survey, seen: Conservation, tolerances: Tolerances) -> Report:
         front=seen.front,
         energy_drift=seen.energy_drift,
         momentum_drift=seen.momentum_drift,
-        participation=None if seen.bead_energy is None else participation(seen.bead_energy),
+        participation=seen.participation,
         units="SI" if scale.si else "reduced",
         scale={"mass": scale.mass, "length": scale.length, "time": scale.time, "velocity": scale.velocity},
         kappa=physics.kappa(problem.system),

@@ -92,28 +92,30 @@ def test_a_second_field_gives_a_line_for_each_value_with_that_ensemble(tmp_path)
 SHORT = {**CHAIN, "beads": 24, "disorder": {"mass": 0.2, "stiffness": 0.1}, "duration": 18.0}
 
 
-def test_a_seed_is_the_scenes_own_disorder_and_a_bead_that_the_pulse_misses_is_undefined(tmp_path, capsys):
-    out = tmp_path / "run"
-    words = ["--seeds", "4:5", "--quantity", "peak_velocity@10", "--quantity", "arrival@24", "--json"]
-    code, (peak, late), seeds = asked(tmp_path, *words, scene=SHORT)
-    assert (code, peak["values"], late["values"], late["undefined"], late["mean"]) == (0, "2", "0", "2", "")
-    told = json.loads(capsys.readouterr().out)
-    assert [one["values"] for one in told["statistics"]] == [2, 0]
-    (tmp_path / "own.yaml").write_text(strict_yaml.dump({**SHORT, "disorder": {**SHORT["disorder"], "seed": 5}}))
-    assert main(["run", str(tmp_path / "own.yaml"), "--engine", "reference", "-o", str(out)]) == 0
-    assert main(["analyze", str(out), "--no-figures"]) == 0
-    waves = list(csv.DictReader((out / "waves.csv").read_text().splitlines()))
-    (own,) = (row for row in waves if row["bead"] == "10")
-    # both are bounded by the reference's uncertainty, some 1e-8 here
-    assert float(seeds[1]["peak_velocity@10"]) == pytest.approx(float(own["peak_velocity"]), rel=1e-6)
+def test_a_bead_that_the_pulse_misses_is_undefined_and_no_quantity_defined_is_exit_code_1(tmp_path, capsys):
+    code, (late,), seeds = asked(tmp_path, "--seeds", "4:5", "--quantity", "arrival@24", "--json", scene=SHORT)
+    assert (code, late["values"], late["undefined"], late["mean"]) == (1, "0", "2", "")
+    assert [row["arrival@24"] for row in seeds] == ["", ""]
+    (told,) = json.loads(capsys.readouterr().out)["statistics"]
+    assert (told["undefined"], told["mean"]) == (2, None)
 
 
-def test_the_participation_number_is_one_over_the_sum_of_squared_shares_of_the_beads_energies():
-    from analysis.sharing.energies import participation
+OPPOSED = [{"velocity": 1.0}, {"bead": 24, "velocity": -0.5}]
 
-    assert participation(np.array([[0.0, 2.0, 2.0], [2.0, 0.0, 2.0]])) == pytest.approx(4.0, rel=ROUNDING)
-    assert participation(np.array([3.0, 1.0])) == pytest.approx(16.0 / 10.0, rel=ROUNDING)
-    assert math.isnan(participation(np.zeros(3)))
+
+@pytest.mark.parametrize("kick", [SHORT["kick"], OPPOSED], ids=["one", "opposed"])
+def test_quantities_of_a_seed_are_those_of_a_run_with_that_seed_in_the_scene(kick, tmp_path):
+    scene = {**SHORT, "kick": kick}
+    _, _, (seed,) = asked(tmp_path, "--seeds", "5:5", "--quantity", "peak_velocity@10", *AT_100[2:], scene=scene)
+    own = tmp_path / "own.yaml"
+    own.write_text(strict_yaml.dump({**scene, "disorder": {**scene["disorder"], "seed": 5}}))
+    assert main(["run", str(own), "--engine", "reference", "-o", str(tmp_path / "run")]) == 0
+    assert main(["analyze", str(tmp_path / "run"), "--no-figures"]) == 0
+    waves = csv.DictReader((tmp_path / "run" / "waves.csv").read_text().splitlines())
+    (peak,) = (float(row["peak_velocity"]) for row in waves if row["bead"] == "10")
+    report = json.loads((tmp_path / "run" / "analysis.json").read_text())
+    found = [float(seed[name]) for name in ("peak_velocity@10", "participation")]
+    assert found == pytest.approx([peak, report["participation"]], rel=1e-12)
 
 
 BY_MASS = ["--seeds", "0:3", "--quantity", "mass", "--over", "disorder.mass=0.1,0.2"]
