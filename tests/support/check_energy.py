@@ -19,6 +19,7 @@ def expected(case: Case) -> dict[str, Any]:
         "front": front(case),
         "energy_drift": energy_drift(case),
         "momentum_drift": momentum_drift(case),
+        "participation": participation(case),
         "units": "SI" if unit.si else "reduced",
         "scale": {name: About(getattr(unit, name)) for name in ("mass", "length", "time", "velocity")},
         "kappa": About(max((float(np.max(k)) for _, _, k, _ in case.nature.springs), default=0.0)),
@@ -52,6 +53,15 @@ def energy_drift(case: Case) -> Any:
     most = float(np.max(np.abs(energy_input)))
     missing = float(np.max(np.abs(held + summed(lost) - energy_input)))
     return About(missing / most, case.energy_off / most + 1e-9)
+
+
+def participation(case: Case) -> Any:
+    """How many beads share the energy of the last frame of all beads."""
+    if case.of_all is None:
+        return None
+    energy = case.nature.of_beads(case.of_all.x[-1], case.of_all.v[-1])
+    number = float(np.sum(energy) ** 2 / np.sum(energy**2))
+    return About(number, 1e-9 * number * (1.0 + float(np.max(case.nature.load)) ** 2))
 
 
 def exchanged(case: Case, time: Any) -> tuple[Any, dict[str, Any]]:

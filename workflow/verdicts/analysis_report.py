@@ -293,7 +293,7 @@ class Report:
     participation: float = declare(
         "participation number (sum e)^2 / sum e^2 of the beads' energies e in the last frame: N where N beads have the "
         "same energy and all others none; e is kinetic energy, half of that of each contact, and that of springs to "
-        "the ground",
+        "the ground and walls",
         undefined="not all beads are recorded, as in a window, or none has energy",
         column="participation number of the beads' energies at the end",
     )
