@@ -11,6 +11,7 @@ import pytest
 from lammps_inputs import strict_yaml
 from workflow.cli import main
 from workflow.studies.ensemble.statistics import statistics
+from workflow.studies.ensemble.study import Question
 from workflow.workers.pool import Pool
 
 pytestmark = pytest.mark.usefixtures("pool_here")
@@ -96,6 +97,7 @@ def test_a_bead_that_the_pulse_misses_is_undefined_and_no_quantity_defined_is_ex
     code, (late,), seeds = asked(tmp_path, "--seeds", "4:5", "--quantity", "arrival@24", "--json", scene=SHORT)
     assert (code, late["values"], late["undefined"], late["mean"]) == (1, "0", "2", "")
     assert [row["arrival@24"] for row in seeds] == ["", ""]
+    assert not list((tmp_path / "found").glob("*.png"))
     (told,) = json.loads(capsys.readouterr().out)["statistics"]
     assert (told["undefined"], told["mean"]) == (2, None)
 
@@ -116,6 +118,18 @@ def test_quantities_of_a_seed_are_those_of_a_run_with_that_seed_in_the_scene(kic
     report = json.loads((tmp_path / "run" / "analysis.json").read_text())
     found = [float(seed[name]) for name in ("peak_velocity@10", "participation")]
     assert found == pytest.approx([peak, report["participation"]], rel=1e-12)
+
+
+def test_random_ingredients_have_seeds_of_their_own_and_parts_that_are_not_random_have_none():
+    def seeded(strength):
+        scene = {**SHORT, "contact": {"strength": strength}}
+        return Question("test", scene, ("mass",), range(7, 8)).scenes(None)[0]
+
+    ramp, random = {"from": 1.0, "to": 2.0, "contacts": [5, 9]}, {"spread": 0.2}
+    assert seeded(ramp)["disorder"]["seed"] == 7
+    assert seeded(ramp)["contact"]["strength"] == ramp
+    both = seeded(random)
+    assert (both["disorder"]["seed"], both["contact"]["strength"]["seed"]) == (7, 7 + 2**48)
 
 
 BY_MASS = ["--seeds", "0:3", "--quantity", "mass", "--over", "disorder.mass=0.1,0.2"]

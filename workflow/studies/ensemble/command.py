@@ -1,4 +1,4 @@
-"""Statistics of quantities of a scene over the seeds of its disorder."""
+"""Statistics of quantities of a scene over the seeds of its random ingredients."""
 
 import argparse
 from pathlib import Path
@@ -21,28 +21,25 @@ EXAMPLES = (
     "ensemble disordered-chain --seeds 0:99 --over disorder.mass=0.05,0.1,0.2,0.4 --quantity participation -o spread",
 )
 
-_SHOWN = {
+_HEADS = {
     "values": "values",
     "undefined": "undefined",
     "mean": "mean",
     "interval_95": "+- (95 %)",
-    "standard_error": "std. error",
-    "standard_deviation": "std. dev.",
-    "q2_5": "2.5 %",
-    "q16": "16 %",
-    "q50": "50 %",
-    "q84": "84 %",
-    "q97_5": "97.5 %",
+    "standard_error": "standard error",
+    "standard_deviation": "standard deviation",
+    "seeds_needed": "",
 }
-"""Statistic -> head in the printed table."""
+"""Statistic -> head in the printed table; the last says which precision needs so many seeds."""
 
-_SHORT = ("interval_95", "standard_error")
-"""Printed with four digits."""
+_QUANTILES = {"q2_5": "2.5 %", "q16": "16 %", "q50": "50 %", "q84": "84 %", "q97_5": "97.5 %"}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The ensemble, where to, and how."""
-    parser.add_argument("scene", metavar="SCENE", help="the scene, with disorder; its other fields are constant")
+    parser.add_argument(
+        "scene", metavar="SCENE", help="the scene, with `disorder` or random contacts; its other fields are constant"
+    )
     parser.add_argument("--seeds", metavar="FIRST:LAST", required=True, help="the seeds, both ends included")
     parser.add_argument(
         "--quantity",
@@ -75,12 +72,12 @@ def execute(arguments: argparse.Namespace) -> Answer:
         print("interrupted: computed scenes remain; the same command resumes")
         return Answer(130, {})
     _print(found, arguments.output)
-    return Answer(0 if any(one.values for one in found.statistics.values()) else 1, found.plain())
+    return Answer(0 if found.defined else 1, found.plain())
 
 
 def _question(arguments: argparse.Namespace) -> Question:
     first, last = (number(end, "--seeds", "0:199") for end in (*arguments.seeds.split(":", 1), "")[:2])
-    if not (first.is_integer() and last.is_integer() and 0 <= first <= last < 2**53 and last - first < MAX_CASES):
+    if not (first.is_integer() and last.is_integer() and 0 <= first <= last < 2**32 and last - first < MAX_CASES):
         raise InputError(f"--seeds: {arguments.seeds} given; whole numbers, the smaller one first, such as 0:199")
     if not 1e-9 <= arguments.precision < 1.0:
         raise InputError(f"--precision: {arguments.precision:g} given; 1e-9 to 1, such as 0.01")
@@ -98,28 +95,23 @@ def _question(arguments: argparse.Namespace) -> Question:
 
 def _print(found: Found, output: Path) -> None:
     asked = found.question
+    needed = f"seeds for {100.0 * asked.precision:g} %"
+    seeds = f"seeds {asked.seeds[0]} to {asked.seeds[-1]}"
     for name in asked.quantities:
-        rows = [
-            [
-                *([_text(over)] if asked.over else []),
-                *(_text(getattr(one, key), key) for key in (*_SHOWN, "seeds_needed")),
+        title = f"{one_line(asked.source)}: {heading(name, asked.scene)}"
+        for heads, what in ((_HEADS, seeds), (_QUANTILES, "quantiles")):
+            rows = [
+                [_text(over)] * bool(asked.over) + [_text(getattr(one, key)) for key in heads]
+                for (quantity, over), one in found.statistics.items()
+                if quantity == name
             ]
-            for (quantity, over), one in found.statistics.items()
-            if quantity == name
-        ]
-        head = [*(heading(field, asked.scene) for field in [asked.over] if field), *_SHOWN.values()]
-        print_table(
-            f"{one_line(asked.source)}: {heading(name, asked.scene)}, seeds {asked.seeds[0]} to {asked.seeds[-1]}",
-            [*head, f"seeds for {100.0 * asked.precision:g} %"],
-            rows,
-        )
+            head = [*(heading(field, asked.scene) for field in [asked.over] if field), *heads.values()]
+            print_table(f"{title}, {what}", [word or needed for word in head], rows)
     if found.refused:
         print(one_line(f"some scenes cannot be computed: {found.refused}"))
-    files = ", ".join((study.TABLE, study.SEEDS, *figure_files(*asked.files.values())))
+    files = ", ".join((study.TABLE, study.SEEDS, *figure_files(*(asked.files[name] for name in found.defined))))
     print(f"{len(found.seeds)} scenes computed; {one_line(output)}: {files}")
 
 
-def _text(value: object, key: str = "") -> str:
-    if isinstance(value, float):
-        return f"{value:.{4 if key in _SHORT else 6}g}"
-    return "-" if value is None else one_line(value)
+def _text(value: object) -> str:
+    return "-" if value is None else f"{value:.6g}" if isinstance(value, float) else one_line(value)

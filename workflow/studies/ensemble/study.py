@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from analysis.trajectory import Floats
-from lammps_inputs import InputError, Scene
+from lammps_inputs import InputError, Scene, library
 from workflow.studies.ensemble.statistics import Statistics, statistics
 from workflow.studies.measures import evaluated, heading, refuse_unknown, scene_to_run
 from workflow.studies.study import Study, csv_text
@@ -31,6 +31,9 @@ if TYPE_CHECKING:
 TABLE, SEEDS = "ensemble.csv", "seeds.csv"
 STUDY = Study("ensemble", f"{TABLE} is the table", tables=(TABLE, SEEDS), cache="evaluations.jsonl")
 
+APART = 2**48
+"""Between the seeds of two random ingredients; seeds are below 2**32."""
+
 
 @dataclass(frozen=True)
 class Question:
@@ -40,7 +43,7 @@ class Question:
         source: what the scene is called in messages.
         scene: its plain data.
         quantities: by the names of `workflow.studies.measures`.
-        seeds: each of them is the seed of every random ingredient of the scene.
+        seeds: of the random ingredients of the scene.
         precision: wished half-width of the 95 % interval of a mean over the mean.
         over: a second field; empty without one.
         places: its values, one ensemble for each.
@@ -59,20 +62,23 @@ class Question:
         """Values of the second field; one of no meaning without one."""
         return self.places if self.over else (None,)
 
-    def scene_at(self, over: Any, seed: int) -> dict[str, Any]:
-        """Plain data of the scene with a value in the second field, and a seed.
+    def scenes(self, over: Any) -> list[dict[str, Any]]:
+        """Plain data of the scene with a value in the second field, for each seed.
+
+        The n-th random ingredient, from 0, has the seed plus n times `APART`, lest two draw the same numbers.
 
         Raises:
-            InputError: nothing in it is random, or the second field is the seed.
+            InputError: it is no scene, nothing in it is random, or the second field is a seed.
         """
         plain = fields.put_all(self.scene, {self.over: over} if self.over else {})
-        random = [name for name in fields.all_fields(Scene) if name.rpartition(".")[2] == "seed"]
-        random = [name for name in random if isinstance(fields.look_up(plain, fields.parse(name)[:-1]), dict)]
+        where = f"{self.source}: {self.over} = {over}" if self.over else self.source
+        scene_to_run(plain, self.quantities, where)
+        random = [name for name in fields.all_fields(Scene) if name.endswith(".seed") and _takes(plain, name)]
         if not random:
             raise InputError(f"{self.source}: has no random ingredient; add one, such as `disorder: {{mass: 0.2}}`")
         if self.over in random:
             raise InputError(f"{self.source}: --over {self.over}: is what --seeds varies")
-        return fields.put_all(plain, dict.fromkeys(random, seed))
+        return [fields.put_all(plain, {name: seed + APART * n for n, name in enumerate(random)}) for seed in self.seeds]
 
     @property
     def files(self) -> dict[str, str]:
@@ -82,9 +88,18 @@ class Question:
     def __post_init__(self) -> None:
         for name in self.quantities:
             refuse_unknown(name, self.source, "quantity of an ensemble")
-        for over in self.lines:
-            source = f"{self.source}: {self.over} = {over}" if self.over else self.source
-            scene_to_run(self.scene_at(over, self.seeds[0]), self.quantities, source)
+
+
+def _takes(scene: dict[str, Any], name: str) -> bool:
+    """Whether a part that a scene has is random: one that takes a seed."""
+    path = fields.parse(name)
+    if not isinstance(fields.look_up(scene, path[:-1]), dict):
+        return False
+    try:
+        library.from_plain(fields.put(scene, path, 0), name)
+    except InputError:
+        return False
+    return True
 
 
 @dataclass(frozen=True)
@@ -102,6 +117,11 @@ class Found:
     statistics: dict[tuple[str, Any], Statistics]
     seeds: list[dict[str, Any]]
     refused: str
+
+    @property
+    def defined(self) -> list[str]:
+        """Quantities that any seed has a value of, which are drawn."""
+        return [name for name in self.question.quantities if any(row[name] is not None for row in self.seeds)]
 
     def rows(self) -> list[dict[str, Any]]:
         """A row a quantity and value of the second field."""
@@ -130,10 +150,11 @@ def carry_out(
         RunError: a process was killed.
     """
     study = replace(STUDY, figures=tuple(question.files.values()))
+    scenes = [scene for over in question.lines for scene in question.scenes(over)]
     plan = [(over, seed) for over in question.lines for seed in question.seeds]
     function = f"{evaluated.__module__}:{evaluated.__name__}"
     shared = {"names": question.quantities, "source": question.source}
-    cases = [evaluate.case(function, {"plain": question.scene_at(*one), **shared}) for one in plan]
+    cases = [evaluate.case(function, {"plain": scene, **shared}) for scene in scenes]
     with study.opened(directory) as cache:
         answers = evaluate.values(cases, cache, pool=pool, progress=progress)
         seeds = [
@@ -157,8 +178,7 @@ def carry_out(
         head = {name: heading(name, question.scene) for name in question.quantities}
         own = [{head.get(name, name): value for name, value in row.items()} for row in seeds]
         rows = [{**row, "quantity": head[row["quantity"]]} for row in found.rows()]
-        drawn = {name: _figure(found, name) for name in question.quantities if any(r[name] is not None for r in seeds)}
-        figures = {question.files[name]: figure for name, figure in drawn.items()}
+        figures = {question.files[name]: _figure(found, name) for name in found.defined}
         study.write(directory, {TABLE: csv_text(rows), SEEDS: csv_text(own)}, figures)
     return found
 
