@@ -272,7 +272,7 @@ def schema_of_file() -> dict[str, Any]:
     found, scene = schema.of(_File, "design"), scene_of_file()
     found["$defs"] |= scene.pop("$defs")
     spot: dict[str, Any] = {"anyOf": [{"type": "string"}, scene]}
-    quantity = {"anyOf": [{"enum": list(KNOWN)}, {"pattern": f"^({'|'.join(AT_BEAD)})@[1-9][0-9]*$"}]}
+    quantity = {"anyOf": [{"enum": list(KNOWN)}, {"type": "string", "pattern": f"^({'|'.join(AT_BEAD)})@[1-9][0-9]*$"}]}
     bounds = {"type": "object", "required": ["from", "to"], "additionalProperties": False}
     keys = {"from": {"type": "number"}, "to": {"type": "number"}, "spacing": {"enum": ["linear", "log"]}}
     places = {"type": "integer", "minimum": 1, "maximum": MOST_PLACES}
