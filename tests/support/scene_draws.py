@@ -279,15 +279,22 @@ def _load(chance: random.Random, chains: int, beads: int, more: Any) -> dict[str
     return {"gravity": 10.0 ** chance.uniform(-3.0, -1.0), **({} if "walls" in more else {"walls": {"right": "flat"}})}
 
 
-def _exponent(chance: random.Random, *_: Any) -> dict[str, Any]:
-    return {"contact": {"exponent": chance.choice([1.0, 1.25, 2.0, 3.0])}}
+def _contact(chance: random.Random, _chains: int, beads: int, _: Any) -> dict[str, Any]:
+    ways: list[dict[str, Any]] = [{"exponent": p} for p in (1.0, 1.25, 2.0, 3.0)]
+    ways += [
+        {"strength": {"from": 1.0, "to": 3.0, "contacts": [2, beads - 1]}},
+        {"strength": {"amplitude": 0.3, "wavenumber": 0.618, "phase": 70.0}},
+        {"strength": {"spread": 0.2, "seed": 5}},
+        {"exponent": 1.0, "strength": {"from": 1.0, "to": 0.5, "contacts": [1, 6], "spread": 0.1}},
+    ]
+    return {"contact": chance.choice(ways)}
 
 
 def _gap(chance: random.Random, *_: Any) -> dict[str, Any]:
     return {"gap": chance.uniform(0.1, 2.0)}
 
 
-_PARTS = [_coupling, _walls, _beads, _striker, _push, _drive, _foundation, _damping, _load, _exponent, _gap]
+_PARTS = [_coupling, _walls, _beads, _striker, _push, _drive, _foundation, _damping, _load, _contact, _gap]
 
 
 def _in_si(scene: dict[str, Any]) -> dict[str, Any]:

@@ -16,6 +16,7 @@ NAMES = (
     "dimers",
     "dimer-resonance",
     "tapered",
+    "graded",
     "decorated",
     "impurity",
     "wall",
