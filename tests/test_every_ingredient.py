@@ -228,6 +228,12 @@ EDITED = {
         r'"(\1-r)^4.1/4.1"',
         "the contacts have the exponent 3.100 instead of 3",
     ),
+    "no strengths": (
+        "random contacts",
+        r"pair_coeff \d+ \d+ hertz .*\n",
+        "",
+        "all contacts have the strength 1 instead of 0.7485 to 1.286 (no contact.strength?)",
+    ),
     "no foundation": ("foundation", r"fix foundation all spring/self .*\n", "", "the foundation is missing"),
     "foundation": ("foundation", r"foundation index 0\.5", "foundation index 0.55", f"the foundation is {MORE}"),
     "no wall": ("wall on the right", r"fix right_wall .*\n", "", "the right wall is missing"),

@@ -270,7 +270,7 @@ def _beads(own: Trajectory, reference: Trajectory) -> list[str]:
     felt, right = symptoms.identify_beads(own), symptoms.identify_beads(reference)
     if felt is None or right is None:
         return []
-    found = []
+    found: list[str] = []
     for values, expected, kinds, what, names in (
         (felt.mass, right.mass, system.mass, "heavy", ("beads of mass {}", "all beads", "bead {} of chain {}")),
         (felt.strength, right.strength, laws.strength(system.along[0].law), "strong",
@@ -280,19 +280,55 @@ def _beads(own: Trajectory, reference: Trajectory) -> list[str]:
             factor, doubt = values / expected, _BEAD_DOUBT + 3.0 * np.abs(expected - 1.0)
             wrong = np.abs(factor - 1.0) > doubt
         kind_of = np.broadcast_to(kinds, factor.shape)
-        single = wrong.copy()
+        single, named = wrong.copy(), len(found)
         for kind in np.unique(kind_of[wrong]).tolist():
             members = (kind_of == kind) & np.isfinite(factor)
             if np.count_nonzero(members) > 1 and np.all(wrong[members]) and np.ptp(factor[members]) < symptoms.SAME:
                 single[members] = False
                 name = names[1] if np.ptp(kind_of) == 0.0 else names[0].format(f"{kind:.4g}")
                 found.append(f"{name} are {np.median(factor[members]):.4g} times as {what} as the scene says")
-        if np.count_nonzero(single) > _MOST_WRONG:
-            return []
+        if max(int(np.count_nonzero(single)), len(found) - named) > _MOST_WRONG:
+            return (
+                _profile(own, values / np.where(np.isfinite(expected), expected, 1.0))
+                if what == "strong" and not named
+                else []
+            )
         for chain, place in np.argwhere(single).tolist():
             name = names[2].format(place + 1, chain + 1, next=place + 2)
             found.append(f"{name} is {factor[chain, place]:.4g} times as {what} as the scene says")
     return found
+
+
+def _profile(own: Trajectory, factor: Floats) -> list[str]:
+    """Whether other strengths of the contacts along the chains, the scene's times factors, explain the motion."""
+    system = own.problem.system
+    (contact,) = system.along
+    others = [link for link in system.links if link is not contact]
+    left = symptoms.unexplained(own, others, system.dampers)
+    contact.drive(left, -np.where(np.isfinite(factor), factor, 1.0) * symptoms.of_link(contact, own))
+    if np.sum(left**2) > _EXPLAINED * np.sum(symptoms.unexplained(own, system.links, system.dampers) ** 2):
+        return []
+    right = np.broadcast_to(laws.strength(contact.law), factor.shape)
+    felt = right * factor
+    known = np.isfinite(felt)
+    if np.ptp(np.log(felt[known])) < symptoms.SAME:
+        ends = f"{np.min(right):.4g} to {np.max(right):.4g}"
+        return [f"all contacts have the strength {np.median(felt[known]):.4g} instead of {ends} (no contact.strength?)"]
+    for word, other in (
+        ("in reverse order", right[:, ::-1]),
+        ("one contact too late", np.roll(right, 1, axis=1)),
+        ("one contact too early", np.roll(right, -1, axis=1)),
+    ):
+        apart = np.abs(felt / other - 1.0)[:, 1:-1]
+        if np.nanmax(apart) < symptoms.SAME:
+            return [f"the strengths of the contacts are those of the scene {word}"]
+    off = np.where(known, np.abs(factor - 1.0), 0.0)
+    chain, place = np.unravel_index(int(np.argmax(off)), off.shape)
+    return [
+        f"{np.count_nonzero(off > _BEAD_DOUBT)} contacts have another strength than the scene says, most of all that "
+        f"of beads {place + 1} and {place + 2} of chain {chain + 1}: {felt[chain, place]:.4g} instead of "
+        f"{right[chain, place]:.4g}"
+    ]
 
 
 def _static(own: Trajectory, reference: Trajectory) -> list[str]:
