@@ -122,7 +122,9 @@ def _valid(spelled: dict[str, Any], defs: dict[str, Any]) -> str:
         if prefix:
             return f"[{', '.join(_valid(item, defs) for item in prefix)}]"
         return (
-            f"list of {_valid(spelled['items'], defs)}".replace("number", "numbers") if "items" in spelled else "list"
+            "list of " + re.sub(r"\b(number|list)\b", r"\1s", _valid(spelled["items"], defs))
+            if "items" in spelled
+            else "list"
         )
     return _bounds(spelled) if kind in ("number", "integer") else "text"
 
