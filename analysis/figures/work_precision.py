@@ -1,4 +1,4 @@
-"""The figure of error against cost: a line for each method, the Pareto front, and the reference's own error."""
+"""The figure of error against cost: a line for each method, the Pareto front, and uncertainty of the reference."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -118,7 +118,7 @@ def _finish(axis: Axes, quantity: str, floor: float) -> None:
     axis.set_xscale("log")
     axis.set_yscale("log")
     axis.axhline(
-        max(floor, LEAST), color="black", linewidth=0.8, linestyle=(0, (2, 2)), label="the reference's own error"
+        max(floor, LEAST), color="black", linewidth=0.8, linestyle=(0, (2, 2)), label="uncertainty of the reference"
     )
     axis.set_ylabel(f"largest error of {quantity} / ${UNITS[quantity]}$")
     for setting in (axis.xaxis, axis.yaxis):

@@ -28,7 +28,7 @@ def test_every_method_is_drawn_with_its_front_and_the_floor():
     assert len(over_time) == 3
     for axis in over_time:
         lines = {line.get_label(): line for line in axis.get_lines()}
-        assert {"one", "Pareto front", "the reference's own error"} <= set(lines)
+        assert {"one", "Pareto front", "uncertainty of the reference"} <= set(lines)
         np.testing.assert_array_equal(lines["one"].get_xydata(), [[1.0, 1e-2], [2.0, 1e-4]])
         np.testing.assert_array_equal(lines["Pareto front"].get_ydata(), [1e-2, 1e-4])
 

@@ -234,7 +234,7 @@ def order(points: Points, error: str, floor: float) -> Order | None:
 
 
 def cheapest(points: Points, accuracy: float, error: str, cost: str, *, floor: float = 0.0) -> Point | None:
-    """The cheapest point whose error is within the accuracy, the reference's own error added; None if none is."""
+    """The cheapest point whose error is within the accuracy, uncertainty of the reference added; None if none is."""
     within = [point for point in points if point.measured and point.errors[error] + floor <= accuracy]
     return min(within, key=lambda point: point.cost(cost), default=None)
 
