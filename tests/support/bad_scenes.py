@@ -310,6 +310,14 @@ def _refused(message: str, **changes: Any) -> BadScene:
     return BadScene(f"{message} {changes}", strict_yaml.dump(keys), message, "")
 
 
+_RAMP = {"from": 1.0, "to": 4.0, "contacts": [2, 5]}
+
+
+def _graded(message: str, strength: Any) -> BadScene:
+    """Two chains with strengths of the contacts."""
+    return _refused(f"contact.strength{message}", contact={"strength": strength})
+
+
 def _tied(message: str, **keys: Any) -> BadScene:
     """Three chains with another coupling."""
     return _refused(f"coupling.{message}", chains=3, coupling=keys)
@@ -459,6 +467,21 @@ REFUSED = [
     _refused("taper: should be greater than or equal to 0, -0.1 given", taper=-0.1),
     _refused("disorder.mass: should be less than or equal to 0.9, 1.0 given", disorder={"mass": 1.0}),
     _refused("kick: one bead is kicked twice", striker={"mass": 2.0, "velocity": 1.0}),
+    _graded(": names nothing; valid: `strength: {from: 1, to: 4", {}),
+    _graded(": should be greater than 0, 0.0 given", 0.0),
+    _graded(": should be a number, 'x' given", "x"),
+    _graded(".to: is missing beside from", {"from": 1.0, "contacts": [2, 5]}),
+    _graded(".contacts: 5 to 12 given; from a contact to a later one, within 11", {**_RAMP, "contacts": [5, 12]}),
+    _graded(".too: unknown key (did you mean `to`?)", {**_RAMP, "too": 2.0}),
+    _graded(".wavenumber: is missing beside amplitude", {"amplitude": 0.3}),
+    _graded(".amplitude: 1 given; smaller than the mean, 1", {"amplitude": 1.0, "wavenumber": 0.1}),
+    _graded(".spread: is missing beside seed", {"seed": 2}),
+    _graded(": 3 numbers for the 11 contacts of 12 beads", [1.0, 2.0, 3.0]),
+    _graded("[11]: should be greater than 0, -1.0 given", [1.0] * 10 + [-1.0]),
+    _graded(": 3 lists for 2 chains; one, or one for each", [[1.0] * 11] * 3),
+    _graded(": the contact strength goes from 1 to 1e+07 of the", {**_RAMP, "to": 1e7}),
+    _refused("window: its rows stand for one after another, and the contacts", contact={"strength": _RAMP}, **_WINDOW),
+    _refused("contact: names nothing; valid: `contact: {exponent: 2}`", contact={}),
     _walled(": name left, right or both", {}),
     _walled(".right: should be 'bead', 'flat' or 'rigid', 'soft' given", {"right": "soft"}),
     _walled(".right.material: is in SI units", {"right": {"material": "steel"}}),

@@ -9,6 +9,7 @@ from processes import HANGS
 from stock_lammps import DEBIAN
 
 from analysis.shape.exact_wave import solitary_wave
+from analysis.sound.dispersion import cell_of
 from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import find_peaks
 from lammps_inputs import Scene, file_names
@@ -16,6 +17,7 @@ from lammps_inputs.decks import deck
 from lammps_inputs.facts import Fact
 from lammps_inputs.limits import rates
 from workflow.engines.reference import engine
+from workflow.runs.contacts import at_most
 from workflow.runs.run import run
 from workflow.sweep.fields import all_fields
 from workflow.verdicts.analyse import analyse
@@ -109,6 +111,19 @@ def test_lammps_refuses_strengths_that_differ_with_an_exponent_that_it_has_from_
     case = graded(None, contact={"exponent": 2, "strength": {"spread": 0.1}}, timestep=0.01)
     with pytest.raises(ValueError, match=r"for the exponents 1 and 1\.5, not 2"):
         deck.render(case)
+
+
+def test_contacts_that_alternate_under_load_have_the_bands_of_a_chain_of_two_springs():
+    case = graded({"amplitude": 0.5, "wavenumber": 0.5}, beads=40, precompression={"force": 1})
+    soft, hard = (1.5 * strength ** (2.0 / 3.0) for strength in (0.5, 1.5))
+    bands = cell_of(case.problem().system).bands()
+    np.testing.assert_allclose(bands**2, [[0.0, 2.0 * soft], [2.0 * hard, 2.0 * (soft + hard)]], rtol=1e-9, atol=1e-9)
+
+
+def test_pressures_are_those_of_spheres_only():
+    steel = {"material": {"name": "steel", "radius": 4.76e-3}, "duration": 1e-4, "output": {}}
+    assert at_most(graded(None, contact=None, **steel)) is not None
+    assert at_most(graded({"spread": 0.1}, **steel)) is None
 
 
 PEAKS = {
