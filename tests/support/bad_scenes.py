@@ -478,7 +478,7 @@ REFUSED = [
     _graded(".spread: is missing beside seed", {"seed": 2}),
     _graded(": 3 numbers for the 11 contacts of 12 beads", [1.0, 2.0, 3.0]),
     _graded("[11]: should be greater than 0, -1.0 given", [1.0] * 10 + [-1.0]),
-    _graded(": 3 lists for 2 chains; one, or one for each", [[1.0] * 11] * 3),
+    _graded(": 3 lists for 2 chains; one, or one for each", [[1.0] * 11 for _ in range(3)]),
     _graded(": the contact strength goes from 1 to 1e+07 of the", {**_RAMP, "to": 1e7}),
     _refused("window: its rows stand for one after another, and the contacts", contact={"strength": _RAMP}, **_WINDOW),
     _refused("contact: names nothing; valid: `contact: {exponent: 2}`", contact={}),
