@@ -179,6 +179,12 @@ def refusal(system: System) -> str:
     unknown = next((link.name for link in _spelled(system) if not hasattr(link.law, _kind(link))), None)
     if unknown is not None:
         return f"{unknown}: LAMMPS has no such force; use the reference engine"
+    try:
+        for link in system.along:
+            if laws.differs(link.law):
+                _of_link(link, Layout(system))
+    except ValueError as error:
+        return str(error)
     if system.inner_mass is not None and system.ground:
         return "atoms inside the beads: LAMMPS has no ground springs beside them; use the reference engine"
     return ""

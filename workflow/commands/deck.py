@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from lammps_inputs import file_names, library
+from lammps_inputs import InputError, file_names, library
 from lammps_inputs.decks import deck
 from lammps_inputs.slurm import job
 from workflow.cluster import ranks
@@ -34,6 +34,8 @@ def execute(arguments: argparse.Namespace) -> int:
     """Write deck, data and scene, and the job."""
     options = job_options(arguments)
     scene, settings = settle(library.find(arguments.scene), source=arguments.scene, force=arguments.force)
+    if why := deck.refusal(scene.system):
+        raise InputError(f"{arguments.scene}: {why}")
     files = deck.render(scene)
     if options is not None:
         options = with_ranks(options, scene.problem())

@@ -12,10 +12,11 @@ from analysis.shape.exact_wave import solitary_wave
 from analysis.sound.dispersion import cell_of
 from analysis.tracking.leading_waves import leading_waves
 from analysis.tracking.peaks import find_peaks
-from lammps_inputs import Scene, file_names
+from lammps_inputs import Scene, file_names, strict_yaml
 from lammps_inputs.decks import deck
 from lammps_inputs.facts import Fact
 from lammps_inputs.limits import rates
+from workflow.cli import main
 from workflow.engines.reference import engine
 from workflow.runs.contacts import at_most
 from workflow.runs.run import run
@@ -107,10 +108,13 @@ def test_strengths_of_1_leave_the_deck_of_a_chain_without(strength):
     }
 
 
-def test_lammps_refuses_strengths_that_differ_with_an_exponent_that_it_has_from_a_formula():
+@pytest.mark.parametrize("command", ["deck", "run"])
+def test_lammps_refuses_strengths_that_differ_with_an_exponent_that_it_has_from_a_formula(command, tmp_path, capsys):
     case = graded(None, contact={"exponent": 2, "strength": {"spread": 0.1}}, timestep=0.01)
-    with pytest.raises(ValueError, match=r"for the exponents 1 and 1\.5, not 2"):
-        deck.render(case)
+    (tmp_path / "scene.yaml").write_text(strict_yaml.dump(case.plain()))
+    assert main([command, str(tmp_path / "scene.yaml"), "-o", str(tmp_path / "made")]) == 2
+    (said,) = capsys.readouterr().err.splitlines()
+    assert "for the exponents 1 and 1.5, not 2; use the reference engine" in said
 
 
 def test_contacts_that_alternate_under_load_have_the_bands_of_a_chain_of_two_springs():
