@@ -160,7 +160,7 @@ def _spelled(system: System) -> tuple[Link, ...]:
 
 @functools.lru_cache(maxsize=1)  # types of atoms that distinguish contacts take a second of many beads
 def _of_links(problem: Problem) -> tuple[Lines, ...]:
-    if why := refusal(problem.system):
+    if why := _missing(problem.system):
         raise ValueError(why)
     return tuple(_of_link(link, problem.layout) for link in _spelled(problem.system))
 
@@ -175,16 +175,23 @@ def _of_link(link: Link, layout: Layout) -> Lines:
 
 
 def refusal(system: System) -> str:
-    """Why there are no words of LAMMPS for a system; empty where there are."""
-    unknown = next((link.name for link in _spelled(system) if not hasattr(link.law, _kind(link))), None)
-    if unknown is not None:
-        return f"{unknown}: LAMMPS has no such force; use the reference engine"
+    """Why LAMMPS cannot express the forces of a system; empty where it can."""
+    if why := _missing(system):
+        return why
     try:
         for link in system.along:
             if laws.differs(link.law):
                 _of_link(link, Layout(system))
     except ValueError as error:
         return str(error)
+    return ""
+
+
+def _missing(system: System) -> str:
+    """Which force LAMMPS does not have; empty if none. Contacts that differ may still be too many for it."""
+    unknown = next((link.name for link in _spelled(system) if not hasattr(link.law, _kind(link))), None)
+    if unknown is not None:
+        return f"{unknown}: LAMMPS has no such force; use the reference engine"
     if system.inner_mass is not None and system.ground:
         return "atoms inside the beads: LAMMPS has no ground springs beside them; use the reference engine"
     return ""
