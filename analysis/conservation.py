@@ -11,7 +11,7 @@ import numpy as np
 from analysis import motion
 from analysis.quantity import declare, derived, result
 from analysis.trajectory import Floats, Trajectory
-from lammps_inputs import Problem, physics
+from lammps_inputs import Problem, System, physics
 from lammps_inputs.facts import Fact
 from lammps_inputs.units import Scale
 
@@ -114,7 +114,8 @@ class Budget:
         energy_input, lost = self._kicked + exchange[:, -1], exchange[:, :-1]
 
         def at(frames: slice) -> tuple[Floats, ...]:
-            stored = _stored(self._problem, block.displacement[frames], block.velocity[frames])
+            here = physics.at(self._problem.system, block.time[frames])
+            stored = _stored(here, block.displacement[frames], block.velocity[frames])
             return block.time[frames], energy_input[frames], *stored.values(), *lost[frames].T
 
         self._found.append(at(slice(-self._seen % self._stride, None, self._stride)))
@@ -137,8 +138,7 @@ STORED = ("kinetic", "contacts", "springs", "ground", "walls")
 """Where energy may be."""
 
 
-def _stored(problem: Problem, x: Floats, v: Floats) -> dict[str, Floats]:
-    system = problem.system
+def _stored(system: System, x: Floats, v: Floats) -> dict[str, Floats]:
     kinetic = motion.kinetic_energy(system, v).sum(axis=(-2, -1))
     kinds = (system.along, system.across, physics.ground_springs(system), physics.walls(system))
     stored = [sum((link.energy(x).sum(axis=(-2, -1)) for link in links), np.zeros(len(x))) for links in kinds]
@@ -188,9 +188,10 @@ class Conservation:
             self.energy_drift = self.momentum_drift = float("nan")
             return
         # all beads, for the order in which a sum is taken must not depend on which of them move in this block
-        energy = motion.energy(system, block.displacement, velocity)
+        energy = motion.energy(physics.at(system, block.time), block.displacement, velocity)
         momentum = motion.momentum(system, velocity)
-        self.participation = motion.participation(motion.bead_energy(system, block.displacement[-1], velocity[-1]))
+        last = physics.at(system, block.time[-1])
+        self.participation = motion.participation(motion.bead_energy(last, block.displacement[-1], velocity[-1]))
         if not system.dampers and not system.holds(Fact.ENERGY):
             energy[:] = np.nan
         if physics.exchanges(system):

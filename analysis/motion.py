@@ -98,7 +98,7 @@ def acceleration(
     Forces from outside are left out where no times, [...], are given, and those of dashpots without velocities.
     """
     result = np.zeros_like(displacement)
-    for link in system.links:
+    for link in (system if time is None else physics.at(system, time)).links:
         link.drive(result, link.force(displacement, first))
     if velocity is not None:
         for damper in system.dampers:
@@ -142,6 +142,9 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
                 rate -= laws.stiffness(law, here_x - there_x) * (here_v - there_v)
     for ground in system.ground:
         law, strain = laws.at(ground.law, chain, row), ground.strain(here_x)
+        if laws.varies(law):
+            law = law.now(block.time[frame])
+            rate -= law.change(strain, *law)
         acceleration -= ground.side * laws.force(law, strain)
         rate -= laws.stiffness(law, strain) * here_v
     for load in system.loads:

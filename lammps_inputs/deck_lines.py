@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lammps_inputs.numbers import text
+
 if TYPE_CHECKING:
     from lammps_inputs.links import Across
 
@@ -119,6 +121,47 @@ def atoms_by_value(law: Iterable[Any], shape: tuple[int, int]) -> list[tuple[tup
     if len(ranges) > MOST_GROUPS:
         raise ValueError(f"{len(ranges)} different values; LAMMPS allows {MOST_GROUPS}")
     return [(value, " ".join(found)) for value, found in ranges.items()]
+
+
+def atoms_by_row(values: Any, shape: tuple[int, int]) -> list[tuple[NDArray[np.float64], str]] | None:
+    """Distinct profiles along a chain, and the atoms of the chains that have them; None where each chain has one value.
+
+    Args:
+        values: a number, or [chain, bead].
+        shape: chains and beads; atom = (chain - 1) * beads + bead.
+    """
+    rows, (_, beads) = np.broadcast_to(values, shape), shape
+    if all(len(np.unique(row[row != 0.0])) <= 1 for row in rows):
+        return None
+    profiles, of_chain = np.unique(rows, axis=0, return_inverse=True)
+    if len(profiles) > MOST_GROUPS:
+        raise ValueError(f"{len(profiles)} different profiles; LAMMPS allows {MOST_GROUPS}")
+    chains = (np.flatnonzero(of_chain.reshape(-1) == number) for number in range(len(profiles)))
+    atoms = (" ".join(f"{one * beads + 1}:{(one + 1) * beads}" for one in alike.tolist()) for alike in chains)
+    return list(zip(profiles, atoms, strict=True))
+
+
+MOST_BENDS = 20
+"""Of a profile along a chain, whose formula LAMMPS evaluates for every bead at every step."""
+
+_STRAIGHT = 1e-12
+"""Change of the slope, over the largest value, that is rounding."""
+
+
+def row_formula(values: NDArray[np.float64], row: str) -> str:
+    """A profile along a chain as a formula of LAMMPS in the number of the row, linear between its bends.
+
+    Raises:
+        ValueError: more bends than `MOST_BENDS`.
+    """
+    slope = np.diff(values)
+    bend = np.diff(slope)
+    bends = np.flatnonzero(np.abs(bend) > _STRAIGHT * np.max(np.abs(values)))
+    if len(bends) > MOST_BENDS:
+        raise ValueError(f"a profile with {len(bends)} bends; LAMMPS takes {MOST_BENDS}: use the reference engine")
+    terms = [text(values[0]), *([f"({text(slope[0])})*({row}-1)"] if slope[0] else [])]
+    terms += [f"({text(bend[at])})*({row}>{at + 2})*({row}-{at + 2})" for at in bends.tolist()]
+    return f"({'+'.join(terms)})"
 
 
 def bonds_by_value(law: Iterable[Any], shape: tuple[int, int]) -> tuple[list[tuple[float, ...]], NDArray[np.int64]]:

@@ -67,6 +67,12 @@ class Link:
             return self
         return replace(self, law=laws.at(self.law, Ellipsis, slice(None, None, -1)))
 
+    def at(self, time: Any) -> Self:
+        """The links at a time, [...]; their law then does not depend on it."""
+        if not laws.varies(self.law):
+            return self
+        return replace(self, law=self.law.now(np.asarray(time)[..., np.newaxis, np.newaxis]))  # type: ignore[attr-defined]
+
     def drive(self, total: Floats, force: Floats) -> None:
         """Add to ``total``, [..., chain, bead], what forces of the links do to the beads."""
         raise NotImplementedError
@@ -89,8 +95,10 @@ class Link:
 
     def force_rate(self, displacement: Floats, velocity: Floats, first: int = 1) -> Floats:
         """How fast the force of each link changes."""
-        stiffness = laws.stiffness(self._seen(displacement, first), self.strain(displacement))
-        return np.asarray(stiffness * self.rate(velocity))
+        law: Any = self._seen(displacement, first)
+        s = self.strain(displacement)
+        rate = np.asarray(laws.stiffness(law, s) * self.rate(velocity))
+        return rate + law.change(s, *law) if hasattr(law, "change") else rate
 
     def damping(self, displacement: Floats, velocity: Floats, first: int = 1) -> Floats:
         """Of each link with a law of damping: its force, which is 0 at rest."""

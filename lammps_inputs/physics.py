@@ -3,6 +3,7 @@
 import functools
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, TypeVar, cast
 
 import numpy as np
@@ -18,7 +19,9 @@ from lammps_inputs.system import System
 Found = TypeVar("Found")
 
 _FASTER = 4.0
-"""Velocity that beads beside a driven one are taken to reach at most, in the drive's own."""
+"""Velocity that beads beside a driven one are taken to reach at most, in the drive's own; and all beads, in that of the
+kicks, on springs whose stiffness varies.
+"""
 
 
 def once(compute: Callable[[System], Found]) -> Callable[[System], Found]:
@@ -88,6 +91,8 @@ def energy(system: System) -> float:
     faster than the drive. Runs are checked for overlaps that LAMMPS could not hold.
     """
     kicked = 0.5 * sum(_kicked_mass(system, kick) * kick[2] ** 2 for kick in system.kicks)
+    if varying(system):
+        kicked *= _FASTER**2
     if not driven(system) and not system.loads:
         return kicked
     # a force F puts in F v at most F sqrt(2 E / m), so that sqrt(2 E) grows by no more than its impulse / sqrt(m)
@@ -139,12 +144,12 @@ def largest_excitation(system: System) -> tuple[int, int, float]:
 
 def acted_on(system: System) -> bool:
     """Whether anything but the kicks comes from outside."""
-    return bool(system.loads) or bool(system.motions)
+    return bool(system.loads) or bool(system.motions) or varying(system)
 
 
 def driven(system: System) -> bool:
-    """Whether anything outside moves or pushes beads for ever."""
-    return bool(system.motions) or any(load.endless for load in system.loads)
+    """Whether anything outside moves or pushes beads for ever, or springs that vary may do so much work."""
+    return bool(system.motions) or any(load.endless for load in system.loads) or varying(system)
 
 
 def exchanges(system: System) -> bool:
@@ -205,6 +210,27 @@ def wall_loss(system: System, side: float) -> WallDashpot | None:
     """The law of damping of the walls on a side; None where they lose nothing."""
     found = (link for link in system.dampers if isinstance(link, Wall) and link.side == side)
     return next((cast(WallDashpot, link.law) for link in found), None)
+
+
+@once
+def varying(system: System) -> bool:
+    """Whether any spring to the ground depends on time."""
+    return any(laws.varies(link.law) for link in system.ground)
+
+
+def at(system: System, time: Any) -> System:
+    """The system at a time, [...]: of links that depend on it as they are then, so that states [..., chain, bead] have
+    forces and energies.
+    """
+    if not varying(system):
+        return system
+    shape = (*np.shape(time), system.chains, system.beads)
+
+    def whole(link: Link) -> Link:
+        law: Any = link.at(time).law
+        return replace(link, law=type(law)(*(np.broadcast_to(value, shape) for value in law)))
+
+    return replace(system, links=tuple(whole(link) if laws.varies(link.law) else link for link in system.links))
 
 
 # --- dashpots ---------------------------------------------------------------------------------------------------------

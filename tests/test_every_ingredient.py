@@ -47,6 +47,8 @@ BY_BOND = {"ramp", "lattice", "cubic ring"}
 """Ranks may add up the springs of a row on their border in another order."""
 RANKS = [*sorted(BY_BOND), "foundation by chain", "dimer", "disorder", "exponent 1.25", "walls", "walls of exponent 2"]
 RANKS += [
+    "foundation modulated",
+    "foundations over time",
     "random contacts",
     "graded contacts, pressed",
     "pressed between walls",
@@ -57,6 +59,8 @@ RANKS += [
 ]
 OLD = [*sorted(BY_BOND), "foundation by chain", "dimer", "dimer of sizes", "exponent 1", "walls, gap"]
 OLD += [
+    "foundation rising along the chains",
+    "foundations over time",
     "wavy contacts, gap, walls",
     "graded column of exponent 1",
     "random contacts, damping viscoelastic",
@@ -236,6 +240,12 @@ EDITED = {
     ),
     "no foundation": ("foundation", r"fix foundation all spring/self .*\n", "", "the foundation is missing"),
     "foundation": ("foundation", r"foundation index 0\.5", "foundation index 0.55", f"the foundation is {MORE}"),
+    "no modulation": (
+        "foundation modulated",
+        r"foundation_depth index 0\.5",
+        "foundation_depth index 0",
+        "the change of the foundation in time is missing",
+    ),
     "no wall": ("wall on the right", r"fix right_wall .*\n", "", "the right wall is missing"),
     "wall": ("wall on the right", "right_wall index 1 ", "right_wall index 1.1 ", f"the right wall is {MORE}"),
     "square wall": ("walls of exponent 2", "right_wall index 5 ", "right_wall index 5.5 ", f"the right wall is {MORE}"),

@@ -34,7 +34,7 @@ def intervals(trajectory: Trajectory) -> Floats:
 
 def of_link(link: Link, trajectory: Trajectory) -> Floats:
     """Impulse of each of some links, by their forces and how these change at the frames."""
-    x, v = trajectory.displacement, trajectory.velocity
+    x, v, link = trajectory.displacement, trajectory.velocity, link.at(trajectory.time)
     return integral(link.force(x), link.force_rate(x, v), intervals(trajectory))
 
 
@@ -318,10 +318,10 @@ def identify_strengths(trajectory: Trajectory) -> Strengths | None:
     if not problem.forces_known or trajectory.frames < 10:
         return None
     change = _but_for_driven(unexplained(trajectory), problem)
-    given = [(link, of_link(link, trajectory)) for link in problem.system.links]
-    given += [(damper, of_damper(damper, trajectory)) for damper in problem.system.dampers]
+    given = [part for link in problem.system.links for part in _parts(link, trajectory)]
+    given += [(damper.name, damper, of_damper(damper, trajectory)) for damper in problem.system.dampers]
     columns = np.array(
-        [_but_for_driven(on_beads(link, impulse, trajectory), problem).reshape(-1) for link, impulse in given]
+        [_but_for_driven(on_beads(link, impulse, trajectory), problem).reshape(-1) for _, link, impulse in given]
     )
     size = np.linalg.norm(columns, axis=1)
     felt = np.flatnonzero(size > _TELLING * np.max(size))
@@ -330,8 +330,22 @@ def identify_strengths(trajectory: Trajectory) -> Strengths | None:
     if rank < len(felt):
         return None
     left, own = (float(np.sum((right - matrix @ fit) ** 2)) for fit in (factors, np.ones(len(felt))))
-    found = {given[place][0].name: float(factor) for place, factor in zip(felt, factors, strict=True)}
+    found = {given[place][0]: float(factor) for place, factor in zip(felt, factors, strict=True)}
     return Strengths(found, left / own if own > 0.0 else 0.0)
+
+
+def _parts(link: Link, trajectory: Trajectory) -> list[tuple[str, Link, Floats]]:
+    """Names and impulses of links; of those that depend on time, what does not and what does apart."""
+    whole = of_link(link, trajectory)
+    if not laws.varies(link.law):
+        return [(link.name, link, whole)]
+    steady = of_link(replace(link, law=link.law.steady), trajectory)  # type: ignore[attr-defined]
+    return [(link.name, link, steady), (in_time(link), link, whole - steady)]
+
+
+def in_time(link: Link) -> str:
+    """Name of what depends on time of a link's law."""
+    return f"change of the {link.name} in time"
 
 
 _EXPLAINED = 0.05

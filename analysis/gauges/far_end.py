@@ -15,7 +15,7 @@ from analysis.gauges.gauge import Curve, Gauge, crossing, far_wall, maximum
 from analysis.mirror import direction_of
 from analysis.quantity import declare, result
 from analysis.trajectory import Floats, Integers, Trajectory
-from lammps_inputs import Problem
+from lammps_inputs import Problem, System, physics
 
 PART = 10
 """The far end is the last row in so many."""
@@ -35,7 +35,7 @@ INSTANT = 1e-4
 """Time over which the rate of an energy is a central difference: of smooth motions good to 1e-8 of it."""
 
 UNPASSED = "nothing has arrived, or the record ends inside the pulse"
-ACTED_ON = "a push or drive acts on the last tenth of the beads"
+ACTED_ON = "a push or drive acts on the last tenth of the beads, or springs to the ground vary in time"
 
 
 @result
@@ -81,6 +81,7 @@ class FarEnd:
         loads, motions = problem.system.loads, problem.system.motions
         beads = [load.bead for load in loads] + [given.bead for given in motions]
         self._acted_on = any(self._rows.start < bead <= self._rows.stop for bead in beads)
+        self._acted_on |= physics.varying(problem.system)
         wall = far_wall(problem.system)
         self._wall = () if wall is None else (wall,)
         self._time: list[Floats] = []
@@ -95,8 +96,9 @@ class FarEnd:
         x, v = block.displacement[..., self._near], block.velocity[..., self._near]
         self._time.append(block.time.copy())
         with np.errstate(over="ignore", invalid="ignore"):  # of a run that blew up
-            a = motion.acceleration(self.problem.system, x, self._near.start + 1, velocity=v)
-            now, after, before = (self._stored(x + late * v, v + late * a) for late in (0.0, INSTANT, -INSTANT))
+            system = physics.at(self.problem.system, block.time)
+            a = motion.acceleration(system, x, self._near.start + 1, velocity=v)
+            now, after, before = (self._stored(system, x + late * v, v + late * a) for late in (0.0, INSTANT, -INSTANT))
             self._energy.append(now)
             self._rate.append((after - before) / (2.0 * INSTANT))
             self._input.append(energy_input(block))
@@ -104,11 +106,11 @@ class FarEnd:
                 self._force.append(at_frames(block, self._wall)[..., 0])
                 self._strain.append(strain_at_frames(block, self._wall[0].probes[0]))
 
-    def _stored(self, x: Floats, v: Floats) -> Floats:
+    def _stored(self, system: System, x: Floats, v: Floats) -> Floats:
         """Energy of the last tenth of the beads, [frame], from states of those near."""
         rows = slice(self._rows.start - self._near.start, self._rows.stop - self._near.start)
         x, v = x[..., rows], v[..., rows]
-        return np.asarray(motion.bead_energy(self.problem.system, x, v, self._rows.start + 1).sum(axis=(1, 2)))
+        return np.asarray(motion.bead_energy(system, x, v, self._rows.start + 1).sum(axis=(1, 2)))
 
     def result(self) -> Transmitted:
         """Of the frames so far."""

@@ -4,21 +4,23 @@ Beats between chains on foundations, and their targeted transfer of energy: Star
 SIAM J. Appl. Math. 72 (2012); Hasan et al., Granular Matter 15 (2013).
 """
 
+import math
+from collections.abc import Iterator
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, field_validator
+from pydantic import Discriminator, Field, Tag, create_model, field_validator
 
 from lammps_inputs import laws, strict_yaml
 from lammps_inputs.deck_lines import MOST_GROUPS
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients.base import Ingredient
-from lammps_inputs.laws import Law
+from lammps_inputs.ingredients.base import Ingredient, Part, Positive
 from lammps_inputs.laws.spring import Duffing, Linear
+from lammps_inputs.laws.varying import Varying
 from lammps_inputs.links import Ground
-from lammps_inputs.units import Unit
+from lammps_inputs.units import PURE, Unit
 
 if TYPE_CHECKING:
     from lammps_inputs.scene import BaseScene
@@ -26,9 +28,78 @@ if TYPE_CHECKING:
 Stiffness = Annotated[float, Field(ge=0, le=1e30), Unit("N/m")]
 Cubic = Annotated[float, Field(ge=0, le=1e30), Unit("N/m3")]
 Row = Annotated[int, Field(ge=1, le=10**8)]
+Time = Annotated[float, Field(ge=-1e30, le=1e30), Unit("s")]
 
 MOST = 1e12
 """Dimensionless stiffness; beyond it the beads do not move."""
+
+
+class _GroundRamp(Part):
+    """Stiffness that changes evenly along the chains or in time, and is constant before and after."""
+
+    example: ClassVar[str] = "{from: 0, to: 0.2, rows: [1, 60]}"
+
+    rows: tuple[Row, Row] | None = None
+    """First and last bead of a ramp along the chains; or give `times`."""
+    times: tuple[Time, Time] | None = None
+    """Start and end of a ramp in time; or give `rows`."""
+
+    _from_list = field_validator("rows", "times", mode="before")(strict_yaml.as_tuple)
+
+    def refuse(self, key: str, beads: int) -> None:
+        """Refuse a ramp along nothing, along both, and one that does not fit the chains.
+
+        Raises:
+            ValueError: naming the key, what was found and what to do.
+        """
+        if (self.rows is None) == (self.times is None):
+            given = "neither is given" if self.rows is None else "both are given"
+            raise ValueError(f"{key}: a ramp is along `rows` or over `times` ({given}); valid: `{self.example}`")
+        if self.rows is not None and not self.rows[0] < self.rows[1] <= beads:
+            first, last = self.rows
+            raise ValueError(f"{key}.rows: {first} to {last} given; from a bead to a later one, within {beads}")
+        if self.times is not None and not self.times[0] < self.times[1]:
+            begin, end = self.times
+            raise ValueError(f"{key}.times: {begin:g} to {end:g} given; the end must be later than the start")
+
+
+# `from` is a word of Python's, so it cannot be written as an attribute
+_ENDS: dict[str, Any] = {
+    "from": (Annotated[Stiffness, Field(description="Stiffness at the start of the ramp, and before.")], ...),
+    "to": (Annotated[Stiffness, Field(description="Stiffness at the end of the ramp, and after.")], ...),
+}
+if TYPE_CHECKING:
+    GroundRamp = _GroundRamp
+else:
+    GroundRamp = create_model("GroundRamp", __base__=_GroundRamp, __module__=__name__, **_ENDS)
+
+
+class Modulation(Part):
+    """A factor ``1 + depth sin(2 pi frequency t + phase)`` on the stiffness."""
+
+    example: ClassVar[str] = "{depth: 0.5, frequency: 0.2}"
+
+    depth: Annotated[float, Field(ge=-1, le=1), PURE]
+    """Amplitude of the factor; at most 1, so that no stiffness is negative."""
+    frequency: Annotated[Positive, Unit("Hz")]
+    """Frequency f, in cycles per unit time."""
+    phase: Annotated[float, Field(ge=-360, le=360), Unit("degrees", always=True)] = 0.0
+    """Phase; with 90 the factor is a cosine."""
+
+
+def _kind(value: Any) -> str:
+    if isinstance(value, dict | _GroundRamp):
+        return "<keys>"
+    return "<list>" if isinstance(value, tuple | list) else "<plain>"
+
+
+_One = Annotated[Annotated[Stiffness, Tag("<plain>")] | Annotated[GroundRamp, Tag("<keys>")], Discriminator(_kind)]
+_Stiffness = Annotated[
+    Annotated[Stiffness, Tag("<plain>")]
+    | Annotated[GroundRamp, Tag("<keys>")]
+    | Annotated[tuple[_One, ...], Tag("<list>")],
+    Discriminator(_kind),
+]
 
 
 class Foundation(Ingredient):
@@ -38,16 +109,30 @@ class Foundation(Ingredient):
     sources = ("starosvetsky2012",)
 
     takes_away = frozenset({Fact.MOMENTUM, Fact.PULSE, Fact.FRONT})
-    why = MappingProxyType({Fact.FRONT: "beads behind a window keep oscillating"})
+    why = MappingProxyType(
+        {
+            Fact.FRONT: "beads behind a window keep oscillating",
+            Fact.REVERSIBLE: "its stiffness depends on time, and suzuki4 steps back in time within each cycle",
+        }
+    )
 
-    stiffness: Stiffness | tuple[Stiffness, ...] = 0.0
-    """Linear stiffness k of all chains, or a list with one for each chain."""
+    stiffness: _Stiffness = 0.0
+    """Linear stiffness k of all chains: a number or a ramp `{from, to, rows}` or `{from, to, times}`; or a list with
+    one for each chain."""
+    modulation: Modulation | None = None
+    """Factor on the linear stiffness that oscillates in time; none if omitted."""
     cubic: Cubic | tuple[Cubic, ...] = 0.0
     """Cubic stiffness c of all chains, or a list with one for each chain."""
     rows: tuple[Row, Row] | None = None
     """First and last bead with springs; all beads if omitted."""
 
     _from_list = field_validator("stiffness", "cubic", "rows", mode="before")(strict_yaml.as_tuple)
+
+    def cited(self) -> tuple[str, ...]:
+        """Also of what depends on time."""
+        ramps = any(one.times is not None for _, one in self._ramps())
+        parametric = ("landau1976",) if self.modulation is not None else ()
+        return (*self.sources, *(("zener1932", "novotny2010") if ramps else ()), *parametric)
 
     def refuse(self, scene: "BaseScene") -> None:
         """Refuse what does not fit the chains."""
@@ -59,32 +144,89 @@ class Foundation(Ingredient):
                 )
             if isinstance(given, tuple) and len(set(given)) > MOST_GROUPS:
                 raise ValueError(f"foundation.{key}: LAMMPS has {MOST_GROUPS} groups for different values")
+        if self.modulation is not None and "stiffness" not in self.model_fields_set:
+            raise ValueError("foundation.stiffness: is missing beside modulation")
+        for key, ramp in self._ramps():
+            ramp.refuse(key, scene.beads)
+        if self.modulation is not None and self.modulation.frequency * scene.scale.time > MOST:
+            raise ValueError("foundation.modulation.frequency: at most 1e12, dimensionless")
         for link in self.links(scene):
-            for key, values in zip(("stiffness", "cubic"), link.law, strict=False):
-                if np.max(values) > MOST:
-                    raise ValueError(
-                        f"foundation.{key}: so stiff that the beads do not move; at most 1e12, dimensionless"
-                    )
+            largest = {"stiffness": laws.stiffest(link.law, 0.0), "cubic": np.max(getattr(link.law, "cubic", 0.0))}
+            for key in (key for key, value in largest.items() if value > MOST):
+                raise ValueError(f"foundation.{key}: so stiff that the beads do not move; at most 1e12, dimensionless")
         if self.rows is not None and not self.rows[0] <= self.rows[1] <= scene.beads:
             first, last = self.rows
             raise ValueError(
                 f"foundation.rows: {first} to {last} given; from a bead to a later one, within {scene.beads}"
             )
 
-    def links(self, scene: "BaseScene") -> tuple[Ground, ...]:
-        """One spring a bead; linear where it is."""
-        stiffness, cubic = self._values("stiffness", scene), self._values("cubic", scene)
-        law: Law = Duffing(stiffness, cubic) if np.any(cubic) else Linear(stiffness)
-        return (
-            (Ground("foundation", laws.dimensionless(law, scene.scale)),) if np.any(stiffness) or np.any(cubic) else ()
-        )
+    @property
+    def _of_chains(self) -> tuple[float | _GroundRamp, ...]:
+        """Stiffness of all chains, or of each."""
+        return self.stiffness if isinstance(self.stiffness, tuple) else (self.stiffness,)
 
-    def _values(self, key: str, scene: "BaseScene") -> float | NDArray[np.float64]:
+    def _ramps(self) -> Iterator[tuple[str, _GroundRamp]]:
+        """Ramps, and their keys."""
+        several = isinstance(self.stiffness, tuple)
+        for number, one in enumerate(self._of_chains, 1):
+            if isinstance(one, _GroundRamp):
+                yield f"foundation.stiffness{f'[{number}]' * several}", one
+
+    def links(self, scene: "BaseScene") -> tuple[Ground, ...]:
+        """One spring a bead, linear where it is; cubic ones apart from those that ramp or are modulated."""
+        cubic = self._values(self.cubic, scene)
+        named: dict[str, Any]
+        if self.modulation is not None or any(self._ramps()):
+            named = {"foundation": self._in_space_and_time(scene), "cubic_foundation": Duffing(0.0 * cubic, cubic)}
+        else:
+            stiffness = self._values(self.stiffness, scene)
+            named = {"foundation": Duffing(stiffness, cubic) if np.any(cubic) else Linear(stiffness)}
+        # the first two parameters of each law, all that Linear and Duffing have, are 0 where there are no springs
+        there = {name: law for name, law in named.items() if any(map(np.any, law[:2]))}
+        return tuple(Ground(name, laws.dimensionless(law, scene.scale)) for name, law in there.items())
+
+    def lacks(self, scene: "BaseScene") -> frozenset[Fact]:
+        """Also that a scheme may step back in time, where the stiffness depends on it."""
+        varies = any(laws.varies(link.law) for link in self.links(scene))
+        return super().lacks(scene) | (frozenset({Fact.REVERSIBLE}) if varies else frozenset())
+
+    def _in_space_and_time(self, scene: "BaseScene") -> Linear | Varying:
+        """Linear springs that ramp or are modulated, in the scene's units."""
+        table = np.zeros((4, scene.chains, scene.beads))
+        first, last = self.rows or (1, scene.beads)
+        for chain in range(scene.chains):
+            of_chain = _start_of_ramp(self._of_chains[chain % len(self._of_chains)], scene.beads)
+            table[:, chain, first - 1 : last] = of_chain[:, first - 1 : last]
+        spring, rate, begin, end = (float(one.flat[0]) if np.ptp(one) == 0.0 else one for one in table)
+        depth = self.modulation.depth if self.modulation is not None else 0.0
+        if not np.any(rate) and not depth:
+            return Linear(spring)
+        omega = 2.0 * math.pi * self.modulation.frequency if self.modulation is not None and depth else 0.0
+        phase = math.radians(self.modulation.phase) if self.modulation is not None and depth else 0.0
+        return Varying(spring, rate, begin, end, depth, omega, phase)
+
+    def _values(self, given: Any, scene: "BaseScene") -> float | NDArray[np.float64]:
         """A number, or [chain, bead] where it differs, in the scene's units."""
-        given = getattr(self, key)
         if self.rows is None and (not isinstance(given, tuple) or len(set(given)) == 1):
             return float(np.max(given))
         values = np.zeros((scene.chains, scene.beads))
         first, last = self.rows or (1, scene.beads)
         values[:, first - 1 : last] = np.array(given).reshape(-1, 1)
         return values
+
+
+def _start_of_ramp(stiffness: float | _GroundRamp, beads: int) -> NDArray[np.float64]:
+    """[4, bead]: stiffness at the start, or before a ramp in time, whose rate, begin and end follow."""
+    found = np.zeros((4, beads))
+    if not isinstance(stiffness, _GroundRamp):
+        found[0] = stiffness
+        return found
+    ends = [getattr(stiffness, end) for end in ("from", "to")]
+    if stiffness.rows is not None:
+        found[0] = np.interp(np.arange(1, beads + 1), stiffness.rows, ends)
+    elif stiffness.times is not None and ends[0] != ends[1]:
+        begin, end = stiffness.times
+        found[:] = np.array([ends[0], (ends[1] - ends[0]) / (end - begin), begin, end])[:, np.newaxis]
+    else:
+        found[0] = ends[0]
+    return found

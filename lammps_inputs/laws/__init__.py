@@ -16,6 +16,11 @@ A law whose force depends on the past has two more, of which the reference integ
 - ``recalled(s, memory, ...)``: force; ``force`` is then that of a contact without a past, where the memory is 0;
 - ``remember(s, memory, ...)``: memory after a time step that ends at a strain.
 
+A law that depends on time takes the time ``t`` after the strain in all of these but the bounds, and has
+
+- ``now(t)``: the law at a time, whose ``change(s, ...)`` is how fast its force changes at a strain that does not;
+- ``power(s, t, ...)``: how fast its energy changes at such a strain, which is work from outside.
+
 They are written without branches, so that NumPy takes them as they are and the reference's kernel compiles them into
 vector instructions. Methods ``along``, ``across`` and ``ground``, where a law has them, spell it in LAMMPS on that kind
 of link (`lammps_inputs.links`). They take the link's name, ``across`` the link itself, whose edges become bonds, and
@@ -143,6 +148,11 @@ def dimensionless(law: Any, scale: "Scale") -> Any:
             )
     units = (hints[name].__metadata__[0].worth(scale) for name in kind._fields)
     return kind(*(value / unit for value, unit in zip(law, units, strict=True)))
+
+
+def varies(law: Law) -> bool:
+    """Whether a law depends on time."""
+    return hasattr(law, "now")
 
 
 def differs(law: Law) -> bool:

@@ -5,7 +5,14 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 import numpy as np
 
 from lammps_inputs import laws
-from lammps_inputs.deck_lines import Lines, atoms_by_value, bonds_by_value, whole_contacts
+from lammps_inputs.deck_lines import (
+    Lines,
+    atoms_by_row,
+    atoms_by_value,
+    bonds_by_value,
+    row_formula,
+    whole_contacts,
+)
 from lammps_inputs.laws import Parameter
 from lammps_inputs.numbers import text
 from lammps_inputs.units import Dimension
@@ -49,7 +56,11 @@ class Linear(NamedTuple):
                 variables=(f"variable {name} index {text(float(self.spring))}",),
                 motion=(f"fix {name} all spring/self ${{{name}}} x",),
             )
-        lines = []
+        lines: list[str] = []
+        if (profiles := atoms_by_row(self.spring, (layout.chains, layout.beads))) is not None:
+            for number, (values, atoms) in enumerate(profiles, 1):
+                lines += held_by_variable(f"{name}{number}", atoms, row_formula(values, ROW), layout)
+            return Lines(motion=(row_variable(layout), *lines))
         for number, ((spring,), atoms) in enumerate(atoms_by_value(self, (layout.chains, layout.beads)), 1):
             lines += [
                 f"group {name}{number} id {atoms}",
@@ -76,6 +87,34 @@ class Linear(NamedTuple):
                 *whole_contacts(link),
             ),
         )
+
+
+ROW = "v_row"
+"""Number of an atom's row in LAMMPS."""
+
+_SINCE = 20250722
+"""Earlier releases of LAMMPS were not tried with springs to the ground whose stiffness is a variable."""
+
+
+def row_variable(layout: "Layout") -> str:
+    """The line that defines `ROW`."""
+    return f"variable row atom (id-1)%{layout.rows}+1"
+
+
+def held_by_variable(name: str, atoms: str, formula: str, layout: "Layout") -> list[str]:
+    """Springs to the ground, of which LAMMPS computes the stiffness at every step; of all atoms where none are named.
+
+    A force from a formula, which older releases have too, takes twice the time.
+    """
+    group = name if atoms else "all"
+    style = "atom" if ROW in formula else "equal"
+    older = f'"variable {name}_force atom -v_{name}_now*(x-{layout.place_formula})" '
+    older += f'"fix {name} {group} addforce v_{name}_force 0.0 0.0"'
+    return [
+        *([f"group {name} id {atoms}"] if atoms else []),
+        f"variable {name}_now {style} {formula}",
+        f'if "$(version) >= {_SINCE}" then "fix {name} {group} spring/self v_{name}_now x" else {older}',
+    ]
 
 
 def tied(bonded: list[Lines]) -> list[str]:

@@ -28,7 +28,8 @@ def fastest(system: System) -> float:
     """Angular frequency, at most, of any motion; energy bounds how stiff a contact can get."""
     endless = (load.law.omega for load in system.loads if isinstance(load.law, Sine))
     own = float(np.sqrt(_contacts(system) + _springs(system)))
-    return max((own, *endless, *(motion.omega for motion in system.motions)))
+    modulated = (getattr(link.law, "omega", 0.0) for link in system.ground)
+    return max((own, *endless, *modulated, *(motion.omega for motion in system.motions)))
 
 
 def of_contacts(system: System) -> float:

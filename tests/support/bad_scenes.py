@@ -356,7 +356,13 @@ def _gauged(message: str, forces: dict[str, Any], **more: Any) -> BadScene:
     return _refused(f"output.{message}", **{"walls": {"right": "bead"}, "output": {"forces": forces}, **more})
 
 
+def _bed(message: str, stiffness: Any, **more: Any) -> BadScene:
+    return _refused(message, foundation={"stiffness": stiffness, **more})
+
+
 _SI = {"radius": 4.76e-3, "density": 8000.0, "youngs_modulus": 193e9, "poisson_ratio": 0.3}
+_RISING = {"from": 1, "to": 2}
+_WAVE = {"depth": 0.5, "frequency": 0.1}
 _WINDOW = {"beads": 100, "window": 64}
 _SQUARE = {"contact": {"exponent": 2.0}}
 _HALF_SINE = {"peak": 1.0, "duration": 2.0, "shape": "half-sine"}
@@ -431,6 +437,17 @@ REFUSED = [
     _refused("foundation.stiffness: 3 numbers for 2 chains; one, or one", foundation={"stiffness": [1.0, 2.0, 3.0]}),
     _refused("foundation.rows: 5 to 13 given", foundation={"stiffness": 1.0, "rows": [5, 13]}),
     _refused("foundation.rows: 5 to 4 given", foundation={"stiffness": 1.0, "rows": [5, 4]}),
+    _bed("foundation.stiffness: a ramp is along `rows` or over `times` (neither is given)", _RISING),
+    _bed("foundation.stiffness.rows: 5 to 13 given", {**_RISING, "rows": [5, 13]}),
+    _bed("foundation.stiffness[2].times: 4 to 4 given", [1.0, {**_RISING, "times": [4, 4]}]),
+    _bed("foundation.stiffness.to: should be greater than or equal to 0", {"from": 1, "to": -1, "times": [0, 4]}),
+    _refused("foundation.stiffness: is missing beside modulation", foundation={"modulation": _WAVE}),
+    _bed("foundation.modulation.depth: should be less than", 1.0, modulation={**_WAVE, "depth": 2}),
+    _refused(
+        "foundation: its stiffness depends on time, and suzuki4",
+        foundation={"stiffness": 1.0, "modulation": _WAVE},
+        scheme="suzuki4",
+    ),
     _refused("foundation.stifness: unknown key (did you mean `stiffness`?)", foundation={"stifness": 1.0}),
     _refused("foundation.stiffness: so stiff that the beads do not move", foundation={"stiffness": 1e13}),
     _refused("foundation: beads behind a window", foundation={"stiffness": 1.0}, **_WINDOW),

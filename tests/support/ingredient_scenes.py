@@ -57,6 +57,10 @@ RISING = {"from": 1.0, "to": 4.0, "contacts": [2, 6]}
 WAVY = {"mean": 1.2, "amplitude": 0.5, "wavenumber": 0.618, "phase": 40.0}
 RANDOM = {"spread": 0.3, "seed": 4}
 
+RISING_BED = {"from": 0.1, "to": 0.6, "rows": [2, 7]}
+MODULATED = {"depth": 0.5, "frequency": 0.3, "phase": 30.0}
+SOFTENING = {"from": 0.9, "to": 0.2, "times": [1.5, 9]}
+
 CASES: dict[str, dict[str, Any]] = {
     "one chain": {"chains": 1, "coupling": None},
     "gap": {"gap": 0.3},
@@ -71,6 +75,15 @@ CASES: dict[str, dict[str, Any]] = {
     "cubic foundation": {"foundation": {"stiffness": 0.3, "cubic": 0.7}},
     "purely cubic foundation": {"foundation": {"cubic": 0.5}},
     "foundation in some rows": {"foundation": {"stiffness": 0.4, "rows": [3, 6]}},
+    "foundation rising along the chains": {"foundation": {"stiffness": RISING_BED, "cubic": 0.3}},
+    "foundation modulated": {"foundation": {"stiffness": 0.4, "modulation": MODULATED}},
+    "foundation rising, modulated, damped": {
+        "foundation": {"stiffness": RISING_BED, "modulation": MODULATED, "rows": [1, 6]},
+        "damping": {"beads": 0.1, "contact": 0.1},
+    },
+    "foundations over time": {
+        "foundation": {"stiffness": [{"from": 0.3, "to": 0.9, "times": [0, 12]}, SOFTENING], "cubic": 0.2},
+    },
     "foundation by chain": {"foundation": {"stiffness": [0.5, 0.2], "cubic": 0.3}},
     "wall on the right": {"walls": {"right": "bead"}},
     "wall on the left": {"walls": {"left": "flat"}, "kick": {"bead": 3, "velocity": -1.0}},
@@ -194,6 +207,12 @@ def _stiffness_of(coupling: dict[str, Any], unit: Units) -> dict[str, Any]:
     return found
 
 
+def _stiffness_of_ground(stiffness: Any, unit: Units) -> Any:
+    """What numbers of a foundation's stiffness, or of its ramps, are worth."""
+    ramps = isinstance(stiffness, dict) or (isinstance(stiffness, list) and isinstance(stiffness[0], dict))
+    return {"from": unit.stiffness, "to": unit.stiffness, "times": unit.time} if ramps else unit.stiffness
+
+
 def in_units(name: str, velocity: float, material: dict[str, float] | None = None) -> Scene:
     """A case in reduced units or, with a material, in SI, with so many times its velocities: the same problem.
 
@@ -212,7 +231,11 @@ def in_units(name: str, velocity: float, material: dict[str, float] | None = Non
     losses = {"viscoelastic": dashpot / unit.length**0.5, "restitution": 1.0}
     worth = {
         "gap": unit.length,
-        "foundation": {"stiffness": unit.stiffness, "cubic": unit.stiffness / unit.length**2},
+        "foundation": {
+            "stiffness": _stiffness_of_ground(CASES[name].get("foundation", {}).get("stiffness"), unit),
+            "modulation": {"frequency": 1.0 / unit.time},
+            "cubic": unit.stiffness / unit.length**2,
+        },
         "walls": {side: {"stiffness": unit.force / unit.length**p} for side in ("left", "right")},
         "precompression": {"force": unit.force},
         "gravity": unit.length / unit.time**2,

@@ -273,10 +273,11 @@ def _nature(text: str) -> Nature:
     for one in moved:
         start[one.chain, one.bead] = one.velocity(0.0)
     ground, soft = (np.zeros_like(mass), np.zeros_like(mass)), scene.foundation
+    stiffness, bends = None, ()
     if soft is not None:
-        k, c = (np.reshape(np.broadcast_to(value, scene.chains), (-1, 1)) for value in (soft.stiffness, soft.cubic))
-        there = _within(soft.rows, scene)
-        ground = (k / unit.stiffness * there, c * unit.length**2 / unit.stiffness * there)
+        there, c = _within(soft.rows, scene), np.reshape(np.broadcast_to(soft.cubic, scene.chains), (-1, 1))
+        k, stiffness, bends = _bedded(scene, there / unit.stiffness)
+        ground = (k, c * unit.length**2 / unit.stiffness * there)
     damping, dashpot = scene.damping, unit.force / unit.velocity
     return Nature(
         unit=unit,
@@ -297,7 +298,43 @@ def _nature(text: str) -> Nature:
         pushes=_pushes(scene, unit),
         moved=moved,
         start=start,
+        stiffness=stiffness,
+        bends=bends,
     )
+
+
+def _bedded(scene: Scene, there: Floats) -> tuple[Floats, Any, tuple[float, ...]]:
+    """Stiffness of the foundation at the start; over time, where it depends on it; and when it does so abruptly."""
+    soft, second, row = scene.foundation, units(scene).time, np.arange(1, scene.beads + 1)
+    chains = soft.stiffness if isinstance(soft.stiffness, tuple) else (soft.stiffness,) * scene.chains
+    ramps = [one for one in chains if getattr(one, "times", None)]
+
+    def level(time: float) -> Any:
+        found = np.zeros((2, scene.chains, scene.beads))
+        for chain, one in enumerate(chains):
+            if isinstance(one, float):
+                found[0, chain] = one
+                continue
+            low, high = getattr(one, "from"), one.to
+            if one.rows:
+                found[0, chain] = np.clip((row - one.rows[0]) / (one.rows[1] - one.rows[0]), 0, 1) * (high - low) + low
+            else:
+                since, until = (end / second for end in one.times)
+                found[0, chain] = low + (high - low) * np.clip((time - since) / (until - since), 0.0, 1.0)
+                found[1, chain] = (high - low) / (until - since) * (since <= time < until)
+        return found * there
+
+    def at(time: float) -> Any:
+        (k, slope), wave = level(time), soft.modulation
+        if wave is None:
+            return k, slope
+        turn = 2.0 * math.pi * wave.frequency * second
+        angle = turn * time + math.radians(wave.phase)
+        factor = 1.0 + wave.depth * math.sin(angle)
+        return factor * k, slope * factor + k * wave.depth * turn * math.cos(angle)
+
+    bends = tuple(end / second for one in ramps for end in one.times)
+    return at(0.0)[0], at if ramps or soft.modulation else None, bends
 
 
 def nature(scene: Scene) -> Nature:

@@ -100,6 +100,8 @@ class Nature:
         hold: force from outside at rest, [chain, bead].
         springs: (chain, other chain, stiffness of each row, cubic stiffness), chains from 0.
         ground: stiffness and cubic stiffness of the springs to the ground, [chain, bead].
+        stiffness: over them, the stiffness at a time and how fast it changes, where that depends on it.
+        bends: times at which it does so abruptly.
         walls: those that there are.
         loss: force of a contact's dashpot over the rate of overlap: a coefficient, and the exponent of the overlap.
         cut: whether a contact never pulls.
@@ -126,6 +128,8 @@ class Nature:
     pushes: list[Push]
     moved: list[Moved]
     start: Floats
+    stiffness: Any = None
+    bends: tuple[float, ...] = ()
 
     @property
     def lossy(self) -> bool:
@@ -186,7 +190,8 @@ class Nature:
             force[..., one, :] += pull
             force[..., other, :] -= pull
         if self._has["ground"]:
-            force -= self.ground[0] * x + self.ground[1] * x**3
+            stiffness = self.ground[0] if self.stiffness is None else self.stiffness(time)[0]
+            force -= stiffness * x + self.ground[1] * x**3
         for wall in self.walls:
             force[..., wall.bead] -= wall.side * self.at_wall(wall, x, v)
         for push in self.pushes:
@@ -216,6 +221,8 @@ class Nature:
             for one in self.moved:
                 needed = one.acceleration(time) * self.mass[one.chain, one.bead] - forces[..., one.chain, one.bead]
                 energy_input = energy_input + needed * v[..., one.chain, one.bead]
+        if self.stiffness is not None:
+            energy_input = energy_input + 0.5 * (self.stiffness(time)[1] * x**2).sum(axis=(-2, -1))
         return {"energy_input": energy_input, **lost}
 
     # --- energies -----------------------------------------------------------------------------------------------------

@@ -196,7 +196,7 @@ def _names(own: Nature) -> list[str]:
 def _solved(own: Nature, end: float, rtol: float) -> OdeSolution:
     """States over time: displacements, velocities, exchange; from kink to kink of what comes from outside."""
     size, shape = own.mass.size, own.mass.shape
-    counted = own.lossy or bool(own.pushes) or bool(own.moved)
+    counted = own.lossy or bool(own.pushes) or bool(own.moved) or own.stiffness is not None
     names = _names(own)
 
     def rates(time: float, state: Floats) -> Floats:
@@ -205,7 +205,8 @@ def _solved(own: Nature, end: float, rtol: float) -> OdeSolution:
         return np.concatenate([v, own.acceleration(time, x, v), np.reshape(power, -1)], axis=None)
 
     state = np.concatenate([np.zeros(size), own.start.ravel(), np.zeros(len(names))])
-    edges = sorted({0.0, end, *(kink for push in own.pushes for kink in push.kinks if 0.0 < kink < end)})
+    kinks = [*own.bends, *(kink for push in own.pushes for kink in push.kinks)]
+    edges = sorted({0.0, end, *(kink for kink in kinks if 0.0 < kink < end)})
     pieces = []
     for since, until in pairwise(edges):
         # no stage of a step is at its end, where the push is over

@@ -358,12 +358,13 @@ def _strengths(own: Trajectory, reference: Trajectory) -> list[str]:
     if felt is None or right is None or felt.left > _EXPLAINED:
         return []
     found = []
-    for link in links:
-        factor, doubt = _factor(link.name, felt, right)
+    names = [link.name for link in links]
+    for name in (*names, *(symptoms.in_time(link) for link in links if laws.varies(link.law))):
+        factor, doubt = _factor(name, felt, right)
         if abs(factor) < doubt:
-            found.append(f"the {link.name.replace('_', ' ')} is missing")
+            found.append(f"the {name.replace('_', ' ')} is missing")
         elif abs(factor - 1.0) > doubt:
-            found.append(f"the {link.name.replace('_', ' ')} is {factor:.4g} times as strong as the scene says")
+            found.append(f"the {name.replace('_', ' ')} is {factor:.4g} times as strong as the scene says")
     return found
 
 

@@ -14,7 +14,7 @@ from analysis.figures.spacetime import largest_afar
 from analysis.figures.style import Frames, Unit, axis_unit, evenly_spaced
 from analysis.quantity import declared
 from analysis.trajectory import Floats, Integers, Trajectory
-from lammps_inputs import Problem
+from lammps_inputs import Problem, physics
 from lammps_inputs.units import REDUCED
 
 MOST_BEADS = 500
@@ -159,7 +159,8 @@ def _energy(frames: Trajectory) -> Floats:
     """Of each chain's beads, [frame, chain]."""
     if not frames.problem.whole:
         return np.full(frames.velocity.shape[:2], np.nan)
-    return np.asarray(motion.bead_energy(frames.problem.system, frames.displacement, frames.velocity).sum(axis=-1))
+    system = physics.at(frames.problem.system, frames.time)
+    return np.asarray(motion.bead_energy(system, frames.displacement, frames.velocity).sum(axis=-1))
 
 
 # --- units ------------------------------------------------------------------------------------------------------------

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.trajectory import EXCHANGES, Floats, Trajectory, joined
-from lammps_inputs import Problem
+from lammps_inputs import Problem, physics
 from lammps_inputs.laws import dashpot
 from workflow.engines.reference import engine
 from workflow.engines.reference.schemes import BLANES_MOAN
@@ -61,7 +61,7 @@ class _Follower:
         self._until = np.zeros((1, len(EXCHANGES)))
         self._more = 0.0
         self._over = np.inf
-        if not system.dampers and not system.motions:
+        if not system.dampers and not physics.driven(system):
             self._over = max(load.end for load in system.loads)
 
     def along(self, block: Trajectory) -> Floats:

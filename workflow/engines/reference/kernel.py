@@ -58,7 +58,7 @@ class State(NamedTuple):
     """[4, place]: energy that dashpots along, across, to the ground and of walls have taken from every bead; below 0
     of one that is dragged along."""
     work: Floats
-    """[1]: work of loads, and of beads whose motion is given against forces."""
+    """[1]: work of loads, of springs that vary, and of beads whose motion is given against forces."""
     memory: tuple[Floats, ...]
     """What contacts remember, for each law whose force depends on the past."""
 
@@ -177,7 +177,7 @@ class _Writer:
         loops: list[str] = []
         found = []
         for term in terms:
-            call = self._call(term, function, term.strain, *([term.rate] * rate))
+            call = self._call(term, function, term.strain, *filter(None, [term.time]), *([term.rate] * rate))
             if term.over:
                 total = f"{term.sums}[{number}, k]"
                 loops += self._lines(template.SUM, total=total, over=term.over, call=call)
@@ -248,7 +248,7 @@ class _Writer:
             press=press,
             kick=kick,
             kick_by_means=self._kicks_by_means() if self._terms.as_lammps else [],
-            hold=self._held_motions() if self._terms.counts_work else [],
+            hold=[*self._held_motions(), *self._work_of_springs()] if self._terms.counts_work else [],
             drift=drift,
             remembered=self._remembered(),
         )
@@ -338,6 +338,15 @@ class _Writer:
         _, others = self._other_forces()
         work = f"work[0] -= factor * (push[k] - push[k + {self._terms.row}]{others}) * v[k]"
         return [line for term in self._terms.motions for line in _over(term, work, everywhere=True)]
+
+    def _work_of_springs(self) -> list[str]:
+        """Work of springs to the ground that vary, in a kick: time is advanced in drifts, as positions are."""
+        lines = []
+        for term in self._terms.ground:
+            if term.time:
+                power = self._call(term, "power", term.strain, term.time)
+                lines += ["for k in range(low, high):", f"    work[0] += factor * {power}"]
+        return lines
 
     def _held_by_dashpots(self) -> list[str]:
         """What dashpots take from beads whose motion is given, and so from what moves them."""

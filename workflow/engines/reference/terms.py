@@ -35,6 +35,7 @@ class Term:
         sums: scratch array of three sums over distances, [sum, place].
         memory: array of the law's state; empty of one without.
         sign: source of a factor of what the law gives; empty of 1.
+        time: source of the time, on which the law depends; empty of one that does not.
     """
 
     law: Any
@@ -45,6 +46,7 @@ class Term:
     sums: str = ""
     memory: str = ""
     sign: str = ""
+    time: str = ""
 
 
 @dataclass(frozen=True)
@@ -58,7 +60,7 @@ class Terms:
         per_mass: source of what makes a force at k an acceleration; empty where all masses are 1.
         dashpots: how they act: as in LAMMPS with those of half a step before, in the kicks, or in the drifts.
         as_lammps: whether loads act as LAMMPS has them.
-        counts_work: whether the work of loads and motions is counted.
+        counts_work: whether the work of loads, motions and springs that vary is counted.
     """
 
     names: tuple[str, ...]
@@ -166,7 +168,8 @@ class _Parameters:
                 term = self.term(link.law, f"{side} * x[k] - {gap}", f"{side} * v[k]", first=1)
                 found.append(replace(term, sign=side))
             else:
-                found.append(self.term(link.law, "x[k]", "v[k]", first=1))
+                term = self.term(link.law, "x[k]", "v[k]", first=1)
+                found.append(replace(term, time="time" * laws.varies(link.law)))
         return tuple(found)
 
     def acting(self, loads: Sequence[Load | Motion]) -> tuple[Term, ...]:
