@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lammps_inputs import Problem
+from lammps_inputs import Problem, System, physics
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -58,6 +58,9 @@ class Trajectory:
         first: bead that the last axis begins with; more than 1 in a window that has followed the pulse.
         exchange: [frame, `EXCHANGES`] energy that was exchanged until each frame, in units of m V**2; None where nobody
             counted, or nothing is exchanged.
+        memory: [frame, chain, bead + 1] largest overlap so far of each contact whose force depends on it: of the wall
+            before the first bead, of the contact behind each other bead, of the wall behind the last; None where no
+            force does, or not all beads are recorded.
     """
 
     problem: Problem
@@ -66,6 +69,7 @@ class Trajectory:
     velocity: Floats
     first: int = 1
     exchange: Floats | None = None
+    memory: Floats | None = None
 
     def __repr__(self) -> str:
         until = f"to t = {self.time[-1]:.6g} T" if len(self.time) else "none yet"
@@ -102,7 +106,13 @@ class Trajectory:
             displacement=self.displacement[frames],
             velocity=self.velocity[frames],
             exchange=None if self.exchange is None else self.exchange[frames],
+            memory=None if self.memory is None else self.memory[frames],
         )
+
+    @property
+    def system(self) -> System:
+        """The system that was computed; laws whose force depends on the past have the memories of these frames."""
+        return self.problem.system if self.memory is None else physics.with_memory(self.problem.system, self.memory)
 
     def last(self) -> "Trajectory":
         """The last frame, copied, so that it keeps no others in memory."""
@@ -163,14 +173,17 @@ def joined(blocks: Iterable[Trajectory]) -> Trajectory:
     if parts[0].problem.window is not None:
         first, last = min(part.beads[0] for part in parts), max(part.beads[-1] for part in parts)
         parts = [part.on(int(first), int(last), behind=np.nan) for part in parts]
-    exchanges = [part.exchange for part in parts]
+    exchanges, memories = ([getattr(part, name) for part in parts] for name in ("exchange", "memory"))
     return Trajectory(
         parts[0].problem,
         np.concatenate([part.time for part in parts]),
         np.concatenate([part.displacement for part in parts]),
         np.concatenate([part.velocity for part in parts]),
         parts[0].first,
-        None if any(exchange is None for exchange in exchanges) else np.concatenate(exchanges),  # type: ignore[arg-type]
+        *(
+            None if any(value is None for value in values) else np.concatenate(values)
+            for values in (exchanges, memories)
+        ),
     )
 
 

@@ -181,6 +181,33 @@ def even(system: System) -> bool:
     return not any(np.ndim(laws.rest(link.law)) for link in system.along)
 
 
+@once
+def remembering(system: System) -> tuple[Along | Wall, ...]:
+    """The contacts and walls whose force depends on the largest overlap so far."""
+    return tuple(link for link in (*system.along, *walls(system)) if laws.remembers(link.law))
+
+
+def with_memory(system: System, memory: NDArray[np.float64]) -> System:
+    """The system with other memories, [..., chain, bead + 1]: of the wall before the first bead, of the contact behind
+    each other, and of the wall behind the last.
+    """
+    places = {Along: memory[..., 1:-1], -1.0: memory[..., :-1], 1.0: memory[..., 1:]}
+
+    def at(link: Link) -> Link:
+        if not isinstance(link, Along | Wall) or not laws.remembers(link.law):
+            return link
+        of = places[Along if isinstance(link, Along) else link.side]
+        return replace(link, law=link.law._replace(memory=of))  # type: ignore[attr-defined]
+
+    return replace(system, links=tuple(map(at, system.links)))
+
+
+def lost_by_yielding(system: System) -> Any:
+    """Energy dissipated by contacts and walls, [...], as follows from their memories."""
+    lost = (link.law.lost(*link.law) for link in remembering(system))  # type: ignore[attr-defined]
+    return sum((np.sum(one, axis=(-2, -1)) if np.ndim(one) else one for one in lost), 0.0)
+
+
 def contact_loss(system: System) -> ContactLoss | None:
     """The law of damping of the contacts; None where they lose nothing."""
     return next((cast(ContactLoss, link.law) for link in system.dampers if isinstance(link, Along)), None)

@@ -15,7 +15,7 @@ from lammps_inputs import html, laws, materials, physics, strict_yaml
 from lammps_inputs import scheme as schemes
 from lammps_inputs.errors import InputError
 from lammps_inputs.facts import Fact
-from lammps_inputs.ingredients import INGREDIENTS, OWN_INGREDIENTS, contacts
+from lammps_inputs.ingredients import INGREDIENTS, OWN_INGREDIENTS, contacts, plastic
 from lammps_inputs.ingredients.base import Count, Ingredient, Part, Positive
 from lammps_inputs.ingredients.unequal import (
     Disorder,
@@ -116,6 +116,8 @@ class Material(Part):
     """Young's modulus E; required without `name`."""
     poisson_ratio: Annotated[float, Field(gt=-1, le=0.5), PURE]
     """Poisson's ratio; required without `name`."""
+    yield_strength: Annotated[Positive, Unit("Pa")] | None = None
+    """Yield strength of the beads, whose contacts then yield; they are elastic if omitted."""
 
     @model_validator(mode="before")
     @classmethod
@@ -208,9 +210,12 @@ class BaseScene(Part):
         for ingredient in self.ingredients:
             ingredient.refuse(self)
         self._check_wanted()
+        plastic.refuse(self)
         system = self.system
         for ingredient in self.ingredients:
             ingredient.refuse_system(self, system)
+        if system.inner_mass is not None and plastic.key(self):
+            raise ValueError(f"{plastic.key(self)}: atoms inside the beads are not known beside it; leave one of them out")
         if system.inner_mass is not None and (physics.exchanges(system) or self.wanted):
             raise ValueError(
                 "atoms inside the beads: no damping, push, drive, window or other scheme than verlet is known beside "
@@ -454,7 +459,8 @@ class BaseScene(Part):
         """Beads, links and kicks, dimensionless at V = 1."""
         scale = self.scale
         mass, strength = masses_and_strengths(self)
-        touching = contacts(self.gap / scale.length, strength, self.contact_law(strength))
+        law = plastic.between(self, strength) or self.contact_law(strength)
+        touching = contacts(self.gap / scale.length, strength, law)
         made = [link for ingredient in self.ingredients for link in ingredient.links(self)]
         loads = tuple(load for ingredient in self.ingredients for load in ingredient.loads(self))
         motions = tuple(motion for ingredient in self.ingredients for motion in ingredient.motions(self))
@@ -462,8 +468,11 @@ class BaseScene(Part):
         taken |= {Fact.SECOND_ORDER} if any(load.law.jumps for load in loads) else set()
         static = sum((ingredient.static(self, mass) for ingredient in self.ingredients), np.float64(0.0))
         inner_mass, inner_links = self._inner
-        if inner_mass is not None or any(hasattr(link.law, "remember") for link in touching):
-            taken |= {Fact.FRAMES, Fact.ENERGY, Fact.MOMENTUM, Fact.FRONT, Fact.REVERSIBLE}
+        remembers = any(laws.remembers(link.law) for link in touching)
+        if inner_mass is not None or remembers:
+            taken |= {Fact.FRAMES, Fact.ENERGY, Fact.FRONT, Fact.REVERSIBLE}
+        if inner_mass is not None or (remembers and not plastic.key(self)):
+            taken |= {Fact.MOMENTUM}
         system = System(
             chains=self.chains,
             beads=self.beads,

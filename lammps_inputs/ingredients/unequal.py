@@ -47,6 +47,8 @@ class Kind(Part):
     """Young's modulus; with a material only."""
     poisson_ratio: Annotated[float, Field(gt=-1, le=0.5), PURE] | None = None
     """Poisson's ratio; with a material only."""
+    yield_strength: Annotated[Positive, Unit("Pa")] | None = None
+    """Yield strength; with that of a material only, which it has if neither material nor modulus is its own."""
     stiffness: Annotated[Positive, PURE] | None = None
     """Plane modulus E / (1 - nu^2) relative to the reference bead's; without a material only."""
 
@@ -216,6 +218,27 @@ def with_its_like(scene: "BaseScene", bead: int) -> float | Floats:
 def modulus(scene: "BaseScene", bead: int) -> float | Floats:
     """Plane modulus of a bead (from 0, or the end) of every chain, [chain], in the reference bead's."""
     return 1.0 if all(getattr(scene, key) is None for key in KEYS) else _beads(scene)[2][:, bead]
+
+
+def yield_strengths(scene: "BaseScene") -> float | Floats:
+    """Yield strength of the beads, [chain, bead], in the reference bead's; 1 where all are the same."""
+    ball = scene.material
+    if ball is None or ball.yield_strength is None:
+        return 1.0
+
+    def of(kind: Kind) -> float:
+        return 1.0 if kind.yield_strength is None else kind.yield_strength / reference
+
+    reference = ball.yield_strength
+    found = np.ones((scene.chains, scene.beads))
+    for chain, row in enumerate(_rows(scene)):
+        for place, name in enumerate(row):
+            found[chain, place :: len(row)] = of((scene.kinds or {})[name])
+    for change in scene.replace or ():
+        found[change.chain - 1, change.bead - 1] = of((scene.kinds or {})[change.kind])
+    if scene.striker is not None:
+        found[scene.striker.chain - 1, 0] = of(scene.striker)
+    return 1.0 if np.all(found == 1.0) else found
 
 
 def _refuse(scene: "BaseScene") -> None:

@@ -14,13 +14,14 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from lammps_inputs import materials
+from lammps_inputs import laws, materials
 from lammps_inputs.deck_lines import MOST_GROUPS
 from lammps_inputs.facts import Fact
+from lammps_inputs.ingredients import plastic
 from lammps_inputs.ingredients.base import Ingredient, Part, Positive
 from lammps_inputs.ingredients.contact import HERTZ
 from lammps_inputs.ingredients.unequal import Kind as Bead
-from lammps_inputs.ingredients.unequal import modulus, with_its_like
+from lammps_inputs.ingredients.unequal import KEYS, modulus, radii, with_its_like, yield_strengths
 from lammps_inputs.laws import Law
 from lammps_inputs.laws.contact import Hertz
 from lammps_inputs.links import Wall
@@ -74,8 +75,8 @@ class Walls(Ingredient):
         if self.left is None and self.right is None:
             raise ValueError("walls: name left, right or both: bead, flat, rigid, {stiffness: ...} or {material: ...}")
         contact = scene.contact_law(1.0)
-        if hasattr(contact, "remember"):
-            raise ValueError("walls: contacts that remember are known between beads only; leave the walls out")
+        if laws.remembers(contact):
+            raise ValueError("walls: are not known of contacts of one's own that have a memory; leave the walls out")
         own = contact is not None and not hasattr(contact, "exponent")
         for key in ("left", "right"):
             kind = getattr(self, key)
@@ -114,8 +115,28 @@ class Walls(Ingredient):
                         f"walls.{key}: beads of more than {MOST_GROUPS} kinds meet it, too many for LAMMPS; "
                         "say {stiffness: ...}"
                     )
-                found.append(Wall(f"{key}_wall", _law(key, strength, scene), side, scene.gap / scene.scale.length))
+                law = _yielding(kind, strength, scene, last) or _law(key, strength, scene)
+                found.append(Wall(f"{key}_wall", law, side, scene.gap / scene.scale.length))
         return tuple(found)
+
+
+def _yielding(kind: Kind, strength: NDArray[np.float64], scene: "BaseScene", bead: int) -> Law | None:
+    """That of a wall beside a bead (from 0, or the end) whose contacts yield, as does the bead; None where none do."""
+    if not plastic.key(scene):
+        return None
+    radius, own, soft = np.ones((3, scene.chains, scene.beads))
+    radius[:, bead] = 2.0 if kind != "bead" else 1.0
+    if any(getattr(scene, name) is not None for name in KEYS):
+        radius[:, bead] *= radii(scene)[:, bead]
+    own[:, bead] = modulus(scene, bead)
+    if kind == "rigid":
+        own[:, bead] *= 2.0
+    elif isinstance(kind, Face) and kind.material is not None:
+        block = Bead(material=kind.material).relative(scene.material)[2]
+        own[:, bead] *= 2.0 * block / (block + own[:, bead])
+    strengths = yield_strengths(scene)
+    soft[:, bead] = strengths if np.ndim(strengths) == 0 else strengths[:, bead]  # type: ignore[index]
+    return plastic.law_of(scene, strength, radius, own, soft)
 
 
 def _law(key: str, strength: NDArray[np.float64], scene: "BaseScene") -> Law:

@@ -11,10 +11,12 @@ in which the law has them, as scalars or arrays:
 - ``max_strain(energy, ...)``: largest strain to which an energy can bring it;
 - ``stiffest(energy, ...)``, only where `stiffest_of_each` would not find it: largest stiffness at such an energy.
 
-A law whose force depends on the past has two more, of which the reference integrator keeps one number for each contact:
+A law whose force depends on the past has a parameter ``memory``, the state of each contact: at the start in the law of a
+system, and that of frames in the law that analyses compute with. It has one more function:
 
-- ``recalled(s, memory, ...)``: force; ``force`` is then that of a contact without a past, where the memory is 0;
-- ``remember(s, memory, ...)``: memory after a time step that ends at a strain.
+- ``remember(s, ...)``: memory after a strain.
+
+Where energy is dissipated, ``lost(...)`` is the part of it that follows from the memory.
 
 A law that depends on time takes the time ``t`` after the strain in all of these but the bounds, and has
 
@@ -108,6 +110,11 @@ def stiffest_of_each(law: Law, total_energy: float) -> Any:
 
 
 _PARTS = (1.0, 0.75, 0.5, 0.25, 0.0, -0.25, -0.5, -0.75, -1.0)
+
+
+def remembers(law: Any) -> bool:
+    """Whether the force of a law depends on the past."""
+    return hasattr(law, "remember")
 
 
 def rest(law: Law) -> Any:

@@ -12,6 +12,7 @@ import numpy as np
 from lammps_inputs.deck_lines import Lines
 from lammps_inputs.laws import Parameter
 from lammps_inputs.laws.contact import Hertz, Power
+from lammps_inputs.laws.plastic import Thornton
 
 if TYPE_CHECKING:
     from lammps_inputs.layout import Layout
@@ -125,7 +126,7 @@ _LEAST = 1e-80
 """In place of an overlap of 0; its third power is a number, and so is that of any overlap over it."""
 
 
-Contact = Hertz | Power
+Contact = Hertz | Power | Thornton
 """Laws of contacts that have a form under a static load."""
 
 
@@ -133,11 +134,15 @@ def rest_under(law: Contact, load: Parameter) -> Parameter:
     """Overlap at which a contact has a force; 0 where there is no contact."""
     there = np.asarray(law.strength) > 0.0
     bare = np.where(there, np.asarray(load) / np.where(there, law.strength, 1.0), 0.0)
+    if isinstance(law, Thornton):
+        beyond = (bare / np.sqrt(law.onset) + 0.5 * law.onset) / 1.5
+        found = np.where(bare > law.onset**1.5, beyond, np.cbrt(bare) ** 2)
+        return found if np.ndim(found) else float(found)
     rest = bare ** (1.0 / law.exponent) if isinstance(law, Power) else np.cbrt(bare) ** 2
     return rest if np.ndim(rest) else float(rest)
 
 
-def under(law: Contact, load: Parameter, grid: float) -> Preloaded | PreloadedPower:
+def under(law: Contact, load: Parameter, grid: float) -> Preloaded | PreloadedPower | Thornton:
     """The contact that carries a load at rest, as nearly as places that are multiples of ``grid`` allow.
 
     Args:
@@ -146,6 +151,9 @@ def under(law: Contact, load: Parameter, grid: float) -> Preloaded | PreloadedPo
         grid: what LAMMPS can distinguish; overlaps at rest are multiples of it, and loads follow from them.
     """
     rest = _rounded(rest_under(law, load), grid)
+    if isinstance(law, Thornton):
+        alone = law._replace(memory=rest, rest=rest)
+        return alone._replace(load=alone.force(0.0, *alone))
     if isinstance(law, Power):
         return PreloadedPower(law.strength, law.exponent, *_power_at(law, rest))
     return Preloaded(law.strength, rest, _held(law.strength, rest))

@@ -113,11 +113,6 @@ LARGEST_OVERLAP = 0.1
 FLATTENED = 1.0
 """Overlap over the radius from which on a motion is none of elastic spheres: each has lost half of its radius."""
 
-YIELD_PRESSURE = 1.6
-"""Peak pressure over the yield strength where a metal (Poisson's ratio 0.3) begins to flow, below the surface at 0.48
-contact radii (Johnson, 6.1, Tresca or von Mises).
-"""
-
 
 def is_of_spheres(law: Law) -> bool:
     """Whether a contact is one of elastic spheres."""

@@ -9,6 +9,7 @@ from analysis.largest_overlap import LargestOverlap, shown_by_frames
 from analysis.quantity import declare, result
 from lammps_inputs import Scene, laws, physics
 from lammps_inputs.ingredients.unequal import sizes_and_moduli
+from lammps_inputs.laws.plastic import YIELD_PRESSURE
 from lammps_inputs.limits import solids
 from workflow.runs.engines import ENGINES
 from workflow.runs.run_directory import RunDirectory
@@ -44,7 +45,7 @@ class Contacts:
         found = [
             f"contacts: overlaps {most} {self.overlap:.2g} of the radius ({self.radius:g} m), "
             f"forces {self.force:.2g} N, pressures {self.pressure:.2g} Pa; elastic only if the yield strength is above "
-            f"{self.yield_strength:.2g} Pa (yield begins at {solids.YIELD_PRESSURE} times it: Johnson, Contact "
+            f"{self.yield_strength:.2g} Pa (yield begins at {YIELD_PRESSURE} times it: Johnson, Contact "
             "Mechanics, 1985, 6.1)"
         ]
         if not self.possible:
@@ -124,5 +125,5 @@ def _contacts(scene: Scene, overlap: Any, *, measured: bool) -> Contacts | None:
         overlap=float(np.max(metres)) / ball.radius,
         force=float(np.max(laws.whole_force(scene.system.along[0].law, overlap))) * scene.scale.force,
         pressure=pressure,
-        yield_strength=pressure / solids.YIELD_PRESSURE,
+        yield_strength=pressure / YIELD_PRESSURE,
     )

@@ -101,7 +101,7 @@ def test_yield_begins_at_1_6_times_the_yield_strength():
     axial = -1.0 / (1.0 + z**2)
     radial = -1.3 * (1.0 - z * np.arctan(1.0 / z)) + 0.5 / (1.0 + z**2)
     difference = np.abs(radial - axial)
-    assert 1.0 / difference.max() == pytest.approx(solids.YIELD_PRESSURE, abs=0.02)
+    assert 1.0 / difference.max() == pytest.approx(YIELD_PRESSURE, abs=0.02)
     assert z[difference.argmax()] == pytest.approx(0.48, abs=0.01)
 
 

@@ -75,11 +75,13 @@ class _Follower:
         x, w = block.displacement, _velocity_of_state(block)
         pushed = np.array(sorted({load.bead for load in problem.system.loads}), dtype=np.int64)
         end_x, end_v = np.zeros((1, chains, len(pushed))), np.zeros((1, chains, len(pushed)))
+        end_memory = np.zeros((1, *state.memory.shape))
         for frame in range(1, block.frames):
             if block.time[frame - 1] < self._over:
-                state.restart(x[frame - 1], w[frame - 1], moving.start + 1, min(moving.stop, problem.beads))
+                memory = None if block.memory is None else block.memory[frame - 1]
+                state.restart(x[frame - 1], w[frame - 1], moving.start + 1, min(moving.stop, problem.beads), memory)
                 number = round(float(block.time[frame - 1]) / problem.every) * self._steps
-                frames = Frames(end_x, end_v, found[frame : frame + 1])
+                frames = Frames(end_x, end_v, found[frame : frame + 1], end_memory)
                 state.advance(BLANES_MOAN, problem.every / self._steps, number, self._steps, pushed, frames)
                 self._more += self._on_the_way(block, frame, block.velocity[frame][:, pushed - 1] - end_v[0], pushed)
                 found[frame, -1] += self._more

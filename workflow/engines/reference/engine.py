@@ -97,7 +97,9 @@ def blocks(
     start = x[recorded, :chains].T[np.newaxis].copy(), v[recorded, :chains].T[np.newaxis].copy()
     counts = scheme is not VERLET and physics.exchanges(problem.system)
     none = np.zeros((1, len(EXCHANGES))) if counts else None
-    yield Trajectory(problem, np.zeros(1), *start, _first(problem, recorded), none)
+    past = state.memory[np.newaxis].copy()
+    remembered = past if past.size and problem.recorded is None else None
+    yield Trajectory(problem, np.zeros(1), *start, _first(problem, recorded), none, remembered)
     size = frames_per_block(problem)
     if problem.window is not None:
         size = max(1, min(size, math.floor(_ADVANCE / (rates.front_speed(problem.system) * problem.every))))
@@ -106,11 +108,20 @@ def blocks(
         recorded = _recorded(problem, state, len(frame) * problem.every)
         shape = (len(frame), chains, len(recorded))
         exchange = np.zeros((len(frame), len(EXCHANGES)))
-        frames = Frames(np.empty(shape), np.empty(shape), exchange)
+        memory = np.empty((len(frame), *past.shape[1:]))
+        frames = Frames(np.empty(shape), np.empty(shape), exchange, memory)
         time = np.asarray(frame * problem.every, dtype=np.float64)
         state.advance(scheme, step, (first - 1) * steps, steps, recorded, frames)
         exchange[:, -1] += brought_up(problem, time)
-        yield Trajectory(problem, time, frames.x, frames.v, _first(problem, recorded), exchange if counts else None)
+        yield Trajectory(
+            problem,
+            time,
+            frames.x,
+            frames.v,
+            _first(problem, recorded),
+            exchange if counts else None,
+            None if remembered is None else memory,
+        )
 
 
 def brought_up(problem: Problem, time: Floats) -> Floats:
@@ -162,8 +173,18 @@ class State:
     kernel: "Kernel"
     compiled: "Compiled"
 
-    def restart(self, x: Floats, v: Floats, first: int, last: int) -> None:
+    @property
+    def memory(self) -> Floats:
+        """Of every contact and wall (`analysis.trajectory.Trajectory`); [chain, bead + 1]; empty where there is none."""
+        past = self.compiled.memory[0]
+        if not past.size:
+            return np.zeros((0, 0))
+        return past.reshape(self.x.shape)[1:].T
+
+    def restart(self, x: Floats, v: Floats, first: int, last: int, memory: Floats | None = None) -> None:
         """Continue from displacements and velocities [chain, bead] of which only some rows may be in motion."""
+        if memory is not None:
+            self.memory[:] = memory
         self.x[1:-1], self.v[1:-1] = x.T, v.T
         self.span[:2], self.span[3] = (first, last), 1
         self.compiled.push[:] = 0.0

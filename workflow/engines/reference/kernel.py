@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 from lammps_inputs import System
 from workflow import compiled
 from workflow.engines.reference import template
-from workflow.engines.reference.terms import Term, Terms, make_terms
+from workflow.engines.reference.terms import Term, Terms, make_memory, make_terms
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -59,8 +59,10 @@ class State(NamedTuple):
     of one that is dragged along."""
     work: Floats
     """[1]: work of loads, of springs that vary, and of beads whose motion is given against forces."""
-    memory: tuple[Floats, ...]
-    """What contacts remember, for each law whose force depends on the past."""
+    memory: tuple[Floats, Floats, Floats]
+    """[place] each: memory of the contact behind each bead, and of the wall behind the last; strain and closing velocity
+    at the start of a step. Without places where no force depends on the past.
+    """
 
 
 class Steps(NamedTuple):
@@ -77,6 +79,8 @@ class Frames(NamedTuple):
     x: Floats
     v: Floats
     exchange: Floats
+    memory: Floats = np.zeros((0, 0, 0))
+    """[frame, chain, bead + 1]; without chains where no force depends on the past."""
 
 
 class Passing(NamedTuple):
@@ -97,8 +101,9 @@ def make_state(x: Floats, v: Floats, span: Integers, kernel: "Kernel") -> State:
         kernel: what is to advance it.
     """
     size = x.size
-    room, memory = (tuple(np.zeros(size) for _ in range(count)) for count in (kernel.room, kernel.memories))
+    room = tuple(np.zeros(size) for _ in range(kernel.room))
     push, lost, work = np.zeros(size), np.zeros((4, size)), np.zeros(1)
+    memory = kernel.memory.copy(), np.zeros_like(kernel.memory), np.zeros_like(kernel.memory)
     return State(x.reshape(-1), v.reshape(-1), push, span, x.shape[1], room, lost, work, memory)
 
 
@@ -112,13 +117,13 @@ class Kernel:
             ``follow(state, parameters, scheme, first_step, steps, threshold, passing)``.
         parameters: of the laws.
         room: number of scratch arrays of the state.
-        memories: arrays of what contacts remember.
+        memory: at the start, flat as the state; empty where no force depends on the past.
     """
 
     program: Any
     parameters: tuple[Any, ...]
     room: int
-    memories: int
+    memory: Floats
 
 
 def make_kernel(system: System, *, as_lammps: bool = False, step: float = 0.0) -> Kernel:
@@ -131,7 +136,8 @@ def make_kernel(system: System, *, as_lammps: bool = False, step: float = 0.0) -
     """
     terms, parameters = make_terms(system, as_lammps=as_lammps, step=step)
     room = len(_ROOM[terms.dashpots].split(", ")) if terms.dampers else 0
-    return Kernel(_program(terms), parameters, room, len(terms.memories))
+    memory = make_memory(system).reshape(-1) if terms.with_memory else np.zeros(0)
+    return Kernel(_program(terms), parameters, room, memory)
 
 
 _ROOM = {
@@ -223,9 +229,9 @@ class _Writer:
             "counts_lost": terms.counts_lost,
             "counts_work": terms.counts_work,
             "moved_with_loss": terms.moved_with_loss,
-            "remembers": bool(terms.memories),
+            "remembers": bool(terms.with_memory),
         }
-        names = {"rooms": _ROOM[terms.dashpots], "memories": "".join(f"{name}, " for name in terms.memories)}
+        names = {"rooms": _ROOM[terms.dashpots]}
         known = {"per_mass": terms.per_mass, "row": terms.row, **names}
         return _filled(section, **asked, **known, **places).strip("\n").split("\n")
 
@@ -256,6 +262,7 @@ class _Writer:
             "unpacked": self._lines(template.UNPACKED),
             "press": press,
             "step": step,
+            "before": self._before(),
             "velocities": self._lines(template.VELOCITIES) if kind == "drift" else [],
             "actual": "actual" if kind == "drift" else "v",
             "held_by_dashpots": self._held_by_dashpots() if self._terms.moved_with_loss else [],
@@ -263,22 +270,49 @@ class _Writer:
         }
 
     def _contact_force(self) -> str:
-        """Source of the force of all contacts at k, those of laws that remember with their memory."""
-        return " + (".join(
-            self._call(term, "recalled", term.strain, f"{term.memory}[k]")
-            if term.memory
-            else self._call(term, "force", term.strain)
-            for term in self._terms.contacts
-        ) + ")" * (len(self._terms.contacts) - 1)
+        """Source of the force of all contacts at k."""
+        found = [self._call(term, "force", term.strain) for term in self._terms.contacts]
+        return " + (".join(found) + ")" * (len(found) - 1)
+
+    def _before(self) -> list[str]:
+        """Lines that note the strains of contacts with a memory before the first step; none as in LAMMPS."""
+        return [] if self._terms.as_lammps else self._of_memories(template.NOTE)
 
     def _remembered(self) -> list[str]:
-        """Lines that note, after a step, what contacts remember of it."""
-        lines = []
-        for term in self._terms.contacts:
-            if term.memory:
-                noted = self._call(term, "remember", term.strain, f"{term.memory}[k]")
-                lines += self._lines(template.REMEMBER, memory=term.memory, noted=noted)
-        return lines
+        """Lines that update memories after a step."""
+        return self._of_memories(template.REMEMBER_AS_LAMMPS if self._terms.as_lammps else template.REMEMBER)
+
+    def _of_memories(self, section: str) -> list[str]:
+        """A section for each contact or wall with a memory, with the velocities that it reads."""
+        terms, row, lines = self._terms, self._terms.row, []
+        moving = "actual" if terms.dashpots == "drift" else "v"
+        for term in (_of(term, v=moving) for term in terms.with_memory):
+            behind = "" if term.row else terms.per_mass.replace("[k]", f"[k - {row}]")
+            begin, end = (f"max(low, {term.row} * {row})", f"min(high, ({term.row} + uint64(1)) * {row})")
+            lines += self._lines(
+                section,
+                begin=begin if term.row else f"low + {row}",
+                end=end if term.row else "high",
+                strain=term.strain,
+                rate=term.rate,
+                memory=term.memory,
+                was=term.memory.replace("memory", "was"),
+                closing=term.memory.replace("memory", "closing"),
+                after=self._call(replace(term, sign=""), "remember", "late"),
+                top=self._call(replace(term, sign=""), "remember", "top"),
+                more=self._force_with(term, "largest"),
+                less=self._force_with(term, "before"),
+                sign=f"-{term.sign} * " if term.sign else "",
+                behind=[] if term.row else [f"v[k - {row}] -= given{behind}", f"x[k - {row}] -= gone{behind}"],
+            )
+        if terms.with_memory and moving == "actual":
+            return self._lines(template.VELOCITIES) + lines
+        return self._lines(template.SPAN) + lines if lines else []
+
+    def _force_with(self, term: Term, memory: str) -> str:
+        """Source of the force of a law at a strain s with another memory."""
+        parameters = tuple(memory if name == term.memory else name for name in term.parameters)
+        return self._call(replace(term, parameters=parameters, sign=""), "force", "s")
 
     def _kick(self, target: str, factor: str) -> list[str]:
         loops, others = self._other_forces()

@@ -85,10 +85,56 @@ for stage in range(kicks.shape[0]):
 {remembered}
 """
 
-REMEMBER = """
+SPAN = """
 low, high = uint64(span[0] * chains), uint64((span[1] + 1) * chains)
-for k in range(low + {row}, high):
-    {memory}[k] = {noted}
+"""
+
+NOTE = """
+for k in range({begin}, {end}):
+    {was} = {strain}
+    {closing} = {rate}
+"""
+
+REMEMBER = """
+# a contact that begins to open within the step: from then on its force is that with the largest overlap as memory;
+# where none can exceed its memory, which the control points of the cubic polynomial show, nothing is to be done
+opening = 0
+for k in range({begin}, {end}):
+    late, fall = {strain}, {rate}
+    late = max({was} + {closing} * h / 3.0, late - fall * h / 3.0)
+    opening += ({closing} > 0.0) & (fall <= 0.0) & ({after} > {memory})
+for k in range({begin}, {end} if opening > 0 else {begin}):
+    late, fall = {strain}, {rate}
+    if {closing} > 0.0 and fall <= 0.0:
+        rise, fall = {closing} * h, fall * h
+        share, top = maximum({was}, late, rise, fall)
+        before, largest = {memory}, {top}
+        if largest > before:
+            square, cube = 3.0 * (late - {was}) - 2.0 * rise - fall, 2.0 * ({was} - late) + rise + fall
+            given, gone, remains = 0.0, 0.0, 1.0 - share
+            for node, weight in ((0.1127016653792583, 5.0), (0.5, 8.0), (0.8872983346207417, 5.0)):
+                at = share + remains * node
+                s = {was} + at * (rise + at * (square + at * cube))
+                change = (({more}) - ({less})) * weight / 18.0 * remains * h
+                given += change
+                gone += change * (1.0 - at) * h
+            given, gone = {sign}given, {sign}gone
+            v[k] += given{per_mass}
+            x[k] += gone{per_mass}
+            {behind}
+            {memory} = largest
+for k in range({begin}, {end}):
+    late = {strain}
+    {memory} = {after}
+    {was} = late
+    {closing} = {rate}
+span[3] = 1
+"""
+
+REMEMBER_AS_LAMMPS = """
+for k in range({begin}, {end}):
+    late = {strain}
+    {memory} = {after}
 span[3] = 1
 """
 
@@ -98,6 +144,7 @@ def advance(state, p, scheme, first_step, steps, recorded, frames):
     """Advance a state by as many frames as are to be filled, so many steps each; see `kernel.Kernel`."""
     {parameters}
     {unpacked}
+    {before}
     for frame in range(frames.x.shape[0]):
         for number in range(frame * steps, (frame + 1) * steps):
             time = (first_step + number) * h
@@ -111,14 +158,17 @@ def advance(state, p, scheme, first_step, steps, recorded, frames):
         ?counts_lost     frames.exchange[frame, kind] = 0.0
         ?counts_lost     for k in range(lost.shape[1]):
         ?counts_lost         frames.exchange[frame, kind] += lost[kind, k]
+        ?remembers for j in range(frames.memory.shape[1]):
+        ?remembers     for k in range(frames.memory.shape[2]):
+        ?remembers         frames.memory[frame, j, k] = memory[(k + 1) * chains + j]
         {held_by_dashpots}
         ?counts_work frames.exchange[frame, 4] = work[0]
         ?moved_with_loss frames.exchange[frame, 4] += held
 '''
 
 UNPACKED = """
-x, v, push, span, chains, room, lost, work, memory = state
-?remembers {memories} = memory
+x, v, push, span, chains, room, lost, work, past = state
+?remembers memory, was, closing = past
 ?damped {rooms} = room
 kicks, drifts, h = scheme
 """
@@ -149,6 +199,7 @@ def follow(state, p, scheme, first_step, steps, threshold, passing):
     arrival, peak, a, a_before, v_before = passing
     let_go = 0.0
     {velocities}
+    {before}
     for number in range(first_step, first_step + steps):
         tail, time = span[0], number * h
         for k in range(uint64(tail * chains), uint64((span[1] + 1) * chains)):

@@ -33,7 +33,8 @@ class Term:
         parameters: source of each at k.
         over: array that the term is a loop over: distances to other beads, or the places of a law in time.
         sums: scratch array of three sums over distances, [sum, place].
-        memory: array of the law's state; empty of one without.
+        memory: where the memory of the law is in the array of memories; empty of a law without.
+        row: of a wall with a memory, the bead's; empty of others.
         sign: source of a factor of what the law gives; empty of 1.
         time: source of the time, on which the law depends; empty of one that does not.
     """
@@ -45,6 +46,7 @@ class Term:
     over: str = ""
     sums: str = ""
     memory: str = ""
+    row: str = ""
     sign: str = ""
     time: str = ""
 
@@ -87,9 +89,9 @@ class Terms:
         return self.counts_lost and self.counts_work and bool(self.motions)
 
     @property
-    def memories(self) -> tuple[str, ...]:
-        """Arrays of what contacts remember."""
-        return tuple(term.memory for term in self.contacts if term.memory)
+    def with_memory(self) -> tuple[Term, ...]:
+        """Contacts and walls whose force depends on the past."""
+        return tuple(term for term in (*self.contacts, *self.ground) if term.memory)
 
     @property
     def pushed_in_drifts(self) -> bool:
@@ -108,10 +110,7 @@ def make_terms(system: System, *, as_lammps: bool, step: float) -> tuple[Terms, 
     cut = any(dashpot.cut(link.law) for link in system.dampers)
     inverse = _inverse_mass(system, step if as_lammps and physics.velocity_at_full_steps(system) else 0.0)
     terms = Terms(
-        contacts=tuple(
-            replace(taken.term(link.law, *between, first=2), memory=f"memory_{n}" * hasattr(link.law, "remember"))
-            for n, link in enumerate(system.along)
-        ),
+        contacts=tuple(taken.term(link.law, *between, first=2, memory="memory[k]") for link in system.along),
         across=taken.terms((*system.across, *system.inner_links)),
         ground=taken.terms(system.ground),
         dampers=(
@@ -145,17 +144,20 @@ class _Parameters:
         self.values.append(value)
         return self.names[-1]
 
-    def term(self, law: Any, strain: str, rate: str, *, first: int) -> Term:
-        """A law on links of which that of the first bead is in row ``first``."""
+    def term(self, law: Any, strain: str, rate: str, *, first: int, memory: str = "") -> Term:
+        """A law on links of which that of the first bead is in row ``first``, and its memory, if it has one, there."""
         found = []
         chains = self._system.chains
         for label, value in zip(law._fields, law, strict=True):
+            if label == "memory":
+                found.append(memory)
+                continue
             if self._lines > chains:  # inner atoms have none of it: without parameters a law exerts no force
                 value = np.broadcast_to(value, (chains, self._system.beads + 1 - first))
             differs = np.ndim(value) > 0
             name = self.add(label, self._laid(value, first) if differs else float(value))
             found.append(f"{name}[k]" if differs else name)
-        return Term(type(law), strain, rate, tuple(found))
+        return Term(type(law), strain, rate, tuple(found), memory=memory if laws.remembers(law) else "")
 
     def terms(self, links: Sequence[Link]) -> tuple[Term, ...]:
         """Of links to the ground, or across."""
@@ -165,8 +167,10 @@ class _Parameters:
                 found += self._across(link)
             elif isinstance(link, Wall):
                 side, gap = self.add("side", link.side), self.add("gap", link.gap)
-                term = self.term(link.law, f"{side} * x[k] - {gap}", f"{side} * v[k]", first=1)
-                found.append(replace(term, sign=side))
+                at = f"memory[k + {self.names[0]}]" if link.side > 0.0 else "memory[k]"
+                term = self.term(link.law, f"{side} * x[k] - {gap}", f"{side} * v[k]", first=1, memory=at)
+                row = self.add("end", np.uint64(self._system.beads if link.side > 0.0 else 1)) if term.memory else ""
+                found.append(replace(term, sign=side, row=row))
             else:
                 term = self.term(link.law, "x[k]", "v[k]", first=1)
                 found.append(replace(term, time="time" * laws.varies(link.law)))
@@ -205,6 +209,20 @@ class _Parameters:
         rows = np.zeros((self._system.beads + 2, self._lines))
         rows[first : first + parameter.shape[1], : parameter.shape[0]] = parameter.T
         return rows.reshape(-1)
+
+
+def make_memory(system: System) -> Floats:
+    """Memories at the start, [bead + 2, line]: of the contact behind each bead, and of the wall behind the last."""
+    found = np.zeros((system.beads + 2, physics.lines(system)))
+    here = found[:, : system.chains]
+    for link in physics.remembering(system):
+        memory: Any = link.law.memory  # type: ignore[attr-defined]
+        if isinstance(link, Along):
+            here[2:-1] = np.transpose(memory)
+        else:
+            side = -1 if link.side > 0.0 else 0  # type: ignore[attr-defined]
+            here[-1 if side else 1] = np.broadcast_to(memory, (system.chains, system.beads))[:, side]
+    return found
 
 
 def _relative(apart: str) -> tuple[str, str]:

@@ -1,0 +1,147 @@
+"""Contacts that yield: from a yield strength in SI units, or from the overlap at yield; or of a constant restitution.
+
+The contact of two spheres yields where the pressure in its middle reaches 1.6 times the yield strength (of the softer):
+at the overlap ``d_y = (pi p_y / (2 E*))^2 R*`` (Thornton 1997; Johnson, Contact Mechanics, 1985, 6.1).
+"""
+
+import math
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field
+
+from lammps_inputs.ingredients.base import Part, Positive
+from lammps_inputs.laws import Law, Parameter
+from lammps_inputs.laws.plastic import YIELD_PRESSURE, Thornton, WaltonBraun
+from lammps_inputs.units import PURE, Unit
+
+if TYPE_CHECKING:
+    from lammps_inputs.scene import BaseScene, Material
+
+
+SOURCES = {"thornton": ("thornton1997",), "walton-braun": ("walton1986",)}
+"""Publications of the laws."""
+
+
+class Yield(Part):
+    """Contacts that yield, by the law of their author."""
+
+    example: ClassVar[str] = "{overlap: 0.1}"
+
+    law: Literal["thornton", "walton-braun"] = "thornton"
+    """Law: elastic, perfectly plastic spheres, or two straight lines with a restitution that no velocity changes."""
+    overlap: Annotated[Positive, Unit("m")] | None = None
+    """Overlap at which the contact of two reference beads yields (`thornton`)."""
+    restitution: Annotated[float, Field(ge=0.01, le=1), PURE] | None = None
+    """Restitution of two beads (`walton-braun`)."""
+
+    @property
+    def linear(self) -> bool:
+        """Whether the contacts are straight lines."""
+        return self.law == "walton-braun"
+
+    def refuse(self) -> None:
+        """Refuse keys of the other law.
+
+        Raises:
+            ValueError: naming the key.
+        """
+        wanted, other = ("restitution", "overlap") if self.linear else ("overlap", "restitution")
+        example = "{law: walton-braun, restitution: 0.8}" if self.linear else self.example
+        if getattr(self, other) is not None:
+            raise ValueError(f"contact.yield.{other}: is no key of the law {self.law}; valid: `yield: {example}`")
+        if getattr(self, wanted) is None:
+            raise ValueError(f"contact.yield.{wanted}: is missing; valid: `yield: {example}`")
+
+
+def given(scene: "BaseScene") -> Yield | None:
+    """What the scene's contacts say."""
+    contact = getattr(scene, "contact", None)
+    return None if contact is None else getattr(contact, "yield")
+
+
+def key(scene: "BaseScene") -> str:
+    """That makes contacts yield; empty where none does."""
+    if scene.material is not None and scene.material.yield_strength is not None:
+        return "material.yield_strength"
+    return "contact.yield" if given(scene) is not None else ""
+
+
+def refuse(scene: "BaseScene") -> None:
+    """Refuse what is not known of contacts that yield.
+
+    Raises:
+        ValueError: naming the key, what was found and what to do.
+    """
+    named, own = key(scene), given(scene)
+    strengths = {f"kinds.{name}": kind for name, kind in (scene.kinds or {}).items()}
+    strengths |= {} if scene.striker is None else {"striker": scene.striker}
+    ball = scene.material
+    for place, kind in strengths.items():
+        other = kind.material is not None or kind.youngs_modulus is not None
+        if kind.yield_strength is not None and (ball is None or ball.yield_strength is None):
+            raise ValueError(f"{place}.yield_strength: needs `material.yield_strength`, too")
+        if ball is not None and ball.yield_strength is not None and other and kind.yield_strength is None:
+            raise ValueError(f"{place}.yield_strength: is missing beside material.yield_strength (Pa)")
+    if not named:
+        return
+    if own is not None:
+        own.refuse()
+        if named != "contact.yield":
+            raise ValueError("contact.yield: material.yield_strength makes the contacts yield; leave one of them out")
+    if scene.window is not None:
+        raise ValueError(f"{named}: unloading waves run faster than the front, past a window; leave the window out")
+    if scene.scheme not in (None, "verlet"):
+        raise ValueError(f"{named}: {scene.scheme} steps back in time within each cycle; leave the scheme out")
+    damping = getattr(scene, "damping", None)
+    if damping is not None and damping.contact:
+        raise ValueError("damping.contact: dashpots beside contacts that yield are not known; leave one of them out")
+    for side in ("left", "right"):
+        wall = getattr(getattr(scene, "walls", None), side, None)
+        if getattr(wall, "stiffness", None) is not None and not (own is not None and own.linear):
+            raise ValueError(
+                f"walls.{side}.stiffness: the overlap at which such a wall yields is not known; take bead, flat, rigid "
+                "or {material: ...}"
+            )
+
+
+def law_of(scene: "BaseScene", strength: Parameter, size: Parameter, modulus: Parameter, softer: Parameter) -> Law:
+    """The dimensionless law of contacts that yield.
+
+    Args:
+        scene: one that names them.
+        strength: in that of two reference beads.
+        size, modulus: radius and plane modulus of two equal beads whose contact it is, in the reference bead's.
+        softer: lower yield strength of the two, likewise.
+    """
+    own = given(scene)
+    if own is not None and own.linear:
+        assert own.restitution is not None
+        return WaltonBraun(strength, own.restitution)
+    reference = own.overlap if own is not None else overlap_at_yield(scene.material)
+    assert reference is not None
+    ratio = np.asarray(softer) / modulus
+    onset = reference / scene.scale.length * size * ratio * ratio
+    onset = np.broadcast_to(onset, np.shape(strength)) if np.ndim(strength) else onset
+    return Thornton(strength, float(np.max(onset)) if np.ptp(onset) == 0.0 else np.array(onset))
+
+
+def overlap_at_yield(ball: "Material | None") -> float | None:
+    """Of two reference beads (m)."""
+    if ball is None or ball.yield_strength is None:
+        return None
+    modulus = ball.youngs_modulus / (2.0 * (1.0 - ball.poisson_ratio**2))
+    return (math.pi * YIELD_PRESSURE * ball.yield_strength / (2.0 * modulus)) ** 2 * 0.5 * ball.radius
+
+
+def between(scene: "BaseScene", strength: Parameter) -> Law | None:
+    """Law of the contacts between beads; None where they do not yield."""
+    from lammps_inputs.ingredients.unequal import sizes_and_moduli, yield_strengths
+
+    if not key(scene):
+        return None
+    soft = yield_strengths(scene)
+    size, modulus = sizes_and_moduli(scene)
+    return law_of(
+        scene, strength, size, modulus, soft if np.ndim(soft) == 0 else np.minimum(soft[:, :-1], soft[:, 1:])
+    )

@@ -1,0 +1,194 @@
+"""Contacts that yield: their force depends on the largest overlap so far, their memory.
+
+`Thornton` is that of elastic, perfectly plastic spheres (Thornton, J. Appl. Mech. 64, 383, 1997): Hertz's up to the
+overlap at which the contact yields, then along the tangent there; unloading and reloading follow Hertz's law of a
+larger radius. `WaltonBraun` loads and unloads along two straight lines (Walton & Braun, J. Rheol. 30, 949, 1986).
+
+Overlaps include that at rest, the memory too: under a static load it begins with the overlap at rest.
+"""
+
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+
+import numpy as np
+
+from lammps_inputs.laws import Parameter, Pure
+from lammps_inputs.units import Dimension
+
+if TYPE_CHECKING:
+    from lammps_inputs.deck_lines import Lines
+    from lammps_inputs.layout import Layout
+
+YIELD_PRESSURE = 1.6
+"""Peak pressure over the yield strength where a metal (Poisson's ratio 0.3) begins to flow, below the surface at 0.48
+contact radii (Johnson, Contact Mechanics, 1985, 6.1, Tresca or von Mises).
+"""
+
+Length = Annotated[Parameter, Dimension("length")]
+
+
+class Thornton(NamedTuple):
+    """``A (d - d_r)^1.5 / z^0.5``, with the permanent overlap ``d_r = d_m (1 - z)``, of the memory d_m (at least d_y).
+
+    Here ``z = w^0.5 (1.5 - 0.5 w)`` with ``w = d_y / d_m``. While d is the largest overlap so far, the force is that of
+    first loading, ``A d^1.5`` up to d_y and ``A d_y^0.5 (1.5 d - 0.5 d_y)`` beyond.
+    """
+
+    strength: Pure
+    """A, in units of the scale's contact constant."""
+    onset: Length
+    """d_y, the overlap at which the contact yields."""
+    memory: Length = 0.0
+    """d_m, the largest overlap so far."""
+    rest: Length = 0.0
+    """Overlap at rest."""
+    load: Annotated[Parameter, Dimension("force")] = 0.0
+    """Force at rest."""
+
+    @staticmethod
+    def force(s: Any, strength: Any, onset: Any, memory: Any, rest: Any, load: Any) -> Any:
+        """Repulsion above that at rest; below it where the beads are farther apart."""
+        d = rest + s
+        top = np.maximum(np.maximum(memory, d), onset)
+        w = onset / top
+        z = np.sqrt(w) * (1.5 - 0.5 * w)
+        c = np.maximum(d - top * (1.0 - z), 0.0)
+        return strength * (c * np.sqrt(c / z)) - load
+
+    @staticmethod
+    def energy(s: Any, strength: Any, onset: Any, memory: Any, rest: Any, load: Any) -> Any:
+        """What unloading gives back, ``2/5 A (d - d_r)^2.5 / z^0.5``, above that at rest at the start, less ``load s``."""
+        stored = _stored(rest + s, strength, onset, np.maximum(memory, rest + s))
+        return stored - _stored(rest, strength, onset, rest) - load * s
+
+    @staticmethod
+    def stiffness(s: Any, strength: Any, onset: Any, memory: Any, rest: Any, load: Any) -> Any:  # noqa: ARG004
+        """``3/2 A ((d - d_r) / z)^0.5``; of first loading beyond yield ``3/2 A d_y^0.5``."""
+        d = rest + s
+        c, z = _unloading(d, onset, np.maximum(memory, d))
+        first = (d >= memory) & (d > onset)
+        return 1.5 * strength * np.where(first, np.sqrt(onset), np.sqrt(c / z))
+
+    @staticmethod
+    def max_strain(energy: Any, strength: Any, onset: Any, memory: Any, rest: Any, load: Any) -> Any:  # noqa: ARG004
+        """Strain at which first loading from rest has taken the whole energy; 0 where there is no contact."""
+        there = np.asarray(strength) > 0.0
+        a, y = np.where(there, strength, 1.0), onset
+        begin = np.maximum(rest, y)
+        # until it yields: at most that without load
+        elastic = (2.5 * energy / a) ** 0.4
+        held = 0.4 * a * (y**2.5 - np.minimum(rest, y) ** 2.5) - load * (begin - rest)
+        # beyond: 3/4 A d_y^1/2 x^2 + (F(begin) - load) x = energy - held
+        more = np.maximum(energy - np.maximum(held, 0.0), 0.0)
+        half = 0.5 * np.maximum(a * np.sqrt(y) * (1.5 * begin - 0.5 * y) - load, 0.0)
+        curve = 0.75 * a * np.sqrt(y)
+        x = more / (half + np.sqrt(half * half + curve * more))
+        return np.where(there, np.where(more > 0.0, begin - rest + x, np.minimum(begin - rest, elastic)), 0.0)
+
+    @staticmethod
+    def stiffest(energy: Any, strength: Any, onset: Any, memory: Any, rest: Any, load: Any) -> Any:
+        """That of unloading from the largest overlap, ``3/2 A d_m^0.5``."""
+        return 1.5 * strength * np.sqrt(rest + Thornton.max_strain(energy, strength, onset, memory, rest, load))
+
+    @staticmethod
+    def remember(s: Any, strength: Any, onset: Any, memory: Any, rest: Any, load: Any) -> Any:  # noqa: ARG004
+        """The memory after a strain."""
+        return np.maximum(memory, rest + s)
+
+    @staticmethod
+    def lost(strength: Any, onset: Any, memory: Any, rest: Any, load: Any) -> Any:  # noqa: ARG004
+        """Energy dissipated since the start: work of first loading up to the memory, less what unloading gives back."""
+        return _lost(strength, onset, memory) - _lost(strength, onset, rest)
+
+    @staticmethod
+    def permanent(strength: Any, onset: Any, memory: Any, rest: Any, load: Any) -> Any:  # noqa: ARG004
+        """Overlap at which unloading ends, d_r."""
+        return np.maximum(memory, onset) - _unloading(np.maximum(memory, onset), onset, memory)[0]
+
+
+class WaltonBraun(NamedTuple):
+    """``A d`` while d is the largest overlap so far, else ``A (d - (1 - e^2) d_m)+ / e^2``."""
+
+    strength: Pure
+    """A, in units of the scale's contact constant."""
+    restitution: Pure
+    """e."""
+    memory: Length = 0.0
+    """d_m, the largest overlap so far."""
+
+    @staticmethod
+    def force(s: Any, strength: Any, restitution: Any, memory: Any) -> Any:
+        """Repulsion at an overlap."""
+        square = restitution * restitution
+        return strength * (np.maximum(s - (1.0 - square) * np.maximum(np.maximum(memory, s), 0.0), 0.0) / square)
+
+    @staticmethod
+    def energy(s: Any, strength: Any, restitution: Any, memory: Any) -> Any:
+        """What unloading gives back."""
+        square = restitution * restitution
+        left = np.maximum(s - (1.0 - square) * np.maximum(np.maximum(memory, s), 0.0), 0.0)
+        return 0.5 * strength * left * left / square
+
+    @staticmethod
+    def stiffness(s: Any, strength: Any, restitution: Any, memory: Any) -> Any:
+        """``A``, and ``A / e^2`` below the largest overlap."""
+        square = restitution * restitution
+        closed = s > (1.0 - square) * np.maximum(np.maximum(memory, s), 0.0)
+        return strength * np.where(s >= memory, 1.0, 1.0 / square) * closed
+
+    @staticmethod
+    def max_strain(energy: Any, strength: Any, restitution: Any, memory: Any) -> Any:  # noqa: ARG004
+        """Overlap at which first loading has taken the whole energy; 0 where there is no contact."""
+        return np.sqrt(2.0 * energy / np.where(np.asarray(strength) > 0.0, strength, np.inf))
+
+    @staticmethod
+    def stiffest(energy: Any, strength: Any, restitution: Any, memory: Any) -> Any:  # noqa: ARG004
+        """That of unloading."""
+        return strength / (restitution * restitution)
+
+    @staticmethod
+    def remember(s: Any, strength: Any, restitution: Any, memory: Any) -> Any:  # noqa: ARG004
+        """The memory after a strain."""
+        return np.maximum(memory, s)
+
+    @staticmethod
+    def lost(strength: Any, restitution: Any, memory: Any) -> Any:
+        """Energy dissipated since the start, ``A (1 - e^2) d_m^2 / 2``."""
+        return 0.5 * strength * (1.0 - restitution * restitution) * np.maximum(memory, 0.0) ** 2
+
+    @staticmethod
+    def permanent(strength: Any, restitution: Any, memory: Any) -> Any:  # noqa: ARG004
+        """Overlap at which unloading ends."""
+        return (1.0 - restitution * restitution) * np.maximum(memory, 0.0)
+
+
+def restitution_of(velocity: Any, yield_velocity: Any) -> Any:
+    """Restitution of two spheres that meet at a velocity, by Thornton's law; 1 up to that at which they yield.
+
+    Args:
+        velocity: with which they approach.
+        yield_velocity: ``(0.8 A d_y^2.5 / m*)^0.5``, with the reduced mass m*.
+    """
+    q = np.minimum(np.asarray(yield_velocity) / velocity, 1.0)
+    square = q * q
+    tail = q / (q + 2.0 * np.sqrt(1.2 - 0.2 * square))
+    return np.where(q < 1.0, np.sqrt(1.2 * np.sqrt(3.0) * (1.0 - square / 6.0)) * tail**0.25, 1.0)
+
+
+def _unloading(d: Any, onset: Any, memory: Any) -> tuple[Any, Any]:
+    """Overlap beyond the permanent one, and z of `Thornton`."""
+    top = np.maximum(memory, onset)
+    w = onset / top
+    z = np.sqrt(w) * (1.5 - 0.5 * w)
+    return np.maximum(d - top * (1.0 - z), 0.0), z
+
+
+def _stored(d: Any, strength: Any, onset: Any, memory: Any) -> Any:
+    c, z = _unloading(d, onset, memory)
+    return 0.4 * strength * (c * c * np.sqrt(c / z))
+
+
+def _lost(strength: Any, onset: Any, memory: Any) -> Any:
+    top = np.maximum(memory, onset)
+    x = top - onset
+    work = 0.4 * onset**2.5 + x * (onset**1.5 + 0.75 * np.sqrt(onset) * x)
+    return strength * work - _stored(top, strength, onset, memory)
