@@ -5,12 +5,13 @@ source: in units of m V**2, from frames of all beads. What was exchanged between
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
 from analysis import motion
 from analysis.quantity import declare, derived, result
-from analysis.trajectory import Floats, Trajectory
+from analysis.trajectory import EXCHANGES, Floats, Trajectory
 from lammps_inputs import Problem, System, physics
 from lammps_inputs.facts import Fact
 from lammps_inputs.units import Scale
@@ -111,11 +112,11 @@ class Budget:
         """Take the next frames; energy input, and energy lost, until each of them, [frame]."""
         exchange = block.exchange
         assert exchange is not None
-        energy_input, lost = self._kicked + exchange[:, -1], exchange[:, :-1]
+        yielded = np.broadcast_to(physics.lost_by_yielding(block.system), block.frames)
+        energy_input, lost = self._kicked + exchange[:, -1], np.column_stack([exchange[:, :-1], yielded])
 
         def at(frames: slice) -> tuple[Floats, ...]:
-            here = physics.at(self._problem.system, block.time[frames])
-            stored = _stored(here, block.displacement[frames], block.velocity[frames])
+            stored = _stored(block.system_at(frames), block.displacement[frames], block.velocity[frames])
             return block.time[frames], energy_input[frames], *stored.values(), *lost[frames].T
 
         self._found.append(at(slice(-self._seen % self._stride, None, self._stride)))
@@ -129,7 +130,8 @@ class Budget:
         if time[-1] < self._last[0][0]:
             time, energy_input, *parts = map(np.append, (time, energy_input, *parts), self._last)
         stored, lost = parts[: len(STORED)], parts[len(STORED) :]
-        names = physics.dashpot_names(self._problem.system)
+        system = self._problem.system
+        names = (*physics.dashpot_names(system), "plastic contacts" if physics.remembering(system) else None)
         by_dashpot = {name: part for name, part in zip(names, lost, strict=True) if name is not None}
         return Account(time, energy_input, **dict(zip(STORED, stored, strict=True)), lost=by_dashpot)
 
@@ -188,13 +190,15 @@ class Conservation:
             self.energy_drift = self.momentum_drift = float("nan")
             return
         # all beads, for the order in which a sum is taken must not depend on which of them move in this block
-        energy = motion.energy(physics.at(system, block.time), block.displacement, velocity)
+        with_memory = block.system
+        energy = motion.energy(with_memory, block.displacement, velocity)
         momentum = motion.momentum(system, velocity)
-        last = physics.at(system, block.time[-1])
-        self.participation = motion.participation(motion.bead_energy(last, block.displacement[-1], velocity[-1]))
-        if not system.dampers and not system.holds(Fact.ENERGY):
+        self.participation = motion.participation(
+            motion.bead_energy(block.system_at(-1), block.displacement[-1], velocity[-1])
+        )
+        if not system.dampers and not system.holds(Fact.ENERGY) and block.memory is None:
             energy[:] = np.nan
-        if physics.exchanges(system):
+        if physics.exchanges(system) or block.memory is not None:
             self._balanced(block, energy)
         if not system.holds(Fact.MOMENTUM):
             momentum[:] = np.nan
@@ -202,7 +206,7 @@ class Conservation:
             self._pushed(block, momentum)
             return
         # np.maximum, unlike max(), lets NaN through
-        if not physics.exchanges(system):
+        if not physics.exchanges(system) and block.memory is None:
             self.energy_drift = float(
                 np.maximum(self.energy_drift, np.max(np.abs(energy / physics.energy(system) - 1.0)))
             )
@@ -215,7 +219,9 @@ class Conservation:
 
     def _balanced(self, block: Trajectory, energy: Floats) -> None:
         """With forces from outside or dashpots: energy is the input until then less what was lost."""
-        if block.exchange is None and self._counted is not None:
+        if block.exchange is None and not physics.exchanges(block.problem.system):
+            block = replace(block, exchange=np.zeros((block.frames, len(EXCHANGES))))
+        elif block.exchange is None and self._counted is not None:
             block = self._counted(block)
         if block.exchange is None:
             self.energy_drift = float("nan")

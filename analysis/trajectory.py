@@ -112,7 +112,17 @@ class Trajectory:
     @property
     def system(self) -> System:
         """The system that was computed; laws whose force depends on the past have the memories of these frames."""
-        return self.problem.system if self.memory is None else physics.with_memory(self.problem.system, self.memory)
+        return self.system_at(slice(None))
+
+    def states(self) -> Iterator[tuple[Floats, Floats, Floats | None]]:
+        """Displacements, velocities and memories of each frame."""
+        for frame, (x, v) in enumerate(zip(self.displacement, self.velocity, strict=True)):
+            yield x, v, None if self.memory is None else self.memory[frame]
+
+    def system_at(self, frames: slice | int) -> System:
+        """The same of some frames, or of one."""
+        system = self.problem.system
+        return system if self.memory is None else physics.with_memory(system, self.memory[frames])
 
     def last(self) -> "Trajectory":
         """The last frame, copied, so that it keeps no others in memory."""

@@ -184,7 +184,8 @@ def even(system: System) -> bool:
 @once
 def remembering(system: System) -> tuple[Along | Wall, ...]:
     """The contacts and walls whose force depends on the largest overlap so far."""
-    return tuple(link for link in (*system.along, *walls(system)) if laws.remembers(link.law))
+    held: tuple[Along | Wall, ...] = (*system.along, *walls(system))
+    return tuple(link for link in held if laws.remembers(link.law))
 
 
 def with_memory(system: System, memory: NDArray[np.float64]) -> System:
@@ -194,17 +195,16 @@ def with_memory(system: System, memory: NDArray[np.float64]) -> System:
     places = {Along: memory[..., 1:-1], -1.0: memory[..., :-1], 1.0: memory[..., 1:]}
 
     def at(link: Link) -> Link:
-        if not isinstance(link, Along | Wall) or not laws.remembers(link.law):
+        if not isinstance(link, Along | Wall):
             return link
-        of = places[Along if isinstance(link, Along) else link.side]
-        return replace(link, law=link.law._replace(memory=of))  # type: ignore[attr-defined]
+        return replace(link, law=laws.with_memory(link.law, places[Along if isinstance(link, Along) else link.side]))
 
     return replace(system, links=tuple(map(at, system.links)))
 
 
 def lost_by_yielding(system: System) -> Any:
-    """Energy dissipated by contacts and walls, [...], as follows from their memories."""
-    lost = (link.law.lost(*link.law) for link in remembering(system))  # type: ignore[attr-defined]
+    """Energy dissipated by contacts and walls, [...], as follows from their memories; NaN where no law says it."""
+    lost = (link.law.lost(*link.law) if hasattr(link.law, "lost") else np.nan for link in remembering(system))
     return sum((np.sum(one, axis=(-2, -1)) if np.ndim(one) else one for one in lost), 0.0)
 
 

@@ -6,8 +6,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from lammps_inputs import physics
 from lammps_inputs.facts import Fact
 from lammps_inputs.layout import Layout
+from lammps_inputs.links import Wall
 from lammps_inputs.scheme import SchemeName
 from lammps_inputs.system import System
 from lammps_inputs.units import Scale
@@ -84,6 +86,17 @@ class Problem:
     def forces_known(self) -> bool:
         """Whether every frame determines the forces on its beads, but for those at the ends of a window."""
         return self.recorded is None and self.system.holds(Fact.FRAMES)
+
+    @property
+    def memory_columns(self) -> tuple[str, ...]:
+        """Columns of a dump with the largest overlap of the contact behind each bead, and of that ahead where a wall is
+        behind the last bead; none where no force depends on them, or not all beads are recorded.
+        """
+        held = physics.remembering(self.system)
+        if self.recorded is not None or not held:
+            return ()
+        walled = any(isinstance(link, Wall) and link.side > 0.0 for link in held)
+        return ("f_memory[1]", "f_memory[2]")[: 1 + walled]
 
     @property
     def recorded_beads(self) -> NDArray[np.int64]:

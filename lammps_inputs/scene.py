@@ -215,7 +215,9 @@ class BaseScene(Part):
         for ingredient in self.ingredients:
             ingredient.refuse_system(self, system)
         if system.inner_mass is not None and plastic.key(self):
-            raise ValueError(f"{plastic.key(self)}: atoms inside the beads are not known beside it; leave one of them out")
+            raise ValueError(
+                f"{plastic.key(self)}: atoms inside the beads are not known beside it; leave one of them out"
+            )
         if system.inner_mass is not None and (physics.exchanges(system) or self.wanted):
             raise ValueError(
                 "atoms inside the beads: no damping, push, drive, window or other scheme than verlet is known beside "

@@ -89,7 +89,7 @@ def blocks(paths: Sequence[Path], problem: Problem, stride: int = 1) -> Iterator
 
 def columns(problem: Problem) -> tuple[str, ...]:
     """The columns of a dump that `of_frames` needs."""
-    return ("x", "vx") if problem.window is None else ("mol", "x", "vx")
+    return ("x", "vx", *problem.memory_columns) if problem.window is None else ("mol", "x", "vx")
 
 
 def of_frames(problem: Problem, time: Floats, values: Floats) -> Iterator[Trajectory]:
@@ -109,7 +109,7 @@ def of_frames(problem: Problem, time: Floats, values: Floats) -> Iterator[Trajec
     values = values.reshape(len(time), -1, *atom_ids(problem).shape)
     if problem.window is None:
         values[:, 0] -= rest_positions(problem)
-        yield Trajectory(problem, time, values[:, 0], values[:, 1])
+        yield Trajectory(problem, time, values[:, 0], values[:, 1], memory=_memory(values[:, 2:]))
         return
     tail = values[:, 0].min(axis=(1, 2)).astype(np.int64)
     for frames in np.split(np.arange(len(time)), np.flatnonzero(np.diff(tail)) + 1):
@@ -119,6 +119,14 @@ def of_frames(problem: Problem, time: Floats, values: Floats) -> Iterator[Trajec
             raise ValueError(f"frame {frames[0]}: its molecules are not rows of a window")
         displacement = found[:, 1] - row * problem.layout.spacing
         yield Trajectory(problem, time[frames], displacement, found[:, 2], first=int(row[0]))
+
+
+def _memory(columns: Floats) -> Floats | None:
+    """[frame, chain, bead + 1] from the columns of a dump; None where it has none."""
+    if not columns.shape[1]:
+        return None
+    behind, ahead = columns[:, 0], columns[:, -1] if columns.shape[1] > 1 else np.zeros_like(columns[:, 0])
+    return np.concatenate([behind, ahead[..., -1:]], axis=-1)
 
 
 def _check_times(path: Path, dump: BinaryDump, problem: Problem) -> None:
@@ -136,7 +144,7 @@ def _check_times(path: Path, dump: BinaryDump, problem: Problem) -> None:
 
 
 class Writer:
-    """Writes a binary dump as LAMMPS does for ``id x vx``; each frame is on its way to the disk when `append` returns.
+    """Writes a binary dump as LAMMPS does; each frame is on its way to the disk when `append` returns.
 
     Use it in a ``with`` statement, or `close` it.
     """
@@ -146,19 +154,21 @@ class Writer:
         self._rest = rest_positions(problem)
         self._timestep = problem.timestep
         ids = atom_ids(problem)
-        self._rows = np.empty((*ids.shape, 3), dtype="<f8")
+        self._names = " ".join(("id", "x", "vx", *problem.memory_columns))
+        self._rows = np.empty((*ids.shape, 3 + len(problem.memory_columns)), dtype="<f8")
         self._rows[:, :, 0] = ids
         width = 2.0 * (problem.layout.diameter + physics.gap(problem.system))
         self._lateral = (-width, width * problem.chains, -width, width)
         self._file = Path(path).open("wb")  # noqa: SIM115  closed by `close`
 
-    def append(self, step: int, displacement: Floats, velocity: Floats) -> None:
+    def append(self, step: int, displacement: Floats, velocity: Floats, memory: Floats | None = None) -> None:
         """Write one frame.
 
         Args:
             step: number of the time step.
             displacement: [chain, recorded bead].
             velocity: [chain, recorded bead].
+            memory: [chain, bead + 1], where forces depend on it.
 
         Raises:
             ValueError: an array has another shape.
@@ -169,9 +179,12 @@ class Writer:
                 raise ValueError(f"array of shape {values.shape}; [chain, recorded bead] is {rows.shape[:2]}")
         rows[:, :, 1] = self._rest + displacement
         rows[:, :, 2] = velocity
+        for place in range(3, rows.shape[2]):
+            assert memory is not None
+            rows[:, :, place] = memory[:, place - 3 : memory.shape[1] + place - 4]
         x = rows[:, :, 1]
         box = (x.min(), x.max(), *self._lateral)
-        head = header(step, step * self._timestep, x.size, box, (), "id x vx")
+        head = header(step, step * self._timestep, x.size, box, (), self._names)
         self._file.write(head + rows.tobytes())
         self._file.flush()
 

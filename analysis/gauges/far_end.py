@@ -10,7 +10,7 @@ import numpy as np
 
 from analysis import hermite, motion
 from analysis.conservation import energy_input
-from analysis.gauges.forces import at_frames, strain_at_frames, strain_between
+from analysis.gauges.forces import at_frames, memory_at_frames, memory_between, strain_at_frames, strain_between
 from analysis.gauges.gauge import Curve, Gauge, crossing, far_wall, maximum
 from analysis.mirror import direction_of
 from analysis.quantity import declare, result
@@ -90,13 +90,14 @@ class FarEnd:
         self._input: list[Floats] = []
         self._force: list[Floats] = []
         self._strain: list[Floats] = []
+        self._memory: list[Floats] = []
 
     def add(self, block: Trajectory) -> None:
         """Take the next frames."""
         x, v = block.displacement[..., self._near], block.velocity[..., self._near]
         self._time.append(block.time.copy())
         with np.errstate(over="ignore", invalid="ignore"):  # of a run that blew up
-            system = physics.at(self.problem.system, block.time)
+            system = block.system
             a = motion.acceleration(system, x, self._near.start + 1, velocity=v)
             now, after, before = (self._stored(system, x + late * v, v + late * a) for late in (0.0, INSTANT, -INSTANT))
             self._energy.append(now)
@@ -105,6 +106,8 @@ class FarEnd:
             if self._wall:
                 self._force.append(at_frames(block, self._wall)[..., 0])
                 self._strain.append(strain_at_frames(block, self._wall[0].probes[0]))
+                if (memory := memory_at_frames(block, self._wall[0].probes[0])) is not None:
+                    self._memory.append(memory)
 
     def _stored(self, system: System, x: Floats, v: Floats) -> Floats:
         """Energy of the last tenth of the beads, [frame], from states of those near."""
@@ -119,11 +122,11 @@ class FarEnd:
             return Transmitted(math.nan, math.nan, late, transmitted)
         time, force = np.concatenate(self._time), np.concatenate(self._force)
         strain = np.concatenate(self._strain, axis=1)
+        memory = np.concatenate(self._memory) if self._memory else None
+        found = time, force, strain, memory
         chains = np.arange(self.problem.chains)
-        when, largest_force = _arrived(time, force, strain, chains, self._wall[0])
-        of_one = float(
-            np.fmax.reduce([_arrived(time, force, strain, one, self._wall[0])[1] for one in chains[:, None]])
-        )
+        when, largest_force = _arrived(found, chains, self._wall[0])
+        of_one = float(np.fmax.reduce([_arrived(found, one, self._wall[0])[1] for one in chains[:, None]]))
         return Transmitted(largest_force, of_one, when, transmitted)
 
     def _of_energy(self) -> tuple[float, float]:
@@ -138,18 +141,20 @@ class FarEnd:
         return late, transmitted
 
 
-def _arrived(time: Floats, force: Floats, strain: Floats, chains: Integers, wall: Gauge) -> tuple[float, float]:
+def _arrived(found: tuple[Floats, Floats, Floats, Floats | None], chains: Integers, wall: Gauge) -> tuple[float, float]:
     """When the force of some chains on the wall is largest, and how large; NaN where nothing has arrived.
 
     Between frames it follows from the strain, as in `analysis.gauges.forces`.
     """
+    time, force, strain, memory = found
     total, static = force[:, chains].sum(axis=1), float(wall.static[chains].sum())
     k = int(np.argmax(total))
     if not 0 < k < len(time) - 1 or not np.all(np.isfinite(total[k - 1 : k + 2])):
         return np.nan, np.nan
     spacing = float(time[k] - time[k - 1])
     polynomial = strain_between(strain[:, k - 1 : k + 2, chains], spacing)
-    curve = Curve(wall.probes[0], polynomial, np.tile(chains, 2), spacing)
+    memory = None if memory is None else memory_between(memory[k - 1 : k + 2, chains])
+    curve = Curve(wall.probes[0], polynomial, np.tile(chains, 2), spacing, memory)
 
     def value(s: Floats) -> Floats:
         return np.asarray(curve(np.repeat(s, len(chains))).reshape(2, -1).sum(axis=1))

@@ -185,11 +185,21 @@ def at_frames(block: Trajectory, gauges: tuple[Gauge, ...], *, dashpots: bool = 
                 for values in (block.displacement, block.velocity)
             )
             chain = np.broadcast_to(np.arange(block.problem.chains), strain.shape)
-            found = probe.force(strain, chain)
+            found = probe.force(strain, chain, memory_at_frames(block, probe))
             if dashpots and probe.loss is not None:
                 found = found + probe.loss(strain, rate, chain)
             force[..., place] += found / len(gauge.probes)
     return force
+
+
+def memory_at_frames(block: Trajectory, probe: Probe) -> Floats | None:
+    """[frame, chain] memory of a contact; None where no force depends on it."""
+    return None if block.memory is None else block.memory[:, :, probe.slot]
+
+
+def memory_between(memory: Floats | None) -> Floats | None:
+    """At the frames before and after, [2, interval * chains + chain], from [frame, chain]."""
+    return None if memory is None else np.stack([memory[:-1], memory[1:]]).reshape(2, -1)
 
 
 def _column(block: Trajectory, values: Floats, bead: int) -> Floats:
@@ -301,7 +311,10 @@ class ForceMeter:
         forces = np.tile(static, (len(border), 1))
         forces[:, moving] = 0.0
         pressing = forces.copy() if gauge.damped else forces
-        curves = [Curve(p, q, chain, spacing) for p, q in zip(gauge.probes, polynomials, strict=True)]
+        curves = [
+            Curve(probe, strain, chain, spacing, memory_between(memory_at_frames(block, probe)))
+            for probe, strain in zip(gauge.probes, polynomials, strict=True)
+        ]
         for curve in curves:
             single = curve.of(moving)
             at_borders = [np.full(len(moving), s) for s in border]

@@ -9,7 +9,7 @@ Between frames: the force of a contact (`Curve`), its integral and maximum; the 
 import itertools
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -32,13 +32,15 @@ class Probe:
             contact is open.
         static: [chain] at rest.
         loss: strain, its rate -> force of the dashpot; None where there is none.
+        slot: place of its memory in those of frames (`analysis.trajectory.Trajectory`); ``force`` takes one.
     """
 
     behind: int
     ahead: int
-    force: Callable[[Floats, Integers], Floats]
+    force: Callable[[Floats, Integers, Any], Floats]
     static: Floats
     loss: Callable[[Floats, Floats, Integers], Floats] | None = None
+    slot: int = 0
 
 
 @dataclass(frozen=True)
@@ -98,8 +100,8 @@ def _at_wall(problem: System, link: Wall) -> Probe:
     right = link.side > 0.0
     place = problem.beads - 1 if right else 0
 
-    def force(strain: Floats, chain: Integers) -> Floats:
-        law = laws.at(link.law, chain, place)
+    def force(strain: Floats, chain: Integers, memory: Any) -> Floats:
+        law = laws.with_memory(laws.at(link.law, chain, place), memory)
         return np.asarray(np.maximum(laws.force(law, strain - link.gap) + laws.load(law), 0.0))
 
     damper = physics.wall_loss(problem, link.side)
@@ -111,18 +113,20 @@ def _at_wall(problem: System, link: Wall) -> Probe:
     chain = np.arange(problem.chains)
     static = np.broadcast_to(laws.load(laws.at(link.law, chain, place)), problem.chains)
     behind, ahead = (problem.beads, 0) if right else (0, 1)
-    return Probe(behind, ahead, force, static, None if damper is None else loss)
+    return Probe(behind, ahead, force, static, None if damper is None else loss, problem.beads if right else 0)
 
 
 def _between(problem: System, bead: int) -> Probe:
-    def force(strain: Floats, chain: Integers) -> Floats:
+    def force(strain: Floats, chain: Integers, memory: Any) -> Floats:
         contact = np.full(chain.shape, bead - 1)
         overlap = strain - physics.gap(problem) + motion.rest_overlap(problem, chain, contact)
-        return motion.contact_force(problem, overlap, chain, contact)
+        found = (laws.with_memory(laws.at(link.law, chain, contact), memory) for link in problem.along)
+        return np.asarray(sum(laws.whole_force(law, overlap) for law in found))
 
     at_rest = (laws.load(laws.at(link.law, Ellipsis, bead - 1)) for link in problem.along)
     static = np.broadcast_to(sum(at_rest), problem.chains)
-    return Probe(bead, bead + 1, force, static, None if physics.contact_loss(problem) is None else _loss(problem, bead))
+    loss = None if physics.contact_loss(problem) is None else _loss(problem, bead)
+    return Probe(bead, bead + 1, force, static, loss, bead)
 
 
 def _loss(problem: System, bead: int) -> Callable[[Floats, Floats, Integers], Floats]:
@@ -149,20 +153,27 @@ class Curve:
         polynomial: its strain, [power, stretch].
         chain: [stretch] whose.
         spacing: time from s = 0 to s = 1.
+        memory: [frame before or after, stretch], of a contact whose force depends on it.
     """
 
     probe: Probe
     polynomial: Floats
     chain: Integers
     spacing: float
+    memory: Floats | None = None
 
     def of(self, stretch: Integers) -> "Curve":
         """In chosen stretches."""
-        return replace(self, polynomial=self.polynomial[:, stretch], chain=self.chain[stretch])
+        memory = None if self.memory is None else self.memory[:, stretch]
+        return replace(self, polynomial=self.polynomial[:, stretch], chain=self.chain[stretch], memory=memory)
 
     def elastic(self, s: Floats) -> Floats:
         """Force at s, a number for each stretch, but for the dashpot's: positive where the contact is closed."""
-        return self.probe.force(hermite.value(self.polynomial, s), self.chain)
+        strain, memory = hermite.value(self.polynomial, s), self.memory
+        if memory is not None:  # what opens has reached its largest overlap
+            rate = hermite.value(hermite.derivative(self.polynomial), s)
+            memory = np.where(rate >= 0.0, memory[0], memory[1])
+        return self.probe.force(strain, self.chain, memory)
 
     def __call__(self, s: Floats) -> Floats:
         """Force at s, a number for each stretch."""

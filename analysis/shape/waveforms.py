@@ -149,6 +149,8 @@ class Waveforms:
         contact = chain, np.minimum(bead[:, :-1], problem.beads - 2)
         stored = np.where(there[:, :-1] & there[:, 1:], motion.stored_in_contact(system, overlap, *contact), 0.0)
         left_out = (place[:, 0] < 0) & (block.first > 1)  # by a window
+        if physics.remembering(system):  # what they store depends on their largest overlap so far
+            left_out[:] = True
         return np.where(left_out, np.nan, kinetic.sum(axis=1) + stored.sum(axis=1))
 
     def shape(self) -> Shape:

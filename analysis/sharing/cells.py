@@ -144,8 +144,7 @@ class FinalEnergy:
 
     def add(self, block: Trajectory) -> None:
         """Take the next frames, from the first of the run on."""
-        system = physics.at(block.problem.system, block.time[-1:])
-        self.beads = motion.bead_energy(system, block.displacement[-1:], block.velocity[-1:])[0]
+        self.beads = motion.bead_energy(block.system_at(-1), block.displacement[-1], block.velocity[-1])
         mass = physics.mass_of(block.problem.system, slice(None), self._last)
         self._end = np.maximum(self._end, np.max(0.5 * mass * block.velocity[..., self._last] ** 2, axis=0))
 

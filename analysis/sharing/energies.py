@@ -15,7 +15,7 @@ from analysis.quantity import declare, result
 from analysis.shape.waveforms import reach
 from analysis.sharing.equipartition import Sharing
 from analysis.trajectory import Flags, Floats, Trajectory
-from lammps_inputs import Problem, physics
+from lammps_inputs import Problem
 
 MOST_INSTANTS = 500
 
@@ -62,13 +62,12 @@ class EnergyFlow:
         chosen = slice(-self._seen % self._stride, None, self._stride)
         self._seen += block.frames
         x, v = block.displacement[chosen], block.velocity[chosen]
-        system = physics.at(block.problem.system, block.time[chosen])
-        energy = motion.bead_energy(system, x, v, block.first)
+        energy = motion.bead_energy(block.system_at(chosen), x, v, block.first)
         of_chain = energy.sum(axis=-1, keepdims=True)
         total = of_chain.sum(axis=-2, keepdims=True)
         share = (of_chain / np.where(total > 0.0, total, np.inf))[..., 0]  # a drive may begin with none
         between = np.zeros(len(x))
-        for link in system.across:
+        for link in block.problem.system.across:
             between += np.sum(link.energy(x, block.first), axis=(-2, -1))
         given = energy_input(block)[chosen]
         between /= np.where(given > 0.0, given, np.nan)
@@ -130,9 +129,9 @@ class EnergyShares:
     def _energies(self, block: Trajectory, frame: int) -> tuple[Floats, Floats]:
         x, v = block.displacement[frame], block.velocity[frame]
         kinetic = motion.kinetic_energy(self.problem.system, v, block.first)
-        contacts = motion.contact_energy(self.problem.system, x, block.first)
+        system = block.system_at(frame)
+        contacts = motion.contact_energy(system, x, block.first)
         total = np.sum(kinetic, axis=1) + np.sum(contacts, axis=1)
-        system = physics.at(self.problem.system, block.time[frame])
         for link in (*system.across, *system.ground):
             link.add_chain_energy(total, link.energy(x, block.first))
         inside = np.empty_like(total)

@@ -16,6 +16,7 @@ import functools
 import io
 import itertools
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -248,8 +249,9 @@ def output_lines(problem: Problem, every: str, dump: str, snapshots: str = file_
     """
     beads = "all" if problem.system.inner_mass is None else "beads"
     recorded = beads if problem.recorded is None else "recorded"
+    all_columns = " ".join(columns(replace(problem, recorded=None)))
     whole = [
-        f"dump snapshots {beads} custom $({problem.frames_per_snapshot}*v_every:%.0f) {snapshots} {' '.join(COLUMNS)}",
+        f"dump snapshots {beads} custom $({problem.frames_per_snapshot}*v_every:%.0f) {snapshots} {all_columns}",
         "dump_modify snapshots flush yes time yes",
     ]
     return [
@@ -308,7 +310,7 @@ def _types(problem: Problem) -> AtomTypes | None:
 
 def columns(problem: Problem) -> tuple[str, ...]:
     """Columns of the dump."""
-    return COLUMNS if problem.window is None else WINDOW_COLUMNS
+    return (*COLUMNS, *problem.memory_columns) if problem.window is None else WINDOW_COLUMNS
 
 
 def _tied(system: System) -> bool:

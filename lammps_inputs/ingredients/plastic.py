@@ -142,6 +142,6 @@ def between(scene: "BaseScene", strength: Parameter) -> Law | None:
         return None
     soft = yield_strengths(scene)
     size, modulus = sizes_and_moduli(scene)
-    return law_of(
-        scene, strength, size, modulus, soft if np.ndim(soft) == 0 else np.minimum(soft[:, :-1], soft[:, 1:])
-    )
+    if not isinstance(soft, float):
+        soft = np.minimum(soft[:, :-1], soft[:, 1:])
+    return law_of(scene, strength, size, modulus, soft)

@@ -20,8 +20,8 @@ from lammps_inputs.facts import Fact
 from lammps_inputs.ingredients import plastic
 from lammps_inputs.ingredients.base import Ingredient, Part, Positive
 from lammps_inputs.ingredients.contact import HERTZ
-from lammps_inputs.ingredients.unequal import Kind as Bead
 from lammps_inputs.ingredients.unequal import KEYS, modulus, radii, with_its_like, yield_strengths
+from lammps_inputs.ingredients.unequal import Kind as Bead
 from lammps_inputs.laws import Law
 from lammps_inputs.laws.contact import Hertz
 from lammps_inputs.links import Wall

@@ -11,8 +11,8 @@ in which the law has them, as scalars or arrays:
 - ``max_strain(energy, ...)``: largest strain to which an energy can bring it;
 - ``stiffest(energy, ...)``, only where `stiffest_of_each` would not find it: largest stiffness at such an energy.
 
-A law whose force depends on the past has a parameter ``memory``, the state of each contact: at the start in the law of a
-system, and that of frames in the law that analyses compute with. It has one more function:
+A law whose force depends on the past has a parameter ``memory``, the state of each contact: in the law of a system that
+at the start, in the law that analyses compute with that of frames. It has one more function:
 
 - ``remember(s, ...)``: memory after a strain.
 
@@ -115,6 +115,11 @@ _PARTS = (1.0, 0.75, 0.5, 0.25, 0.0, -0.25, -0.5, -0.75, -1.0)
 def remembers(law: Any) -> bool:
     """Whether the force of a law depends on the past."""
     return hasattr(law, "remember")
+
+
+def with_memory(law: Any, memory: Any) -> Any:
+    """The law with another memory, where it has one."""
+    return law if memory is None or not remembers(law) else law._replace(memory=memory)
 
 
 def rest(law: Law) -> Any:

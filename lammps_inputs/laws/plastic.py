@@ -15,8 +15,7 @@ from lammps_inputs.laws import Parameter, Pure
 from lammps_inputs.units import Dimension
 
 if TYPE_CHECKING:
-    from lammps_inputs.deck_lines import Lines
-    from lammps_inputs.layout import Layout
+    pass
 
 YIELD_PRESSURE = 1.6
 """Peak pressure over the yield strength where a metal (Poisson's ratio 0.3) begins to flow, below the surface at 0.48
@@ -56,7 +55,7 @@ class Thornton(NamedTuple):
 
     @staticmethod
     def energy(s: Any, strength: Any, onset: Any, memory: Any, rest: Any, load: Any) -> Any:
-        """What unloading gives back, ``2/5 A (d - d_r)^2.5 / z^0.5``, above that at rest at the start, less ``load s``."""
+        """What unloading gives back, ``2/5 A (d - d_r)^2.5 / z^0.5``, less that at rest and ``load s``."""
         stored = _stored(rest + s, strength, onset, np.maximum(memory, rest + s))
         return stored - _stored(rest, strength, onset, rest) - load * s
 

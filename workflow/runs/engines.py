@@ -252,8 +252,8 @@ def _write_frames(
     with Writer(dump, problem) as writer:
         try:
             for block in blocks:
-                for displacement, velocity in zip(block.displacement, block.velocity, strict=True):
-                    writer.append(step, displacement, velocity)
+                for state in block.states():
+                    writer.append(step, *state)
                     step += problem.steps_per_frame
                 if progress is not None:
                     progress(step - problem.steps_per_frame, _front(block))

@@ -170,8 +170,7 @@ def _quick(
     if set(names) & set(_OF_SHARING):
         quick |= _shared(waves, problem)
     if last is not None and problem.whole:
-        system = physics.at(problem.system, last.time[-1])
-        energy = bead_energy(system, last.displacement[-1], last.velocity[-1])
+        energy = bead_energy(last.system_at(-1), last.displacement[-1], last.velocity[-1])
         quick[PARTICIPATION] = quantity.plain(participation(energy), problem.scale)
     return quick
 

@@ -14,7 +14,7 @@ from analysis.figures.spacetime import largest_afar
 from analysis.figures.style import Frames, Unit, axis_unit, evenly_spaced
 from analysis.quantity import declared
 from analysis.trajectory import Floats, Integers, Trajectory
-from lammps_inputs import Problem, physics
+from lammps_inputs import Problem
 from lammps_inputs.units import REDUCED
 
 MOST_BEADS = 500
@@ -151,7 +151,7 @@ def _of(frames: Trajectory) -> tuple[Floats, Floats, Floats]:
     overlap, force = np.full_like(x, np.nan), np.full_like(x, np.nan)
     if problem.recorded is None:
         overlap[..., :-1] = motion.overlaps(problem.system, x)
-        force[..., :-1] = motion.contact_force(problem.system, overlap[..., :-1])
+        force[..., :-1] = motion.contact_force(frames.system, overlap[..., :-1])
     return x, overlap, force
 
 
@@ -159,8 +159,7 @@ def _energy(frames: Trajectory) -> Floats:
     """Of each chain's beads, [frame, chain]."""
     if not frames.problem.whole:
         return np.full(frames.velocity.shape[:2], np.nan)
-    system = physics.at(frames.problem.system, frames.time)
-    return np.asarray(motion.bead_energy(system, frames.displacement, frames.velocity).sum(axis=-1))
+    return np.asarray(motion.bead_energy(frames.system, frames.displacement, frames.velocity).sum(axis=-1))
 
 
 # --- units ------------------------------------------------------------------------------------------------------------

@@ -10,7 +10,7 @@ from stock_lammps import scene
 
 from lammps_inputs import Kick, Material, System, physics
 from lammps_inputs.ingredients import coupled_chains
-from lammps_inputs.limits import solids
+from lammps_inputs.laws.plastic import YIELD_PRESSURE
 from lammps_inputs.limits.solids import overlap_bounds, peak_pressure, sound_speed
 from lammps_inputs.units import hertz_constant
 from workflow.engines.reference import engine

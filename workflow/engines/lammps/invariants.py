@@ -43,7 +43,7 @@ def fault(
     change = energy / physics.energy(system) - 1.0
     if system.loads and change > ENERGY_TOLERANCE:
         return f"the energy is {100.0 * change:.3g}% above the largest possible work of the pushes; {_remedy(problem)}"
-    if system.dampers and change > ENERGY_TOLERANCE:
+    if (system.dampers or physics.remembering(system)) and change > ENERGY_TOLERANCE:
         return f"the energy is {100.0 * change:.3g}% above the energy input; {_remedy(problem)}"
     if system.holds(Fact.ENERGY) and not system.loads and abs(change) > ENERGY_TOLERANCE:
         return f"the energy has changed by {100.0 * change:.3g}%; {_remedy(problem)}"

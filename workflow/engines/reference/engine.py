@@ -175,7 +175,7 @@ class State:
 
     @property
     def memory(self) -> Floats:
-        """Of every contact and wall (`analysis.trajectory.Trajectory`); [chain, bead + 1]; empty where there is none."""
+        """[chain, bead + 1], see `analysis.trajectory.Trajectory`; empty where there is none."""
         past = self.compiled.memory[0]
         if not past.size:
             return np.zeros((0, 0))

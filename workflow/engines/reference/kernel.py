@@ -60,8 +60,8 @@ class State(NamedTuple):
     work: Floats
     """[1]: work of loads, of springs that vary, and of beads whose motion is given against forces."""
     memory: tuple[Floats, Floats, Floats]
-    """[place] each: memory of the contact behind each bead, and of the wall behind the last; strain and closing velocity
-    at the start of a step. Without places where no force depends on the past.
+    """[place] each: memory of the contact behind each bead, and of the wall behind the last; strain and closing
+    velocity at the start of a step. Without places where no force depends on the past.
     """
 
 

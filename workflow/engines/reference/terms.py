@@ -220,7 +220,7 @@ def make_memory(system: System) -> Floats:
         if isinstance(link, Along):
             here[2:-1] = np.transpose(memory)
         else:
-            side = -1 if link.side > 0.0 else 0  # type: ignore[attr-defined]
+            side = -1 if link.side > 0.0 else 0
             here[-1 if side else 1] = np.broadcast_to(memory, (system.chains, system.beads))[:, side]
     return found
 

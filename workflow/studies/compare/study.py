@@ -103,7 +103,7 @@ def measure(directory: RunDirectory, rows: Sequence[int]) -> Result:
 def partition(state: Trajectory) -> tuple[Floats, Floats]:
     """Shares of one frame: of the momentum by chain, and of the energy by chain and, last, in the springs."""
     problem, x, v = state.problem, state.displacement[-1], state.velocity[-1]
-    system = physics.at(problem.system, state.time[-1])
+    system = state.system_at(-1)
     of_chain = np.sum(motion.kinetic_energy(system, v), axis=-1) + np.sum(motion.contact_energy(system, x), axis=-1)
     whole = float(motion.energy(system, x, v))
     momentum = np.sum(v * system.mass, axis=1)

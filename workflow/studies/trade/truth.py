@@ -90,8 +90,8 @@ def write(path: Path, problem: Problem, blocks: Iterable[Trajectory]) -> None:
     step = 0
     with recording.Writer(path, problem) as writer:
         for block in blocks:
-            for displacement, velocity in zip(block.displacement, block.velocity, strict=True):
-                writer.append(step, displacement, velocity)
+            for state in block.states():
+                writer.append(step, *state)
                 step += problem.steps_per_frame
 
 
