@@ -111,7 +111,7 @@ class Trajectory:
 
     @property
     def system(self) -> System:
-        """The system that was computed; laws whose force depends on the past have the memories of these frames."""
+        """The system at the times of these frames; laws whose force depends on the past have their memories."""
         return self.system_at(slice(None))
 
     def states(self) -> Iterator[tuple[Floats, Floats, Floats | None]]:
@@ -121,7 +121,7 @@ class Trajectory:
 
     def system_at(self, frames: slice | int) -> System:
         """The same of some frames, or of one."""
-        system = self.problem.system
+        system = physics.at(self.problem.system, self.time[frames])
         return system if self.memory is None else physics.with_memory(system, self.memory[frames])
 
     def last(self) -> "Trajectory":

@@ -67,11 +67,12 @@ def _place(entry: dict[str, str]) -> str:
 
 def of_models() -> dict[str, list[str]]:
     """Laws and schemes that a scene can choose: subject -> keys of `bibtex`."""
-    from lammps_inputs.ingredients import INGREDIENTS, damping
+    from lammps_inputs.ingredients import INGREDIENTS, damping, plastic
 
     found = {"contacts of spheres": [HERTZ], "`contact.exponent`": [*POWER_LAW], "`contact.strength`": [GRADED]}
     found |= {f"`{key}`": [source] for key, source in UNEQUAL.items()}
     found |= {f"`{key}`": [*kind.sources] for key, kind in INGREDIENTS.items() if kind.sources}
+    found |= {f"`contact.yield`, law `{law}`": [*keys] for law, keys in plastic.SOURCES.items()}
     found |= {f"`damping.contact`, law `{law}`": [*keys] for law, keys in damping.SOURCES.items()}
     found |= {f"`scheme: {name}`": [key] for name, key in SCHEMES.items()}
     return found | {"engine LAMMPS": [LAMMPS], "reference integrator": [REFERENCE]}
@@ -79,12 +80,16 @@ def of_models() -> dict[str, list[str]]:
 
 def of_scene(scene: "BaseScene") -> dict[str, list[str]]:
     """What a paper on a scene cites: subject -> keys of `bibtex`."""
+    from lammps_inputs.ingredients import plastic
+
     exponent = scene.contact_scale[0]
     found = {"contacts": [HERTZ] if exponent == 1.5 else [*POWER_LAW]}
     kinds = [*(scene.kinds or {}).values(), *filter(None, [scene.striker])]
     names = [kind.material for kind in kinds] + ([scene.material.name] if scene.material else [])
     if solids := [materials.CATALOGUE[name].source for name in names if name]:
         found["material"] = list(dict.fromkeys(solids))
+    if plastic.key(scene) == "material.yield_strength":
+        found["yield strength"] = [*plastic.SOURCES["thornton"]]
     found |= {key: [source] for key, source in UNEQUAL.items() if getattr(scene, key)}
     for key, ingredient in scene.named:
         if keys := ingredient.cited():

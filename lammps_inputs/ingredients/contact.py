@@ -69,7 +69,9 @@ class _Contact(Ingredient):
     @property
     def _power(self) -> float:
         """Exponent of first loading."""
-        return 1.0 if self._yields is not None and self._yields.linear else self.exponent
+        if self._yields is None:
+            return self.exponent
+        return 1.0 if self._yields.linear else HERTZ
 
     def refuse_system(self, scene: "BaseScene", system: "System") -> None:  # noqa: ARG002
         """Refuse what is known of spheres only."""

@@ -23,6 +23,10 @@ SOURCES = {"thornton": ("thornton1997",), "walton-braun": ("walton1986",)}
 """Publications of the laws."""
 
 
+SMALLEST = 1e-6
+"""Smallest dimensionless overlap at yield."""
+
+
 class Yield(Part):
     """Contacts that yield, by the law of their author."""
 
@@ -89,6 +93,13 @@ def refuse(scene: "BaseScene") -> None:
         own.refuse()
         if named != "contact.yield":
             raise ValueError("contact.yield: material.yield_strength makes the contacts yield; leave one of them out")
+    reference = overlap_at_yield(ball) if own is None else own.overlap
+    if reference is not None and not reference / scene.scale.length >= SMALLEST:
+        place, meant = ("contact.yield.overlap", "") if own is not None else (named, "; is it in Pa?")
+        raise ValueError(
+            f"{place}: contacts yield at once, at an overlap of {reference / scene.scale.length:.3g} in dimensionless "
+            f"units; at least {SMALLEST:g}{meant}"
+        )
     if scene.window is not None:
         raise ValueError(f"{named}: unloading waves run faster than the front, past a window; leave the window out")
     if scene.scheme not in (None, "verlet"):

@@ -318,6 +318,10 @@ def _graded(message: str, strength: Any) -> BadScene:
     return _refused(f"contact.strength{message}", contact={"strength": strength})
 
 
+def _yields(message: str, given: Any, **more: Any) -> BadScene:
+    return _refused(message, contact={"yield": given}, **more)
+
+
 def _tied(message: str, **keys: Any) -> BadScene:
     """Three chains with another coupling."""
     return _refused(f"coupling.{message}", chains=3, coupling=keys)
@@ -499,6 +503,34 @@ REFUSED = [
     _graded(": the contact strength goes from 1 to 1e+07 of the", {**_RAMP, "to": 1e7}),
     _refused("window: its rows stand for one after another, and the contacts", contact={"strength": _RAMP}, **_WINDOW),
     _refused("contact: names nothing; valid: `contact: {exponent: 2}`", contact={}),
+    _yields("contact.yield.overlap: should be greater than 0, 0.0 given", {"overlap": 0.0}),
+    _yields("contact.yield.overlap: should be", {"overlap": "nan"}),
+    _yields("contact.yield: ", 0.1),
+    _yields("contact.yield.overlap: contacts yield at once", {"overlap": 1e-9}),
+    _refused("material.yield_strength: contacts yield at once", material={**_SI, "yield_strength": 0.25}),
+    _yields("contact.yield.overlap: is missing; valid: `yield: {overlap: 0.1}`", {}),
+    _yields("contact.yield.restitution: is missing; valid: `yield: {law: w", {"law": "walton-braun"}),
+    _yields("contact.yield.restitution: is no key of the law thornton", {"overlap": 0.1, "restitution": 0.5}),
+    _yields("contact.yield.law: should be 'thornton' or 'walton-braun'", {"law": "hertz"}),
+    _yields("contact.yield: unloading waves run faster", {"overlap": 0.1}, **_WINDOW),
+    _yields("contact.yield: suzuki4 steps back in time", {"overlap": 0.1}, scheme="suzuki4"),
+    _yields("damping.contact: dashpots beside contacts that yield", {"overlap": 0.1}, damping={"contact": 0.1}),
+    _yields("walls.right.stiffness: the overlap at which", {"overlap": 0.1}, walls={"right": {"stiffness": 2.0}}),
+    _yields("contact.yield: material.yield_strength makes", {"overlap": 1e-6}, material={**_SI, "yield_strength": 1e9}),
+    _refused("contact.exponent: 1.5 with the law thornton", contact={"exponent": 2.0, "yield": {"overlap": 0.1}}),
+    _yields(
+        "precompression: the static overlap is known for powers",
+        {"law": "walton-braun", "restitution": 0.8},
+        precompression={"force": 0.1},
+    ),
+    _refused("material.yield_strength: should be greater than 0", material={**_SI, "yield_strength": -1.0}),
+    _kinds("kinds.a.yield_strength: needs", kinds={"a": {"yield_strength": 1e8}}, pattern=["a"], material=_SI),
+    _kinds(
+        "kinds.a.yield_strength: is missing beside material.yield_strength",
+        kinds={"a": {"material": "brass"}},
+        pattern=["a"],
+        material={**_SI, "yield_strength": 1e9},
+    ),
     _walled(": name left, right or both", {}),
     _walled(".right: should be 'bead', 'flat' or 'rigid', 'soft' given", {"right": "soft"}),
     _walled(".right.material: is in SI units", {"right": {"material": "steel"}}),
