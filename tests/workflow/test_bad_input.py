@@ -193,8 +193,11 @@ DESIGNS: list[tuple[Any, str]] = [
     ({"vary": {"beads": {"from": 8, "to": 10.5}}}, "vary.beads: takes whole numbers"),
     ({"vary": {"beads": {"from": 9, "to": 8}}}, "the smaller first"),
     ({"vary": {"beads": [9]}}, "two choices or more"),
-    ({"vary": {"pattern": {"of": ["a", "b"]}}}, "{of: [a, b], places: 4}"),
-    ({"vary": {"coupling.rows": {"from": 1, "to": 4, "places": 0}}}, "places: '0' given"),
+    ({"vary": {"pattern": {"of": ["a", "b"]}}}, "vary.pattern.places: is missing"),
+    (
+        {"vary": {"coupling.rows": {"from": 1, "to": 4, "places": 0}}},
+        "places: should be greater than or equal to 1",
+    ),
     ({"where": {"mass": {}}}, "where.mass: give from, to or both"),
     ({"where": {"mass": {"from": 160, "to": 152}}}, "where.mass: goes from 160 to 152; the smaller first"),
     ({"where": {"weight": {"to": 1}}}, "where: 'weight' is no quantity"),

@@ -2,7 +2,7 @@
 
 import json
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -27,6 +27,7 @@ from workflow.sweep import fields
 from workflow.sweep.collect import quantities
 from workflow.sweep.table import QUANTITIES
 from workflow.verdicts.analysis_report import REPORT, ChainSummary, report
+from workflow.workers import evaluate
 
 MASS = "mass"
 """Of all beads, in the scene's units: known before anything runs."""
@@ -53,6 +54,12 @@ PARTICIPATION = "participation"
 
 Measured = dict[str, float | None]
 """By name, in the scene's units; None where there is none."""
+
+
+Masses = tuple[float | None, float | None]
+"""The least and the largest; None for any."""
+
+NO_LIMIT: Masses = (None, None)
 
 
 def refuse_unknown(name: str, where: str, what: str) -> None:
@@ -188,13 +195,35 @@ def _shared(waves: Waves, problem: Problem) -> dict[str, float | None]:
     return dict(zip(_OF_SHARING, values, strict=True))
 
 
-def evaluated(plain: dict[str, Any], names: tuple[str, ...], source: str) -> dict[str, Any]:
-    """What a process answers: ``quantities`` or ``refused``, and ``seconds`` of processor time."""
+def case(plain: dict[str, Any], names: Sequence[str], source: str, masses: Masses = NO_LIMIT) -> evaluate.Case:
+    """`evaluated` for the worker pool, under the key of what it computes."""
+    limits = {} if masses == NO_LIMIT else {"masses": masses}
+    return evaluate.case(f"{__name__}:evaluated", {"plain": plain, "names": tuple(names), "source": source, **limits})
+
+
+def evaluated(plain: dict[str, Any], names: tuple[str, ...], source: str, masses: Masses = NO_LIMIT) -> dict[str, Any]:
+    """What a process answers: ``quantities`` or ``refused``, and ``seconds`` of processor time.
+
+    Args:
+        plain: the scene.
+        names: of the quantities.
+        source: what to call the scene in messages.
+        masses: of a scene whose mass is beyond them only that is found, and nothing is run.
+    """
     started = time.process_time()
     answer: dict[str, Any]
     try:
+        outside = None if tuple(masses) == NO_LIMIT else _mass_outside(masses, plain, source)
         with np.errstate(all="ignore"):
-            answer = {"quantities": json.loads(json.dumps(by_reference(plain, names, source)))}
+            found = by_reference(plain, names, source) if outside is None else {MASS: outside}
+            answer = {"quantities": json.loads(json.dumps(found))}
     except (InputError, ValueError, ArithmeticError) as error:
         answer = {"refused": str(error)}
     return {**answer, "seconds": time.process_time() - started}
+
+
+def _mass_outside(masses: Masses, plain: dict[str, Any], source: str) -> float | None:
+    """The mass of a scene that is outside its limits; else None."""
+    low, high = masses
+    mass = mass_of(library.from_plain(plain, source))
+    return None if (low is None or low <= mass) and (high is None or mass <= high) else mass

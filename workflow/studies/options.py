@@ -1,10 +1,59 @@
-"""Options that commands of several studies have: fields and quantities with values."""
+"""Options that commands of several studies have, and how such a command carries out its study."""
 
-from typing import Any
+import argparse
+import contextlib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
 
 import yaml
 
 from lammps_inputs import InputError
+from workflow.engines.lammps.mpi import cores
+from workflow.screen import count_bar
+from workflow.workers.pool import Pool
+
+Found = TypeVar("Found")
+
+
+def add_output(parser: argparse.ArgumentParser) -> None:
+    """The directory that a study is carried out in."""
+    parser.add_argument(
+        "-o", "--output", metavar="DIR", type=Path, required=True, help="new directory, or one to resume"
+    )
+
+
+def add_jobs(parser: argparse.ArgumentParser, words: str = "scenes at a time (default all cores)") -> None:
+    """The number of worker processes; None by default."""
+    parser.add_argument("--jobs", metavar="N", type=within(int, 1, 1024), help=words)
+
+
+def within(kind: type[int] | type[float], low: float, high: float) -> Callable[[str], float]:
+    """The type of an option whose numbers have bounds."""
+
+    def read(text: str) -> float:
+        with contextlib.suppress(ValueError):
+            if low <= kind(text) <= high:
+                return kind(text)
+        raise argparse.ArgumentTypeError(f"{text} given; {low:g} to {high:g}")
+
+    return read
+
+
+def on_cores(command: str, jobs: int | None, carry_out: Callable[..., Found]) -> Found | None:
+    """What a study finds with worker processes and a bar of its progress; None where it is interrupted.
+
+    Args:
+        command: of the study.
+        jobs: scenes at a time; None for all cores.
+        carry_out: takes ``pool`` and ``progress``.
+    """
+    try:
+        with count_bar(command) as progress, Pool(jobs or cores(), interrupt=True) as pool:
+            return carry_out(pool=pool, progress=progress)
+    except KeyboardInterrupt:
+        print("interrupted: computed scenes remain; the same command resumes")
+        return None
 
 
 def split(text: str, option: str, example: str) -> tuple[str, str]:

@@ -2,8 +2,8 @@
 
 import csv
 import json
-import shutil
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import jsonschema
@@ -16,11 +16,10 @@ from workflow.cli import main
 from workflow.runs.run import run
 from workflow.studies import measures
 from workflow.studies.design import file
-from workflow.studies.design.evaluator import Evaluator, Record
 from workflow.studies.design.file import Variable
 from workflow.studies.design.found import Found, Verified
 from workflow.studies.design.manufacture import Sensitivity, sensitivity
-from workflow.studies.design.search import search, worth
+from workflow.studies.design.search import Record, computed, search, worth
 from workflow.sweep.collect import collect
 from workflow.workers.evaluate import Results
 from workflow.workers.pool import Pool
@@ -48,16 +47,9 @@ SMALL = {
 }
 
 
-@pytest.fixture
-def evaluator(request):
-    """A function: evaluates designs in this process, with results in a file that is closed at the end."""
-
-    def made(design, path, tell=None):
-        results = Results(path)
-        request.addfinalizer(results.__exit__)
-        return Evaluator(design, results, Pool(1), tell)
-
-    return made
+def computing(design, cache=None):
+    """Computes designs in this process."""
+    return partial(computed, design, cache=Results(None) if cache is None else cache, pool=Pool(1))
 
 
 def written(directory, **changes):
@@ -129,49 +121,48 @@ def test_small_errors_of_manufacture_change_the_objective_a_little(found):
     assert all(0.0 < abs(value / best - 1.0) < 0.1 for value in members)
 
 
+EVOLUTION = {"evaluations": 20, "population": 8, "method": "evolution"}
+
+
 @pytest.mark.slow
-def test_evolution_finds_what_no_exhaustive_search_betters(found, tmp_path, evaluator):
+def test_evolution_finds_what_no_exhaustive_search_betters(found, tmp_path):
     """With fewer designs than there are; those that it asks for are kept from the exhaustive search."""
-    shutil.copy(found / "evaluations.jsonl", tmp_path)
-    search_for = {"evaluations": 20, "population": 8, "method": "evolution"}
-    design = file.load(written(tmp_path, search=search_for))
-    one = evaluator(design, tmp_path / "evaluations.jsonl")
-    best = min(worth(design, record) for record in search(design, one))
-    everything = file.load(written(tmp_path))
-    assert best == min(worth(everything, record) for record in search(everything, one))
+    design = file.load(written(tmp_path, search=EVOLUTION))
+    with Results(found / "evaluations.jsonl") as cache:
+        best = min(worth(design, record) for record in search(design, computing(design, cache)))
+        everything = file.load(written(tmp_path))
+        assert best == min(worth(everything, record) for record in search(everything, computing(everything, cache)))
 
 
-@pytest.mark.slow
-def test_a_search_that_was_stopped_goes_the_same_way_again(tmp_path, evaluator):
-    """Of what is computed already nothing is computed again, so the course is that of one never stopped."""
-    design = file.load(written(tmp_path, search={"evaluations": 20, "population": 8, "method": "evolution"}))
-    stopped_at = 7
+class Stopped(Results):
+    """A cache that is interrupted with its seventh result."""
 
-    def stop(_):
-        if len(first.results) == stopped_at:
+    def keep(self, key, result):
+        super().keep(key, result)
+        if len(self) == 7:
             raise KeyboardInterrupt
 
-    first = evaluator(design, tmp_path / "evaluations.jsonl", stop)
-    with pytest.raises(KeyboardInterrupt):
-        search(design, first)
-    with (tmp_path / "evaluations.jsonl").open("a") as cut_short:
-        cut_short.write('{"key": "abc", "val')
-    computed = []
-    second = evaluator(design, tmp_path / "evaluations.jsonl", computed.append)
-    assert len(second.results) == stopped_at
-    again = search(design, second)
-    whole = search(design, evaluator(design, tmp_path / "other.jsonl"))
-    assert [record.values for record in again] == [record.values for record in whole]
-    assert [record.quantities for record in again] == [record.quantities for record in whole]
-    assert len(computed) == len(second.results) - stopped_at
+
+@pytest.mark.slow
+def test_a_search_that_was_stopped_goes_the_same_way_again(tmp_path):
+    """Of what is computed already nothing is computed again, so the course is that of one never stopped."""
+    design = file.load(written(tmp_path, search=EVOLUTION))
+    path = tmp_path / "evaluations.jsonl"
+    with pytest.raises(KeyboardInterrupt), Stopped(path) as cache:
+        search(design, computing(design, cache))
+    before = path.read_text()
+    with Results(path) as cache:
+        again = search(design, computing(design, cache))
+    assert path.read_text().startswith(before)
+    whole = search(design, computing(design))
+    assert [(record.values, record.quantities) for record in again] == [(r.values, r.quantities) for r in whole]
 
 
-def test_limits_come_before_the_objective(tmp_path, evaluator):
+def test_limits_come_before_the_objective(tmp_path):
     design = file.load(written(tmp_path))
-    one = evaluator(design, tmp_path / "m.jsonl")
-    light, heavy = one.all_of([{"coupling.stiffness": 0.1, "beads": 8}, {"coupling.stiffness": 0.1, "beads": 12}])
-    lighter = one.all_of([{"coupling.stiffness": 0.1, "beads": 6}])[0]
-    assert light.seconds == 0.0  # its mass rules it out before anything runs
+    designs = [{"coupling.stiffness": 0.1, "beads": beads} for beads in (8, 12, 6)]
+    light, heavy, lighter = computing(design)(designs)
+    assert light.quantities == {"mass": 16.0}  # which rules it out before anything runs
     assert worth(design, heavy) < worth(design, light) < worth(design, lighter) < np.inf
 
 
@@ -191,13 +182,13 @@ def test_what_is_wanted_is_small_or_large(wanted, better, tmp_path):
 
 
 @pytest.mark.parametrize("wanted", [{"maximize": "delay"}, {"minimize": "wall_force"}], ids=str)
-def test_a_design_whose_pulse_does_not_reach_the_far_end_does_not_count(wanted, tmp_path, evaluator):
+def test_a_design_whose_pulse_does_not_reach_the_far_end_does_not_count(wanted, tmp_path):
     """Of one chain to t = 20; the pulse passes bead 16 at 18.6."""
     scene = {**SCENE, "chains": 1, "coupling": None, "duration": 20}
     plain = {"scene": {k: v for k, v in scene.items() if v is not None}, "vary": {"beads": {"from": 10, "to": 30}}}
     (tmp_path / "design.yaml").write_text(strict_yaml.dump({**plain, **wanted}))
     design = file.load(tmp_path / "design.yaml")
-    records = search(design, evaluator(design, tmp_path / "m.jsonl"))
+    records = search(design, computing(design))
     late = [r for r in records if r.values["beads"] > 16]
     assert all(r.quantities[design.objective] is None and worth(design, r) == np.inf for r in late)
     assert min(records, key=lambda one: worth(design, one)).values["beads"] <= 16
@@ -211,43 +202,35 @@ def test_a_design_that_ends_at_a_bead_waits_for_what_is_wanted_at_the_wall():
     assert found == pytest.approx(measures.by_reference({**plain, "duration": 90.0}, names, "scene"), rel=1e-6)
 
 
-class Linear:
-    """An evaluator that takes the objective of a design to be its stiffness."""
-
-    def __init__(self):
-        self.asked = []
-
-    def all_of(self, wanted, **_):
-        self.asked += wanted
-        return [Record(values, {"wall_force": values["coupling.stiffness"]}, "", 0.0) for values in wanted]
-
-
 def test_manufacture_is_off_to_both_sides_by_the_spread_at_most(tmp_path):
     numbers = {"coupling.stiffness": {"from": 0.1, "to": 1}}
     design = file.load(written(tmp_path, vary=numbers, manufacture={"members": 50, "spread": 0.1}))
-    linear = Linear()
+    asked = []
+
+    def linear(designs):
+        asked.extend(designs)
+        return [Record(values, {"wall_force": values["coupling.stiffness"]}, "", 0.0) for values in designs]
+
     found = sensitivity(design, linear, {"coupling.stiffness": 0.5})
     assert found.alone == {"coupling.stiffness": (pytest.approx(0.45), pytest.approx(0.55))}  # smaller, larger
     assert len(found.members) == 50
     assert 0.45 <= min(found.members) < 0.47
     assert 0.53 < max(found.members) <= 0.55
     assert (found.asked, found.refused, found.undefined, found.broken) == (50, 0, 0, {})
-    beads = [(one["disorder.radius"], one["disorder.stiffness"], one["disorder.seed"]) for one in linear.asked[:50]]
+    beads = [(one["disorder.radius"], one["disorder.stiffness"], one["disorder.seed"]) for one in asked[:50]]
     assert beads == [(0.1, 0.1, member) for member in range(1, 51)]
 
 
-class Failing(Linear):
-    """Every third of its designs is no scene, every other third has no objective, and all are too light."""
-
-    def all_of(self, wanted, **_):
-        kinds = [("no scene", {}), ("", {"wall_force": None, "mass": 3.0}), ("", {"wall_force": 1.5, "mass": 3.0})]
-        return [Record(values, kinds[k % 3][1], kinds[k % 3][0], 0.0) for k, values in enumerate(wanted)]
+def failing(designs):
+    """Every third design is no scene, every other third has no objective, and all are too light."""
+    kinds = [("no scene", {}), ("", {"wall_force": None, "mass": 3.0}), ("", {"wall_force": 1.5, "mass": 3.0})]
+    return [Record(values, kinds[k % 3][1], kinds[k % 3][0], 0.0) for k, values in enumerate(designs)]
 
 
 def test_members_of_the_ensemble_that_fail_or_do_not_keep_a_limit_are_counted_and_few_have_no_statistics(tmp_path):
     numbers = {"coupling.stiffness": {"from": 0.1, "to": 1}}
     design = file.load(written(tmp_path, vary=numbers, manufacture={"members": 30}))
-    small = sensitivity(design, Failing(), {"coupling.stiffness": 1.0})
+    small = sensitivity(design, failing, {"coupling.stiffness": 1.0})
     best = Record({"coupling.stiffness": 1.0}, {"wall_force": 1.0, "mass": 20.0}, "", 0.0)
     found = Found(design, [best], [], None, small, 0.0)
     assert found.warnings == [
@@ -270,9 +253,9 @@ def test_tables_of_designs_name_units_in_si(tmp_path):
     assert file.load(written(tmp_path)).heading("mass") == "mass"
 
 
-def test_a_design_that_is_no_scene_says_why_and_is_worse_than_any_other(tmp_path, evaluator):
+def test_a_design_that_is_no_scene_says_why_and_is_worse_than_any_other(tmp_path):
     design = file.load(written(tmp_path))
-    refused = evaluator(design, tmp_path / "m.jsonl").all_of([{"coupling.rows": [10, 14]}])[0]
+    refused = computing(design)([{"coupling.rows": [10, 14]}])[0]
     assert "coupling.rows: 10 to 14 given" in refused.refused
     assert worth(design, refused) == np.inf
 

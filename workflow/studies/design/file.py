@@ -25,12 +25,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, PlainValidator, ValidationError, model_validator
 
 from lammps_inputs import InputError, library, schema, strict_yaml
 from workflow.studies.measures import AT_BEAD, KNOWN, heading, refuse_unknown
 from workflow.sweep import fields
-from workflow.sweep.file import Range, number, scene_in, scene_of_file
+from workflow.sweep.file import number, scene_in, scene_of_file
 
 # --- variables --------------------------------------------------------------------------------------------------------
 
@@ -179,7 +179,9 @@ class Limit(_Part):
         return float(max(below, above))
 
 
-class _File(_Part):
+class File(_Part):
+    """The keys of a design file."""
+
     scene: Any
     vary: dict[str, Any]
     minimize: str | None = None
@@ -192,6 +194,33 @@ class _File(_Part):
     verify: Annotated[int, Field(ge=1, le=100)] = 3
 
 
+Places = Annotated[int, Field(ge=1, le=MOST_PLACES)]
+
+
+class _Bounds(_Part):
+    """A number, or a list of so many."""
+
+    low: Annotated[Any, PlainValidator(number), Field(alias="from", json_schema_extra={"type": "number"})]
+    high: Annotated[Any, PlainValidator(number), Field(alias="to", json_schema_extra={"type": "number"})]
+    spacing: Literal["linear", "log"] = "linear"
+    places: Places | None = None
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        if self.high <= self.low:
+            raise ValueError(f"to: {self.high} given, and from: {self.low}; the smaller first")
+        if self.spacing == "log" and self.low <= 0:
+            raise ValueError("spacing: log needs from and to above 0")
+        return self
+
+
+class _Choices(_Part):
+    """A list of so many choices."""
+
+    of: list[Any]
+    places: Places
+
+
 @dataclass(frozen=True)
 class Design:
     """A design file that was read.
@@ -200,30 +229,30 @@ class Design:
         source: the file, for messages.
         scene: plain data of the scene to begin with.
         variables: what may change.
-        objective: the quantity.
-        sign: 1 to make it small, -1 to make it large.
-        where: quantity -> its bounds.
-        also: quantities to look at.
         beside: plain data of a scene to compare with, or None.
-        search, manufacture, verify: as in the file.
+        asked: what else the file says.
     """
 
     source: str
     scene: dict[str, Any]
     variables: tuple[Variable, ...]
-    objective: str
-    sign: float
-    where: dict[str, Limit]
-    also: tuple[str, ...]
     beside: dict[str, Any] | None
-    search: Search
-    manufacture: Manufacture
-    verify: int
+    asked: File
+
+    @property
+    def objective(self) -> str:
+        """The quantity."""
+        return self.asked.minimize or self.asked.maximize or ""
+
+    @property
+    def sign(self) -> float:
+        """1 to make it small, -1 to make it large."""
+        return 1.0 if self.asked.minimize else -1.0
 
     @property
     def names(self) -> tuple[str, ...]:
         """All quantities that matter."""
-        return tuple(dict.fromkeys((self.objective, *self.where, *self.also)))
+        return tuple(dict.fromkeys((self.objective, *self.asked.where, *self.asked.also)))
 
     def heading(self, name: str) -> str:
         """A varied field or a quantity with its unit, for tables."""
@@ -231,30 +260,27 @@ class Design:
 
     def broken(self, found: Mapping[str, float | None]) -> list[str]:
         """Quantities that are outside their limits or undefined, of those that were computed."""
-        return [name for name, limit in self.where.items() if name in found and limit.violation(found[name]) > 0.0]
+        limits = self.asked.where
+        return [name for name in limits if name in found and limits[name].violation(found[name]) > 0.0]
 
     @property
     def count(self) -> int | None:
         """How many designs there are; None where some number is not whole."""
-        total = 1
-        for variable in self.variables:
-            if variable.values is None:
-                return None
-            total *= variable.values
-        return total
+        each = [variable.values for variable in self.variables]
+        return None if None in each else math.prod(one or 0 for one in each)
 
     @property
     def exhaustive(self) -> bool:
         """Whether every design is to be computed."""
-        if self.search.method == "auto":
-            return self.count is not None and self.count <= self.search.evaluations
-        return self.search.method == "exhaustive"
+        if self.asked.search.method == "auto":
+            return self.count is not None and self.count <= self.asked.search.evaluations
+        return self.asked.search.method == "exhaustive"
 
     @property
     def population(self) -> int:
         """Designs of one generation."""
         coordinates = sum(variable.coordinates for variable in self.variables)
-        return self.search.population or min(100, max(20, 5 * coordinates))
+        return self.asked.search.population or min(100, max(20, 5 * coordinates))
 
 
 def load(path: Path) -> Design:
@@ -269,20 +295,11 @@ def load(path: Path) -> Design:
 
 def schema_of_file() -> dict[str, Any]:
     """JSON schema of a design file; what it says of a scene may lack what is varied."""
-    found, scene = schema.of(_File, "design"), scene_of_file()
-    found["$defs"] |= scene.pop("$defs")
+    found, scene = schema.of(File, "design"), scene_of_file()
+    found["$defs"] |= scene.pop("$defs") | {kind.__name__[1:]: schema.of(kind, "field") for kind in (_Bounds, _Choices)}
     spot: dict[str, Any] = {"anyOf": [{"type": "string"}, scene]}
     quantity = {"anyOf": [{"enum": list(KNOWN)}, {"type": "string", "pattern": f"^({'|'.join(AT_BEAD)})@[1-9][0-9]*$"}]}
-    bounds = {"type": "object", "required": ["from", "to"], "additionalProperties": False}
-    keys = {"from": {"type": "number"}, "to": {"type": "number"}, "spacing": {"enum": ["linear", "log"]}}
-    places = {"type": "integer", "minimum": 1, "maximum": MOST_PLACES}
-    choices = {"type": "array", "minItems": 2}
-    of = {"type": "object", "required": ["of", "places"], "additionalProperties": False}
-    varied = [
-        choices,
-        {**bounds, "properties": {**keys, "places": places}},
-        {**of, "properties": {"of": choices, "places": places}},
-    ]
+    varied = [{"type": "array", "minItems": 2}, {"$ref": "#/$defs/Bounds"}, {"$ref": "#/$defs/Choices"}]
     found["properties"] |= {
         "scene": spot,
         "beside": spot,
@@ -302,32 +319,25 @@ def from_plain(data: Any, path: Path) -> Design:
         InputError: as `load`.
     """
     try:
-        file = _File.model_validate(data)
+        file = File.model_validate(data)
     except ValidationError as error:
-        raise InputError(f"{path}: {library.mistaken(data, 'design') or library.describe(error, _File)}") from None
+        raise InputError(f"{path}: {library.mistaken(data, 'design') or library.describe(error, File)}") from None
     if (file.minimize is None) == (file.maximize is None):
         raise InputError(f"{path}: give either minimize or maximize, and a quantity: {', '.join(KNOWN)}")
-    objective = file.minimize or file.maximize or ""
-    for key, name in [("minimize" if file.minimize else "maximize", objective)] + [
-        (key, name) for key, names in (("where", file.where), ("also", file.also)) for name in names
-    ]:
-        refuse_unknown(name, f"{path}: {key}", "quantity")
+    objectives = {key: [name] for key in ("minimize", "maximize") if (name := getattr(file, key)) is not None}
+    for key, names in {**objectives, "where": file.where, "also": file.also}.items():
+        for name in names:
+            refuse_unknown(name, f"{path}: {key}", "quantity")
     if not file.vary:
         raise InputError(f"{path}: vary: names no field")
     design = Design(
         source=str(path),
         scene=scene_in(file.scene, path, "scene"),
         variables=tuple(_variable(name, given, path) for name, given in file.vary.items()),
-        objective=objective,
-        sign=1.0 if file.minimize else -1.0,
-        where=file.where,
-        also=tuple(file.also),
         beside=None if file.beside is None else scene_in(file.beside, path, "beside"),
-        search=file.search,
-        manufacture=file.manufacture,
-        verify=file.verify,
+        asked=file,
     )
-    if design.search.method == "exhaustive" and (design.count is None or design.count > MOST_EXHAUSTED):
+    if file.search.method == "exhaustive" and (design.count is None or design.count > MOST_EXHAUSTED):
         count = "without end" if design.count is None else f"{design.count}"
         raise InputError(
             f"{path}: search.method: there are {count} designs; exhaustive is for {MOST_EXHAUSTED} at most"
@@ -341,35 +351,21 @@ def _variable(name: str, given: Any, path: Path) -> Variable:
         keys = fields.parse(name)
     except InputError as error:
         raise InputError(f"{path}: vary: {error}") from None
-    if isinstance(given, list):
-        return Variable(name, choices=_choices(given, where))
+    one = isinstance(given, list)
+    given = {"of": given, "places": 1} if one else given
     if not isinstance(given, dict):
         raise InputError(f"{where}: should be bounds such as {{from: 1, to: 10}}, or a list of choices")
-    places = given.get("places")
-    if places is not None and not (type(places) is int and 1 <= places <= MOST_PLACES):
-        raise InputError(f"{where}.places: {str(places)[:60]!r} given; a whole number from 1 to {MOST_PLACES}")
-    rest = {key: value for key, value in given.items() if key != "places"}
-    if "of" in rest:
-        if set(rest) != {"of"} or places is None or not isinstance(rest["of"], list):
-            raise InputError(f"{where}: a list of choices is written as {{of: [a, b], places: 4}}")
-        return Variable(name, choices=_choices(rest["of"], where), places=places)
+    kind = _Choices if "of" in given else _Bounds
     try:
-        bounds = Range.model_validate({**rest, "count": 2})
+        read = kind.model_validate(given)
     except ValidationError as error:
-        raise InputError(f"{where}.{library.describe(error, Range)}") from None
-    if "count" in rest or "digits" in rest:
-        raise InputError(f"{where}: a search takes bounds, from and to; no count or digits")
-    first, last = bounds.first, bounds.last
+        raise InputError(f"{where}.{library.describe(error, kind)}") from None
+    if isinstance(read, _Choices):
+        if len(read.of) < 2:
+            raise InputError(f"{where}: needs two choices or more")
+        return Variable(name, choices=tuple(read.of), places=None if one else read.places)
     whole = fields.is_whole(keys)
-    if whole and not all(isinstance(end, int) for end in (first, last)):
-        raise InputError(f"{where}: takes whole numbers; {first} to {last} given")
-    if last < first:
-        raise InputError(f"{where}: goes from {first} to {last}; the smaller first")
-    log = bounds.spacing == "log" and not whole
-    return Variable(name, low=float(first), high=float(last), log=log, whole=whole, places=places)
-
-
-def _choices(given: list[Any], where: str) -> tuple[Any, ...]:
-    if len(given) < 2:
-        raise InputError(f"{where}: needs two choices or more")
-    return tuple(given)
+    if whole and not all(isinstance(end, int) for end in (read.low, read.high)):
+        raise InputError(f"{where}: takes whole numbers; {read.low} to {read.high} given")
+    log = read.spacing == "log" and not whole
+    return Variable(name, low=float(read.low), high=float(read.high), log=log, whole=whole, places=read.places)

@@ -6,10 +6,19 @@ from typing import Any
 
 from lammps_inputs import html
 from workflow.runs.run_directory import RunDirectory
-from workflow.studies.design.evaluator import Record
+from workflow.screen import one_line
 from workflow.studies.design.file import Design
 from workflow.studies.design.manufacture import FEWEST, Sensitivity
-from workflow.studies.design.search import worth
+from workflow.studies.design.search import Record, worth
+
+SET_AGAINST = "set against"
+"""What the scene `beside` is called."""
+
+
+def _text(value: Any, digits: str = ".6g") -> str:
+    if isinstance(value, list):
+        return " ".join(map(_text, value))
+    return "-" if value is None else f"{value:{digits}}" if isinstance(value, float) else one_line(value)
 
 
 @dataclass(frozen=True)
@@ -67,10 +76,21 @@ class Found:
         )
 
     def _repr_html_(self) -> str:
-        found = [*self.best.values.items(), *self.best.quantities.items()]
-        rows = [(self.design.heading(name), value) for name, value in found]
         notes = "".join(html.text(f"warning: {warning}") for warning in self.warnings)
-        return html.table(repr(self)[1:-1], ("best", ""), rows) + notes
+        return html.table(repr(self)[1:-1], *self.table()) + notes
+
+    def table(self) -> tuple[list[str], list[list[str]]]:
+        """Head, and rows: fields, quantities by the reference, how far LAMMPS is from them, and its error."""
+        design, name = self.design, self.design.heading
+        columns = {f"no. {place}": one for place, one in enumerate(self.verified, 1)}
+        columns |= {} if self.beside is None else {SET_AGAINST: self.beside}
+        scenes = list(columns.values())
+        rows = [[name(v.field), *(_text(one.values.get(v.field)) for one in scenes)] for v in design.variables]
+        for of in design.names:
+            rows.append([name(of), *(_text(one.reference[of]) for one in scenes)])
+            rows.append([f"{of}: LAMMPS / reference - 1", *(_text(one.difference(of), ".1e") for one in scenes)])
+        rows.append(["error of LAMMPS's velocities / V", *(_text(one.error, ".1e") for one in scenes)])
+        return ["", *columns], rows
 
     @property
     def best(self) -> Record:
@@ -80,7 +100,7 @@ class Found:
     @property
     def undefined(self) -> int:
         """How many designs do not count because the objective, or a quantity with a limit, is undefined there."""
-        wanted = (self.design.objective, *self.design.where)
+        wanted = (self.design.objective, *self.design.asked.where)
         return sum(any(r.quantities.get(name, 0.0) is None for name in wanted) for r in self.records)
 
     @property

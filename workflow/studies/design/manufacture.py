@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from workflow.studies.design.evaluator import Evaluator, Record
 from workflow.studies.design.file import Design, Variable
+from workflow.studies.design.search import Compute
 
 FEWEST = 8
 """Members with an objective that statistics of an ensemble are given of."""
@@ -44,35 +44,31 @@ class Sensitivity:
         return len(self.members) >= max(FEWEST, 0.5 * self.asked)
 
 
-def sensitivity(design: Design, evaluator: Evaluator, best: dict[str, Any]) -> Sensitivity:
-    """Of the design with these values; kept like all others."""
-    spread, members = design.manufacture.spread, design.manufacture.members
+def sensitivity(design: Design, compute: Compute, best: dict[str, Any]) -> Sensitivity:
+    """Of the design with these values; computed, whatever its mass, as all others."""
+    spread, members = design.asked.manufacture.spread, design.asked.manufacture.members
     numbers = [v for v in design.variables if not v.steps]
-    chance = np.random.default_rng(design.search.seed)
+    chance = np.random.default_rng(design.asked.search.seed)
     made = []
     for member in range(members):
         off = {v.field: _off(v, best[v.field], spread * (2.0 * chance.random(v.coordinates) - 1.0)) for v in numbers}
         beads = {"disorder.radius": spread, "disorder.stiffness": spread, "disorder.seed": member + 1}
         made.append({**best, **off, **beads})
-    records = evaluator.all_of(made, whole=True)
-    sides = [
-        {**best, v.field: _off(v, best[v.field], np.full(v.coordinates, sign * spread))}
-        for v in numbers
-        for sign in (-1.0, 1.0)
-    ]
-    beside = [_objective(design, record) for record in evaluator.all_of(sides, whole=True)]
-    found = [value for record in records if (value := _objective(design, record)) is not None]
-    refused = [record.refused for record in records if record.refused]
-    broken = Counter(name for record in records for name in design.broken(record.quantities))
+    for v in numbers:
+        made += [{**best, v.field: _off(v, best[v.field], np.full(v.coordinates, s * spread))} for s in (-1.0, 1.0)]
+    found = compute(made)
+    values = [None if record.refused else record.quantities.get(design.objective) for record in found]
+    refused = [record.refused for record in found[:members] if record.refused]
+    known = tuple(value for value in values[:members] if value is not None)
     return Sensitivity(
         spread=spread,
         asked=members,
-        members=tuple(found),
+        members=known,
         refused=len(refused),
         reason=refused[0] if refused else "",
-        undefined=members - len(refused) - len(found),
-        broken=dict(broken),
-        alone={v.field: (beside[2 * k], beside[2 * k + 1]) for k, v in enumerate(numbers)},
+        undefined=members - len(refused) - len(known),
+        broken=dict(Counter(name for record in found[:members] for name in design.broken(record.quantities))),
+        alone={v.field: (values[members + 2 * k], values[members + 2 * k + 1]) for k, v in enumerate(numbers)},
     )
 
 
@@ -80,7 +76,3 @@ def _off(variable: Variable, value: Any, share: Any) -> Any:
     if variable.places is None:
         return value * (1.0 + float(share[0]))
     return [one * (1.0 + float(part)) for one, part in zip(value, share, strict=True)]
-
-
-def _objective(design: Design, record: Record) -> float | None:
-    return None if record.refused else record.quantities.get(design.objective)

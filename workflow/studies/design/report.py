@@ -2,7 +2,6 @@
 
 import html
 import math
-from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -14,8 +13,9 @@ from analysis.gauges.gauge import gauges
 from analysis.mirror import direction_of
 from analysis.trajectory import Floats
 from lammps_inputs import references
+from lammps_inputs.html import table
 from workflow.runs.run_directory import RunDirectory
-from workflow.studies.design.found import Found, Verified
+from workflow.studies.design.found import SET_AGAINST, Found
 from workflow.studies.design.search import RULED_OUT, worth
 from workflow.studies.page import Picture, document, drawn, shown
 from workflow.sweep.table import QUANTITIES
@@ -25,7 +25,7 @@ def page(found: Found) -> str:
     """The report in HTML, pictures and all."""
     design, best = found.design, found.verified[0]
     wanted = ("least" if design.sign > 0.0 else "largest") + f" {design.objective}"
-    words = _warnings(found) + _table(found) + _words(found)
+    words = _warnings(found) + table("", *found.table()) + _words(found)
     parts = [
         f"<section><h2>The best</h2>{words}{_shown(_of_best(found))}</section>",
         f"<section><h2>The search</h2>{_search_words(found)}{_shown(_of_search(found))}</section>",
@@ -45,52 +45,8 @@ def _shown(pictures: list[Picture]) -> str:
     return "".join(shown(picture) for picture in pictures)
 
 
-def _row(cells: list[str], tag: str = "td") -> str:
-    return "<tr>" + "".join(f"<{tag}>{html.escape(cell)}</{tag}>" for cell in cells) + "</tr>"
-
-
-def _table(found: Found) -> str:
-    """A column for each design: fields, quantities by the reference, and how far LAMMPS is from them."""
-    columns = [(f"no. {place}", one) for place, one in enumerate(found.verified, 1)]
-    if found.beside is not None:
-        columns.append(("set against", found.beside))
-    rows = [_row(["", *(name for name, _ in columns)], "th")]
-    for variable in found.design.variables:
-        rows.append(
-            _row([found.design.heading(variable.field), *(_text(one.values.get(variable.field)) for _, one in columns)])
-        )
-    for name in found.design.names:
-        rows.append(_row([found.design.heading(name), *(_text(one.reference[name]) for _, one in columns)]))
-        rows.append(_row([f"{name}: LAMMPS / reference - 1", *(_share(one, name) for _, one in columns)]))
-    rows.append(_row(["error of LAMMPS's velocities / V", *(f"{one.error:.1e}" for _, one in columns)]))
-    note = ""
-    if any(one.error > LARGE for _, one in columns):
-        note = (
-            "<p>In long runs beads behind the pulses amplify any error of their velocities, so these differ more "
-            "than what is asked for: see the rows of differences.</p>"
-        )
-    return f"<table>{''.join(rows)}</table>{note}"
-
-
 def _warnings(found: Found) -> str:
     return "".join(f"<p><b>Warning:</b> {html.escape(warning)}.</p>" for warning in found.warnings)
-
-
-LARGE = 1e-3
-"""Error of velocities, in units of V, of which a word is said."""
-
-
-def _text(value: Any) -> str:
-    if value is None:
-        return "-"
-    if isinstance(value, list):
-        return " ".join(map(_text, value))
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
-
-
-def _share(one: Verified, name: str) -> str:
-    difference = one.difference(name)
-    return "-" if difference is None else f"{difference:.1e}"
 
 
 def _words(found: Found) -> str:
@@ -141,8 +97,8 @@ def _label(found: Found, name: str) -> str:
 def _of_search(found: Found) -> list[Picture]:
     what, values = _objective(found), _values(found)
     pictures = [drawn("history", history_figure(what, values), "Every design, as the search came to it.")]
-    if found.design.also:
-        name = found.design.also[0]
+    if found.design.asked.also:
+        name = found.design.asked.also[0]
         figure = front_figure(what, values, _label(found, name), _values(found, name))
         pictures.append(drawn("front", figure, f"Pareto front of {found.design.objective} and {name}."))
     return pictures
@@ -154,7 +110,7 @@ def _of_best(found: Found) -> list[Picture]:
     for block in best.blocks():
         spacetime.add(block)
     pictures = [drawn("spacetime", spacetime_figure(spacetime), "The best in space and time, by LAMMPS.")]
-    against = [] if found.beside is None else [("set against", found.beside.directory)]
+    against = [] if found.beside is None else [(SET_AGAINST, found.beside.directory)]
     curves = [
         (name, *curve) for name, directory in [("the best", best), *against] if (curve := _wall(directory)) is not None
     ]
@@ -186,13 +142,13 @@ def _made(found: Found) -> str:
         f"<p>{small.asked} designs whose beads differ in size and stiffness, and whose numbers are off, all uniformly "
         f"distributed within {small.spread:.2%}; {html.escape(found.tolerance)}; as designed {best:.5g}.</p>"
     )
-    rows = [_row([f"{name}, relative change, where", f"{small.spread:.2%} less", f"{small.spread:.2%} more"], "th")]
-    rows += [_row([field, *(_change(value, best) for value in pair)]) for field, pair in small.alone.items()]
-    table = f"<table>{''.join(rows)}</table>" if small.alone else ""
+    head = ["where this is off by", f"-{small.spread:.2%}", f"+{small.spread:.2%}"]
+    rows = [[field, *(_change(value, best) for value in pair)] for field, pair in small.alone.items()]
+    alone = table(f"relative change of {name}", head, rows) if rows else ""
     if not small.enough:
-        return words + table
+        return words + alone
     figure: Figure = members_figure(_objective(found), best, small.members)
-    return words + _shown([drawn("members", figure, "The ensemble.")]) + table
+    return words + _shown([drawn("members", figure, "The ensemble.")]) + alone
 
 
 def _change(value: float | None, best: float) -> str:

@@ -6,7 +6,8 @@ and from what designs are worth alone: one that was interrupted goes the same wa
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,12 +15,89 @@ from scipy.optimize import differential_evolution
 from scipy.stats import qmc
 
 from analysis.trajectory import Floats
-from workflow.studies.design.evaluator import Evaluator, Record
+from workflow.studies import measures
 from workflow.studies.design.file import Design, values_of
+from workflow.sweep import fields
+from workflow.workers import evaluate
+from workflow.workers.evaluate import Results, key_of
+from workflow.workers.pool import Pool
+
+# --- designs ----------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Record:
+    """One design.
+
+    Attributes:
+        values: field -> value.
+        quantities: name -> value, None where it has none; no more than the mass where that rules it out; empty if
+            refused.
+        refused: why it is no scene; empty if it is one.
+        seconds: processor time.
+    """
+
+    values: dict[str, Any]
+    quantities: dict[str, float | None]
+    refused: str
+    seconds: float
+
+
+Compute = Callable[[Sequence[dict[str, Any]]], list[Record]]
+"""Designs, each field -> value -> their records, in their order."""
+
+
+def computed(
+    design: Design,
+    designs: Sequence[dict[str, Any]],
+    cache: Results,
+    pool: Pool,
+    *,
+    limited: bool = True,
+    progress: evaluate.Progress | None = None,
+) -> list[Record]:
+    """Records of designs, each computed once.
+
+    Args:
+        design: the objective.
+        designs: each field -> value.
+        cache: what is computed already.
+        pool: worker processes.
+        limited: whether no more than the mass is computed of those that it rules out.
+        progress: called with the designs computed, and their number.
+
+    Raises:
+        RunError: a process was killed.
+    """
+    limit = design.asked.where.get(measures.MASS) if limited else None
+    masses = (limit.low, limit.high) if limit else measures.NO_LIMIT
+    scenes = [fields.put_all(design.scene, values) for values in designs]
+    cases = [measures.case(scene, design.names, design.source, masses) for scene in scenes]
+    found = evaluate.values(cases, cache, pool=pool, progress=progress)
+    return [
+        Record(values, one.get("quantities", {}), one.get("refused", ""), one["seconds"])
+        for values, one in zip(designs, found, strict=True)
+    ]
+
 
 RULED_OUT = 1e30
 """Worth of what violates a limit, times one and by how much, so that any other is better and less is better (Deb,
 Comput. Methods Appl. Mech. Eng. 186, 2000)."""
+
+
+def worth(design: Design, record: Record) -> float:
+    """The smaller the better; infinite of what is no scene."""
+    if record.refused:
+        return math.inf
+    limits = design.asked.where
+    broken = sum(limits[name].violation(record.quantities[name]) for name in limits if name in record.quantities)
+    value = record.quantities.get(design.objective)
+    if broken > 0.0:
+        return RULED_OUT * (1.0 + broken)
+    return math.inf if value is None or not math.isfinite(value) else design.sign * value
+
+
+# --- search -----------------------------------------------------------------------------------------------------------
 
 LEFT = 0.2
 """Share of the evaluations that is left for the steps at the end."""
@@ -28,26 +106,14 @@ STRIDES = (0.1, 0.03, 0.01, 0.003)
 """Of a number, in its range, one after the other."""
 
 
-def worth(design: Design, record: Record) -> float:
-    """The smaller the better; infinite of what is no scene."""
-    if record.refused:
-        return math.inf
-    broken = sum(
-        limit.violation(record.quantities[name]) for name, limit in design.where.items() if name in record.quantities
-    )
-    value = record.quantities.get(design.objective)
-    if broken > 0.0:
-        return RULED_OUT * (1.0 + broken)
-    return math.inf if value is None or not math.isfinite(value) else design.sign * value
-
-
-def search(design: Design, evaluator: Evaluator) -> list[Record]:
+def search(design: Design, compute: Compute) -> list[Record]:
     """Records of all designs that were asked for, in that order; each once."""
-    asked: dict[int, Record] = {}
+    asked: dict[str, Record] = {}
 
     def ask(vectors: Sequence[Floats]) -> list[float]:
-        records = evaluator.all_of([values_of(design.variables, vector.tolist()) for vector in vectors])
-        asked.update((id(record), record) for record in records)
+        records = compute([values_of(design.variables, vector.tolist()) for vector in vectors])
+        for record in records:
+            asked.setdefault(key_of(record.values), record)
         return [worth(design, record) for record in records]
 
     if design.exhaustive:
@@ -75,12 +141,11 @@ def _all_vectors(design: Design) -> Iterator[Floats]:
 def _evolved(design: Design, ask: Any) -> tuple[Floats, float]:
     """The best vector of the evolution, and its worth."""
     low, high, whole = (np.array(column) for column in zip(*_coordinates(design), strict=True))
-    population = design.population
-    generations = max(1, math.floor((1.0 - LEFT) * design.search.evaluations / population) - 1)
+    generations = max(1, math.floor((1.0 - LEFT) * design.asked.search.evaluations / design.population) - 1)
     first = qmc.scale(
-        qmc.LatinHypercube(len(low), seed=design.search.seed).random(population),
+        qmc.LatinHypercube(len(low), seed=design.asked.search.seed).random(design.population),
         np.where(whole, low - 0.499, low),
-        np.where(whole, high + 0.499, np.where(high > low, high, low + 1e-9)),
+        np.where(whole, high + 0.499, high),
     )
     first = np.where(whole, np.round(first), first)
     best: list[Any] = [first[0], math.inf]
@@ -95,9 +160,9 @@ def _evolved(design: Design, ask: Any) -> tuple[Floats, float]:
 
     differential_evolution(
         len,  # never called: `together` takes its place
-        list(zip(low, np.where(high > low, high, low + 1e-9), strict=True)),
+        list(zip(low, high, strict=True)),
         maxiter=generations,
-        init=np.clip(first, low, np.where(high > low, high, low + 1e-9)),
+        init=np.clip(first, low, high),
         integrality=whole,
         workers=together,
         updating="deferred",
@@ -105,14 +170,14 @@ def _evolved(design: Design, ask: Any) -> tuple[Floats, float]:
         tol=0.0,
         mutation=(0.5, 1.0),
         recombination=0.9,
-        seed=design.search.seed,
+        seed=design.asked.search.seed,
     )
     return best[0], best[1]
 
 
 def _stepped(design: Design, ask: Any, vector: Floats, value: float) -> None:
     """From the best on, the best of all changes of one coordinate, until none is better or the evaluations are over."""
-    left = int(LEFT * design.search.evaluations)
+    left = int(LEFT * design.asked.search.evaluations)
     for stride in STRIDES:
         while True:
             around = _around(design, vector, stride)[:left]

@@ -2,7 +2,7 @@
 
 | file               | what                                                                            |
 |--------------------|---------------------------------------------------------------------------------|
-| evaluations.jsonl  | every design that was computed, a line as it was done                            |
+| evaluations.jsonl  | the cache: every design that was computed, as it was done                        |
 | designs.csv        | the same as a table, the best first                                              |
 | best.yaml          | scene of the best                                                                |
 | design.json        | what was found                                                                   |
@@ -10,20 +10,20 @@
 | index.html         | the report                                                                       |
 """
 
+import functools
 import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from lammps_inputs import InputError, library, strict_yaml
 from workflow.runs.files import as_json
-from workflow.studies.design.evaluator import Evaluator, Record
 from workflow.studies.design.file import Design
 from workflow.studies.design.found import Found, Verified
 from workflow.studies.design.manufacture import sensitivity
-from workflow.studies.design.search import RULED_OUT, search, worth
+from workflow.studies.design.search import RULED_OUT, Record, computed, search, worth
 from workflow.studies.kept_runs import kept_run
 from workflow.studies.measures import by_reference, of_frames, scene_to_run
 from workflow.studies.study import Study, csv_text
@@ -34,42 +34,44 @@ REPORT, TABLE, BEST, PAGE, BESIDE = "design.json", "designs.csv", "best.yaml", "
 STUDY = Study("design", f"{PAGE} is the report", tables=(REPORT, TABLE, BEST, PAGE), cache="evaluations.jsonl")
 
 Progress = Callable[[int, int, str], None]
-"""Called with designs computed, how many there may be, and what is going on."""
+"""Called with designs computed, how many there may be, and the best so far."""
 
 
-def carry_out(
-    design: Design, directory: Path, *, processes: int | None = None, progress: Progress | None = None
-) -> Found:
+def carry_out(design: Design, directory: Path, *, pool: Pool, progress: Progress | None = None) -> Found:
     """Search, verify and write; what a directory holds of an earlier start is made use of.
 
     Args:
         design: the objective.
         directory: made if need be.
-        processes: by default as many as there are cores.
+        pool: worker processes.
         progress: called with the state of the work.
 
     Raises:
         InputError: the directory or a scene cannot be used, or nothing fits the limits.
         RunError: LAMMPS failed.
     """
-    best_runs = [f"best-{place}" for place in range(1, design.verify + 1)]
+    best_runs = [f"best-{place}" for place in range(1, design.asked.verify + 1)]
     study = replace(STUDY, others=(BESIDE, *best_runs))
     with study.opened(directory) as cache:
-        with Pool(processes, interrupt=True) as pool:
-            evaluator = Evaluator(design, cache, pool, _teller(design, progress))
-            records = search(design, evaluator)
-            good = sorted((r for r in records if worth(design, r) < RULED_OUT), key=lambda r: worth(design, r))
-            study.write(directory, {TABLE: _table(design, records)})
-            if not good:
-                raise InputError(_why_nothing(design, records))
-            small = sensitivity(design, evaluator, good[0].values)
+        compute = functools.partial(computed, design, cache=cache, pool=pool)
+        records = search(design, _shown(design, compute, progress))
+        good = sorted((r for r in records if worth(design, r) < RULED_OUT), key=lambda r: worth(design, r))
+        study.write(directory, {TABLE: _table(design, records)})
+        if not good:
+            raise InputError(_why_nothing(design, records))
+        small = sensitivity(design, functools.partial(compute, limited=False), good[0].values)
         best_scene = library.from_plain(fields.put_all(design.scene, good[0].values), design.source)
         study.write(directory, {BEST: strict_yaml.dump(best_scene.plain())})
-        verified = [_verified(design, one, directory / name) for name, one in zip(best_runs, good, strict=False)]
-        beside = None if design.beside is None else _beside(design, design.beside, directory / BESIDE)
-        timed = [record.seconds for record in records if record.quantities and record.seconds > 0.0]
-        mean = sum(timed) / len(timed) if timed else math.nan
-        found = Found(design, records, verified, beside, small, mean)
+        verified = [
+            _in_lammps(design, fields.put_all(design.scene, one.values), directory / name, one)
+            for name, one in zip(best_runs, good, strict=False)
+        ]
+        beside = None
+        if design.beside is not None:
+            known = by_reference(design.beside, design.names, f"{design.source}: beside")
+            beside = _in_lammps(design, design.beside, directory / BESIDE, Record({}, known, "", 0.0))
+        timed = [record.seconds for record in records if design.objective in record.quantities]
+        found = Found(design, records, verified, beside, small, sum(timed) / len(timed))
         study.write(directory, {REPORT: as_json(found.plain()) + "\n"})
         from workflow.studies.design.report import page  # matplotlib takes half a second to import
 
@@ -77,18 +79,25 @@ def carry_out(
     return found
 
 
-def _teller(design: Design, progress: Progress | None) -> Callable[[Record], None] | None:
-    if progress is None:
-        return None
-    seen = [0, math.inf]
+def _shown(design: Design, compute: Callable[..., list[Record]], progress: Progress | None) -> Any:
+    """The same computation, with its progress and the best so far."""
+    done, best = 0, math.inf
 
-    def tell(record: Record) -> None:
-        seen[0] += 1
-        seen[1] = min(seen[1], worth(design, record))
-        said = "" if seen[1] >= RULED_OUT else f"{design.objective} {design.sign * seen[1]:.4g}"
-        progress(int(seen[0]), design.count if design.exhaustive and design.count else design.search.evaluations, said)
+    def shown(designs: Sequence[dict[str, Any]]) -> list[Record]:
+        nonlocal done, best
+        words = "" if best >= RULED_OUT else f"{design.objective} {design.sign * best:.4g}"
+        total = design.count if design.exhaustive and design.count else design.asked.search.evaluations
 
-    return tell
+        def show(now: int, *_: int) -> None:
+            if progress is not None:
+                progress(done + now, total, words)
+
+        records = compute(designs, progress=show)
+        done += len(designs)
+        best = min(best, *(worth(design, record) for record in records))
+        return records
+
+    return shown
 
 
 def _why_nothing(design: Design, records: list[Record]) -> str:
@@ -96,15 +105,6 @@ def _why_nothing(design: Design, records: list[Record]) -> str:
     if len(refused) == len(records):
         return f"{design.source}: none of {len(records)} designs is a scene; the first: {refused[0]}"
     return f"{design.source}: where: none of {len(records)} designs keeps the limits and has a {design.objective}"
-
-
-def _verified(design: Design, record: Record, path: Path) -> Verified:
-    return _in_lammps(design, fields.put_all(design.scene, record.values), path, record)
-
-
-def _beside(design: Design, plain: dict[str, Any], path: Path) -> Verified:
-    known = by_reference(plain, design.names, f"{design.source}: beside")
-    return _in_lammps(design, plain, path, Record({}, known, "", 0.0))
 
 
 def _in_lammps(design: Design, plain: dict[str, Any], path: Path, record: Record) -> Verified:
