@@ -144,6 +144,13 @@ def document(title: str, summary: str, body: str, cited: Iterable[str]) -> str:
     )
 
 
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A table of text in HTML."""
+    lines = [("th", head), *(("td", row) for row in rows)]
+    cells = ("".join(f"<{tag}>{html.escape(cell)}</{tag}>" for cell in line) for tag, line in lines)
+    return f"<table>{''.join(f'<tr>{line}</tr>' for line in cells)}</table>"
+
+
 def _contents(sections: Sequence[Section]) -> str:
     rows = "".join(
         f'<li><a href="#s{number}">{html.escape(section.title)}</a> {_verdicts(section)}</li>'

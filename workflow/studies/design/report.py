@@ -13,11 +13,10 @@ from analysis.gauges.gauge import gauges
 from analysis.mirror import direction_of
 from analysis.trajectory import Floats
 from lammps_inputs import references
-from lammps_inputs.html import table
 from workflow.runs.run_directory import RunDirectory
 from workflow.studies.design.found import SET_AGAINST, Found
 from workflow.studies.design.search import RULED_OUT, worth
-from workflow.studies.page import Picture, document, drawn, shown
+from workflow.studies.page import Picture, document, drawn, shown, table
 from workflow.sweep.table import QUANTITIES
 
 
@@ -25,7 +24,7 @@ def page(found: Found) -> str:
     """The report in HTML, pictures and all."""
     design, best = found.design, found.verified[0]
     wanted = ("least" if design.sign > 0.0 else "largest") + f" {design.objective}"
-    words = _warnings(found) + table("", *found.table()) + _words(found)
+    words = _warnings(found) + table(*found.table()) + _words(found)
     parts = [
         f"<section><h2>The best</h2>{words}{_shown(_of_best(found))}</section>",
         f"<section><h2>The search</h2>{_search_words(found)}{_shown(_of_search(found))}</section>",
@@ -142,9 +141,9 @@ def _made(found: Found) -> str:
         f"<p>{small.asked} designs whose beads differ in size and stiffness, and whose numbers are off, all uniformly "
         f"distributed within {small.spread:.2%}; {html.escape(found.tolerance)}; as designed {best:.5g}.</p>"
     )
-    head = ["where this is off by", f"-{small.spread:.2%}", f"+{small.spread:.2%}"]
+    head = [f"relative change of {name} where this is off by", f"-{small.spread:.2%}", f"+{small.spread:.2%}"]
     rows = [[field, *(_change(value, best) for value in pair)] for field, pair in small.alone.items()]
-    alone = table(f"relative change of {name}", head, rows) if rows else ""
+    alone = table(head, rows) if rows else ""
     if not small.enough:
         return words + alone
     figure: Figure = members_figure(_objective(found), best, small.members)
