@@ -58,6 +58,8 @@ class Quantity:
         symbol: in equations.
         columns: of a sweep's table.
         column: label of a column that has the field's own name; None where there is none.
+        digits: format in a printed table of records; None where it is left out of that.
+        head: over that column, in place of the field's name.
     """
 
     meaning: str
@@ -66,6 +68,8 @@ class Quantity:
     symbol: str = ""
     columns: tuple[Column, ...] = ()
     column: str | None = None
+    digits: str | None = None
+    head: str = ""
 
     def symbol_of_unit(self, *, si: bool) -> str:
         """Such as ``m/s`` or ``reduced``; empty where there is no unit."""
@@ -85,13 +89,11 @@ def declare(
     symbol: str = "",
     columns: tuple[Column, ...] = (),
     *,
-    column: str | None = None,
     default: Any = MISSING,
+    **shown: Any,
 ) -> Any:
-    """A field of a result, and the `Quantity` that it holds."""
-    return field(
-        default=default, metadata={_DECLARED: Quantity(meaning, unit, undefined, symbol, columns, column=column)}
-    )
+    """A field of a result, and the `Quantity` that it holds; ``column``, ``digits`` and ``head`` are passed to it."""
+    return field(default=default, metadata={_DECLARED: Quantity(meaning, unit, undefined, symbol, columns, **shown)})
 
 
 def derived(unit: str = "", undefined: str = "", symbol: str = "") -> Callable[[Kind], Kind]:

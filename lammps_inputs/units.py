@@ -141,6 +141,9 @@ class Scale:
         return f"{name} ({SI[quantity]})" if self.si and quantity in SI else name
 
 
+DIMENSIONLESS = Scale(1.0, 1.0, 1.0, si=False)
+"""Of numbers in V, T, L and the mass of a bead."""
+
 SI = {
     "mass": "kg",
     "length": "m",

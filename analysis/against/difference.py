@@ -1,10 +1,12 @@
 """How far a trajectory is from a reference of the same scene, quantity by quantity, and where it goes wrong."""
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from analysis.against.common_times import paired
 from analysis.conservation import Conservation
 from analysis.tracking.leading_waves import Waves, leading_finder, leading_passages
 from analysis.tracking.peaks import THRESHOLD, PeakFinder, Peaks, sharp
@@ -211,6 +213,19 @@ class Difference:
         times = np.array([*self._times, self._last_time])
         each = self._problem is None or len(self._problem.recorded_beads) <= MAP_CELLS
         return ErrorMap(times, self._cell_beads, np.array(self._map), each)
+
+
+def errors_of(blocks: Iterable[Trajectory], reference: Iterable[Trajectory]) -> dict[str, Deviation]:
+    """Deviations of a run from a reference at the same times, without tolerances; see `Difference.deviations`.
+
+    Raises:
+        OtherFramesError: their beads or times differ.
+        ValueError: there was no frame.
+    """
+    difference = Difference(dict.fromkeys(QUANTITIES, math.inf))
+    for pair in paired(blocks, reference):
+        difference.add(*pair)
+    return difference.deviations()
 
 
 @dataclass(frozen=True)

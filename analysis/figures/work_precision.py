@@ -1,7 +1,6 @@
 """The figure of error against cost: a line for each method, the Pareto front, and uncertainty of the reference."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import matplotlib as mpl
 import numpy as np
@@ -11,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from analysis.figures.style import CHAIN_COLOURS, STYLE, letter, title
-from analysis.trajectory import Flags, Floats
+from analysis.trajectory import Floats
 from lammps_inputs import Problem
 
 MARKERS = "osD^v<>Px*h"
@@ -24,33 +23,20 @@ LEAST = 1e-14
 COLOURS = (*CHAIN_COLOURS, "0.55")
 
 
-@dataclass(frozen=True)
-class Curve:
-    """One method at several settings, [setting].
-
-    Attributes:
-        error: by quantity.
-        seconds, low, high: median and range of the wall time.
-        forces: evaluations; NaN where there is no such thing.
-    """
-
-    name: str
-    error: Mapping[str, Floats]
-    seconds: Floats
-    low: Floats
-    high: Floats
-    forces: Floats
+Curve = Sequence[Mapping[str, float]]
+"""One method: a mapping for each setting, with the errors ``velocity_error`` etc., the median and the range of the wall
+time (``seconds``, ``seconds_min``, ``seconds_max``) and ``forces``, a number of evaluations."""
 
 
 @mpl.rc_context(STYLE)
 def work_precision_figure(
-    problem: Problem, curves: Sequence[Curve], fronts: Mapping[str, Floats], floors: Mapping[str, float]
+    problem: Problem, curves: Mapping[str, Curve], fronts: Mapping[str, Floats], floors: Mapping[str, float]
 ) -> Figure:
     """Errors of velocity, amplitude and arrival over wall time, and of velocity over force evaluations.
 
     Args:
         problem: what was computed.
-        curves: all methods.
+        curves: all methods by name.
         fronts: by quantity, the Pareto front over wall time as rows of (seconds, error).
         floors: by quantity, the error of the reference.
     """
@@ -58,22 +44,13 @@ def work_precision_figure(
     (velocity, forces), (amplitude, arrival) = figure.subplots(2, 2)
     for axis, quantity in ((velocity, "velocity"), (amplitude, "amplitude"), (arrival, "arrival")):
         _draw_front(axis, fronts[quantity])
-        for number, curve in enumerate(curves):
-            _draw(axis, number, curve, quantity, curve.seconds)
-            spread = np.abs([curve.seconds - curve.low, curve.high - curve.seconds])
-            y, shown = _shown(curve.error[quantity])
-            axis.errorbar(
-                curve.seconds[shown],
-                y[shown],
-                xerr=spread[:, shown],
-                fmt="none",
-                ecolor=_colour(number),
-                elinewidth=0.7,
-            )
+        for number, (name, curve) in enumerate(curves.items()):
+            _draw(axis, number, name, curve, (f"{quantity}_error", "seconds"))
+            _draw_spread(axis, number, curve, quantity)
         axis.set_xlabel("wall time with frames (s)")
         _finish(axis, quantity, floors[quantity])
-    for number, curve in enumerate(curves):
-        _draw(forces, number, curve, "velocity", curve.forces)
+    for number, (name, curve) in enumerate(curves.items()):
+        _draw(forces, number, name, curve, ("velocity_error", "forces"))
     forces.set_xlabel("force evaluations")
     _finish(forces, "velocity", floors["velocity"])
     handles, labels = velocity.get_legend_handles_labels()
@@ -87,24 +64,35 @@ def _colour(number: int) -> str:
     return COLOURS[number % len(COLOURS)]
 
 
-def _shown(error: Floats) -> tuple[Floats, Flags]:
-    return np.maximum(error, LEAST), np.isfinite(error)
+def _column(curve: Curve, name: str) -> Floats:
+    values = np.array([one[name] for one in curve], dtype=np.float64)
+    return np.maximum(values, LEAST) if name.endswith("error") else values
 
 
-def _draw(axis: Axes, number: int, curve: Curve, quantity: str, cost: Floats) -> None:
-    y, shown = _shown(curve.error[quantity])
-    shown &= np.isfinite(cost)
+def _draw(axis: Axes, number: int, name: str, curve: Curve, columns: tuple[str, str]) -> None:
+    """A method's error over a cost; settings whose error is infinite are left out."""
+    error, cost = (_column(curve, column) for column in columns)
+    shown = np.isfinite(error)
     if shown.any():
         axis.plot(
             cost[shown],
-            y[shown],
+            error[shown],
             color=_colour(number),
             marker=MARKERS[number % len(MARKERS)],
             markersize=4,
             linestyle="-" if number < len(COLOURS) else "--",
             linewidth=1.0,
-            label=curve.name,
+            label=name,
         )
+
+
+def _draw_spread(axis: Axes, number: int, curve: Curve, quantity: str) -> None:
+    """Ranges of the wall time."""
+    columns = (f"{quantity}_error", "seconds", "seconds_min", "seconds_max")
+    error, seconds, low, high = (_column(curve, column) for column in columns)
+    shown = np.isfinite(error)
+    spread = np.abs([seconds - low, high - seconds])[:, shown]
+    axis.errorbar(seconds[shown], error[shown], xerr=spread, fmt="none", ecolor=_colour(number), elinewidth=0.7)
 
 
 def _draw_front(axis: Axes, front: Floats) -> None:

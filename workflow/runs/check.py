@@ -11,8 +11,7 @@ from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 
-from analysis.against.common_times import paired
-from analysis.against.difference import Deviation, Difference, Place, waves_apart
+from analysis.against.difference import Deviation, Place, errors_of, waves_apart
 from analysis.tracking.leading_waves import Waves, leading_finder, leading_passages, leading_waves, usual_arrival
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem, html, physics
@@ -178,10 +177,8 @@ def _compared(
 ) -> tuple[dict[str, Deviation], Uncertainty]:
     """Error of the frames in each quantity, and the uncertainty of the reference."""
     for halving in _references(problem, settings):
-        difference = Difference(dict.fromkeys(("velocity", "displacement", "amplitude", "arrival"), math.inf))
-        for block, reference in paired(frames(), halving.blocks()):
-            difference.add(block, reference)
-    return difference.deviations(), halving.uncertainty
+        found = errors_of(frames(), halving.blocks())
+    return found, halving.uncertainty
 
 
 def _references(problem: Problem, settings: Settings | None) -> Iterable[StepHalving | Kept]:

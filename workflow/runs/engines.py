@@ -151,7 +151,7 @@ class _Reference(Engine):
         """To the accuracy if one is asked for; else, where energy is exchanged, until the energy budget is closed."""
         problem, settings, started = work.result.problem, work.settings, time.perf_counter()
         for halving in closing(problem) if settings is None else references_of(problem, settings):
-            ending = _write_frames(work.result.path / file_names.DUMP, problem, halving.blocks(), work.progress)
+            ending = write_frames(work.result.path / file_names.DUMP, problem, halving.blocks(), work.progress)
             if ending["outcome"] != "done":
                 return ending
             uncertainty = halving.uncertainty
@@ -210,7 +210,7 @@ class _Collisions(Engine):
         seconds = time.perf_counter() - started
         events = Events(found.time, found.chain, found.row, found.striker, found.target)
         write_text(path / EVENTS, csv_of(events, problem.scale))
-        ending = _write_frames(path / file_names.DUMP, problem, collisions.blocks(found), work.progress)
+        ending = write_frames(path / file_names.DUMP, problem, collisions.blocks(found), work.progress)
         if ending["outcome"] != "done":
             return ending
         return {**ending, "engine_seconds": seconds, "collisions": len(found)}
@@ -244,8 +244,8 @@ def _known(error: float | None) -> float:
     return math.nan if error is None else error
 
 
-def _write_frames(
-    dump: Path, problem: Problem, blocks: Iterable[Trajectory], progress: Progress | None
+def write_frames(
+    dump: Path, problem: Problem, blocks: Iterable[Trajectory], progress: Progress | None = None
 ) -> dict[str, Any]:
     """Write frames as LAMMPS would, to the end or to Ctrl-C; how it ended."""
     step = 0

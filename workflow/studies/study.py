@@ -27,10 +27,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from analysis import quantity
+from lammps_inputs.units import DIMENSIONLESS, Scale
 from workflow.formats import figure_files
 from workflow.runs import job
 from workflow.runs.files import alone, write_figure, write_text
 from workflow.runs.own_files import claim, make_directory
+from workflow.screen import print_table
 from workflow.workers.evaluate import Results
 
 if TYPE_CHECKING:
@@ -100,9 +102,40 @@ class Study:
         job.update(directory, study=study.plain())
 
 
-def to_csv(kind: "type[DataclassInstance]", records: "Sequence[DataclassInstance]") -> str:
-    """One line a record, columns as the fields of their kind."""
-    return csv_text([vars(record) for record in records], [field.name for field in fields(kind)])
+def to_csv(
+    kind: "type[DataclassInstance]", records: "Sequence[DataclassInstance]", scale: Scale = DIMENSIONLESS
+) -> str:
+    """One line a record, columns as the fields of their kind; in the units of a scale where these are declared."""
+    units = {field.name: _declared(kind, field.name).unit for field in fields(kind)}
+    head = [scale.heading(name, unit) for name, unit in units.items()]
+    rows = [[_measured(record, name, unit, scale) for name, unit in units.items()] for record in records]
+    return csv_text([dict(zip(head, row, strict=True)) for row in rows], head)
+
+
+def print_records(
+    title: str, kind: "type[DataclassInstance]", records: "Sequence[DataclassInstance]", scale: Scale = DIMENSIONLESS
+) -> None:
+    """A table on standard output of the columns that declare ``digits`` (`analysis.quantity.Quantity`), likewise."""
+    shown = {name: one for name, (one, _) in quantity.declared(kind).items() if one.digits is not None}
+    rows = [
+        [_text(_measured(record, name, one.unit, scale), one.digits or "") for name, one in shown.items()]
+        for record in records
+    ]
+    print_table(title, [scale.heading(one.head or name, one.unit) for name, one in shown.items()], rows)
+
+
+def _declared(kind: "type[DataclassInstance]", name: str) -> quantity.Quantity:
+    own = quantity.declared(kind)
+    return own[name][0] if name in own else quantity.Quantity("")
+
+
+def _measured(record: "DataclassInstance", name: str, unit: str, scale: Scale) -> Any:
+    value = getattr(record, name)
+    return None if value is None else quantity.in_units(value, unit, scale)
+
+
+def _text(value: Any, digits: str) -> str:
+    return value if isinstance(value, str) else quantity.cell(value, digits)
 
 
 def csv_text(rows: Sequence[Mapping[str, Any]], head: Sequence[str] = ()) -> str:

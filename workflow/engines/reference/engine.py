@@ -13,7 +13,7 @@ from lammps_inputs import Problem, System, physics
 from lammps_inputs.ingredients import coupled_chains
 from lammps_inputs.limits import rates
 from lammps_inputs.limits.rates import stability_bound
-from lammps_inputs.units import Scale
+from lammps_inputs.units import DIMENSIONLESS
 from workflow.engines.reference.schemes import BLANES_MOAN, VERLET, Scheme
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ def two_beads() -> Problem:
         steps_per_frame=1,
         frames=1,
         recorded=None,
-        scale=Scale(1.0, 1.0, 1.0, si=False),
+        scale=DIMENSIONLESS,
     )
 
 

@@ -20,7 +20,7 @@ from analysis.sharing.impulses import ImpulseMeter, Impulses, from_events, relat
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import Problem, System, physics
 from lammps_inputs.ingredients import coupled_chains
-from lammps_inputs.units import Scale
+from lammps_inputs.units import DIMENSIONLESS
 from workflow.engines import collisions
 from workflow.engines.reference import engine as reference
 
@@ -52,7 +52,6 @@ def problem_at(theta: float, kappa: float, row: int, *, every: float = 0.25, slo
     gap, omega = gap_at(theta, kappa), math.sqrt(2.0 * kappa)
     duration = row * (gap / slowest + 3.0) + 6.0 * math.pi / omega
     frames = math.ceil(duration / every)
-    scale = Scale(1.0, 1.0, 1.0, si=False)
     return Problem(
         name="gapped",
         system=System(chains=2, beads=row + 10, kicks=((1, 1, 1.0),), links=coupled_chains(2, kappa, gap)),
@@ -60,7 +59,7 @@ def problem_at(theta: float, kappa: float, row: int, *, every: float = 0.25, slo
         steps_per_frame=1,
         frames=frames,
         recorded=None,
-        scale=scale,
+        scale=DIMENSIONLESS,
     )
 
 

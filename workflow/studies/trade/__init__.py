@@ -1,3 +1,3 @@
-"""Error against cost of what can be chosen for a scene: `settings` has and runs the choices, `work_precision` measures
-them in rounds against the reference of `truth`, `advice` states in sentences what follows, `study` runs and writes.
+"""Error against cost of what can be chosen for a scene: `settings` has and runs the choices, `truth` is the reference
+that they are compared with, `points` has what was measured and what follows, `advice` says it in sentences.
 """

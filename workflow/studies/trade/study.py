@@ -4,33 +4,32 @@
 |------------|--------------------------------------------------------------------------------------------------|
 | trade.csv  | a row for each setting: its errors against the reference, and its times                          |
 | frames.csv | a row for each time between frames: errors of amplitudes and arrivals that are read from them    |
-| trade.json | both with every repeat, the advice, orders of convergence and Pareto fronts                      |
+| trade.json | both with the advice, orders of convergence and Pareto fronts                                    |
 | trade.png  | the work-precision figure                                                                        |
 """
 
 import os
 import tempfile
 import time
-from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from collections.abc import Callable
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from analysis.files import recording
-from analysis.tracking.peaks import PeakFinder
-from lammps_inputs import Problem, Scene
+from analysis.quantity import declare, plain, result
+from lammps_inputs import Problem, Scene, file_names
 from workflow.engines.lammps import mpi
-from workflow.errors import RunError
 from workflow.prepare.settings import settle
 from workflow.runs.files import as_json
-from workflow.runs.own_files import prepared
 from workflow.runs.run_directory import provenance
-from workflow.studies.study import Study, csv_text
-from workflow.studies.trade import settings, work_precision
-from workflow.studies.trade.truth import QUANTITIES, Truth, deviation, make_truth
-from workflow.studies.trade.work_precision import Limits, Point, Points, pareto
+from workflow.studies.study import Study, to_csv
+from workflow.studies.trade.advice import sentences
+from workflow.studies.trade.points import Findings, Limits, Point, Points, measure
+from workflow.studies.trade.settings import WINDOW, run, settings
+from workflow.studies.trade.truth import QUANTITIES, Interval, Truth, intervals, make_truth
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -41,94 +40,80 @@ STUDY = Study(
     f"{REPORT} holds what was found",
     tables=(ENGINES, FRAMES, REPORT),
     figures=(FIGURE,),
-    resume="its tables hold what was measured; take another -o",
+    resume="its tables hold what was measured; the same command measures again",
 )
 
 BUDGET = 60.0
 """Seconds that a study should take; what would take much of it alone is left out."""
 
 REPEATS = 5
+"""Calls of a setting after its first."""
 
-_TRUTH, _ENGINES, _LONGEST, _PATIENCE = 1 / 4, 1 / 2, 1 / 15, 1 / 30
-"""Shares of the budget: of the reference, of all engines, of one run, of all runs of a setting."""
+_TRUTH, _ENGINES, _LONGEST = 1 / 4, 1 / 2, 1 / 15
+"""Shares of the budget: of the reference, of all engines, of one run."""
 
 BUSY = 0.7
 """Load, before anything is run, that makes times unreliable."""
 
-WELL_ABOVE = 10.0
-"""Errors over the uncertainty of the reference from which on they are known."""
 
-FORCE_SECONDS = 1e-9
-"""Of a bead, by the reference."""
+@result
+class Record:
+    """A setting as it is printed and written."""
 
-Follow = Callable[[int, int], None]
-"""Called with the calls done, and an upper bound of all calls."""
+    method: str = declare("engine and scheme, or what varies", digits="")
+    setting: str = declare("value of what varies", digits="")
+    timestep: float = declare("time step", "time")
+    every: float = declare("time between frames", "time")
+    velocity_error: float | None = declare(
+        "largest error of a velocity", "V", "not measured", digits=".1e", head="velocity"
+    )
+    amplitude_error: float | None = declare(
+        "largest error of a peak velocity of the leading pulse", "V", "not measured", digits=".1e", head="amplitude"
+    )
+    arrival_error: float | None = declare(
+        "largest error of its arrivals", "T", "not measured", digits=".1e", head="arrival"
+    )
+    forces: int = declare("evaluations of all forces", digits=".3g")
+    seconds: float | None = declare(
+        "median time of the time loop with its frames, without the first call where there are others",
+        "s",
+        "not measured",
+        digits=".3g",
+        head="s",
+    )
+    seconds_min: float | None = declare("least of these", "s", "not measured", digits=".2g", head="min")
+    seconds_max: float | None = declare("largest of these", "s", "not measured", digits=".2g", head="max")
+    first: float | None = declare("first call with its start", "s", "not measured", digits=".2g")
+    front: str = declare("* on the Pareto front of the velocities' error and time", digits="")
+    note: str = declare("why there are no numbers")
 
 
-@dataclass(frozen=True)
-class Interval:
-    """What is lost between frames: largest errors of amplitudes and arrivals that are read from them.
+def record(point: Point, front: Points = ()) -> Record:
+    """A point as it is printed and written."""
+    setting, errors = point.setting, point.errors if point.measured else {}
+    seconds = point.repeats if point.measured else []
+    return Record(
+        method=setting.method,
+        setting=setting.label,
+        timestep=setting.problem.timestep,
+        every=setting.problem.every,
+        velocity_error=errors.get("velocity"),
+        amplitude_error=errors.get("amplitude"),
+        arrival_error=errors.get("arrival"),
+        forces=setting.forces,
+        seconds=point.seconds if seconds else None,
+        seconds_min=min(seconds, default=None),
+        seconds_max=max(seconds, default=None),
+        first=point.first if seconds else None,
+        front="*" if any(point is one for one in front) else "",
+        note=point.left_out,
+    )
 
-    Attributes:
-        every: time between frames, in units of T.
-        amplitude_error, arrival_error: in units of V and T.
-        bytes: of all frames.
-    """
 
-    every: float
-    amplitude_error: float
-    arrival_error: float
-    bytes: float
-
-
-@dataclass
-class Findings:
-    """What has been measured of a problem so far.
-
-    Attributes:
-        problem: of the scene, at its own time step.
-        truth: the reference; None before it is known.
-        engines: points of every engine, against the reference.
-        frames: of one run of LAMMPS, by the time between frames.
-        seconds: wall time.
-        whole: whether it came to its end.
-        notes: what else is to be said.
-    """
-
-    problem: Problem
-    truth: Truth | None = None
-    engines: Points = ()
-    frames: Sequence[Interval] = ()
-    seconds: float = 0.0
-    whole: bool = False
-    notes: list[str] = field(default_factory=list)
-
-    @property
-    def comparable(self) -> list[Point]:
-        """Measured points whose errors are those of all beads."""
-        return [point for point in self.engines if point.measured and settings.is_whole(point.setting.curve)]
-
-    def front(self, quantity: str) -> list[Point]:
-        """The Pareto front of the error of a quantity and wall time."""
-        return pareto(self.comparable, quantity, "seconds")
-
-    @property
-    def curves(self) -> dict[str, list[Point]]:
-        """Points by method."""
-        names = dict.fromkeys(point.setting.curve for point in self.engines)
-        return {name: [point for point in self.engines if point.setting.curve == name] for name in names}
-
-    def orders(self) -> dict[str, dict[str, work_precision.Order | None]]:
-        """Curve and quantity -> order."""
-        floors = {} if self.truth is None else self.truth.floors
-        return {
-            name: {
-                quantity: work_precision.order(points, quantity, WELL_ABOVE * floor)
-                for quantity, floor in floors.items()
-            }
-            for name, points in self.curves.items()
-            if floors and settings.has_order(name)
-        }
+def records(found: Findings) -> list[Record]:
+    """Of all settings."""
+    front = found.front("velocity")
+    return [record(point, front) for point in found.points]
 
 
 # --- measurements -----------------------------------------------------------------------------------------------------
@@ -144,25 +129,12 @@ def plain_problem(scene: Scene) -> Problem:
     return settle(scene.model_copy(update={"window": None, "scheme": None, "timestep": step}))[0].problem()
 
 
-def expected(problem: Problem) -> tuple[float, float]:
-    """A rough guess of the seconds that the reference takes, and the bytes of one run's frames."""
-    # two runs of six force evaluations a step, half of the rows moving
-    steps = problem.duration / min(0.05, problem.every)
-    return FORCE_SECONDS * 9.0 * steps * problem.chains * problem.beads, _size(problem)
-
-
-def _size(problem: Problem) -> float:
-    return 24.0 * problem.frames * problem.chains * len(problem.recorded_beads)
-
-
 def busy() -> list[str]:
     """What to say of a machine that has other work to do."""
     load = os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0
     if load < BUSY:
         return []
-    return [
-        f"Other work was under way (load {load:.1f} on {mpi.cores()} cores): times are no better than their spread."
-    ]
+    return [f"Other processes ran (load {load:.1f} on {mpi.cores()} cores): times are no better than their spread."]
 
 
 def study(
@@ -170,215 +142,99 @@ def study(
     directory: Path,
     *,
     budget: float = BUDGET,
-    repeats: int = REPEATS,
-    follow: Follow = lambda *_: None,
+    follow: Callable[[int, int], None] = lambda *_: None,
 ) -> Findings:
-    """Measure everything, or until Ctrl-C; ``trade.csv`` grows as it goes.
+    """Measure everything, or until Ctrl-C, and write it; ``trade.csv`` grows meanwhile.
 
     Args:
         problem: of a scene.
-        directory: new or empty.
+        directory: made, or that of an earlier study.
         budget: seconds that it should take.
-        repeats: calls of a setting after its first.
-        follow: called after every call.
+        follow: called after every call, with the calls done and their total.
 
     Raises:
-        InputError: the directory holds something.
-        RunError: the reference or LAMMPS failed altogether.
+        InputError: the directory cannot be used.
+        RunError: the reference failed.
     """
-    with prepared(directory):
-        STUDY.mark(directory, done=False)
-        found = Findings(problem, notes=busy())
-        started = time.perf_counter()
+    found = Findings(problem, notes=busy())
+    started = time.perf_counter()
+    with STUDY.opened(directory):
         try:
             with tempfile.TemporaryDirectory(prefix=".running-", dir=directory) as name:
-                _measure(found, directory, Path(name), budget, repeats, follow)
+                _measure(found, directory, Path(name), Limits(REPEATS, _LONGEST * budget, _ENGINES * budget), follow)
             found.whole = True
         except KeyboardInterrupt:
             found.notes.append("Interrupted: not all settings were measured.")
         found.seconds = time.perf_counter() - started
+        _write(found, directory)
+    STUDY.mark(directory, done=found.whole)
     return found
 
 
-def _measure(found: Findings, directory: Path, work: Path, budget: float, repeats: int, follow: Follow) -> None:
+def _measure(found: Findings, directory: Path, work: Path, limits: Limits, follow: Callable[[int, int], None]) -> None:
     problem = found.problem
     follow(0, 1)
-    truth = found.truth = make_truth(problem, work, seconds=_TRUTH * budget)
-    limits = Limits(repeats, _LONGEST * budget, _PATIENCE * budget, _ENGINES * budget)
+    truth = found.truth = make_truth(problem, work, seconds=_TRUTH / _ENGINES * limits.budget)
 
     def keep(points: Points, done: int, total: int) -> None:
-        found.engines = points
-        STUDY.write(directory, {ENGINES: engines_csv(points, problem)})
+        found.points = points
+        STUDY.write(directory, {ENGINES: to_csv(Record, records(found), problem.scale)})
         follow(done, total)
 
-    work_precision.measure(
-        settings.settings(problem),
-        lambda job: settings.run(job, work),
-        lambda done: truth.errors(done.blocks()),
-        lambda done: done.costs,
+    measure(
+        settings(problem),
+        lambda setting: run(setting, work),
+        lambda setting: truth.errors(recording.blocks([work / file_names.DUMP], setting.problem)),
         limits,
         keep,
     )
-    if not any(point.measured and point.setting.what.problem == problem for point in found.engines):
-        found.notes.append("Frames were not measured: a run at the scene's time step takes too long.")
-        return
-    try:
-        found.frames = intervals(problem, work)
-    except RunError as error:
-        found.notes.append(f"Frames were not measured: {error}.")
-        return
-    every = problem.scale.heading("every", "time")
-    rows = [{every: one.every * problem.scale.time, **vars(one)} for one in found.frames]
-    head = [every, *(name for name in rows[0] if name not in (every, "every"))]
-    STUDY.write(directory, {FRAMES: csv_text(rows, head)})
-
-
-FARTHEST = 2.0
-"""Time between frames from which on a wave falls between them."""
-
-LEAST_FRAMES = 10
-
-NEAR = 0.025
-"""Time between the frames in which passages are taken to be found exactly: to 1e-9 of T and of V."""
-
-MOST_BYTES = 400_000_000
-
-
-def intervals(problem: Problem, directory: Path) -> list[Interval]:
-    """What other times between frames than the scene's show, from one run of LAMMPS that is recorded often.
-
-    Raises:
-        RunError: LAMMPS failed.
-    """
-    finer = _finer(problem)
-    fine = _recorded(problem, finer[0])
-    dump = settings.run(settings.Job("lammps", fine), directory).dump
-    finder = PeakFinder(first_only=True)
-    for block in recording.blocks([dump], fine):
-        finder.add(block)
-    exact, found = finder.result(), []
-    counts = {problem.steps_per_frame * 2**power for power in range(8)}
-    while len(finer) > 1:
-        counts.add(finer[-1])
-        finer = [count for count in finer if count <= finer[-1] // 2]
-    for count in sorted(counts, reverse=True):
-        own, stride = _recorded(problem, count), count // fine.steps_per_frame
-        if own.every > FARTHEST or own.frames < LEAST_FRAMES:
-            continue
-        run = [(replace(block, problem=own) for block in recording.blocks([dump], fine, stride)) for _ in range(2)]
-        errors = deviation(run[0], run[1], exact)
-        found.append(Interval(own.every, errors["amplitude"], errors["arrival"], _size(own)))
-    return found
-
-
-def _finer(problem: Problem) -> list[int]:
-    """Steps from frame to frame, ascending, that record a run more often than the scene: the least is exact enough."""
-    steps = problem.steps_per_frame
-    fit = [n for n in range(1, steps + 1) if steps % n == 0 and _size(_recorded(problem, n)) <= MOST_BYTES]
-    least = max((n for n in fit if n * problem.timestep <= NEAR), default=min(fit, default=steps))
-    return [n for n in fit if n % least == 0 and n < steps] or [steps]
-
-
-def _recorded(problem: Problem, steps: int) -> Problem:
-    """The same run with a frame every so many steps."""
-    return replace(problem, steps_per_frame=steps, frames=problem.steps // steps)
+    found.frames = intervals(problem)
+    STUDY.write(directory, {FRAMES: to_csv(Interval, found.frames, problem.scale)})
 
 
 # --- report -----------------------------------------------------------------------------------------------------------
 
 
-def engines_csv(points: Points, problem: Problem) -> str:
-    """A row for each setting; errors in units of V and T, ``timestep`` and ``every`` in the scene's.
-
-    ``seconds`` is the median of the repeats, or the first call where ``repeats`` is 0; ``start`` is not in it. Columns
-    are empty where nothing was measured.
-    """
-    scale, rows = problem.scale, []
-    for point in points:
-        job, seconds = point.setting.what, point.costs("seconds") if point.measured else []
-        rows.append(
-            {
-                "method": point.setting.curve,
-                "setting": point.setting.label,
-                scale.heading("timestep", "time"): job.problem.timestep * scale.time,
-                scale.heading("every", "time"): job.problem.every * scale.time,
-                "ranks": job.ranks,
-                "window": job.window or job.problem.window,
-                **{f"{name}_error": point.errors.get(name) for name in QUANTITIES},
-                **{name: point.cost(name) if point.measured else None for name in ("forces", "seconds")},
-                "seconds_min": min(seconds, default=None),
-                "seconds_max": max(seconds, default=None),
-                "seconds_first": point.first.get("seconds"),
-                "repeats": len(point.repeats) if point.measured else None,
-                "start": point.cost("start") if point.measured else None,
-                "note": point.left_out,
-            }
-        )
-    return csv_text(rows)
-
-
-def write(found: Findings, directory: Path, advice: Sequence[str]) -> None:
-    """Write ``trade.json`` and the figure, and mark the directory as finished where everything was measured."""
+def _write(found: Findings, directory: Path) -> None:
+    """Write ``trade.json`` and the figure."""
     figures = {FIGURE: _figure(found, found.truth)} if found.truth is not None and found.comparable else {}
-    STUDY.write(directory, {REPORT: as_json(plain(found, advice)) + "\n"}, figures)
-    if found.whole:
-        STUDY.mark(directory, done=True)
+    STUDY.write(directory, {REPORT: as_json(report(found)) + "\n"}, figures)
 
 
-def plain(found: Findings, advice: Sequence[str]) -> dict[str, Any]:
-    """The contents of ``trade.json``; errors and steps dimensionless."""
-    truth = found.truth
+def report(found: Findings) -> dict[str, Any]:
+    """The contents of ``trade.json``; times in the scene's units, errors in V and T."""
+    truth, scale = found.truth, found.problem.scale
     return {
         "scene": found.problem.name,
         "whole": found.whole,
         "seconds": found.seconds,
-        "advice": list(advice),
+        "advice": sentences(found),
         "reference": None if truth is None else {**asdict(truth.uncertainty), "seconds": truth.seconds},
-        "orders": {
-            name: {quantity: None if order is None else asdict(order) for quantity, order in by.items()}
-            for name, by in found.orders().items()
-        },
+        "orders": plain(found.orders(), scale),
         "pareto": {
-            quantity: [f"{point.setting.curve}, {point.setting.label}" for point in found.front(quantity)]
-            for quantity in (() if truth is None else QUANTITIES)
+            quantity: [f"{point.setting.method}, {point.setting.label}" for point in found.front(quantity)]
+            for quantity in QUANTITIES
         },
         "engines": [
-            {
-                "method": point.setting.curve,
-                "setting": point.setting.label,
-                "value": point.setting.value,
-                "errors": point.errors,
-                "first": point.first,
-                "repeats": point.repeats,
-                "left_out": point.left_out,
-            }
-            for point in found.engines
+            {**plain(one, scale), "calls": point.calls} for one, point in zip(records(found), found.points, strict=True)
         ],
-        "frames": [asdict(one) for one in found.frames],
+        "frames": plain(found.frames, scale),
         **provenance(),
     }
 
 
 def _figure(found: Findings, truth: Truth) -> "Figure":
-    from analysis.figures.work_precision import Curve, work_precision_figure  # matplotlib takes a while to import
+    from analysis.figures.work_precision import work_precision_figure  # matplotlib takes a while to import
 
-    drawn = []
-    for name, several in found.curves.items():
-        points = [point for point in several if point.measured]
-        seconds = [point.costs("seconds") for point in points]
-        if points:
-            drawn.append(
-                Curve(
-                    name=name if settings.is_whole(name) else f"{name} (near the front)",
-                    error={quantity: np.array([point.errors[quantity] for point in points]) for quantity in QUANTITIES},
-                    seconds=np.array([point.cost("seconds") for point in points]),
-                    low=np.array([min(each) for each in seconds]),
-                    high=np.array([max(each) for each in seconds]),
-                    forces=np.array([point.cost("forces") for point in points]),
-                )
+    methods: dict[str, list[dict[str, Any]]] = {}
+    for point in found.points:
+        if point.measured:
+            name = (
+                f"{point.setting.method} (near the front)" if point.setting.method == WINDOW else point.setting.method
             )
+            methods.setdefault(name, []).append(vars(record(point)))
     fronts = {
-        quantity: np.array([(point.cost("seconds"), point.errors[quantity]) for point in found.front(quantity)])
+        quantity: np.array([(point.seconds, point.errors[quantity]) for point in found.front(quantity)])
         for quantity in QUANTITIES
     }
-    return work_precision_figure(found.problem, drawn, fronts, truth.floors)
+    return work_precision_figure(found.problem, methods, fronts, truth.floors)

@@ -1,23 +1,25 @@
-"""What errors are measured against: the accurate_reference reference, with the scene's frames, on the disk."""
+"""What errors are measured against: an accurate reference with the scene's frames, on the disk."""
 
 import math
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import chain
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from analysis.against.common_times import paired
-from analysis.against.difference import matched
+from analysis.against.difference import errors_of, matched
 from analysis.files import recording
-from analysis.tracking.peaks import THRESHOLD, PeakFinder, Peaks, sharp
+from analysis.quantity import declare, result
+from analysis.tracking.leading_waves import leading_finder, leading_passages
+from analysis.tracking.peaks import PeakFinder, Peaks, sharp
 from analysis.trajectory import Trajectory
 from lammps_inputs import Problem
 from workflow.engines.reference import engine
 from workflow.engines.reference.step_halving import StepHalving, Uncertainty
+from workflow.runs.engines import write_frames
+from workflow.studies.trade.settings import LEAST_FRAMES
 
 QUANTITIES = ("velocity", "amplitude", "arrival")
 
@@ -25,9 +27,6 @@ GOAL = 1e-10
 """Uncertainty of velocities beyond which the reference is not refined."""
 
 REFINEMENT = 4
-
-Errors = dict[str, float]
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -47,13 +46,13 @@ class Truth:
     seconds: float
 
     @property
-    def floors(self) -> Errors:
-        """By quantity, how wrong the reference itself may be."""
+    def floors(self) -> dict[str, float]:
+        """Uncertainty of each quantity."""
         found = self.uncertainty
         return {"velocity": found.velocity, "amplitude": found.velocity, "arrival": found.arrival}
 
-    def errors(self, blocks: Iterable[Trajectory]) -> Errors:
-        """Largest errors of a run whose frames are among this problem's; its passages are found in the same frames.
+    def errors(self, blocks: Iterable[Trajectory]) -> dict[str, float]:
+        """Largest errors of a run whose frames are among this problem's; infinite where they are undefined.
 
         Of a window, only the rows count that `analysis.against.common_times.near_the_front` takes to be right.
         """
@@ -62,7 +61,9 @@ class Truth:
         stride = max(1, round(first.problem.every / self.problem.every))
         own = replace(self.problem, window=first.problem.window)
         reference = recording.blocks([self.path], self.problem, stride)
-        return deviation(chain([first], stream), (replace(block, problem=own) for block in reference))
+        found = errors_of(chain([first], stream), (replace(block, problem=own) for block in reference))
+        sizes = {name: found[name].largest if name in found else math.inf for name in QUANTITIES}
+        return {name: size if math.isfinite(size) else math.inf for name, size in sizes.items()}
 
 
 def make_truth(problem: Problem, directory: Path, *, seconds: float) -> Truth:
@@ -78,62 +79,62 @@ def make_truth(problem: Problem, directory: Path, *, seconds: float) -> Truth:
     while True:
         started = time.perf_counter()
         halving = StepHalving(problem, steps_per_frame=steps)
-        write(path, problem, halving.blocks())
+        if write_frames(path, problem, halving.blocks())["outcome"] != "done":
+            raise KeyboardInterrupt
         found = Truth(problem, path, halving.uncertainty, time.perf_counter() - started)
         if found.uncertainty.velocity <= GOAL or REFINEMENT * found.seconds > seconds:
             return found
         steps = REFINEMENT * halving.steps_per_frame
 
 
-def write(path: Path, problem: Problem, blocks: Iterable[Trajectory]) -> None:
-    """Write frames as LAMMPS does."""
-    step = 0
-    with recording.Writer(path, problem) as writer:
-        for block in blocks:
-            for state in block.states():
-                writer.append(step, *state)
-                step += problem.steps_per_frame
+# --- frames -----------------------------------------------------------------------------------------------------------
+
+NEAR = 0.025
+"""Time between frames (T) at which passages are taken to be exact: to 1e-9 of T and of V."""
+
+FARTHEST = 2.0
+"""Time between frames (T) from which on a wave falls between them."""
 
 
-def deviation(blocks: Iterable[Trajectory], reference: Iterable[Trajectory], peaks: Peaks | None = None) -> Errors:
-    """Largest error of velocities, and of the leading pulse's amplitudes and arrivals; infinite for a run gone bad.
+@result
+class Interval:
+    """Largest errors of the leading pulse that are due to the time between frames."""
 
-    A passage of the reference that the run does not show has an error of its own amplitude, and an infinite arrival.
-
-    Args:
-        blocks: the run.
-        reference: the same frames by the reference.
-        peaks: its first passages, if they are known better than these frames show them.
-    """
-    finders = PeakFinder(first_only=True), PeakFinder(first_only=True)
-    velocity, last, every, beads = 0.0, 0.0, 0.0, 0
-    with np.errstate(over="ignore", invalid="ignore"):  # of a run that blew up
-        for own, other in paired(blocks, reference):
-            finders[0].add(own)
-            if peaks is None:
-                finders[1].add(other)
-            velocity = max(velocity, _largest(own.velocity - other.velocity))
-            last, every, beads = float(own.time[-1]), own.problem.every, own.problem.beads
-        if not math.isfinite(velocity):
-            return dict.fromkeys(QUANTITIES, math.inf)
-        found = finders[0].result()
-    true = finders[1].result() if peaks is None else peaks
-    missed = _missed(found, true, last - 2.0 * every)
-    found, true = matched(found, true, beads)
-    amplitude = max(_largest(found.velocity - true.velocity), float(missed.velocity.max(initial=0.0)))
-    arrival = math.inf if len(missed) else _largest((found.time - true.time)[sharp(true)])
-    return {"velocity": velocity, "amplitude": amplitude, "arrival": arrival}
+    every: float = declare("time between frames", "time", digits=".4g")
+    amplitude_error: float = declare("largest error of a peak velocity", "V", "a peak is missed", digits=".1e")
+    arrival_error: float = declare("largest error of an arrival", "T", "a peak is missed", digits=".1e")
+    megabytes: float = declare("size of all frames", "MB", digits=".3g")
 
 
-def _missed(found: Peaks, true: Peaks, until: float) -> Peaks:
-    """Clear passages before some time at beads where nothing was found."""
-    keys = [peaks.chain * 2**40 + peaks.bead for peaks in (found, true)]
-    way = true.direction * true.bead
-    clear = (true.velocity > 2.0 * THRESHOLD) & (way < way.max(initial=-(2**40))) & (true.time < until)
-    return true.where(clear & ~np.isin(keys[1], keys[0]))
+def intervals(problem: Problem) -> list[Interval]:
+    """Errors of amplitudes (V) and arrivals (T) read from other frames than the scene's, and the size of all frames."""
+    halvings = max(1, math.ceil(math.log2(problem.every / NEAR)))
+    step = problem.every / 2**halvings
+    fine = replace(problem, timestep=step, steps_per_frame=1, frames=problem.frames * 2**halvings)
+    most = min(math.log2(FARTHEST / step), math.log2(fine.frames / LEAST_FRAMES))
+    seldom = [fine.coarser(2**power) for power in range(1 + max(0, math.floor(most)))]
+    exact, *others = _passages(fine, seldom)
+    return [_interval(own, found, exact) for own, found in zip(seldom[1:], others, strict=True)][::-1]
 
 
-def _largest(values: Floats) -> float:
-    """Largest size; infinite if one is not a number."""
-    size = float(np.max(np.abs(values), initial=0.0))
-    return size if math.isfinite(size) else math.inf
+def _passages(fine: Problem, seldom: list[Problem]) -> Iterator[Peaks]:
+    """The leading pulse at each bead, as several frequencies of frames show it."""
+    finders: list[PeakFinder] = [leading_finder(own) for own in seldom]
+    done = 0
+    for block in engine.blocks(fine):
+        for own, finder in zip(seldom, finders, strict=True):
+            part = block[-done % own.steps_per_frame :: own.steps_per_frame]
+            if part.frames:
+                finder.add(replace(part, problem=own))
+        done += block.frames
+    return (leading_passages(finder.result(), own).first() for finder, own in zip(finders, seldom, strict=True))
+
+
+def _interval(own: Problem, found: Peaks, exact: Peaks) -> Interval:
+    """Errors of what was found; infinite where a passage is missing that does not end with the run."""
+    early = exact.where(exact.time < own.duration - 2.0 * own.every)
+    missing = len(matched(found, early, own.beads)[0]) < len(matched(early, early, own.beads)[0])
+    found, true = matched(found, exact, own.beads)
+    amplitude = float(np.max(np.abs(found.velocity - true.velocity), initial=math.inf if missing else 0.0))
+    arrival = float(np.max(np.abs(found.time - true.time)[sharp(true)], initial=math.inf if missing else 0.0))
+    return Interval(own.every, amplitude, arrival, 24e-6 * own.frames * own.chains * len(own.recorded_beads))

@@ -1,7 +1,6 @@
 """What is said about points whose errors and costs are made up."""
 
 import math
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -11,10 +10,9 @@ from lammps_inputs import Scene
 from lammps_inputs.units import Scale
 from workflow.engines.reference.step_halving import Uncertainty
 from workflow.studies.trade import advice, settings
-from workflow.studies.trade.settings import Job
-from workflow.studies.trade.study import Findings
-from workflow.studies.trade.truth import Truth
-from workflow.studies.trade.work_precision import Point, Setting
+from workflow.studies.trade.points import Findings, Point
+from workflow.studies.trade.settings import Setting
+from workflow.studies.trade.truth import Interval, Truth
 
 
 def truth(velocity=1e-11):
@@ -22,24 +20,18 @@ def truth(velocity=1e-11):
 
 
 def point(setting, error, seconds):
-    errors = {"velocity": error, "amplitude": 0.1 * error, "arrival": 2.0 * error}
-    costs = {"seconds": seconds, "start": 0.1, "forces": float(setting.what.problem.steps)}
-    return Point(setting, errors, costs, [costs])
+    return Point(setting, {"velocity": error, "amplitude": 0.1 * error, "arrival": 2.0 * error}, [seconds, seconds])
 
 
-def by_law(curve, factor, power, seconds, own=None):
-    """Points of a curve with errors ``factor * step**power`` at so many seconds a force."""
-    found = []
-    for setting in settings.settings(own or problem()):
-        if setting.curve == curve:
-            found.append(point(setting, factor * setting.value**power, seconds * setting.what.problem.steps))
-    assert found
-    return found
+def by_law(method, factor, power, seconds, own=None):
+    """Points of a method with errors ``factor * value**power`` at so many seconds a step."""
+    several = [one for one in settings.settings(own or problem()) if one.method == method]
+    assert several
+    return [point(one, factor * one.value**power, seconds * one.problem.steps) for one in several]
 
 
-def said(points, sure=1e-11, own=None, **more):
-    study = Findings(own or problem(), truth(sure), points, whole=True, **more)
-    return advice.sentences(study)
+def said(points, uncertainty=1e-11, own=None, **more):
+    return advice.sentences(Findings(own or problem(), truth(uncertainty), points, whole=True, **more))
 
 
 def about(accuracy, sentences):
@@ -72,9 +64,9 @@ def test_what_lammps_does_not_reach_is_said():
     assert "no measured time step of LAMMPS reaches it" in sentence
 
 
-def test_a_reference_that_is_no_surer_than_the_errors_says_so_and_advises_nothing_beyond():
-    sentences = said([point(REFERENCE[-1].setting, 1e-9, 1.0)], sure=1e-7)
-    assert "below ten times" in sentences[0]
+def test_errors_that_are_not_well_above_the_uncertainty_are_named_and_not_advised():
+    sentences = said([point(REFERENCE[-1].setting, 1e-9, 1.0)], uncertainty=1e-7)
+    assert "errors of velocities below 1.0e-06 V are not well known" in sentences[0]
     assert "nothing measured reaches it" in about(1e-8, sentences)
 
 
@@ -96,40 +88,40 @@ def test_coarser_frames_are_named():
 
 @pytest.mark.parametrize(
     ("times", "says"),
-    [(1.0, "beats Verlet at all errors"), (7.0, "beats Verlet from an error of"), (100.0, "does not beat Verlet")],
+    [(0.1, "beats Verlet from an error of"), (7.0, "beats Verlet from an error of"), (100.0, "does not beat Verlet")],
 )
-def test_one_sentence_says_from_where_suzuki4_wins(times, says):
-    # 1.6 h**2 at a cost of 1/h and 2 h**3 at 7/h are equally dear at an error of 1e-5
+def test_one_sentence_says_from_which_error_on_suzuki4_is_faster(times, says):
+    # 1.6 h**2 at a cost of 1/h and 2 h**3 at 7/h are equally expensive at an error of 1e-5
     points = [*VERLET, *by_law("LAMMPS suzuki4", 2.0, 3.0, times * 1e-5)]
-    sentences = [sentence for sentence in said(points) if sentence.startswith("In LAMMPS suzuki4 ")]
-    assert len(sentences) == 1
-    assert says in sentences[0]
-    assert "16 beads" in sentences[0]
+    (sentence,) = [sentence for sentence in said(points) if sentence.startswith("In LAMMPS suzuki4 ")]
+    assert says in sentence
+    assert "16 beads" in sentence
+    if times == 7.0:
+        error = float(sentence.split("error of ")[1].split(" V")[0])
+        assert 1e-6 < error <= 1e-5  # the next step of suzuki4
 
 
 def test_windows_are_in_no_advice_for_all_beads_but_have_a_sentence_of_their_own():
     own = problem(beads=100)
-    windows = by_law("LAMMPS window", 1e-9, 0.0, 1e-9, own)
-    for each, seconds in zip(windows, (1.0, 2.0, 4.0), strict=False):
-        each.repeats[0] = {**each.repeats[0], "seconds": seconds}
-    sentences = said([*by_law("LAMMPS verlet", 1.6, 2.0, 1e-5, own), *windows], own=own)
+    window = by_law("LAMMPS window", 1e-9, 0.0, 0.5e-5, own)
+    sentences = said([*by_law("LAMMPS verlet", 1.6, 2.0, 1e-5, own), *window], own=own)
     assert "nothing measured reaches it" in about(1e-8, sentences)
-    assert any("a window of 64 rows takes 0.5" in sentence for sentence in sentences)
+    assert "A window of 64 rows takes 0.5 of the time of all 100 and costs no accuracy near the front." in sentences
 
 
-def test_ranks_that_change_an_error_are_told():
-    ranks = Setting("LAMMPS ranks", 1.0, "1 rank", 1.0, Job("lammps", problem()))
-    more = replace(ranks, value=2.0, label="2 ranks", what=Job("lammps", problem(), ranks=2))
-    same = [point(ranks, 1e-4, 2.0), point(more, 1e-4, 1.0)]
-    assert "2 ranks take 0.5 of the time of one; the errors are the same." in said(same)
-    other = [point(ranks, 1e-4, 2.0), point(more, 2e-4, 1.0)]
-    assert any("THE ERRORS DIFFER" in sentence for sentence in said(other))
+@pytest.mark.parametrize(("factor", "errors"), [(1.0, "the errors are the same"), (2.0, "THE ERRORS DIFFER")])
+def test_ranks_have_a_sentence_that_says_whether_they_change_an_error(factor, errors):
+    (one,) = [each for each in VERLET if each.setting.problem == problem()]
+    two = Setting(settings.RANKS, 2.0, problem(), ranks=2)
+    more = point(two, factor * one.errors["velocity"], 0.5 * one.seconds)
+    assert f"2 ranks take 0.5 of the time of one; {errors}." in said([one, more])
 
 
-def test_rigid_beads_whose_pulse_stops_say_so():
-    rigid = point(Setting(settings.RIGID, 1.0, "exact", 1.0, Job("collisions", problem(gap=1.0))), 0.8, 0.1)
-    rigid.errors["arrival"] = math.inf
-    assert any("their pulse does not reach all beads" in sentence for sentence in said([rigid]))
+def test_the_widest_frames_that_show_the_pulse_to_an_accuracy_are_advised():
+    frames = [Interval(0.8, 1e-3, 5e-3, 2.0), Interval(0.4, 1e-5, 2e-4, 4.0), Interval(1.6, 1e-5, math.inf, 1.0)]
+    sentences = said(VERLET, frames=frames)
+    assert "Frames 0.8 apart show amplitudes and arrivals to 1e-02 (2 MB)." in sentences
+    assert "No frames measured show amplitudes and arrivals of all beads to 1e-04." in sentences
 
 
 def test_what_was_left_out_has_one_sentence_a_method():

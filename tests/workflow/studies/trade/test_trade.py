@@ -19,7 +19,7 @@ from workflow.cli import main
 from workflow.engines.lammps import mpi
 from workflow.engines.reference import engine
 from workflow.runs.run import run
-from workflow.studies.trade import settings
+from workflow.studies.trade import settings, study
 from workflow.studies.trade.study import plain_problem
 
 SCENE = {
@@ -49,9 +49,8 @@ def found(tmp_path_factory):
     directory = tmp_path_factory.mktemp("trade")
     with pytest.MonkeyPatch.context() as patch, contextlib.redirect_stdout(io.StringIO()) as out:
         patch.setattr(settings, "FINEST", {"verlet": 32, "suzuki4": 4, "blanes-moan": 8})
-        assert (
-            main(["trade", written(directory), "-o", str(directory / "out"), "--repeats", "1", "--budget", "600"]) == 0
-        )
+        patch.setattr(study, "REPEATS", 1)
+        assert main(["trade", written(directory), "-o", str(directory / "out"), "--budget", "600"]) == 0
     rows = table(directory / "out" / "trade.csv")
     report = json.loads((directory / "out" / "trade.json").read_text())
     return out.getvalue(), rows, report, directory / "out"
@@ -72,28 +71,16 @@ def velocity(row):
 @pytest.mark.slow
 def test_every_choice_is_measured(found):
     methods = {row["method"] for row in found[1]}
-    always = {"LAMMPS verlet", "LAMMPS suzuki4", "reference blanes-moan", "reference suzuki4", "reference verlet"}
+    always = {"LAMMPS verlet", "LAMMPS suzuki4", "reference blanes-moan"}
     assert methods == (always | {"LAMMPS ranks"} if mpi.cores() > 1 else always)
     assert all(velocity(row) > 0.0 for row in found[1])
 
 
-@pytest.mark.parametrize("engine", ["LAMMPS", "reference"])
-def test_verlet_has_order_two(engine, found):
+def test_verlet_has_order_two(found):
     # orders come in halves, for contacts open and close; a quarter tells 2 from what is next to it
-    order = found[2]["orders"][f"{engine} verlet"]["velocity"]
+    (order,) = [one for one in found[2]["orders"] if one["method"] == "LAMMPS verlet"]
     assert order["points"] >= 4
-    assert order["value"] == pytest.approx(2.0, abs=0.25)
-
-
-@pytest.mark.parametrize("scheme", ["verlet", "suzuki4"])
-def test_lammps_and_the_reference_make_the_same_errors_with_the_same_scheme(scheme, found):
-    ours = {row["forces"]: velocity(row) for row in of(found[1], f"reference {scheme}")}
-    theirs = {row["forces"]: velocity(row) for row in of(found[1], f"LAMMPS {scheme}")}
-    both = set(ours) & set(theirs)
-    assert len(both) >= 3
-    for forces in both:
-        # positions of 40 hold some 1e-14, amplified by some hundreds of steps of chaos-free motion
-        assert theirs[forces] == pytest.approx(ours[forces], abs=1e-10)
+    assert order["order"] == pytest.approx(2.0, abs=0.25)
 
 
 def test_the_error_of_lammps_is_its_difference_from_a_much_finer_reference(found, tmp_path):
@@ -105,7 +92,7 @@ def test_the_error_of_lammps_is_its_difference_from_a_much_finer_reference(found
     assert velocity(row) == pytest.approx(error, abs=found[2]["reference"]["velocity"])
 
 
-def test_the_reference_is_surer_than_any_error_it_judges(found):
+def test_the_uncertainty_of_the_reference_is_below_all_errors_and_printed(found):
     sure = found[2]["reference"]["velocity"]
     assert sure <= 1e-10
     assert min(map(velocity, found[1])) > 10.0 * sure
@@ -114,27 +101,23 @@ def test_the_reference_is_surer_than_any_error_it_judges(found):
 
 @pytest.mark.skipif(mpi.cores() < 2, reason="needs two cores")
 def test_ranks_change_no_error(found):
-    one, two = of(found[1], "LAMMPS ranks")[:2]
+    (one,) = [row for row in of(found[1], "LAMMPS verlet") if float(row["timestep"]) == 0.01]
+    two = of(found[1], "LAMMPS ranks")[0]
     assert [one[name] for name in ERRORS] == [two[name] for name in ERRORS]
 
 
 def test_the_table_has_the_spread_and_the_first_call_apart(found):
-    for row in found[1]:
+    for point, row in zip(found[2]["engines"], found[1], strict=True):
         low, middle, high = (float(row[name]) for name in ("seconds_min", "seconds", "seconds_max"))
         assert 0.0 < low <= middle <= high
-        assert float(row["seconds_first"]) > 0.0
-        assert float(row["start"]) > 0.0
-        assert int(row["repeats"]) == 1
-    for point, row in zip(found[2]["engines"], found[1], strict=True):
-        seconds = {each["seconds"] for each in point["repeats"]}
-        assert seconds == {float(row["seconds_min"]), float(row["seconds_max"])}
+        assert point["calls"][1:] == [middle]
+        assert float(row["first"]) >= point["calls"][0]
 
 
 def test_forces_are_counted(found):
     for row in found[1]:
-        steps = 12.0 / float(row["timestep"])
-        stages = 6 if "blanes" in row["method"] else 5 if row["method"] == "reference suzuki4" else 1
-        assert float(row["forces"]) == pytest.approx(steps * stages)
+        stages = 6 if row["method"] == "reference blanes-moan" else 1
+        assert float(row["forces"]) == pytest.approx(12.0 / float(row["timestep"]) * stages)
 
 
 def test_one_sentence_of_advice_for_each_accuracy(found):
@@ -165,14 +148,6 @@ def test_seldom_frames_find_arrivals_worse(found):
     every = [float(row["every"]) for row in rows]
     assert every == sorted(every, reverse=True)
     assert float(rows[0]["arrival_error"]) > 10.0 * float(rows[-1]["arrival_error"])
-
-
-def test_a_directory_that_holds_something_is_refused(tmp_path, capsys):
-    (tmp_path / "out").mkdir()
-    (tmp_path / "out" / "mine").write_text("kept")
-    assert main(["trade", written(tmp_path), "-o", str(tmp_path / "out")]) == 2
-    assert "not empty" in capsys.readouterr().err
-    assert [path.name for path in (tmp_path / "out").iterdir()] == ["mine"]
 
 
 @pytest.mark.slow
