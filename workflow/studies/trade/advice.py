@@ -52,10 +52,12 @@ def advice(study: Findings, truth: Truth, accuracy: float) -> str:
     if best is None:
         return f"{accuracy:.0e}: nothing measured reaches it; the nearest is {_says(_nearest(points), study.problem)}."
     said = f"{accuracy:.0e}: {_says(best, study.problem)}"
+    if lammps is best or not own:
+        return f"{said}."
     if lammps is None:
-        least = f", the nearest is {_says(_nearest(own), study.problem)}" if own else ""
-        return f"{said}; no measured time step of LAMMPS reaches it{least}."
-    return f"{said}." if lammps is best else f"{said}; with LAMMPS {_says(lammps, study.problem)}."
+        nearest = _says(_nearest(own), study.problem)
+        return f"{said}; no measured time step of LAMMPS reaches it, the nearest is {nearest}."
+    return f"{said}; with LAMMPS {_says(lammps, study.problem)}."
 
 
 def _nearest(points: list[Point]) -> Point:

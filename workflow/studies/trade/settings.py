@@ -112,6 +112,9 @@ RANKS, WINDOW, REFERENCE = f"{LAMMPS}ranks", f"{LAMMPS}window", "reference blane
 
 def settings(problem: Problem) -> list[Setting]:
     """Everything to be measured for a problem, which has the scene's own frames and time step; that is among them."""
+    by_reference = [Setting(REFERENCE, own.timestep, own) for own in stepped(problem, FINEST["blanes-moan"])]
+    if deck.refusal(problem.system):
+        return by_reference
     names: tuple[SchemeName, ...] = ("verlet", "suzuki4") if problem.system.holds(Fact.REVERSIBLE) else ("verlet",)
     found = []
     for name in names:
@@ -119,10 +122,10 @@ def settings(problem: Problem) -> list[Setting]:
         several += [problem] * (name == "verlet" and problem.timestep not in [own.timestep for own in several])
         several.sort(key=lambda own: -own.timestep)
         found += [Setting(LAMMPS + name, own.timestep, own) for own in several]
-    found += [Setting(REFERENCE, own.timestep, own) for own in stepped(problem, FINEST["blanes-moan"])]
     most = min(MOST_RANKS, mpi.cores(), problem.beads) if mpi.launcher() is not None else 1
-    found += [Setting(RANKS, 2**power, problem, ranks=2**power) for power in range(1, most.bit_length())]
-    return found + [Setting(WINDOW, rows, replace(problem, window=rows)) for rows in windows(problem)]
+    ranks = [Setting(RANKS, 2**power, problem, ranks=2**power) for power in range(1, most.bit_length())]
+    window = [Setting(WINDOW, rows, replace(problem, window=rows)) for rows in windows(problem)]
+    return [*found, *by_reference, *ranks, *window]
 
 
 def stepped(problem: Problem, finest: int, stages: int = 1) -> list[Problem]:

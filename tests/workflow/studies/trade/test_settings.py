@@ -91,6 +91,12 @@ def test_schemes_and_windows_are_measured_where_a_scene_may_have_them(name):
             assert of_method(settings, method)
 
 
+def test_what_lammps_cannot_express_is_measured_by_the_reference_alone():
+    steel = {"name": "steel", "radius": 4.76e-3, "yield_strength": 0.25e9}
+    plain = {"name": "a", "beads": 9, "material": steel, "kick": {"velocity": 0.1}, "duration": 1e-3}
+    assert {one.method for one in choices.settings(library.from_plain(plain, "a").problem())} == {choices.REFERENCE}
+
+
 def test_more_ranks_than_cores_are_not_tried():
     ranks = [setting.value for setting in of_method(choices.settings(problem()), "LAMMPS ranks")]
     assert all(1 <= count <= mpi.cores() for count in ranks)
