@@ -52,6 +52,7 @@ class Account:
     springs: Floats = declare("energy of the springs between chains", "energy")
     ground: Floats = declare("energy of the springs to the ground, and of weights", "energy")
     walls: Floats = declare("energy of the contacts with walls", "energy")
+    resonators: Floats = declare("energy of the resonators: kinetic, and of their springs", "energy")
     lost: dict[str, Floats] = declare("energy dissipated until then, by the name of the dashpots", "energy")
 
     @property
@@ -116,7 +117,7 @@ class Budget:
         energy_input, lost = self._kicked + exchange[:, -1], np.column_stack([exchange[:, :-1], yielded])
 
         def at(frames: slice) -> tuple[Floats, ...]:
-            stored = _stored(block.system_at(frames), block.displacement[frames], block.velocity[frames])
+            stored = _stored(block.system_at(frames), *(values[frames] for values in block.atoms))
             return block.time[frames], energy_input[frames], *stored.values(), *lost[frames].T
 
         self._found.append(at(slice(-self._seen % self._stride, None, self._stride)))
@@ -136,15 +137,17 @@ class Budget:
         return Account(time, energy_input, **dict(zip(STORED, stored, strict=True)), lost=by_dashpot)
 
 
-STORED = ("kinetic", "contacts", "springs", "ground", "walls")
+STORED = ("kinetic", "contacts", "springs", "ground", "walls", "resonators")
 """Where energy may be."""
 
 
 def _stored(system: System, x: Floats, v: Floats) -> dict[str, Floats]:
+    resonators = np.broadcast_to(motion.inner_energy(system, x, v), len(x))
+    x, v = x[:, : system.chains], v[:, : system.chains]
     kinetic = motion.kinetic_energy(system, v).sum(axis=(-2, -1))
     kinds = (system.along, system.across, physics.ground_springs(system), physics.walls(system))
     stored = [sum((link.energy(x).sum(axis=(-2, -1)) for link in links), np.zeros(len(x))) for links in kinds]
-    return dict(zip(STORED, [kinetic, *stored], strict=True))
+    return dict(zip(STORED, [kinetic, *stored, resonators], strict=True))
 
 
 class Conservation:
@@ -190,15 +193,15 @@ class Conservation:
             self.energy_drift = self.momentum_drift = float("nan")
             return
         # all beads, for the order in which a sum is taken must not depend on which of them move in this block
-        with_memory = block.system
-        energy = motion.energy(with_memory, block.displacement, velocity)
-        momentum = motion.momentum(system, velocity)
+        atoms = block.atoms
+        energy = motion.energy(block.system, *atoms)
+        momentum = motion.momentum(system, atoms[1])
         self.participation = motion.participation(
             motion.bead_energy(block.system_at(-1), block.displacement[-1], velocity[-1])
         )
         if not system.dampers and not system.holds(Fact.ENERGY) and block.memory is None:
             energy[:] = np.nan
-        if physics.exchanges(system) or block.memory is not None:
+        if physics.exchanges(system) or block.memory is not None or system.inner_mass is not None:
             self._balanced(block, energy)
         if not system.holds(Fact.MOMENTUM):
             momentum[:] = np.nan
@@ -206,7 +209,7 @@ class Conservation:
             self._pushed(block, momentum)
             return
         # np.maximum, unlike max(), lets NaN through
-        if not physics.exchanges(system) and block.memory is None:
+        if not physics.exchanges(system) and block.memory is None and system.inner_mass is None:
             self.energy_drift = float(
                 np.maximum(self.energy_drift, np.max(np.abs(energy / physics.energy(system) - 1.0)))
             )

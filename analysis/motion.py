@@ -1,7 +1,8 @@
 """The equation of motion on recorded states: acceleration and its rate, energy and momentum, each a sum over links.
 
 All dimensionless. Which links there are, and their laws, is the problem's (`lammps_inputs.links`). Arrays are
-[..., chain, bead] of consecutive beads, which begin with bead ``first``.
+[..., chain, bead] of consecutive beads, which begin with bead ``first``. Where a system has atoms that are no beads,
+energy, momentum and acceleration take [..., line, bead], the lines of these after the chains (`Trajectory.atoms`).
 """
 
 from typing import Any
@@ -34,11 +35,30 @@ def kinetic_energy(system: System, velocity: Floats, first: int = 1) -> Floats:
 
 
 def energy(system: System, displacement: Floats, velocity: Floats, first: int = 1) -> Floats:
-    """Total energy of states, [...] from [..., chain, bead]: kinetic, and of every link (eq. 1 integrated)."""
-    total = 0.5 * np.sum(_weighed(system, velocity * velocity, first), axis=(-2, -1))
+    """Total energy of states, [...] from [..., chain, bead]: kinetic, and of every link (eq. 1 integrated).
+
+    NaN of beads alone where there are other atoms.
+    """
+    beads = slice(system.chains)
+    x, v = displacement[..., beads, :], velocity[..., beads, :]
+    total = 0.5 * np.sum(_weighed(system, v * v, first), axis=(-2, -1))
     for link in system.links:
-        total += np.sum(link.energy(displacement, first), axis=(-2, -1))
+        total += np.sum(link.energy(x, first), axis=(-2, -1))
+    if system.inner_mass is not None:
+        total += inner_energy(system, displacement, velocity)
     return np.asarray(total)
+
+
+def inner_energy(system: System, displacement: Floats, velocity: Floats) -> Any:
+    """Energy of the atoms that are no beads and of their links, [...] from [..., line, bead]; NaN of beads alone."""
+    if system.inner_mass is None:
+        return 0.0
+    if displacement.shape[-2] == system.chains:
+        return np.nan
+    total = 0.5 * np.sum(system.inner_mass * velocity[..., system.chains :, :] ** 2, axis=(-2, -1))
+    for link in system.inner_links:
+        total += np.sum(link.energy(displacement), axis=(-2, -1))
+    return total
 
 
 def bead_energy(system: System, displacement: Floats, velocity: Floats, first: int = 1) -> Floats:
@@ -81,8 +101,13 @@ def static_force(system: System, *contact: Integers | slice) -> Any:
 
 
 def momentum(system: System, velocity: Floats) -> Floats:
-    """Total momentum along the chains, [...] from [..., chain, bead]."""
-    return np.asarray(np.sum(_weighed(system, velocity, 1), axis=(-2, -1)))
+    """Total momentum, [...] from [..., chain, bead]; NaN of beads alone where there are other atoms."""
+    total = np.sum(_weighed(system, velocity[..., : system.chains, :], 1), axis=(-2, -1))
+    if system.inner_mass is not None:
+        known = velocity.shape[-2] > system.chains
+        inner = np.sum(system.inner_mass * velocity[..., system.chains :, :], axis=(-2, -1)) if known else np.nan
+        total = total + inner
+    return np.asarray(total)
 
 
 def acceleration(
@@ -98,14 +123,25 @@ def acceleration(
     Forces from outside are left out where no times, [...], are given, and those of dashpots without velocities.
     """
     result = np.zeros_like(displacement)
+    of_beads = result[..., : system.chains, :]
+    x = displacement[..., : system.chains, :]
     for link in (system if time is None else physics.at(system, time)).links:
+        link.drive(of_beads, link.force(x, first))
+    for link in system.inner_links:
         link.drive(result, link.force(displacement, first))
-    if velocity is not None:
-        for damper in system.dampers:
+    for damper in system.dampers if velocity is not None else ():
+        assert velocity is not None
+        if physics.is_inner(system, damper):
             damper.drive(result, damper.damping(displacement, velocity, first))
+        else:
+            damper.drive(of_beads, damper.damping(x, velocity[..., : system.chains, :], first))
     for load in system.loads if time is not None else ():
         result[..., load.chain - 1, load.bead - first] += load.force(time)
-    result = result if isinstance(system.mass, float) else result / physics.mass_from(system, first, result)
+    if system.inner_mass is not None:
+        rows = slice(first - 1, first - 1 + result.shape[-1])
+        result /= physics.mass_of_atoms(system)[:, rows]  # type: ignore[index]
+    elif not isinstance(system.mass, float):
+        result = result / physics.mass_from(system, first, result)
     for given in system.motions if time is not None else ():
         result[..., given.chain - 1, given.bead - first] = given.acceleration(time)
     return result
@@ -116,7 +152,7 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
 
     Every bead must be recorded. Indices count from 0 and have one shape, which both results have.
     """
-    problem, x, v = block.problem, block.displacement, block.velocity
+    problem, (x, v) = block.problem, block.atoms
     system = problem.system
     here_x, here_v = x[frame, chain, bead], v[frame, chain, bead]
     acceleration, rate = np.zeros_like(here_x), np.zeros_like(here_x)
@@ -134,8 +170,8 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
             closing = side * (here_v - v[frame, chain, other])
             acceleration -= np.where(there, side * laws.force(law, overlap), 0.0)
             rate -= np.where(there, side * laws.stiffness(law, overlap) * closing, 0.0)
-        for spring in system.across:
-            for edge, partner in spring.partners(problem.chains, side):
+        for spring in (*system.across, *system.inner_links):
+            for edge, partner in spring.partners(x.shape[1], side):
                 law = laws.at(spring.law, edge[chain], row) if laws.differs(spring.law) else spring.law
                 there_x, there_v = x[frame, partner[chain], bead], v[frame, partner[chain], bead]
                 acceleration -= laws.force(law, here_x - there_x)  # none where a chain is its own partner
@@ -177,12 +213,14 @@ def strain_and_rates(block: Trajectory, frame: Integers, chain: Integers, bead: 
 
 def _drag_and_rate(block: Trajectory) -> tuple[Floats, Floats]:
     """Force of all dashpots on every bead, and how fast it changes, [frame, chain, bead]."""
-    problem, x, v = block.problem, block.displacement, block.velocity
+    problem, (x, v) = block.problem, block.atoms
     a = acceleration(problem.system, x, block.first, time=block.time, velocity=v)
     drag, rate = np.zeros_like(x), np.zeros_like(x)
     for link in problem.system.dampers:
-        link.drive(drag, link.damping(x, v, block.first))
-        link.drive(rate, link.damping_rate(x, v, a, block.first))
+        lines = slice(None if physics.is_inner(problem.system, link) else problem.chains)
+        seen, moved, sped = (values[:, lines] for values in (x, v, a))
+        link.drive(drag[:, lines], link.damping(seen, moved, block.first))
+        link.drive(rate[:, lines], link.damping_rate(seen, moved, sped, block.first))
     return drag, rate
 
 

@@ -61,6 +61,8 @@ class Trajectory:
         memory: [frame, chain, bead + 1] largest overlap so far of each contact whose force depends on it: of the wall
             before the first bead, of the contact behind each other bead, of the wall behind the last; None where no
             force does, or not all beads are recorded.
+        inner: displacement and velocity of the atoms that are no beads, each [frame, line, bead], 0 where there is
+            none; None where nobody recorded them.
     """
 
     problem: Problem
@@ -70,6 +72,7 @@ class Trajectory:
     first: int = 1
     exchange: Floats | None = None
     memory: Floats | None = None
+    inner: tuple[Floats, Floats] | None = None
 
     def __repr__(self) -> str:
         until = f"to t = {self.time[-1]:.6g} T" if len(self.time) else "none yet"
@@ -86,6 +89,15 @@ class Trajectory:
     def frames(self) -> int:
         """Number of frames."""
         return len(self.time)
+
+    @property
+    def atoms(self) -> tuple[Floats, Floats]:
+        """Displacement and velocity, each [frame, line, bead], of the beads and the inner atoms after them."""
+        own = self.displacement, self.velocity
+        if self.inner is None:
+            return own
+        displacement, velocity = (np.concatenate(both, axis=1) for both in zip(own, self.inner, strict=True))
+        return displacement, velocity
 
     @property
     def spacing(self) -> float:
@@ -107,6 +119,7 @@ class Trajectory:
             velocity=self.velocity[frames],
             exchange=None if self.exchange is None else self.exchange[frames],
             memory=None if self.memory is None else self.memory[frames],
+            inner=None if self.inner is None else (self.inner[0][frames], self.inner[1][frames]),
         )
 
     @property
@@ -115,8 +128,8 @@ class Trajectory:
         return self.system_at(slice(None))
 
     def states(self) -> Iterator[tuple[Floats, Floats, Floats | None]]:
-        """Displacements, velocities and memories of each frame."""
-        for frame, (x, v) in enumerate(zip(self.displacement, self.velocity, strict=True)):
+        """Displacements and velocities of all atoms, and memories, of each frame."""
+        for frame, (x, v) in enumerate(zip(*self.atoms, strict=True)):
             yield x, v, None if self.memory is None else self.memory[frame]
 
     def system_at(self, frames: slice | int) -> System:
@@ -128,7 +141,11 @@ class Trajectory:
         """The last frame, copied, so that it keeps no others in memory."""
         last = self[-1:]
         return replace(
-            last, time=last.time.copy(), displacement=last.displacement.copy(), velocity=last.velocity.copy()
+            last,
+            time=last.time.copy(),
+            displacement=last.displacement.copy(),
+            velocity=last.velocity.copy(),
+            inner=None if last.inner is None else (last.inner[0].copy(), last.inner[1].copy()),
         )
 
     @cached_property
@@ -183,18 +200,38 @@ def joined(blocks: Iterable[Trajectory]) -> Trajectory:
     if parts[0].problem.window is not None:
         first, last = min(part.beads[0] for part in parts), max(part.beads[-1] for part in parts)
         parts = [part.on(int(first), int(last), behind=np.nan) for part in parts]
-    exchanges, memories = ([getattr(part, name) for part in parts] for name in ("exchange", "memory"))
+    exchange, memory = (_together([getattr(part, name) for part in parts]) for name in ("exchange", "memory"))
+    inner = [part.inner for part in parts if part.inner is not None]
     return Trajectory(
         parts[0].problem,
         np.concatenate([part.time for part in parts]),
         np.concatenate([part.displacement for part in parts]),
         np.concatenate([part.velocity for part in parts]),
         parts[0].first,
-        *(
-            None if any(value is None for value in values) else np.concatenate(values)
-            for values in (exchanges, memories)
-        ),
+        exchange,
+        memory,
+        (np.concatenate([x for x, _ in inner]), np.concatenate([v for _, v in inner])) if inner else None,
     )
+
+
+def _together(parts: list[Floats | None]) -> Floats | None:
+    known = [part for part in parts if part is not None]
+    return np.concatenate(known) if len(known) == len(parts) else None
+
+
+def of_atoms(
+    problem: Problem,
+    time: Floats,
+    displacement: Floats,
+    velocity: Floats,
+    first: int = 1,
+    exchange: Floats | None = None,
+    memory: Floats | None = None,
+) -> Trajectory:
+    """Frames of arrays [frame, line, bead], the chains' first and those of inner atoms after them, if at all."""
+    chains = problem.chains
+    inner = (displacement[:, chains:], velocity[:, chains:]) if displacement.shape[1] > chains else None
+    return Trajectory(problem, time, displacement[:, :chains], velocity[:, :chains], first, exchange, memory, inner)
 
 
 def blocks(trajectory: Trajectory) -> Iterator[Trajectory]:

@@ -182,9 +182,13 @@ def bonds_by_value(law: Iterable[Any], shape: tuple[int, int]) -> tuple[list[tup
     return [tuple(value) for value in values[nothing:].tolist()], (kind + 1 - nothing).reshape(shape)
 
 
-def whole_contacts(link: "Across") -> tuple[str, ...]:
+def whole_contacts(link: "Across", *, inner: bool = False) -> tuple[str, ...]:
     """What keeps contacts between beads that are tied by way of others, which LAMMPS leaves out by default.
 
     Ties of an open row of chains never lead to a bead within reach.
     """
-    return () if link.open_row else ("special_bonds lj/coul 1 1 1      # contacts between bonded beads are kept",)
+    return (
+        ()
+        if link.open_row and not inner
+        else ("special_bonds lj/coul 1 1 1      # contacts between bonded beads are kept",)
+    )

@@ -76,9 +76,23 @@ class Layout:
         held = (link.law for link in physics.walls(system))
         walls = (2.0 * float(np.max(laws.rest(law) + law.max_strain(total, *law))) for law in held)
         # a row's dashpots know each other by their distance
-        damped = any(isinstance(link, Across) for link in system.dampers)
+        damped = any(isinstance(link, Across) and not physics.is_inner(system, link) for link in system.dampers)
         rows = (rest + 2.0 * laws.max_strain(link.law, total) for link in system.across if damped)
         return power_of_two_at_least(max(4.0, 2.0 * alone, 2.0 * shared, *walls, *rows))
+
+    @property
+    def inner_diameter(self) -> float:
+        """Of atoms that are no beads: so small that those of two rows, which are as far apart as beads, never touch."""
+        return self.diameter / 8.0
+
+    def is_inner(self, link: Across) -> bool:
+        """Whether a link ties atoms that are no beads."""
+        return physics.is_inner(self.system, link)
+
+    @property
+    def group(self) -> str:
+        """LAMMPS's group of all beads."""
+        return "all" if self.system.inner_mass is None else "beads"
 
     @property
     def spacing(self) -> float:

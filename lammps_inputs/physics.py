@@ -18,6 +18,10 @@ from lammps_inputs.system import System
 
 Found = TypeVar("Found")
 
+PULSE_RATE = 1.67
+"""Angular frequency of a resonator, in 1 / T, below which it is too slow for a pulse: its half period is the full width
+at half maximum, 1.88 T, of the velocity of a bead in a plain chain kicked with V."""
+
 _FASTER = 4.0
 """Velocity that beads beside a driven one are taken to reach at most, in the drive's own; and all beads, in that of the
 kicks, on springs whose stiffness varies.
@@ -69,10 +73,58 @@ def lines(system: System) -> int:
 
 
 def mass_of_atoms(system: System) -> float | NDArray[np.float64]:
-    """[line, bead] with inner atoms after the chains; the number where all have the same."""
+    """[line, bead] with inner atoms after the chains, infinite where there is none; the number where all have it."""
     if system.inner_mass is None:
         return system.mass
-    return np.vstack([np.broadcast_to(system.mass, (system.chains, system.beads)), system.inner_mass])
+    inner = np.where(system.inner_mass > 0.0, system.inner_mass, np.inf)
+    return np.vstack([np.broadcast_to(system.mass, (system.chains, system.beads)), inner])
+
+
+def mass_with_inner(system: System) -> float | NDArray[np.float64]:
+    """Of beads with the inner atoms that are tied to them, which move with them in slow motion, [chain, bead]."""
+    if system.inner_mass is None:
+        return system.mass
+    total = np.array(np.broadcast_to(system.mass, (system.chains, system.beads)))
+    for line, mass in enumerate(system.inner_mass):
+        total[line % system.chains] += mass
+    return total
+
+
+def atom_ids(system: System) -> NDArray[np.int64]:
+    """Numbers of all atoms, ascending: bead by bead, chain by chain, then likewise the places of inner atoms.
+
+    The inner atom of bead i of chain j is (lines before + j - 1) * beads + i; numbers of places without are left out.
+    """
+    beads = np.ones((system.chains, system.beads), dtype=bool)
+    there = beads if system.inner_mass is None else np.vstack([beads, system.inner_mass > 0.0])
+    return np.asarray(np.flatnonzero(there) + 1, dtype=np.int64)
+
+
+def is_inner(system: System, link: Link) -> bool:
+    """Whether a link across ties inner atoms."""
+    return isinstance(link, Across) and any(higher >= system.chains for _, higher in link.edges)
+
+
+@once
+def slowest_resonator(system: System) -> float:
+    """Least angular frequency of an inner atom on a linear spring, its bead held; infinite where there is none."""
+    found = math.inf
+    for link in system.inner_links if system.inner_mass is not None else ():
+        if isinstance(link.law, Linear):
+            spring = np.broadcast_to(link.law.spring, (len(link.edges), system.beads))
+            mass = system.inner_mass[[other - system.chains for _, other in link.edges]]  # type: ignore[index]
+            there = (spring > 0.0) & (mass > 0.0)
+            found = min(found, math.sqrt(float(np.min(spring[there] / mass[there], initial=math.inf))))
+    return found
+
+
+def why_no_pulse(system: System) -> str:
+    """Why there is no leading pulse, where `Fact.PULSE` does not hold."""
+    if (slowest := slowest_resonator(system)) < PULSE_RATE:
+        return (
+            f"resonators of angular frequency {slowest:.3g} / T are slower than a pulse, whose rate is {PULSE_RATE} / T"
+        )
+    return "no pulse keeps its shape in this scene"
 
 
 def uniform(system: System) -> bool:

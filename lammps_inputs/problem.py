@@ -43,6 +43,11 @@ class Problem:
         return self.system.chains
 
     @property
+    def lines(self) -> int:
+        """Lines of atoms in a frame: the chains, and those of inner atoms where all beads are recorded."""
+        return physics.lines(self.system) if self.recorded is None else self.system.chains
+
+    @property
     def beads(self) -> int:
         """Of each chain."""
         return self.system.beads

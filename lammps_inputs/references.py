@@ -51,7 +51,8 @@ def short(key: str) -> str:
     names = [re.sub(r"^(\S+\. )+", "", author) for author in entry.get("author", entry["title"]).split(" and ")]
     several = f"{', '.join(names[:-1])} & {names[-1]}" if names[1:] else names[0]
     listed = f"{names[0]} et al." if len(names) > 3 or "others" in names else several
-    place = f"doi:{entry['doi']}" if "doi" in entry else _place(entry)
+    named = next((f"{LINKS[link]}:{entry[link]}" for link in LINKS if link in entry), "")
+    place = named if "doi" in entry else _place(entry) or named
     return f"{listed} ({entry['year']}), {place}"
 
 
@@ -61,7 +62,7 @@ def _fields(key: str) -> dict[str, str]:
 
 def _place(entry: dict[str, str]) -> str:
     if "journal" in entry:
-        return f"{entry['journal']} {entry['volume']}, {entry['pages']}"
+        return entry["journal"] + (f" {entry['volume']}, {entry['pages']}" if "volume" in entry else "")
     return entry.get("publisher", "")
 
 

@@ -218,11 +218,8 @@ class BaseScene(Part):
             raise ValueError(
                 f"{plastic.key(self)}: atoms inside the beads are not known beside it; leave one of them out"
             )
-        if system.inner_mass is not None and (physics.exchanges(system) or self.wanted):
-            raise ValueError(
-                "atoms inside the beads: no damping, push, drive, window or other scheme than verlet is known beside "
-                "them; leave one out"
-            )
+        if system.inner_mass is not None and self.window is not None:
+            raise ValueError("window: atoms inside the beads behind it keep moving; leave the window out")
         self._check_motion(system)
         self.output.refuse(self)
         self._check_times()
@@ -469,12 +466,10 @@ class BaseScene(Part):
         taken = {fact for ingredient in self.ingredients for fact in ingredient.lacks(self)}
         taken |= {Fact.SECOND_ORDER} if any(load.law.jumps for load in loads) else set()
         static = sum((ingredient.static(self, mass) for ingredient in self.ingredients), np.float64(0.0))
-        inner_mass, inner_links = self._inner
-        remembers = any(laws.remembers(link.law) for link in touching)
-        if inner_mass is not None or remembers:
+        inner_mass, inner_links, inner_dampers = self._inner
+        if any(laws.remembers(link.law) for link in touching):
             taken |= {Fact.FRAMES, Fact.ENERGY, Fact.FRONT, Fact.REVERSIBLE}
-        if inner_mass is not None or (remembers and not plastic.key(self)):
-            taken |= {Fact.MOMENTUM}
+            taken |= set() if plastic.key(self) else {Fact.MOMENTUM}
         system = System(
             chains=self.chains,
             beads=self.beads,
@@ -484,7 +479,7 @@ class BaseScene(Part):
             lacks=frozenset(taken),
             loads=loads,
             motions=motions,
-            dampers=tuple(link for ingredient in self.ingredients for link in ingredient.dampers(self)),
+            dampers=(*(link for ingredient in self.ingredients for link in ingredient.dampers(self)), *inner_dampers),
             inner_mass=inner_mass,
             inner_links=inner_links,
         )
@@ -496,15 +491,25 @@ class BaseScene(Part):
             raise ValueError(f"{self._loaded_by}: {error}") from None
 
     @property
-    def _inner(self) -> tuple[Floats | None, tuple[Across, ...]]:
-        """Masses of all atoms beside the beads, and their links; lines of one ingredient after those of another."""
-        masses: list[Floats] = []
+    def _inner(self) -> tuple[Floats | None, tuple[Across, ...], tuple[Across, ...]]:
+        """Masses of all atoms beside the beads, their links and dashpots.
+
+        Lines of one ingredient stand in those of another whose places are free, else after them.
+        """
+        masses = np.zeros((0, self.beads))
         links: list[Across] = []
+        dampers: list[Across] = []
         for ingredient in self.ingredients:
-            if (found := ingredient.inner(self)) is not None:
-                links += [link.counted_on(self.chains, sum(map(len, masses))) for link in found.links]
-                masses.append(found.mass)
-        return (np.vstack(masses) if masses else None), tuple(links)
+            if (found := ingredient.inner(self)) is None:
+                continue
+            first = 0
+            while np.any(masses[first : first + len(found.mass)] * found.mass[: max(0, len(masses) - first)]):
+                first += len(found.mass)
+            masses = np.pad(masses, ((0, max(0, first + len(found.mass) - len(masses))), (0, 0)))
+            masses[first : first + len(found.mass)] += found.mass
+            links += [link.counted_on(self.chains, first) for link in found.links]
+            dampers += [link.counted_on(self.chains, first) for link in found.dampers]
+        return (masses if len(masses) else None), tuple(links), tuple(dampers)
 
     @property
     def _loaded_by(self) -> str:

@@ -43,9 +43,9 @@ class System:
     """Forces against velocities: links with laws of damping."""
 
     inner_mass: NDArray[np.float64] | None = None
-    """[line, bead] of atoms that are no bead of a chain, in lines of as many as a chain has, which no frame shows."""
+    """[line, bead] of atoms that are no bead of a chain, in lines of as many as a chain has; 0 where there is none."""
     inner_links: tuple[Across, ...] = ()
-    """Links of these lines, which count on from the chains, with chains and each other."""
+    """Links of these lines, which count on from the chains, with chains and each other; `dampers` may be, too."""
 
     def __eq__(self, other: object) -> bool:
         """Whether all is the same, to the last number of every array."""

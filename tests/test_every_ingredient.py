@@ -56,6 +56,8 @@ RANKS += [
     "driven",
     "pushed",
     "damping cut, pressed by a wall",
+    "resonators of two kinds, in some rows",
+    "resonators, damped in some rows, pushed, with all other dashpots",
 ]
 OLD = [*sorted(BY_BOND), "foundation by chain", "dimer", "dimer of sizes", "exponent 1", "walls, gap"]
 OLD += [
@@ -65,6 +67,8 @@ OLD += [
     "graded column of exponent 1",
     "random contacts, damping viscoelastic",
     "damping cut, pressed by a wall",
+    "resonators of two kinds, in some rows",
+    "resonators, damped",
 ]
 
 
@@ -126,7 +130,7 @@ def test_the_budget_of_the_reference_closes_to_1e_9_with_every_dashpot(name):
     assert seen.energy_drift < 1e-9
 
 
-@pytest.mark.parametrize("name", ["walls", "pressed"])
+@pytest.mark.parametrize("name", ["walls", "pressed", "resonators of two kinds, in some rows"])
 def test_suzuki_s_composition_of_steps_agrees_with_the_exact_motion(name, tmp_path):
     assert error(run(scene(name, scheme="suzuki4"), tmp_path / "run", check=False), name) < 1e-4
 

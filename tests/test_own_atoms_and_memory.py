@@ -1,4 +1,4 @@
-"""Ingredients of one's own may add atoms that no frame shows, and contacts whose force depends on the past."""
+"""Ingredients of one's own may add atoms that no table shows, and contacts whose force depends on the past."""
 
 import json
 import os
@@ -25,7 +25,7 @@ from lammps_inputs.laws.spring import Linear
 from lammps_inputs.links import Across
 
 
-class Resonators(Ingredient):
+class Masses(Ingredient):
     """A mass inside each bead, on a linear spring."""
 
     takes_away = frozenset({Fact.PULSE, Fact.SONIC_VACUUM})
@@ -35,7 +35,7 @@ class Resonators(Ingredient):
 
     def inner(self, scene):
         edges = tuple((chain, scene.chains + chain) for chain in range(scene.chains))
-        link = Across("resonators", Linear(self.stiffness / scene.scale.stiffness), edges=edges)
+        link = Across("masses", Linear(self.stiffness / scene.scale.stiffness), edges=edges)
         return Inner(np.full((scene.chains, scene.beads), self.mass / scene.scale.mass), (link,))
 
     def lacks(self, scene):
@@ -83,11 +83,11 @@ class Wear(Ingredient):
         return self.takes_away
 
 
-INGREDIENTS = {"resonators": Resonators, "wear": Wear}
+INGREDIENTS = {"masses": Masses, "wear": Wear}
 '''
 
 CHAIN = {"name": "chain", "kick": {"velocity": 1.0}, "output": {"every": 0.1}}
-RESONANT = {**CHAIN, "beads": 30, "resonators": {"mass": 0.1, "stiffness": 1.0}, "duration": 40}
+RESONANT = {**CHAIN, "beads": 30, "masses": {"mass": 0.1, "stiffness": 1.0}, "duration": 40}
 COUPLED = {**RESONANT, "beads": 12, "chains": 2, "coupling": {"stiffness": 0.2}, "duration": 15, "timestep": 0.005}
 
 PROGRAM = """
@@ -163,7 +163,7 @@ def found(path, program, argument):
     return json.loads(done.stdout.splitlines()[-1])
 
 
-def test_a_mass_inside_each_bead_acts_alike_in_lammps_and_the_reference_and_stands_in_no_frame(tmp_path):
+def test_a_mass_inside_each_bead_acts_alike_in_lammps_and_the_reference_and_stands_in_no_table(tmp_path):
     """The peak is that of an independent program (mass-in-mass chain, m2 = 0.1, k2 = 1)."""
     seen = found(tmp_path, INNER, [RESONANT, COUPLED])
     assert seen["peak"] == pytest.approx(0.588365, abs=2e-6)

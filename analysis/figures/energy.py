@@ -9,8 +9,15 @@ from analysis.figures.style import STYLE, Frames, axis_unit, chain_legend, draw_
 from analysis.sharing.energies import Flow
 from lammps_inputs import Problem
 
-_STORED = {"kinetic": "#0072B2", "contacts": "#56B4E9", "springs": "#009E73", "ground": "#F0E442", "walls": "#332288"}
-"""Okabe and Ito's palette and one of Tol's, with a hatch for what is dissipated."""
+_STORED = {
+    "kinetic": "#0072B2",
+    "contacts": "#56B4E9",
+    "springs": "#009E73",
+    "ground": "#F0E442",
+    "walls": "#332288",
+    "resonators": "#882255",
+}
+"""Okabe and Ito's palette and two of Tol's, with a hatch for what is dissipated."""
 
 _LOST = ("#D55E00", "#E69F00", "#CC79A7", "#999999")
 

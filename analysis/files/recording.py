@@ -13,7 +13,7 @@ import numpy as np
 
 from analysis.files.binary_dump import BinaryDump, CutDumpWarning, NoFrameError, part_of_run
 from analysis.files.dump_layout import header
-from analysis.trajectory import Floats, Integers, Trajectory, frames_per_block
+from analysis.trajectory import Floats, Integers, Trajectory, frames_per_block, of_atoms
 from lammps_inputs import InputError, Problem, physics
 
 FARTHEST = 2.0
@@ -27,9 +27,14 @@ def rest_positions(problem: Problem) -> Floats:
 
 
 def atom_ids(problem: Problem) -> Integers:
-    """[chain, recorded bead] numbers of the recorded atoms: (chain - 1) * rows + row, all rows in a window."""
+    """[chain, recorded bead] numbers of the recorded beads' atoms: (chain - 1) * rows + row, all rows in a window."""
     row = problem.recorded_beads if problem.window is None else np.arange(1, problem.window + 1)
     return np.arange(problem.chains)[:, np.newaxis] * problem.rows + row
+
+
+def all_ids(problem: Problem) -> Integers:
+    """Numbers of all atoms of a frame, ascending: of the recorded beads, and of inner atoms where all beads are."""
+    return physics.atom_ids(problem.system) if problem.lines > problem.chains else atom_ids(problem).ravel()
 
 
 def blocks(paths: Sequence[Path], problem: Problem, stride: int = 1) -> Iterator[Trajectory]:
@@ -46,7 +51,7 @@ def blocks(paths: Sequence[Path], problem: Problem, stride: int = 1) -> Iterator
     Warns:
         CutDumpWarning: the last file ends within a frame, which is left out; or one holds none, and frames are missing.
     """
-    ids = atom_ids(problem).ravel()
+    ids = all_ids(problem)
     size = frames_per_block(problem)
     last, seen = -1, 0
     empty: NoFrameError | None = None
@@ -106,6 +111,9 @@ def of_frames(problem: Problem, time: Floats, values: Floats) -> Iterator[Trajec
     Raises:
         ValueError: the molecules are not rows of a window.
     """
+    if problem.lines > problem.chains:
+        yield _with_inner_atoms(problem, time, values)
+        return
     values = values.reshape(len(time), -1, *atom_ids(problem).shape)
     if problem.window is None:
         values[:, 0] -= rest_positions(problem)
@@ -129,6 +137,18 @@ def _memory(columns: Floats) -> Floats | None:
     return np.concatenate([behind, ahead[..., -1:]], axis=-1)
 
 
+def _with_inner_atoms(problem: Problem, time: Floats, values: Floats) -> Trajectory:
+    """Frames of all beads and inner atoms; places without one are at rest."""
+    lines, chains = problem.lines, problem.chains
+    full = np.zeros((*values.shape[:2], lines * problem.beads))
+    place = all_ids(problem) - 1
+    full[..., place] = values
+    rest = rest_positions(problem)[np.arange(lines) % chains].ravel()
+    full[:, 0, place] -= rest[place]
+    displacement, velocity = full.reshape(len(time), 2, lines, problem.beads).swapaxes(0, 1)
+    return of_atoms(problem, time, displacement, velocity)
+
+
 def _check_times(path: Path, dump: BinaryDump, problem: Problem) -> None:
     """Refuse frames at other times than the scene's: everything that is measured would be wrong."""
     advice = "was the deck run with -var timestep or every? Change the scene instead"
@@ -150,15 +170,17 @@ class Writer:
     """
 
     def __init__(self, path: Path | str, problem: Problem) -> None:
-        """Begin a dump of the recorded beads; an existing file is replaced."""
-        self._rest = rest_positions(problem)
+        """Begin a dump of the recorded beads, and of inner atoms with all of them; an existing file is replaced."""
+        self._shape = problem.lines, problem.rows_a_frame
+        ids, lines = all_ids(problem), np.arange(problem.lines)
+        self._rest = rest_positions(problem)[lines % problem.chains].ravel()
         self._timestep = problem.timestep
-        ids = atom_ids(problem)
+        self._place = slice(None) if len(ids) == len(self._rest) else ids - 1
         self._names = " ".join(("id", "x", "vx", *problem.memory_columns))
-        self._rows = np.empty((*ids.shape, 3 + len(problem.memory_columns)), dtype="<f8")
-        self._rows[:, :, 0] = ids
+        self._rows = np.empty((len(ids), 3 + len(problem.memory_columns)), dtype="<f8")
+        self._rows[:, 0] = ids
         width = 2.0 * (problem.layout.diameter + physics.gap(problem.system))
-        self._lateral = (-width, width * problem.chains, -width, width)
+        self._lateral = (-width, width * problem.lines, -width, width)
         self._file = Path(path).open("wb")  # noqa: SIM115  closed by `close`
 
     def append(self, step: int, displacement: Floats, velocity: Floats, memory: Floats | None = None) -> None:
@@ -166,8 +188,8 @@ class Writer:
 
         Args:
             step: number of the time step.
-            displacement: [chain, recorded bead].
-            velocity: [chain, recorded bead].
+            displacement: [chain, recorded bead], the lines of inner atoms after the chains (`Trajectory.atoms`).
+            velocity: likewise.
             memory: [chain, bead + 1], where forces depend on it.
 
         Raises:
@@ -175,14 +197,14 @@ class Writer:
         """
         rows = self._rows
         for values in (displacement, velocity):
-            if values.shape != rows.shape[:2]:
-                raise ValueError(f"array of shape {values.shape}; [chain, recorded bead] is {rows.shape[:2]}")
-        rows[:, :, 1] = self._rest + displacement
-        rows[:, :, 2] = velocity
-        for place in range(3, rows.shape[2]):
+            if values.shape != self._shape:
+                raise ValueError(f"array of shape {values.shape}; [chain, recorded bead] is {self._shape}")
+        rows[:, 1] = (self._rest + displacement.ravel())[self._place]
+        rows[:, 2] = velocity.ravel()[self._place]
+        for place in range(3, rows.shape[1]):
             assert memory is not None
-            rows[:, :, place] = memory[:, place - 3 : memory.shape[1] + place - 4]
-        x = rows[:, :, 1]
+            rows[:, place] = memory[:, place - 3 : memory.shape[1] + place - 4].ravel()
+        x = rows[:, 1]
         box = (x.min(), x.max(), *self._lateral)
         head = header(step, step * self._timestep, x.size, box, (), self._names)
         self._file.write(head + rows.tobytes())

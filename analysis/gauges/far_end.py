@@ -94,7 +94,7 @@ class FarEnd:
 
     def add(self, block: Trajectory) -> None:
         """Take the next frames."""
-        x, v = block.displacement[..., self._near], block.velocity[..., self._near]
+        x, v = (values[..., self._near] for values in block.atoms)
         self._time.append(block.time.copy())
         with np.errstate(over="ignore", invalid="ignore"):  # of a run that blew up
             system = block.system
@@ -112,7 +112,7 @@ class FarEnd:
     def _stored(self, system: System, x: Floats, v: Floats) -> Floats:
         """Energy of the last tenth of the beads, [frame], from states of those near."""
         rows = slice(self._rows.start - self._near.start, self._rows.stop - self._near.start)
-        x, v = x[..., rows], v[..., rows]
+        x, v = x[..., : system.chains, rows], v[..., : system.chains, rows]
         return np.asarray(motion.bead_energy(system, x, v, self._rows.start + 1).sum(axis=(1, 2)))
 
     def result(self) -> Transmitted:

@@ -67,11 +67,11 @@ def repeats(columns: Floats) -> int | None:
 
 def cell_beads(system: System) -> int:
     """After how many beads masses and contacts repeat, loads aside; 1 where they do not."""
-    if physics.one_kind(system):
+    if physics.one_kind(system) and system.inner_mass is None:
         return 1
     shape = system.chains, system.beads - 1
     strength = [np.broadcast_to(laws.strength(link.law), shape) for link in system.along]
-    mass = np.broadcast_to(system.mass, (system.chains, system.beads))[:, :-1]
+    mass = np.broadcast_to(physics.mass_with_inner(system), (system.chains, system.beads))[:, :-1]
     # the first may be a striker
     return repeats(np.concatenate([mass, *strength])[:, 1:]) or 1
 
@@ -84,7 +84,7 @@ def sound_speed(system: System) -> Floats:
     stiffness = np.broadcast_to(
         sum(laws.stiffness(link.law, 0.0) for link in system.along), (system.chains, system.beads - 1)
     )
-    mass, near = np.broadcast_to(system.mass, (system.chains, system.beads)), _near(system)
+    mass, near = np.broadcast_to(physics.mass_with_inner(system), (system.chains, system.beads)), _near(system)
     with np.errstate(divide="ignore"):
         compliance = 1.0 / stiffness
     return np.asarray(1.0 / np.sqrt(_smooth(mass, near) * _at_beads(_smooth(compliance, near))))

@@ -176,7 +176,7 @@ def verdict_on(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Ver
 def _verdict_on(shared: Sharing, problem: Problem, decay: DecayFit | None) -> Verdict:
     system = problem.system
     if not system.holds(Fact.PULSE):
-        return Verdict(State.NO_PULSE, None, None, f"{State.NO_PULSE.value}: no pulse keeps its shape in this scene")
+        return Verdict(State.NO_PULSE, None, None, f"{State.NO_PULSE.value}: {physics.why_no_pulse(system)}")
     if problem.chains == 1:
         return Verdict(State.ALONE, None, None, f"{State.ALONE.value}: a single chain")
     if not physics.coupled(system):

@@ -39,9 +39,9 @@ class Cell:
     """What repeats along the chains: stiffness at rest and masses of a few rows.
 
     Attributes:
-        mass: [chain, bead].
+        mass: [line, bead] of the chains, and of inner atoms after them; 0 where there is none.
         along: [chain, bead] of each bead's contact with the next; the last one's with the next cell.
-        row: [bead, chain, chain] stiffness of the springs across and to the ground.
+        row: [bead, line, line] stiffness of the springs across, to the ground and to inner atoms.
     """
 
     mass: Floats
@@ -55,10 +55,10 @@ class Cell:
 
     def branches(self, wavenumber: Floats) -> Floats:
         """Angular frequencies, ascending, [wavenumber, branch]; wavenumbers in radians a bead."""
-        chains, beads = self.mass.shape
-        matrix = np.zeros((len(wavenumber), chains, beads, chains, beads), dtype=complex)
+        lines, beads = self.mass.shape
+        matrix = np.zeros((len(wavenumber), lines, beads, lines, beads), dtype=complex)
         phase = np.exp(1j * wavenumber)
-        chain = np.arange(chains)
+        chain = np.arange(len(self.along))
         for bead in range(beads):
             after, spring = (bead + 1) % beads, self.along[:, bead]
             matrix[:, chain, bead, chain, bead] += spring
@@ -66,10 +66,29 @@ class Cell:
             matrix[:, chain, bead, chain, after] -= spring * phase[:, np.newaxis]
             matrix[:, chain, after, chain, bead] -= spring * phase.conj()[:, np.newaxis]
             matrix[:, :, bead, :, bead] += self.row[bead]
-        root = np.sqrt(self.mass)
-        matrix /= root[:, :, np.newaxis, np.newaxis] * root
-        squares = np.linalg.eigvalsh(matrix.reshape(len(wavenumber), chains * beads, -1))
+        there = np.flatnonzero(self.mass)
+        root = np.sqrt(self.mass.ravel()[there])
+        matrix = matrix.reshape(len(wavenumber), lines * beads, -1)[:, there[:, np.newaxis], there]
+        squares = np.linalg.eigvalsh(matrix / (root[:, np.newaxis] * root))
         return np.sqrt(np.maximum(squares, 0.0))
+
+    def ratio(self, frequency: float) -> float:
+        """Displacement of a bead over that of the one before, of a motion of an angular frequency in a gap.
+
+        Of a single chain whose beads, with their inner atoms, are the same. NaN within a band.
+
+        Raises:
+            NoDispersionError: it is another.
+        """
+        if self.along.shape != (1, 1):
+            raise NoDispersionError("the ratio from bead to bead is known of a single chain of equal beads")
+        stiffness = self.row[0] - frequency**2 * np.diag(self.mass[:, 0])
+        there = np.flatnonzero(self.mass[1:, 0]) + 1
+        own = stiffness[0, 0]
+        if len(there):
+            own -= stiffness[0, there] @ np.linalg.solve(stiffness[np.ix_(there, there)], stiffness[there, 0])
+        half = 1.0 + 0.5 * own / float(self.along[0, 0])
+        return math.nan if abs(half) < 1.0 else math.copysign(math.exp(-math.acosh(abs(half))), half)
 
     def bands(self) -> Floats:
         """Lowest and highest frequency of every branch, [branch, 2]."""
@@ -85,13 +104,14 @@ def cell_of(system: System) -> Cell:
     """
     if not physics.loaded(system):
         raise NoDispersionError(NO_SOUND)
-    chains, beads = system.chains, system.beads
-    mass = np.broadcast_to(system.mass, (chains, beads))
+    chains, beads, lines = system.chains, system.beads, physics.lines(system)
+    inner = np.zeros((0, beads)) if system.inner_mass is None else system.inner_mass
+    mass = np.vstack([np.broadcast_to(system.mass, (chains, beads)), inner])
     along = np.zeros((chains, beads))
     for link in system.along:
         along[:, :-1] += laws.stiffness(link.law, 0.0)
-    row = np.zeros((beads, chains, chains))
-    for tie in system.across:
+    row = np.zeros((beads, lines, lines))
+    for tie in (*system.across, *system.inner_links):
         stiff = np.broadcast_to(laws.stiffness(tie.law, 0.0), (len(tie.edges), beads))
         for k, (one, other) in enumerate(tie.edges):
             for here, there in ((one, other), (other, one)):
@@ -104,8 +124,9 @@ def cell_of(system: System) -> Cell:
     period = repeats(columns)
     if period is None:
         raise NoDispersionError("beads and their loads do not repeat along the chains in three unit cells or more")
-    if period * chains > MOST_BRANCHES:
-        raise NoDispersionError(f"the chains have {period * chains} branches; at most {MOST_BRANCHES}")
+    branches = int(np.count_nonzero(mass[:, 1 : period + 1]))
+    if branches > MOST_BRANCHES:
+        raise NoDispersionError(f"the chains have {branches} branches; at most {MOST_BRANCHES}")
     return Cell(mass[:, 1 : period + 1], along[:, 1 : period + 1], row[1 : period + 1])
 
 

@@ -161,7 +161,7 @@ def opposed(problem: Problem) -> bool:
 
 def leading_finder(problem: Problem) -> PeakFinder:
     """What finds the maxima that `leading_passages` chooses from."""
-    return PeakFinder(first_only=not opposed(problem))
+    return PeakFinder(first_only=not opposed(problem) and not _overtaken(problem))
 
 
 def leading_passages(peaks: Peaks, problem: Problem) -> Peaks:
@@ -172,7 +172,11 @@ def leading_passages(peaks: Peaks, problem: Problem) -> Peaks:
 
 
 def beyond_kicks(peaks: Peaks, problem: Problem) -> Peaks:
-    """The maxima at beads that the leading pulse comes to; behind the kicked ones, walls reflect others."""
+    """The maxima at beads that the leading pulse comes to; behind the kicked ones, walls reflect others.
+
+    Beside slow resonators, only those of beads whose first maximum is the largest.
+    """
+    peaks = largest_first(peaks) if _overtaken(problem) else peaks
     if not physics.walls(problem.system):
         return peaks
     way = peaks.direction
@@ -181,6 +185,24 @@ def beyond_kicks(peaks: Peaks, problem: Problem) -> Peaks:
         default=-problem.beads,
     )
     return peaks.where(way * peaks.bead >= first)
+
+
+LARGER = 0.01
+"""Part by which a later maximum of a bead may exceed the first, which is then that of the leading pulse."""
+
+
+def largest_first(peaks: Peaks) -> Peaks:
+    """The maxima of the beads whose first one is the largest; where a later one is larger, no pulse leads."""
+    if len(peaks) == 0:
+        return peaks
+    new = np.flatnonzero(np.diff(peaks.chain, prepend=0) | np.diff(peaks.bead, prepend=0))
+    leads = peaks.velocity[new] * (1.0 + LARGER) >= np.maximum.reduceat(peaks.velocity, new)
+    return peaks.where(np.repeat(leads, np.diff(new, append=len(peaks))))
+
+
+def _overtaken(problem: Problem) -> bool:
+    """Whether there are resonators so slow that what runs ahead may be smaller than what follows."""
+    return physics.slowest_resonator(problem.system) < physics.PULSE_RATE
 
 
 def of_pulses(peaks: Peaks, pulses: tuple[Pulse, ...]) -> Peaks:

@@ -134,14 +134,10 @@ def neighbour_lines(problem: Problem) -> list[str]:
 
 
 def inner_lines(problem: Problem) -> list[str]:
-    """Groups of beads and of inner atoms, which have no contacts; none where there are no inner atoms."""
+    """The group of the beads; none where there are no other atoms."""
     if problem.system.inner_mass is None:
         return []
-    return [
-        f"group beads id 1:{problem.chains * problem.beads}",
-        "group inner subtract all beads",
-        "neigh_modify exclude group inner all   # atoms inside the beads have no contacts",
-    ]
+    return [f"group beads id 1:{problem.chains * problem.beads}"]
 
 
 def spelling(problem: Problem) -> list[Lines]:
@@ -193,8 +189,6 @@ def _missing(system: System) -> str:
     unknown = next((link.name for link in _spelled(system) if not hasattr(link.law, _kind(link))), None)
     if unknown is not None:
         return f"{unknown}: LAMMPS has no such force; use the reference engine"
-    if system.inner_mass is not None and system.ground:
-        return "atoms inside the beads: LAMMPS has no ground springs beside them; use the reference engine"
     return ""
 
 
@@ -247,11 +241,10 @@ def output_lines(problem: Problem, every: str, dump: str, snapshots: str = file_
 
     The group ``recorded`` exists where not all beads are.
     """
-    beads = "all" if problem.system.inner_mass is None else "beads"
-    recorded = beads if problem.recorded is None else "recorded"
+    recorded = "all" if problem.recorded is None else "recorded"
     all_columns = " ".join(columns(replace(problem, recorded=None)))
     whole = [
-        f"dump snapshots {beads} custom $({problem.frames_per_snapshot}*v_every:%.0f) {snapshots} {all_columns}",
+        f"dump snapshots all custom $({problem.frames_per_snapshot}*v_every:%.0f) {snapshots} {all_columns}",
         "dump_modify snapshots flush yes time yes",
     ]
     return [
@@ -277,20 +270,18 @@ def _thermo_lines(problem: Problem) -> list[str]:
 
 def _mass_lines(problem: Problem) -> list[str]:
     """Masses that all are 1, exactly; others stand in the data file, as densities, within rounding."""
-    heavier = [lines.heavier for lines in spelling(problem) if lines.heavier is not None]
+    heavier, group = [lines.heavier for lines in spelling(problem) if lines.heavier is not None], problem.layout.group
     if heavier:
         mass = "1.0" if isinstance(problem.system.mass, float) else "mass"
         half = "".join(f"+0.5*v_timestep*v_{name}" for name in heavier)
         return [
             "# masses increased by half of drag times time step: the step is of order 2 with drag",
             f"variable heavier atom {mass}{half}",
-            "set group all mass v_heavier",
+            f"set group {group} mass v_heavier",
         ]
     if not isinstance(problem.system.mass, float):
         return []
-    if problem.system.inner_mass is not None:
-        return ["set group beads mass 1.0         # exact; by the density in the data file, within rounding"]
-    return ["set group all mass 1.0           # exact; by the density in the data file, within rounding"]
+    return [f"{f'set group {group} mass 1.0':33}# exact; by the density in the data file, within rounding"]
 
 
 def recorded_lines(problem: Problem) -> list[str]:
@@ -419,7 +410,7 @@ def _skin(problem: Problem) -> float:
 
 def render_data(problem: Problem) -> str:
     """The text of ``data.chains``; atom number = (chain - 1) * rows + row, and type 2 marks recorded beads
-    where types do not distinguish contacts.
+    where types do not distinguish contacts. Inner atoms are small and of the last type.
 
     Columns of an atom: ``id type diameter density x y z``, and ``id type x y z diameter density molecule`` with bonds.
     The molecule is the chain, or in a window the row.
@@ -430,8 +421,10 @@ def render_data(problem: Problem) -> str:
     bonds = _bonds(problem)
     by_contact = _types(problem)
     types = by_contact.count if by_contact is not None else 1 if problem.recorded is None else 2
+    types += system.inner_mass is not None
+    atoms = lines * beads if system.inner_mass is None else len(physics.atom_ids(system))
     out = io.StringIO()
-    out.write(f"granchain: {problem.name}\n\n{lines * beads} atoms\n{types} atom types\n")
+    out.write(f"granchain: {problem.name}\n\n{atoms} atoms\n{types} atom types\n")
     if _tied(system):
         count, kinds = sum(np.count_nonzero(kind) for *_, kind in bonds), max(int(kind.max()) for *_, kind in bonds)
         out.write(f"{count} bonds\n{kinds} bond types\n")
@@ -447,13 +440,13 @@ def render_data(problem: Problem) -> str:
     diameter, unit = text(problem.layout.diameter), sphere_density(problem.layout.diameter)
     same_size = f"{diameter} {text(unit)}"
     out.write(f"\nAtoms # {_atom_style(problem)}\n\n")
-    for line in range(lines):
+    for line in range(problem.chains):
         first, y = line * beads + 1, text(apart * line)
-        of_line = ones if line >= problem.chains else kind if by_contact is None else by_contact.of[line]
+        of_line = kind if by_contact is None else by_contact.of[line]
         sizes: Iterator[str] = itertools.repeat(same_size, beads)
         if not isinstance(mass, float):
             sizes = (f"{diameter} {text(unit * one)}" for one in mass[line].tolist())
-        if not physics.even(system) and line < problem.chains:
+        if not physics.even(system):
             places = [text(x) for x in problem.layout.places[line]]
         rows = enumerate(zip(of_line.tolist(), places, sizes, strict=True))
         if problem.window is not None:
@@ -462,6 +455,7 @@ def render_data(problem: Problem) -> str:
             out.writelines(f"{first + i} {t} {x} {y} 0 {size} {line + 1}\n" for i, (t, x, size) in rows)
         else:
             out.writelines(f"{first + i} {t} {size} {x} {y} 0\n" for i, (t, x, size) in rows)
+    out.writelines(_inner_atoms(problem, types, apart))
     if _tied(system):
         out.write("\nBonds\n\n")
         bond = 0
@@ -471,3 +465,16 @@ def render_data(problem: Problem) -> str:
             out.writelines(f"{number} {t} {lower + i} {higher + i}\n" for number, (i, t) in numbered)
             bond += len(tied)
     return out.getvalue()
+
+
+def _inner_atoms(problem: Problem, kind: int, apart: float) -> Iterator[str]:
+    """The inner atoms, in the rows of their beads; each line of them stands beside the chains and the lines before."""
+    if problem.system.inner_mass is None:
+        return
+    places, diameter = problem.layout.places, problem.layout.inner_diameter
+    unit = sphere_density(diameter)
+    for number, masses in enumerate(problem.system.inner_mass):
+        line = problem.chains + number
+        for bead in np.flatnonzero(masses > 0.0).tolist():
+            x, size = text(places[number % problem.chains, bead]), f"{text(diameter)} {text(unit * masses[bead])}"
+            yield f"{line * problem.beads + bead + 1} {kind} {x} {text(apart * line)} 0 {size} {line + 1}\n"

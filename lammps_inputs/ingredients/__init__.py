@@ -21,6 +21,7 @@ from lammps_inputs.ingredients.drive import Drive
 from lammps_inputs.ingredients.foundation import Foundation
 from lammps_inputs.ingredients.preload import Gravity, Precompression
 from lammps_inputs.ingredients.push import Push
+from lammps_inputs.ingredients.resonators import Resonators
 from lammps_inputs.ingredients.walls import Walls
 from lammps_inputs.links import Link
 
@@ -38,6 +39,7 @@ INGREDIENTS: dict[str, type[Ingredient]] = {
     "gravity": Gravity,
     "precompression": Precompression,
     "push": Push,
+    "resonators": Resonators,
     "walls": Walls,
 }
 """Key of the scene -> what may stand there."""

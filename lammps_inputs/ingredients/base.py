@@ -35,15 +35,17 @@ class Part(BaseModel):
 
 
 class Inner(NamedTuple):
-    """Atoms that are no bead of a chain, such as a mass inside each bead; no frame or table shows them.
+    """Atoms that are no bead of a chain, such as a mass inside each bead; frames of all beads hold them.
 
     Attributes:
-        mass: [line, bead], of lines of as many atoms as a chain has.
-        links: of lines, which count on from the chains, with chains and each other.
+        mass: [line, bead], of lines of as many places as a chain has; 0 where there is no atom.
+        links: of lines, which count on from the chains, with chains and each other; 0 where there is no atom.
+        dampers: likewise, with laws of damping.
     """
 
     mass: NDArray[np.float64]
     links: tuple[Across, ...]
+    dampers: tuple[Across, ...] = ()
 
 
 class Ingredient(Part):
@@ -116,7 +118,7 @@ class Ingredient(Part):
         return ()
 
     def inner(self, scene: "BaseScene") -> Inner | None:  # noqa: ARG002
-        """Atoms beside the beads that it adds, dimensionless; frames then do not determine forces (`Fact.FRAMES`)."""
+        """Atoms beside the beads that it adds, dimensionless."""
         return None
 
     def lacks(self, scene: "BaseScene") -> frozenset[Fact]:

@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 import numpy as np
 
 from lammps_inputs import laws
-from lammps_inputs.deck_lines import AtomTypes, Lines
+from lammps_inputs.deck_lines import AtomTypes, Lines, atoms_by_value
 from lammps_inputs.laws import Parameter
 from lammps_inputs.numbers import text
 from lammps_inputs.units import Dimension
@@ -76,7 +76,7 @@ class Dashpot(NamedTuple):
         """
         return Lines(
             variables=(f"variable {name} index {text(float(np.max(self.coefficient)))}   # force per velocity",),
-            motion=(f"fix {name} all viscous ${{{name}}}",),
+            motion=(f"fix {name} {layout.group} viscous ${{{name}}}",),
             heavier=name if layout.velocity_at_full_steps else None,
         )
 
@@ -86,6 +86,8 @@ class Dashpot(NamedTuple):
         Beads of neighbouring chains differ by their type; the cutoff is between that of a row and those beside it.
         """
         name = link.name
+        if layout.is_inner(link):
+            return self._inside(link, layout)
         types = np.repeat(1 + np.arange(layout.chains)[:, np.newaxis] % 2, layout.beads, axis=1)
         pressed = float(np.max(laws.rest(layout.system.along[0].law)))
         apart = layout.diameter + layout.gap
@@ -100,6 +102,31 @@ class Dashpot(NamedTuple):
                 f"pair_coeff 1 2 dpd/ext/tstat ${{{name}}} ${{{name}}} 0 0 {cutoff}",
             ),
         )
+
+    def _inside(self, link: "Across", layout: "Layout") -> Lines:
+        """A force against the velocity of each inner atom and its bead relative to each other.
+
+        LAMMPS has no dashpots in bonds. The two are a chunk of atoms, of which the sum of the velocities is known.
+        """
+        number = 1 + next(n for n, damper in enumerate(layout.system.dampers) if damper is link)
+        beads, apart = layout.beads, link.edges[0][1] - link.edges[0][0]
+        lines = [
+            "# dashpots inside the beads: of a bead and its inner atom, a chunk, the sum of both velocities is known"
+        ]
+        for kind, ((coefficient,), atoms) in enumerate(atoms_by_value(self, (len(link.edges), beads)), 1):
+            name, ids = f"{link.name}{number}_{kind}", [list(map(int, one.split(":"))) for one in atoms.split()]
+            inner = " ".join(f"{first + apart * beads}:{last + apart * beads}" for first, last in ids)
+            lines += [
+                f"group {name} id {atoms} {inner}",
+                f"variable {name}_pair atom id-{apart * beads}*(id>{layout.chains * beads})",
+                f"compute {name}_pair {name} chunk/atom v_{name}_pair nchunk once ids once",
+                f"variable {name}_own atom vx",
+                f"compute {name}_sum {name} reduce/chunk {name}_pair sum v_{name}_own",
+                f"compute {name}_both {name} chunk/spread/atom {name}_pair c_{name}_sum",
+                f"variable {name} atom -{text(coefficient)}*(2*vx-c_{name}_both)",
+                f"fix {name} {name} addforce v_{name} 0.0 0.0",
+            ]
+        return Lines(motion=tuple(lines))
 
 
 class ContactDashpot(NamedTuple):

@@ -72,7 +72,7 @@ def ground(force: str) -> "Callable[[Any, str, Layout], Lines]":
             motion=(
                 f"variable {name}strain atom x-{layout.place_formula}",
                 f"variable {name} atom -({_filled(law, name, force, f'v_{name}strain')})",
-                f"fix {name} all addforce v_{name} 0.0 0.0",
+                f"fix {name} {layout.group} addforce v_{name} 0.0 0.0",
             )
         )
 

@@ -54,7 +54,7 @@ class Linear(NamedTuple):
         if not laws.differs(self):
             return Lines(
                 variables=(f"variable {name} index {text(float(self.spring))}",),
-                motion=(f"fix {name} all spring/self ${{{name}}} x",),
+                motion=(f"fix {name} {layout.group} spring/self ${{{name}}} x",),
             )
         lines: list[str] = []
         if (profiles := atoms_by_row(self.spring, (layout.chains, layout.beads))) is not None:
@@ -75,16 +75,18 @@ class Linear(NamedTuple):
         relative displacement at any lateral distance. (With r0 = the distance it would be cubic.)
         """
         values, bonds = bonds_by_value(self, (len(link.edges), layout.beads))
-        one = len(values) == 1 and layout.system.across == (link,)
-        stiffness = ["$(v_kappa/2:%.17g)"] if one else [text(spring / 2.0) for (spring,) in values]
+        inner = layout.is_inner(link)
+        kind, said = (link.name, f"of the {link.name}") if inner else ("kappa", "between chains")
+        one = len(values) == 1 and (link,) in (layout.system.across, layout.system.inner_links)
+        stiffness = [f"$(v_{kind}/2:%.17g)"] if one else [text(spring / 2.0) for (spring,) in values]
         return Lines(
             bonds=bonds,
             style="harmonic",
             coefficients=tuple(f"{k} 0" for k in stiffness),
-            variables=(f"variable kappa index {text(values[0][0])}",) if one else (),
+            variables=(f"variable {kind} index {text(values[0][0])}",) if one else (),
             interactions=(
-                "# springs between chains: with r0 = 0 linear along the chain at any lateral distance",
-                *whole_contacts(link),
+                f"# springs {said}: with r0 = 0 linear along the chain at any lateral distance",
+                *whole_contacts(link, inner=inner),
             ),
         )
 
@@ -106,7 +108,7 @@ def held_by_variable(name: str, atoms: str, formula: str, layout: "Layout") -> l
 
     A force from a formula, which older releases have too, takes twice the time.
     """
-    group = name if atoms else "all"
+    group = name if atoms else layout.group
     style = "atom" if ROW in formula else "equal"
     older = f'"variable {name}_force atom -v_{name}_now*(x-{layout.place_formula})" '
     older += f'"fix {name} {group} addforce v_{name}_force 0.0 0.0"'

@@ -69,7 +69,11 @@ def front_speed(system: System) -> float:
 def drag(system: System) -> float:
     """Rate, at most, at which dashpots stop any motion."""
     contacts, others = np.zeros(1), 0.0
+    inner = tuple(link for link in system.dampers if isinstance(link, Across) and physics.is_inner(system, link))
+    braked = _at_ends(system, inner, [dashpot.resistance(link.law, 0.0) for link in inner])
     for link in system.dampers:
+        if link in inner:
+            continue
         if isinstance(link, Along):
             reached = dashpot.at_max_strain(link.law, system.along[0].law, physics.energy(system))
             contacts = contacts + _on_beads(system, reached)
@@ -80,7 +84,7 @@ def drag(system: System) -> float:
         else:
             graph = largest_eigenvalue(link, system.chains) if isinstance(link, Across) else 1.0
             others += graph * float(np.max(dashpot.resistance(link.law, 0.0)))
-    return float(np.max(contacts / system.mass)) + others / float(np.min(system.mass))
+    return float(np.max(contacts / system.mass)) + others / float(np.min(system.mass)) + braked
 
 
 def _contacts(system: System) -> float:
@@ -110,15 +114,23 @@ def _springs(system: System) -> float:
 
 
 def _inner(system: System) -> float:
-    """Bound on what links to inner atoms do to each atom's motion: twice the sum of all at it."""
-    if system.inner_mass is None:
-        return 0.0
+    """Square of the frequency, at most, of atoms on links to inner ones: ``k (1 / m + 1 / m2)`` of one, exactly."""
+    stiffest = [laws.stiffest_of_each(link.law, physics.energy(system)) for link in system.inner_links]
+    return _at_ends(system, system.inner_links, stiffest)
+
+
+def _at_ends(system: System, links: tuple[Across, ...], values: list[Any]) -> float:
+    """Largest sum over both ends of a link of the values of all links there over the mass (Anderson & Morley 1985)."""
     total = np.zeros((physics.lines(system), system.beads))
-    for link in system.inner_links:
-        stiffest = laws.stiffest_of_each(link.law, physics.energy(system))
-        for ends, of_edge in zip(link.edges, np.broadcast_to(stiffest, (len(link.edges), system.beads)), strict=True):
-            total[list(ends)] += 2.0 * of_edge
-    return float(np.max(total / physics.mass_of_atoms(system)))
+    found: list[tuple[tuple[int, int], NDArray[np.float64]]] = []
+    for link, value in zip(links, values, strict=True):
+        found += zip(link.edges, np.broadcast_to(value, (len(link.edges), system.beads)), strict=True)
+    for ends, of_edge in found:
+        total[list(ends)] += of_edge
+    total /= physics.mass_of_atoms(system)
+    return max(
+        (float(np.max((total[one] + total[other])[of > 0.0], initial=0.0)) for (one, other), of in found), default=0.0
+    )
 
 
 def _row(system: System, link: Across) -> float:

@@ -55,7 +55,14 @@ def test_springs_between_chains_and_to_the_ground_are_told_apart():
     held = {name: part[0] for name, part in account.stored.items()}
     energy = 8 * 0.5 * 0.3**2
     assert held == pytest.approx(
-        {"kinetic": 0.0, "contacts": 0.0, "springs": 0.1 * energy, "ground": 0.5 * energy, "walls": 0.0}
+        {
+            "kinetic": 0.0,
+            "contacts": 0.0,
+            "springs": 0.1 * energy,
+            "ground": 0.5 * energy,
+            "walls": 0.0,
+            "resonators": 0.0,
+        }
     )
 
 

@@ -46,6 +46,7 @@ PICTURES = {
     "gallery/column-of-rings": ("column-of-rings", "budget"),
     "gallery/tapered-chain": ("tapered-chain", "spacetime"),
     "gallery/graded-contacts": ("graded-contacts", "spacetime"),
+    "gallery/resonators": ("resonators", "spacetime"),
     "gallery/disordered-chain": ("disordered-chain", "spacetime"),
     "gallery/two-chains-gapped": ("two-chains-gapped", "spacetime"),
 }

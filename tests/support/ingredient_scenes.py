@@ -60,6 +60,11 @@ RANDOM = {"spread": 0.3, "seed": 4}
 RISING_BED = {"from": 0.1, "to": 0.6, "rows": [2, 7]}
 MODULATED = {"depth": 0.5, "frequency": 0.3, "phase": 30.0}
 SOFTENING = {"from": 0.9, "to": 0.2, "times": [1.5, 9]}
+KINDS = [
+    {"mass": 0.3, "stiffness": 0.2, "rows": [2, 5]},
+    {"mass": 0.1, "stiffness": 0.5, "rows": [4, 7]},
+    {"mass": 0.2, "stiffness": 0.9, "rows": [7, 8]},
+]
 
 CASES: dict[str, dict[str, Any]] = {
     "one chain": {"chains": 1, "coupling": None},
@@ -113,6 +118,25 @@ CASES: dict[str, dict[str, Any]] = {
     "column of exponent 1": exponent(1.0, walls={"right": "bead"}, gravity=0.05),
     "pressed column of exponent 2": exponent(2.0, **PRESSED_COLUMN),
     "unlike columns of exponent 2": exponent(2.0, walls={"right": "bead"}, gravity=0.05, coupling=None, **MASSES),
+    "resonators": {"resonators": {"mass": 0.3, "stiffness": 0.8}},
+    "resonators of two kinds, in some rows": {"resonators": KINDS},
+    "resonators by chain, column, dimer": {**COLUMN, **DIMER, "resonators": {"mass": [0.2, 0], "stiffness": [0.5, 1]}},
+    "resonators, walls, foundation, drag": {
+        **WALLS,
+        "resonators": KINDS,
+        "foundation": {"stiffness": 0.3},
+        "damping": {"beads": 0.2},
+    },
+    "resonators, damped": {"resonators": {"mass": 0.3, "stiffness": 0.8, "damping": 0.2}},
+    "resonators, damped in some rows, pushed, with all other dashpots": {
+        "resonators": {"mass": [0.3, 0.5], "stiffness": 0.8, "damping": [0.2, 0.3], "rows": [2, 5]},
+        "damping": LOSSES["all"],
+        "push": {"bead": 2, "peak": 0.8, "duration": 2.0, "shape": "half-sine"},
+    },
+    "resonators, driven": {"drive": [MOVED, FORCED], "kick": None, "resonators": KINDS},
+    "resonators, random contacts, pressed": strength(
+        RANDOM, **PRESSED, coupling=None, resonators={"mass": 0.1, "stiffness": 1.0}
+    ),
     "pressed": PRESSED,
     "pressed between walls": HELD,
     "column": COLUMN,
@@ -246,6 +270,7 @@ def in_units(name: str, velocity: float, material: dict[str, float] | None = Non
         },
         "drive": {"displacement": unit.length, "force": unit.force, "frequency": 1.0 / unit.time},
         "push": {"peak": unit.force, "duration": unit.time},
+        "resonators": {"mass": mass, "stiffness": unit.stiffness, "damping": dashpot},
         "kick": {"velocity": velocity},
         "striker": {"velocity": velocity, "mass": mass},
         "duration": unit.time,

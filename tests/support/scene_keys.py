@@ -1,6 +1,7 @@
 """From the keys of a scene to its forces (`scenes_nature.Nature`), sharing no code with the product."""
 
 import math
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
@@ -279,7 +280,7 @@ def _nature(text: str) -> Nature:
         k, stiffness, bends = _bedded(scene, there / unit.stiffness)
         ground = (k, c * unit.length**2 / unit.stiffness * there)
     damping, dashpot = scene.damping, unit.force / unit.velocity
-    return Nature(
+    own = Nature(
         unit=unit,
         exponent=p,
         gap=scene.gap / unit.length,
@@ -300,6 +301,37 @@ def _nature(text: str) -> Nature:
         start=start,
         stiffness=stiffness,
         bends=bends,
+    )
+    return own if scene.resonators is None else _with_resonators(scene, own)
+
+
+def _with_resonators(scene: Scene, own: Nature) -> Nature:
+    """Lines of masses after the chains, as many for each kind of resonator as there are chains."""
+    unit, chains = own.unit, scene.chains
+    masses, inner = [own.mass], []
+    for number, kind in enumerate(scene.resonators, 1):
+        mass, k, c = (
+            np.reshape(np.broadcast_to(v, chains), (-1, 1)) for v in (kind.mass, kind.stiffness, kind.damping)
+        )
+        there = (mass > 0.0) * _within(kind.rows, scene)
+        masses.append(np.where(there, mass / unit.mass, 1.0) * np.ones_like(own.mass))
+        rows = k / unit.stiffness * there, c * unit.velocity / unit.force * there
+        inner += [(j, number * chains + j, rows[0][j], rows[1][j]) for j in range(chains)]
+    more = [[0, chains * len(scene.resonators)], [0, 0]]
+    wide = {name: np.pad(getattr(own, name), more) for name in ("strength", "rest", "load", "hold", "start")}
+    coefficient, power = own.loss
+    return replace(
+        own,
+        mass=np.concatenate(masses),
+        **wide,
+        ground=tuple(np.pad(part, more) for part in own.ground),
+        walls=[
+            replace(wall, **{n: np.pad(getattr(wall, n), more[0]) for n in ("strength", "rest", "loss")})
+            for wall in own.walls
+        ],
+        loss=(np.pad(np.broadcast_to(coefficient, own.strength.shape), more), power),
+        drag=np.pad(np.full_like(own.mass, own.drag), more),
+        inner=tuple(inner),
     )
 
 

@@ -106,6 +106,8 @@ class Nature:
         loss: force of a contact's dashpot over the rate of overlap: a coefficient, and the exponent of the overlap.
         cut: whether a contact never pulls.
         drag, drag_across: force over the velocity of a bead, and over that of two in neighbouring chains.
+        inner: (line, other line, stiffness and drag of each row) of resonators, which have lines after the chains in
+            all arrays, empty but for their masses.
         pushes, moved: what acts from outside.
         start: velocities at the start.
     """
@@ -123,17 +125,22 @@ class Nature:
     walls: list[Wall]
     loss: tuple[Any, float]
     cut: bool
-    drag: float
+    drag: Any
     drag_across: float
     pushes: list[Push]
     moved: list[Moved]
     start: Floats
     stiffness: Any = None
     bends: tuple[float, ...] = ()
+    inner: tuple[tuple[int, int, Any, Any], ...] = ()
 
     @property
     def lossy(self) -> bool:
-        return bool(np.any(self.loss[0]) or self.drag or self.drag_across)
+        return bool(np.any(self.loss[0]) or np.any(self.drag) or self.drag_across or self._inner_drag)
+
+    @cached_property
+    def _inner_drag(self) -> bool:
+        return any(np.any(drag) for *_, drag in self.inner)
 
     @property
     def loaded(self) -> bool:
@@ -189,6 +196,10 @@ class Nature:
                 pull = pull + self.drag_across * (v[..., other, :] - v[..., one, :])
             force[..., one, :] += pull
             force[..., other, :] -= pull
+        for one, other, stiffness, drag in self.inner:
+            pull = stiffness * (x[..., other, :] - x[..., one, :]) + drag * (v[..., other, :] - v[..., one, :])
+            force[..., one, :] += pull
+            force[..., other, :] -= pull
         if self._has["ground"]:
             stiffness = self.ground[0] if self.stiffness is None else self.stiffness(time)[0]
             force -= stiffness * x + self.ground[1] * x**3
@@ -213,8 +224,11 @@ class Nature:
         if self.drag_across:
             across = [((v[..., other, :] - v[..., one, :]) ** 2).sum(axis=-1) for one, other, *_ in self.springs]
             lost["coupling_damping"] = self.drag_across * sum(across)
-        if self.drag:
-            lost["bead_damping"] = self.drag * (v**2).sum(axis=(-2, -1))
+        if np.any(self.drag):
+            lost["bead_damping"] = (self.drag * v**2).sum(axis=(-2, -1))
+        if self._inner_drag:
+            inside = [(c * (v[..., other, :] - v[..., one, :]) ** 2).sum(axis=-1) for one, other, _, c in self.inner]
+            lost["resonator_damping"] = sum(inside)
         energy_input = sum((p.force(time) * v[..., p.chain, p.bead] for p in self.pushes), np.zeros(np.shape(time)))
         if self.moved:  # what moves a bead bears all forces on it
             forces = replace(self, moved=[]).acceleration(time, x, v) * self.mass

@@ -62,7 +62,8 @@ class Run:
     @property
     def displacement(self) -> NDArray[np.float64]:
         """Displacements of all beads [frame, chain, bead], from the positions in the dump."""
-        return self._by_chain(self.x - self.problem.layout.places.reshape(-1)[self.id - 1])
+        places = self.problem.layout.places.reshape(-1)
+        return self._by_chain(self.x - places[(self.id - 1) % len(places)])
 
     @property
     def velocity(self) -> NDArray[np.float64]:
@@ -70,7 +71,8 @@ class Run:
         return self._by_chain(self.vx)
 
     def _by_chain(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
-        return values.reshape(len(values), self.problem.chains, -1)
+        beads = self.id[0] <= self.problem.chains * self.problem.beads
+        return values[:, beads].reshape(len(values), self.problem.chains, -1)
 
     @property
     def energy(self) -> NDArray[np.float64]:

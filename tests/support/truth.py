@@ -75,7 +75,7 @@ class Truth:
         """Displacements and velocities, [..., chain, bead]."""
         shape = np.shape(time)
         found = self.solution(np.ravel(time)).T[:, : 2 * self.nature.mass.size]
-        found = found.reshape(*shape, 2, *self.nature.mass.shape)
+        found = found.reshape(*shape, 2, *self.nature.mass.shape)[..., : self.scene.chains, :]
         return found[..., 0, :, :], found[..., 1, :, :]
 
     def exchange(self, time: Floats) -> dict[str, Floats]:

@@ -188,7 +188,7 @@ def _print_pulses(found: Survey) -> None:
         print(found.verdict.sentence)
     if not found.problem.system.holds(Fact.PULSE):
         if found.problem.chains == 1:
-            print("no pulse keeps its shape in this scene")
+            print(physics.why_no_pulse(found.problem.system))
         return
     _print_amplitude(found)
     if (decay := found.decay) is not None:

@@ -223,12 +223,19 @@ def _numbers(own: Trajectory) -> list[str]:
     return [f"from t = {time} on, positions or velocities are not finite numbers (a time step too long?)"]
 
 
+def _acceleration(reference: Trajectory) -> Floats:
+    """Of the beads, [frame, chain, bead]."""
+    x, v = reference.atoms
+    found = motion.acceleration(reference.problem.system, x, time=reference.time, velocity=v)
+    return found[:, : reference.problem.chains]
+
+
 def _times(own: Trajectory, reference: Trajectory) -> list[str]:
     """Whether a shift in time, of all or of the velocities alone, explains the difference."""
     problem = own.problem
     velocity = symptoms.time_shift(
         own.velocity - reference.velocity,
-        motion.acceleration(problem.system, reference.displacement, time=reference.time, velocity=reference.velocity),
+        _acceleration(reference),
     )
     displacement = symptoms.time_shift(own.displacement - reference.displacement, reference.velocity)
     if velocity.explained < _CLEAR:

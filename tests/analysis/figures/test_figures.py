@@ -236,7 +236,7 @@ def test_any_scene_can_be_drawn(recorded, chains, kicks):
 def test_the_layers_of_the_budget_add_up_to_what_was_put_in_in_the_units_of_the_scene():
     time = np.linspace(0.0, 10.0, 5)
     held = {"kinetic": 0.3 - 0.02 * time, "contacts": np.full(5, 0.19), "springs": np.zeros(5)}
-    held |= {"ground": np.zeros(5), "walls": np.full(5, 0.01)}
+    held |= {"ground": np.zeros(5), "walls": np.full(5, 0.01), "resonators": np.zeros(5)}
     account = Account(time, np.full(5, 0.5), **held, lost={"contact_damping": 0.02 * time})
     si = replace(small(), scale=make_scale(3.6e-3, 1.4e10, 0.01, si=True))
     figure = budget_figure(si, account)

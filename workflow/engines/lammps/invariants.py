@@ -19,15 +19,15 @@ def fault(
 
     Args:
         problem: what is computed.
-        displacement: [chain, row].
-        velocity: [chain, row].
+        displacement: [line, row] of the chains and of inner atoms after them.
+        velocity: likewise.
         first: bead that the rows begin with.
         elsewhere: energy of the beads that are not in these rows.
     """
     system = problem.system
     if not (np.all(np.isfinite(displacement)) and np.all(np.isfinite(velocity))):
         return f"a bead's position or velocity is no longer a finite number; {_remedy(problem)}"
-    overlap = motion.overlaps(system, displacement, first)
+    overlap = motion.overlaps(system, displacement[: problem.chains], first)
     worst = np.unravel_index(np.argmax(overlap), overlap.shape)
     where = f"beads {worst[1] + first} and {worst[1] + first + 1} of chain {worst[0] + 1}"
     if overlap[worst] >= problem.layout.diameter + physics.gap(system):

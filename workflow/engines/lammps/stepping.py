@@ -4,6 +4,7 @@ The leading pulse at every bead is found while LAMMPS runs where a scene asks fo
 could keep.
 """
 
+import ctypes
 import io
 import zipfile
 import zlib
@@ -79,23 +80,39 @@ class Travel:
             self.first += left
 
     def state(self, word: float = 0.0) -> tuple[Floats, Floats]:
-        """Displacement and velocity of the rows that exist, [chain, row], the same on every rank.
+        """Displacement and velocity of the rows that exist, [line, row], the same on every rank.
 
-        The first rank may say a word to all: it travels as the lateral velocity of its beads, which is zero otherwise.
+        Lines are the chains and those of inner atoms after them. The first rank may say a word to all: it travels as
+        the lateral velocity of its beads, which is zero otherwise.
         """
-        problem, chains = self._problem, self._problem.chains
-        shape = (physics.lines(problem.system), problem.rows, 3)
-        x = np.ctypeslib.as_array(self._lmp.gather_atoms("x", 1, 3)).reshape(shape)[:chains, :, 0]
+        problem = self._problem
+        x = self._gathered("x")[..., 0]
         own = self._lmp.numpy.extract_atom("v")[:, 2]
         own[:] = word
-        v = np.ctypeslib.as_array(self._lmp.gather_atoms("v", 1, 3)).reshape(shape)
+        v = self._gathered("v")
         own[:] = 0.0
-        self.heard, v = float(v[:, :, 2].max()), v[:chains, :, 0]
+        self.heard, v = float(v[:, :, 2].max()), v[..., 0]
         row = np.arange(self.first, self.first + problem.rows)
         if self.first > 1:
             place = (row - 1) % problem.rows
             x, v = x[:, place], v[:, place]
-        return x - (problem.layout.places if problem.window is None else row * problem.layout.spacing), v
+        if problem.window is not None:
+            return x - row * problem.layout.spacing, v
+        places = problem.layout.places
+        return x - (places if len(x) == len(places) else places[np.arange(len(x)) % len(places)]), v
+
+    def _gathered(self, name: str) -> Floats:
+        """[line, row, axis] of all atoms; as at rest where there is none."""
+        system = self._problem.system
+        shape = (physics.lines(system), self._problem.rows, 3)
+        if system.inner_mass is None or np.all(system.inner_mass > 0.0):
+            return np.ctypeslib.as_array(self._lmp.gather_atoms(name, 1, 3)).reshape(shape)
+        ids = physics.atom_ids(system)
+        found = np.zeros((shape[0] * shape[1], 3))
+        wanted = (ctypes.c_int * len(ids))(*ids.tolist())
+        some = self._lmp.gather_atoms_subset(name, 1, 3, len(ids), wanted)
+        found[ids - 1] = np.ctypeslib.as_array(some).reshape(-1, 3)
+        return found.reshape(shape)
 
     def _run(self, steps: int) -> None:
         if self._problem.scheme == "verlet":
@@ -185,7 +202,7 @@ class LivePeaks:
         Path(file_names.PEAKS_STATE).unlink(missing_ok=True)
 
     def _take(self) -> None:
-        displacement, velocity = self._travel.state()
+        displacement, velocity = (values[: self._problem.chains] for values in self._travel.state())
         if not self._keeps or self._step <= self._last:
             return
         self._steps.append(self._step)

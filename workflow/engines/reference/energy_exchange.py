@@ -72,7 +72,7 @@ class _Follower:
         problem, state = self._problem, self._state
         chains, moving = problem.chains, block.moving
         found = np.repeat(self._until, block.frames, axis=0)
-        x, w = block.displacement, _velocity_of_state(block)
+        (x, _), w = block.atoms, _velocity_of_state(block)
         pushed = np.array(sorted({load.bead for load in problem.system.loads}), dtype=np.int64)
         end_x, end_v = np.zeros((1, chains, len(pushed))), np.zeros((1, chains, len(pushed)))
         end_memory = np.zeros((1, *state.memory.shape))
@@ -105,12 +105,14 @@ def _velocity_of_state(block: Trajectory) -> Floats:
     """What the kernel has as velocities: without what dashpots have given, where no tension is cut (`dashpots`)."""
     problem = block.problem
     system = problem.system
+    x, v = block.atoms
     if not system.dampers or any(dashpot.cut(link.law) for link in system.dampers):
-        return block.velocity
-    given = np.zeros_like(block.velocity)
+        return v
+    given = np.zeros_like(v)
     for damper in system.dampers:
-        damper.drive(given, damper.given(block.displacement))
-    given /= system.mass
+        seen = x if physics.is_inner(system, damper) else block.displacement
+        damper.drive(given[..., : seen.shape[-2], :], damper.given(seen))
+    given /= physics.mass_of_atoms(system)
     for motion in system.motions:
         given[..., motion.chain - 1, motion.bead - 1] = 0.0
-    return np.asarray(block.velocity - given)
+    return np.asarray(v - given)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.trajectory import EXCHANGES, Floats, Trajectory, frames_per_block, joined
+from analysis.trajectory import EXCHANGES, Floats, Trajectory, frames_per_block, joined, of_atoms
 from lammps_inputs import Problem, System, physics
 from lammps_inputs.ingredients import coupled_chains
 from lammps_inputs.limits import rates
@@ -92,28 +92,28 @@ def blocks(
     step = problem.every / steps
     state = make_state(problem, window, as_lammps=scheme is VERLET, step=step)
     x, v = state.x, state.v
-    chains = problem.chains
+    lines = problem.lines
     recorded = _recorded(problem, state, 0.0)
-    start = x[recorded, :chains].T[np.newaxis].copy(), v[recorded, :chains].T[np.newaxis].copy()
+    start = x[recorded, :lines].T[np.newaxis].copy(), v[recorded, :lines].T[np.newaxis].copy()
     counts = scheme is not VERLET and physics.exchanges(problem.system)
     none = np.zeros((1, len(EXCHANGES))) if counts else None
     past = state.memory[np.newaxis].copy()
     remembered = past if past.size and problem.recorded is None else None
-    yield Trajectory(problem, np.zeros(1), *start, _first(problem, recorded), none, remembered)
+    yield of_atoms(problem, np.zeros(1), *start, _first(problem, recorded), none, remembered)
     size = frames_per_block(problem)
     if problem.window is not None:
         size = max(1, min(size, math.floor(_ADVANCE / (rates.front_speed(problem.system) * problem.every))))
     for first in range(1, problem.frames + 1, size):
         frame = np.arange(first, min(first + size, problem.frames + 1))
         recorded = _recorded(problem, state, len(frame) * problem.every)
-        shape = (len(frame), chains, len(recorded))
+        shape = (len(frame), lines, len(recorded))
         exchange = np.zeros((len(frame), len(EXCHANGES)))
         memory = np.empty((len(frame), *past.shape[1:]))
         frames = Frames(np.empty(shape), np.empty(shape), exchange, memory)
         time = np.asarray(frame * problem.every, dtype=np.float64)
         state.advance(scheme, step, (first - 1) * steps, steps, recorded, frames)
         exchange[:, -1] += brought_up(problem, time)
-        yield Trajectory(
+        yield of_atoms(
             problem,
             time,
             frames.x,
@@ -182,7 +182,7 @@ class State:
         return past.reshape(self.x.shape)[1:].T
 
     def restart(self, x: Floats, v: Floats, first: int, last: int, memory: Floats | None = None) -> None:
-        """Continue from displacements and velocities [chain, bead] of which only some rows may be in motion."""
+        """Continue from displacements and velocities [line, bead] of which only some rows may be in motion."""
         if memory is not None:
             self.memory[:] = memory
         self.x[1:-1], self.v[1:-1] = x.T, v.T

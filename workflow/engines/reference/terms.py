@@ -240,7 +240,8 @@ def _inverse_mass(system: System, step: float) -> Floats | None:
     mass = physics.mass_of_atoms(system)
     if step:
         more = sum(float(np.max(dashpot.resistance(link.law, 0.0))) for link in system.dampers)
-        mass = np.broadcast_to(mass + 0.5 * step * more, (system.chains, system.beads))
+        mass = np.array(np.broadcast_to(mass, (physics.lines(system), system.beads)))
+        mass[: system.chains] += 0.5 * step * more
     if isinstance(mass, float) and not system.motions:
         return None
     rows = np.ones((system.beads + 2, physics.lines(system)))

@@ -25,6 +25,7 @@ NAMES = (
     "kuwabara-kono",
     "precompressed",
     "band-gap",
+    "resonators",
     "gravity",
 )
 

@@ -1,0 +1,137 @@
+"""Resonators: a mass on a spring at every bead, or at those of some rows, such as an inner mass or a bending cylinder.
+
+Woodpiles: Kim & Yang, J. Mech. Phys. Solids (2014). Pulses in locally resonant chains: Vorotnikov, Starosvetsky,
+Theocharis & Kevrekidis, arXiv 1709.08629.
+"""
+
+import math
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, field_validator
+
+from lammps_inputs import laws, strict_yaml
+from lammps_inputs.facts import Fact
+from lammps_inputs.ingredients.base import Ingredient, Inner
+from lammps_inputs.laws.dashpot import Dashpot
+from lammps_inputs.laws.spring import Linear
+from lammps_inputs.links import Across
+from lammps_inputs.physics import PULSE_RATE
+from lammps_inputs.units import Unit
+
+if TYPE_CHECKING:
+    from lammps_inputs.scene import BaseScene
+
+Floats = NDArray[np.float64]
+Number = Annotated[float, Field(ge=0, le=1e30)]
+Mass = Annotated[Number, Unit("kg")]
+Stiffness = Annotated[Number, Unit("N/m")]
+Coefficient = Annotated[Number, Unit("kg/s")]
+Row = Annotated[int, Field(ge=1, le=10**8)]
+
+KEY = "resonators"
+
+LIGHTEST = 1e-6
+"""Mass in that of the reference bead; a lighter one is none."""
+
+FASTEST = 1e6
+"""Dimensionless angular frequency, beyond which it is part of the bead."""
+
+
+class Resonators(Ingredient):
+    """A mass at each bead, tied to it by a linear spring and a dashpot: ``m2 y'' = k2 (x - y) + c2 (x' - y')``."""
+
+    example: ClassVar[str] = "{mass: 0.1, stiffness: 1}"
+    several: ClassVar[bool] = True
+    sources = ("kim2014", "vorotnikov2017")
+    why = MappingProxyType(
+        {
+            Fact.FRONT: "resonators behind a window keep oscillating",
+            Fact.REVERSIBLE: "suzuki4 has steps backwards in time, in which dashpots would give",
+        }
+    )
+
+    mass: Mass | tuple[Mass, ...]
+    """Mass m2 of a resonator; or a list with one for each chain, 0 for none."""
+    stiffness: Stiffness | tuple[Stiffness, ...]
+    """Stiffness k2 of its spring; or a list with one for each chain."""
+    damping: Coefficient | tuple[Coefficient, ...] = 0.0
+    """Coefficient c2 of the dashpot parallel to the spring; or a list with one for each chain."""
+    rows: tuple[Row, Row] | None = None
+    """First and last bead with resonators; all beads if omitted."""
+
+    _from_list = field_validator("mass", "stiffness", "damping", "rows", mode="before")(strict_yaml.as_tuple)
+
+    def refuse(self, scene: "BaseScene") -> None:
+        """Refuse what does not fit the chains, and masses that are none."""
+        for key in ("mass", "stiffness", "damping"):
+            given = getattr(self, key)
+            if isinstance(given, tuple) and len(given) != scene.chains:
+                raise ValueError(f"{KEY}.{key}: {len(given)} numbers for {scene.chains} chains; one, or one for each")
+        if self.rows is not None and not self.rows[0] <= self.rows[1] <= scene.beads:
+            first, last = self.rows
+            raise ValueError(f"{KEY}.rows: {first} to {last} given; from a bead to a later one, within {scene.beads}")
+        mass, stiffness, damping = self._of_chains(scene)
+        if np.any((damping > 0.0) & (mass > 0.0) & (stiffness == 0.0)):
+            raise ValueError(f"{KEY}.stiffness: is 0 beside a damping; give a stiffness, or leave the damping out")
+        there = (mass > 0.0) & (stiffness > 0.0)
+        if np.any(mass[there] < LIGHTEST):
+            raise ValueError(
+                f"{KEY}.mass: {np.min(mass[there]):.3g} of the reference bead's; at least {LIGHTEST:g}, or 0 for none"
+            )
+        fastest = math.sqrt(float(np.max(stiffness[there] / mass[there], initial=0.0)))
+        if fastest > FASTEST:
+            raise ValueError(
+                f"{KEY}.stiffness: an angular frequency of {fastest:.3g} in dimensionless units; at most {FASTEST:g}, "
+                "where it moves with its bead"
+            )
+
+    def inner(self, scene: "BaseScene") -> Inner | None:
+        """A line of masses for each chain."""
+        mass, stiffness, damping = self._of_chains(scene)
+        there = (mass > 0.0) & (stiffness > 0.0)
+        if not np.any(there):
+            return None
+        table = self._in_rows(np.where(there, mass, 0.0), scene)
+        edges = tuple((chain, scene.chains + chain) for chain in range(scene.chains))
+        spring = Linear(self._number(np.where(there, stiffness, 0.0), scene))
+        dashpot: Any = Dashpot(self._number(np.where(there, damping, 0.0), scene))
+        dampers = (Across("resonator_damping", dashpot, edges=edges),) if np.any(damping[there]) else ()
+        return Inner(table, (Across(KEY, spring, edges=edges),), dampers)
+
+    def lacks(self, scene: "BaseScene") -> frozenset[Fact]:
+        """Exact solitary waves; a leading pulse where resonators are too slow; with dashpots what these take."""
+        inner = self.inner(scene)
+        if inner is None:
+            return frozenset()
+        taken = {Fact.SONIC_VACUUM, Fact.FRONT}
+        links = [(link.law.spring, inner.mass) for link in inner.links if isinstance(link.law, Linear)]
+        if all(np.all(mass > 0.0) and np.all(spring < PULSE_RATE**2 * mass) for spring, mass in links):
+            taken.add(Fact.PULSE)
+        if inner.dampers:
+            taken |= {Fact.ENERGY, Fact.REVERSIBLE, Fact.SECOND_ORDER}
+        return frozenset(taken)
+
+    def _of_chains(self, scene: "BaseScene") -> tuple[Floats, Floats, Floats]:
+        """Dimensionless mass, stiffness and damping, each [chain]."""
+        scale = scene.scale
+        of = [
+            np.array(np.broadcast_to(given, scene.chains), dtype=np.float64)
+            for given in (self.mass, self.stiffness, self.damping)
+        ]
+        damping: Floats = np.asarray(laws.dimensionless(Dashpot(of[2]), scale).coefficient)
+        return of[0] / scale.mass, of[1] / scale.stiffness, damping
+
+    def _in_rows(self, of_chain: Floats, scene: "BaseScene") -> Floats:
+        """[chain, bead], 0 where no resonator is."""
+        table = np.zeros((scene.chains, scene.beads))
+        first, last = self.rows or (1, scene.beads)
+        table[:, first - 1 : last] = of_chain[:, np.newaxis]
+        return table
+
+    def _number(self, of_chain: Floats, scene: "BaseScene") -> float | Floats:
+        """The same, or a number where it is the same everywhere."""
+        table = self._in_rows(of_chain, scene)
+        return float(table[0, 0]) if np.ptp(table) == 0.0 else table
