@@ -118,11 +118,12 @@ CASES: dict[str, dict[str, Any]] = {
     "column of exponent 1": exponent(1.0, walls={"right": "bead"}, gravity=0.05),
     "pressed column of exponent 2": exponent(2.0, **PRESSED_COLUMN),
     "unlike columns of exponent 2": exponent(2.0, walls={"right": "bead"}, gravity=0.05, coupling=None, **MASSES),
-    "resonators": {"resonators": {"mass": 0.3, "stiffness": 0.8}},
     "resonators of two kinds, in some rows": {"resonators": KINDS},
     "resonators by chain, column, dimer": {**COLUMN, **DIMER, "resonators": {"mass": [0.2, 0], "stiffness": [0.5, 1]}},
-    "resonators, walls, foundation, drag": {
+    "resonators, driven, walls, foundation, drag": {
         **WALLS,
+        "drive": [MOVED, FORCED],
+        "kick": None,
         "resonators": KINDS,
         "foundation": {"stiffness": 0.3},
         "damping": {"beads": 0.2},
@@ -133,10 +134,6 @@ CASES: dict[str, dict[str, Any]] = {
         "damping": LOSSES["all"],
         "push": {"bead": 2, "peak": 0.8, "duration": 2.0, "shape": "half-sine"},
     },
-    "resonators, driven": {"drive": [MOVED, FORCED], "kick": None, "resonators": KINDS},
-    "resonators, random contacts, pressed": strength(
-        RANDOM, **PRESSED, coupling=None, resonators={"mass": 0.1, "stiffness": 1.0}
-    ),
     "pressed": PRESSED,
     "pressed between walls": HELD,
     "column": COLUMN,
