@@ -44,6 +44,7 @@ class Lines:
         beside: a second pair style with its arguments, and the lines that give its coefficients.
         heavier: variable of what masses are larger by, over half a time step.
         damped: whether the dashpots of contacts are in the lines of these.
+        numbers: of every bead, [column, chain, bead], in the data file.
     """
 
     variables: tuple[str, ...] = ()
@@ -57,6 +58,7 @@ class Lines:
     heavier: str | None = None
     beside: tuple[str, ...] = ()
     damped: bool = False
+    numbers: NDArray[np.float64] | None = None
 
 
 def types_by_contact(strength: NDArray[np.float64]) -> AtomTypes:

@@ -101,7 +101,7 @@ class Problem:
         if self.recorded is not None or not held:
             return ()
         walled = any(isinstance(link, Wall) and link.side > 0.0 for link in held)
-        return ("f_memory[1]", "f_memory[2]")[: 1 + walled]
+        return ("v_memory", "v_memory_ahead")[: 1 + walled]
 
     @property
     def recorded_beads(self) -> NDArray[np.int64]:

@@ -4,16 +4,18 @@ The continued run is bit for bit the uninterrupted one, on any number of ranks. 
 owns them and in which order their forces are added up is settled once, with the beads at rest. So a restart holds the
 beads at rest: each one's place is parked in its ``vy``, which is zero by construction, and is taken from there when
 LAMMPS has settled everything as at the start. The forces at those places are computed by a step in which no bead moves.
-With damping they are those of velocities of half a step before, so they are kept, too, in ``vz``.
+With damping they are those of velocities of half a step before, and of contacts that yield those of memories before the
+step, so they are kept, too, in ``vz``.
 
 Frames of a continued run stand in ``chains.dump.bin``, ``chains.dump.2.bin``, ``chains.dump.3.bin`` and so on; the
 first one that a step stands in counts.
 """
 
-from lammps_inputs import file_names, scheme, static_load, window
+from lammps_inputs import file_names, physics, scheme, static_load, window
 from lammps_inputs.decks import deck
 from lammps_inputs.numbers import text
 from lammps_inputs.problem import Problem
+from lammps_inputs.system import System
 
 _TIMED_SINCE = 20230802
 """Earlier releases know the time since the restart only."""
@@ -39,11 +41,11 @@ def restart_lines(problem: Problem, file: str = file_names.UNFINISHED) -> list[s
         "variable parked atom x",
         f"variable rest atom {_rest(problem)}",
         "set group all vy v_parked",
-        *(["variable force atom fx", "set group all vz v_force"] if problem.system.dampers else []),
+        *(["variable force atom fx", "set group all vz v_force"] if _keeps_forces(problem.system) else []),
         "set group all x v_rest",
         f"write_restart {file} noinit",
         *_from_rest(),
-        *(["set group all vz 0.0"] if problem.system.dampers else []),
+        *(["set group all vz 0.0"] if _keeps_forces(problem.system) else []),
     ]
 
 
@@ -72,6 +74,7 @@ def render_continuation(problem: Problem) -> str:
             *deck.START,
             *deck.neighbour_lines(problem),
             "read_restart ${restart}          # x: places at rest; vy: present places",
+            *deck.number_fix(problem),
             *deck.inner_lines(problem),
         ],
         *deck.interactions(problem),
@@ -91,7 +94,7 @@ def render_continuation(problem: Problem) -> str:
         [
             "# setup with the beads at rest (neighbours, ranks, order); then forces at their present places",
             "timestep ${timestep}",
-            *(_given_forces() if system.dampers else []),
+            *(_given_forces() if _keeps_forces(system) else []),
             "variable before equal $(step-1)",
             "reset_timestep 0                 # resets the time, which the next line sets to that of the step",
             "reset_timestep ${before}",
@@ -99,12 +102,19 @@ def render_continuation(problem: Problem) -> str:
             "run 0 post no",
             *_from_rest(),
             "run 1 pre no post no",
-            *(["group given clear", "set group all vz 0.0"] if system.dampers else []),
+            *(["group given clear", "set group all vz 0.0"] if _keeps_forces(system) else []),
             "group free union all",
         ],
         onward_lines(problem),
     ]
     return "\n\n".join("\n".join(lines) for lines in sections) + "\n"
+
+
+def _keeps_forces(system: System) -> bool:
+    """Whether forces at present places are not those that LAMMPS computes there: of velocities of half a step before,
+    or of memories before this step.
+    """
+    return bool(system.dampers or physics.remembering(system))
 
 
 def _delayed(dumps: list[str]) -> list[str]:

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from lammps_inputs import file_names, laws, loads, physics, scheme, static_load, strict_yaml, window
 from lammps_inputs.deck_lines import AtomTypes, Lines
-from lammps_inputs.laws import dashpot, spring
+from lammps_inputs.laws import by_pairs, dashpot, spring
 from lammps_inputs.laws.wall import wall_lines
 from lammps_inputs.layout import Layout
 from lammps_inputs.limits import rates
@@ -94,7 +94,8 @@ def render_deck(problem: Problem) -> str:
             f"atom_style {_atom_style(problem)}",
             "boundary s f f                   # x: the box follows rebounding beads; y, z: no periodic images",
             *neighbour_lines(problem),
-            f"read_data {file_names.DATA}",
+            *number_fix(problem),
+            f"read_data {file_names.DATA}" + " fix numbers NULL Numbers" * bool(number_fix(problem)),
             *inner_lines(problem),
             *_mass_lines(problem),
         ],
@@ -165,7 +166,7 @@ def _of_links(problem: Problem) -> tuple[Lines, ...]:
 def _of_link(link: Link, layout: Layout) -> Lines:
     """The law's own lines; contacts whose law spells no dashpots of its own have them beside."""
     if isinstance(link, Wall):
-        return wall_lines(link, layout)
+        return Lines() if laws.remembers(link.law) else wall_lines(link, layout)
     lines: Lines = getattr(link.law, _kind(link))(link if isinstance(link, Across) else link.name, layout)
     damped = isinstance(link, Along) and layout.contact_loss is not None
     return dashpot.beside(lines, layout) if damped and not lines.damped else lines
@@ -177,7 +178,7 @@ def refusal(system: System) -> str:
         return why
     try:
         for link in system.along:
-            if laws.differs(link.law):
+            if laws.differs(link.law) or laws.remembers(link.law):
                 _of_link(link, Layout(system))
     except ValueError as error:
         return str(error)
@@ -194,9 +195,9 @@ def _missing(system: System) -> str:
 
 def _kind(link: Link) -> str:
     """Lines that LAMMPS has for a law on such a link."""
-    if isinstance(link, Wall):
+    if isinstance(link, Wall) and not laws.remembers(link.law):
         return "exponent"
-    return "along" if isinstance(link, Along) else "across" if isinstance(link, Across) else "ground"
+    return "along" if isinstance(link, Along | Wall) else "across" if isinstance(link, Across) else "ground"
 
 
 def _from_outside(problem: Problem) -> list[Lines]:
@@ -292,6 +293,17 @@ def recorded_lines(problem: Problem) -> list[str]:
         return ["group recorded type 2"]
     atoms = problem.chains * problem.beads  # first:last:stride is one bead of every chain
     return ["group recorded id " + " ".join(f"{bead}:{atoms}:{problem.beads}" for bead in problem.recorded)]
+
+
+def number_fix(problem: Problem) -> list[str]:
+    """What holds numbers of every bead; none where no law has them."""
+    if _numbers(problem) is None:
+        return []
+    return ["fix numbers all property/atom " + " ".join(by_pairs.COLUMNS)]
+
+
+def _numbers(problem: Problem) -> NDArray[np.float64] | None:
+    return next((lines.numbers for lines in _of_links(problem) if lines.numbers is not None), None)
 
 
 def _types(problem: Problem) -> AtomTypes | None:
@@ -456,6 +468,10 @@ def render_data(problem: Problem) -> str:
         else:
             out.writelines(f"{first + i} {t} {size} {x} {y} 0\n" for i, (t, x, size) in rows)
     out.writelines(_inner_atoms(problem, types, apart))
+    if (numbers := _numbers(problem)) is not None:
+        out.write("\nNumbers\n\n")
+        rows_of = np.moveaxis(numbers, 0, -1).reshape(-1, len(numbers)).tolist()
+        out.writelines(f"{atom} {' '.join(map(text, row))}\n" for atom, row in enumerate(rows_of, 1))
     if _tied(system):
         out.write("\nBonds\n\n")
         bond = 0

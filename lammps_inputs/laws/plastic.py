@@ -15,7 +15,12 @@ from lammps_inputs.laws import Parameter, Pure
 from lammps_inputs.units import Dimension
 
 if TYPE_CHECKING:
-    pass
+    from lammps_inputs.deck_lines import Lines
+    from lammps_inputs.layout import Layout
+
+if TYPE_CHECKING:
+    from lammps_inputs.deck_lines import Lines
+    from lammps_inputs.layout import Layout
 
 YIELD_PRESSURE = 1.6
 """Peak pressure over the yield strength where a metal (Poisson's ratio 0.3) begins to flow, below the surface at 0.48
@@ -102,6 +107,12 @@ class Thornton(NamedTuple):
     def permanent(strength: Any, onset: Any, memory: Any, rest: Any, load: Any) -> Any:  # noqa: ARG004
         """Overlap at which unloading ends, d_r."""
         return np.maximum(memory, onset) - _unloading(np.maximum(memory, onset), onset, memory)[0]
+
+    def along(self, name: str, layout: "Layout") -> "Lines":
+        """See `lammps_inputs.laws.by_pairs`."""
+        from lammps_inputs.laws import by_pairs
+
+        return by_pairs.contacts(self, name, layout)
 
 
 class WaltonBraun(NamedTuple):

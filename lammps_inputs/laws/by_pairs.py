@@ -1,0 +1,141 @@
+"""How LAMMPS spells contacts that yield, with stock commands: pairs of beads as chunks, and a fix that stores memories.
+
+Every bead has two contacts: one in the first pairs (beads 1 and 2, 3 and 4, ...), one in the second (2 and 3, ...).
+A chunk holds the beads of a pair, the sum of their places with alternating sign is their overlap, and each bead takes
+it from there. Where a bead at the end is in no pair, a wall takes that place. At the end of a step the memories are
+updated, and what follows from them; each number is computed once, for LAMMPS evaluates a variable wherever it is named.
+"""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lammps_inputs import laws, physics
+from lammps_inputs.deck_lines import Lines
+from lammps_inputs.laws.wall import faces
+from lammps_inputs.numbers import text
+
+if TYPE_CHECKING:
+    from lammps_inputs.laws.plastic import Thornton
+    from lammps_inputs.layout import Layout
+    from lammps_inputs.links import Wall
+
+MOST_BEADS = 4000
+"""Beads up to which it is worth while: a step takes some 2 us a bead, over fifty times as long as elastic contacts."""
+
+COLUMNS = ("d_strength1", "d_strength2", "d_onset1", "d_onset2")
+"""Per-atom numbers of the first and of the second pairs, where contacts differ."""
+
+
+def contacts(law: "Thornton", name: str, layout: "Layout") -> Lines:
+    """Contacts along chains, and with walls, that yield by Thornton's law.
+
+    Raises:
+        ValueError: more beads than are worth while, or a static load.
+    """
+    system = layout.system
+    if layout.chains * layout.beads > MOST_BEADS:
+        raise ValueError(
+            f"{name}: LAMMPS has contacts that yield by variables, which are slow: at most {MOST_BEADS} beads; use the "
+            "reference engine"
+        )
+    if np.any(laws.load(law)):
+        raise ValueError(f"{name}: LAMMPS has contacts that yield without a static load only; use the reference engine")
+    walls = [link for link in physics.walls(system) if laws.remembers(link.law)]
+    differ = laws.differs(law) or bool(walls)
+    numbers = [[f"v_{what}"] * 2 for what in ("strength", "onset")]
+    variables: tuple[str, ...] = (
+        f"variable strength index {text(float(np.max(law.strength)))}   # force per overlap^1.5",
+        f"variable onset index {text(float(np.max(law.onset)))}   # overlap at which contacts yield",
+    )
+    if differ:
+        numbers, variables = [["c_contacts[1]", "c_contacts[2]"], ["c_contacts[3]", "c_contacts[4]"]], ()
+    beads, columns = layout.beads, table(law, walls, layout) if differ else None
+    pairs = beads // 2 + 1
+    place, chain = f"((id-1)%{beads})", f"floor((id-1)/{beads})*{pairs}"
+    lines = [
+        "# contacts that yield: overlaps of the pairs of beads 1 and 2, 3 and 4, ..., and of 2 and 3, 4 and 5, ...",
+        f"variable pair1 atom {chain}+floor({place}/2)+1",
+        f"variable pair2 atom {chain}+floor(({place}+1)/2)+1",
+        f"variable sign atom 1-2*({place}%2)",
+        f"variable paired1 atom ({place}-{place}%2<{beads - 1})",
+        f"variable paired2 atom ({place}>0)*({place}+{place}%2<{beads})",
+        "fix pairs all store/state 0 v_sign v_paired1 v_paired2",
+        *(["compute contacts all property/atom " + " ".join(COLUMNS)] if differ else []),
+        "variable signed atom x*f_pairs[1]",
+    ]
+    for n, sign in ((1, "+"), (2, "-")):
+        lines += [
+            f"compute pair{n} all chunk/atom v_pair{n} nchunk once ids once compress no",
+            f"compute sum{n} all reduce/chunk pair{n} sum v_signed",
+            f"compute apart{n} all chunk/spread/atom pair{n} c_sum{n}",
+            f"variable overlap{n} atom f_pairs[{n + 1}]*({text(layout.diameter)}{sign}c_apart{n})"
+            + "".join(_at_wall(wall, n, layout) for wall in walls),
+        ]
+    for n, a, y in zip((1, 2), *numbers, strict=True):
+        lines += _of_pair(n, a, y)
+    lines += [
+        "fix memory all store/state 1 " + " ".join(f"v_{what}{n}" for what in _STORED for n in (1, 2)),
+        "variable push atom f_pairs[1]*(v_force2-v_force1)",
+        "fix contacts all addforce v_push 0.0 0.0",
+        "variable memory atom f_memory[1]*(1-f_pairs[1])/2+f_memory[2]*(1+f_pairs[1])/2",
+        "variable memory_ahead atom f_memory[1]*(1+f_pairs[1])/2+f_memory[2]*(1-f_pairs[1])/2",
+    ]
+    return Lines(
+        variables=variables,
+        interactions=(
+            "# contacts: no forces of LAMMPS's own, but neighbours; see fix contacts",
+            f"pair_style zero {text(layout.diameter)} nocoeff",
+            "pair_coeff * *",
+        ),
+        motion=tuple(lines),
+        numbers=columns,
+    )
+
+
+_STORED = ("most", "top", "z", "permanent")
+"""Memories and what follows from them, of the first and the second pairs each: columns of the fix."""
+
+
+def _of_pair(n: int, strength: str, onset: str) -> list[str]:
+    """Variables of the first or the second pairs."""
+    most, top, z, permanent = (f"f_memory[{2 * place + n}]" for place in range(len(_STORED)))
+    d = f"v_overlap{n}"
+    return [
+        f"variable most{n} atom {most}*({most}>={d})+{d}*({d}>{most})",
+        f"variable top{n} atom {most}*({most}>={onset})+{onset}*({most}<{onset})",
+        f"variable z{n} atom sqrt({onset}/{top})*(1.5-0.5*{onset}/{top})",
+        f"variable permanent{n} atom {top}*(1-{z})",
+        f"variable first{n} atom sqrt({onset})*(1.5*{d}-0.5*{onset})",
+        f"variable again{n} atom (({d}-{permanent})*({d}>{permanent}))^1.5/sqrt({z})",
+        f"variable force{n} atom {strength}*(({d}>{top})*v_first{n}+({d}<={top})*v_again{n})",
+    ]
+
+
+def _at_wall(wall: "Wall", n: int, layout: "Layout") -> str:
+    """Overlap with a wall, of the beads at it whose place in the first or second pairs is free."""
+    right, beads = wall.side > 0.0, layout.beads
+    if n != (2 if not right or beads % 2 == 0 else 1):
+        return ""
+    end = beads if right else 1
+    (face,) = {face for _, face in faces(wall, layout)}
+    touched = text(face - wall.side * layout.diameter / 2.0)
+    strain = f"(x-{touched})" if right else f"({touched}-x)"
+    return f"+((id-1)%{beads}=={end - 1})*{strain}"
+
+
+def table(law: "Thornton", walls: list[Any], layout: "Layout") -> Any:
+    """[column, chain, bead] `COLUMNS`; a strength of 0 where there is no contact."""
+    chains, beads = layout.chains, layout.beads
+    found = np.zeros((2, 2, chains, beads))
+    found[1] = 1.0
+    for row, value in zip(found, (law.strength, law.onset), strict=True):
+        of = np.broadcast_to(value, (chains, beads - 1))
+        for contact in range(beads - 1):
+            row[contact % 2, :, contact : contact + 2] = of[:, contact, np.newaxis]
+    for wall in walls:
+        right = wall.side > 0.0
+        free, end = (1 if not right or beads % 2 == 0 else 0), -1 if right else 0
+        for row, value in zip(found, (wall.law.strength, wall.law.onset), strict=True):
+            row[free, :, end] = np.broadcast_to(value, (chains, beads))[:, end]
+    return found.reshape(4, chains, beads)
