@@ -163,9 +163,11 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
         there = (other >= 0) & (other < x.shape[2])
         other = np.where(there, other, bead)
         for contact in system.along:
-            law = contact.law
+            law, place = contact.law, np.clip(np.minimum(row, row + side), 0, problem.beads - 2)
             if laws.differs(law):
-                law = laws.at(law, chain, np.clip(np.minimum(row, row + side), 0, problem.beads - 2))
+                law = laws.at(law, chain, place)
+            if block.memory is not None:
+                law = laws.with_memory(law, block.memory[frame, chain, place + 1])
             overlap = side * (here_x - x[frame, chain, other]) - contact.gap
             closing = side * (here_v - v[frame, chain, other])
             acceleration -= np.where(there, side * laws.force(law, overlap), 0.0)
@@ -178,6 +180,8 @@ def acceleration_and_rate(block: Trajectory, frame: Integers, chain: Integers, b
                 rate -= laws.stiffness(law, here_x - there_x) * (here_v - there_v)
     for ground in system.ground:
         law, strain = laws.at(ground.law, chain, row), ground.strain(here_x)
+        if block.memory is not None:  # of walls
+            law = laws.with_memory(law, block.memory[frame, chain, row + (ground.side > 0.0)])
         if laws.varies(law):
             law = law.now(block.time[frame])
             rate -= law.change(strain, *law)
@@ -206,7 +210,7 @@ def strain_and_rates(block: Trajectory, frame: Integers, chain: Integers, bead: 
     the frames determine the forces. Indices are as of `acceleration_and_rate`.
     """
     ends = [[values[frame, chain, bead + k] for k in (0, 1)] for values in (block.displacement, block.velocity)]
-    if block.problem.forces_known:
+    if block.forces_known:
         ends.append([acceleration_and_rate(block, frame, chain, bead + k)[0] for k in (0, 1)])
     return np.array([behind - ahead for behind, ahead in ends])
 
@@ -214,7 +218,7 @@ def strain_and_rates(block: Trajectory, frame: Integers, chain: Integers, bead: 
 def _drag_and_rate(block: Trajectory) -> tuple[Floats, Floats]:
     """Force of all dashpots on every bead, and how fast it changes, [frame, chain, bead]."""
     problem, (x, v) = block.problem, block.atoms
-    a = acceleration(problem.system, x, block.first, time=block.time, velocity=v)
+    a = acceleration(block.system, x, block.first, time=block.time, velocity=v)
     drag, rate = np.zeros_like(x), np.zeros_like(x)
     for link in problem.system.dampers:
         lines = slice(None if physics.is_inner(problem.system, link) else problem.chains)

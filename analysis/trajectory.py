@@ -127,6 +127,11 @@ class Trajectory:
         """The system at the times of these frames; laws whose force depends on the past have their memories."""
         return self.system_at(slice(None))
 
+    @property
+    def forces_known(self) -> bool:
+        """Whether every frame determines the forces on its beads, with what contacts remember."""
+        return self.problem.forces_known or self.memory is not None
+
     def states(self) -> Iterator[tuple[Floats, Floats, Floats | None]]:
         """Displacements and velocities of all atoms, and memories, of each frame."""
         for frame, (x, v) in enumerate(zip(*self.atoms, strict=True)):

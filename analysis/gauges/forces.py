@@ -213,7 +213,7 @@ def strain_at_frames(block: Trajectory, probe: Probe) -> Floats:
     """Strain of a contact and its derivatives, [derivative, frame, chain]; the second where all beads are recorded."""
     beads = (probe.behind, probe.ahead)
     states = [[_column(block, values, bead) for bead in beads] for values in (block.displacement, block.velocity)]
-    if block.problem.forces_known:
+    if block.forces_known:
         states.append([_acceleration(block, bead) for bead in beads])
     return np.array([behind - ahead for behind, ahead in states])
 

@@ -204,7 +204,7 @@ def bracketed(
     """Maxima whose largest frames are given. One at frame 0 stays there but of a bead that is pushed or moved."""
     spacing = block.spacing
     x, v = block.displacement, block.velocity
-    by_equations = block.problem.forces_known and not noisy
+    by_equations = block.forces_known and not noisy
     if by_equations:
         rising = way * motion.acceleration_and_rate(block, frame, chain, bead)[0] > 0.0
         start = np.maximum(np.where(rising, frame, frame - 1), 0)
@@ -256,7 +256,7 @@ def bracketed(
         doubt=_share_of_doubt(block.problem, spacing, quick, by_equations=by_equations) * (other - velocity),
         kink=kink,
         beside=beside,
-        whole=np.full(len(frame), block.problem.forces_known),
+        whole=np.full(len(frame), block.forces_known),
     )
 
 

@@ -468,10 +468,6 @@ def render_data(problem: Problem) -> str:
         else:
             out.writelines(f"{first + i} {t} {size} {x} {y} 0\n" for i, (t, x, size) in rows)
     out.writelines(_inner_atoms(problem, types, apart))
-    if (numbers := _numbers(problem)) is not None:
-        out.write("\nNumbers\n\n")
-        rows_of = np.moveaxis(numbers, 0, -1).reshape(-1, len(numbers)).tolist()
-        out.writelines(f"{atom} {' '.join(map(text, row))}\n" for atom, row in enumerate(rows_of, 1))
     if _tied(system):
         out.write("\nBonds\n\n")
         bond = 0
@@ -480,6 +476,10 @@ def render_data(problem: Problem) -> str:
             numbered = enumerate(zip(tied.tolist(), kind_of[tied].tolist(), strict=True), bond + 1)
             out.writelines(f"{number} {t} {lower + i} {higher + i}\n" for number, (i, t) in numbered)
             bond += len(tied)
+    if (numbers := _numbers(problem)) is not None:
+        out.write("\nNumbers\n\n")
+        rows_of = np.moveaxis(numbers, 0, -1).reshape(-1, len(numbers)).tolist()
+        out.writelines(f"{atom} {' '.join(map(text, row))}\n" for atom, row in enumerate(rows_of, 1))
     return out.getvalue()
 
 

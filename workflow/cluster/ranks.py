@@ -102,6 +102,10 @@ class Cost:
         )
 
 
+YIELDING = 2e-6
+"""Seconds a bead and step of contacts that yield (`lammps_inputs.laws.by_pairs`)."""
+
+
 def bead_seconds(problem: Problem) -> float:
     """Seconds a bead and step."""
     return COUPLED_BEAD if physics.coupled(problem.system) else LONE_BEAD
@@ -115,6 +119,8 @@ def _more(problem: Problem, beads: int) -> float:
     seconds += MOTION * len(system.motions)
     if physics.exponent(system) not in (None, 1.0, 1.5):
         seconds += LEPTON
+    if physics.remembering(system):
+        seconds += beads * YIELDING
     return seconds + beads * (LOADED * physics.loaded(system) + DAMPED * (physics.contact_loss(system) is not None))
 
 

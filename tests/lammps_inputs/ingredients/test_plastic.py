@@ -4,12 +4,21 @@ import math
 
 import numpy as np
 import pytest
-from stock_lammps import scene
+from plain_scene import goes_on_bit_for_bit
+from stock_lammps import DEBIAN, scene
+from stock_lammps import run as run_deck
 
+from analysis import motion
 from analysis.conservation import Conservation
 from lammps_inputs import laws, library, physics
+from lammps_inputs.decks import deck
 from lammps_inputs.laws.plastic import Thornton, restitution_of
 from workflow.engines.reference import engine
+from workflow.engines.reference.schemes import VERLET
+from workflow.runs.run import run
+from workflow.verdicts.analyse import analyse
+
+pytestmark = pytest.mark.usefixtures("lammps_here")
 
 YIELD = {"yield": {"overlap": 0.1}}
 WALTON = {"yield": {"law": "walton-braun", "restitution": 0.8}}
@@ -146,3 +155,90 @@ def test_a_bound_of_the_strain_holds_the_energy_of_first_loading():
 def test_a_scene_with_contacts_that_yield_is_the_same_from_its_own_text():
     case = plastic(None, material=STEEL)
     assert library.from_plain(case.plain(), "again") == case
+
+
+UNLIKE = {"kinds": {"a": {}, "b": {"radius": 0.7}}, "pattern": ["a", "b", "b"]}
+IN_LAMMPS = {
+    "odd": {"beads": 13},
+    "walls": {"walls": {"left": "flat", "right": "rigid"}, "gap": 0.3, "kick": {"velocity": 1.0, "bead": 4}},
+    "unlike, wall": {**UNLIKE, "beads": 7, "walls": {"right": "flat"}},
+    "coupled": {
+        "chains": 3,
+        "coupling": {"stiffness": 0.2},
+        "foundation": {"stiffness": 0.1},
+        "walls": {"right": "bead"},
+    },
+    "damped": {"chains": 2, "coupling": {"stiffness": 0.2}, "damping": {"beads": 0.1, "coupling": 0.1}},
+}
+
+
+def in_lammps(name, **keys):
+    return plastic(**{"beads": 12, "duration": 30.0, **IN_LAMMPS[name], **keys})
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name != "walls")) for name in IN_LAMMPS]
+)
+def test_lammps_is_the_reference_with_its_scheme_to_rounding(name, tmp_path):
+    done = run(in_lammps(name), tmp_path / "run")
+    problem = done.directory.problem
+    same = engine.run(problem, scheme=VERLET, steps_per_frame=problem.steps_per_frame)
+    np.testing.assert_allclose(done.trajectory.velocity, same.velocity, rtol=0.0, atol=1e-11)
+    np.testing.assert_allclose(done.trajectory.memory, same.memory, rtol=0.0, atol=1e-11)
+    assert done.check.velocity < 2e-3
+
+
+def test_lammps_finds_the_forces_along_a_chain(tmp_path):
+    case = plastic(beads=20, duration=30.0)
+    lost = physics.lost_by_yielding(engine.run(case.problem()).system)[-1]
+    done = run(case, tmp_path / "run")
+    assert done.check.velocity < 2.5e-5
+    found = analyse(done.directory, figures=False)
+    assert found.conservation.energy_drift < 1e-4
+    assert found.conservation.budget.result().lost["plastic contacts"][-1] == pytest.approx(lost, abs=1e-5)
+
+
+@pytest.mark.slow
+def test_errors_of_lammps_fall_as_the_square_of_the_step_on_average():
+    problem, errors = plastic(beads=20, duration=30.0).problem(), []
+    exact = engine.run(problem, steps_per_frame=64).velocity
+    for step in (0.02, 0.01, 0.005, 0.0025):
+        found = engine.run(problem, scheme=VERLET, steps_per_frame=round(0.1 / step)).velocity
+        errors.append(np.max(np.abs(found - exact)))
+    assert np.log2(errors[0] / errors[-1]) / 3 == pytest.approx(2.0, abs=0.6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["walls", "unlike, wall", "damped"])
+def test_an_interrupted_run_goes_on_bit_for_bit(name, tmp_path):
+    goes_on_bit_for_bit(in_lammps(name, duration=60.0), tmp_path, after=500)
+
+
+@pytest.mark.slow
+def test_ranks_and_the_release_of_2021_compute_the_same_bits(tmp_path):
+    cases = [in_lammps(name, timestep=0.05) for name in ("walls", "unlike, wall", "coupled")]
+    for case in cases:
+        one, two = (run_deck(case, tmp_path / f"{case.beads}{case.chains}{n}", ranks=n) for n in (1, 2))
+        np.testing.assert_array_equal(two.vx, one.vx)
+        if DEBIAN.exists():
+            old = run_deck(case, tmp_path / f"{case.beads}{case.chains}old", executable=DEBIAN)
+            np.testing.assert_allclose(old.velocity, one.velocity, rtol=0.0, atol=1e-11)
+
+
+def test_lammps_refuses_many_beads_static_loads_and_the_other_law_in_one_line():
+    for case, why in (
+        (plastic(beads=4001), "at most 4000 beads"),
+        (plastic(beads=12, precompression={"force": 0.1}), "without a static load only"),
+        (plastic(WALTON), "LAMMPS has no such force"),
+    ):
+        assert why in deck.refusal(case.system)
+
+
+def test_accelerations_of_frames_are_the_slopes_of_the_velocities():
+    keys = {"walls": {"left": "bead", "right": "rigid"}, "gap": 0.2, "kick": {"velocity": 1.0, "bead": 5}}
+    problem = plastic(**keys, beads=12, duration=20.0, timestep=0.001, output={"every": 0.001}).problem()
+    found = engine.run(problem, steps_per_frame=2)
+    frame, chain, bead = np.meshgrid(np.arange(1, found.frames - 1, 7), [0], np.arange(12), indexing="ij")
+    slope = (found.velocity[frame + 1, chain, bead] - found.velocity[frame - 1, chain, bead]) / 0.002
+    # a force whose slope jumps within the two frames is off by half of the jump times their distance
+    assert np.max(np.abs(motion.acceleration_and_rate(found, frame, chain, bead)[0] - slope)) < 1e-3

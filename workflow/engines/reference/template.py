@@ -135,7 +135,6 @@ REMEMBER_AS_LAMMPS = """
 for k in range({begin}, {end}):
     late = {strain}
     {memory} = {after}
-span[3] = 1
 """
 
 ADVANCE = '''
