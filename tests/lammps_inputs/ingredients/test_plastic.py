@@ -241,4 +241,4 @@ def test_accelerations_of_frames_are_the_slopes_of_the_velocities():
     frame, chain, bead = np.meshgrid(np.arange(1, found.frames - 1, 7), [0], np.arange(12), indexing="ij")
     slope = (found.velocity[frame + 1, chain, bead] - found.velocity[frame - 1, chain, bead]) / 0.002
     # a force whose slope jumps within the two frames is off by half of the jump times their distance
-    assert np.max(np.abs(motion.acceleration_and_rate(found, frame, chain, bead)[0] - slope)) < 1e-3
+    assert np.max(np.abs(motion.acceleration_and_rate(found, frame, chain, bead)[0] - slope)) < 1e-4
