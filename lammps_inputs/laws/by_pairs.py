@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lammps_inputs import laws, physics
+from lammps_inputs import laws
 from lammps_inputs.deck_lines import Lines
 from lammps_inputs.laws.wall import faces
 from lammps_inputs.numbers import text
@@ -41,7 +41,7 @@ def contacts(law: "Thornton", name: str, layout: "Layout") -> Lines:
         )
     if np.any(laws.load(law)):
         raise ValueError(f"{name}: LAMMPS has contacts that yield without a static load only; use the reference engine")
-    walls = [link for link in physics.walls(system) if laws.remembers(link.law)]
+    walls: list[Any] = [link for link in system.ground if laws.remembers(link.law)]
     differ = laws.differs(law) or bool(walls)
     numbers = [[f"v_{what}"] * 2 for what in ("strength", "onset")]
     variables: tuple[str, ...] = (
