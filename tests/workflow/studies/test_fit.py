@@ -4,7 +4,6 @@ fit.
 
 import json
 import os
-from types import SimpleNamespace
 
 import measured
 import numpy as np
@@ -15,7 +14,7 @@ from workflow import api
 from workflow.cli import main
 from workflow.runs.run_directory import RunDirectory
 from workflow.studies.fit import estimate, goodness, study
-from workflow.studies.fit.search import Search
+from workflow.studies.fit.model import Model
 
 pytestmark = pytest.mark.usefixtures("lammps_here")
 
@@ -85,8 +84,9 @@ def test_intervals_hold_the_truth_and_fits_are_rejected_as_often_as_stated(tmp_p
         wrong = measured.scene(modulus=1.15, coupling=0.7, kick=0.9)
         result = api.fit(wrong, data, list(measured.TRUTH), str(tmp_path / "o"), lammps=False)
         if result.fits:
-            ends = zip(result.low, measured.TRUTH.values(), result.high, strict=False)
-            inside += [low <= value <= high for low, value, high in ends]
+            inside += [
+                result.free[name].low <= value <= result.free[name].high for name, value in measured.TRUTH.items()
+            ]
             fitting += 1
     assert repr(result).startswith(f"<fit: {next(iter(measured.TRUTH))} = ")
     assert all(name in result._repr_html_() for name in measured.TRUTH)
@@ -284,9 +284,10 @@ def test_two_parameters_whose_slopes_are_alike_are_said_to_be(smallest, weak):
 
 @pytest.mark.parametrize("edge", [np.inf, 0.0], ids=["inside", "at the edge"])
 def test_slopes_are_those_of_the_traces_also_where_one_side_is_no_scene(edge):
-    search = Search(SimpleNamespace(source="scene"), SimpleNamespace(names=("a",)), {}, None)
-    search.traces = lambda p: np.array([[3.0 * p[0] + 2.0 * p[1]]]) if p[0] <= edge else None
-    assert search.slopes(np.zeros(2))[0, 0] == pytest.approx([3.0, 2.0], rel=1e-9)
+    model = Model.__new__(Model)
+    model.names = ("a",)
+    model.traces = lambda p: np.array([[3.0 * p[0] + 2.0 * p[1]]]) if p[0] <= edge else None
+    assert model.slopes(np.zeros(2))[0, 0] == pytest.approx([3.0, 2.0], rel=1e-9)
 
 
 def test_a_table_in_units_is_of_no_scene_without(tmp_path):

@@ -1,7 +1,6 @@
 """Estimate fields of a scene from measured forces or velocities, with confidence intervals."""
 
 import argparse
-import math
 from pathlib import Path
 
 from lammps_inputs import file_names, library, shipped
@@ -10,6 +9,7 @@ from workflow.formats import figure_files
 from workflow.screen import Answer, one_line, print_table
 from workflow.studies.fit import study
 from workflow.studies.fit.found import Fit
+from workflow.studies.options import add_output
 from workflow.sweep.command_job import submit_hint, write_job
 
 ANSWERS = "what fit.json holds"
@@ -41,7 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=float,
         help="by how much times of FILE are later than the scene's (default: found, too)",
     )
-    parser.add_argument("-o", "--output", metavar="DIR", type=Path, required=True, help="made if need be")
+    add_output(parser)
     parser.add_argument("--no-lammps", action="store_true", help="do not run the fitted scene in LAMMPS")
     add_job_arguments(parser)
 
@@ -54,7 +54,7 @@ def execute(arguments: argparse.Namespace) -> Answer:
         print(submit_hint(arguments.output))
         return Answer(0, {"job": str(arguments.output / file_names.JOB)})
     found = study.fit(
-        _plain(arguments.scene),
+        library.find(arguments.scene).plain(),
         arguments.against,
         [name.strip() for name in arguments.free.split(",") if name.strip()],
         arguments.output,
@@ -63,7 +63,7 @@ def execute(arguments: argparse.Namespace) -> Answer:
         lammps=not arguments.no_lammps,
     )
     _print(found, arguments)
-    return Answer(0 if found.found.converged and found.fits is not False else 1, found.plain())
+    return Answer(0 if found.converged and found.fits is not False else 1, found.plain())
 
 
 def _words(arguments: argparse.Namespace) -> list[str]:
@@ -77,57 +77,16 @@ def _words(arguments: argparse.Namespace) -> list[str]:
     return [*words, *(["--no-lammps"] if arguments.no_lammps else [])]
 
 
-def _plain(name: str) -> dict[str, object]:
-    """Plain data of a scene by name or from a file."""
-    return library.find(name).plain()
-
-
 def _print(found: Fit, arguments: argparse.Namespace) -> None:
     print(found.verdict)
     for note in found.notes():
         print(note)
-    print_table(
-        f"{one_line(arguments.scene)} fitted to {one_line(arguments.against)}: {found.found.rows} values",
-        list(found.HEAD),
-        [list(row) for row in found.rows()],
-    )
-    if len(found.names) > 1:
-        lines = [
-            [name, *(_cell(value, ".3f") for value in row[: place + 1])]
-            for place, (name, row) in enumerate(zip(found.names, found.found.correlation, strict=True))
-        ]
-        print_table(
-            "correlation", ["", *map(str, range(1, len(lines) + 1))], [_padded(row, len(lines)) for row in lines]
-        )
-    test = found.goodness
-    columns = zip(
-        found.channels,
-        found.channel_units,
-        found.found.noise,
-        found.share,
-        test.chi_square,
-        test.autocorrelation,
-        test.runs,
-        strict=True,
-    )
-    print_table(
-        "residuals",
-        ["channel", "unit", "sigma", "of largest", "chi2 / dof", "autocorrelation", "runs / expected"],
-        [
-            [channel.name, unit, f"{sigma:.3g}", f"{100.0 * share:.3g}%", *(_cell(value, ".3g") for value in tests)]
-            for channel, unit, sigma, share, *tests in columns
-        ],
-    )
-    if found.lammps is not None:
-        error = "" if found.check is None else f"error of velocities {found.check.velocity:.1e} V; "
-        print(f"in LAMMPS: {error}traces differ from the fitted ones by {found.lammps:.2g} sigma at most")
-    out = arguments.output
-    print(f"{one_line(out)}: {', '.join((study.FITTED, study.REPORT, *figure_files(study.FIGURE)))}")
-
-
-def _cell(value: float, form: str) -> str:
-    return format(value, form) if math.isfinite(value) else "-"
-
-
-def _padded(row: list[str], count: int) -> list[str]:
-    return [*row, *[""] * (count + 1 - len(row))]
+    for title, head, rows in found.tables():
+        fitted = f"{one_line(arguments.scene)} fitted to {one_line(arguments.against)}: {found.rows} values"
+        print_table(fitted if title == "fields" else title, head, rows)
+    lammps = found.lammps
+    if lammps.difference is not None:
+        error = "" if lammps.error_velocity is None else f"error of velocities {lammps.error_velocity:.1e} V; "
+        print(f"in LAMMPS: {error}traces differ from the fitted ones by {lammps.difference:.2g} sigma at most")
+    files = (study.FITTED, study.REPORT, *figure_files(study.FIGURE))
+    print(f"{one_line(arguments.output)}: {', '.join(files)}")

@@ -1,19 +1,23 @@
-"""Traces that a scene would show, from the reference, at times of a table."""
+"""Traces that a scene would show, from the reference at the times of a table, by free fields and the time offset."""
 
+import copy
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from analysis.files.traces import Traces
-from analysis.gauges.channels import beads_of, read_at
+from analysis.files import traces
+from analysis.files.traces import Channel
+from analysis.gauges.channels import beads_of, read, read_at
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import InputError, Problem, library
 from lammps_inputs.units import REDUCED, SI
 from workflow.engines.reference import engine
 from workflow.engines.reference.schemes import VERLET
+from workflow.sweep import fields
 from workflow.verdicts.validate_table import check_channels
 
 _LATER = 8
@@ -21,24 +25,48 @@ _LATER = 8
 
 MOST_FRAMES = 2_000_000
 
+STEP = 1e-4
+"""Of logarithms, for derivatives."""
+
+OFFSET_STEP = 1e-3
+"""Of the time offset, in units of T, likewise."""
+
+NO_MODEL = ("duration", "until_bead", "timestep", "accuracy", "output")
+"""Keys that traces do not depend on."""
+
+NO_SCENE = "no scene near these values of the free fields can be computed"
+
 
 class Model:
-    """Traces of scenes that differ in some numbers.
+    """Traces, residuals and derivatives by parameters.
 
-    Frames and steps lie at the same times in all, so that small changes of the numbers make small ones of the traces.
+    The parameters are the logarithms of the free fields over their values in the scene, so that these keep their sign,
+    and then the time offset in units of T where it is free. Frames and steps lie at the same times for all of them, so
+    that small changes of the parameters make small ones of the traces.
 
     Args:
         scene: plain data of the scene to begin with.
         source: what to call it in messages.
-        path: of the table.
-        given: what was measured.
+        names: of the free fields.
+        path: of the table, see `analysis.files.traces`.
+        offset: by how much the table's times are later than the scene's, in its units; None where it is free.
 
     Raises:
-        InputError: the scene is none, or has no such channels.
+        InputError: the scene is none, or has no such channels; or a name is that of no field with a number.
     """
 
-    def __init__(self, scene: dict[str, Any], source: str, path: Path, given: Traces) -> None:
-        self.source, self.given = source, given
+    def __init__(
+        self, scene: dict[str, Any], source: str, names: Sequence[str], path: Path, offset: float | None
+    ) -> None:
+        library.from_plain(scene, source)
+        if not names:
+            raise InputError("--free: name at least one field, such as coupling.stiffness")
+        self.scene, self.source, self.names = scene, source, tuple(names)
+        self.start = tuple(self._start(name) for name in names)
+        if len(set(names)) < len(names):
+            raise InputError(f"--free: {max(names, key=list(names).count)} is named twice")
+        self.given = given = traces.load(path)
+        self.fixed_offset = offset
         start = self._problem(scene, 1.0)
         if start.window is not None:
             raise InputError(f"{source}: window: rows behind it have no traces; leave it out")
@@ -55,46 +83,222 @@ class Model:
                 "where the pulses have passed (and see that its times are in the scene's units)"
             )
         self.beads = beads_of(given.channels, start)
+        self._kept: dict[tuple[float, ...], Trajectory | None] = {}
+
+    def _start(self, name: str) -> float:
+        """What the scene has in a field."""
+        try:
+            path = fields.parse(name, self.scene)
+        except InputError as error:
+            raise InputError(f"--free: {error}") from None
+        value = fields.look_up(self.scene, path)
+        if isinstance(value, bool) or not isinstance(value, int | float) or value == 0:
+            found = "is not there" if value is None else f"is {str(value)[:60]!r}"
+            raise InputError(
+                f"{self.source}: {name}: {found}; a free field needs a number other than 0 in the scene to start from"
+            )
+        if fields.is_whole(path):
+            raise InputError(f"--free: {name} counts something, so it is no number that can change little by little")
+        return float(value)
 
     def symbol(self, quantity: str) -> str:
         """Of the unit of a quantity."""
         return SI[quantity] if self._si else REDUCED
 
-    @property
-    def units(self) -> tuple[str, ...]:
-        """Symbol of each channel's unit."""
-        return tuple(self.symbol(channel.quantity) for channel in self.given.channels)
+    # --- parameters ---
 
-    def _problem(self, scene: dict[str, Any], duration: float) -> Problem:
+    @property
+    def finds_offset(self) -> bool:
+        """Whether the last parameter is the offset."""
+        return self.fixed_offset is None
+
+    def offset(self, parameters: Floats) -> float:
+        """In the scene's units of time."""
+        return self.fixed_offset if self.fixed_offset is not None else float(parameters[-1]) * self.unit_time
+
+    def fields(self, parameters: Floats) -> dict[str, float]:
+        """Values of the free fields."""
+        own = zip(self.names, self.start, parameters, strict=False)
+        return {name: start * math.exp(value) for name, start, value in own}
+
+    def scene_at(self, parameters: Floats) -> dict[str, Any]:
+        """Plain data of the scene with these values."""
+        return fields.put_all(self.scene, self.fields(parameters))
+
+    # --- runs ---
+
+    def _problem(self, scene: dict[str, Any], duration: float, *, own_step: bool = False) -> Problem:
         """Of a scene that is followed for a time of its own units."""
-        kept = {key: value for key, value in scene.items() if key not in ("until_bead", "accuracy", "timestep")}
+        dropped = ("until_bead", "accuracy") if own_step else ("until_bead", "accuracy", "timestep")
+        kept = {key: value for key, value in scene.items() if key not in dropped}
         return library.from_plain({**kept, "duration": duration, "output": {}}, self.source).problem()
 
-    def run(self, scene: dict[str, Any], until: float) -> Trajectory:
+    def run(self, parameters: Floats, until: float) -> Trajectory:
         """The beads that matter, from the start until a time in the scene's units.
 
         Raises:
             InputError: it is no scene.
+            OverflowError: a field has no finite value.
         """
         frames = max(0, math.ceil(until / self.every)) + _LATER
-        problem = self._problem(scene, frames * self.every)
+        problem = self._problem(self.scene_at(parameters), frames * self.every)
         steps = max(self._steps, engine.default_steps_per_frame(problem))
         every = self.every / problem.scale.time
         problem = replace(problem, timestep=every / steps, steps_per_frame=steps, frames=frames, recorded=self.beads)
         return engine.run(problem, steps_per_frame=steps)
 
-    def numerical_error(self, scene: dict[str, Any], offset: float, traces: Floats) -> Floats:
+    def trajectory(self, parameters: Floats) -> Trajectory | None:
+        """Over the time of the table; None where the scene is refused."""
+        until = float(self.given.time[-1]) - self.offset(parameters)
+        key = (*parameters[: len(self.names)].tolist(), math.ceil(until / self.every))
+        if key not in self._kept:
+            if len(self._kept) > 4 * len(parameters) + 4:
+                self._kept.pop(next(iter(self._kept)))
+            try:
+                self._kept[key] = self.run(parameters, until)
+            except (InputError, OverflowError):
+                self._kept[key] = None
+        return self._kept[key]
+
+    def traces(self, parameters: Floats) -> Floats | None:
+        """What the table would hold, [row, channel]; None where the scene is refused."""
+        run = self.trajectory(parameters)
+        return None if run is None else self._traces_of(run, parameters)
+
+    def _traces_of(self, run: Trajectory, parameters: Floats) -> Floats:
+        return read_at(run, self.given.channels, self.given.time - self.offset(parameters))
+
+    def numerical_error(self, parameters: Floats, traces: Floats) -> Floats:
         """[channel] root mean square of the difference of a run with the scene's time step and LAMMPS's scheme.
 
         Data that such a run made are as far from the traces without any noise.
         """
-        kept = {key: value for key, value in scene.items() if key not in ("until_bead", "accuracy")}
-        last = max(0.0, float(self.given.time[-1]) - offset) + _LATER * self.every
-        problem = library.from_plain({**kept, "duration": last, "output": {}}, self.source).problem()
+        last = max(0.0, float(self.given.time[-1]) - self.offset(parameters)) + _LATER * self.every
+        problem = self._problem(self.scene_at(parameters), last, own_step=True)
         run = engine.run(replace(problem, recorded=self.beads), scheme=VERLET, steps_per_frame=problem.steps_per_frame)
-        difference = np.where(np.isfinite(self.given.values), self.traces(run, offset) - traces, np.nan)
+        difference = np.where(np.isfinite(self.given.values), self._traces_of(run, parameters) - traces, np.nan)
         return np.asarray(np.sqrt(np.nanmean(difference**2, axis=0)))
 
-    def traces(self, run: Trajectory, offset: float) -> Floats:
-        """What the table would hold, [row, channel], where its times are later than the scene's by an offset."""
-        return read_at(run, self.given.channels, self.given.time - offset)
+    # --- residuals and derivatives ---
+
+    def residuals(self, parameters: Floats) -> Floats:
+        """Data minus model, [row, channel]; NaN without data; all infinite where the scene is refused."""
+        values = self.given.values
+        found = self.traces(parameters)
+        if found is None:
+            return np.where(np.isfinite(values), np.inf, np.nan)
+        return np.asarray(values - found)
+
+    def slopes(self, parameters: Floats) -> Floats:
+        """Derivatives of the traces, [row, channel, parameter]."""
+        return np.stack([self.slope(parameters, place) for place in range(len(parameters))], axis=-1)
+
+    def slope(self, parameters: Floats, place: int) -> Floats:
+        """Derivative of the traces by one parameter, [row, channel]."""
+        step = STEP if place < len(self.names) else OFFSET_STEP
+        sides = []
+        for sign in (1.0, -1.0):
+            moved = parameters.copy()
+            moved[place] += sign * step
+            sides.append(self.traces(moved))
+        count = sum(side is not None for side in sides)
+        middle = self.traces(parameters) if count < 2 else None
+        above, below = (middle if side is None else side for side in sides)
+        if above is None or below is None:
+            raise InputError(f"{self.source}: {NO_SCENE}")
+        return np.asarray((above - below) / (step * max(count, 1)))
+
+    def fixed(self, parameters: Floats) -> tuple[tuple[str, ...], Floats]:
+        """Fixed fields that hold a number, and derivatives of the traces by their logarithms, [row, channel, field]."""
+        count = len(self.names)
+        names, columns = [], []
+        varied = {_entries(name) for name in self.names}
+        for name in _numbers(self.scene):
+            if _entries(name) in varied:
+                continue
+            wide = copy.copy(self)
+            wide._kept = {}
+            try:
+                wide.names, wide.start = (*self.names, name), (*self.start, self._start(name))
+                columns.append(wide.slope(np.insert(parameters, count, 0.0), count))
+                names.append(name)
+            except InputError:  # no number, or none near it is a scene
+                continue
+        shape = (*self.given.values.shape, 0)
+        return tuple(names), np.stack(columns, axis=-1) if columns else np.empty(shape)
+
+
+def _numbers(scene: dict[str, Any], above: str = "") -> Iterator[str]:
+    """Names of all that holds a number in a scene's plain data."""
+    for key, value in scene.items():
+        if isinstance(value, dict):
+            yield from _numbers(value, f"{above}{key}.")
+        elif isinstance(value, list | tuple):
+            for number, part in enumerate(value, 1):
+                yield from _numbers(part, f"{above}{key}[{number}].") if isinstance(part, dict) else ()
+        elif isinstance(value, int | float) and key not in NO_MODEL:
+            yield above + key
+
+
+def _entries(name: str) -> tuple[tuple[str, int], ...]:
+    """The keys of a field, of several parts each with its number."""
+    return tuple((key, number or 1) for key, number in fields.parse(name))
+
+
+# --- offset -----------------------------------------------------------------------------------------------------------
+
+
+def squares(residuals: Floats) -> float:
+    """Sum of squares, of what is known."""
+    return float(np.nansum(residuals**2))
+
+
+def aligned(model: Model, logarithms: Floats, size: Floats, *, flipped: bool = False) -> tuple[float, Floats] | None:
+    """Sum of squares, weighed by size, and parameters with the offset at which it is least on a raster.
+
+    With ``flipped`` the offset is that at which it is least where the sign of each channel is free. None where the
+    scene is refused.
+    """
+    given = model.given
+    if not model.finds_offset:
+        return squares(model.residuals(logarithms) / size), logarithms
+    span = float(given.time[-1] - given.time[0])
+    try:
+        run = model.run(logarithms, span)
+    except (InputError, OverflowError):
+        return None
+    # with traces at the frames, since thousands of offsets are tried
+    frames, unit = run.time * run.problem.scale.time, model.unit_time
+    shown = read(run, given.channels) * [getattr(run.problem.scale, channel.quantity) for channel in given.channels]
+
+    def cost(offset: float) -> float:
+        traces = np.stack([np.interp(given.time - offset, frames, column, left=0.0) for column in shown.T], axis=1)
+        found = np.nansum(((given.values - traces) / size) ** 2, axis=0)
+        if flipped:
+            found = np.minimum(found, np.nansum(((given.values + traces) / size) ** 2, axis=0))
+        return float(np.sum(found))
+
+    rough = given.time[0] - span / 2.0 + np.arange(0.0, 1.5 * span, max(0.5 * unit, span / 2000.0))
+    best = min(rough, key=cost)
+    best = min(best + np.linspace(-1.0, 1.0, 41) * (rough[1] - rough[0] if len(rough) > 1 else unit), key=cost)
+    parameters = np.append(logarithms, best / unit)
+    return squares(model.residuals(parameters) / size), parameters
+
+
+def reversed_channels(model: Model, parameters: Floats, size: Floats) -> tuple[Channel, ...]:
+    """Channels whose opposite sign at least halves the sum of squares, near these parameters or the start."""
+    given = model.given
+    count = len(model.names)
+    found: tuple[Channel, ...] = ()
+    least = 0.5 * squares(model.residuals(parameters) / size)
+    for point in (parameters[:count], np.zeros(count)):
+        best = aligned(model, point, size, flipped=True)
+        traces = None if best is None else model.traces(best[1])
+        if traces is None:
+            continue
+        signs = np.where(np.nansum(given.values * traces, axis=0) < 0.0, -1.0, 1.0)
+        cost = squares((given.values - signs * traces) / size)
+        if cost < least:
+            least = cost
+            found = tuple(channel for channel, sign in zip(given.channels, signs, strict=True) if sign < 0.0)
+    return found

@@ -16,18 +16,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.stats import qmc
 
-from analysis.files import traces
 from analysis.files.traces import Traces
 from analysis.gauges.channels import read_at
 from analysis.trajectory import Floats
 from lammps_inputs import InputError, library, strict_yaml
-from workflow.runs.check import Check
 from workflow.runs.files import as_json
 from workflow.runs.run import run
 from workflow.studies.fit.estimate import Estimate, estimate
-from workflow.studies.fit.found import Fit, judged
-from workflow.studies.fit.model import Model
-from workflow.studies.fit.search import NO_SCENE, Search, aligned, free, squares
+from workflow.studies.fit.found import Fit, InLammps, judged
+from workflow.studies.fit.model import NO_SCENE, Model, aligned, squares
 from workflow.studies.study import Study
 
 if TYPE_CHECKING:
@@ -78,21 +75,21 @@ def fit(
         InputError: the scene, the table, a field or the directory cannot be used.
         RunError: LAMMPS failed.
     """
-    library.from_plain(scene, source)
-    what = free(names, scene, source)
-    given = traces.load(path)
-    search = Search(Model(scene, source, path, given), what, scene, offset)
+    model = Model(scene, source, names, path, offset)
     with STUDY.opened(directory):
-        size = _sizes(given, path, len(names) + search.finds_offset)
-        found = _best(search, size)
-        fitted = what.put(scene, search.fields(found.parameters))
-        result = judged(search, found, size, fitted)
+        size = _sizes(model.given, path, len(names) + model.finds_offset)
+        found = _best(model, size)
+        result = judged(model, found, size)
         comment = "" if result.fits is not False else f"# {result.verdict}\n"
-        STUDY.write(directory, {FITTED: comment + strict_yaml.dump(library.from_plain(fitted, source).plain())})
+        fitted = library.from_plain(model.scene_at(found.parameters), source).plain()
+        STUDY.write(directory, {FITTED: comment + strict_yaml.dump(fitted)})
         if lammps:
-            check, apart = _in_lammps(fitted, search, found, directory / LAMMPS)
-            result = replace(result, check=check, lammps=apart)
-        STUDY.write(directory, {REPORT: as_json(result.plain()) + "\n"}, {FIGURE: _figure(search, result)})
+            result = replace(result, lammps=_in_lammps(model, found, directory / LAMMPS))
+        STUDY.write(
+            directory,
+            {REPORT: as_json(result.plain()) + "\n"},
+            {FIGURE: _figure(model, found, rejected=result.fits is False)},
+        )
     return result
 
 
@@ -111,39 +108,41 @@ def _sizes(given: Traces, path: Path, unknowns: int) -> Floats:
     return np.asarray(size)
 
 
-def _best(search: Search, size: Floats) -> Estimate:
+def _best(model: Model, size: Floats) -> Estimate:
     """The best of searches from the start and from points around it."""
-    count = len(search.what.names)
+    count = len(model.names)
     around = SPREAD * (2.0 * qmc.Sobol(count, seed=1).random(STARTS) - 1.0)
-    points = [aligned(search, point, size) for point in (np.zeros(count), *around)]
+    points = [aligned(model, point, size) for point in (np.zeros(count), *around)]
     ranked = sorted((point for point in points if point is not None), key=lambda point: point[0])
     if not ranked:
-        raise InputError(f"{search.model.source}: {NO_SCENE}")
+        raise InputError(f"{model.source}: {NO_SCENE}")
     chosen = [point[1] for point in ranked[:BEGUN]]
     if points[0] is not None and not any(point is points[0][1] for point in chosen):
         chosen.append(points[0][1])
-    tried = [estimate(search.residuals, search.slopes, start, size) for start in chosen]
-    return min(tried, key=lambda one: squares(search.residuals(one.parameters) / size))
+    tried = [estimate(model.residuals, model.slopes, start, size) for start in chosen]
+    return min(tried, key=lambda one: squares(model.residuals(one.parameters) / size))
 
 
-def _in_lammps(fitted: dict[str, Any], search: Search, found: Estimate, directory: Path) -> tuple[Check | None, float]:
+def _in_lammps(model: Model, found: Estimate, directory: Path) -> InLammps:
     """Error of the run of the fitted scene over the data's time, and how far its traces are from the reference's."""
-    model, offset = search.model, search.offset(found.parameters)
+    offset = model.offset(found.parameters)
     until = max(float(model.given.time[-1]) - offset, 0.0) + 8.0 * model.every
+    fitted = model.scene_at(found.parameters)
     kept = {key: value for key, value in fitted.items() if key not in ("until_bead", "output")}
     scene = library.from_plain({**kept, "duration": until}, model.source)
     done = run(scene, directory, overwrite=directory.exists())
     theirs = read_at(done.trajectory, model.given.channels, model.given.time - offset)
-    own = search.traces(found.parameters)
+    own = model.traces(found.parameters)
     assert own is not None
-    return done.check, float(np.max(np.abs(theirs - own) / found.noise))
+    error = None if done.check is None else done.check.velocity
+    return InLammps(error, float(np.max(np.abs(theirs - own) / found.noise)))
 
 
-def _figure(search: Search, fit: Fit) -> "Figure":
+def _figure(model: Model, found: Estimate, *, rejected: bool) -> "Figure":
     from analysis.figures.validation import residual_figure  # matplotlib takes half a second to import
 
-    own, run = search.traces(fit.found.parameters), search.trajectory(fit.found.parameters)
+    own, run = model.traces(found.parameters), model.trajectory(found.parameters)
     assert own is not None
     assert run is not None
-    mark = "; fit rejected" if fit.fits is False else ""
-    return residual_figure(run.problem, search.model.given, own, fit.found.noise, mark=mark)
+    mark = "; fit rejected" if rejected else ""
+    return residual_figure(run.problem, model.given, own, found.noise, mark=mark)
