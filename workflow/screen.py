@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import TYPE_CHECKING, Any, NamedTuple, TextIO
 
+from lammps_inputs.numbers import known
 from workflow.errors import RunError
 
 if TYPE_CHECKING:
@@ -119,6 +120,15 @@ def hint(text: str) -> None:
 def one_line(text: object) -> str:
     """A name as it may be printed: what is not printable, such as a line break or ESC, is escaped."""
     return "".join(sign if sign.isprintable() else ascii(sign)[1:-1] for sign in str(text))
+
+
+def cell(value: Any, digits: str = ".6g") -> str:
+    """A value of a scene or a quantity in a table; ``-`` where it is undefined."""
+    if isinstance(value, list | tuple):
+        return " ".join(map(cell, value))
+    if value is None or (isinstance(value, float) and known(value) is None):
+        return "-"
+    return f"{value:{digits}}" if isinstance(value, float) else one_line(value)
 
 
 @contextmanager

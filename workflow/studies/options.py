@@ -40,6 +40,18 @@ def within(kind: type[int] | type[float], low: float, high: float) -> Callable[[
     return read
 
 
+def listed(kind: type[int] | type[float]) -> Callable[[str], tuple[float, ...]]:
+    """The type of an option that takes numbers with commas between."""
+
+    def read(text: str) -> tuple[float, ...]:
+        try:
+            return tuple(kind(part) for part in text.split(","))
+        except ValueError:
+            raise argparse.ArgumentTypeError(f"{text!r} given; numbers with commas between") from None
+
+    return read
+
+
 def on_cores(command: str, jobs: int | None, carry_out: Callable[..., Found]) -> Found | None:
     """What a study finds with worker processes and a bar of its progress; None where it is interrupted.
 

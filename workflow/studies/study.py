@@ -26,7 +26,10 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from analysis import quantity
+from analysis.trajectory import Floats
 from lammps_inputs.units import DIMENSIONLESS, Scale
 from workflow.formats import figure_files
 from workflow.runs import job
@@ -146,6 +149,11 @@ def csv_text(rows: Sequence[Mapping[str, Any]], head: Sequence[str] = ()) -> str
         head: the columns; by default those of the first row.
     """
     return quantity.to_csv({name: [_unbounded(row[name]) for row in rows] for name in head or rows[0]})
+
+
+def floats(values: Sequence[Any]) -> Floats:
+    """Numbers for a figure; NaN where there is none."""
+    return np.array([math.nan if value is None else float(value) for value in values], dtype=np.float64)
 
 
 def _unbounded(value: Any) -> Any:

@@ -120,10 +120,10 @@ def test_a_mass_is_found_exactly_and_a_second_field_makes_a_curve_with_a_figure(
     for one, mass in zip(found, (2.5, 1.5), strict=True):
         assert float(one["low"]) <= mass <= float(one["high"])
         assert abs(float(one["place"]) - mass) <= float(one["uncertainty"]) <= 1e-3 * mass
-    said = capsys.readouterr().out
-    assert "3 scenes, and about" in said
-    assert "for each of 4 values of beads" in said
-    assert "no threshold: mass does not cross 25.5: 39.5 to 42 at 3 values of striker.mass from 0.5 to 3" in said
+    assert (
+        "no threshold: mass does not cross 25.5: 39.5 to 42 at 3 values of striker.mass from 0.5 to 3"
+        in capsys.readouterr().out
+    )
     assert (tmp_path / "found" / "threshold.png").is_file()
 
 

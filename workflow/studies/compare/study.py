@@ -17,7 +17,6 @@ from analysis.sharing.impulses import ImpulseMeter, Impulses, from_events, relat
 from analysis.tracking.peaks import PeakFinder
 from analysis.trajectory import Floats, Trajectory
 from lammps_inputs import InputError, Problem, Scene, file_names, physics, strict_yaml
-from lammps_inputs.numbers import known
 from workflow.engines.reference import engine as reference
 from workflow.errors import RunError
 from workflow.prepare.settings import settle
@@ -36,14 +35,15 @@ class Result:
     """What one engine found, dimensionless.
 
     Attributes:
+        engine: its name.
         impulses: of the contacts of every row.
         peak: largest velocity of each shown row, [chain, shown row].
         time, velocity: of the shown rows, [frame] and [frame, chain, shown row].
-        momentum: share of each chain at the end, [chain]. Contacts conserve it within a chain, so this oscillates by
-            the modes of one row whatever the contacts: a check of a run, not a result.
-        energy: share of each chain's motion and contacts at the end, then of the springs, [chain + 1].
+        momentum_share: share of each chain at the end, [chain]. Contacts conserve it within a chain, so this oscillates
+            by the modes of one row whatever the contacts: a check of a run, not a result.
+        energy_share: share of each chain's motion and contacts at the end, then of the springs, [chain + 1].
         seconds: wall time of the computation alone.
-        wall: wall time with files.
+        wall_seconds: wall time with files.
     """
 
     engine: str
@@ -51,53 +51,56 @@ class Result:
     peak: Floats
     time: Floats
     velocity: Floats
-    momentum: Floats
-    energy: Floats
+    momentum_share: Floats
+    energy_share: Floats
     seconds: float
-    wall: float
+    wall_seconds: float
+
+    def plain(self) -> dict[str, Any]:
+        """For ``compare.json``."""
+        impulses = self.impulses
+        return {
+            "seconds": self.seconds,
+            "wall_seconds": self.wall_seconds,
+            "momentum_share": self.momentum_share.tolist(),
+            "energy_share": self.energy_share.tolist(),
+            "peak": self.peak.tolist(),
+            "first_impulse": impulses.first.tolist(),
+            "impulse": impulses.whole.tolist(),
+            "contacts": impulses.contacts.tolist(),
+            "first_time": impulses.time.tolist(),
+            "imbalance": impulses.imbalance,
+        }
 
 
 def measure(directory: RunDirectory, rows: Sequence[int]) -> Result:
     """What the finished run in a directory found, in one pass over its frames."""
     problem, job = directory.problem, directory.job
-    rigid = not ENGINES[directory.engine].deforms
     meter, finder = ImpulseMeter(problem), PeakFinder()
     place = [int(np.flatnonzero(problem.recorded_beads == row)[0]) for row in rows]
     times, velocities, last = [], [], None
     for block in directory.blocks():
         times.append(block.time)
         velocities.append(block.velocity[:, :, place].copy())
-        if not rigid:
+        if ENGINES[directory.engine].deforms:
             meter.add(block)
             finder.add(block)
         last = block[-1:]
     if last is None:
         raise RunError(f"{directory.path}: holds no frames")
     time, velocity = np.concatenate(times), np.concatenate(velocities)
-    peak = velocity.max(axis=0)
-    if rigid:
+    if ENGINES[directory.engine].deforms:
+        impulses, waves = meter.result(), finder.result()
+        bead, chain, peaks = waves.bead, waves.chain, waves.velocity
+    else:
         table = events.from_csv(directory.path / EVENTS, problem.scale)
         impulses = from_events(problem, table)
-        for k, row in enumerate(rows):
-            kicked = table.row + 1 == row
-            np.maximum.at(peak[:, k], table.chain[kicked] - 1, table.striker[kicked])
-    else:
-        impulses, found = meter.result(), finder.result()
-        for k, row in enumerate(rows):
-            at = found.bead == row
-            np.maximum.at(peak[:, k], found.chain[at] - 1, found.velocity[at])
-    momentum, energy = partition(last)
-    return Result(
-        directory.engine,
-        impulses,
-        peak,
-        time,
-        velocity,
-        momentum,
-        energy,
-        job.engine_seconds,
-        job.wall_seconds,
-    )
+        bead, chain, peaks = table.row + 1, table.chain, table.striker
+    peak = velocity.max(axis=0)
+    for k, row in enumerate(rows):
+        np.maximum.at(peak[:, k], chain[bead == row] - 1, peaks[bead == row])
+    shares = partition(last)
+    return Result(directory.engine, impulses, peak, time, velocity, *shares, job.engine_seconds, job.wall_seconds)
 
 
 def partition(state: Trajectory) -> tuple[Floats, Floats]:
@@ -244,49 +247,62 @@ class Comparison:
     last: int
     answer: tuple[str, ...]
 
+    def plain(self) -> dict[str, Any]:
+        """The contents of ``compare.json``, dimensionless (times in T, impulses in m V; ``scale`` has the units).
 
-def plain(found: Comparison) -> dict[str, Any]:
-    """The contents of ``compare.json``, dimensionless (times in T, impulses in m V; ``scale`` has the units).
+        | key       | what                                                                               |
+        |-----------|------------------------------------------------------------------------------------|
+        | answer    | sentences                                                                          |
+        | last_bead | up to which every engine passed an impulse on                                      |
+        | beads     | receiving bead of each row of the arrays below                                      |
+        | engines   | per engine: first_impulse, impulse, contacts, first_time [chain][row]; imbalance;  |
+        |           | peak [chain][shown]; momentum_share, energy_share (last: springs); seconds         |
+        """
+        problem, scale = self.problem, self.problem.scale
+        kappa, gap = physics.kappa(problem.system), physics.gap(problem.system)
+        return {
+            "scene": problem.name,
+            "kappa": kappa,
+            "gap": gap,
+            "theta": math.sqrt(2.0 * kappa) * gap,
+            "duration": problem.duration,
+            "scale": {name: getattr(scale, name) for name in ("mass", "length", "time", "velocity")},
+            "answer": list(self.answer),
+            "last_bead": self.last,
+            "shown": list(self.rows),
+            "beads": self.results[0].impulses.bead.tolist(),
+            "engines": {result.engine: result.plain() for result in self.results},
+        }
 
-    | key            | what                                                                               |
-    |----------------|------------------------------------------------------------------------------------|
-    | answer         | sentences                                                                          |
-    | last_bead      | up to which every engine passed an impulse on                                      |
-    | beads          | receiving bead of each row of the arrays below                                      |
-    | engines        | per engine: first_impulse, impulse, contacts, first_time [chain][row]; imbalance;  |
-    |                | peak [chain][shown]; momentum_share, energy_share (last: springs); seconds         |
-    """
-    problem, scale = found.problem, found.problem.scale
-    system = problem.system
-    return {
-        "scene": problem.name,
-        "kappa": physics.kappa(system),
-        "gap": physics.gap(system),
-        "theta": math.sqrt(2.0 * physics.kappa(system)) * physics.gap(system),
-        "duration": problem.duration,
-        "scale": {"mass": scale.mass, "length": scale.length, "time": scale.time, "velocity": scale.velocity},
-        "answer": list(found.answer),
-        "last_bead": found.last,
-        "shown": list(found.rows),
-        "beads": found.results[0].impulses.bead.tolist(),
-        "engines": {result.engine: _plain_result(result) for result in found.results},
-    }
+    def tables(self) -> list[tuple[str, list[str], list[list[str]]]]:
+        """Title, head and rows of the printed tables: of the shown rows by engine, and of the shares."""
+        problem, scale = self.problem, self.problem.scale
+        rows = []
+        for k, bead in enumerate(self.rows):
+            for result in self.results:
+                of, place = result.impulses, result.impulses.row(bead)
+                cells = ["no impulse", "", "", ""]
+                if (of.whole[:, place] > 0.0).any():
+                    time = f"{arrival(of, bead) * scale.time:.6g}"
+                    cells = [time, *map(_list, (of.first[:, place], of.whole[:, place], result.peak[:, k]))]
+                rows.append([str(bead) if result is self.results[0] else "", result.engine, *cells])
+        time = scale.heading("first impulse at", "time")
+        head = ["bead", "engine", time, "first impulse / mV", "all impulses / mV", "peak velocity / V"]
+        shares = []
+        for result in self.results:
+            of, energy = result.impulses, result.energy_share
+            passed = _list(of.whole[:, of.row(self.last)]) if self.last >= 2 else ""
+            seconds = (f"{one:.2g}" for one in (result.seconds, result.wall_seconds))
+            shares.append([result.engine, passed, _list(energy[:-1]), f"{energy[-1]:.4f}", *seconds])
+        passed = f"passed to bead {self.last} by chain / mV"
+        own = ["engine", passed, "final energy by chain", "in springs", "computing (s)", "with files (s)"]
+        until = scale.written(problem.duration, "time")
+        return [(f"{problem.name}: rows, chains 1, 2, ...", head, rows), (f"shares until t = {until}", own, shares)]
 
 
-def _plain_result(result: Result) -> dict[str, Any]:
-    impulses = result.impulses
-    return {
-        "seconds": result.seconds,
-        "wall_seconds": result.wall,
-        "momentum_share": result.momentum.tolist(),
-        "energy_share": result.energy.tolist(),
-        "peak": result.peak.tolist(),
-        "first_impulse": impulses.first.tolist(),
-        "impulse": impulses.whole.tolist(),
-        "contacts": impulses.contacts.tolist(),
-        "first_time": impulses.time.tolist(),
-        "imbalance": known(impulses.imbalance),
-    }
+def _list(values: Floats) -> str:
+    shown = "  ".join(f"{value:.4f}" for value in values[:4])
+    return f"{shown} ..." if len(values) > 4 else shown
 
 
 def _figure(found: Comparison) -> "Figure":
@@ -360,7 +376,7 @@ def compare(
             results.append(measure(kept_run(scene, name, directory / name, settings), rows))
         last = last_row(results)
         found = Comparison(problem, tuple(results), rows, last, answer(results, last))
-        study.write(directory, {REPORT: as_json(plain(found)) + "\n"}, {FIGURE: _figure(found)})
+        study.write(directory, {REPORT: as_json(found.plain()) + "\n"}, {FIGURE: _figure(found)})
     return found
 
 

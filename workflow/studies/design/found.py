@@ -6,19 +6,13 @@ from typing import Any
 
 from lammps_inputs import html
 from workflow.runs.run_directory import RunDirectory
-from workflow.screen import one_line
+from workflow.screen import cell
 from workflow.studies.design.file import Design
 from workflow.studies.design.manufacture import FEWEST, Sensitivity
 from workflow.studies.design.search import Record, worth
 
 SET_AGAINST = "set against"
 """What the scene `beside` is called."""
-
-
-def _text(value: Any, digits: str = ".6g") -> str:
-    if isinstance(value, list):
-        return " ".join(map(_text, value))
-    return "-" if value is None else f"{value:{digits}}" if isinstance(value, float) else one_line(value)
 
 
 @dataclass(frozen=True)
@@ -85,11 +79,11 @@ class Found:
         columns = {f"no. {place}": one for place, one in enumerate(self.verified, 1)}
         columns |= {} if self.beside is None else {SET_AGAINST: self.beside}
         scenes = list(columns.values())
-        rows = [[name(v.field), *(_text(one.values.get(v.field)) for one in scenes)] for v in design.variables]
+        rows = [[name(v.field), *(cell(one.values.get(v.field)) for one in scenes)] for v in design.variables]
         for of in design.names:
-            rows.append([name(of), *(_text(one.reference[of]) for one in scenes)])
-            rows.append([f"{of}: LAMMPS / reference - 1", *(_text(one.difference(of), ".1e") for one in scenes)])
-        rows.append(["error of LAMMPS's velocities / V", *(_text(one.error, ".1e") for one in scenes)])
+            rows.append([name(of), *(cell(one.reference[of]) for one in scenes)])
+            rows.append([f"{of}: LAMMPS / reference - 1", *(cell(one.difference(of), ".1e") for one in scenes)])
+        rows.append(["error of LAMMPS's velocities / V", *(cell(one.error, ".1e") for one in scenes)])
         return ["", *columns], rows
 
     @property

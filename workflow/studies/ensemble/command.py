@@ -1,18 +1,17 @@
 """Statistics of quantities of a scene over the seeds of its random ingredients."""
 
 import argparse
+import functools
 from pathlib import Path
 
 from lammps_inputs import InputError, library
-from workflow.engines.lammps.mpi import cores
 from workflow.formats import figure_files
-from workflow.screen import Answer, count_bar, one_line, print_table
+from workflow.screen import Answer, cell, one_line, print_table
 from workflow.studies.ensemble import study
 from workflow.studies.ensemble.study import Found, Question
 from workflow.studies.measures import heading
-from workflow.studies.options import number, second_field
+from workflow.studies.options import add_jobs, add_output, number, on_cores, second_field, within
 from workflow.sweep.file import MAX_CASES
-from workflow.workers.pool import Pool
 
 ANSWERS = "the statistics, and the seeds"
 DRAWS = True
@@ -52,24 +51,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--precision",
         metavar="X",
-        type=float,
+        type=within(float, 1e-9, 1.0),
         default=0.01,
         help="wished half-width of the 95%% interval / the mean, to say how many seeds it needs (default 0.01)",
     )
-    parser.add_argument("-o", "--output", metavar="DIR", type=Path, required=True, help="made, or resumed")
-    parser.add_argument("--jobs", metavar="N", type=int, default=cores(), help="scenes at a time (default all cores)")
+    add_output(parser)
+    add_jobs(parser)
 
 
 def execute(arguments: argparse.Namespace) -> Answer:
     """Print the statistics; exit code 1 without any value, 130 when interrupted, with all that was computed kept."""
-    if not 1 <= arguments.jobs <= 1024:
-        raise InputError(f"--jobs: {arguments.jobs} given; 1 to 1024")
     question = _question(arguments)
-    try:
-        with count_bar("ensemble") as progress, Pool(arguments.jobs, interrupt=True) as pool:
-            found = study.carry_out(question, arguments.output, pool=pool, progress=progress)
-    except KeyboardInterrupt:
-        print("interrupted: computed scenes remain; the same command resumes")
+    found = on_cores("ensemble", arguments.jobs, functools.partial(study.carry_out, question, arguments.output))
+    if found is None:
         return Answer(130, {})
     _print(found, arguments.output)
     return Answer(0 if found.defined else 1, found.plain())
@@ -79,8 +73,6 @@ def _question(arguments: argparse.Namespace) -> Question:
     first, last = (number(end, "--seeds", "0:199") for end in (*arguments.seeds.split(":", 1), "")[:2])
     if not (first.is_integer() and last.is_integer() and 0 <= first <= last < 2**32 and last - first < MAX_CASES):
         raise InputError(f"--seeds: {arguments.seeds} given; whole numbers, the smaller one first, such as 0:199")
-    if not 1e-9 <= arguments.precision < 1.0:
-        raise InputError(f"--precision: {arguments.precision:g} given; 1e-9 to 1, such as 0.01")
     over, values = second_field(arguments.over)
     return Question(
         arguments.scene,
@@ -101,7 +93,7 @@ def _print(found: Found, output: Path) -> None:
         title = f"{one_line(asked.source)}: {heading(name, asked.scene)}"
         for heads, what in ((_HEADS, seeds), (_QUANTILES, "quantiles")):
             rows = [
-                [_text(over)] * bool(asked.over) + [_text(getattr(one, key)) for key in heads]
+                [cell(over)] * bool(asked.over) + [cell(getattr(one, key)) for key in heads]
                 for (quantity, over), one in found.statistics.items()
                 if quantity == name
             ]
@@ -111,7 +103,3 @@ def _print(found: Found, output: Path) -> None:
         print(one_line(f"some scenes cannot be computed: {found.refused}"))
     files = ", ".join((study.TABLE, study.SEEDS, *figure_files(*(asked.files[name] for name in found.defined))))
     print(f"{len(found.seeds)} scenes computed; {one_line(output)}: {files}")
-
-
-def _text(value: object) -> str:
-    return "-" if value is None else f"{value:.6g}" if isinstance(value, float) else one_line(value)

@@ -8,19 +8,16 @@
 | evaluations.jsonl     | the cache: every scene that was computed, as it was done                                |
 """
 
-import math
-from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from analysis.trajectory import Floats
 from lammps_inputs import InputError, Scene, library
 from workflow.studies.ensemble.statistics import Statistics, statistics
-from workflow.studies.measures import evaluated, heading, refuse_unknown, scene_to_run
-from workflow.studies.study import Study, csv_text
+from workflow.studies.measures import case, heading, refuse_unknown, scene_to_run
+from workflow.studies.study import Study, csv_text, floats
 from workflow.sweep import fields
 from workflow.workers import evaluate
 from workflow.workers.pool import Pool
@@ -152,9 +149,7 @@ def carry_out(
     study = replace(STUDY, figures=tuple(question.files.values()))
     scenes = [scene for over in question.lines for scene in question.scenes(over)]
     plan = [(over, seed) for over in question.lines for seed in question.seeds]
-    function = f"{evaluated.__module__}:{evaluated.__name__}"
-    shared = {"names": question.quantities, "source": question.source}
-    cases = [evaluate.case(function, {"plain": scene, **shared}) for scene in scenes]
+    cases = [case(scene, question.quantities, question.source) for scene in scenes]
     with study.opened(directory) as cache:
         answers = evaluate.values(cases, cache, pool=pool, progress=progress)
         seeds = [
@@ -192,10 +187,10 @@ def _figure(found: Found, name: str) -> "Figure":
     if asked.over and all(isinstance(over, int | float) for over in asked.places):
         of = [found.statistics[name, over] for over in asked.places]
         mean, error, *ends = (
-            _floats([getattr(one, key) for one in of]) for key in ("mean", "interval_95", "q2_5", "q97_5", "q16", "q84")
+            floats([getattr(one, key) for one in of]) for key in ("mean", "interval_95", "q2_5", "q97_5", "q16", "q84")
         )
         bands = (np.array(ends[:2]), np.array(ends[2:]))
-        over = Axis(heading(asked.over, asked.scene), _floats(asked.places))
+        over = Axis(heading(asked.over, asked.scene), floats(asked.places))
         title = f"{title}; bars: 95 % interval of the mean; bands: quantiles 2.5, 16, 84 and 97.5 %"
         return swept_figure(Axis(label, mean, error, bands=bands), over, title=title)
     rows = sorted((row for row in found.seeds if row[name] is not None), key=lambda row: float(row[name]))
@@ -203,12 +198,8 @@ def _figure(found: Found, name: str) -> "Figure":
     share = np.zeros(len(rows))
     for own in place.values():
         share[own] = np.arange(len(own)) / max(len(own), 1)
-    numbers = _floats([asked.places.index(row["over"]) + 1 for row in rows]) if asked.over else None
+    numbers = floats([asked.places.index(row["over"]) + 1 for row in rows]) if asked.over else None
     beside = None if numbers is None else Axis(f"value of {asked.over}, by its number", numbers)
     return swept_figure(
-        Axis("share of seeds below", share), Axis(label, _floats([r[name] for r in rows])), beside, title
+        Axis("share of seeds below", share), Axis(label, floats([r[name] for r in rows])), beside, title
     )
-
-
-def _floats(values: Sequence[Any]) -> Floats:
-    return np.array([math.nan if value is None else float(value) for value in values], dtype=np.float64)

@@ -16,7 +16,7 @@ from analysis.sharing.equipartition import sharing
 from analysis.tracking.leading_waves import Waves
 from lammps_inputs import Coupling, InputError, Kick, Problem, Scene
 from workflow.engines.reference.passages import passages
-from workflow.studies.study import Study, to_csv
+from workflow.studies.study import Study, floats, to_csv
 from workflow.workers import evaluate
 
 COUPLINGS = tuple(float(f"{value:.3g}") for value in np.geomspace(1e-3, 2.0, 12))
@@ -118,6 +118,11 @@ def _difference(first: Waves, second: Waves) -> float:
 def plan(couplings: Sequence[float], chains: Sequence[int], most_beads: int) -> list[evaluate.Case]:
     """A case for each number of chains and coupling; the weaker the coupling, the longer the chains.
 
+    Args:
+        couplings: kappa, dimensionless.
+        chains: their numbers, 2 or more.
+        most_beads: chains are not made longer than this.
+
     Raises:
         InputError: a coupling or number of chains that makes no case.
     """
@@ -135,33 +140,23 @@ def plan(couplings: Sequence[float], chains: Sequence[int], most_beads: int) -> 
 
 
 def make_map(
-    directory: Path,
-    couplings: Sequence[float] = COUPLINGS,
-    chains: Sequence[int] = CHAINS,
-    *,
-    most_beads: int = MOST_BEADS,
-    progress: evaluate.Progress | None = None,
+    planned: Sequence[evaluate.Case], directory: Path, progress: evaluate.Progress | None = None
 ) -> list[Case]:
     """Run all cases that a directory does not hold yet, on all cores; write ``map.csv`` and the figure.
 
     Args:
+        planned: the cases.
         directory: made if need be; finished cases in it are kept.
-        couplings: kappa, dimensionless.
-        chains: numbers of chains, 2 or more.
-        most_beads: chains are not made longer than this.
         progress: called with the cases done and their total.
 
     Raises:
-        InputError: as `plan`; or the directory cannot be written.
+        InputError: the directory cannot be written.
     """
-    planned = plan(couplings, chains, most_beads)
     with STUDY.opened(directory) as cache:
         cases = [Case(**value) for value in evaluate.values(planned, cache, progress=progress)]
         from analysis.figures.swept import map_figure  # matplotlib takes half a second to import
 
-        columns = {
-            field.name: np.array([getattr(case, field.name) for case in cases], dtype=float) for field in fields(Case)
-        }
+        columns = {field.name: floats([getattr(case, field.name) for case in cases]) for field in fields(Case)}
         STUDY.write(directory, {TABLE: to_csv(Case, cases)}, {"map": map_figure(columns)})
     return cases
 

@@ -74,14 +74,6 @@ class Axis:
             part *= APART
         return list(dict.fromkeys(found))
 
-    def halvings(self) -> int:
-        """How often the distance between two neighbours of the scan is halved, about."""
-        scan = self.scan()
-        low, high, count = scan[0], scan[1], 0
-        while not self.is_narrow(low, high):
-            low, count = self.middle(low, high), count + 1
-        return count
-
     def _between(self, low: float, high: float, part: float) -> float:
         value = low * (high / low) ** part if self.log else low + part * (high - low)
         return float(round(value)) if self.whole else value

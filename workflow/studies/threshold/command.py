@@ -1,19 +1,17 @@
 """Find where a quantity crosses a value as a field of the scene varies, with its uncertainty."""
 
 import argparse
+import functools
 from pathlib import Path
-from typing import Any
 
 from lammps_inputs import InputError, library
-from workflow.engines.lammps.mpi import cores
 from workflow.formats import figure_files
-from workflow.screen import Answer, count_bar, one_line, print_table
-from workflow.studies.options import number, second_field, split
+from workflow.screen import Answer, cell, one_line, print_table
+from workflow.studies.options import add_jobs, add_output, number, on_cores, second_field, split, within
 from workflow.studies.threshold import study
 from workflow.studies.threshold.bracket import Axis
 from workflow.studies.threshold.study import Found, Question, Threshold
 from workflow.sweep import fields
-from workflow.workers.pool import Pool
 
 ANSWERS = "the thresholds, and how many scenes were computed"
 DRAWS = True
@@ -32,25 +30,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--vary", metavar="FIELD=LOW:HIGH", required=True, help="the varied field, and its range")
     parser.add_argument("--log", action="store_true", help="divide the range by factors instead of differences")
     parser.add_argument("--over", metavar="FIELD=A,B,...", help="one threshold for each value of a second field")
-    parser.add_argument("-o", "--output", metavar="DIR", type=Path, required=True, help="made, or resumed")
-    parser.add_argument("--points", metavar="N", type=int, default=9, help="values of the first scan (default 9)")
-    parser.add_argument(
-        "--tolerance", metavar="X", type=float, default=1e-3, help="largest half-width of a bracket / its place"
-    )
-    parser.add_argument("--jobs", metavar="N", type=int, default=cores(), help="scenes at a time (default all cores)")
+    parser.add_argument("--points", metavar="N", type=within(int, 2, 10_000), default=9, help="first scan (default 9)")
+    words = "largest half-width of a bracket / its place (default 0.001)"
+    parser.add_argument("--tolerance", metavar="X", type=within(float, 1e-12, 0.5), default=1e-3, help=words)
+    add_output(parser)
+    add_jobs(parser)
 
 
 def execute(arguments: argparse.Namespace) -> Answer:
     """Print the thresholds; exit code 1 without any, 130 when interrupted, with all that was computed kept."""
-    if not 1 <= arguments.jobs <= 1024:
-        raise InputError(f"--jobs: {arguments.jobs} given; 1 to 1024")
     question = _question(arguments)
-    print(f"{one_line(arguments.scene)}: {study.cost(question)}", flush=True)
-    try:
-        with count_bar("threshold") as progress, Pool(arguments.jobs, interrupt=True) as pool:
-            found = study.carry_out(question, arguments.output, pool=pool, progress=progress)
-    except KeyboardInterrupt:
-        print("interrupted: computed scenes remain; the same command resumes")
+    found = on_cores("threshold", arguments.jobs, functools.partial(study.carry_out, question, arguments.output))
+    if found is None:
         return Answer(130, {})
     _print(found, arguments.output)
     return Answer(0 if found.thresholds else 1, found.plain())
@@ -72,10 +63,6 @@ def _question(arguments: argparse.Namespace) -> Question:
         raise InputError(f"--vary: {ends} given; the smaller number first{above}, such as 0.02:0.5")
     if whole and not (low.is_integer() and high.is_integer()):
         raise InputError(f"--vary: {field} takes whole numbers; {ends} given")
-    if not 2 <= arguments.points <= 10_000:
-        raise InputError(f"--points: {arguments.points} given; 2 to 10000")
-    if not 1e-12 <= arguments.tolerance <= 0.5:
-        raise InputError(f"--tolerance: {arguments.tolerance:g} given; 1e-12 to 0.5")
     axis = Axis(low, high, arguments.log, whole, arguments.points, arguments.tolerance)
     return Question(name, plain, quantity, number(level, "--where", "agree_1=100"), field, axis, over, values)
 
@@ -87,7 +74,7 @@ def _print(found: Found, output: Path) -> None:
         print_table(
             f"{one_line(asked.source)}: where {asked.quantity} crosses {asked.level:g}",
             [*head, "uncertainty", "from", "to", asked.quantity, ""],
-            [[*([_text(one.over)] if asked.over else []), *_row(one)] for one in found.thresholds],
+            [[*([cell(one.over)] if asked.over else []), *_row(one)] for one in found.thresholds],
         )
     for over in asked.lines:
         if missing := found.missing(over):
@@ -97,11 +84,6 @@ def _print(found: Found, output: Path) -> None:
 
 
 def _row(one: Threshold) -> list[str]:
-    uncertainty = "-" if one.uncertainty is None else f"{one.uncertainty:.2g}"
     notes = ["both sides alternate"] * one.mixed + ["undefined between"] * one.undefined
-    numbers = [f"{value:.6g}" for value in (one.low, one.high)]
-    return [f"{one.place:.6g}", uncertainty, *numbers, "rises" if one.rises else "falls", ", ".join(notes)]
-
-
-def _text(value: Any) -> str:
-    return f"{value:.6g}" if isinstance(value, float) else one_line(value)
+    numbers = [cell(one.place), cell(one.uncertainty, ".2g"), cell(one.low), cell(one.high)]
+    return [*numbers, "rises" if one.rises else "falls", ", ".join(notes)]

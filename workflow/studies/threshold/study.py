@@ -8,21 +8,14 @@
 | evaluations.jsonl | the cache: every scene that was computed, as it was done                 |
 """
 
-import itertools
-import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from lammps_inputs import InputError
-from workflow.engines.reference import engine
-from workflow.prepare import pilot
-from workflow.studies.measures import evaluated, heading, refuse_unknown, scene_to_run
-from workflow.studies.study import Study, to_csv
-from workflow.studies.threshold.bracket import APART, Axis, Crossing, crossings, wanted
+from workflow.studies.measures import case, heading, refuse_unknown
+from workflow.studies.study import Study, floats, to_csv
+from workflow.studies.threshold.bracket import Axis, Crossing, crossings, wanted
 from workflow.sweep import fields
 from workflow.sweep.table import UNCERTAINTIES
 from workflow.workers import evaluate
@@ -35,9 +28,6 @@ TABLE, POINTS, FIGURE = "threshold.csv", "points.csv", "threshold"
 STUDY = Study(
     "threshold", f"{TABLE} is the table", tables=(TABLE, POINTS), figures=(FIGURE,), cache="evaluations.jsonl"
 )
-
-ANALYSIS = 4e-7
-"""Seconds of an analysis for each recorded state of a bead; measured with 2 x 120 beads."""
 
 
 @dataclass(frozen=True)
@@ -172,31 +162,6 @@ class Found:
         )
 
 
-def cost(question: Question) -> str:
-    """How many scenes will be computed and how long that takes, in one line."""
-    axis = question.axis
-    scan, lines = len(axis.scan()), len(question.lines)
-    halvings = axis.halvings()
-    each = halvings + 2 * math.ceil((halvings + 1) * math.log(2.0) / math.log(APART))
-    seconds = [_seconds(question, value, over) for value in (axis.low, axis.high) for over in question.lines]
-    known = [one for one in seconds if one is not None]
-    time = f", {min(known):.2g} to {max(known):.2g} s each (estimate)" if known else ""
-    many = f" for each of {lines} values of {question.over}" if question.over else ""
-    return f"{scan} scenes, and about {each} per crossing{many}{time}"
-
-
-def _seconds(question: Question, value: float, over: Any) -> float | None:
-    """Estimated time of the reference and the analysis; None where the scene cannot be run."""
-    try:
-        plain = question.scene_at(value, over)
-        problem = scene_to_run(plain, question.names, question.source).model_copy(update={"accuracy": None}).problem()
-    except (InputError, ValueError):
-        return None
-    work = pilot.work(problem, 0, engine.default_steps_per_frame(problem)) / pilot.RUNS
-    states = problem.frames * problem.chains * problem.beads
-    return 5.0 * work / pilot.MOST_WORK + ANALYSIS * states
-
-
 def carry_out(
     question: Question, directory: Path, *, pool: Pool | None = None, progress: evaluate.Progress | None = None
 ) -> Found:
@@ -225,7 +190,7 @@ def carry_out(
                 if progress is not None:
                     progress(done + now, done + total, 0)
 
-            cases = [_case(question, x, over) for over, x in plan]
+            cases = [case(question.scene_at(x, over), question.names, question.source) for over, x in plan]
             for (over, x), value in zip(plan, evaluate.values(cases, cache, pool=pool, progress=show), strict=True):
                 quantities = value.get("quantities", {})
                 refused += [value["refused"]] if "refused" in value else []
@@ -244,15 +209,6 @@ def carry_out(
         tables = {TABLE: to_csv(Threshold, found.thresholds), POINTS: to_csv(Point, found.points)}
         STUDY.write(directory, tables, {FIGURE: _figure(found)})
     return found
-
-
-def _case(question: Question, value: float, over: Any) -> evaluate.Case:
-    arguments = {
-        "plain": question.scene_at(value, over),
-        "names": question.names,
-        "source": question.source,
-    }
-    return evaluate.case(f"{evaluated.__module__}:{evaluated.__name__}", arguments)
 
 
 def _threshold(
@@ -275,25 +231,18 @@ def _figure(found: Found) -> "Figure":
     from analysis.figures.swept import swept_figure
 
     asked = found.question
-
     title = f"{asked.source}: {asked.quantity} = {asked.level:g}"
+    field = asked.heading(asked.field)
     if asked.over and all(isinstance(over, int | float) for over in asked.places):
+        lines: list[tuple[Any, float | None, float | None]]
+        lines = [(one.over, one.place, one.uncertainty) for one in found.thresholds]
         # a value without a threshold is a tick at the foot
-        lines = list(
-            itertools.chain(*([o for o in found.thresholds if o.over == over] or [over] for over in asked.places))
-        )
-        numbers = [(o.over, o.place, o.uncertainty) if isinstance(o, Threshold) else (o, None, None) for o in lines]
-        over, place, error = (_floats([line[k] for line in numbers]) for k in range(3))
-        return swept_figure(
-            Shown(asked.heading(asked.field), place, error), Shown(asked.heading(asked.over), over), title=title
-        )
-    values, quantity = (_floats([getattr(point, name) for point in found.points]) for name in ("value", "quantity"))
-    beside = _floats([asked.places.index(point.over) + 1 for point in found.points]) if asked.over else None
-    second = None if beside is None else Shown(f"value of {asked.over}, by its number", beside)
-    return swept_figure(
-        Shown(asked.heading(asked.quantity), quantity), Shown(asked.heading(asked.field), values), second, title
-    )
-
-
-def _floats(values: Sequence[Any]) -> "np.ndarray[Any, np.dtype[np.float64]]":
-    return np.array([math.nan if value is None else float(value) for value in values], dtype=np.float64)
+        lines += [(over, None, None) for over in asked.places if not any(one[0] == over for one in lines)]
+        over, place, error = map(floats, zip(*sorted(lines, key=lambda line: asked.places.index(line[0])), strict=True))
+        return swept_figure(Shown(field, place, error), Shown(asked.heading(asked.over), over), title=title)
+    values, quantity = (floats([getattr(point, name) for point in found.points]) for name in ("value", "quantity"))
+    second = None
+    if asked.over:
+        numbers = floats([asked.places.index(point.over) + 1 for point in found.points])
+        second = Shown(f"value of {asked.over}, by its number", numbers)
+    return swept_figure(Shown(asked.heading(asked.quantity), quantity), Shown(field, values), second, title)

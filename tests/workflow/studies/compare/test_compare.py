@@ -106,8 +106,9 @@ def test_every_engine_leaves_a_run_that_can_be_analysed(found):
     }  # fmt: skip
 
 
-def test_the_table_has_every_engine_at_every_row(capsys):
-    assert main(["compare", "two-chains-gapped-strong", "--engines", "collisions,reference"]) == 0
+def test_the_table_has_every_engine_at_every_row(tmp_path, capsys):
+    command = ["compare", "two-chains-gapped-strong", "--engines", "collisions,reference", "-o", str(tmp_path / "out")]
+    assert main(command) == 0
     out = capsys.readouterr().out
     assert "theta = omega D / V = 1.2854 (eq. 5: 1.2854)" in out
     rows = 7 + 1  # beads, and the table of shares
