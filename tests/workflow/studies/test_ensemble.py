@@ -162,7 +162,7 @@ def test_ctrl_c_keeps_what_was_computed_and_the_same_command_resumes(tmp_path, m
     [
         (["--seeds", "3"], SHORT, "--seeds: '' is no number; such as 0:199"),
         (["--seeds", "3:1"], SHORT, "--seeds: 3:1 given; whole numbers, the smaller one first, such as 0:199"),
-        (["--seeds", "0:1", "--precision", "0"], SHORT, "--precision: 0 given; 1e-9 to 1, such as 0.01"),
+        (["--seeds", "0:1", "--precision", "0"], SHORT, "--precision: 0 given; 1e-09 to 1"),
         (["--seeds", "0:1"], {**SHORT, "disorder": None}, "has no random ingredient; add one, such as"),
         (["--seeds", "0:1", "--over", "disorder.seed=1,2"], SHORT, "--over disorder.seed: is what --seeds varies"),
         (["--seeds", "0:1", "--over", "disorder.mass=0.1,2"], SHORT, "disorder.mass = 2: disorder.mass: should be"),
