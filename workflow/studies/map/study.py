@@ -6,12 +6,13 @@ case is run a second time in a window twice as wide, and the two must agree.
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from analysis.quantity import declare, result
 from analysis.sharing.equipartition import sharing
 from analysis.tracking.leading_waves import Waves
 from lammps_inputs import Coupling, InputError, Kick, Problem, Scene
@@ -34,29 +35,22 @@ _SAME = 1e-6
 """Largest difference of peaks, in units of V, between a window and one twice as wide."""
 
 
-@dataclass(frozen=True)
+NOT_REACHED = "a chain was not reached"
+
+
+@result
 class Case:
-    """One point of the map; dimensionless.
+    """One point of the map; dimensionless."""
 
-    Attributes:
-        chains, kappa: which.
-        beads: length of the chains that were integrated.
-        ten, one: bead from which all chains' leading peaks agree to 10% and 1%, for half a beat at least; else None.
-        amplitude: mean leading peak over the last half beat; NaN if a chain was not reached.
-        mismatch: spread of the leading peaks at the end, relative to their mean; NaN if a chain was not reached.
-        window: rows integrated.
-        window_error: largest difference of any leading peak from a window twice as wide.
-    """
-
-    chains: int
-    kappa: float
-    beads: int
-    ten: int | None
-    one: int | None
-    amplitude: float
-    mismatch: float
-    window: int
-    window_error: float
+    chains: int = declare("number of chains", symbol="N", digits="", head="N")
+    kappa: float = declare("coupling", digits=".4g")
+    beads: int = declare("length of the chains that were integrated", digits="")
+    ten: int | None = declare("bead from which leading peaks agree to 10 % for half a beat", digits="", head="10% from")
+    one: int | None = declare("bead from which leading peaks agree to 1 % for half a beat", digits="", head="1% from")
+    amplitude: float = declare("mean leading peak over the last half beat", undefined=NOT_REACHED, digits=".4f")
+    mismatch: float = declare("spread of leading peaks at the end over the mean", undefined=NOT_REACHED, digits=".1e")
+    window: int = declare("rows integrated")
+    window_error: float = declare("largest difference of a leading peak from a window twice as wide", digits=".0e")
 
 
 def run_case(chains: int, kappa: float, most_beads: int = MOST_BEADS) -> Case:
